@@ -282,7 +282,7 @@ def simulate(
     fraction: float | None = None,
     time_step: float | None = None,
     supercritical: bool = False,
-    integrator: str = "kick-drift-kick",
+    integrator: str | None = None,
     tolerance: float = 1e-6,
     out: str | os.PathLike[str] | None = None,
     every: int | None = None,
@@ -297,8 +297,8 @@ def simulate(
       the wave with the reference `wave_vector` (shape (D,); 1/length) or with so many `turns` along each side, of which `branch` counts from 1 by increasing
       ``omega^2``. `amplitude` is the largest displacement at the start, in particle spacings.
     - It takes `steps`, or the `time`; when left out about a period, or four e-folding times. A step is the `fraction` of the largest stable one, 0.5 or less
-      when left out, or the `time_step` (time) itself; above the largest stable one only if `supercritical`. The `integrator` is ``kick-drift-kick``,
-      ``central-differences``, ``predictor-corrector`` or ``sixth-order``.
+      when left out, or the `time_step` (time) itself; above the largest stable one only if `supercritical`. The `integrator` is ``kick-drift-kick``
+      (when left out), ``central-differences``, ``predictor-corrector`` or ``sixth-order``; a transfer of material points has a step of its own, and takes none.
     - Rates that differ by less than the share `tolerance` agree.
     - With `out`, a folder, the history is written `every` so many steps, so many `fields`, and a checkpoint each `checkpoint` steps (five seconds when left
       out), from which `resume` goes on; `overwrite` begins anew.

@@ -90,7 +90,7 @@ class Problem:
         fraction: float | None,
         time_step: float | None,
         supercritical: bool,
-        integrator: str,
+        integrator: str | None,
         tolerance: float,
         out: _Path | None,
         every: int | None,

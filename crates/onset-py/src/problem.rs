@@ -407,7 +407,7 @@ impl Problem {
         fraction: Option<f64>,
         time_step: Option<f64>,
         supercritical: bool,
-        integrator: &str,
+        integrator: Option<&str>,
         tolerance: f64,
         out: Option<PathBuf>,
         every: Option<u64>,
@@ -434,8 +434,11 @@ impl Problem {
             (None, None) => Duration::Natural,
             _ => return Err(Failure::input("a run has `steps` or `time`, not both").into()),
         };
-        let stepper = Stepper::named(integrator)
-            .ok_or_else(|| unknown("integrator", integrator, Stepper::ALL.map(Stepper::name)))?;
+        let named = |name| {
+            let unknown = || unknown("integrator", name, Stepper::ALL.map(Stepper::name));
+            Stepper::named(name).ok_or_else(unknown)
+        };
+        let stepper = integrator.map(named).transpose()?;
         let place = out.map(|folder| Place {
             folder,
             is_resumed: resume,

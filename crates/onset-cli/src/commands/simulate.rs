@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 use onset_study::answers::{Problem, numbers};
 use onset_study::settings::BodySettings;
 use onset_study::simulate::{
-    BodyQuestion, Duration, Pace, Place, Question, Seeded, SimulateError, Stepper, Watch, run_body,
+    BodyQuestion, Duration, Pace, Place, Question, Seeded, SimulateError, Watch, run_body,
     simulate as run,
 };
 use std::process::ExitCode;
@@ -98,7 +98,7 @@ fn patch(arguments: &SimulateArguments, problem: &Problem) -> Result<Question, F
         amplitude: arguments.amplitude.unwrap_or(1e-6),
         seed: arguments.seed,
         pace: pace(arguments),
-        stepper: arguments.integrator.unwrap_or(Stepper::KICK_DRIFT_KICK),
+        stepper: arguments.integrator,
         tolerance: arguments.tolerance.unwrap_or(1e-6),
     })
 }

@@ -234,7 +234,7 @@ impl Default for MethodSettings {
     }
 }
 
-/// The key of the time step at which rates are told, on which nothing else depends.
+/// The key of the time step at which rates are told, and runs are stepped that say no other, on which nothing else depends.
 pub(crate) const STEP_OF_RATES: &str = "discretization.time-step";
 
 impl MethodSettings {
@@ -553,7 +553,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.time-step",
         Kind::Number("time"),
-        "material points: the step of time at which rates are told; 0 for half of the largest stable one",
+        "material points: the step of time at which rates are told, and of onset simulate; 0 for half of the largest stable one",
     )
     .only_with(TRANSFERRED),
     key(

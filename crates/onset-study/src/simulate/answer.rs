@@ -6,7 +6,7 @@ use super::{Question, Seeded};
 use crate::answers::{Problem, notes};
 use crate::number::{counted, told, told_of, vector};
 use crate::settings::{Effective, Units};
-use crate::verify::{Rate, compared, fitted};
+use crate::verify::{Rate, compared, fitted, fitted_alone};
 use nalgebra::{Matrix3, Vector3};
 use onset::motion::PatchMotion;
 use serde::Serialize;
@@ -129,13 +129,13 @@ impl SimulateAnswer {
             interrupted: false,
             mode: plan.seeding,
             cells: plan.cells.clone(),
-            particles: plan.cells.iter().product::<usize>() * problem.analysis.sites(),
+            particles: patch.positions().len(),
             deformation_gradient: *problem.found(&question.f).components(),
             wave_vector: wave.wave_vector.clone(),
             branch: wave.branch,
             omega_squared: [wave.omega_squared.re, wave.omega_squared.im],
             has_zero_energy: wave.has_zero_energy,
-            integrator: plan.stepper.name(),
+            integrator: plan.integrator,
             time_step: plan.course.step,
             critical_time_step: plan.course.critical,
             steps: plan.course.steps,
@@ -178,7 +178,8 @@ fn explained(
     is_noise: bool,
 ) -> (Outcome, String) {
     let rate = plan.wave.wave.rate.re;
-    let others = patch.waves().iter().map(|wave| wave.rate.re);
+    let others = patch.waves().iter().filter(|wave| !wave.has_zero_energy);
+    let others = others.map(|wave| wave.rate.re);
     let fastest = others.fold(0.0, f64::max);
     let overrun = match fastest > rate + 1e-6 * fastest {
         true => format!(
@@ -221,7 +222,11 @@ fn moving(plan: &Plan, progress: &Progress) -> Verdict {
             counted(samples.len(), "sample")
         ));
     }
-    let fit = match fitted(&samples, rates) {
+    let fit = match plan.wave.is_alone {
+        true => fitted_alone(&samples, rates[0].re),
+        false => fitted(&samples, rates),
+    };
+    let fit = match fit {
         Ok(fit) => fit,
         Err(error) => return undecided(error.to_string()),
     };

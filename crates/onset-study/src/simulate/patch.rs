@@ -19,12 +19,6 @@ pub fn simulate(
     place: Option<&Place>,
     watch: &dyn Watch,
 ) -> Result<SimulateAnswer, SimulateError> {
-    if problem.analysis.is_transferred() {
-        return Err(SimulateError::Refused {
-            what: "discretization.transfer: the step of this transfer is told, and not run".to_owned(),
-            hint: "leave it out, for equations in continuous time that integrators step, or see what onset state says of it".to_owned(),
-        });
-    }
     let cells = question.patch(problem)?;
     let mut answer = None;
     problem

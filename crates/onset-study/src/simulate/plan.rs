@@ -4,9 +4,9 @@ use super::SimulateError;
 use super::run::Course;
 use crate::answers::Problem;
 use crate::number::{exact, told, vector};
-use onset::algebra::{Complex, uniform};
+use onset::algebra::Complex;
 use onset::kinematics::DeformationGradient;
-use onset::motion::{PatchMotion, PatchState, PatchWave, SteppedWave, Stepper};
+use onset::motion::{PatchMotion, PatchWave, SteppedWave, Stepper};
 use serde_json::json;
 use sha2::{Digest, Sha256};
 use std::f64::consts::PI;
@@ -69,8 +69,8 @@ pub struct Question {
     pub seed: u64,
     /// How long, and in which steps.
     pub pace: Pace,
-    /// How steps are taken.
-    pub stepper: Stepper,
+    /// How steps are taken; velocity Verlet where nobody says. A transfer of material points has a step of its own.
+    pub stepper: Option<Stepper>,
     /// The relative difference of rates that counts as agreement.
     pub tolerance: f64,
 }
@@ -93,6 +93,8 @@ pub(super) const COLUMNS: &[&str] = &[
 pub(super) struct Plan {
     pub(super) course: Course,
     pub(super) stepper: Stepper,
+    /// In a word.
+    pub(super) integrator: &'static str,
     pub(super) cells: Vec<usize>,
     pub(super) seeding: &'static str,
     pub(super) tolerance: f64,
@@ -175,7 +177,7 @@ impl Plan {
         patch: &dyn PatchMotion,
         cells: Vec<usize>,
     ) -> Result<Self, SimulateError> {
-        let stepper = question.stepper;
+        let (stepper, integrator) = stepped(problem, question)?;
         if stepper.goes_back() && problem.analysis.is_damped() {
             return Err(refused(
                 format!(
@@ -187,7 +189,7 @@ impl Plan {
         }
         let wave = chosen(problem, question, patch, &cells)?;
         let critical = patch.critical_time_step(stepper);
-        let step = step(question, critical, &wave)?;
+        let step = step(problem, question, critical, &wave)?;
         let wave = patch.stepped(&wave, stepper, step).ok_or_else(|| {
             refused(
                 "the eigenvalues of this wave do not converge",
@@ -199,7 +201,7 @@ impl Plan {
         let (sampling, samples) = sampled(&wave, step, steps);
         let amplitude = question.amplitude * problem.analysis.spacing();
         let start = match question.seeded {
-            Seeded::Noise => noise(patch, amplitude, question.seed),
+            Seeded::Noise => patch.noise(amplitude, question.seed),
             _ => patch.seed(&wave, amplitude),
         };
         let seeding = match question.seeded {
@@ -218,7 +220,7 @@ impl Plan {
             "wave": wave.wave.wave_vector,
             "branch": wave.wave.branch,
             "amplitude": question.amplitude,
-            "integrator": stepper.name(),
+            "integrator": integrator,
             "step": step,
             "steps": steps,
             "every": every,
@@ -241,6 +243,7 @@ impl Plan {
                 grown: "a wave that grows has left the small perturbations, or --amplitude is large: choose fewer --steps or a smaller --amplitude",
             },
             stepper,
+            integrator,
             cells,
             seeding,
             tolerance: question.tolerance,
@@ -284,10 +287,11 @@ fn chosen(
                     "give --wave-vector or --turns with it",
                 ));
             }
-            let moving = waves.iter().filter(|wave| !is_translation(wave));
-            let least =
-                |a: &&PatchWave, b: &&PatchWave| a.omega_squared.re.total_cmp(&b.omega_squared.re);
-            return moving.min_by(least).cloned().ok_or_else(|| {
+            let mut moving: Vec<&PatchWave> =
+                waves.iter().filter(|wave| !is_translation(wave)).collect();
+            moving.sort_by(|a, b| a.omega_squared.re.total_cmp(&b.omega_squared.re));
+            let softest = moving.into_iter().find(|wave| patch.sees(wave));
+            return softest.cloned().ok_or_else(|| {
                 refused(
                     "the patch holds no wave but its translation",
                     "choose more --cells",
@@ -321,6 +325,12 @@ fn chosen(
         return Err(refused(
             "with this wave vector the whole patch moves as one, or particles that no force answers do",
             "choose a wave that turns: --turns 1,0 for example",
+        ));
+    }
+    if found.is_some_and(|wave| !patch.sees(wave)) {
+        return Err(refused(
+            "no material point sees this wave: it moves nodes alone, and neither displaces nor strains a point",
+            "choose another --wave-vector, or more points in a cell (discretization.points-per-side)",
         ));
     }
     found.map(|wave| (*wave).clone()).ok_or_else(|| {
@@ -382,12 +392,39 @@ fn turns_of(problem: &Problem, k: &[f64], cells: &[usize]) -> Result<Vec<i64>, S
     Ok(turns.iter().map(|turns| turns.round() as i64).collect())
 }
 
-fn step(question: &Question, critical: f64, wave: &PatchWave) -> Result<f64, SimulateError> {
+/// How steps are taken, with its name.
+fn stepped(
+    problem: &Problem,
+    question: &Question,
+) -> Result<(Stepper, &'static str), SimulateError> {
+    let stepper = question.stepper.unwrap_or(Stepper::KICK_DRIFT_KICK);
+    if !problem.analysis.is_transferred() {
+        return Ok((stepper, stepper.name()));
+    }
+    let transfer = problem.settings.method.transfer.name();
+    match question.stepper {
+        None => Ok((stepper, transfer)),
+        Some(_) => Err(refused(
+            format!("--integrator has no effect: the {transfer} transfer has a step of its own"),
+            "leave it out; or discretization.transfer=continuous, for equations that integrators step",
+        )),
+    }
+}
+
+fn step(
+    problem: &Problem,
+    question: &Question,
+    critical: f64,
+    wave: &PatchWave,
+) -> Result<f64, SimulateError> {
+    // The step of a transfer that the study sets.
+    let own = problem.settings.method.time_step;
     // What grows or travels fast is resolved by at least so many steps.
-    let resolved = natural(wave).map_or(f64::INFINITY, |time| time / FEWEST);
+    let resolved = natural(wave, wave.rate).map_or(f64::INFINITY, |time| time / FEWEST);
     let step = match (question.pace.time_step, question.pace.fraction) {
         (Some(step), _) => step,
         (None, Some(fraction)) => fraction * critical,
+        (None, None) if own > 0.0 => own,
         (None, None) => (HALF * critical).min(resolved),
     };
     if !step.is_finite() {
@@ -451,13 +488,16 @@ pub(super) fn fields(count: u64, steps: u64) -> Vec<u64> {
     fields
 }
 
-/// How long a wave is followed where nobody says: a period, or some e-folding times. None of zero-energy modes, which have no time. Time.
-fn natural(wave: &PatchWave) -> Option<f64> {
-    let rate = wave.rate.norm();
-    match (wave.has_zero_energy, wave.rate.re > 1e-9 * rate) {
+/// How long a wave is followed where nobody says: a period, some e-folding times where it grows, one where it decays and no longer travels. None of zero-energy
+/// modes, which have no time. Time.
+fn natural(wave: &PatchWave, rate: Complex) -> Option<f64> {
+    let size = rate.norm();
+    let decays = rate.re < 0.0 && rate.im.abs() <= 1e-9 * size;
+    match (wave.has_zero_energy, rate.re > 1e-9 * size) {
         (true, _) => None,
-        (false, true) => Some(E_FOLDINGS / wave.rate.re),
-        (false, false) => Some(2.0 * PI / rate),
+        (false, true) => Some(E_FOLDINGS / rate.re),
+        (false, false) if decays => Some(-rate.re.recip()),
+        (false, false) => Some(2.0 * PI / size),
     }
 }
 
@@ -465,7 +505,7 @@ fn steps(question: &Question, wave: &SteppedWave, step: f64) -> Result<u64, Simu
     let count = match question.pace.duration {
         Duration::Steps(count) => return checked(count as f64, step),
         Duration::Time(time) => (time / step).round(),
-        Duration::Natural => match natural(&wave.wave) {
+        Duration::Natural => match natural(&wave.wave, wave.rates(step, 1)[0]) {
             Some(time) => (time / step).ceil().max(FEWEST),
             None => OF_ZERO_ENERGY,
         },
@@ -508,25 +548,4 @@ fn sampled(wave: &SteppedWave, step: f64, steps: u64) -> (u32, u64) {
     }
     let grown = (E_FOLDINGS / (rate.re * step * f64::from(every))).ceil();
     (every, samples.min(grown as u64))
-}
-
-/// Displacements at random, of which the mean is zero.
-fn noise(patch: &dyn PatchMotion, amplitude: f64, seed: u64) -> PatchState {
-    let dimension = patch.dimension();
-    let count = patch.positions().len();
-    let mut random = seed;
-    let mut displacements: Vec<f64> = (0..count * dimension)
-        .map(|_| amplitude * (2.0 * uniform(&mut random) - 1.0))
-        .collect();
-    for axis in 0..dimension {
-        let own = displacements.iter().skip(axis).step_by(dimension);
-        let mean = own.sum::<f64>() / count as f64;
-        let own = displacements.iter_mut().skip(axis).step_by(dimension);
-        own.for_each(|u| *u -= mean);
-    }
-    PatchState {
-        velocities: vec![0.0; displacements.len()],
-        displacements,
-        ..PatchState::default()
-    }
 }

@@ -4,7 +4,8 @@
 //! `C = exp(m t) cosh(sqrt(d) t)`, `S = exp(m t) sinh(sqrt(d) t) / sqrt(d)`: the two solutions `exp(s t)`, `s = m +- sqrt(d)`, which travel where
 //! `d < 0` and grow or decay where `d > 0`, without a seam between them; and a constant, which codes that integrate stress or density leave
 //! behind. For given `(m, d)` the three amplitudes follow from linear least squares, and what is left of the record is a function of
-//! two numbers alone: Levenberg's and Marquardt's iteration with Kaufman's Jacobian finds its least from several starts.
+//! two numbers alone: Levenberg's and Marquardt's iteration with Kaufman's Jacobian finds its least from several starts. Of a solution whose other one is gone
+//! before a record tells it, `d = 0` and `S` is left out.
 //!
 //! Sources: Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49.
 
@@ -68,6 +69,18 @@ const PART: f64 = 0.7;
 /// # Errors
 /// [`FitError`] for a record that is too short, out of order, or zero.
 pub fn fitted(samples: &[(f64, f64)], expected: [Complex; 2]) -> Result<Fit, FitError> {
+    fit(samples, expected, false)
+}
+
+/// Fits the rate of one solution that grows or decays, of which the expected rate is a start among others.
+///
+/// # Errors
+/// As [`fitted`].
+pub fn fitted_alone(samples: &[(f64, f64)], expected: f64) -> Result<Fit, FitError> {
+    fit(samples, [Complex::new(expected, 0.0); 2], true)
+}
+
+fn fit(samples: &[(f64, f64)], expected: [Complex; 2], is_alone: bool) -> Result<Fit, FitError> {
     if samples.len() < SAMPLES {
         return Err(FitError::Short {
             count: samples.len(),
@@ -80,10 +93,10 @@ pub fn fitted(samples: &[(f64, f64)], expected: [Complex; 2]) -> Result<Fit, Fit
             time: pair[1].0,
         });
     }
-    let whole = Series::new(samples)?;
+    let whole = Series::new(samples, is_alone)?;
     let best = whole.best(expected);
     let count = (PART * samples.len() as f64).ceil() as usize;
-    let part = Series::new(&samples[..count.max(SAMPLES)])?;
+    let part = Series::new(&samples[..count.max(SAMPLES)], is_alone)?;
     let shorter = part.duration / whole.duration;
     let shorter = part.refined(Vector2::new(
         best.place[0] * shorter,
@@ -103,6 +116,8 @@ struct Series {
     times: Vec<f64>,
     values: DVector<f64>,
     duration: f64,
+    /// Whether there is one solution, not two.
+    is_alone: bool,
 }
 
 /// `m`, `d`, and what they leave of the record.
@@ -141,7 +156,7 @@ fn slopes(d: f64, t: f64) -> [f64; 2] {
 }
 
 impl Series {
-    fn new(samples: &[(f64, f64)]) -> Result<Self, FitError> {
+    fn new(samples: &[(f64, f64)], is_alone: bool) -> Result<Self, FitError> {
         let start = samples[0].0;
         let duration = samples[samples.len() - 1].0 - start;
         let largest = samples
@@ -155,17 +170,19 @@ impl Series {
             times: times.collect(),
             values: DVector::from_iterator(samples.len(), samples.iter().map(|(_, y)| y / largest)),
             duration,
+            is_alone,
         })
     }
 
-    /// The three functions of a place, orthogonalized, and what is left of the record.
+    /// The functions of a place, orthogonalized, and what is left of the record.
     fn projected(&self, place: &Vector2<f64>) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
         let (m, d) = (place[0], place[1]);
-        let functions = DMatrix::from_fn(self.times.len(), 3, |row, column| {
+        let solutions = if self.is_alone { 1 } else { 2 };
+        let functions = DMatrix::from_fn(self.times.len(), solutions + 1, |row, column| {
             let t = self.times[row];
-            match column {
-                2 => 1.0,
-                column => (m * t).exp() * pair(d, t)[column],
+            match column < solutions {
+                false => 1.0,
+                true => (m * t).exp() * pair(d, t)[column],
             }
         });
         let decomposition = functions.qr();
@@ -191,10 +208,13 @@ impl Series {
     fn jacobian(&self, place: &Vector2<f64>) -> (DVector<f64>, DMatrix<f64>) {
         let (q, r, left) = self.projected(place);
         let amplitudes = r.solve_upper_triangular(&(q.transpose() * &self.values));
-        let amplitudes = amplitudes.unwrap_or_else(|| DVector::zeros(3));
+        let amplitudes = amplitudes.unwrap_or_else(|| DVector::zeros(q.ncols()));
         let (m, d) = (place[0], place[1]);
         let change = DMatrix::from_fn(self.times.len(), 2, |row, column| {
             let t = self.times[row];
+            if self.is_alone {
+                return [t * (m * t).exp() * amplitudes[0], 0.0][column];
+            }
             let own = match column {
                 0 => pair(d, t).map(|f| f * t),
                 _ => slopes(d, t),
@@ -205,15 +225,24 @@ impl Series {
         (left, jacobian)
     }
 
+    /// `J^T J`; what does not vary has one on the diagonal, and stays.
+    fn normal(&self, jacobian: &DMatrix<f64>) -> Matrix2<f64> {
+        let mut normal: Matrix2<f64> = (jacobian.transpose() * jacobian)
+            .fixed_view::<2, 2>(0, 0)
+            .into();
+        if self.is_alone {
+            normal[(1, 1)] = 1.0;
+        }
+        normal
+    }
+
     /// Levenberg and Marquardt from a start.
     fn refined(&self, start: Vector2<f64>) -> Point {
         let mut point = self.point(start);
         let mut damping = 1e-3;
         for _ in 0..ITERATIONS {
             let (left, jacobian) = self.jacobian(&point.place);
-            let normal: Matrix2<f64> = (jacobian.transpose() * &jacobian)
-                .fixed_view::<2, 2>(0, 0)
-                .into();
+            let normal = self.normal(&jacobian);
             let gradient: Vector2<f64> = (jacobian.transpose() * left)
                 .fixed_view::<2, 1>(0, 0)
                 .into();
@@ -246,7 +275,11 @@ impl Series {
         let half = (first - second) * 0.5;
         let expected = Vector2::new(0.5 * (first + second).re, (half * half).re);
         let mut best = self.refined(expected);
-        for family in [self.traveling(), self.growing()] {
+        let families = match self.is_alone {
+            true => [Self::alone(), Vec::new()],
+            false => [self.traveling(), Self::growing()],
+        };
+        for family in families {
             let mut points: Vec<Point> =
                 family.into_iter().map(|start| self.point(start)).collect();
             points.sort_by(|a, b| a.residual.total_cmp(&b.residual));
@@ -273,8 +306,15 @@ impl Series {
         starts
     }
 
+    /// Starts at growth and decay of one solution, up to a factor of 10^5.
+    fn alone() -> Vec<Vector2<f64>> {
+        (-24..=24)
+            .map(|growth| Vector2::new(f64::from(growth) / 2.0, 0.0))
+            .collect()
+    }
+
     /// Starts at growth up to a factor of 10^5.
-    fn growing(&self) -> Vec<Vector2<f64>> {
+    fn growing() -> Vec<Vector2<f64>> {
         (1..=24)
             .map(|growth| Vector2::new(0.0, f64::from(growth * growth) / 4.0))
             .collect()
@@ -288,14 +328,14 @@ impl Series {
     /// The standard deviation of the rate, from what is left of the record.
     fn deviation(&self, point: &Point) -> f64 {
         let (left, jacobian) = self.jacobian(&point.place);
-        let normal: Matrix2<f64> = (jacobian.transpose() * &jacobian)
-            .fixed_view::<2, 2>(0, 0)
-            .into();
-        let Some(inverse) = normal.try_inverse() else {
+        let Some(inverse) = self.normal(&jacobian).try_inverse() else {
             return f64::INFINITY;
         };
         let variance = left.norm_squared() / (self.times.len() - 5) as f64;
         let covariance = inverse * variance;
+        if self.is_alone {
+            return covariance[(0, 0)].max(0.0).sqrt() / self.duration;
+        }
         // s = m + sqrt(d).
         let by_d = Complex::new(0.5, 0.0) / Complex::new(point.place[1], 0.0).sqrt();
         let own = covariance[(0, 0)]
@@ -310,7 +350,7 @@ impl Series {
 
 #[cfg(test)]
 mod tests {
-    use super::{FitError, fitted};
+    use super::{FitError, fitted, fitted_alone};
     use onset::algebra::Complex;
 
     fn traveling(frequency: f64) -> [Complex; 2] {
@@ -322,6 +362,19 @@ mod tests {
             .map(|n| n as f64 * step)
             .map(|t| (t, y(t)))
             .collect()
+    }
+
+    #[test]
+    fn of_one_solution_the_rate_is_found_whatever_was_expected() {
+        for rate in [-3.0_f64, -0.4, 0.7] {
+            let samples = record(60, 0.05, |t| 0.2 - (rate * t).exp());
+            for expected in [-1.0, rate, 2.0] {
+                let fit = fitted_alone(&samples, expected).expect("a fit");
+                let error = (fit.rate - rate).norm();
+                assert!(error < 1e-9 * rate.abs(), "{rate} {expected}: {error}");
+                assert!(fit.uncertainty < 1e-8 && fit.rate.im == 0.0);
+            }
+        }
     }
 
     #[test]

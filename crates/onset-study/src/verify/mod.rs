@@ -23,7 +23,7 @@ pub use case::{CASE_FILE, Case, Question};
 pub use code::{Code, Deck, Program, Settled};
 pub use codes::{CODES, Codes, named};
 pub use error::VerifyError;
-pub use fit::{Fit, FitError, fitted};
+pub use fit::{Fit, FitError, fitted, fitted_alone};
 pub(crate) use judgment::compared;
 pub use judgment::{Judgment, Outcome, judge, read};
 pub use prediction::{Prediction, Rate};

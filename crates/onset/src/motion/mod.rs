@@ -10,6 +10,8 @@
 //! the matrix by which a step multiplies them. So what is predicted and what moves share the forces of the method, and nothing else: the one
 //! differentiates them, the other adds them up.
 //!
+//! Material points whose velocities go through a grid once a step are moved by that step, as far as they go, beside waves of the nodes.
+//!
 //! What is finite, with a free surface and grips, is a [body].
 //!
 //! [`Discretization::with_forces`]: crate::scheme::Discretization::with_forces
@@ -19,6 +21,7 @@ mod equations;
 mod fault;
 mod patch;
 mod stepper;
+mod transfer;
 mod waves;
 
 pub use body::{

@@ -1,9 +1,10 @@
 //! A patch that moves.
 
 use super::equations::{Equations, Field};
+use super::transfer::TransferredPatch;
 use super::waves::{critical_time_step, stepped, waves_of};
 use super::{Fault, Ground, PatchWave, SteppedWave, Stepper};
-use crate::algebra::{Complex, array_of};
+use crate::algebra::{Complex, array_of, uniform};
 use crate::bloch::WaveSystem;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::determinant;
@@ -23,7 +24,8 @@ pub struct PatchState {
     pub displacements: Vec<f64>,
     /// Velocities as the integrator keeps them: of central differences those half a step before. Length/time.
     pub velocities: Vec<f64>,
-    /// Deformation gradients that particles of a body carry along, row by row; of others none, as they follow from the displacements, and none of a body that is deformed homogeneously.
+    /// Deformation gradients that particles of a body carry along, row by row, and none of a body that is deformed homogeneously; of material points with a transfer
+    /// their displacement gradients from the homogeneous state and affine velocity fields, column by column. Of others none, as they follow from the displacements.
     pub deformations: Vec<f64>,
     /// What was done on them from outside; energy. Zero of patches.
     pub work: f64,
@@ -78,6 +80,14 @@ pub trait PatchMotion {
     /// A wave in discrete time; none where its eigenvalues do not converge.
     fn stepped(&self, wave: &PatchWave, stepper: Stepper, step: f64) -> Option<SteppedWave>;
 
+    /// Whether the particles of the patch see a wave: that of nodes of a grid can vanish at all points.
+    fn sees(&self, _: &PatchWave) -> bool {
+        true
+    }
+
+    /// Random displacements with the mean zero; `amplitude` is the largest one along an axis. Length.
+    fn noise(&self, amplitude: f64, seed: u64) -> PatchState;
+
     /// A wave alone, with the largest component of displacement given; length.
     fn seed(&self, wave: &SteppedWave, amplitude: f64) -> PatchState;
 
@@ -111,19 +121,36 @@ pub(crate) fn with_motion<const D: usize>(
     let system = discretization.waves(material, f)?;
     system.check_mass()?;
     let patch = PeriodicPatch::new(discretization.crystal(), cells);
+    let transferred = discretization.transferred(material, f)?;
     let mut result = Ok(());
-    discretization.with_forces(material, f, &patch, &mut |forces| match MovingPatch::new(
-        discretization,
-        material,
-        f,
-        patch,
-        system.clone(),
-        forces,
-    ) {
-        Ok(mut patch) => work(&mut patch),
-        Err(none) => result = Err(none.source.unwrap_or(MethodError::NotFinite)),
+    discretization.with_forces(material, f, &patch, &mut |forces| {
+        if let Some((waves, transfer)) = transferred.as_ref().zip(forces.transfer()) {
+            let waves = waves.clone();
+            return work(&mut TransferredPatch::new(
+                material, f, cells, waves, transfer,
+            ));
+        }
+        let moving = MovingPatch::new(discretization, material, f, patch, system.clone(), forces);
+        match moving {
+            Ok(mut patch) => work(&mut patch),
+            Err(none) => result = Err(none.source.unwrap_or(MethodError::NotFinite)),
+        }
     })?;
     result
+}
+
+/// Random displacements of so many particles, of which the mean is zero; length.
+pub(super) fn random_displacements<const D: usize>(
+    count: usize,
+    amplitude: f64,
+    seed: u64,
+) -> Field<D> {
+    let mut random = seed;
+    let mut one = || amplitude * (2.0 * uniform(&mut random) - 1.0);
+    let mut field: Field<D> = (0..count).map(|_| SVector::from_fn(|_, _| one())).collect();
+    let mean = field.iter().sum::<SVector<f64, D>>() / count as f64;
+    field.iter_mut().for_each(|u| *u -= mean);
+    field
 }
 
 impl<'a, const D: usize> MovingPatch<'a, D> {
@@ -357,6 +384,15 @@ impl<const D: usize> PatchMotion for MovingPatch<'_, D> {
             velocities: field(&wave.seed[1]),
             deformations: Vec::new(),
             work: 0.0,
+        }
+    }
+
+    fn noise(&self, amplitude: f64, seed: u64) -> PatchState {
+        let displacements: Field<D> = random_displacements(self.patch.len(), amplitude, seed);
+        PatchState {
+            velocities: vec![0.0; D * displacements.len()],
+            displacements: displacements.iter().flatten().copied().collect(),
+            ..PatchState::default()
         }
     }
 

@@ -29,6 +29,13 @@ pub struct PatchWave {
     pub has_zero_energy: bool,
 }
 
+impl PatchWave {
+    /// The wave vector; 1/length.
+    pub(super) fn vector<const D: usize>(&self) -> SVector<f64, D> {
+        SVector::from_fn(|i, _| self.wave_vector[i])
+    }
+}
+
 /// A wave in discrete time: what one step multiplies it with, and how it is seeded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SteppedWave {
@@ -36,6 +43,8 @@ pub struct SteppedWave {
     pub wave: PatchWave,
     /// What a step multiplies the two solutions of the wave with.
     pub factors: [Complex; 2],
+    /// Whether the second solution is gone before a record tells it, and the first is seeded alone.
+    pub is_alone: bool,
     /// Displacements and velocities of the particles of a cell, times `exp(i k.X)`, that start it.
     pub(super) seed: [DVector<Complex>; 2],
     /// What displacements are multiplied with to measure it.
@@ -122,10 +131,10 @@ pub(super) fn critical_time_step<const D: usize>(
         let fastest = fastest.map(|wave| wave.omega_squared.re);
         return stepper.bound() / fastest.fold(0.0, f64::max).sqrt();
     }
-    let each = waves.iter().filter(|wave| wave.branch == 1).map(|wave| {
-        let k = SVector::from_fn(|i, _| wave.wave_vector[i]);
-        critical_time_step_at(system, stepper.integrator(), &k)
-    });
+    let each = waves
+        .iter()
+        .filter(|wave| wave.branch == 1)
+        .map(|wave| critical_time_step_at(system, stepper.integrator(), &wave.vector()));
     each.fold(f64::INFINITY, f64::min)
 }
 
@@ -136,7 +145,7 @@ pub(super) fn stepped<const D: usize>(
     stepper: Stepper,
     step: f64,
 ) -> Option<SteppedWave> {
-    let k = SVector::from_fn(|i, _| wave.wave_vector[i]);
+    let k = wave.vector();
     let (factors, seed) = match system.damping() {
         None => undamped(system, &k, wave, stepper, step)?,
         Some(_) => damped(system, &k, wave, stepper, step)?,
@@ -154,6 +163,7 @@ pub(super) fn stepped<const D: usize>(
     Some(SteppedWave {
         wave: wave.clone(),
         factors,
+        is_alone: false,
         projector: system.mass_at(&k) * &seed[0],
         seed,
     })

@@ -34,7 +34,7 @@ pub use material_point::{
     PointLayout, Transfer,
 };
 pub use pairs::{Bond, PairLaw};
-pub use patch::{Assembled, NoForce, PatchForces, PeriodicPatch};
+pub use patch::{Assembled, NoForce, PatchForces, PatchTransfer, PeriodicPatch, PointsInMotion};
 pub use peridynamics::{
     BondModel, Calibration, Influence, PartialVolumes, Peridynamics, PeridynamicsChoices,
     ZeroEnergyControl,

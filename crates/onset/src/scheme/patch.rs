@@ -4,7 +4,7 @@ use super::{Interaction, Motion};
 use crate::algebra::Each;
 use crate::lattice::{Crystal, Particle, cells_between};
 use crate::method::MethodError;
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 /// A periodic patch of `cells` cells along each primitive vector. Its particles are numbered cell by cell, the first
 /// coordinate running fastest, in each cell in the order of the sites.
@@ -74,6 +74,65 @@ pub trait PatchForces<const D: usize> {
         displacements: &[SVector<f64, D>],
         velocities: &[SVector<f64, D>],
     ) -> Result<Vec<SVector<f64, D>>, NoForce>;
+
+    /// The step of a method that carries velocities on points and accelerates them on a grid; none of those that integrators step.
+    fn transfer(&self) -> Option<&dyn PatchTransfer<D>> {
+        None
+    }
+}
+
+/// Points in motion, in the order of cells and of their places in a cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointsInMotion<const D: usize> {
+    /// From the homogeneous state, in space; length.
+    pub displacements: Vec<SVector<f64, D>>,
+    /// Length/time.
+    pub velocities: Vec<SVector<f64, D>>,
+    /// `L` with `F = (1 + L) F0`; dimensionless.
+    pub gradients: Vec<SMatrix<f64, D, D>>,
+    /// The change of the velocity field of a point over one cell of the grid along each axis; length/time. Zero without affine fields.
+    pub affine: Vec<SMatrix<f64, D, D>>,
+}
+
+impl<const D: usize> PointsInMotion<D> {
+    /// So many points in the homogeneous state.
+    pub fn at_rest(count: usize) -> Self {
+        Self {
+            displacements: vec![SVector::zeros(); count],
+            velocities: vec![SVector::zeros(); count],
+            gradients: vec![SMatrix::zeros(); count],
+            affine: vec![SMatrix::zeros(); count],
+        }
+    }
+}
+
+/// The step of a method that carries velocities on points and accelerates them on a grid, on a periodic patch.
+pub trait PatchTransfer<const D: usize> {
+    /// Where the points are in the homogeneous state, in lattice coordinates of the grid.
+    fn places(&self) -> Vec<SVector<f64, D>>;
+
+    /// One step of time.
+    ///
+    /// # Errors
+    /// [`NoForce`] for a motion at which the law is not defined, or a point is lost.
+    fn advance(&self, points: &mut PointsInMotion<D>, dt: f64) -> Result<(), NoForce>;
+
+    /// Points that nodes have carried from the homogeneous state by displacements, `u_p = sum_i N_ip u_i`, `L_p = sum_i u_i (x) grad N_ip`, with what they see of
+    /// velocities of the nodes, affine fields included where the transfer has them.
+    fn carried(
+        &self,
+        displacements: &[SVector<f64, D>],
+        velocities: &[SVector<f64, D>],
+    ) -> PointsInMotion<D>;
+
+    /// `sum_p m_p (|v_p|^2 + tr C_p D_p C_p^T) / 2`; energy.
+    fn kinetic_energy(&self, points: &PointsInMotion<D>) -> f64;
+
+    /// `sum_p V_p W(F_p)` less that of the homogeneous state; energy.
+    fn strain_energy(&self, points: &PointsInMotion<D>) -> f64;
+
+    /// `sum_p m_p v_p`; mass length/time.
+    fn momentum(&self, points: &PointsInMotion<D>) -> SVector<f64, D>;
 }
 
 /// A motion without forces: an inverted or locked particle, a support that has lost its neighbors, a number that overflows.

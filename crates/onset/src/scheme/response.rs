@@ -80,6 +80,13 @@ impl<'a, const D: usize> PointResponse<'a, D> {
         })
     }
 
+    /// `W` at a deformation gradient, energy/volume; not a number where the law is not defined.
+    pub fn energy(&self, f: &[[f64; D]; D]) -> f64 {
+        let own = nalgebra::SMatrix::from_fn(|i, j| f[i][j]);
+        let response = self.material.response(&self.base.with_leading::<D>(&own));
+        response.map_or(f64::NAN, |response| response.energy)
+    }
+
     /// The Cauchy stress `sigma_ij = P_iJ F_jJ / J`.
     pub fn cauchy<R: Real>(&self, f: &[[R; D]; D]) -> [[R; D]; D] {
         let stress = self.first_piola(f);

@@ -102,6 +102,11 @@ impl<const D: usize> TransferredWaves<D> {
         &self.system
     }
 
+    /// The share of its own velocity that a point keeps in a step.
+    pub fn flip(&self) -> f64 {
+        self.flip
+    }
+
     /// What a step takes of the velocities of a wave on the way to the points and back, `1 - T(k)`; dimensionless.
     pub fn lost(&self, k: &SVector<f64, D>) -> f64 {
         let term = |(vector, share): &(SVector<f64, D>, f64)| {

@@ -2,16 +2,20 @@
 
 use crate::battery::assert_scheme;
 use nalgebra::{Complex, SMatrix, SVector};
+use onset::analysis::analysis;
 use onset::kinematics::DeformationGradient;
+use onset::lattice::LatticeKind;
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
-use onset::method::{CurrentLattice, MethodError};
+use onset::method::{CurrentLattice, KernelMethodChoices, MethodError};
+use onset::motion::{PatchMotion, Stepper};
 use onset::scheme::{
     Discretization, Formulation, GridFunctions, GridGradients, MaterialPointChoices,
-    MaterialPoints, PointLayout, Transfer,
+    MaterialPoints, MethodChoices, PointLayout, Transfer,
 };
 use onset::time_step::{Integrator, TransferredWaves};
 use onset::verdict::Survey;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 const FLIP: Transfer = Transfer::Blended { flip: 1.0 };
 const PIC: Transfer = Transfer::Blended { flip: 0.0 };
@@ -559,6 +563,81 @@ fn a_code_of_its_own_takes_the_predicted_steps_in_the_plane_under_shear_too() {
         for (turns, share) in [([1.0, 2.0], 0.5), ([3.0, 1.0], 0.8)] {
             assert_predicted::<2>(transfer, gradients, &state::<2>(), turns, share);
         }
+    }
+}
+
+/// What the library takes for a step is what the code takes, in motions that are not small.
+fn assert_same_steps<const D: usize>(
+    transfer: Transfer,
+    gradients: GridGradients,
+    f: &DeformationGradient,
+) {
+    let choices = seeded(transfer, gradients);
+    let material = ModifiedMooneyRivlin::default();
+    let method = points::<D>(choices.clone());
+    let law: Arc<dyn Hyperelastic> = Arc::new(material);
+    let lattice = [LatticeKind::Chain, LatticeKind::Square][D - 1];
+    let particles = KernelMethodChoices {
+        lattice,
+        ..KernelMethodChoices::default()
+    };
+    let own = MethodChoices::MaterialPoints(Box::new(particles), choices);
+    let analysis = analysis(&own, law).expect("a method");
+    let mut code = Code::new(&method, &material, f, CELLS);
+    let start = Code::new(&method, &material, f, CELLS);
+    let mut checked = 0;
+    let mut beside = |patch: &mut dyn PatchMotion| {
+        let dt = 0.4 * patch.critical_time_step(Stepper::KICK_DRIFT_KICK);
+        let wave = patch.waves().iter().find(|wave| wave.turns.contains(&1));
+        let wave = patch.stepped(wave.expect("a wave"), Stepper::KICK_DRIFT_KICK, dt);
+        let mut state = patch.seed(&wave.expect("a wave"), 0.02);
+        // Affine fields that no wave has.
+        let count = code.x.len();
+        if transfer == Transfer::Affine {
+            for (n, own) in state.deformations[count * D * D..].iter_mut().enumerate() {
+                *own += 0.01 * (n as f64).sin();
+            }
+        }
+        patch.put(&state);
+        let tensors: Vec<SMatrix<f64, D, D>> = state
+            .deformations
+            .chunks_exact(D * D)
+            .map(SMatrix::from_column_slice)
+            .collect();
+        for p in 0..count {
+            let of = |flat: &[f64]| SVector::<f64, D>::from_column_slice(&flat[D * p..D * (p + 1)]);
+            code.x[p] += of(&state.displacements);
+            code.v[p] = of(&state.velocities);
+            code.f[p] = (SMatrix::identity() + tensors[p]) * code.f[p];
+            code.c[p] = tensors[count + p] / code.spacing;
+        }
+        for _ in 0..8 {
+            patch.advance(Stepper::KICK_DRIFT_KICK, dt).expect("a step");
+            code.step(dt);
+        }
+        let state = patch.state();
+        for p in 0..count {
+            for i in 0..D {
+                let expected = [code.x[p][i] - start.x[p][i], code.v[p][i]];
+                let own = [&state.displacements, &state.velocities].map(|own| own[D * p + i]);
+                for (own, expected) in own.into_iter().zip(expected) {
+                    assert!((own - expected).abs() < 1e-12, "{own} {expected}");
+                    checked += usize::from(expected.abs() > 1e-4);
+                }
+            }
+        }
+    };
+    analysis
+        .with_motion(f, &[CELLS; D], &mut beside)
+        .expect("a motion");
+    assert!(checked > 10, "{transfer:?}: {checked}");
+}
+
+#[test]
+fn a_patch_of_the_library_moves_as_a_code_of_its_own_does() {
+    for (gradients, transfer) in BOTH.into_iter().flat_map(|own| ALL.map(|t| (own, t))) {
+        assert_same_steps::<1>(transfer, gradients, &state::<1>());
+        assert_same_steps::<2>(transfer, gradients, &state::<2>());
     }
 }
 

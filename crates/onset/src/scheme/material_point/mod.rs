@@ -246,6 +246,16 @@ impl<const D: usize> MaterialPoints<D> {
         }
     }
 
+    /// The transfer that filters velocities once a step, where there is one, with the share of its own velocity that a point keeps.
+    fn transfer_of_a_step(&self) -> Option<(Transfer, f64)> {
+        match self.choices.formulation {
+            Formulation::Particles { transfer, .. } => {
+                transfer.share_of_points().map(|flip| (transfer, flip))
+            }
+            _ => None,
+        }
+    }
+
     /// The forces between nodes at a state.
     fn between_nodes(
         &self,
@@ -552,22 +562,14 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
         work: &mut dyn FnMut(&dyn PatchForces<D>),
     ) -> Result<(), MethodError> {
         let state = self.state(material, f)?;
-        let (profile, density) = (&self.profile, self.choices.density);
         if let Formulation::TotalLagrangian { .. } = self.choices.formulation {
+            let profile = &self.profile;
             let point = |(place, volume): &(_, _)| Point::new(state, profile, *place, *volume);
             let points: Vec<Point<'_, D>> = self.points.iter().map(point).collect();
             work(&Assembled::new(patch, &points));
             return Ok(());
         }
-        work(&Step::new(
-            state,
-            profile,
-            &self.grid,
-            patch.cells(),
-            &self.points,
-            density,
-            self.moves_points(),
-        ));
+        work(&Step::new(state, self, patch.cells()));
         Ok(())
     }
 
@@ -576,10 +578,7 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
     ) -> Result<Option<TransferredWaves<D>>, MethodError> {
-        let Formulation::Particles { transfer, .. } = self.choices.formulation else {
-            return Ok(None);
-        };
-        let Some(flip) = transfer.share_of_points() else {
+        let Some((transfer, flip)) = self.transfer_of_a_step() else {
             return Ok(None);
         };
         let forced = self.between_nodes(material, f)?;

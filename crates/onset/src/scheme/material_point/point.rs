@@ -45,6 +45,11 @@ impl<'a, const D: usize> State<'a, D> {
         array_of(along)
     }
 
+    /// `W` at the displacement gradient `L` on the grid, `F = (1 + L) F0`; energy/volume, not a number where the law is not defined.
+    pub(super) fn energy(&self, l: &[[f64; D]; D]) -> f64 {
+        self.response.energy(&moved(l, &self.response.leading()))
+    }
+
     /// `P` of the total-Lagrangian, `J sigma = P F^T` of the updated form at the displacement gradient `L` on the grid: what the
     /// volume is multiplied with. `F = F0 + L`, or `(1 + L) F0`.
     pub(super) fn stress<R: Real>(&self, l: &[[R; D]; D]) -> [[R; D]; D] {
@@ -54,14 +59,19 @@ impl<'a, const D: usize> State<'a, D> {
             let f = array_of(|i| array_of(|j| l[i][j] + base[i][j]));
             return self.response.first_piola(&f);
         }
-        let moved = |i: usize, j: usize| {
-            (0..D).fold(R::constant(base[i][j]), |sum, m| sum + l[i][m] * base[m][j])
-        };
-        let f: [[R; D]; D] = array_of(|i| array_of(|j| moved(i, j)));
+        let f = moved(l, &base);
         let stress = self.response.first_piola(&f);
         let product = |i: usize, j: usize| (0..D).fold(zero, |sum, m| sum + stress[i][m] * f[j][m]);
         array_of(|i| array_of(|j| product(i, j)))
     }
+}
+
+/// `(1 + L) F0`.
+fn moved<R: Real, const D: usize>(l: &[[R; D]; D], base: &[[f64; D]; D]) -> [[R; D]; D] {
+    let entry = |i: usize, j: usize| {
+        (0..D).fold(R::constant(base[i][j]), |sum, m| sum + l[i][m] * base[m][j])
+    };
+    array_of(|i| array_of(|j| entry(i, j)))
 }
 
 /// A material point of the cell at the origin with its nodes.

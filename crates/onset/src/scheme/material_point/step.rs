@@ -2,9 +2,10 @@
 
 use super::functions::Profile;
 use super::point::State;
+use super::{MaterialPoints, Transfer};
 use crate::algebra::array_of;
-use crate::lattice::{Crystal, Particle};
-use crate::scheme::{NoForce, PatchForces, PeriodicPatch};
+use crate::lattice::Particle;
+use crate::scheme::{NoForce, PatchForces, PatchTransfer, PeriodicPatch, PointsInMotion};
 use nalgebra::{SMatrix, SVector};
 
 /// A material point of a patch.
@@ -23,38 +24,47 @@ pub(super) struct Step<'a, const D: usize> {
     pub(super) points: Vec<Carried<D>>,
     /// Whether the unknowns are the points, not the nodes.
     moves_points: bool,
+    /// The transfer with which points are stepped, and the share of its own velocity that a point keeps then; none where they are not.
+    transfer: Option<(Transfer, f64)>,
 }
 
-/// The nodes that a place sees: their numbers, functions and gradients.
-type Seen<const D: usize> = Vec<(usize, f64, SVector<f64, D>)>;
+/// A node that a place sees.
+struct Sight<const D: usize> {
+    number: usize,
+    value: f64,
+    /// In space; 1/length.
+    gradient: SVector<f64, D>,
+    /// From the place to the node, in lattice coordinates of the grid.
+    apart: SVector<f64, D>,
+}
+
+/// The nodes that a place sees.
+type Seen<const D: usize> = Vec<Sight<D>>;
 
 impl<'a, const D: usize> Step<'a, D> {
-    /// `grid` has one node a cell, the points are those of one cell.
+    /// Of so many cells of the grid with their points.
     pub(super) fn new(
         state: State<'a, D>,
-        profile: &'a Profile,
-        grid: &Crystal<D>,
+        method: &'a MaterialPoints<D>,
         cells: [usize; D],
-        points: &[(SVector<f64, D>, f64)],
-        density: f64,
-        moves_points: bool,
     ) -> Self {
-        let nodes = PeriodicPatch::new(grid, cells);
+        let nodes = PeriodicPatch::new(&method.grid, cells);
         let of_cell = |node: &Particle<D>| {
             let origin = SVector::from(node.cell.map(f64::from));
-            let carried = points.iter().map(|(place, volume)| Carried {
+            let carried = method.points.iter().map(|(place, volume)| Carried {
                 place: origin + place,
                 volume: *volume,
-                mass: density * volume,
+                mass: method.choices.density * volume,
             });
             carried.collect::<Vec<_>>()
         };
         Self {
             state,
-            profile,
+            profile: &method.profile,
             points: nodes.particles().iter().flat_map(of_cell).collect(),
             nodes,
-            moves_points,
+            moves_points: method.moves_points(),
+            transfer: method.transfer_of_a_step(),
         }
     }
 
@@ -62,14 +72,30 @@ impl<'a, const D: usize> Step<'a, D> {
         let at: [f64; D] = (*place).into();
         let node = |cell: [i32; D]| {
             let shape = self.profile.shape(&at, &cell);
-            let number = self.nodes.number(&Particle { site: 0, cell });
-            (
-                number,
-                shape.value,
-                SVector::from(self.state.gradient(&shape.slope)),
-            )
+            Sight {
+                number: self.nodes.number(&Particle { site: 0, cell }),
+                value: shape.value,
+                gradient: SVector::from(self.state.gradient(&shape.slope)),
+                apart: SVector::from(cell.map(f64::from)) - place,
+            }
         };
         self.profile.nodes(&at).into_iter().map(node).collect()
+    }
+
+    /// `D_p` along the axes of the grid, in units of its squared spacing.
+    fn moments(&self, place: &SVector<f64, D>) -> SVector<f64, D> {
+        place.map(|x| self.profile.second_moment(x))
+    }
+
+    /// Where a point is after a displacement, in lattice coordinates of the grid.
+    fn moved(&self, point: &Carried<D>, displacement: &SVector<f64, D>) -> SVector<f64, D> {
+        point.place + self.state.to_grid * displacement
+    }
+
+    /// `J sigma` at the displacement gradient from the homogeneous state.
+    fn stress(&self, l: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
+        let stress = self.state.stress(&rows(l));
+        SMatrix::from_fn(|i, j| stress[i][j])
     }
 
     /// The forces on the nodes after a step that displaces them, and what the points see at their new places.
@@ -78,17 +104,14 @@ impl<'a, const D: usize> Step<'a, D> {
         let mut seen = Vec::with_capacity(self.points.len());
         for point in &self.points {
             let (mut moved, mut l) = (SVector::zeros(), SMatrix::<f64, D, D>::zeros());
-            for (number, value, gradient) in self.seen(&point.place) {
-                moved += displacements[number] * value;
-                l += displacements[number] * gradient.transpose();
+            for node in self.seen(&point.place) {
+                moved += displacements[node.number] * node.value;
+                l += displacements[node.number] * node.gradient.transpose();
             }
-            let place = point.place + self.state.to_grid * moved;
-            let l = array_of(|i| array_of(|j| l[(i, j)]));
-            let stress = self.state.stress(&l);
-            let stress = SMatrix::<f64, D, D>::from_fn(|i, j| stress[i][j]);
-            let at_end = self.seen(&place);
-            for (number, _, gradient) in &at_end {
-                forces[*number] -= stress * gradient * point.volume;
+            let stress = self.stress(&l);
+            let at_end = self.seen(&self.moved(point, &moved));
+            for node in &at_end {
+                forces[node.number] -= stress * node.gradient * point.volume;
             }
             seen.push(at_end);
         }
@@ -102,15 +125,16 @@ impl<'a, const D: usize> Step<'a, D> {
         let masses = self.nodal_masses(&before);
         let mut nodal = vec![SVector::zeros(); self.nodes.len()];
         for ((point, seen), displacement) in self.points.iter().zip(&before).zip(displacements) {
-            for (number, value, _) in seen {
-                nodal[*number] += displacement * (point.mass * value / masses[*number]);
+            for node in seen {
+                let share = point.mass * node.value / masses[node.number];
+                nodal[node.number] += displacement * share;
             }
         }
         let (forces, after) = self.stepped(&nodal);
         let masses = self.nodal_masses(&after);
         let felt = |(point, seen): (&Carried<D>, &Seen<D>)| {
             let terms = seen.iter();
-            let sum = terms.map(|(number, value, _)| forces[*number] * (value / masses[*number]));
+            let sum = terms.map(|node| forces[node.number] * (node.value / masses[node.number]));
             sum.sum::<SVector<f64, D>>() * point.mass
         };
         self.points.iter().zip(&after).map(felt).collect()
@@ -119,8 +143,8 @@ impl<'a, const D: usize> Step<'a, D> {
     fn nodal_masses(&self, seen: &[Seen<D>]) -> Vec<f64> {
         let mut masses = vec![0.0; self.nodes.len()];
         for (point, seen) in self.points.iter().zip(seen) {
-            for (number, value, _) in seen {
-                masses[*number] += point.mass * value;
+            for node in seen {
+                masses[node.number] += point.mass * node.value;
             }
         }
         masses
@@ -154,5 +178,174 @@ impl<const D: usize> PatchForces<D> for Step<'_, D> {
             Some(particle) => Err(none(particle)),
             None => Ok(forces),
         }
+    }
+
+    fn transfer(&self) -> Option<&dyn PatchTransfer<D>> {
+        match self.transfer {
+            Some(_) => Some(self),
+            None => None,
+        }
+    }
+}
+
+fn rows<const D: usize>(l: &SMatrix<f64, D, D>) -> [[f64; D]; D] {
+    array_of(|i| array_of(|j| l[(i, j)]))
+}
+
+/// What a point sees of a field of the nodes.
+struct Sampled<const D: usize> {
+    /// `sum_i N_ip w_i`.
+    value: SVector<f64, D>,
+    /// `sum_i w_i (x) grad N_ip`.
+    gradient: SMatrix<f64, D, D>,
+    /// `sum_i N_ip w_i (x) (x_i - x_p)`, in lattice coordinates.
+    moment: SMatrix<f64, D, D>,
+}
+
+/// What the nodes have in a step.
+struct OnTheGrid<const D: usize> {
+    /// Velocities that the points brought.
+    before: Vec<SVector<f64, D>>,
+    /// Those after the forces.
+    after: Vec<SVector<f64, D>>,
+}
+
+impl<const D: usize> Step<'_, D> {
+    fn sampled(seen: &Seen<D>, field: &[SVector<f64, D>]) -> Sampled<D> {
+        let mut sampled = Sampled {
+            value: SVector::zeros(),
+            gradient: SMatrix::zeros(),
+            moment: SMatrix::zeros(),
+        };
+        for node in seen {
+            let own = field[node.number];
+            sampled.value += own * node.value;
+            sampled.gradient += own * node.gradient.transpose();
+            sampled.moment += own * node.apart.transpose() * node.value;
+        }
+        sampled
+    }
+
+    /// The affine field of a point at a place by the first moment of its velocities; none without such fields.
+    fn affine(&self, place: &SVector<f64, D>, moment: SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
+        match self.transfer {
+            Some((Transfer::Affine, _)) => {
+                moment * SMatrix::from_diagonal(&self.moments(place).map(f64::recip))
+            }
+            _ => SMatrix::zeros(),
+        }
+    }
+
+    /// From the points to the nodes, `v_i = sum_p m_p N_ip (v_p + C_p (x_i - x_p)) / m_i`, and there `v_i' = v_i + dt f_i / m_i`.
+    fn to_the_grid(
+        &self,
+        points: &PointsInMotion<D>,
+        seen: &[Seen<D>],
+        dt: f64,
+    ) -> Result<OnTheGrid<D>, NoForce> {
+        let zero = vec![SVector::zeros(); self.nodes.len()];
+        let (mut momenta, mut forces) = (zero.clone(), zero);
+        for (number, (point, seen)) in self.points.iter().zip(seen).enumerate() {
+            let stress = self.stress(&points.gradients[number]);
+            if !stress.iter().all(|component| component.is_finite()) {
+                return Err(NoForce {
+                    particle: number,
+                    source: None,
+                });
+            }
+            for node in seen {
+                let velocity = points.velocities[number] + points.affine[number] * node.apart;
+                momenta[node.number] += velocity * (point.mass * node.value);
+                forces[node.number] -= stress * node.gradient * point.volume;
+            }
+        }
+        let masses = self.nodal_masses(seen);
+        // A node that is seen with the weight zero alone has no mass, and moves nothing.
+        let over = |vector: &SVector<f64, D>, mass: &f64| match *mass > 0.0 {
+            true => vector / *mass,
+            false => SVector::zeros(),
+        };
+        let both = momenta.iter().zip(&masses);
+        let before: Vec<SVector<f64, D>> = both.map(|(p, mass)| over(p, mass)).collect();
+        let kicks = forces
+            .iter()
+            .zip(&masses)
+            .map(|(f, mass)| over(f, mass) * dt);
+        let after = before.iter().zip(kicks).map(|(v, kick)| v + kick).collect();
+        Ok(OnTheGrid { before, after })
+    }
+}
+
+impl<const D: usize> PatchTransfer<D> for Step<'_, D> {
+    fn places(&self) -> Vec<SVector<f64, D>> {
+        self.points.iter().map(|point| point.place).collect()
+    }
+
+    fn advance(&self, points: &mut PointsInMotion<D>, dt: f64) -> Result<(), NoForce> {
+        let Some((_, flip)) = self.transfer else {
+            return Ok(());
+        };
+        let moved = self.points.iter().zip(&points.displacements);
+        let places: Vec<SVector<f64, D>> = moved.map(|(p, u)| self.moved(p, u)).collect();
+        if let Some(particle) = places.iter().position(|x| !x.iter().all(|x| x.is_finite())) {
+            return Err(NoForce {
+                particle,
+                source: None,
+            });
+        }
+        let seen: Vec<Seen<D>> = places.iter().map(|place| self.seen(place)).collect();
+        let grid = self.to_the_grid(points, &seen, dt)?;
+        for (p, (seen, place)) in seen.iter().zip(&places).enumerate() {
+            let new = Self::sampled(seen, &grid.after);
+            let old = Self::sampled(seen, &grid.before);
+            points.velocities[p] = new.value + (points.velocities[p] - old.value) * flip;
+            points.affine[p] = self.affine(place, new.moment);
+            points.displacements[p] += new.value * dt;
+            let own = points.gradients[p];
+            points.gradients[p] = own + (new.gradient + new.gradient * own) * dt;
+        }
+        Ok(())
+    }
+
+    fn carried(
+        &self,
+        displacements: &[SVector<f64, D>],
+        velocities: &[SVector<f64, D>],
+    ) -> PointsInMotion<D> {
+        let mut points = PointsInMotion::at_rest(self.points.len());
+        for (p, point) in self.points.iter().enumerate() {
+            let seen = self.seen(&point.place);
+            let moving = Self::sampled(&seen, displacements);
+            points.displacements[p] = moving.value;
+            points.gradients[p] = moving.gradient;
+            let moving = Self::sampled(&seen, velocities);
+            points.velocities[p] = moving.value;
+            points.affine[p] = self.affine(&point.place, moving.moment);
+        }
+        points
+    }
+
+    fn kinetic_energy(&self, points: &PointsInMotion<D>) -> f64 {
+        let own = |(p, point): (usize, &Carried<D>)| {
+            let place = self.moved(point, &points.displacements[p]);
+            let moments = self.moments(&place);
+            let columns = points.affine[p].column_iter().zip(moments.iter());
+            let affine: f64 = columns.map(|(column, m)| column.norm_squared() * m).sum();
+            0.5 * point.mass * (points.velocities[p].norm_squared() + affine)
+        };
+        self.points.iter().enumerate().map(own).sum()
+    }
+
+    fn strain_energy(&self, points: &PointsInMotion<D>) -> f64 {
+        let of = |l: &SMatrix<f64, D, D>| self.state.energy(&rows(l));
+        let at_rest = of(&SMatrix::zeros());
+        let both = self.points.iter().zip(&points.gradients);
+        both.map(|(point, l)| point.volume * (of(l) - at_rest))
+            .sum()
+    }
+
+    fn momentum(&self, points: &PointsInMotion<D>) -> SVector<f64, D> {
+        let both = self.points.iter().zip(&points.velocities);
+        both.map(|(point, v)| v * point.mass).sum()
     }
 }

@@ -1,0 +1,310 @@
+//! A patch of material points whose velocities go through a grid once a step.
+//!
+//! What moves are the points, with their deformation gradients and affine fields, by the step of the method itself ([`PatchTransfer`]). What is predicted are waves
+//! of nodes ([`TransferredWaves`]): a wave starts as what nodes that it displaces leave on the points, and is measured by projection on that.
+
+use super::equations::Field;
+use super::patch::random_displacements;
+use super::waves::waves_of;
+use super::{Fault, Ground, PatchMotion, PatchState, PatchWave, Quantities, SteppedWave, Stepper};
+use crate::algebra::{Complex, array_of};
+use crate::kinematics::DeformationGradient;
+use crate::lattice::Crystal;
+use crate::material::Hyperelastic;
+use crate::scheme::{NoForce, PatchTransfer, PeriodicPatch, PointsInMotion};
+use crate::time_step::TransferredWaves;
+use nalgebra::{DVector, SMatrix, SVector};
+use std::f64::consts::TAU;
+
+/// Points see less than this share of a wave of nodes: nothing.
+const UNSEEN: f64 = 1e-9;
+
+/// A solution that decays so many times faster than the other changes is gone before a record tells it.
+const SOON_GONE: f64 = 10.0;
+
+/// A patch of material points in motion.
+pub(super) struct TransferredPatch<'a, const D: usize> {
+    material: &'a dyn Hyperelastic,
+    f: DeformationGradient,
+    transfer: &'a dyn PatchTransfer<D>,
+    nodal: TransferredWaves<D>,
+    nodes: PeriodicPatch<D>,
+    waves: Vec<PatchWave>,
+    /// Of the points in the reference state; length.
+    positions: Field<D>,
+    points: PointsInMotion<D>,
+    count: u64,
+}
+
+impl<'a, const D: usize> TransferredPatch<'a, D> {
+    pub(super) fn new(
+        material: &'a dyn Hyperelastic,
+        f: &DeformationGradient,
+        cells: [usize; D],
+        nodal: TransferredWaves<D>,
+        transfer: &'a dyn PatchTransfer<D>,
+    ) -> Self {
+        let nodes = PeriodicPatch::new(nodal.system().crystal(), cells);
+        let vectors = *nodal.system().crystal().lattice().vectors();
+        let places = transfer.places();
+        Self {
+            waves: waves_of(nodal.system(), &nodes),
+            points: PointsInMotion::at_rest(places.len()),
+            positions: places.into_iter().map(|place| vectors * place).collect(),
+            material,
+            f: *f,
+            transfer,
+            nodal,
+            nodes,
+            count: 0,
+        }
+    }
+
+    fn grid(&self) -> &Crystal<D> {
+        self.nodal.system().crystal()
+    }
+
+    /// A wave of the nodes, from its vectors at the node at the origin.
+    fn on_nodes(&self, wave: &PatchWave, vector: &DVector<Complex>) -> Field<D> {
+        let k = wave.vector::<D>();
+        let at = |node| {
+            let phase = k.dot(&self.grid().position(&node)) % TAU;
+            let turn = Complex::new(0.0, phase).exp();
+            SVector::from_fn(|i, _| (vector[i] * turn).re)
+        };
+        self.nodes.particles().into_iter().map(at).collect()
+    }
+
+    /// What a wave with the largest displacement one leaves on the points; none where they do not see it. A displacement gradient counts as that of a wave
+    /// as long as the spacing, in case it is all that is seen.
+    fn on_points(
+        &self,
+        wave: &PatchWave,
+        seed: &[DVector<Complex>; 2],
+    ) -> Option<PointsInMotion<D>> {
+        let [u, v] = seed.each_ref().map(|own| self.on_nodes(wave, own));
+        let mut points = self.transfer.carried(&u, &v);
+        let displaced = points.displacements.iter().map(|u| u.norm());
+        let length = self.grid().spacing() / TAU;
+        let strained = points.gradients.iter().map(|l| length * l.norm());
+        let largest = displaced.chain(strained).fold(0.0, f64::max);
+        if largest < UNSEEN * seed[0].norm() {
+            return None;
+        }
+        scale(&mut points, largest.recip());
+        Some(points)
+    }
+
+    fn fault(&self, none: NoForce, step: f64) -> Box<Fault> {
+        let n = none.particle;
+        let of = |field: &Field<D>| field[n].iter().copied().collect::<Vec<f64>>();
+        let own = self.f.leading::<D>();
+        let own = own + self.points.gradients[n] * own;
+        let is_finite = own.iter().all(|x| x.is_finite());
+        Box::new(Fault {
+            time: self.count as f64 * step,
+            step: self.count,
+            particle: n,
+            position: of(&self.positions),
+            displacement: of(&self.points.displacements),
+            velocity: of(&self.points.velocities),
+            deformation: own.transpose().iter().copied().collect(),
+            ground: match (none.source, is_finite) {
+                (Some(source), _) => Ground::Method(source),
+                (None, false) => Ground::NotFinite,
+                (None, true) => Ground::without_stress(self.material, &self.f.with_leading(&own)),
+            },
+        })
+    }
+}
+
+fn scale<const D: usize>(points: &mut PointsInMotion<D>, factor: f64) {
+    for field in [&mut points.displacements, &mut points.velocities] {
+        field.iter_mut().for_each(|own| *own *= factor);
+    }
+    for field in [&mut points.gradients, &mut points.affine] {
+        field.iter_mut().for_each(|own| *own *= factor);
+    }
+}
+
+fn state_of<const D: usize>(points: &PointsInMotion<D>, step: u64) -> PatchState {
+    let flat = |field: &Field<D>| field.iter().flatten().copied().collect();
+    let tensors = points.gradients.iter().chain(&points.affine);
+    PatchState {
+        step,
+        displacements: flat(&points.displacements),
+        velocities: flat(&points.velocities),
+        deformations: tensors.flatten().copied().collect(),
+        work: 0.0,
+    }
+}
+
+impl<const D: usize> PatchMotion for TransferredPatch<'_, D> {
+    fn dimension(&self) -> usize {
+        D
+    }
+
+    fn positions(&self) -> Vec<[f64; 3]> {
+        let in_space = |x: &SVector<f64, D>| array_of(|i| x.get(i).copied().unwrap_or(0.0));
+        self.positions.iter().map(in_space).collect()
+    }
+
+    fn state(&self) -> PatchState {
+        state_of(&self.points, self.count)
+    }
+
+    fn put(&mut self, state: &PatchState) {
+        let count = self.positions.len();
+        let field = |flat: &[f64]| -> Field<D> {
+            let mut own: Field<D> = flat
+                .chunks_exact(D)
+                .map(SVector::from_column_slice)
+                .collect();
+            own.resize(count, SVector::zeros());
+            own
+        };
+        let tensors = state.deformations.chunks_exact(D * D);
+        let mut tensors = tensors.map(SMatrix::<f64, D, D>::from_column_slice);
+        let mut next = || {
+            let mut own: Vec<_> = tensors.by_ref().take(count).collect();
+            own.resize(count, SMatrix::zeros());
+            own
+        };
+        self.points = PointsInMotion {
+            displacements: field(&state.displacements),
+            velocities: field(&state.velocities),
+            gradients: next(),
+            affine: next(),
+        };
+        self.count = state.step;
+    }
+
+    fn advance(&mut self, _: Stepper, step: f64) -> Result<(), Box<Fault>> {
+        let done = self.transfer.advance(&mut self.points, step);
+        done.map_err(|none| self.fault(none, step))?;
+        self.count += 1;
+        let is_finite = |field: &Field<D>, n: usize| field[n].iter().all(|x| x.is_finite());
+        let lost = (0..self.positions.len()).find(|n| {
+            let points = &self.points;
+            !is_finite(&points.displacements, *n) || !is_finite(&points.velocities, *n)
+        });
+        match lost {
+            None => Ok(()),
+            Some(particle) => Err(self.fault(
+                NoForce {
+                    particle,
+                    source: None,
+                },
+                step,
+            )),
+        }
+    }
+
+    fn quantities(&self, _: Stepper, _: f64) -> Result<Quantities, Box<Fault>> {
+        let momentum = self.transfer.momentum(&self.points);
+        let displacements = self.points.displacements.iter();
+        Ok(Quantities {
+            kinetic: self.transfer.kinetic_energy(&self.points),
+            potential: self.transfer.strain_energy(&self.points),
+            momentum: array_of(|i| momentum.get(i).copied().unwrap_or(0.0)),
+            largest: displacements.map(|u| u.norm()).fold(0.0, f64::max),
+        })
+    }
+
+    fn waves(&self) -> &[PatchWave] {
+        &self.waves
+    }
+
+    fn sees(&self, wave: &PatchWave) -> bool {
+        let modes = self.nodal.system().modes(&wave.vector());
+        let own = modes.into_iter().nth(wave.branch - 1);
+        own.is_some_and(|(_, mode)| {
+            let seed = [real_at_the_origin(&mode), DVector::zeros(D)];
+            self.on_points(wave, &seed).is_some()
+        })
+    }
+
+    fn critical_time_step(&self, _: Stepper) -> f64 {
+        let each = self.waves.iter().filter(|wave| wave.branch == 1);
+        let steps = each.map(|wave| self.nodal.critical_time_step_at(&wave.vector()));
+        steps.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The displacements of nodes and the velocities of points over what they see of the nodes, `z v_p = flip v_p + N_p (w - flip s)` with the velocities of the nodes
+    /// `w = (z - 1) u / dt` after the forces and `s = w + dt omega^2 u` before.
+    fn stepped(&self, wave: &PatchWave, _: Stepper, step: f64) -> Option<SteppedWave> {
+        let k = wave.vector();
+        let (omega_squared, mode) = self
+            .nodal
+            .system()
+            .modes(&k)
+            .into_iter()
+            .nth(wave.branch - 1)?;
+        let factors = *self.nodal.factors(&k, step).get(wave.branch - 1)?;
+        let flip = self.nodal.flip();
+        let speed = |z: Complex| {
+            let after = (z - 1.0) / step;
+            let speed = (after * (1.0 - flip) - omega_squared * (flip * step)) / (z - flip);
+            // Where nothing is left of the velocities of the nodes, or the wave stays where it is, there is none.
+            match speed.is_finite() && !wave.has_zero_energy {
+                true => speed,
+                false => Complex::new(0.0, 0.0),
+            }
+        };
+        let travels = factors[0].im != 0.0;
+        let [change, other] = factors.map(|z| z.norm().ln().abs());
+        let is_alone = !travels && other > SOON_GONE * change;
+        let speed = match travels || is_alone {
+            true => speed(factors[0]),
+            // Both solutions: of one alone a record does not tell the other.
+            false => (speed(factors[0]) + speed(factors[1])) * 0.5,
+        };
+        let mode = real_at_the_origin(&mode);
+        let seed = [mode.clone(), mode * speed];
+        Some(SteppedWave {
+            wave: wave.clone(),
+            factors,
+            is_alone,
+            projector: seed[0].clone(),
+            seed,
+        })
+    }
+
+    fn seed(&self, wave: &SteppedWave, amplitude: f64) -> PatchState {
+        let points = self.on_points(&wave.wave, &wave.seed);
+        let mut points = points.unwrap_or_else(|| PointsInMotion::at_rest(self.positions.len()));
+        scale(&mut points, amplitude);
+        state_of(&points, 0)
+    }
+
+    fn noise(&self, amplitude: f64, seed: u64) -> PatchState {
+        let nodes = random_displacements(self.nodes.len(), amplitude, seed);
+        let at_rest = vec![SVector::zeros(); nodes.len()];
+        state_of(&self.transfer.carried(&nodes, &at_rest), 0)
+    }
+
+    fn amplitude(&self, wave: &SteppedWave) -> f64 {
+        let Some(own) = self.on_points(&wave.wave, &wave.seed) else {
+            return 0.0;
+        };
+        let length = self.grid().spacing();
+        let product = |a: &PointsInMotion<D>, b: &PointsInMotion<D>| -> f64 {
+            let displaced = a.displacements.iter().zip(&b.displacements);
+            let strained = a.gradients.iter().zip(&b.gradients);
+            displaced.map(|(a, b)| a.dot(b)).sum::<f64>()
+                + strained
+                    .map(|(a, b)| length * length * a.dot(b))
+                    .sum::<f64>()
+        };
+        product(&own, &self.points) / product(&own, &own)
+    }
+}
+
+/// A vector times the number that makes its largest component one.
+fn real_at_the_origin(vector: &DVector<Complex>) -> DVector<Complex> {
+    let by_size = |a: &&Complex, b: &&Complex| a.norm().total_cmp(&b.norm());
+    match vector.iter().max_by(by_size) {
+        Some(largest) if largest.norm() > 0.0 => vector * largest.inv(),
+        _ => vector.clone(),
+    }
+}
