@@ -1,16 +1,18 @@
 //! Eigenvalues of complex matrices of any size with their eigenvectors on both sides.
 
 use super::{Complex, MAXIMUM_ITERATIONS};
-use nalgebra::{DMatrix, Schur};
+use nalgebra::{DMatrix, DVector, RowDVector, Schur};
 
-/// `A = V diag(values) W` with `W V = 1`: right eigenvectors as columns of `V`, left ones as rows of `W`.
+/// `A = V diag(values) W` with `W V = 1`: right eigenvectors as columns of `V = Q X`, left ones as rows of `W = X^-1 Q*`.
 ///
 /// Where `A` is not diagonalizable, vectors are as long as rounding makes them.
 #[derive(Clone, Debug)]
 pub(crate) struct Decomposition {
     pub(crate) values: Vec<Complex>,
-    pub(crate) right: DMatrix<Complex>,
-    pub(crate) left: DMatrix<Complex>,
+    /// Unitary.
+    q: DMatrix<Complex>,
+    /// The eigenvectors of the triangular factor of the Schur form, triangular themselves; none where `Q` has those of `A`.
+    x: Option<DMatrix<Complex>>,
 }
 
 impl Decomposition {
@@ -35,11 +37,123 @@ impl Decomposition {
                 vectors[(i, j)] = -sum / difference;
             }
         }
-        let inverse = vectors.solve_upper_triangular(&DMatrix::identity(size, size))?;
         Some(Self {
             values: t.diagonal().iter().copied().collect(),
-            right: &q * vectors,
-            left: inverse * q.adjoint(),
+            q,
+            x: Some(vectors),
         })
+    }
+
+    /// Of a Hermitian matrix, whose eigenvalues are real and whose eigenvectors are the same on both sides; of its lower triangle, as it is taken for
+    /// Hermitian.
+    pub(crate) fn of_hermitian(matrix: DMatrix<Complex>) -> Option<Self> {
+        if !matrix.iter().all(|z| z.re.is_finite() && z.im.is_finite()) {
+            return None;
+        }
+        let eigen = matrix.try_symmetric_eigen(f64::EPSILON, MAXIMUM_ITERATIONS)?;
+        let values = eigen.eigenvalues.iter();
+        Some(Self {
+            values: values.map(|value| Complex::new(*value, 0.0)).collect(),
+            q: eigen.eigenvectors,
+            x: None,
+        })
+    }
+
+    /// A right eigenvector, a column of `V`.
+    pub(crate) fn right(&self, number: usize) -> DVector<Complex> {
+        match &self.x {
+            Some(x) => &self.q * x.column(number),
+            None => self.q.column(number).into_owned(),
+        }
+    }
+
+    /// A left eigenvector, a row of `W`.
+    pub(crate) fn left(&self, number: usize) -> RowDVector<Complex> {
+        match &self.x {
+            // Of X^-1 the row e with e X = 1 at its place.
+            Some(x) => {
+                let mut unit = DVector::zeros(self.values.len());
+                unit[number] = Complex::new(1.0, 0.0);
+                let row = x.tr_solve_upper_triangular(&unit).unwrap_or(unit);
+                row.transpose() * self.q.adjoint()
+            }
+            None => self.q.column(number).adjoint(),
+        }
+    }
+
+    /// `r V`.
+    pub(crate) fn onto_right(&self, row: &RowDVector<Complex>) -> RowDVector<Complex> {
+        let own = row * &self.q;
+        match &self.x {
+            Some(x) => own * x,
+            None => own,
+        }
+    }
+
+    /// `W c`.
+    pub(crate) fn onto_left(&self, column: &DVector<Complex>) -> DVector<Complex> {
+        let own = self.q.ad_mul(column);
+        match &self.x {
+            Some(x) => x.solve_upper_triangular(&own).unwrap_or(own),
+            None => own,
+        }
+    }
+
+    /// All right eigenvectors and all left ones, `V` and `W`.
+    pub(crate) fn vectors(&self) -> [DMatrix<Complex>; 2] {
+        let adjoint = self.q.adjoint();
+        match &self.x {
+            Some(x) => {
+                let left = x.solve_upper_triangular(&adjoint).unwrap_or(adjoint);
+                [&self.q * x, left]
+            }
+            None => [self.q.clone(), adjoint],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Decomposition;
+    use crate::algebra::{Complex, uniform};
+    use nalgebra::DMatrix;
+
+    fn random(size: usize) -> DMatrix<Complex> {
+        let mut random = 5;
+        let mut number = || 2.0 * uniform(&mut random) - 1.0;
+        DMatrix::from_fn(size, size, |_, _| Complex::new(number(), number()))
+    }
+
+    fn assert_decomposed(matrix: &DMatrix<Complex>, all: &Decomposition) {
+        let size = matrix.nrows();
+        let [right, left] = all.vectors();
+        let diagonal = &left * matrix * &right;
+        for i in 0..size {
+            for j in 0..size {
+                let expected = if i == j {
+                    all.values[i]
+                } else {
+                    Complex::default()
+                };
+                assert!((diagonal[(i, j)] - expected).norm() < 1e-12);
+            }
+            assert!((all.right(i) - right.column(i)).norm() < 1e-12);
+            assert!((all.left(i) - left.row(i)).norm() < 1e-12);
+            let row = matrix.row(i).into_owned();
+            assert!((all.onto_right(&row) - row * &right).norm() < 1e-12);
+            let column = matrix.column(i).into_owned();
+            assert!((all.onto_left(&column) - &left * column).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_matrix_is_diagonal_between_its_left_and_right_eigenvectors() {
+        let matrix = random(7);
+        let all = Decomposition::new(matrix.clone()).expect("finite");
+        assert_decomposed(&matrix, &all);
+        let hermitian = &matrix + matrix.adjoint();
+        let all = Decomposition::of_hermitian(hermitian.clone()).expect("finite");
+        assert_decomposed(&hermitian, &all);
+        assert!(all.values.iter().all(|value| value.im == 0.0));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::system::MatrixExpansion;
 use super::{Expansion, growth_rate};
-use crate::algebra::{Complex, Decomposition, Each, array_of, eigenvalues, sort_by_value};
+use crate::algebra::{Complex, Decomposition, Each, Parts, array_of, eigenvalues, sort_by_value};
 use crate::lattice::grid_coordinates;
 use nalgebra::{ComplexField, DMatrix, SMatrix, SVector};
 use std::collections::HashSet;
@@ -294,10 +294,15 @@ impl<const D: usize> Neighborhood<Vec<Complex>, DMatrix<Complex>, D> {
         order: Order,
     ) -> Option<Self> {
         let all = Decomposition::new(expansion.value.clone())?;
-        if all.left.norm() * all.right.norm() > DEPENDENT {
+        let [right, left] = all.vectors();
+        if left.norm() * right.norm() > DEPENDENT {
             return None;
         }
-        let turned = |matrix: DMatrix<Complex>| &all.left * matrix * &all.right;
+        let [right, left] = [right, left].map(Parts::of);
+        let turned = |matrix: DMatrix<Complex>| {
+            let turned = left.times(&Parts::of(matrix)).times(&right);
+            turned.joined()
+        };
         let along = |a: usize| steps.column(a).into_owned();
         Some(Self {
             first: std::array::from_fn(|a| turned(expansion.slope(&along(a)))),
@@ -379,14 +384,20 @@ where
     /// The fastest pocket that is foreseen, in steps from here, and whether branches that may meet are seen well.
     fn outlook(&self, threshold: f64) -> Outlook<D> {
         let (mut fastest, mut unresolved) = ((0.0, [0.0; D]), 0.0_f64);
-        for j in 1..self.values.as_ref().len() {
+        let count = self.values.as_ref().len();
+        let repulsion: Vec<f64> = match self.second {
+            Some(_) => (0..count).map(|own| self.repulsion(own)).collect(),
+            None => Vec::new(),
+        };
+        for j in 1..count {
             for i in 0..j {
                 let own = self.pair(i, j).fastest();
                 if own.0 > fastest.0 {
                     fastest = own;
                 }
                 if let Some(second) = &self.second {
-                    unresolved = unresolved.max(self.unresolved(second, i, j));
+                    let others = repulsion[i] + repulsion[j] - self.push(i, j) - self.push(j, i);
+                    unresolved = unresolved.max(self.unresolved(second, (i, j), others));
                 }
             }
         }
@@ -411,16 +422,16 @@ where
         }
     }
 
-    /// What second order changes of the difference of two branches within reach, over what first order does; zero where they cannot
-    /// meet or second order is small.
-    fn unresolved(&self, second: &[M; D], i: usize, j: usize) -> f64 {
+    /// What second order changes of the difference of two branches within reach, over what first order does, with what other branches push them; zero where
+    /// they cannot meet or second order is small.
+    fn unresolved(&self, second: &[M; D], (i, j): (usize, usize), others: f64) -> f64 {
         let change = |matrix: &M| {
             let coupling = (matrix[(i, j)] * matrix[(j, i)]).modulus().sqrt();
             (matrix[(i, i)] - matrix[(j, j)]).modulus() + 2.0 * coupling
         };
         let first: f64 = self.first.iter().map(|m| REACH * change(m)).sum();
         let bent: f64 = second.iter().map(|m| 0.5 * REACH * REACH * change(m)).sum();
-        let second = bent + self.repulsion(i, j) + self.repulsion(j, i);
+        let second = bent + others.max(0.0);
         let values = self.values.as_ref();
         let may_meet = (values[i] - values[j]).modulus() <= first + second;
         match may_meet && second > RESOLVED * first {
@@ -429,18 +440,23 @@ where
         }
     }
 
-    /// How far the other branches push one of a pair within reach, to second order; no farther than they are coupled.
-    fn repulsion(&self, own: usize, partner: usize) -> f64 {
+    /// How far all other branches push one within reach, to second order.
+    fn repulsion(&self, own: usize) -> f64 {
+        let others = (0..self.values.as_ref().len()).filter(|m| *m != own);
+        others.map(|m| self.push(own, m)).sum()
+    }
+
+    /// How far a branch pushes another one; no farther than they are coupled.
+    fn push(&self, own: usize, other: usize) -> f64 {
         let values = self.values.as_ref();
-        let others = (0..values.len()).filter(|m| *m != own && *m != partner);
-        let push = |m: usize| {
-            let apart = (values[own] - values[m]).modulus();
-            let coupling = |matrix: &M| {
-                let coupling = REACH * (matrix[(own, m)] * matrix[(m, own)]).modulus().sqrt();
-                coupling * (coupling / apart).min(1.0)
-            };
-            self.first.iter().map(coupling).sum::<f64>()
+        let apart = (values[own] - values[other]).modulus();
+        let coupling = |matrix: &M| {
+            let coupling = REACH
+                * (matrix[(own, other)] * matrix[(other, own)])
+                    .modulus()
+                    .sqrt();
+            coupling * (coupling / apart).min(1.0)
         };
-        others.map(push).sum()
+        self.first.iter().map(coupling).sum()
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::kinematics::{DeformationGradient, KinematicsError};
 use crate::method::MethodError;
-use crate::verdict::{Phase, Survey, probe_material};
+use crate::verdict::change::{Knot, Narrowed, narrow};
+use crate::verdict::{Phase, Probe, Survey, probe_material};
 
 /// A homogeneous loading of a `D`-dimensional body; what is out of its dimensions is held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,6 +120,8 @@ impl OnsetPair {
     }
 }
 
+/// How near to each other the stretches on both sides of the end of stability are.
+const CLOSE: f64 = 1e-10;
 /// Steps in which a loading is looked at before the first change is refined.
 const STEPS: usize = 64;
 
@@ -135,9 +138,9 @@ pub fn onset<const D: usize>(
     end: f64,
 ) -> Result<OnsetPair, MethodError> {
     let material = first(end, |stretch| {
-        Ok(probe_material::<D>(survey.material(), &load.at(stretch)?)?.0)
+        Ok(probe_material::<D>(survey.material(), &load.at(stretch)?)?)
     })?;
-    let method = first(end, |stretch| Ok(survey.probe(&load.at(stretch)?)?.0))?;
+    let method = first(end, |stretch| survey.probe(&load.at(stretch)?))?;
     Ok(OnsetPair {
         load,
         material,
@@ -147,37 +150,40 @@ pub fn onset<const D: usize>(
 
 fn first(
     end: f64,
-    phase: impl Fn(f64) -> Result<Phase, MethodError>,
+    probe: impl Fn(f64) -> Result<Probe, MethodError>,
 ) -> Result<StretchOnset, MethodError> {
     let stretch = |n: usize| 1.0 + (end - 1.0) * n as f64 / STEPS as f64;
     // The reference state itself is at the limit where modes have no energy: looked at are states beside it.
     let beside = 1.0 + 1e-6 * (end - 1.0);
-    let mut before = beside;
-    match phase(beside)? {
+    let mut before = (beside, probe(beside)?);
+    match before.1.0 {
         Phase::Stable => {}
         Phase::Undefined => return Ok(StretchOnset::Undefined(1.0)),
-        _ if phase(1.0)? == Phase::Stable => return Ok(StretchOnset::At(1.0)),
+        _ if probe(1.0)?.0 == Phase::Stable => return Ok(StretchOnset::At(1.0)),
         _ => return Ok(StretchOnset::AtRest),
     }
     for n in 1..=STEPS {
-        let behind = stretch(n);
-        let found = phase(behind)?;
-        if found != Phase::Stable {
-            let (mut low, mut high, mut last) = (before, behind, found);
-            while (high - low).abs() > 1e-10 {
-                let middle = 0.5 * (low + high);
-                match phase(middle)? {
-                    Phase::Stable => low = middle,
-                    other => (high, last) = (middle, other),
-                }
-            }
-            return Ok(if last == Phase::Undefined {
-                StretchOnset::Undefined(high)
-            } else {
-                StretchOnset::At(high)
-            });
+        let behind = (stretch(n), probe(stretch(n))?);
+        if behind.1.0 != Phase::Stable {
+            return end_of_stability(before, behind, &|stretch| probe(stretch).map(Some));
         }
         before = behind;
     }
     Ok(StretchOnset::NotBefore(end))
+}
+
+/// Where stability ends between a stable state and another one.
+fn end_of_stability(
+    stable: Knot,
+    other: Knot,
+    probe: &dyn Fn(f64) -> Result<Option<Probe>, MethodError>,
+) -> Result<StretchOnset, MethodError> {
+    match narrow(probe, (stable, other), CLOSE)? {
+        Narrowed::Change(_, (stretch, (Phase::Undefined, _))) => {
+            Ok(StretchOnset::Undefined(stretch))
+        }
+        Narrowed::Change(_, (stretch, _)) => Ok(StretchOnset::At(stretch)),
+        Narrowed::Third(between) => end_of_stability(stable, between, probe),
+        Narrowed::Outside => Ok(StretchOnset::NotBefore(other.0)),
+    }
 }

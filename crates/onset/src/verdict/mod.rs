@@ -6,6 +6,7 @@
 pub mod boundary;
 pub mod fidelity;
 
+pub(crate) mod change;
 mod mechanism;
 mod path;
 mod probe;

@@ -1,6 +1,7 @@
 //! Where stability is lost, and regained, along a path of deformations.
 
 use super::Survey;
+use super::change::{Knot, Narrowed, narrow};
 use super::probe::{Phase, Probe, probe_material};
 use crate::algebra::{GoldenSection, sort_by_value};
 use crate::kinematics::{DeformationGradient, DeformationPath, KinematicsError};
@@ -13,6 +14,8 @@ use thiserror::Error;
 const INTERVALS: usize = 256;
 /// How often the first and the last interval are halved towards their ends.
 const HALVINGS: i32 = 24;
+/// How near to each other the parameters on both sides of a crossing are.
+const CLOSE: f64 = 1e-15;
 /// Evaluations spent on the bottom of a dip.
 const DIP_STEPS: usize = 30;
 
@@ -179,11 +182,7 @@ fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, Pa
         .iter()
         .map(|s| probe(*s))
         .collect::<Result<_, _>>()?;
-    let mut knots: Vec<(f64, Phase)> = probes
-        .iter()
-        .enumerate()
-        .map(|(n, probe)| (parameter(n), probe.0))
-        .collect();
+    let mut knots: Vec<Knot> = parameters.iter().copied().zip(probes.clone()).collect();
     for n in 1..parameters.len() - 1 {
         let [left, middle, right] = [probes[n - 1], probes[n], probes[n + 1]];
         if left.0 == middle.0 && middle.0 == right.0 && middle.0 != Phase::Undefined {
@@ -197,7 +196,7 @@ fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, Pa
             let (down, up) = (sign * (left.1 - middle.1), sign * (right.1 - middle.1));
             if down >= 0.0 && up >= 0.0 && sign * middle.1 <= down.max(up) {
                 let found = extremum(probe, middle.0, sign, parameter(n - 1), parameter(n + 1))?;
-                if found.1 != middle.0 {
+                if found.1.0 != middle.0 {
                     knots.push(found);
                 }
             }
@@ -206,7 +205,7 @@ fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, Pa
     sort_by_value(&mut knots, |item| item.0);
     let mut crossings = Vec::new();
     for pair in knots.windows(2) {
-        if pair[0].1 != pair[1].1 {
+        if pair[0].1.0 != pair[1].1.0 {
             refine(probe, pair[0], pair[1], &mut crossings)?;
         }
     }
@@ -224,47 +223,40 @@ fn extremum(
     sign: f64,
     low: f64,
     high: f64,
-) -> Result<(f64, Phase), PathError> {
+) -> Result<Knot, PathError> {
     let mut at = |s: f64| probe(s);
     let mut section = GoldenSection::new(low, high, &mut at)?;
     for _ in 0..DIP_STEPS {
         let [a, b] = section.inner;
         if let Some((s, found)) = [a, b].into_iter().find(|(_, found)| found.0 != own) {
-            return Ok((s, found.0));
+            return Ok((s, found));
         }
         section.narrow(sign * a.1.1 <= sign * b.1.1, &mut at)?;
     }
-    Ok((section.middle(), own))
+    let [bottom, _] = section.inner;
+    Ok(bottom)
 }
 
-/// Bisection down to neighboring floating-point parameters (or 1e-15 apart). A third phase met on the
-/// way splits the bracket.
+/// Down to neighboring floating-point parameters, or 1e-15 apart. A third phase met on the way splits the bracket.
 fn refine(
     probe: &impl Fn(f64) -> Result<Probe, PathError>,
-    (mut before, from): (f64, Phase),
-    (mut behind, to): (f64, Phase),
+    before: Knot,
+    behind: Knot,
     crossings: &mut Vec<Crossing>,
 ) -> Result<(), PathError> {
-    while behind - before > 1e-15 {
-        let middle = 0.5 * (before + behind);
-        if middle <= before || middle >= behind {
-            break;
+    match narrow(&|s| probe(s).map(Some), (before, behind), CLOSE)? {
+        Narrowed::Change(before, behind) => crossings.push(Crossing {
+            from: before.1.0,
+            to: behind.1.0,
+            before: before.0,
+            behind: behind.0,
+        }),
+        Narrowed::Third(middle) => {
+            refine(probe, before, middle, crossings)?;
+            refine(probe, middle, behind, crossings)?;
         }
-        let phase = probe(middle)?.0;
-        if phase == from {
-            before = middle;
-        } else if phase == to {
-            behind = middle;
-        } else {
-            refine(probe, (before, from), (middle, phase), crossings)?;
-            return refine(probe, (middle, phase), (behind, to), crossings);
-        }
+        // A path is defined between its ends, or it fails there.
+        Narrowed::Outside => {}
     }
-    crossings.push(Crossing {
-        from,
-        to,
-        before,
-        behind,
-    });
     Ok(())
 }

@@ -62,6 +62,15 @@ impl<const D: usize> MatrixExpansion<D> {
 }
 
 impl<const D: usize> WaveSystem<D> {
+    /// Eigenvalues and eigenvectors of the value of [`Self::expansion_at`].
+    pub(super) fn decomposed(&self, expansion: &MatrixExpansion<D>) -> Option<Decomposition> {
+        let matrix = expansion.value.clone();
+        match (&self.mass, self.is_hermitian) {
+            (Mass::Lumped(_), true) => Decomposition::of_hermitian(matrix),
+            _ => Decomposition::new(matrix),
+        }
+    }
+
     /// `D(k)` with its derivatives; of the same eigenvalues, and Hermitian, where the system is and masses are lumped.
     pub(super) fn expansion_at(&self, k: &SVector<f64, D>) -> MatrixExpansion<D> {
         let stiffness = self.stiffness.expansion_at(k);
@@ -142,11 +151,11 @@ impl<const D: usize> MatrixExpansion<D> {
     /// Not finite, or huge, where branches meet.
     pub(super) fn branch(&self, of: &Decomposition, number: usize) -> Taylor<Complex, D> {
         let value = of.values[number];
-        let (row, column) = (of.left.row(number), of.right.column(number));
-        let to: [_; D] = std::array::from_fn(|a| row * &self.gradient[a] * &of.right);
-        let from: [_; D] = std::array::from_fn(|a| &of.left * (&self.gradient[a] * column));
+        let (row, column) = (of.left(number), of.right(number));
+        let to: [_; D] = std::array::from_fn(|a| of.onto_right(&(&row * &self.gradient[a])));
+        let from: [_; D] = std::array::from_fn(|a| of.onto_left(&(&self.gradient[a] * &column)));
         let curvature = |a: usize, b: usize| {
-            let own = (row * &self.hessian[a][b] * column)[(0, 0)];
+            let own = (&row * (&self.hessian[a][b] * &column))[(0, 0)];
             let others = (0..of.values.len())
                 .filter(|m| *m != number)
                 .map(|m| (to[a][m] * from[b][m] + to[b][m] * from[a][m]) / (value - of.values[m]));

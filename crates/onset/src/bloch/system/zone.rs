@@ -511,8 +511,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         };
         let distance = |n: &usize| (all.values[*n] - mode.omega_squared).norm();
         let nearest = (0..all.values.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let condition =
-            nearest.map_or(1.0, |n| all.left.row(n).norm() * all.right.column(n).norm());
+        let condition = nearest.map_or(1.0, |n| all.left(n).norm() * all.right(n).norm());
         let noise = ROUNDING * self.system.noise() * condition;
         noise / (self.search.speed_squared() * self.search.reference().laplacian(&k))
     }
@@ -937,7 +936,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             return None;
         }
         let expansion = self.system.expansion_at(k);
-        let all = Decomposition::new(expansion.value.clone())?;
+        let all = self.system.decomposed(&expansion)?;
         let mut numbers: Vec<usize> = (0..all.values.len()).collect();
         let of = |n: &usize| match objective {
             Objective::Highest => -all.values[*n].re,

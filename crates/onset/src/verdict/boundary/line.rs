@@ -2,6 +2,7 @@
 
 use super::Window;
 use super::plane::Point;
+use crate::verdict::change::{Knot, Narrowed, narrow};
 use crate::verdict::{Phase, Probe};
 use std::cell::Cell;
 
@@ -11,9 +12,6 @@ pub(super) struct Field<'a, E> {
     pub(super) probe: &'a (dyn Fn([f64; 2]) -> Result<Probe, E> + Sync),
     asked: Cell<usize>,
 }
-
-/// A place on a line with what is there.
-pub(super) type Knot = (f64, Probe);
 
 /// What a search along a line came to.
 pub(super) enum Found {
@@ -110,58 +108,19 @@ impl<'a, E> Field<'a, E> {
         }
     }
 
-    /// Narrows a change of phase down to a tolerance. Interpolates the measure (the ITP method of Oliveira and Takahashi,
-    /// ACM Trans. Math. Softw. 47, 2020, which never needs more than one step above bisection) where its sign is that of
-    /// the phase, and bisects where it is not. The measure of an unstable state is that of any wave that grows and may
-    /// jump, so that there the line through the last two stable places takes its place as soon as there are two.
+    /// [`narrow`] along a line.
     pub(super) fn narrow(
         &self,
         line: &dyn Fn(f64) -> Point,
-        (mut left, mut right): (Knot, Knot),
+        knots: (Knot, Knot),
         tolerance: f64,
     ) -> Result<Found, E> {
-        let sides = Sides {
-            left: left.1.0,
-            right: right.1.0,
-        };
-        let start = (left.0 - right.0).abs();
-        let mut budget =
-            0.5 * tolerance * 2.0_f64.powf((start / tolerance).log2().ceil().max(0.0) + 1.0);
-        let mut older: Option<Knot> = None;
-        while (left.0 - right.0).abs() > tolerance {
-            let x = match older {
-                Some(older) if sides.left == Phase::Stable => {
-                    interpolated(left, extrapolated(older, left, right), start, budget)
-                }
-                Some(older) => interpolated(extrapolated(older, right, left), right, start, budget),
-                None => interpolated(left, right, start, budget),
-            };
-            let is_end = |x: f64| x == left.0 || x == right.0;
-            // A measure of zero to rounding leads to an end.
-            let x = if is_end(x) {
-                0.5 * (left.0 + right.0)
-            } else {
-                x
-            };
-            if is_end(x) {
-                break;
-            }
-            budget *= 0.5;
-            let Some(here) = self.at(line(x))? else {
-                return Ok(Found::Other(None));
-            };
-            let replaced = if here.0 == sides.left {
-                std::mem::replace(&mut left, (x, here))
-            } else if here.0 == sides.right {
-                std::mem::replace(&mut right, (x, here))
-            } else {
-                return Ok(Found::Other(Some(here.0)));
-            };
-            if here.0 == Phase::Stable {
-                older = Some(replaced);
-            }
-        }
-        Ok(Found::Change(left, right))
+        let found = narrow(&|x| self.at(line(x)), knots, tolerance)?;
+        Ok(match found {
+            Narrowed::Change(left, right) => Found::Change(left, right),
+            Narrowed::Third((_, here)) => Found::Other(Some(here.0)),
+            Narrowed::Outside => Found::Other(None),
+        })
     }
 
     /// [`Field::march`], then [`Field::narrow`].
@@ -176,37 +135,6 @@ impl<'a, E> Field<'a, E> {
             Found::Change(left, right) => self.narrow(line, (left, right), tolerance),
             other => Ok(other),
         }
-    }
-}
-
-/// A place beyond the change of phase with the measure on the line through two places before it, where that has the other
-/// sign.
-fn extrapolated(older: Knot, near: Knot, far: Knot) -> Knot {
-    let slope = (near.1.1 - older.1.1) / (near.0 - older.0);
-    let measure = near.1.1 + slope * (far.0 - near.0);
-    if measure * near.1.1 < 0.0 {
-        (far.0, (far.1.0, measure))
-    } else {
-        far
-    }
-}
-
-/// The next place to ask: the regula falsi, pulled towards the middle by at most `budget`.
-fn interpolated(left: Knot, right: Knot, start: f64, budget: f64) -> f64 {
-    let middle = 0.5 * (left.0 + right.0);
-    let (above, below) = (left.1.1, right.1.1);
-    if !(above * below < 0.0 && (above - below).is_finite()) {
-        return middle;
-    }
-    let size = (left.0 - right.0).abs();
-    let falsi = (left.0 * below - right.0 * above) / (below - above);
-    let pull = (0.2 * size * size / start).min((middle - falsi).abs());
-    let truncated = falsi + pull * (middle - falsi).signum();
-    let radius = (budget - 0.5 * size).max(0.0);
-    if (truncated - middle).abs() <= radius {
-        truncated
-    } else {
-        middle - radius * (middle - falsi).signum()
     }
 }
 

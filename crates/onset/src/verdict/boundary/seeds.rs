@@ -1,9 +1,10 @@
 //! Where to begin: pieces of lines on which the phase changes.
 
-use super::line::{Field, Found, Knot, Sides};
+use super::line::{Field, Found, Sides};
 use super::plane::{Point, distance, minus, plus, unit};
 use super::{Crossing, Fineness, Window, rank};
 use crate::algebra::{Each, GoldenSection};
+use crate::verdict::change::Knot;
 use crate::verdict::{Phase, Probe};
 
 /// Evaluations spent on the bottom of a dip along a line, and in the plane.
