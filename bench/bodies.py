@@ -2,7 +2,8 @@
 
 `python bench/bodies.py --onset PROGRAM --lammps lmp --out bench/bodies.md [--quick]`; `cargo xtask bench` does it.
 
-Both run a free cube of particles on a simple cubic lattice with a support of 2.01 spacings, total-Lagrangian SPH with hourglass control (LAMMPS: smd/tlsph).
+Both run a free cube of particles on a simple cubic lattice with a support of 2.01 spacings: total-Lagrangian SPH with hourglass control (LAMMPS: smd/tlsph), and
+updated SPH with densities by continuity and without corrected gradients (LAMMPS: smd/ulsph), which finds neighbors again; they do not move far enough for that here.
 Each turn runs a program twice, with few and with many steps; the difference of user and system time over that of the steps is the cost of a step, so that
 setting up is not counted. Memory is the largest resident size over the particles, of the larger cube that only this program runs too.
 """
@@ -29,19 +30,27 @@ lattice sc 1.0
 region box block 0 {side} 0 {side} 0 {side} units box
 create_box 1 box
 create_atoms 1 region box
-group tlsph type 1
+group {method} type 1
 neighbor 0.5 bin
 set group all volume 1
 set group all smd/mass/density 1
 set group all diameter 2.01
-pair_style smd/tlsph
-pair_coeff 1 1 *COMMON 1 1.0 0.3 0.06 0.0 10.0 1.0 *STRENGTH_LINEAR *EOS_LINEAR *END
-fix move tlsph smd/integrate_tlsph
+{pair}
 timestep 0.05
 velocity all create 1e-6 12345 dist gaussian
 thermo 1000000
 run {steps}
 """
+
+# What each method is in LAMMPS.
+PAIRS = {
+    "tlsph": """pair_style smd/tlsph
+pair_coeff 1 1 *COMMON 1 1.0 0.3 0.06 0.0 10.0 1.0 *STRENGTH_LINEAR *EOS_LINEAR *END
+fix move tlsph smd/integrate_tlsph""",
+    "ulsph": """pair_style smd/ulsph *DENSITY_CONTINUITY *VELOCITY_GRADIENT *NO_GRADIENT_CORRECTION
+pair_coeff 1 1 *COMMON 1.0 1.0 0.0 1.0 0.0 *EOS_TAIT 1.0 *STRENGTH_LINEAR 0.4 *END
+fix move ulsph smd/integrate_ulsph""",
+}
 
 
 def measured(command, folder):
@@ -56,15 +65,16 @@ def measured(command, folder):
         return usage.ru_utime + usage.ru_stime, 1024 * usage.ru_maxrss, out.read()
 
 
-def onset(program, side, steps, folder):
-    seconds, size, told = measured([program, str(side), str(steps)], folder)
+def onset(program, method, side, steps, folder):
+    words = ["updated"] if method == "ulsph" else []
+    seconds, size, told = measured([program, *words, str(side), str(steps)], folder)
     told = json.loads(told)
     return seconds, size, told["particles"], told["bytes_per_particle"]
 
 
-def lammps(program, side, steps, folder):
+def lammps(program, method, side, steps, folder):
     deck = Path(folder) / "in.cube"
-    deck.write_text(DECK.format(side=side - 0.5, steps=steps))
+    deck.write_text(DECK.format(side=side - 0.5, steps=steps, method=method, pair=PAIRS[method]))
     command = [program, "-in", str(deck), "-log", "none"]
     seconds, size, told = measured(command, folder)
     created = [line for line in told.splitlines() if line.startswith("Created") and "atoms" in line]
@@ -103,16 +113,10 @@ def main():
     parser.add_argument("--quick", action="store_true")
     arguments = parser.parse_args()
     side, large, rounds = (20, 40, 2) if arguments.quick else (40, 100, 5)
-    ours = lambda *rest: onset(str(Path(arguments.onset).absolute()), *rest)
-    theirs = lambda *rest: lammps(arguments.lammps, *rest)
-    with tempfile.TemporaryDirectory() as folder:
-        rates = [(rate(ours, side, (2, 82), folder), rate(theirs, side, (2, 18), folder)) for _ in range(rounds)]
-        many = rate(ours, large, (2, 12), folder)
-        _, own, count, kept = ours(large, 2, folder)
-        _, other, atoms, _ = theirs(side, 2, folder)
-        memory = bandwidth(str(Path(arguments.onset).absolute()), folder)
-    ratios = [a / b for a, b in rates]
-    told = lambda numbers: f"{statistics.median(numbers):,.3g} ({min(numbers):,.3g} - {max(numbers):,.3g})"
+    own = str(Path(arguments.onset).absolute())
+    ours = lambda method: lambda *rest: onset(own, method, *rest)
+    theirs = lambda method: lambda *rest: lammps(arguments.lammps, method, *rest)
+    many = {"tlsph": 82, "ulsph": 42}
     lines = [
         "# Steps of a body",
         "",
@@ -120,17 +124,29 @@ def main():
         "",
         f"Machine: {processor()}, {os.cpu_count()} cores, shared. {rounds} rounds in turns; median (least - most).",
         "",
-        "| | million particle-steps per CPU second | memory |",
-        "|---|---:|---:|",
-        f"| onset, {side}^3 particles, all cores | {told([a / 1e6 for a, _ in rates])} | |",
-        f"| onset, {count:,} particles | {many / 1e6:.3g} | {own / count / 1000:.3g} kB a particle |",
-        f"| LAMMPS `smd/tlsph`, {side}^3 particles, one process | {told([b / 1e6 for _, b in rates])} | {other / atoms / 1000:.3g} kB a particle |",
-        f"| onset over LAMMPS, round by round | {told(ratios)} | |",
-        "",
-        f"The memory delivers {memory / 1e9:.3g} GB a second to all cores (triad of STREAM). A step reads at least the {kept:.0f} bytes that are kept for a particle, and writes "
-        f"{WRITTEN} of them: with {count:,} particles that is a share of {many * os.cpu_count() * (kept + WRITTEN) / memory:.2g} of it. The rest of the time goes into arithmetic.",
-        "",
     ]
+    told = lambda numbers: f"{statistics.median(numbers):,.3g} ({min(numbers):,.3g} - {max(numbers):,.3g})"
+    with tempfile.TemporaryDirectory() as folder:
+        for method, title in [("tlsph", "Total-Lagrangian SPH"), ("ulsph", "Updated SPH")]:
+            turn = lambda: (rate(ours(method), side, (2, many[method]), folder), rate(theirs(method), side, (2, 18), folder))
+            rates = [turn() for _ in range(rounds)]
+            of_many = rate(ours(method), large, (2, 12), folder)
+            _, size, count, kept = ours(method)(large, 2, folder)
+            _, other, atoms, _ = theirs(method)(side, 2, folder)
+            lines += [
+                f"| {title} | million particle-steps per CPU second | memory |",
+                "|---|---:|---:|",
+                f"| onset, {side}^3 particles, all cores | {told([a / 1e6 for a, _ in rates])} | |",
+                f"| onset, {count:,} particles | {of_many / 1e6:.3g} | {size / count / 1000:.3g} kB a particle, {kept / 1000:.3g} kept |",
+                f"| LAMMPS `smd/{method}`, {side}^3 particles, one process | {told([b / 1e6 for _, b in rates])} | {other / atoms / 1000:.3g} kB a particle |",
+                f"| onset over LAMMPS, round by round | {told([a / b for a, b in rates])} | |",
+                "",
+            ]
+            if method == "tlsph":
+                memory = bandwidth(own, folder)
+                share = of_many * os.cpu_count() * (kept + WRITTEN) / memory
+                bound = f"The memory delivers {memory / 1e9:.3g} GB a second to all cores (triad of STREAM). A step of total-Lagrangian SPH reads at least the {kept:.0f} bytes that are kept for a particle, and writes {WRITTEN} of them: with {count:,} particles that is a share of {share:.2g} of it. The rest of the time goes into arithmetic."
+    lines += [bound, ""]
     Path(arguments.out).write_text("\n".join(lines))
     print("\n".join(lines))
 

@@ -1,7 +1,8 @@
-//! What a step of a body costs: a free cube of particles that shakes, total-Lagrangian SPH with a penalty.
+//! What a step of a body costs: a free cube of particles that shakes, total-Lagrangian SPH with a penalty, or updated SPH.
 //!
-//! `bodies SIDE STEPS` runs so many steps of a cube with so many particles along each side, and prints what it kept for a particle. Its time and memory
-//! are measured from outside, in turns with other programs: `bench/bodies.py`. `bodies bandwidth` prints what the memory delivers to all cores.
+//! `bodies SIDE STEPS` runs so many steps of a cube with so many particles along each side, and prints what it kept for a particle; `bodies updated SIDE STEPS`
+//! those of updated SPH. Time and memory are measured from outside, in turns with other programs: `bench/bodies.py`. `bodies bandwidth` prints what the memory
+//! delivers to all cores.
 
 use onset::analysis::analysis;
 use onset::kernel::Kernel;
@@ -11,7 +12,7 @@ use onset::material::Law;
 use onset::method::KernelMethodChoices;
 use onset::motion::{BodyMotion, BodyParticles, Shape, Start};
 use onset::scheme::MethodChoices;
-use onset::scheme::sph::TotalLagrangianChoices;
+use onset::scheme::sph::{MomentumForm, TotalLagrangianChoices, UpdatedSphChoices};
 use onset::scheme::stabilization::PenaltyForm;
 use std::hint::black_box;
 use std::sync::Arc;
@@ -61,8 +62,32 @@ fn bandwidth() -> f64 {
     (0..10).map(|_| turn()).fold(0.0, f64::max)
 }
 
+/// Total-Lagrangian SPH with a penalty.
+fn lagrangian(particles: Box<KernelMethodChoices>) -> MethodChoices {
+    let choices = TotalLagrangianChoices {
+        kernel: Kernel::CubicSpline,
+        radius: 2.01,
+        penalty: 10.0,
+        penalty_form: PenaltyForm::Smd,
+        ..TotalLagrangianChoices::default()
+    };
+    MethodChoices::TotalLagrangianSph(particles, choices)
+}
+
+/// The updated SPH that LAMMPS has too.
+fn updated(particles: Box<KernelMethodChoices>) -> MethodChoices {
+    let choices = UpdatedSphChoices {
+        kernel: Kernel::CubicSpline,
+        radius: 2.01,
+        momentum: MomentumForm::Mean,
+        ..UpdatedSphChoices::default()
+    };
+    MethodChoices::UpdatedSph(particles, choices)
+}
+
 fn main() {
-    if std::env::args().any(|own| own == "bandwidth") {
+    let is_asked = |word: &str| std::env::args().any(|own| own == word);
+    if is_asked("bandwidth") {
         println!("{{\"bytes_per_second\": {:e}}}", bandwidth());
         return;
     }
@@ -74,18 +99,14 @@ fn main() {
         eprintln!("expected the particles along a side of the cube, and steps: 40 100");
         return;
     };
-    let particles = KernelMethodChoices {
+    let particles = Box::new(KernelMethodChoices {
         lattice: LatticeKind::SimpleCubic,
         ..KernelMethodChoices::default()
+    });
+    let method = match is_asked("updated") {
+        true => updated(particles),
+        false => lagrangian(particles),
     };
-    let choices = TotalLagrangianChoices {
-        kernel: Kernel::CubicSpline,
-        radius: 2.01,
-        penalty: 10.0,
-        penalty_form: PenaltyForm::Smd,
-        ..TotalLagrangianChoices::default()
-    };
-    let method = MethodChoices::TotalLagrangianSph(Box::new(particles), choices);
     let law = Law::named("neo-hooke").expect("a law");
     let material = Arc::from(law.build(&[]).expect("a material"));
     let method = analysis(&method, material).expect("a method");

@@ -42,6 +42,7 @@ impl Exponential {
         self.polynomial[0] - RIM * (value - first * END + second * END * END / 2.0)
     }
 
+    #[inline(always)]
     pub(super) fn profile<R: Real>(&self, q: R) -> Profile<R> {
         let [c0, c1, c2] = self.polynomial;
         let [b0, b1, b2] = self.at_rim.each(|b| b * RIM);

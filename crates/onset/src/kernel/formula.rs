@@ -2,7 +2,7 @@
 
 use super::error::KernelError;
 use super::moments::Pieces;
-use super::profile::{Profile, cusped};
+use super::profile::{Profile, cusped, switch};
 use super::smoothness::{Smoothness, jumps, orders_at};
 use crate::algebra::Each;
 use crate::formula::FunctionOfOne;
@@ -171,7 +171,7 @@ impl Compiled {
             return cusped(q, R::constant(1.0), || self.derivatives(q));
         }
         let away = || Profile::from_derivatives(q, self.derivatives(q));
-        Profile::switch(q, NEAR, || self.near_origin(q), away)
+        switch!(q, NEAR => self.near_origin(q), away())
     }
 
     /// The profile where `W'/q` is a quotient of two small numbers. By the mean value theorem, `W'(q)/q` and `S'` are values of

@@ -21,6 +21,10 @@ pub use smoothness::Smoothness;
 
 use crate::real::Real;
 use nalgebra::{SMatrix, SVector};
+use profile::switch;
+
+/// Where rounding decides, a particle on the rim, whose weight is zero, does not count as a neighbor.
+const RIM: f64 = 1.0 - 1e-12;
 
 /// A weight function `W(q)` of the distance in units of the support radius, zero for `q >= 1`, one at the origin.
 ///
@@ -96,7 +100,7 @@ impl Kernel {
     /// assert_eq!(profile.value, 0.25);
     /// assert_eq!(profile.slope_over_q, -3.0);
     /// ```
-    #[inline]
+    #[inline(always)]
     pub fn profile<const D: usize, R: Real>(self, q: R) -> Profile<R> {
         match self {
             Self::QuarticSpline => wendland::c2::<1, R>(q),
@@ -111,6 +115,12 @@ impl Kernel {
             Self::LaguerreGauss => exponential::LAGUERRE_GAUSS.profile(q),
             Self::Formula(formula) => formula.profile(q),
         }
+    }
+
+    /// The profile at any distance: zero beyond the support.
+    #[inline(always)]
+    pub(crate) fn profile_anywhere<const D: usize, R: Real>(self, q: R) -> Profile<R> {
+        switch!(q, RIM => self.profile::<D, R>(q), Profile::zero())
     }
 
     /// The weight of a particle at the position `x` relative to the evaluation point, with the
@@ -133,8 +143,7 @@ impl Kernel {
     ) -> Option<Weight<D>> {
         let y = metric * x / radius;
         let q = y.norm();
-        // Where rounding decides, a particle on the rim, whose weight is zero, does not count as a neighbor.
-        if q >= 1.0 - 1e-12 {
+        if q >= RIM {
             return None;
         }
         let profile = self.profile::<D, f64>(q);

@@ -5,6 +5,7 @@ use super::profile::Profile;
 use crate::real::Real;
 
 /// One dimension `(1 - q)^3 (1 + 3 q)`, the paper's quartic; two and three `(1 - q)^4 (1 + 4 q)`.
+#[inline(always)]
 pub(super) fn c2<const D: usize, R: Real>(q: R) -> Profile<R> {
     let p = -q + 1.0;
     if D == 1 {
@@ -23,6 +24,7 @@ pub(super) fn c2<const D: usize, R: Real>(q: R) -> Profile<R> {
 }
 
 /// One dimension `(1 - q)^5 (1 + 5 q + 8 q^2)`; two and three `(1 - q)^6 (1 + 6 q + 35/3 q^2)`.
+#[inline(always)]
 pub(super) fn c4<const D: usize, R: Real>(q: R) -> Profile<R> {
     let p = -q + 1.0;
     if D == 1 {
@@ -41,6 +43,7 @@ pub(super) fn c4<const D: usize, R: Real>(q: R) -> Profile<R> {
 }
 
 /// One dimension `(1 - q)^7 (1 + 7 q + 19 q^2 + 21 q^3)`; two and three `(1 - q)^8 (1 + 8 q + 25 q^2 + 32 q^3)`.
+#[inline(always)]
 pub(super) fn c6<const D: usize, R: Real>(q: R) -> Profile<R> {
     let p = -q + 1.0;
     if D == 1 {

@@ -1,7 +1,7 @@
 //! Several numbers at once.
 
 use super::{Real, Side, Work};
-use crate::algebra::{Each, array_of};
+use crate::algebra::array_of;
 use pulp::{Arch, NullaryFnOnce};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -35,10 +35,32 @@ impl<W: Work> NullaryFnOnce for InVectors<W> {
 
 impl Lanes {
     /// The first ones of some numbers.
+    #[inline(always)]
     pub(crate) fn of(numbers: &[f64]) -> Self {
         let mut lanes = [0.0; LANES];
         lanes.copy_from_slice(&numbers[..LANES]);
         Self(lanes)
+    }
+
+    /// Those from a place on; another number where there are none.
+    #[inline(always)]
+    pub(crate) fn at(numbers: &[f64], place: usize, beyond: f64) -> Self {
+        // A place is chosen and not numbers, which would go through memory.
+        let partly;
+        Self::of(match numbers.get(place..place.wrapping_add(LANES)) {
+            Some(own) => own,
+            None => {
+                partly = Self::partly(numbers, place, beyond);
+                &partly
+            }
+        })
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn partly(numbers: &[f64], place: usize, beyond: f64) -> [f64; LANES] {
+        let one = |lane| numbers.get(place.wrapping_add(lane)).copied();
+        array_of(|lane| one(lane).unwrap_or(beyond))
     }
 
     #[inline(always)]
@@ -70,17 +92,30 @@ impl Real for Lanes {
         Some(self.value()).filter(|value| !value.is_nan())
     }
 
+    // Without a way out before the last lane, so that all are compared at once.
+    #[inline(always)]
     fn side(self, threshold: f64) -> Option<Side> {
-        let [first, ..] = self.0.each(|lane| lane.side(threshold));
-        let agree = self.0.iter().all(|lane| lane.side(threshold) == first);
-        first.filter(|_| agree)
+        let (mut below, mut above) = (true, true);
+        for lane in self.0 {
+            below &= lane < threshold;
+            above &= lane >= threshold;
+        }
+        match (below, above) {
+            (true, _) => Some(Side::Below),
+            (_, true) => Some(Side::Above),
+            _ => None,
+        }
     }
 
+    #[inline(always)]
     fn blended(self, threshold: f64, below: Self, above: Self) -> Self {
-        Self(array_of(|n| match self.0[n].side(threshold) {
-            Some(Side::Below) => below.0[n],
-            Some(Side::Above) => above.0[n],
-            None => f64::NAN,
+        let either = |n: usize| match self.0[n] < threshold {
+            true => below.0[n],
+            false => above.0[n],
+        };
+        Self(array_of(|n| match self.0[n].is_nan() {
+            true => f64::NAN,
+            false => either(n),
         }))
     }
 
@@ -88,9 +123,11 @@ impl Real for Lanes {
         Arch::new().dispatch(InVectors(work))
     }
 
+    #[inline(always)]
     fn recip(self) -> Self {
         self.map(f64::recip)
     }
+    #[inline(always)]
     fn sqrt(self) -> Self {
         self.map(f64::sqrt)
     }
@@ -115,8 +152,22 @@ impl Real for Lanes {
     fn tanh(self) -> Self {
         self.map(f64::tanh)
     }
+    /// By squares, as a number alone has it.
+    #[inline(always)]
     fn powi(self, exponent: i32) -> Self {
-        self.map(|x| x.powi(exponent))
+        let (mut left, mut square) = (exponent.unsigned_abs(), self);
+        let mut power = Self([1.0; LANES]);
+        loop {
+            if left & 1 == 1 {
+                power = power * square;
+            }
+            left /= 2;
+            if left == 0 {
+                break;
+            }
+            square = square * square;
+        }
+        if exponent < 0 { power.recip() } else { power }
     }
     fn powf(self, exponent: f64) -> Self {
         self.map(|x| x.powf(exponent))

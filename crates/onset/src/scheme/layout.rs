@@ -26,7 +26,65 @@ pub(crate) struct Weighed<R, const D: usize> {
     pub(crate) gradient: [R; D],
 }
 
+/// A vector as a weight sees it: `q^2 = x . C x` is the squared distance over that of the rim, and the gradient of the weight is along `C x`, with
+/// `C = metric^T metric / radius^2`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Measured<R, const D: usize> {
+    /// `C x`; 1/length.
+    pub(crate) slant: [R; D],
+    /// `q^2`.
+    pub(crate) squared: R,
+}
+
+/// `C` of [`Measured`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Measure<const D: usize> {
+    components: [[f64; D]; D],
+    /// Of a round support `C` is a number.
+    is_round: bool,
+}
+
+impl<const D: usize> Measure<D> {
+    #[inline(always)]
+    pub(crate) fn of<R: Real>(&self, x: &[R; D]) -> Measured<R, D> {
+        let mut slant = x.each(|x| x * self.components[0][0]);
+        if !self.is_round {
+            slant = [R::constant(0.0); D];
+            for i in 0..D {
+                for j in 0..D {
+                    slant[i] = slant[i] + x[j] * self.components[i][j];
+                }
+            }
+        }
+        let mut squared = x[0] * slant[0];
+        for i in 1..D {
+            squared = squared + x[i] * slant[i];
+        }
+        Measured { slant, squared }
+    }
+}
+
 impl<const D: usize> MovingWeight<D> {
+    /// By what the weight measures distances.
+    pub(super) fn measure(&self) -> Measure<D> {
+        let metric = self.metric / self.radius;
+        Measure {
+            components: (metric.transpose() * metric).into(),
+            is_round: self.metric == SMatrix::<f64, D, D>::identity(),
+        }
+    }
+
+    /// The weight of what has been measured, without derivatives of another kind: of one vector or of several at once.
+    #[inline(always)]
+    pub(super) fn weigh<R: Real>(&self, own: &Measured<R, D>) -> Weighed<R, D> {
+        let profile = self.kernel.profile_anywhere::<D, R>(own.squared.sqrt());
+        let slope = profile.slope_over_q * self.factor;
+        Weighed {
+            value: profile.value * self.factor,
+            gradient: own.slant.each(|along| along * slope),
+        }
+    }
+
     /// The same, multiplied with a number.
     pub(super) fn times(self, factor: f64) -> Self {
         Self {
@@ -204,5 +262,69 @@ fn inverted<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
     match DMatrix::from_fn(D, D, |i, j| m[(i, j)]).try_inverse() {
         Some(inverse) => SMatrix::from_fn(|i, j| inverse[(i, j)]),
         None => SMatrix::repeat(f64::NAN),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::MovingWeight;
+    use crate::algebra::array_of;
+    use crate::kernel::{FormulaKernel, Kernel};
+    use crate::real::{LANES, Lanes};
+    use nalgebra::SMatrix;
+
+    /// Several vectors from near the center to beyond the rim, of which some are on each side of all the thresholds of the kernels, or all on one.
+    fn assert_weights<const D: usize>(kernel: Kernel) {
+        let mut sheared = SMatrix::<f64, D, D>::identity() * 1.1;
+        sheared[(0, D - 1)] += 0.2;
+        for metric in [SMatrix::identity(), sheared] {
+            let weight = MovingWeight {
+                kernel,
+                radius: 2.3,
+                metric,
+                factor: 0.7,
+            };
+            for (first, apart) in [
+                (0.05, 0.33),
+                (0.1, 0.01),
+                (1.3, 0.1),
+                (2.0, 0.1),
+                (5.0, 0.5),
+            ] {
+                let own = |lane: usize| -> [f64; D] {
+                    let distance = first + apart * lane as f64;
+                    array_of(|i| distance * [0.8, -0.6, 0.3][i])
+                };
+                let x = array_of(|i| Lanes(array_of(|lane| own(lane)[i])));
+                let all = weight.weigh(&weight.measure().of(&x));
+                for lane in 0..LANES {
+                    let one = weight.at(&own(lane));
+                    let near = |a: f64, b: f64| (a - b).abs() < 1e-14;
+                    assert!(near(all.value.0[lane], one.value), "{kernel}, {lane}");
+                    for (all, one) in all.gradient.iter().zip(one.gradient) {
+                        assert!(near(all.0[lane], one), "{kernel}, {lane}");
+                    }
+                    if own(lane).iter().map(|x| x * x).sum::<f64>() > 9.0 {
+                        assert_eq!(all.value.0[lane], 0.0);
+                        assert!(all.gradient.iter().all(|own| own.0[lane] == 0.0));
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn several_weights_at_once_are_those_of_one_at_a_time() {
+        let formulas = [
+            "(1 - q)^3*(1 + 3*q)",
+            "(1 - q)^3",
+            "max(1 - 2*q, 0)^3 + (1 - q)^3",
+        ];
+        let formula = |text| Kernel::Formula(FormulaKernel::parse(text).expect("a kernel"));
+        for kernel in Kernel::ALL.into_iter().chain(formulas.map(formula)) {
+            assert_weights::<1>(kernel);
+            assert_weights::<2>(kernel);
+            assert_weights::<3>(kernel);
+        }
     }
 }

@@ -27,7 +27,7 @@ mod strain_rows;
 
 pub use choices::MethodChoices;
 pub use lagrangian::LagrangianPoint;
-pub(crate) use layout::Weighed;
+pub(crate) use layout::{Measure, Weighed};
 pub use linearized::{Forced, linearized};
 pub use material_point::{
     Formulation, GridFunctions, GridGradients, GridMass, MaterialPointChoices, MaterialPoints,

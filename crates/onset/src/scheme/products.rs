@@ -36,6 +36,13 @@ pub(super) fn times_transpose<R: Real, const D: usize>(
 }
 
 /// `A v`.
+#[inline(always)]
 pub(super) fn times_vector<R: Real, const D: usize>(a: &[[R; D]; D], v: &[R; D]) -> [R; D] {
-    array_of(|i| (0..D).fold(R::constant(0.0), |sum, j| sum + a[i][j] * v[j]))
+    let mut product = [R::constant(0.0); D];
+    for i in 0..D {
+        for j in 0..D {
+            product[i] = product[i] + a[i][j] * v[j];
+        }
+    }
+    product
 }

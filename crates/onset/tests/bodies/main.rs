@@ -513,6 +513,39 @@ fn a_run_taken_up_goes_on_to_the_same_bits() {
     assert_eq!(ends(17), ends(30));
 }
 
+/// Asserts that a run on one core and runs on several end with the same bits.
+#[cfg(feature = "rayon")]
+fn assert_same_on_any_cores(run: impl Fn() -> PatchState + Sync) {
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.expect("threads").install(&run)
+    };
+    let one = on(1);
+    for threads in [2, 3, 5] {
+        assert_eq!(on(threads), one, "{threads}");
+    }
+}
+
+#[cfg(feature = "rayon")]
+#[test]
+fn a_run_on_any_number_of_cores_has_the_same_bits() {
+    assert_same_on_any_cores(|| {
+        let choices = choices(2.01, 0.5, PenaltyForm::Smd);
+        let method = method(LatticeKind::SimpleCubic, &choices);
+        with(&*method, &block(&[30.0, 9.0, 8.0]), &[], |body| {
+            let start = Start {
+                f: DeformationGradient::from_stretches([1.1, 1.0, 1.0]).expect("stretches"),
+                noise: 1e-3,
+                seed: 9,
+            };
+            body.start(&start, 0.1).expect("forces");
+            (0..10).for_each(|_| body.advance(0.1).expect("a step"));
+            body.state()
+        })
+        .expect("a body")
+    });
+}
+
 #[test]
 fn particles_that_invert_and_numbers_that_overflow_are_told() {
     let method = method(

@@ -731,6 +731,30 @@ fn a_run_taken_up_goes_on_to_the_same_bits_whenever_neighbors_were_found() {
     }
 }
 
+#[cfg(feature = "rayon")]
+#[test]
+fn a_run_on_any_number_of_cores_has_the_same_bits() {
+    for corrected in [false, true] {
+        super::assert_same_on_any_cores(|| {
+            let choices = UpdatedSphChoices {
+                corrected,
+                viscosity: Some(ArtificialViscosity::default()),
+                artificial_stress: Some(ArtificialStress::default()),
+                velocity_smoothing: 0.3,
+                ..choices(2.2)
+            };
+            let method = method(LatticeKind::Square, &choices);
+            with(&*method, &twice(&[6.0, 65.0], 9.0), &[], |body| {
+                body.start(&start([1.02, 1.0, 1.0], 1e-2), 0.1)
+                    .expect("forces");
+                (0..40).for_each(|_| body.advance(0.1).expect("a step"));
+                body.state()
+            })
+            .expect("a body")
+        });
+    }
+}
+
 #[test]
 fn the_critical_step_bounds_and_a_longer_one_does_not() {
     for viscosity in [0.0, 1.5] {

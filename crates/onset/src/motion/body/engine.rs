@@ -4,13 +4,14 @@
 //! come out of vectors of any width, and of any number of cores.
 
 use super::contact::Pieces;
+use super::cores::{field_parts, of_each, tensor_parts};
 use super::error::Lost;
 use super::links::{Kind, Links, Pair, Stencil};
-use super::vectors::{Component, Field, MASKS, Tensors, load, part, store, zeros};
-use crate::algebra::{Each, array_of};
+use super::vectors::{Field, MASKS, Tensors, load, part, slices, states, store, zeros};
+use crate::algebra::Each;
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
-use crate::real::{LANES, Lanes};
+use crate::real::LANES;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Groups that one core works on at a time.
@@ -71,9 +72,9 @@ impl<'a, const D: usize> Engine<'a, D> {
             volumes,
             ..
         } = self;
-        let parts = tensor_parts(deformations)
+        let parts = tensor_parts(deformations, BLOCK * LANES)
             .into_iter()
-            .zip(tensor_parts(stresses))
+            .zip(tensor_parts(stresses, BLOCK * LANES))
             .zip(links.groups.chunks(BLOCK))
             .enumerate()
             .collect();
@@ -101,7 +102,7 @@ impl<'a, const D: usize> Engine<'a, D> {
 
     /// `v += dt f / m` with the forces at displacements, of which [`Self::deform`] was called.
     pub(super) fn kick(&self, u: &Field<D>, v: &mut Field<D>, dt: f64) {
-        let parts = field_parts(v)
+        let parts = field_parts(v, BLOCK * LANES)
             .into_iter()
             .zip(self.links.groups.chunks(BLOCK))
             .enumerate()
@@ -140,16 +141,6 @@ impl<'a, const D: usize> Engine<'a, D> {
         self.pieces.as_ref().map_or(0.0, own)
     }
 
-    /// `u += dt v`.
-    pub(super) fn drift(&self, u: &mut Field<D>, v: &Field<D>, dt: f64) {
-        let parts = u.iter_mut().zip(v).collect();
-        of_each(parts, |(u, v): (&mut Component, &Component)| {
-            for (u, v) in u.iter_mut().zip(v) {
-                *u += v * dt;
-            }
-        });
-    }
-
     /// `sum_I V_I W(F_I)` and the potential of the contacts, of which [`Self::deform`] was called.
     pub(super) fn energy(&self) -> f64 {
         let f = slices(&self.deformations);
@@ -180,61 +171,6 @@ impl<'a, const D: usize> Engine<'a, D> {
             + links.groups.len() * size_of::<u32>()
             + self.pieces.as_ref().map_or(0, Pieces::bytes)
     }
-}
-
-fn slices<const D: usize>(tensors: &Tensors<D>) -> [[&[f64]; D]; D] {
-    tensors
-        .each_ref()
-        .each(|row| row.each_ref().map(Vec::as_slice))
-}
-
-/// Work on each of some things, on all cores where there are any; results in their order.
-#[cfg(feature = "rayon")]
-fn of_each<T: Send, R: Send>(things: Vec<T>, work: impl Fn(T) -> R + Sync + Send) -> Vec<R> {
-    use rayon::prelude::*;
-    things.into_par_iter().map(work).collect()
-}
-
-/// Work on each of some things; results in their order.
-#[cfg(not(feature = "rayon"))]
-fn of_each<T, R>(things: Vec<T>, work: impl Fn(T) -> R) -> Vec<R> {
-    things.into_iter().map(work).collect()
-}
-
-/// A field cut into what blocks write.
-fn field_parts<const D: usize>(field: &mut Field<D>) -> Vec<[&mut [f64]; D]> {
-    let count = parts_of(field);
-    let mut parts = field.each_mut().map(|own| own.chunks_mut(BLOCK * LANES));
-    let next = |_| parts.each_mut().map(|own| own.next().unwrap_or_default());
-    (0..count).map(next).collect()
-}
-
-/// Tensors cut into what blocks write.
-fn tensor_parts<const D: usize>(tensors: &mut Tensors<D>) -> Vec<[[&mut [f64]; D]; D]> {
-    let count = parts_of(&tensors[0]);
-    let mut rows = tensors.each_mut().map(|row| field_parts(row).into_iter());
-    let none = || std::array::from_fn(|_| Default::default());
-    let next = |_| rows.each_mut().map(|row| row.next().unwrap_or_else(none));
-    (0..count).map(next).collect()
-}
-
-fn parts_of<const D: usize>(field: &Field<D>) -> usize {
-    field[0].len().div_ceil(BLOCK * LANES)
-}
-
-/// The deformation gradients of the group that begins at a place.
-fn states<const D: usize>(
-    transverse: &DeformationGradient,
-    f: &[[&[f64]; D]; D],
-    place: usize,
-) -> DeformationGradient<Lanes> {
-    let fixed = transverse.components();
-    DeformationGradient::from_components(array_of(|i| {
-        array_of(|j| match i < D && j < D {
-            true => Lanes::of(&f[i][j][place..]),
-            false => Lanes([fixed[i][j]; LANES]),
-        })
-    }))
 }
 
 /// `T_I = P(F_I) K_I^-T`.

@@ -1,6 +1,7 @@
 //! Bodies whose gradients stay with the material.
 
 use super::contact::{Contact, Pieces};
+use super::cores::drift;
 use super::engine::Engine;
 use super::error::Lost;
 use super::grip::{Grip, held, work_of};
@@ -9,7 +10,7 @@ use super::moving::{BodyMotion, Start};
 use super::quantities::in_space;
 use super::shape::placed;
 use super::stability::{DIFFERENCE, critical_step, largest_factor};
-use super::vectors::{Field, zeros};
+use super::vectors::{Field, fill, flat, vector_of, zeros};
 use super::{BodyError, BodyParticles, BodyQuantities};
 use crate::algebra::{array_of, uniform};
 use crate::kinematics::DeformationGradient;
@@ -86,24 +87,6 @@ impl<const D: usize> LagrangianBody<'_, D> {
         self.engine.density * self.engine.volumes[particle]
     }
 
-    fn of(field: &Field<D>, particle: usize) -> [f64; D] {
-        array_of(|i| field[i][particle])
-    }
-
-    fn flat(&self, field: &Field<D>) -> Vec<f64> {
-        (0..self.len())
-            .flat_map(|particle| Self::of(field, particle))
-            .collect()
-    }
-
-    fn filled(field: &mut Field<D>, flat: &[f64]) {
-        for (particle, x) in flat.chunks_exact(D).enumerate() {
-            for i in 0..D {
-                field[i][particle] = x[i];
-            }
-        }
-    }
-
     /// What a grip wants of its particles at a time.
     fn grip_velocity(&self, grip: u32, time: f64) -> [f64; D] {
         self.grips[grip as usize].velocity_at(time)
@@ -127,7 +110,7 @@ impl<const D: usize> LagrangianBody<'_, D> {
             }
             let next = self.grip_velocity(*grip, time);
             let particle = *particle as usize;
-            let before = Self::of(&self.v, particle);
+            let before = vector_of(&self.v, particle);
             let free = array_of(|i| 2.0 * v[i][particle] - before[i]);
             work += 0.5 * work_of(self.mass(particle), &before, &free, &next);
             for i in 0..D {
@@ -170,8 +153,8 @@ impl<const D: usize> LagrangianBody<'_, D> {
             step: self.count,
             particle,
             position: self.positions[particle].to_vec(),
-            displacement: Self::of(&self.u, particle).to_vec(),
-            velocity: Self::of(&self.v, particle).to_vec(),
+            displacement: vector_of(&self.u, particle).to_vec(),
+            velocity: vector_of(&self.v, particle).to_vec(),
             deformation: leading.collect(),
             ground,
         })
@@ -244,16 +227,16 @@ impl<const D: usize> BodyMotion for LagrangianBody<'_, D> {
     fn state(&self) -> PatchState {
         PatchState {
             step: self.count,
-            displacements: self.flat(&self.u),
-            velocities: self.flat(&self.v),
+            displacements: flat(&self.u, self.len()),
+            velocities: flat(&self.v, self.len()),
             deformations: Vec::new(),
             work: self.work,
         }
     }
 
     fn put(&mut self, state: &PatchState, f: &DeformationGradient) {
-        Self::filled(&mut self.u, &state.displacements);
-        Self::filled(&mut self.v, &state.velocities);
+        fill(&mut self.u, &state.displacements);
+        fill(&mut self.v, &state.velocities);
         self.engine.transverse = *f;
         self.count = state.step;
         self.work = state.work;
@@ -264,7 +247,7 @@ impl<const D: usize> BodyMotion for LagrangianBody<'_, D> {
         let held = std::mem::take(&mut self.held);
         let before: Vec<[f64; D]> = held
             .iter()
-            .map(|(particle, _)| Self::of(&self.v, *particle as usize))
+            .map(|(particle, _)| vector_of(&self.v, *particle as usize))
             .collect();
         self.engine.kick(&self.u, &mut self.v, step);
         for ((particle, grip), before) in held.iter().zip(&before) {
@@ -274,14 +257,14 @@ impl<const D: usize> BodyMotion for LagrangianBody<'_, D> {
             }
             let next = self.grip_velocity(*grip, time);
             let particle = *particle as usize;
-            let free = Self::of(&self.v, particle);
+            let free = vector_of(&self.v, particle);
             self.work += work_of(self.mass(particle), before, &free, &next);
             for i in 0..D {
                 self.v[i][particle] = next[i];
             }
         }
         self.held = held;
-        self.engine.drift(&mut self.u, &self.v, step);
+        drift(&mut self.u, &self.v, step);
         self.count += 1;
         // Of a number that is none all sums are none.
         let sum: f64 = self.u.iter().flatten().sum();
@@ -296,13 +279,13 @@ impl<const D: usize> BodyMotion for LagrangianBody<'_, D> {
         let (v, work) = self.now(step);
         let mut own = BodyQuantities::new(self.engine.energy(), self.work + work);
         for particle in 0..self.len() {
-            let u = Self::of(&self.u, particle);
+            let u = vector_of(&self.u, particle);
             let f = DeformationGradient::from_components(self.deformation(particle));
             own.count(
                 self.mass(particle),
                 &array_of(|i| self.positions[particle][i] + u[i]),
                 &u,
-                [&Self::of(&v, particle); 2],
+                [&vector_of(&v, particle); 2],
                 f.determinant(),
             );
         }
@@ -315,11 +298,11 @@ impl<const D: usize> BodyMotion for LagrangianBody<'_, D> {
 
     fn critical_time_step(&mut self) -> Result<f64, Box<Fault>> {
         let unknowns = D * self.len();
-        let largest = largest_factor(unknowns, &mut |flat: &[f64], highest: f64| {
+        let largest = largest_factor(unknowns, &mut |own: &[f64], highest: f64| {
             let mut along = zeros(self.len());
-            Self::filled(&mut along, flat);
+            fill(&mut along, own);
             let image = self.changed(&along, DIFFERENCE * self.spacing / highest)?;
-            Ok(self.flat(&image))
+            Ok(flat(&image, self.len()))
         })?;
         self.deform(0.0)?;
         Ok(critical_step(largest + self.engine.stiffest_contact(), 0.0))
@@ -329,7 +312,7 @@ impl<const D: usize> BodyMotion for LagrangianBody<'_, D> {
         self.deform(0.0)?;
         let mut accelerations = zeros(self.len());
         self.engine.kick(&self.u, &mut accelerations, 1.0);
-        Ok(self.flat(&accelerations))
+        Ok(flat(&accelerations, self.len()))
     }
 
     fn bytes_per_particle(&self) -> f64 {

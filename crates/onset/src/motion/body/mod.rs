@@ -15,7 +15,7 @@
 //! boundary keeps as little for a particle as one without, and particles that lie anywhere are groups with many entries of one bit.
 //!
 //! Methods whose kernels see current coordinates ([`Discretization::current_pairs`]) find neighbors again as particles move, and each particle carries its
-//! deformation gradient.
+//! deformation gradient. They gather in the same way, what a group sees being looked for in each step.
 //!
 //! Pieces of a body that do not see each other pass through each other, unless there is a [`Contact`] between them.
 //!
@@ -26,12 +26,15 @@
 //! [`Discretization::with_forces`]: crate::scheme::Discretization::with_forces
 
 mod contact;
+mod cores;
+mod current;
 mod engine;
 mod error;
 mod grip;
 mod lagrangian;
 mod links;
 mod moving;
+mod neighborhoods;
 mod neighbors;
 mod quantities;
 mod shape;

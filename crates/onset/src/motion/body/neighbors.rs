@@ -4,7 +4,7 @@ use crate::algebra::{Each, array_of};
 use std::collections::HashMap;
 
 /// How much farther than needed pairs are looked for, as a share of the distance: particles may move by half of it before they are looked for again.
-const SKIN: f64 = 0.2;
+pub(super) const SKIN: f64 = 0.2;
 /// So many cells from the origin, and farther, all are one.
 const FAR: f64 = 1e15;
 
@@ -58,46 +58,73 @@ impl<const D: usize> Neighbors<D> {
         self.pairs.len() * size_of::<[u32; 2]>() + self.found_at.len() * size_of::<[f64; D]>()
     }
 
-    /// How many pairs are kept.
-    pub(super) fn len(&self) -> usize {
-        self.pairs.len()
-    }
-
     fn find(&mut self, places: &[[f64; D]], is_asked: &impl Fn(u32, u32) -> bool) {
-        let reach = (1.0 + SKIN) * self.distance;
-        let cell = |x: &[f64; D]| x.each(|x| (x / reach).floor().clamp(-FAR, FAR) as i64);
-        let mut order: Vec<([i64; D], u32)> = places
-            .iter()
-            .enumerate()
-            .map(|(number, x)| (cell(x), number as u32))
-            .collect();
-        order.sort_unstable();
-        // Where the particles of a cell begin and end in that order.
-        let mut cells: HashMap<[i64; D], [usize; 2]> = HashMap::new();
-        for (place, (own, _)) in order.iter().enumerate() {
-            cells.entry(*own).or_insert([place, place])[1] = place + 1;
-        }
+        let cells = Cells::new(places, self.distance);
         self.pairs.clear();
-        for (number, x) in places.iter().enumerate() {
+        for (number, x) in (0_u32..).zip(places) {
             let first = self.pairs.len();
-            let home = cell(x);
-            for code in 0..3_usize.pow(D as u32) {
-                let beside: [i64; D] =
-                    array_of(|i| home[i] + (code / 3_usize.pow(i as u32) % 3) as i64 - 1);
-                let Some([begin, end]) = cells.get(&beside) else {
-                    continue;
-                };
-                for (_, other) in &order[*begin..*end] {
-                    let is_near = squared(x, &places[*other as usize]) < reach * reach;
-                    if *other as usize > number && is_near && is_asked(number as u32, *other) {
-                        self.pairs.push([number as u32, *other]);
-                    }
+            cells.near(x, |other| {
+                if other > number && is_asked(number, other) {
+                    self.pairs.push([number, other]);
                 }
-            }
+            });
             self.pairs[first..].sort_unstable();
         }
         self.found_at.clear();
         self.found_at.extend_from_slice(places);
+    }
+}
+
+/// Particles by the cells of a grid, which are as large as the farthest of a pair are looked for.
+pub(super) struct Cells<'p, const D: usize> {
+    places: &'p [[f64; D]],
+    reach: f64,
+    /// The cells of all particles with their numbers, cell by cell.
+    order: Vec<([i64; D], u32)>,
+    /// Where the particles of a cell begin and end in that order.
+    cells: HashMap<[i64; D], [usize; 2]>,
+}
+
+impl<'p, const D: usize> Cells<'p, D> {
+    /// Of particles of which those are looked for that are, or come soon, within a distance.
+    pub(super) fn new(places: &'p [[f64; D]], distance: f64) -> Self {
+        let reach = (1.0 + SKIN) * distance;
+        let numbered = (0_u32..).zip(places);
+        let mut order: Vec<_> = numbered
+            .map(|(number, x)| (Self::cell(x, reach), number))
+            .collect();
+        order.sort_unstable();
+        let mut cells: HashMap<[i64; D], [usize; 2]> = HashMap::new();
+        for (place, (own, _)) in order.iter().enumerate() {
+            cells.entry(*own).or_insert([place, place])[1] = place + 1;
+        }
+        Self {
+            places,
+            reach,
+            order,
+            cells,
+        }
+    }
+
+    fn cell(x: &[f64; D], reach: f64) -> [i64; D] {
+        x.each(|x| (x / reach).floor().clamp(-FAR, FAR) as i64)
+    }
+
+    /// Tells all particles near a place, in no order; one that is there too.
+    pub(super) fn near(&self, x: &[f64; D], mut tell: impl FnMut(u32)) {
+        let home = Self::cell(x, self.reach);
+        for code in 0..3_usize.pow(D as u32) {
+            let beside: [i64; D] =
+                array_of(|i| home[i] + (code / 3_usize.pow(i as u32) % 3) as i64 - 1);
+            let Some([begin, end]) = self.cells.get(&beside) else {
+                continue;
+            };
+            for (_, other) in &self.order[*begin..*end] {
+                if squared(x, &self.places[*other as usize]) < self.reach * self.reach {
+                    tell(*other);
+                }
+            }
+        }
     }
 }
 

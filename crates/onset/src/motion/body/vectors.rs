@@ -1,7 +1,8 @@
 //! Numbers of particles that follow each other, as many as a vector of the machine holds.
 
-use crate::algebra::array_of;
-use crate::real::LANES;
+use crate::algebra::{Each, array_of};
+use crate::kinematics::DeformationGradient;
+use crate::real::{LANES, Lanes};
 use pulp::Simd;
 
 /// A component of all particles, filled up with zeros to whole groups.
@@ -14,6 +15,61 @@ pub(super) type Tensors<const D: usize> = [[Component; D]; D];
 /// A vector of zeros for so many particles.
 pub(super) fn zeros<const D: usize>(count: usize) -> Field<D> {
     std::array::from_fn(|_| vec![0.0; count.next_multiple_of(LANES)])
+}
+
+/// A tensor of zeros for so many particles.
+pub(super) fn zero_tensors<const D: usize>(count: usize) -> Tensors<D> {
+    std::array::from_fn(|_| zeros(count))
+}
+
+/// The vector of a particle.
+pub(super) fn vector_of<const D: usize>(field: &Field<D>, particle: usize) -> [f64; D] {
+    array_of(|i| field[i][particle])
+}
+
+/// Puts the vector of a particle.
+pub(super) fn put<const D: usize>(field: &mut Field<D>, particle: usize, vector: &[f64; D]) {
+    for (component, x) in field.iter_mut().zip(vector) {
+        component[particle] = *x;
+    }
+}
+
+/// Whether all are finite: without a way out before the last one, so that several are looked at at once.
+pub(super) fn are_finite(numbers: &[f64]) -> bool {
+    numbers.iter().fold(true, |all, x| all & x.is_finite())
+}
+
+/// The vectors of so many particles, one after the other.
+pub(super) fn flat<const D: usize>(field: &Field<D>, count: usize) -> Vec<f64> {
+    (0..count).flat_map(|n| vector_of(field, n)).collect()
+}
+
+/// Puts vectors that stand one after the other into a field.
+pub(super) fn fill<const D: usize>(field: &mut Field<D>, flat: &[f64]) {
+    for (particle, x) in flat.chunks_exact(D).enumerate() {
+        put(field, particle, &array_of(|i| x[i]));
+    }
+}
+
+pub(super) fn slices<const D: usize>(tensors: &Tensors<D>) -> [[&[f64]; D]; D] {
+    tensors
+        .each_ref()
+        .each(|row| row.each_ref().map(Vec::as_slice))
+}
+
+/// The deformation gradients of the group that begins at a place.
+pub(super) fn states<const D: usize>(
+    transverse: &DeformationGradient,
+    f: &[[&[f64]; D]; D],
+    place: usize,
+) -> DeformationGradient<Lanes> {
+    let fixed = transverse.components();
+    DeformationGradient::from_components(array_of(|i| {
+        array_of(|j| match i < D && j < D {
+            true => Lanes::of(&f[i][j][place..]),
+            false => Lanes([fixed[i][j]; LANES]),
+        })
+    }))
 }
 
 /// For each of some particles of a group one where it is among those that bits tell, and zero where not.

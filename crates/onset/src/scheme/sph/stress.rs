@@ -3,7 +3,7 @@
 use super::super::products::{displacement_gradient, times_transpose, transported};
 use super::super::response::determinant;
 use super::super::{Interaction, Motion, PointResponse};
-use super::current::{CurrentPairs, Laden};
+use super::current::CurrentPairs;
 use crate::algebra::{Each, array_of};
 use crate::lattice::Particle;
 use crate::real::Real;
@@ -106,21 +106,20 @@ impl<const D: usize> Interaction<D> for StressOf<'_, D> {
             determinant(&f),
         );
         let pairs = surroundings.pairs;
-        let own = Laden {
-            mass: self.masses[0],
-            density: self.density(0, &moved),
-            tensile: pairs.tensile(&stress),
-            stress,
-        };
+        let masses = self.masses.iter().copied().map(R::constant);
+        let masses: Vec<R> = masses.collect();
+        let density = self.density(0, &moved);
+        let own = pairs.laden(masses[0], density, &stress, pairs.tensile(&stress));
         let mut forces = vec![[R::constant(0.0); D]; self.particles.len()];
         for &other in &circle.members[1..] {
             let x = between(&moved.positions[0], &moved.positions[other]);
             let other_density = match pairs.takes_both_densities() {
-                false => own.density,
+                false => density,
                 true => self.density(other, &moved),
             };
-            let seen = (self.masses[other], other_density);
-            let traction = pairs.traction(&own, seen, &pairs.weigh(&x));
+            let reach = pairs.reach(masses[other], other_density);
+            let traction = own.traction(&pairs.slopes(&pairs.weigh(&x)));
+            let traction = traction.each(|own| own * reach);
             let taken = pairs.taken(traction);
             for i in 0..D {
                 forces[other][i] = forces[other][i] - traction[i];

@@ -64,10 +64,8 @@ pub(in super::super) struct Repulsion {
 impl Repulsion {
     /// `epsilon (W / W(spacing))^n`; zero out of the support.
     pub(in super::super) fn factor<R: Real>(&self, weight: R) -> R {
-        if weight.value() <= 0.0 {
-            return R::constant(0.0);
-        }
-        (weight / self.weight_at_spacing).powf(self.exponent) * self.epsilon
+        let within = || (weight / self.weight_at_spacing).powf(self.exponent) * self.epsilon;
+        weight.switch(f64::MIN_POSITIVE, || R::constant(0.0), within)
     }
 
     /// `[sigma]_+`.

@@ -2,6 +2,7 @@
 
 use crate::bloch::{BlochBlocks, BlochSum};
 use crate::lattice::{Crystal, Particle};
+use crate::real::Real;
 use nalgebra::SMatrix;
 
 /// What follows the smoothed velocity.
@@ -25,13 +26,13 @@ pub enum SmoothedMotion {
 }
 
 /// `epsilon m_J / rho_IJ W_IJ`, the share of the velocity of a neighbor, with the mean density of the two.
-pub(in super::super) fn smoothing_share(
+pub(in super::super) fn smoothing_share<R: Real>(
     epsilon: f64,
-    mass: f64,
-    densities: [f64; 2],
-    weight: f64,
-) -> f64 {
-    epsilon * mass / (0.5 * (densities[0] + densities[1])) * weight
+    mass: R,
+    densities: [R; 2],
+    weight: R,
+) -> R {
+    mass * epsilon / ((densities[0] + densities[1]) * 0.5) * weight
 }
 
 /// `T` in `du/dt = T v`: `du_I/dt = v_I + epsilon sum_J m_J / rho_IJ (v_J - v_I) W_IJ` with the mean density of the two; densities

@@ -136,9 +136,9 @@ impl Dashpot {
     }
 
     /// `m_I m_J / rho` with the mean density of the two, halved where the viscosity acts half of the time.
-    pub(in super::super) fn factor(&self, masses: [f64; 2], densities: [f64; 2]) -> f64 {
-        let density = 0.5 * (densities[0] + densities[1]);
-        self.share * masses[0] * masses[1] / density
+    pub(in super::super) fn factor<R: Real>(&self, masses: [R; 2], densities: [R; 2]) -> R {
+        let density = (densities[0] + densities[1]) * 0.5;
+        masses[0] * self.share * masses[1] / density
     }
 
     /// `rho Pi` from the squared length of the bond and `v.x`.
@@ -160,26 +160,39 @@ impl Dashpot {
         x: &[R; D],
         v: &[R; D],
         slope: &Slope<D>,
-        factor: f64,
     ) -> [R; D] {
-        let zero = R::constant(0.0);
-        let squared = x.iter().fold(zero, |sum, x| sum + *x * *x);
-        let rate = x.iter().zip(v).fold(zero, |sum, (x, v)| sum + *x * *v);
-        let quadratic = match slope {
-            Slope::Moving(_) if self.is_of_smd => 0.0,
-            _ => self.quadratic,
+        let squared = dot(x, x);
+        let gradient = slope.at(x, squared);
+        let Slope::Fixed(_) = slope else {
+            return self.along(x, v, &gradient);
         };
-        let pressure = self.pressure(squared, rate, quadratic) * factor;
-        // The gradient of the kernel with respect to the end of the bond, with the direction that the code gives to it.
-        let mut gradient = slope.at(x, squared);
-        if self.is_of_smd && matches!(slope, Slope::Fixed(_)) {
-            let length = squared.sqrt();
-            let shorter = length / (length + 0.01 * self.length);
-            gradient = gradient.each(|component| component * shorter);
+        let pressure = self.pressure(squared, dot(x, v), self.quadratic);
+        if !self.is_of_smd {
+            return gradient.each(|slope| slope * pressure);
         }
-        // grad W_IJ with respect to I is minus that with respect to J.
+        // The direction that the code gives to the gradient.
+        let length = squared.sqrt();
+        let shorter = length / (length + 0.01 * self.length);
+        gradient.each(|slope| slope * shorter * pressure)
+    }
+
+    /// The same with the gradient of a kernel of current coordinates with respect to the end of the bond; that with respect to the first particle is minus that.
+    #[inline(always)]
+    pub(in super::super) fn along<R: Real, const D: usize>(
+        &self,
+        x: &[R; D],
+        v: &[R; D],
+        gradient: &[R; D],
+    ) -> [R; D] {
+        let quadratic = if self.is_of_smd { 0.0 } else { self.quadratic };
+        let pressure = self.pressure(dot(x, x), dot(x, v), quadratic);
         gradient.each(|slope| slope * pressure)
     }
+}
+
+fn dot<R: Real, const D: usize>(a: &[R; D], b: &[R; D]) -> R {
+    let both = a.iter().zip(b);
+    both.fold(R::constant(0.0), |sum, (a, b)| sum + *a * *b)
 }
 
 /// One of the two halves of the viscous force between two particles.
@@ -202,7 +215,8 @@ impl<const D: usize> Interaction<D> for ViscousBond<D> {
         let difference = |values: &[[R; D]], i: usize| values[1][i] - values[0][i];
         let x: [R; D] = array_of(|i| difference(motion.displacements, i) + self.vector[i]);
         let v = array_of(|i| difference(motion.velocities, i));
-        let on_first = self.dashpot.on_first(&x, &v, &self.slope, self.factor);
+        let on_first = self.dashpot.on_first(&x, &v, &self.slope);
+        let on_first = on_first.each(|force| force * self.factor);
         vec![on_first, on_first.each(|force| -force)]
     }
 
