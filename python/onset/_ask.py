@@ -296,8 +296,8 @@ def simulate(
     - The patch has `cells` along each primitive vector. What moves at the start is its critical wave, with ``mode="noise"`` all particles at random by `seed`, or
       the wave with the reference `wave_vector` (shape (D,); 1/length) or with so many `turns` along each side, of which `branch` counts from 1 by increasing
       ``omega^2``. `amplitude` is the largest displacement at the start, in particle spacings.
-    - It takes `steps`, or the `time`; when left out about a period, or four e-folding times. A step is the `fraction` of the largest stable one, 0.5 or less
-      when left out, or the `time_step` (time) itself; above the largest stable one only if `supercritical`. The `integrator` is ``kick-drift-kick``
+    - It takes `steps`, or the `time`; when left out about a period, four e-folding times of growth or one of decay. A step is the `fraction` of the largest
+      stable one, 0.5 or less when left out, or the `time_step` (time) itself, of a transfer ``discretization.time-step`` where that is set; above the largest stable one only if `supercritical`. The `integrator` is ``kick-drift-kick``
       (when left out), ``central-differences``, ``predictor-corrector`` or ``sixth-order``; a transfer of material points has a step of its own, and takes none.
     - Rates that differ by less than the share `tolerance` agree.
     - With `out`, a folder, the history is written `every` so many steps, so many `fields`, and a checkpoint each `checkpoint` steps (five seconds when left

@@ -604,7 +604,7 @@ pub struct SimulateArguments {
     /// The seed of the noise.
     #[arg(long, value_name = "S", default_value_t = 1, help_heading = "Patch")]
     pub seed: u64,
-    /// Steps [default: about a period of the wave, or four e-folding times; a body must be told].
+    /// Steps [default: about a period of the wave, four e-folding times of growth or one of decay; a body must be told].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Time")]
     pub steps: Option<u64>,
     /// Time, instead of steps.
@@ -613,14 +613,14 @@ pub struct SimulateArguments {
     /// The step over the largest stable one for the waves of the patch [default: 0.5, less for a wave that grows fast].
     #[arg(long, value_name = "SHARE", value_parser = positive, help_heading = "Time")]
     pub fraction: Option<f64>,
-    /// The step itself, instead of that.
+    /// The step itself, instead of that [default of a transfer of material points: discretization.time-step where that is set].
     #[arg(long, value_name = "DT", value_parser = positive, help_heading = "Time")]
     pub time_step: Option<f64>,
     /// Run a step above the largest stable one all the same.
     #[arg(long, help_heading = "Time")]
     pub supercritical: bool,
     /// kick-drift-kick (velocity-verlet), central-differences (leapfrog, symplectic-euler), predictor-corrector (midpoint), or sixth-order, a
-    /// composition of nine steps of the first [default: kick-drift-kick; bodies have central-differences].
+    /// composition of nine steps of the first [default: kick-drift-kick; bodies have central-differences, transfers of material points a step of their own].
     #[arg(long, value_name = "NAME", value_parser = stepper, help_heading = "Time")]
     pub integrator: Option<Stepper>,
     /// The relative difference of rates that counts as agreement [default: 1e-6].

@@ -286,6 +286,51 @@ fn material_points_with_a_transfer_move_as_predicted() {
     assert!(stable == 10 && unstable > 6, "{stable} {unstable}");
 }
 
+/// Material points on a chain with linear functions, one in a cell unless told.
+fn on_a_chain(line: &str) -> Answer {
+    let set = [
+        "method=material-points",
+        "unknowns=particles",
+        "lattice=chain",
+    ];
+    let set = set
+        .map(|own| format!("--set discretization.{own}"))
+        .join(" ");
+    simulate(&format!("--json --stretch 1 {set} {line}"), &[])
+}
+
+#[test]
+fn waves_that_strain_points_and_do_not_move_them_are_measured_and_small_strains_only() {
+    for transfer in ["transfer=flip", "transfer=pic"] {
+        let line = format!(
+            "--cells 8 --turns 4 --set discretization.{transfer} --set discretization.points-per-side=1"
+        );
+        let answer = on_a_chain(&line);
+        assert_eq!(answer.code, Some(0), "{}{}", answer.stdout, answer.stderr);
+        assert!(number(&answer.document(), "/measured/difference") < 1e-6);
+        // Beyond small strains linearized equations are not tested.
+        let large = on_a_chain(&format!("{line} --amplitude 0.1"));
+        assert_eq!(large.code, Some(3), "{}{}", large.stdout, large.stderr);
+    }
+}
+
+#[test]
+fn points_that_meet_a_node_of_linear_functions_have_the_slope_for_an_affine_field() {
+    let energies = ["0.25", "0.2499999999", "0.24"].map(|amplitude| {
+        let line = format!(
+            "--cells 8 --turns 1 --amplitude {amplitude} --steps 1 --time-step 0.01 --set discretization.transfer=apic"
+        );
+        let answer = on_a_chain(&line);
+        assert_eq!(answer.code, Some(3), "{}{}", answer.stdout, answer.stderr);
+        number(&answer.document(), "/energy_drift")
+    });
+    let [on, beside, away] = energies;
+    assert!(
+        (on - away).abs() < 0.02 && (beside - away).abs() < 0.02,
+        "{energies:?}"
+    );
+}
+
 #[test]
 fn the_sixth_order_keeps_the_energy_of_what_has_one() {
     // With amplitudes that are not small; the methods with kernels or elements of material coordinates have an energy.

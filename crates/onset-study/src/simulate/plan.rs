@@ -492,6 +492,9 @@ pub(super) fn fields(count: u64, steps: u64) -> Vec<u64> {
 /// modes, which have no time. Time.
 fn natural(wave: &PatchWave, rate: Complex) -> Option<f64> {
     let size = rate.norm();
+    if size == 0.0 {
+        return None;
+    }
     let decays = rate.re < 0.0 && rate.im.abs() <= 1e-9 * size;
     match (wave.has_zero_energy, rate.re > 1e-9 * size) {
         (true, _) => None,

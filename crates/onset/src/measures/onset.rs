@@ -184,6 +184,7 @@ fn end_of_stability(
         }
         Narrowed::Change(_, (stretch, _)) => Ok(StretchOnset::At(stretch)),
         Narrowed::Third(between) => end_of_stability(stable, between, probe),
-        Narrowed::Outside => Ok(StretchOnset::NotBefore(other.0)),
+        // No stretch is left out.
+        Narrowed::Outside => Ok(StretchOnset::Undefined(other.0)),
     }
 }

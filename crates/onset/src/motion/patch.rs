@@ -40,7 +40,8 @@ pub struct Quantities {
     pub potential: f64,
     /// `sum M v`; mass length/time.
     pub momentum: [f64; 3],
-    /// The largest displacement of a particle from the homogeneous state; length.
+    /// The largest displacement of a particle from the homogeneous state; of material points with a transfer, which waves can strain and not move, at least that of a wave as long as
+    /// the spacing with their strain. Length.
     pub largest: f64,
 }
 
@@ -85,10 +86,11 @@ pub trait PatchMotion {
         true
     }
 
-    /// Random displacements with the mean zero; `amplitude` is the largest one along an axis. Length.
+    /// Random displacements with the mean zero, of material points with a transfer what such displacements of the nodes leave on them; `amplitude` is the
+    /// largest one along an axis. Length.
     fn noise(&self, amplitude: f64, seed: u64) -> PatchState;
 
-    /// A wave alone, with the largest component of displacement given; length.
+    /// A wave alone, with the largest component of displacement given, of material points with a transfer the largest displacement; length.
     fn seed(&self, wave: &SteppedWave, amplitude: f64) -> PatchState;
 
     /// The amplitude of a wave in the displacements; length.

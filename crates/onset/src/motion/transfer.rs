@@ -16,8 +16,10 @@ use crate::time_step::TransferredWaves;
 use nalgebra::{DVector, SMatrix, SVector};
 use std::f64::consts::TAU;
 
-/// Points see less than this share of a wave of nodes: nothing.
+/// Points see less than this share of a wave of nodes, or nodes of theirs: nothing.
 const UNSEEN: f64 = 1e-9;
+/// Points so many spacings away are lost.
+const LOST: f64 = 1e8;
 
 /// A solution that decays so many times faster than the other changes is gone before a record tells it.
 const SOON_GONE: f64 = 10.0;
@@ -84,10 +86,7 @@ impl<'a, const D: usize> TransferredPatch<'a, D> {
     ) -> Option<PointsInMotion<D>> {
         let [u, v] = seed.each_ref().map(|own| self.on_nodes(wave, own));
         let mut points = self.transfer.carried(&u, &v);
-        let displaced = points.displacements.iter().map(|u| u.norm());
-        let length = self.grid().spacing() / TAU;
-        let strained = points.gradients.iter().map(|l| length * l.norm());
-        let largest = displaced.chain(strained).fold(0.0, f64::max);
+        let largest = self.largest(&points);
         if largest < UNSEEN * seed[0].norm() {
             return None;
         }
@@ -95,12 +94,28 @@ impl<'a, const D: usize> TransferredPatch<'a, D> {
         Some(points)
     }
 
+    /// The largest displacement, of waves that strain points and do not move them by their strain.
+    fn largest(&self, points: &PointsInMotion<D>) -> f64 {
+        let displaced = points.displacements.iter().map(|u| u.norm());
+        let length = self.grid().spacing() / TAU;
+        let strained = points.gradients.iter().map(|l| length * l.norm());
+        displaced.chain(strained).fold(0.0, f64::max)
+    }
+
+    /// The deformation gradient of a point.
+    fn deformation(&self, point: usize) -> DeformationGradient {
+        let base = self.f.leading::<D>();
+        self.f
+            .with_leading(&(base + self.points.gradients[point] * base))
+    }
+
     fn fault(&self, none: NoForce, step: f64) -> Box<Fault> {
         let n = none.particle;
         let of = |field: &Field<D>| field[n].iter().copied().collect::<Vec<f64>>();
-        let own = self.f.leading::<D>();
-        let own = own + self.points.gradients[n] * own;
-        let is_finite = own.iter().all(|x| x.is_finite());
+        let own = self.deformation(n).leading::<D>();
+        let is_near = |u: &f64| u.abs() < LOST * self.grid().spacing();
+        let is_finite =
+            own.iter().all(|x| x.is_finite()) && self.points.displacements[n].iter().all(is_near);
         Box::new(Fault {
             time: self.count as f64 * step,
             step: self.count,
@@ -112,7 +127,7 @@ impl<'a, const D: usize> TransferredPatch<'a, D> {
             ground: match (none.source, is_finite) {
                 (Some(source), _) => Ground::Method(source),
                 (None, false) => Ground::NotFinite,
-                (None, true) => Ground::without_stress(self.material, &self.f.with_leading(&own)),
+                (None, true) => Ground::without_stress(self.material, &self.deformation(n)),
             },
         })
     }
@@ -183,10 +198,14 @@ impl<const D: usize> PatchMotion for TransferredPatch<'_, D> {
         let done = self.transfer.advance(&mut self.points, step);
         done.map_err(|none| self.fault(none, step))?;
         self.count += 1;
-        let is_finite = |field: &Field<D>, n: usize| field[n].iter().all(|x| x.is_finite());
+        let points = &self.points;
         let lost = (0..self.positions.len()).find(|n| {
-            let points = &self.points;
-            !is_finite(&points.displacements, *n) || !is_finite(&points.velocities, *n)
+            let vectors = [&points.displacements[*n], &points.velocities[*n]];
+            let tensors = [&points.gradients[*n], &points.affine[*n]];
+            let numbers = vectors.into_iter().flatten();
+            !numbers
+                .chain(tensors.into_iter().flatten())
+                .all(|x| x.is_finite())
         });
         match lost {
             None => Ok(()),
@@ -200,14 +219,21 @@ impl<const D: usize> PatchMotion for TransferredPatch<'_, D> {
         }
     }
 
-    fn quantities(&self, _: Stepper, _: f64) -> Result<Quantities, Box<Fault>> {
+    fn quantities(&self, _: Stepper, step: f64) -> Result<Quantities, Box<Fault>> {
         let momentum = self.transfer.momentum(&self.points);
-        let displacements = self.points.displacements.iter();
+        let potential = self.transfer.strain_energy(&self.points);
+        if !potential.is_finite() {
+            let energy = |n: usize| Some(self.material.response(&self.deformation(n)).ok()?.energy);
+            let is_lost = |n: &usize| !energy(*n).is_some_and(f64::is_finite);
+            let particle = (0..self.positions.len()).find(is_lost).unwrap_or(0);
+            let source = None;
+            return Err(self.fault(NoForce { particle, source }, step));
+        }
         Ok(Quantities {
             kinetic: self.transfer.kinetic_energy(&self.points),
-            potential: self.transfer.strain_energy(&self.points),
+            potential,
             momentum: array_of(|i| momentum.get(i).copied().unwrap_or(0.0)),
-            largest: displacements.map(|u| u.norm()).fold(0.0, f64::max),
+            largest: self.largest(&self.points),
         })
     }
 
@@ -240,13 +266,18 @@ impl<const D: usize> PatchMotion for TransferredPatch<'_, D> {
             .modes(&k)
             .into_iter()
             .nth(wave.branch - 1)?;
-        let factors = *self.nodal.factors(&k, step).get(wave.branch - 1)?;
+        let mut factors = *self.nodal.factors(&k, step).get(wave.branch - 1)?;
+        // Points that a wave strains and does not move bring no velocities of it to the nodes: u' = (1 - omega^2 dt^2) u.
+        let is_at_rest = 1.0 - self.nodal.lost(&k) < UNSEEN;
+        if is_at_rest {
+            factors = [1.0 - omega_squared * (step * step), Complex::new(0.0, 0.0)];
+        }
         let flip = self.nodal.flip();
         let speed = |z: Complex| {
             let after = (z - 1.0) / step;
             let speed = (after * (1.0 - flip) - omega_squared * (flip * step)) / (z - flip);
             // Where nothing is left of the velocities of the nodes, or the wave stays where it is, there is none.
-            match speed.is_finite() && !wave.has_zero_energy {
+            match speed.is_finite() && !wave.has_zero_energy && !is_at_rest {
                 true => speed,
                 false => Complex::new(0.0, 0.0),
             }

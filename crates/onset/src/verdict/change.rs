@@ -16,7 +16,7 @@ pub(crate) enum Narrowed {
 }
 
 /// Narrows a change of phase down to a tolerance, or to neighboring numbers. Interpolates the measure (the ITP method of Oliveira and
-/// Takahashi, ACM Trans. Math. Softw. 47, 2020, which never needs more than one step above bisection) where its sign is that of
+/// Takahashi, ACM Trans. Math. Softw. 47, 2020, which but for rounding never needs more than one step above bisection) where its sign is that of
 /// the phase, and bisects where it is not. The measure of an unstable state is that of any wave that grows and may
 /// jump, so that there the line through the last two stable places takes its place as soon as there are two.
 pub(crate) fn narrow<E>(

@@ -8,7 +8,7 @@ use crate::real::{LANES, Lanes, Real, Side, Work};
 use crate::scheme::sph::CurrentPairs;
 use crate::scheme::{Measure, Weighed};
 
-/// Where there is no particle: so far away that nothing sees it.
+/// Where there is no particle: so far away that no particle sees it. What fills up the last group is there together, and what it sees of itself is thrown away.
 pub(super) const NOWHERE: f64 = 1e100;
 /// Groups whose neighbors one core looks for at a time.
 const BLOCK: usize = 64;

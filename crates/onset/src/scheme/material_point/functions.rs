@@ -6,6 +6,8 @@ use crate::real::{Dual, Real};
 
 /// A position within this distance of a knot, in units of the grid spacing, is on it.
 const KNOT: f64 = 1e-9;
+/// Second moments below are those of points on a node, where linear functions have none, and slopes take the place of first moments over them.
+pub(super) const FLAT: f64 = 1e-8;
 
 /// The functions of the nodes of the grid. All are partitions of unity and reproduce linear fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -177,7 +179,10 @@ impl Profile {
         let (value, slope) = self.at(x);
         match self.gradients {
             GridGradients::Functions => (value, slope),
-            GridGradients::Moments => (value, -(value * x) / self.second_moment(x)),
+            GridGradients::Moments => match self.second_moment(x) {
+                moment if moment.value() > FLAT => (value, -(value * x) / moment),
+                _ => (value, slope),
+            },
         }
     }
 

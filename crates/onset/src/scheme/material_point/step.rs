@@ -1,12 +1,15 @@
 //! One step of the method on a periodic patch, as a simulation does it: particles to grid, forces, grid to particles.
 
-use super::functions::Profile;
+use super::functions::{FLAT, Profile};
 use super::point::State;
 use super::{MaterialPoints, Transfer};
 use crate::algebra::array_of;
 use crate::lattice::Particle;
 use crate::scheme::{NoForce, PatchForces, PatchTransfer, PeriodicPatch, PointsInMotion};
 use nalgebra::{SMatrix, SVector};
+
+/// Points so many cells away are lost: beyond, nodes are not told apart.
+const FAR: f64 = 1e9;
 
 /// A material point of a patch.
 pub(super) struct Carried<const D: usize> {
@@ -34,6 +37,8 @@ struct Sight<const D: usize> {
     value: f64,
     /// In space; 1/length.
     gradient: SVector<f64, D>,
+    /// The same by lattice coordinates of the grid.
+    slope: SVector<f64, D>,
     /// From the place to the node, in lattice coordinates of the grid.
     apart: SVector<f64, D>,
 }
@@ -76,6 +81,7 @@ impl<'a, const D: usize> Step<'a, D> {
                 number: self.nodes.number(&Particle { site: 0, cell }),
                 value: shape.value,
                 gradient: SVector::from(self.state.gradient(&shape.slope)),
+                slope: shape.slope.into(),
                 apart: SVector::from(cell.map(f64::from)) - place,
             }
         };
@@ -198,6 +204,8 @@ struct Sampled<const D: usize> {
     value: SVector<f64, D>,
     /// `sum_i w_i (x) grad N_ip`.
     gradient: SMatrix<f64, D, D>,
+    /// The same by lattice coordinates.
+    slope: SMatrix<f64, D, D>,
     /// `sum_i N_ip w_i (x) (x_i - x_p)`, in lattice coordinates.
     moment: SMatrix<f64, D, D>,
 }
@@ -215,25 +223,33 @@ impl<const D: usize> Step<'_, D> {
         let mut sampled = Sampled {
             value: SVector::zeros(),
             gradient: SMatrix::zeros(),
+            slope: SMatrix::zeros(),
             moment: SMatrix::zeros(),
         };
         for node in seen {
             let own = field[node.number];
             sampled.value += own * node.value;
             sampled.gradient += own * node.gradient.transpose();
+            sampled.slope += own * node.slope.transpose();
             sampled.moment += own * node.apart.transpose() * node.value;
         }
         sampled
     }
 
-    /// The affine field of a point at a place by the first moment of its velocities; none without such fields.
-    fn affine(&self, place: &SVector<f64, D>, moment: SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
-        match self.transfer {
-            Some((Transfer::Affine, _)) => {
-                moment * SMatrix::from_diagonal(&self.moments(place).map(f64::recip))
-            }
-            _ => SMatrix::zeros(),
+    /// The affine field of a point at a place by the first moment of its velocities, on a node of linear functions by the slope; none without such fields.
+    fn affine(&self, place: &SVector<f64, D>, sampled: &Sampled<D>) -> SMatrix<f64, D, D> {
+        let mut affine = SMatrix::zeros();
+        if !matches!(self.transfer, Some((Transfer::Affine, _))) {
+            return affine;
         }
+        for (axis, moment) in self.moments(place).iter().enumerate() {
+            let own = match *moment > FLAT {
+                true => sampled.moment.column(axis) / *moment,
+                false => sampled.slope.column(axis).into_owned(),
+            };
+            affine.set_column(axis, &own);
+        }
+        affine
     }
 
     /// From the points to the nodes, `v_i = sum_p m_p N_ip (v_p + C_p (x_i - x_p)) / m_i`, and there `v_i' = v_i + dt f_i / m_i`.
@@ -287,7 +303,8 @@ impl<const D: usize> PatchTransfer<D> for Step<'_, D> {
         };
         let moved = self.points.iter().zip(&points.displacements);
         let places: Vec<SVector<f64, D>> = moved.map(|(p, u)| self.moved(p, u)).collect();
-        if let Some(particle) = places.iter().position(|x| !x.iter().all(|x| x.is_finite())) {
+        let is_lost = |place: &SVector<f64, D>| !place.iter().all(|x| x.abs() < FAR);
+        if let Some(particle) = places.iter().position(is_lost) {
             return Err(NoForce {
                 particle,
                 source: None,
@@ -299,7 +316,7 @@ impl<const D: usize> PatchTransfer<D> for Step<'_, D> {
             let new = Self::sampled(seen, &grid.after);
             let old = Self::sampled(seen, &grid.before);
             points.velocities[p] = new.value + (points.velocities[p] - old.value) * flip;
-            points.affine[p] = self.affine(place, new.moment);
+            points.affine[p] = self.affine(place, &new);
             points.displacements[p] += new.value * dt;
             let own = points.gradients[p];
             points.gradients[p] = own + (new.gradient + new.gradient * own) * dt;
@@ -320,7 +337,7 @@ impl<const D: usize> PatchTransfer<D> for Step<'_, D> {
             points.gradients[p] = moving.gradient;
             let moving = Self::sampled(&seen, velocities);
             points.velocities[p] = moving.value;
-            points.affine[p] = self.affine(&point.place, moving.moment);
+            points.affine[p] = self.affine(&point.place, &moving);
         }
         points
     }
@@ -330,7 +347,9 @@ impl<const D: usize> PatchTransfer<D> for Step<'_, D> {
             let place = self.moved(point, &points.displacements[p]);
             let moments = self.moments(&place);
             let columns = points.affine[p].column_iter().zip(moments.iter());
-            let affine: f64 = columns.map(|(column, m)| column.norm_squared() * m).sum();
+            let affine: f64 = columns
+                .map(|(column, m)| column.norm_squared() * m.max(0.0))
+                .sum();
             0.5 * point.mass * (points.velocities[p].norm_squared() + affine)
         };
         self.points.iter().enumerate().map(own).sum()
