@@ -1,5 +1,6 @@
 //! The equations of motion of a patch.
 
+use crate::algebra::array_of;
 use crate::bloch::{BlochSum, Mass, WaveSystem};
 use crate::lattice::Particle;
 use crate::scheme::{NoForce, PatchForces, PeriodicPatch};
@@ -20,6 +21,25 @@ const ITERATIONS: usize = 200;
 
 /// A field on a patch: a vector for each particle.
 pub(super) type Field<const D: usize> = Vec<SVector<f64, D>>;
+
+/// Its vectors, one after the other.
+pub(super) fn flat<const D: usize>(field: &[SVector<f64, D>]) -> Vec<f64> {
+    field.iter().flatten().copied().collect()
+}
+
+/// So many vectors that stand one after the other; zeros where there are none.
+pub(super) fn field_of<const D: usize>(flat: &[f64], count: usize) -> Field<D> {
+    let own = flat.chunks_exact(D).map(SVector::from_column_slice);
+    let mut field: Field<D> = own.collect();
+    field.resize(count, SVector::zeros());
+    field
+}
+
+/// Its vectors in space.
+pub(super) fn in_space<const D: usize>(field: &[SVector<f64, D>]) -> Vec<[f64; 3]> {
+    let own = |x: &SVector<f64, D>| array_of(|i| x.get(i).copied().unwrap_or(0.0));
+    field.iter().map(own).collect()
+}
 
 /// A sum over neighbors, of every particle of a patch: pairs of numbers and factors.
 struct Rows<const D: usize> {

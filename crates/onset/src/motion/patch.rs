@@ -1,6 +1,6 @@
 //! A patch that moves.
 
-use super::equations::{Equations, Field};
+use super::equations::{Equations, Field, field_of, flat, in_space};
 use super::transfer::TransferredPatch;
 use super::waves::{critical_time_step, stepped, waves_of};
 use super::{Fault, Ground, PatchWave, SteppedWave, Stepper};
@@ -294,12 +294,10 @@ impl<const D: usize> PatchMotion for MovingPatch<'_, D> {
     }
 
     fn positions(&self) -> Vec<[f64; 3]> {
-        let in_space = |x: &SVector<f64, D>| array_of(|i| x.get(i).copied().unwrap_or(0.0));
-        self.positions.iter().map(in_space).collect()
+        in_space(&self.positions)
     }
 
     fn state(&self) -> PatchState {
-        let flat = |field: &Field<D>| field.iter().flat_map(|x| x.iter().copied()).collect();
         PatchState {
             step: self.count,
             displacements: flat(&self.u),
@@ -310,15 +308,8 @@ impl<const D: usize> PatchMotion for MovingPatch<'_, D> {
     }
 
     fn put(&mut self, state: &PatchState) {
-        let field = |flat: &[f64]| {
-            flat.chunks_exact(D)
-                .map(SVector::from_column_slice)
-                .collect()
-        };
-        self.u = field(&state.displacements);
-        self.v = field(&state.velocities);
-        self.u.resize(self.patch.len(), SVector::zeros());
-        self.v.resize(self.patch.len(), SVector::zeros());
+        self.u = field_of(&state.displacements, self.patch.len());
+        self.v = field_of(&state.velocities, self.patch.len());
         self.count = state.step;
     }
 
@@ -393,7 +384,7 @@ impl<const D: usize> PatchMotion for MovingPatch<'_, D> {
         let displacements: Field<D> = random_displacements(self.patch.len(), amplitude, seed);
         PatchState {
             velocities: vec![0.0; D * displacements.len()],
-            displacements: displacements.iter().flatten().copied().collect(),
+            displacements: flat(&displacements),
             ..PatchState::default()
         }
     }

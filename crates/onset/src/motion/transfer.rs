@@ -3,7 +3,7 @@
 //! What moves are the points, with their deformation gradients and affine fields, by the step of the method itself ([`PatchTransfer`]). What is predicted are waves
 //! of nodes ([`TransferredWaves`]): a wave starts as what nodes that it displaces leave on the points, and is measured by projection on that.
 
-use super::equations::Field;
+use super::equations::{Field, field_of, flat, in_space};
 use super::patch::random_displacements;
 use super::waves::waves_of;
 use super::{Fault, Ground, PatchMotion, PatchState, PatchWave, Quantities, SteppedWave, Stepper};
@@ -64,6 +64,12 @@ impl<'a, const D: usize> TransferredPatch<'a, D> {
 
     fn grid(&self) -> &Crystal<D> {
         self.nodal.system().crystal()
+    }
+
+    /// `omega^2` and displacements of a wave of the nodes.
+    fn mode(&self, wave: &PatchWave) -> Option<(Complex, DVector<Complex>)> {
+        let modes = self.nodal.system().modes(&wave.vector());
+        modes.into_iter().nth(wave.branch - 1)
     }
 
     /// A wave of the nodes, from its vectors at the node at the origin.
@@ -143,7 +149,6 @@ fn scale<const D: usize>(points: &mut PointsInMotion<D>, factor: f64) {
 }
 
 fn state_of<const D: usize>(points: &PointsInMotion<D>, step: u64) -> PatchState {
-    let flat = |field: &Field<D>| field.iter().flatten().copied().collect();
     let tensors = points.gradients.iter().chain(&points.affine);
     PatchState {
         step,
@@ -160,8 +165,7 @@ impl<const D: usize> PatchMotion for TransferredPatch<'_, D> {
     }
 
     fn positions(&self) -> Vec<[f64; 3]> {
-        let in_space = |x: &SVector<f64, D>| array_of(|i| x.get(i).copied().unwrap_or(0.0));
-        self.positions.iter().map(in_space).collect()
+        in_space(&self.positions)
     }
 
     fn state(&self) -> PatchState {
@@ -170,14 +174,6 @@ impl<const D: usize> PatchMotion for TransferredPatch<'_, D> {
 
     fn put(&mut self, state: &PatchState) {
         let count = self.positions.len();
-        let field = |flat: &[f64]| -> Field<D> {
-            let mut own: Field<D> = flat
-                .chunks_exact(D)
-                .map(SVector::from_column_slice)
-                .collect();
-            own.resize(count, SVector::zeros());
-            own
-        };
         let tensors = state.deformations.chunks_exact(D * D);
         let mut tensors = tensors.map(SMatrix::<f64, D, D>::from_column_slice);
         let mut next = || {
@@ -186,8 +182,8 @@ impl<const D: usize> PatchMotion for TransferredPatch<'_, D> {
             own
         };
         self.points = PointsInMotion {
-            displacements: field(&state.displacements),
-            velocities: field(&state.velocities),
+            displacements: field_of(&state.displacements, count),
+            velocities: field_of(&state.velocities, count),
             gradients: next(),
             affine: next(),
         };
@@ -242,9 +238,7 @@ impl<const D: usize> PatchMotion for TransferredPatch<'_, D> {
     }
 
     fn sees(&self, wave: &PatchWave) -> bool {
-        let modes = self.nodal.system().modes(&wave.vector());
-        let own = modes.into_iter().nth(wave.branch - 1);
-        own.is_some_and(|(_, mode)| {
+        self.mode(wave).is_some_and(|(_, mode)| {
             let seed = [real_at_the_origin(&mode), DVector::zeros(D)];
             self.on_points(wave, &seed).is_some()
         })
@@ -260,12 +254,7 @@ impl<const D: usize> PatchMotion for TransferredPatch<'_, D> {
     /// `w = (z - 1) u / dt` after the forces and `s = w + dt omega^2 u` before.
     fn stepped(&self, wave: &PatchWave, _: Stepper, step: f64) -> Option<SteppedWave> {
         let k = wave.vector();
-        let (omega_squared, mode) = self
-            .nodal
-            .system()
-            .modes(&k)
-            .into_iter()
-            .nth(wave.branch - 1)?;
+        let (omega_squared, mode) = self.mode(wave)?;
         let mut factors = *self.nodal.factors(&k, step).get(wave.branch - 1)?;
         // Points that a wave strains and does not move bring no velocities of it to the nodes: u' = (1 - omega^2 dt^2) u.
         let is_at_rest = 1.0 - self.nodal.lost(&k) < UNSEEN;
