@@ -165,7 +165,7 @@ fn first(
     for n in 1..=STEPS {
         let behind = (stretch(n), probe(stretch(n))?);
         if behind.1.0 != Phase::Stable {
-            return end_of_stability(before, behind, &|stretch| probe(stretch).map(Some));
+            return end_of_stability(before, behind, &probe);
         }
         before = behind;
     }
@@ -176,7 +176,7 @@ fn first(
 fn end_of_stability(
     stable: Knot,
     other: Knot,
-    probe: &dyn Fn(f64) -> Result<Option<Probe>, MethodError>,
+    probe: &dyn Fn(f64) -> Result<Probe, MethodError>,
 ) -> Result<StretchOnset, MethodError> {
     match narrow(probe, (stable, other), CLOSE)? {
         Narrowed::Change(_, (stretch, (Phase::Undefined, _))) => {
@@ -184,7 +184,5 @@ fn end_of_stability(
         }
         Narrowed::Change(_, (stretch, _)) => Ok(StretchOnset::At(stretch)),
         Narrowed::Third(between) => end_of_stability(stable, between, probe),
-        // No stretch is left out.
-        Narrowed::Outside => Ok(StretchOnset::Undefined(other.0)),
     }
 }

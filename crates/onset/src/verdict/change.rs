@@ -11,8 +11,6 @@ pub(crate) enum Narrowed {
     Change(Knot, Knot),
     /// A place between them in another phase.
     Third(Knot),
-    /// A place between them at which nothing can be asked.
-    Outside,
 }
 
 /// Narrows a change of phase down to a tolerance, or to neighboring numbers. Interpolates the measure (the ITP method of Oliveira and
@@ -20,7 +18,7 @@ pub(crate) enum Narrowed {
 /// the phase, and bisects where it is not. The measure of an unstable state is that of any wave that grows and may
 /// jump, so that there the line through the last two stable places takes its place as soon as there are two.
 pub(crate) fn narrow<E>(
-    at: &dyn Fn(f64) -> Result<Option<Probe>, E>,
+    at: &dyn Fn(f64) -> Result<Probe, E>,
     (mut left, mut right): (Knot, Knot),
     tolerance: f64,
 ) -> Result<Narrowed, E> {
@@ -57,9 +55,7 @@ pub(crate) fn narrow<E>(
             break;
         }
         budget *= 0.5;
-        let Some(here) = at(x)? else {
-            return Ok(Narrowed::Outside);
-        };
+        let here = at(x)?;
         let replaced = if here.0 == phases[0] {
             std::mem::replace(&mut left, (x, here))
         } else if here.0 == phases[1] {
@@ -124,7 +120,7 @@ mod tests {
         let asked = Cell::new(0);
         let at = |x: f64| {
             asked.set(asked.get() + 1);
-            Ok::<_, ()>(Some(phase(x)))
+            Ok::<_, ()>(phase(x))
         };
         match narrow(&at, ((0.0, phase(0.0)), (1.0, phase(1.0))), tolerance) {
             Ok(Narrowed::Change(left, right)) => (left.0, right.0, asked.get()),

@@ -244,7 +244,7 @@ fn refine(
     behind: Knot,
     crossings: &mut Vec<Crossing>,
 ) -> Result<(), PathError> {
-    match narrow(&|s| probe(s).map(Some), (before, behind), CLOSE)? {
+    match narrow(probe, (before, behind), CLOSE)? {
         Narrowed::Change(before, behind) => crossings.push(Crossing {
             from: before.1.0,
             to: behind.1.0,
@@ -255,8 +255,6 @@ fn refine(
             refine(probe, before, middle, crossings)?;
             refine(probe, middle, behind, crossings)?;
         }
-        // A path is defined between its ends, or it fails there.
-        Narrowed::Outside => {}
     }
     Ok(())
 }

@@ -115,12 +115,14 @@ impl<'a, E> Field<'a, E> {
         knots: (Knot, Knot),
         tolerance: f64,
     ) -> Result<Found, E> {
-        let found = narrow(&|x| self.at(line(x)), knots, tolerance)?;
-        Ok(match found {
-            Narrowed::Change(left, right) => Found::Change(left, right),
-            Narrowed::Third((_, here)) => Found::Other(Some(here.0)),
-            Narrowed::Outside => Found::Other(None),
-        })
+        // No error is told of a place outside of the window.
+        let at = |x: f64| self.at(line(x)).map_err(Some)?.ok_or(None);
+        match narrow(&at, knots, tolerance) {
+            Ok(Narrowed::Change(left, right)) => Ok(Found::Change(left, right)),
+            Ok(Narrowed::Third((_, here))) => Ok(Found::Other(Some(here.0))),
+            Err(None) => Ok(Found::Other(None)),
+            Err(Some(error)) => Err(error),
+        }
     }
 
     /// [`Field::march`], then [`Field::narrow`].
