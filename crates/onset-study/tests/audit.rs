@@ -28,7 +28,7 @@ fn assert_finite(audit: &Audit) {
 fn every_law_of_the_library_is_consistent() {
     let states = states(0.1).expect("states");
     let laws: Vec<Model> = Model::all()
-        .filter(|model| matches!(model, Model::Law(_)) && !model.is_elastic_plastic())
+        .filter(|model| matches!(model, Model::Law(_)) && !model.is_in_rate_form())
         .collect();
     assert!(laws.len() >= 25);
     for model in laws {

@@ -85,10 +85,15 @@ fn fluid(material: &dyn Hyperelastic) -> Option<String> {
 }
 
 /// That the tangent of a law depends on the path, where it does.
-fn note_on_flow(settings: &Settings) -> Option<String> {
+fn note_on_path(settings: &Settings) -> Option<String> {
     let model = settings.material.model;
-    model.is_elastic_plastic().then(|| {
-        format!(
+    model.is_in_rate_form().then(|| match model.is_elastic_plastic() {
+        false => format!(
+            "{} is hypoelastic: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and waves meet the tangent of the rates that go on \
+             from there; of a stressed state it has no major symmetry, so that waves can flutter",
+            model.name()
+        ),
+        true => format!(
             "{} is elastic-plastic: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and beyond yield waves meet the \
              tangent of continued plastic loading (Hill's linear comparison solid): stability under it is sufficient, and its loss is an instability \
              only while loading continues",
@@ -145,7 +150,7 @@ fn stress_at_rest(material: &dyn Hyperelastic) -> Option<String> {
 /// What a reader of an answer must know of law and method.
 pub fn notes(settings: &Settings, material: &dyn Hyperelastic) -> Vec<String> {
     let mut notes = notes_on_law(material);
-    notes.extend(note_on_flow(settings));
+    notes.extend(note_on_path(settings));
     notes.extend(notes_on_method(settings));
     notes
 }

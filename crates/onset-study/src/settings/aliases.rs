@@ -146,6 +146,13 @@ const WORDS: &[(&str, &str, Meaning)] = &[
     ("material.model", "gruneisen", Is("mie-grueneisen")),
     ("material.model", "cole", Is("murnaghan")),
     ("material.model", "von-mises", Is("j2")),
+    ("material.model", "jaumann", Is("hypoelastic-jaumann")),
+    (
+        "material.model",
+        "green-naghdi",
+        Is("hypoelastic-green-naghdi"),
+    ),
+    ("material.model", "hypoelastic", Is("hypoelastic-jaumann")),
     ("material.model", "hill48", Is("hill-1948")),
     ("material.model", "hill", Is("hill-1948")),
     ("material.model", "tait-murnaghan", Is("murnaghan")),

@@ -423,7 +423,7 @@ impl MaterialSettings {
                 "leave material.plane out, or set a lattice of two dimensions (a sheet) or a chain (a bar)",
             );
         }
-        if self.model.is_elastic_plastic() {
+        if self.model.is_in_rate_form() {
             return refused(
                 format!(
                     "`material.plane` is stress, which is not supported with {}: its state is reached along a given path, all along which the faces \

@@ -41,7 +41,7 @@ const OWN: &[OwnModel] = &[formula::MODEL, umat::MODEL];
 /// A model.
 #[derive(Clone, Copy, Debug)]
 pub enum Model {
-    /// A law of the library, elastic or elastic-plastic.
+    /// A law of the library, hyperelastic or in rate form.
     Law(&'static Law),
     /// A user-defined one.
     Own(&'static OwnModel),
@@ -88,9 +88,14 @@ impl Model {
         }
     }
 
-    /// Whether it is one of the elastic-plastic laws, whose tangent is that of continued flow.
-    pub fn is_elastic_plastic(self) -> bool {
+    /// Whether it is one of the laws in rate form, whose tangent is that of what goes on from the end of a path.
+    pub fn is_in_rate_form(self) -> bool {
         matches!(self, Self::Law(law) if plasticity::library().contains(law))
+    }
+
+    /// Whether it is one of those that flow.
+    pub fn is_elastic_plastic(self) -> bool {
+        matches!(self, Self::Law(law) if self.is_in_rate_form() && law.parameter("yield-stress").is_some())
     }
 
     /// Whether it is a law of the library without axes of its own, whatever its parameters.

@@ -134,8 +134,8 @@ impl Case {
             question.branch,
             critical,
         )?;
-        let rate = typed.0.abs().sqrt();
-        let is_growing = typed.0 < 0.0;
+        let rate = typed.omega_squared.abs().sqrt();
+        let is_growing = typed.omega_squared < 0.0;
         let (time_step, steps) = steps(question, rate, is_growing, critical);
         let duration = time_step * steps as f64;
         let (block, k) = match code.is_periodic() {

@@ -1,7 +1,8 @@
-//! What decks ask of a law: is it isotropic and free of stress at rest, does it resist changes of volume alone?
+//! What decks ask of a law: is it isotropic and free of stress at rest, is it in rate form, does it resist changes of volume alone?
 
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, MaterialError};
+use onset::plasticity::library;
 
 /// What may be missing of a symmetry, relative to the stiffness: rounding.
 const ROUNDING: f64 = 1e-9;
@@ -33,6 +34,11 @@ impl Isotropic {
         Ok((is_isotropic && is_free).then_some(own))
     }
 
+    /// Bulk modulus; stress.
+    pub(super) fn bulk(&self) -> f64 {
+        self.lambda + self.mu / 1.5
+    }
+
     /// Young's modulus; stress.
     pub(super) fn young(&self) -> f64 {
         self.mu * (3.0 * self.lambda + 2.0 * self.mu) / (self.lambda + self.mu)
@@ -42,6 +48,34 @@ impl Isotropic {
     pub(super) fn poisson(&self) -> f64 {
         0.5 * self.lambda / (self.lambda + self.mu)
     }
+}
+
+/// Whether a law has the stress and the tangent of a law in rate form at a state, with the moduli that it has at rest and a parameter `n` of the pressure.
+pub(super) fn is_in_rate_form(
+    law: &dyn Hyperelastic,
+    name: &str,
+    n: f64,
+    f: &DeformationGradient,
+) -> Result<bool, MaterialError> {
+    let Some(own) = Isotropic::of(law)? else {
+        return Ok(false);
+    };
+    let Some(rates) = library().iter().find(|law| law.name == name) else {
+        return Ok(false);
+    };
+    let given = [("mu", own.mu), ("kappa", own.bulk()), ("n", n)];
+    // A fluid has no such law.
+    let Ok(rates) = rates.build(&given) else {
+        return Ok(false);
+    };
+    let (expected, response) = (rates.response(f)?, law.response(f)?);
+    let scale = ROUNDING * expected.tangent.largest();
+    let stress = expected.first_piola - response.first_piola;
+    let is_same = |[i, j, k, l]: [usize; 4]| {
+        let at = (i, j, k, l);
+        (expected.tangent[at] - response.tangent[at]).abs() <= scale
+    };
+    Ok(stress.amax() <= scale && indices().all(is_same))
 }
 
 /// Pressure and its derivative by the ratio of densities `rho/rho0 = 1/J` of a law `W(J)` at a state.

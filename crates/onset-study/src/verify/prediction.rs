@@ -2,7 +2,7 @@
 
 use super::VerifyError;
 use crate::answers::Problem;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use onset::algebra::Complex;
 use onset::kinematics::DeformationGradient;
 use onset::time_step::Stepping;
@@ -44,8 +44,10 @@ impl From<Rate> for Complex {
 pub struct Prediction {
     /// `omega^2` of the linearized equations; 1/time^2.
     pub omega_squared: f64,
-    /// The direction of the displacements, a unit vector.
+    /// The direction of the displacements, a unit vector `g`.
     pub polarization: Vec<f64>,
+    /// The vector `l`, `l . g = 1`, on which displacements are projected: across those of all other branches. It is `g` where `D` is symmetric.
+    pub projection: Vec<f64>,
     /// The rates in discrete time: the growing one or the one with the positive frequency, and the other.
     pub rates: [Rate; 2],
     /// How the code takes a time step.
@@ -83,7 +85,7 @@ pub(super) fn mode(
     k: &[f64],
     number: usize,
     critical: f64,
-) -> Result<(f64, Vec<f64>), VerifyError> {
+) -> Result<Mode, VerifyError> {
     let matrix = matrix(problem, f, k)?;
     let values = problem.analysis.waves(f)?.omega_squared(k);
     let Some(value) = number.checked_sub(1).and_then(|n| values.get(n)) else {
@@ -109,37 +111,64 @@ pub(super) fn mode(
                 .to_owned(),
         });
     }
-    Ok((value.re, polarization(&matrix, value.re)))
+    Ok(Mode::of(&matrix, value.re))
 }
 
-/// The unit vector of an eigenvalue that is nearest to an axis: of equal eigenvalues, the projection of an axis onto their space.
-fn polarization(matrix: &DMatrix<f64>, value: f64) -> Vec<f64> {
-    let n = matrix.nrows();
-    let shifted = matrix - DMatrix::identity(n, n) * value;
-    let limit = 1e-7 * (matrix.amax() + value.abs());
-    let svd = shifted.svd(false, true);
-    let (sizes, vectors) = (&svd.singular_values, svd.v_t.as_ref());
-    let mut projection = DMatrix::zeros(n, n);
-    if let Some(vectors) = vectors {
-        let smallest = sizes.min();
-        for (size, row) in sizes.iter().zip(vectors.row_iter()) {
-            if *size <= limit.max(smallest) {
-                projection += row.transpose() * row;
+/// A branch of a wave.
+pub(super) struct Mode {
+    pub(super) omega_squared: f64,
+    /// As those of [`Prediction`].
+    pub(super) polarization: Vec<f64>,
+    projection: Vec<f64>,
+}
+
+impl Mode {
+    /// Of an eigenvalue, by the direction that is nearest to an axis: of equal eigenvalues, the projection of an axis onto their space.
+    fn of(matrix: &DMatrix<f64>, omega_squared: f64) -> Self {
+        let n = matrix.nrows();
+        let shifted = matrix - DMatrix::identity(n, n) * omega_squared;
+        let limit = 1e-7 * (matrix.amax() + omega_squared.abs());
+        let svd = shifted.svd(true, true);
+        let limit = limit.max(svd.singular_values.min());
+        let sizes = svd.singular_values.iter().enumerate();
+        let own: Vec<usize> = sizes
+            .filter(|(_, size)| **size <= limit)
+            .map(|(i, _)| i)
+            .collect();
+        let (Some(left), Some(right)) = (svd.u, svd.v_t) else {
+            return Self {
+                omega_squared,
+                polarization: vec![f64::NAN; n],
+                projection: vec![f64::NAN; n],
+            };
+        };
+        let (left, right) = (
+            left.select_columns(&own),
+            right.select_rows(&own).transpose(),
+        );
+        let onto = &right * right.transpose();
+        // The first axis of those that are equally near.
+        let mut nearest = 0;
+        for axis in 1..n {
+            if onto.column(axis).norm() > onto.column(nearest).norm() + 1e-6 {
+                nearest = axis;
             }
         }
-    }
-    // The first axis of those that are equally near.
-    let mut nearest = 0;
-    for axis in 1..n {
-        if projection.column(axis).norm() > projection.column(nearest).norm() + 1e-6 {
-            nearest = axis;
+        let polarization = onto.column(nearest).normalize();
+        // The projector onto the space along those of all others is `R (L^T R)^-1 L^T`; without one, branches that are about to flutter are parallel.
+        let inverse = (left.transpose() * &right).try_inverse();
+        let projector = inverse.map_or(onto, |inverse| right * inverse * left.transpose());
+        let projection = projector.transpose() * &polarization;
+        let told = |vector: &DVector<f64>| {
+            let rounded = |x: &f64| if x.abs() < 1e-12 { 0.0 } else { *x };
+            vector.iter().map(rounded).collect()
+        };
+        Self {
+            omega_squared,
+            polarization: told(&polarization),
+            projection: told(&projection),
         }
     }
-    let column = projection.column(nearest).normalize();
-    column
-        .iter()
-        .map(|x| if x.abs() < 1e-12 { 0.0 } else { *x })
-        .collect()
 }
 
 /// The rates in discrete time.
@@ -147,7 +176,7 @@ pub(super) fn predicted(
     problem: &Problem,
     f: &DeformationGradient,
     k: &[f64],
-    (omega_squared, polarization): (f64, Vec<f64>),
+    mode: Mode,
     stepping: Stepping,
     step: f64,
 ) -> Result<Prediction, VerifyError> {
@@ -158,7 +187,7 @@ pub(super) fn predicted(
         false => none,
     };
     let rates = stepping.rates(&(whole - &carried), &carried, step);
-    let root = Complex::new(-omega_squared, 0.0).sqrt();
+    let root = Complex::new(-mode.omega_squared, 0.0).sqrt();
     let near = |wanted: Complex| {
         let apart = |z: &&Complex| (*z - wanted).norm();
         let nearest = rates.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
@@ -167,8 +196,9 @@ pub(super) fn predicted(
     // Of a growing wave the growing solution goes first, of a traveling one that with the positive frequency.
     match (near(root), near(-root)) {
         (Some(first), Some(second)) => Ok(Prediction {
-            omega_squared,
-            polarization,
+            omega_squared: mode.omega_squared,
+            polarization: mode.polarization,
+            projection: mode.projection,
             rates: [(*first).into(), (*second).into()],
             stepping,
         }),

@@ -141,8 +141,8 @@ impl<'a> Projector<'a> {
                 "is this the output of another deck, or did the run leave the state? choose fewer --steps for waves that grow",
             ));
         }
-        let polarization = self.case.prediction.polarization.iter();
-        let along: f64 = polarization.zip(displacement).map(|(g, u)| g * u).sum();
+        let projection = self.case.prediction.projection.iter();
+        let along: f64 = projection.zip(displacement).map(|(l, u)| l * u).sum();
         self.sum += along * self.case.phase(index);
         self.count += 1;
         Ok(())

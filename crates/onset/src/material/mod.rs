@@ -155,6 +155,9 @@ impl MaterialError {
     }
 }
 
+/// What may be missing of major symmetry, by the largest component: rounding.
+const SYMMETRIC: f64 = 1e-12;
+
 /// A hyperelastic law, given by its energy alone.
 pub trait StrainEnergy {
     /// The strain energy `W(F)` per reference volume; units of stress. Its derivatives are the stress and the tangent, so it
@@ -209,6 +212,14 @@ pub trait StrainEnergy {
 
 /// The tangent within the plane, `A_iJkL` at `[2 i + J][2 k + L]`.
 pub type PlaneTangent = [[f64; 4]; 4];
+
+/// Whether `A_iJkL = A_kLiJ` within the plane, to rounding: the tangent of a stress that an energy has.
+pub(crate) fn has_major_symmetry(tangent: &PlaneTangent) -> bool {
+    let entries = tangent.as_flattened().iter();
+    let scale = SYMMETRIC * entries.fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
+    let mut pairs = (0..4).flat_map(|a| (0..a).map(move |b| (a, b)));
+    pairs.all(|(a, b)| (tangent[a][b] - tangent[b][a]).abs() <= scale)
+}
 
 /// The parts of stress and tangent that act within the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -297,9 +308,18 @@ pub trait Hyperelastic: Send + Sync {
     }
 
     /// Whether every state is reached along a path of its own, so that the tangent, that of loading which goes on from a state, is not the derivative
-    /// of the stress by the state: metals that flow.
+    /// of the stress by the state: laws in rate form, such as metals that flow. It need not have major symmetry.
     fn is_path_dependent(&self) -> bool {
         false
+    }
+
+    /// The part of the tangent `A_iJkL` by the stress that codes with kernels of material coordinates integrate in time, while everything else follows the
+    /// positions: all of it, unless a law is in rate form. Units of stress.
+    ///
+    /// # Errors
+    /// As [`Hyperelastic::response`].
+    fn integrated_tangent(&self, f: &DeformationGradient) -> Result<FourthOrder, MaterialError> {
+        Ok(self.response(f)?.tangent)
     }
 
     /// Bounds of energy, stress and tangent over all states with components in the given intervals.

@@ -22,7 +22,8 @@
 //! everywhere, which growing waves on a growing load do.
 
 use super::integration::{Stop, integrate};
-use crate::algebra::{array_of, symmetric_eigen};
+use super::spectral::Spectral;
+use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::material::{
     Admitted, FourthOrder, Hyperelastic, Law, Made, MaterialError, Parameter, Response, Symmetry,
@@ -65,7 +66,7 @@ const RATE: Parameter = Parameter::new(
     "reciprocal of the plastic strain in which it gains all but 1/e of that",
 );
 
-const J2: Law = Law {
+pub(super) const J2: Law = Law {
     name: "j2",
     formula: "Hencky's law with mu, kappa; sqrt(3/2) |dev M| = yield-stress + hardening-modulus e + saturation-stress (1 - exp(-saturation-rate e))",
     parameters: &[MU, KAPPA, YIELD, MODULUS, SATURATION, RATE],
@@ -79,7 +80,7 @@ const J2: Law = Law {
     make: |p| metal(p, [1.0; 3], 0.0),
 };
 
-const HILL: Law = Law {
+pub(super) const HILL: Law = Law {
     name: "hill-1948",
     formula: "as j2 with phi^2 = f (M22 - M33)^2 + g (M33 - M11)^2 + h (M11 - M22)^2 + 3 (M23^2 + M13^2) + 2 n M12^2 = sigma_y^2, \
               g = 1/(1 + r0), h = r0 g, f = r0 g/r90, n = (r0 + r90)(1 + 2 r45) g/(2 r90)",
@@ -116,22 +117,6 @@ const fn ratio(name: &'static str, default: f64) -> Parameter {
         Admitted::Positive,
         "Lankford's ratio of width to thickness strain in tension at so many degrees from the first material axis",
     )
-}
-
-/// The elastic-plastic laws that have a name.
-///
-/// ```
-/// use onset::kinematics::DeformationGradient;
-/// use onset::plasticity::library;
-/// let steel = library()[0].build(&[("mu", 80.0), ("yield-stress", 0.4), ("hardening-modulus", 0.0), ("saturation-stress", 0.0)])?;
-/// // An isochoric stretch beyond yield: the difference of principal Kirchhoff stresses is 2/sqrt(3) of the flow stress.
-/// let state = DeformationGradient::from_stretches([1.1, 1.0 / 1.1, 1.0])?;
-/// let cauchy = steel.response(&state)?.cauchy();
-/// assert!((cauchy[(0, 0)] - cauchy[(1, 1)] - 0.4 * 2.0 / 3.0_f64.sqrt()).abs() < 1e-12);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn library() -> &'static [Law] {
-    &[J2, HILL]
 }
 
 /// The flow stress `sigma_y(e)`.
@@ -200,51 +185,6 @@ impl Hill {
         );
         let phi = half.dot(m).max(0.0).sqrt();
         (phi, if phi > 0.0 { half / phi } else { half })
-    }
-}
-
-/// A symmetric tensor in its principal axes.
-struct Spectral {
-    values: Vector3<f64>,
-    axes: Matrix3<f64>,
-}
-
-impl Spectral {
-    fn of(tensor: &Matrix3<f64>) -> Self {
-        let symmetric = (tensor + tensor.transpose()) * 0.5;
-        // The rows of a symmetric matrix are its columns.
-        let (values, axes) = symmetric_eigen(&symmetric.data.0);
-        Self {
-            values: values.into(),
-            axes: axes.into(),
-        }
-    }
-
-    /// Of a tensor with positive principal values.
-    fn positive(tensor: &Matrix3<f64>) -> Option<Self> {
-        Some(Self::of(tensor)).filter(|found| found.values.min() > 0.0)
-    }
-
-    /// The tensor with a function of the principal values.
-    fn map(&self, function: impl Fn(f64) -> f64) -> Matrix3<f64> {
-        self.turned(&Matrix3::from_diagonal(&self.values.map(function)))
-    }
-
-    /// A tensor with components along the principal axes, in the fixed ones.
-    fn turned(&self, tensor: &Matrix3<f64>) -> Matrix3<f64> {
-        self.axes * tensor * self.axes.transpose()
-    }
-
-    /// `dE : K = Y : dB` with `E = 1/2 ln B` of this tensor `B`.
-    fn dual_of_logarithm(&self, k: &Matrix3<f64>) -> Matrix3<f64> {
-        let own = self.axes.transpose() * k * self.axes;
-        let quotient = |a: usize, b: usize| {
-            // (ln a - ln b)/(2 (a - b)), which has no singularity where they coincide.
-            let half = 0.5 * (self.values[a] / self.values[b]).ln();
-            let ratio = if half == 0.0 { 1.0 } else { half / half.sinh() };
-            0.5 * ratio / (self.values[a] * self.values[b]).sqrt()
-        };
-        self.turned(&Matrix3::from_fn(|a, b| own[(a, b)] * quotient(a, b)))
     }
 }
 

@@ -13,7 +13,8 @@
 //! - Finite strain, `F = F_e F_p`, Hencky elasticity, the same law for the Kirchhoff stress: [`DruckerPrager::finite_update`].
 //! - [`RateModuli`]: the acoustic tensor of a state and the critical hardening moduli, for two criteria that differ when
 //!   `mu != beta`: [`Criterion`].
-//! - [`library`]: J2 and Hill 1948 as materials, with the continuum tangent at the end of a proportional path.
+//! - [`library`]: J2 and Hill 1948 as materials, with the continuum tangent at the end of a proportional path; beside them hypoelastic laws, which
+//!   are in rate form too.
 //! - [`FlowLaw`]: other laws along fixed axes, each by its elasticity `C`, direction of flow `P`, normal `Q` and plastic modulus `h`:
 //!   [`MohrCoulomb`], [`CamClay`], [`EllipticCap`], [`HillOrthotropic`], [`Gurson`], [`Kinematic`], [`DeformationTheory`], [`ScalarDamage`].
 //! - [`follow`]: a loading path of any of them, and the first slip at which `h` falls to the critical modulus.
@@ -28,6 +29,7 @@ mod cubic;
 mod finite;
 mod flow;
 mod hardening;
+mod hypoelastic;
 mod increments;
 mod integration;
 mod law;
@@ -38,6 +40,7 @@ mod moduli;
 mod path;
 mod return_mapping;
 mod search;
+mod spectral;
 mod walk;
 
 pub use finite::{FiniteState, FiniteUpdate};
@@ -50,13 +53,35 @@ pub use laws::{
     ScalarDamage,
 };
 pub use localization::{Band, BandKind, Criterion, Critical};
-pub use metal::library;
 pub use moduli::RateModuli;
 pub use path::{Bands, End, Load, Loading, LoadingPath, Localization, PathPoint, Strains, follow};
 pub use return_mapping::{Branch, State, Update};
 
-use crate::material::MaterialError;
+use crate::material::{Law, MaterialError};
 use thiserror::Error;
+
+/// The laws in rate form that have a name: metals that flow, and hypoelastic laws. Each answers with the stress at the end of the path `R U^t`,
+/// `0 <= t <= 1`, to a state `F = R U`, and with the tangent of what goes on from there.
+///
+/// ```
+/// use onset::kinematics::DeformationGradient;
+/// use onset::plasticity::library;
+/// let steel = library()[0].build(&[("mu", 80.0), ("yield-stress", 0.4), ("hardening-modulus", 0.0), ("saturation-stress", 0.0)])?;
+/// // An isochoric stretch beyond yield: the difference of principal Kirchhoff stresses is 2/sqrt(3) of the flow stress.
+/// let state = DeformationGradient::from_stretches([1.1, 1.0 / 1.1, 1.0])?;
+/// let cauchy = steel.response(&state)?.cauchy();
+/// assert!((cauchy[(0, 0)] - cauchy[(1, 1)] - 0.4 * 2.0 / 3.0_f64.sqrt()).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn library() -> &'static [Law] {
+    const LIBRARY: &[Law] = &[
+        metal::J2,
+        metal::HILL,
+        hypoelastic::JAUMANN,
+        hypoelastic::GREEN_NAGHDI,
+    ];
+    LIBRARY
+}
 
 /// What can be wrong with a plastic law or with a state of it.
 #[derive(Clone, Debug, Error, PartialEq)]

@@ -11,11 +11,15 @@ use crate::real::Real;
 /// With plain numbers the stress is that of the law, anywhere. With dual numbers the value and the tangent are those of the law
 /// at the value of the deformation, so that first derivatives are exact. Of a lattice of fewer than three dimensions it
 /// sees the leading block, the stretches beyond it stay as they are.
+///
+/// Of a law that depends on the path the state and the tangent of what goes on from there are known: near the state it is Hill's linear comparison solid,
+/// `P = P_0 + A (F - F_0)`.
 #[derive(Clone, Copy)]
 pub struct PointResponse<'a, const D: usize> {
     material: &'a dyn Hyperelastic,
     base: DeformationGradient,
     local: Local<D>,
+    is_path_dependent: bool,
 }
 
 impl<'a, const D: usize> PointResponse<'a, D> {
@@ -31,6 +35,7 @@ impl<'a, const D: usize> PointResponse<'a, D> {
             material,
             base: *base,
             local: Local::new(material, base)?,
+            is_path_dependent: material.is_path_dependent(),
         })
     }
 
@@ -55,7 +60,8 @@ impl<'a, const D: usize> PointResponse<'a, D> {
     pub fn first_piola<R: Real>(&self, f: &[[R; D]; D]) -> [[R; D]; D] {
         let base = self.base.components();
         let is_base = (0..D).all(|i| (0..D).all(|j| f[i][j].value() == base[i][j]));
-        let local = if is_base {
+        let is_from_base = is_base || self.is_path_dependent;
+        let local = if is_from_base {
             Some(self.local)
         } else {
             let values = nalgebra::SMatrix::from_fn(|i, j| f[i][j].value());
@@ -65,8 +71,17 @@ impl<'a, const D: usize> PointResponse<'a, D> {
             return [[R::constant(f64::NAN); D]; D];
         };
         let (stress, tangent) = (local.first_piola(), local.tangent());
-        // The change has the value zero, and derivatives.
-        let change: [[R; D]; D] = array_of(|k| array_of(|l| f[k][l] - f[k][l].value()));
+        // From the deformation whose response it is: from its own value the change is zero, and has derivatives.
+        let change: [[R; D]; D] = array_of(|k| {
+            array_of(|l| {
+                let origin = if is_from_base {
+                    base[k][l]
+                } else {
+                    f[k][l].value()
+                };
+                f[k][l] - origin
+            })
+        });
         array_of(|i| {
             array_of(|j| {
                 let mut sum = R::constant(stress[i][j]);
@@ -80,8 +95,17 @@ impl<'a, const D: usize> PointResponse<'a, D> {
         })
     }
 
-    /// `W` at a deformation gradient, energy/volume; not a number where the law is not defined.
+    /// `W` at a deformation gradient, energy/volume; not a number where the law is not defined. Of a law that depends on the path it is the work from the
+    /// homogeneous state on a straight way.
     pub fn energy(&self, f: &[[f64; D]; D]) -> f64 {
+        if self.is_path_dependent {
+            let base = self.base.components();
+            let (first, last) = (self.local.first_piola(), self.first_piola(f));
+            let entries = (0..D).flat_map(|i| (0..D).map(move |j| (i, j)));
+            return entries
+                .map(|(i, j)| 0.5 * (first[i][j] + last[i][j]) * (f[i][j] - base[i][j]))
+                .sum();
+        }
         let own = nalgebra::SMatrix::from_fn(|i, j| f[i][j]);
         let response = self.material.response(&self.base.with_leading::<D>(&own));
         response.map_or(f64::NAN, |response| response.energy)

@@ -8,7 +8,7 @@ use crate::bloch::{
 };
 use crate::continuum::{AcousticMinimum, Stiffness, plane_minimum};
 use crate::kinematics::DeformationGradient;
-use crate::material::{Hyperelastic, PlaneTangent};
+use crate::material::{Hyperelastic, PlaneTangent, has_major_symmetry};
 use crate::method::MethodError;
 use crate::scheme::{DirectWaves, Discretization, StrainRows};
 use crate::time_step::{
@@ -550,13 +550,18 @@ impl<'a, const D: usize> Survey<'a, D> {
         surveyed: &mut Vec<Result<SurveyedState<D>, MethodError>>,
     ) {
         let tangents = self.material.plane_tangents(states);
+        // Without major symmetry waves are no form in the moments alone.
         let known: Vec<PlaneTangent> = tangents
             .iter()
             .filter_map(|tangent| tangent.as_ref().ok().copied())
+            .filter(has_major_symmetry)
             .collect();
         let mut extremes = moments.extremes(&known).into_iter();
-        surveyed.extend(tangents.into_iter().map(|tangent| {
+        surveyed.extend(states.iter().zip(tangents).map(|(f, tangent)| {
             let tangent = tangent.map_err(MethodError::from)?;
+            if !has_major_symmetry(&tangent) {
+                return self.searched(f);
+            }
             let extremes = extremes.next().ok_or(MethodError::NotFinite)?;
             Ok(SurveyedState::of_extremes(&tangent, &extremes))
         }));

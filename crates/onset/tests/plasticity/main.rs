@@ -2,6 +2,7 @@
 
 mod critical;
 mod finite;
+mod hypoelastic;
 mod laws;
 mod metal;
 mod paths;

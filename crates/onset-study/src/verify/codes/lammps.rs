@@ -56,12 +56,8 @@ pub(super) fn dump(case: &Case, group: &str) -> String {
     )
 }
 
-/// Reads a dump of a case whose first step has a number.
-pub(super) fn read(
-    text: &str,
-    mut projector: Projector<'_>,
-    first_step: usize,
-) -> Result<Record, VerifyError> {
+/// Reads a dump of a case.
+pub(super) fn read(text: &str, mut projector: Projector<'_>) -> Result<Record, VerifyError> {
     let hint = "give the dump that the deck writes";
     let step_size = projector.case().time_step;
     let mut lines = Lines::new(text);
@@ -72,7 +68,7 @@ pub(super) fn read(
         }
         match frame(&mut lines, &mut projector)? {
             Some(step) => {
-                let time = (step - first_step as f64) * step_size;
+                let time = step * step_size;
                 let missing = projector.end_frame(time);
                 if missing > 0 {
                     return Err(projector.wrong(

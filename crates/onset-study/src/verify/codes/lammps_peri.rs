@@ -145,6 +145,6 @@ impl Code for Peri {
     }
 
     fn read(&self, _: &Path, text: &str, projector: Projector<'_>) -> Result<Record, VerifyError> {
-        lammps::read(text, projector, 0)
+        lammps::read(text, projector)
     }
 }

@@ -1,13 +1,13 @@
 //! Total-Lagrangian SPH of LAMMPS' package SMD (`pair_style smd/tlsph`).
 //!
 //! Periodic boxes are no choice: relative positions are not wrapped, particles at a periodic boundary are frozen. So the block has a rim that
-//! is held, and its core is read before waves from there arrive. At rest any isotropic law is the code's linear elasticity. At a stretched
-//! state its elasticity is a law in rate form, of which no energy is known; a law of the volume alone is the code's polynomial equation of state.
-//! The state is reached by velocities that are affine in space, with all forces switched off.
+//! is held, and its core is read before waves from there arrive. At rest any isotropic law is the code's linear elasticity, which at a stretched
+//! state is a hypoelastic law with the rate of Green and Naghdi; a law of the volume alone is the code's polynomial equation of state. The state is reached by
+//! velocities that are affine in space, with all forces switched off.
 //!
 //! Source: Ganzenmueller, "Smooth Mach Dynamics package for LAMMPS" (manual); `pair_smd_tlsph.cpp`, `fix_smd_integrate_tlsph.cpp`.
 
-use super::super::law::{Isotropic, Volumetric};
+use super::super::law::{Isotropic, Volumetric, is_in_rate_form};
 use super::super::{Case, Code, Deck, Program, Projector, Record, Settled, VerifyError};
 use super::lammps::{self, number};
 use crate::answers::Problem;
@@ -23,8 +23,14 @@ pub(super) struct TotalSmd;
 
 const NAME: &str = "lammps-smd-tlsph";
 
-/// Frames' worth of steps in which the state is reached.
-const RAMP: usize = 100;
+/// The law in rate form that the code has.
+const RATE: &str = "hypoelastic-green-naghdi";
+/// Steps of the first of the two runs that lead to a state.
+const STEPS: usize = 20;
+/// Iterations for the stretch at which it ends; each leaves about a tenth of the error.
+const ITERATIONS: usize = 40;
+/// Particles with a volume ratio outside of these are deleted.
+const VOLUMES: [f64; 2] = [0.2, 2.0];
 
 /// How the stress of a deck is computed.
 enum Elasticity {
@@ -61,6 +67,16 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
             "leave out material.plane",
         ));
     }
+    let jacobian = f.jacobian();
+    if !(VOLUMES[0] < jacobian && jacobian < VOLUMES[1]) {
+        return Err(refused(
+            format!(
+                "the code deletes particles with the volume ratio {jacobian}: outside of {} to {}",
+                VOLUMES[0], VOLUMES[1]
+            ),
+            "choose another state",
+        ));
+    }
     let law = &*problem.material;
     if let Some(own) = Volumetric::of(law, f).map_err(MethodError::from)? {
         if problem.settings.method.penalty != 0.0 {
@@ -71,10 +87,12 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
         }
         return Ok(Elasticity::Pressure(own));
     }
-    if *f != DeformationGradient::identity() {
+    let is_rest = *f == DeformationGradient::identity();
+    if !is_rest && !is_in_rate_form(law, RATE, 0.0, f).map_err(MethodError::from)? {
         return Err(refused(
-            "at a stretched state the elasticity of the code is a law in rate form, and its pressure a function of the volume: only laws of the volume alone are the same in both",
-            "verify the reference configuration (--stretch 1,1), or a law such as --energy \"K*(J-ln(J))\"",
+            "at a stretched state the elasticity of the code is a law in rate form",
+            "choose --set material.model=hypoelastic-green-naghdi (with n = 0), a law of the volume alone such as --energy \"K*(J-ln(J))\", or the reference configuration \
+             (--stretch 1,1)",
         ));
     }
     let own = Isotropic::of(law).map_err(MethodError::from)?;
@@ -86,12 +104,19 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
     })
 }
 
-/// Steps before the wave.
-fn first_step(case: &Case) -> usize {
-    match case.stretches == [1.0; 3] {
-        true => 0,
-        false => RAMP * case.every,
+/// The stretch at which the first of the two runs to a stretch ends.
+///
+/// Each step adds the increment `dF/F` of strain with `F` at its end, and every `run` adds the last increment before it once more. After [`STEPS`] equal steps to
+/// the stretch `a`, and one from there to the stretch `s`, these are `sum_n d/(1 + n d) + d/a + 2 (s - a)/s` with `d = (a - 1)/STEPS`, which shall be `ln s`.
+fn turning_point(stretch: f64) -> f64 {
+    let mut a = stretch;
+    for _ in 0..ITERATIONS {
+        let d = (a - 1.0) / STEPS as f64;
+        let steps: f64 = (1..=STEPS).map(|n| d / (1.0 + n as f64 * d)).sum();
+        let strain = steps + d / a + 2.0 * (stretch - a) / stretch;
+        a += stretch * (strain - stretch.ln());
     }
+    a
 }
 
 /// The pair coefficients.
@@ -157,6 +182,22 @@ fn support(deck: &Deck<'_>) -> f64 {
     choices.support * choices.spacing
 }
 
+/// The two runs to the state.
+fn ramp(case: &Case) -> String {
+    let turning = case.stretches.map(turning_point);
+    let legs = [([1.0; 3], turning, STEPS), (turning, case.stretches, 1)];
+    let mut text = String::from("fix freeze all setforce 0 0 0\n");
+    for (leg, (from, to, steps)) in legs.into_iter().enumerate() {
+        let time = steps as f64 * case.time_step;
+        let [x, y] = [0, 1].map(|i| number((to[i] / from[i] - 1.0) / time));
+        let _ = write!(
+            text,
+            "variable rx{leg} atom ({x})*x\nvariable ry{leg} atom ({y})*y\nvelocity all set v_rx{leg} v_ry{leg} 0 units box\nrun {steps}\n"
+        );
+    }
+    text + "unfix freeze\nvelocity all set 0 0 0 units box\nreset_timestep 0\n"
+}
+
 fn input(deck: &Deck<'_>) -> Result<String, VerifyError> {
     let case = deck.case;
     let rim = |side: &f64| (case.reach / side).ceil() as usize + 1;
@@ -176,16 +217,8 @@ fn input(deck: &Deck<'_>) -> Result<String, VerifyError> {
         region(case, "inner", &inner),
         region(case, "core", &case.block.measured),
     );
-    let steps = first_step(case);
-    if steps > 0 {
-        // Velocities that are affine in space, without forces, carry every particle to its place in the homogeneous state.
-        let time = steps as f64 * case.time_step;
-        let [x, y] = [0, 1].map(|i| number((case.stretches[i] - 1.0) / time));
-        let _ = write!(
-            text,
-            "fix freeze all setforce 0 0 0\nvariable rx atom ({x})*x\nvariable ry atom ({y})*y\n\
-             velocity all set v_rx v_ry 0 units box\nrun {steps}\nunfix freeze\nvelocity all set 0 0 0 units box\n"
-        );
+    if case.stretches != [1.0; 3] {
+        text += &ramp(case);
     }
     // k.X at the state, where X = F^-1 x.
     let [k1, k2] = [0, 1].map(|i| number(case.wave_vector[i] / case.stretches[i]));
@@ -274,7 +307,6 @@ impl Code for TotalSmd {
     }
 
     fn read(&self, _: &Path, text: &str, projector: Projector<'_>) -> Result<Record, VerifyError> {
-        let first = first_step(projector.case());
-        lammps::read(text, projector, first)
+        lammps::read(text, projector)
     }
 }

@@ -170,6 +170,6 @@ impl Code for UpdatedSmd {
     }
 
     fn read(&self, _: &Path, text: &str, projector: Projector<'_>) -> Result<Record, VerifyError> {
-        lammps::read(text, projector, 0)
+        lammps::read(text, projector)
     }
 }

@@ -1,6 +1,6 @@
 //! Total-Lagrangian SPH.
 
-use super::super::lagrangian::{LagrangianPoint, strains, stressed};
+use super::super::lagrangian::{Integrated, LagrangianPoint, strains, stressed};
 use super::super::layout::{Layout, MovingWeight, assert_positive};
 use super::super::stabilization::{
     ArtificialViscosity, BondPenalty, Compliance, Dashpot, PenaltyForm, Slope, ViscousBond,
@@ -295,7 +295,8 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
     ) -> Result<Option<WaveSystem<D>>, MethodError> {
         // Kernels and bonds of material coordinates do not move: the stress follows the deformation gradients, and the penalty, which
         // measures the distances themselves, the positions.
-        let points = stressed(&self.points, material, f)?;
+        let material = Integrated(material);
+        let points = stressed(&self.points, &material, f)?;
         let points: Vec<_> = points.into_iter().map(SphInteraction::Fixed).collect();
         let masses = lumped_masses(&self.crystal, self.choices.density);
         linearized(&self.crystal, Mass::Lumped(masses), &points).map(Some)

@@ -1,0 +1,260 @@
+//! Hypoelastic laws: the stress is integrated in time from an objective rate, and no energy is known.
+//!
+//! `sigma = -p 1 + s` with the pressure `p = kappa/n (J^(-n) - 1)`, which for `n = 0` is `-kappa ln J` and so in rate form too, and the deviator
+//!
+//! `s' = 2 mu dev D + Omega s - s Omega`,
+//!
+//! where `D` and `W` are the symmetric and the skew part of `L = F' F^-1`. Jaumann's rate turns the stress with `Omega = W`, that of Green and Naghdi with
+//! `Omega = R' R^T` of `F = V R`; in the principal axes of `V`, with its stretches `v_a`,
+//!
+//! `W_ab - Omega_ab = D_ab (v_a - v_b)/(v_a + v_b)`.
+//!
+//! A state `F = R U` is reached along `R U^t`, `0 <= t <= 1`, where neither turns the axes of the stress: `s = 2 mu dev ln V` of both.
+//!
+//! **Tangent.** The rates above are linear in `L`, `sigma'_ij = g_ijkl L_kl`, and
+//!
+//! `A_iJkL = J F^-1_Jj F^-1_Ll (g_ijkl + sigma_ij delta_kl - sigma_il delta_jk)`.
+//!
+//! Of a stressed state it has no major symmetry, since no energy stands behind it: waves can flutter.
+//!
+//! Sources: C. Truesdell, *J. Rational Mech. Anal.* 4 (1955) 83; J. K. Dienes, *Acta Mech.* 32 (1979) 217; W. Prager, *Q. Appl. Math.* 18 (1961) 403.
+
+use super::spectral::Spectral;
+use crate::algebra::unit_interval;
+use crate::kinematics::DeformationGradient;
+use crate::material::{
+    Admitted, FourthOrder, Hyperelastic, Law, Made, MaterialError, Parameter, Response, Symmetry,
+    hooke,
+};
+use nalgebra::Matrix3;
+
+/// Points of Gauss along the path to a state, for the work on it.
+const POINTS: usize = 16;
+
+const PARAMETERS: &[Parameter] = &[
+    Parameter::new("mu", "stress", 1.0, Admitted::Positive, "shear modulus"),
+    Parameter::new(
+        "kappa",
+        "stress",
+        2.0,
+        Admitted::Positive,
+        "bulk modulus at J = 1",
+    ),
+    Parameter::new(
+        "n",
+        "1",
+        0.0,
+        Admitted::NotNegative,
+        "derivative of the bulk modulus by the pressure: 0 for a pressure in rate form, 1 for one that is linear in the density, 7 for water",
+    ),
+];
+
+pub(super) const JAUMANN: Law = Law {
+    name: "hypoelastic-jaumann",
+    formula: "sigma = -p 1 + s, p = kappa/n (J^(-n) - 1) (-kappa ln J if n = 0), s' = 2 mu dev D + W s - s W",
+    parameters: PARAMETERS,
+    domain: "all J > 0; small elastic strains, as in codes that integrate the stress; states are reached along R U^t; not from an energy: the tangent has no major \
+             symmetry at stressed states",
+    symmetry: Symmetry::Isotropic,
+    stressed_reference: None,
+    small_strains: "shear modulus mu, bulk modulus kappa",
+    source: "Jaumann's rate of the deviator, as Gray, Monaghan and Swift, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6641, have it for smoothed particle \
+             hydrodynamics; defaults: Poisson's ratio 2/7, any unit of stress",
+    stiffness: |p| hooke(p[0], p[1]),
+    make: |p| made(p, Rate::Jaumann),
+};
+
+pub(super) const GREEN_NAGHDI: Law = Law {
+    name: "hypoelastic-green-naghdi",
+    formula: "sigma = -p 1 + s, p = kappa/n (J^(-n) - 1) (-kappa ln J if n = 0), s' = 2 mu dev D + Omega s - s Omega, Omega = R' R^T",
+    source: "the rate of Green and Naghdi, Arch. Ration. Mech. Anal. 18 (1965) 251, which codes have that integrate the stress in unrotated axes (Flanagan and Taylor, \
+             Comput. Methods Appl. Mech. Engrg. 62 (1987) 305); defaults: Poisson's ratio 2/7, any unit of stress",
+    make: |p| made(p, Rate::GreenNaghdi),
+    ..JAUMANN
+};
+
+/// What turns the stress.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Rate {
+    /// The spin `W`.
+    Jaumann,
+    /// `R' R^T`.
+    GreenNaghdi,
+}
+
+/// A hypoelastic law.
+struct Hypoelastic {
+    mu: f64,
+    kappa: f64,
+    n: f64,
+    rate: Rate,
+}
+
+fn made(p: &[f64], rate: Rate) -> Made {
+    Ok(Box::new(Hypoelastic {
+        mu: p[0],
+        kappa: p[1],
+        n: p[2],
+        rate,
+    }))
+}
+
+/// `delta_ij`.
+fn delta(i: usize, j: usize) -> f64 {
+    f64::from(u8::from(i == j))
+}
+
+/// A state, and the stress that the path to it leaves.
+struct Stressed<'a> {
+    law: &'a Hypoelastic,
+    /// `ln V`.
+    logarithm: Spectral,
+    /// `tr ln V = ln J`.
+    volume: f64,
+    /// `s`.
+    deviator: Matrix3<f64>,
+}
+
+impl Hypoelastic {
+    fn at<'a>(&'a self, f: &DeformationGradient) -> Result<Stressed<'a>, MaterialError> {
+        let matrix = f.matrix();
+        let squares = Spectral::positive(&(matrix * matrix.transpose()));
+        let squares = squares.ok_or_else(|| MaterialError::NotFinite {
+            jacobian: f.jacobian(),
+        })?;
+        let logarithm = Spectral {
+            values: squares.values.map(|square| 0.5 * square.ln()),
+            ..squares
+        };
+        let mean = logarithm.values.mean();
+        Ok(Stressed {
+            law: self,
+            volume: 3.0 * mean,
+            deviator: logarithm.map(|value| 2.0 * self.mu * (value - mean)),
+            logarithm,
+        })
+    }
+
+    /// `-p` at a logarithm of `J`.
+    fn tension(&self, volume: f64) -> f64 {
+        match self.n == 0.0 {
+            true => self.kappa * volume,
+            false => -self.kappa * (-self.n * volume).exp_m1() / self.n,
+        }
+    }
+}
+
+impl Stressed<'_> {
+    /// `sigma`.
+    fn cauchy(&self) -> Matrix3<f64> {
+        self.deviator + Matrix3::identity() * self.law.tension(self.volume)
+    }
+
+    /// The work of the stress on the path per reference volume, `int J sigma : ln V dt`.
+    fn work(&self) -> f64 {
+        let law = self.law;
+        let deviator = self.deviator.norm_squared() / (2.0 * law.mu);
+        let power = |t: f64| {
+            let volume = t * self.volume;
+            volume.exp() * (deviator * t + law.tension(volume) * self.volume)
+        };
+        let points = unit_interval(POINTS);
+        points.iter().map(|(t, weight)| weight * power(*t)).sum()
+    }
+
+    /// `Omega` of a velocity gradient `e_k (x) e_l`.
+    fn spin(&self, k: usize, l: usize) -> Matrix3<f64> {
+        let mut gradient = Matrix3::zeros();
+        gradient[(k, l)] = 1.0;
+        let spin = (gradient - gradient.transpose()) * 0.5;
+        if self.law.rate == Rate::Jaumann {
+            return spin;
+        }
+        let axes = &self.logarithm.axes;
+        let strain = axes.transpose() * (gradient + gradient.transpose()) * axes * 0.5;
+        // (v_a - v_b)/(v_a + v_b), by the logarithms.
+        let values = &self.logarithm.values;
+        let share = |a: usize, b: usize| (0.5 * (values[a] - values[b])).tanh();
+        spin - self
+            .logarithm
+            .turned(&Matrix3::from_fn(|a, b| strain[(a, b)] * share(a, b)))
+    }
+
+    /// `Omega s - s Omega` of all velocity gradients `e_k (x) e_l`, at `3 k + l`.
+    fn turned(&self) -> Vec<Matrix3<f64>> {
+        let of = |n: usize| {
+            let spin = self.spin(n / 3, n % 3);
+            spin * self.deviator - self.deviator * spin
+        };
+        (0..9).map(of).collect()
+    }
+
+    /// `kappa_J tr D 1 + 2 mu dev D` of a velocity gradient, with a bulk modulus.
+    fn stiffness(&self, bulk: f64, [i, j, k, l]: [usize; 4]) -> f64 {
+        let shear = delta(i, k) * delta(j, l) + delta(i, l) * delta(j, k);
+        self.law.mu * shear + (bulk - self.law.mu / 1.5) * delta(i, j) * delta(k, l)
+    }
+
+    /// `d(-p)/d ln J`.
+    fn bulk(&self) -> f64 {
+        self.law.kappa * (-self.law.n * self.volume).exp()
+    }
+}
+
+/// `J F^-1_Jj F^-1_Ll a_ijkl`.
+fn pulled_back(
+    f: &DeformationGradient,
+    spatial: impl Fn([usize; 4]) -> f64,
+) -> Result<FourthOrder, MaterialError> {
+    let jacobian = f.jacobian();
+    let inverse = f.matrix().try_inverse();
+    let inverse = inverse.ok_or(MaterialError::NotFinite { jacobian })?;
+    let half = FourthOrder::from_fn(|i, j, k, n| {
+        (0..3)
+            .map(|l| inverse[(n, l)] * spatial([i, j, k, l]))
+            .sum()
+    });
+    Ok(FourthOrder::from_fn(|i, m, k, n| {
+        let sum: f64 = (0..3).map(|j| inverse[(m, j)] * half[(i, j, k, n)]).sum();
+        jacobian * sum
+    }))
+}
+
+impl Hyperelastic for Hypoelastic {
+    fn is_path_dependent(&self) -> bool {
+        true
+    }
+
+    /// The energy is the work on the path: stress and tangent have no potential.
+    fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        let state = self.at(f)?;
+        let (sigma, turned, bulk) = (state.cauchy(), state.turned(), state.bulk());
+        let tangent = pulled_back(f, |at @ [i, j, k, l]| {
+            state.stiffness(bulk, at) + turned[3 * k + l][(i, j)] + sigma[(i, j)] * delta(k, l)
+                - sigma[(i, l)] * delta(j, k)
+        })?;
+        let jacobian = f.jacobian();
+        let inverse = f.matrix().try_inverse();
+        let inverse = inverse.ok_or(MaterialError::NotFinite { jacobian })?;
+        Response {
+            deformation: *f,
+            energy: state.work(),
+            first_piola: sigma * inverse.transpose() * jacobian,
+            tangent,
+        }
+        .finite()
+    }
+
+    /// Stress in unrotated axes is turned by the positions; what Jaumann's rate turns, it turns in time. A pressure that is a function of the volume is not integrated.
+    fn integrated_tangent(&self, f: &DeformationGradient) -> Result<FourthOrder, MaterialError> {
+        let state = self.at(f)?;
+        let bulk = if self.n == 0.0 { self.kappa } else { 0.0 };
+        let turned = match self.rate {
+            Rate::Jaumann => state.turned(),
+            Rate::GreenNaghdi => vec![Matrix3::zeros(); 9],
+        };
+        pulled_back(f, |at @ [i, j, k, l]| {
+            state.stiffness(bulk, at) + turned[3 * k + l][(i, j)]
+        })
+    }
+}
