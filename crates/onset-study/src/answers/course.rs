@@ -114,7 +114,7 @@ impl Course {
             from,
             to,
             reason,
-            notes: notes_on_law(material),
+            notes: notes_on_law(&problem.settings.material, material),
         };
         if let Some(reason) = held_across(loading, material.dimension()) {
             return Err(refused(reason));

@@ -1,7 +1,7 @@
 //! What a reader must know of a law and a method whatever the question.
 
 use crate::number::{told, told_of};
-use crate::settings::{Bonds, Family, Settings, Units};
+use crate::settings::{Bonds, Family, MaterialSettings, Model, Settings, Units};
 use nalgebra::Matrix3;
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, Response};
@@ -11,10 +11,15 @@ const UNSTRESSED: f64 = 1e-9;
 /// A state with different stretches, at which a law that has no shear stiffness at `F = 1` alone has some.
 const STRETCHED: [f64; 3] = [1.1, 1.0, 0.95];
 
-/// What a reader of an answer must know of the law: that it has stress at `F = 1`, or no stiffness against shear, where it is so.
-pub fn notes_on_law(material: &dyn Hyperelastic) -> Vec<String> {
-    let stress = stress_at_rest(material);
-    stress.into_iter().chain(fluid(material)).collect()
+/// What a reader of an answer must know of the law: that it has stress at `F = 1`, no stiffness against shear, or a tangent that depends on the path, where it
+/// is so.
+pub fn notes_on_law(settings: &MaterialSettings, material: &dyn Hyperelastic) -> Vec<String> {
+    let notes = [
+        stress_at_rest(material),
+        fluid(material),
+        note_on_path(settings.model),
+    ];
+    notes.into_iter().flatten().collect()
 }
 
 /// Whether a law has stress at `F = 1`.
@@ -85,8 +90,7 @@ fn fluid(material: &dyn Hyperelastic) -> Option<String> {
 }
 
 /// That the tangent of a law depends on the path, where it does.
-fn note_on_path(settings: &Settings) -> Option<String> {
-    let model = settings.material.model;
+fn note_on_path(model: Model) -> Option<String> {
     model.is_in_rate_form().then(|| match model.is_elastic_plastic() {
         false => format!(
             "{} is hypoelastic: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and waves meet the tangent of the rates that go on \
@@ -149,8 +153,7 @@ fn stress_at_rest(material: &dyn Hyperelastic) -> Option<String> {
 
 /// What a reader of an answer must know of law and method.
 pub fn notes(settings: &Settings, material: &dyn Hyperelastic) -> Vec<String> {
-    let mut notes = notes_on_law(material);
-    notes.extend(note_on_path(settings));
+    let mut notes = notes_on_law(&settings.material, material);
     notes.extend(notes_on_method(settings));
     notes
 }

@@ -71,7 +71,7 @@ impl Table {
         };
         Ok(Self {
             title: comparison.title.clone(),
-            notes: notes_on_law(&*material),
+            notes: notes_on_law(&comparison.common.material, &*material),
             material: comparison.common.material.model.name().to_owned(),
             dimension: comparison.dimension(),
             options: comparison.options.clone(),

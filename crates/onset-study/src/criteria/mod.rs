@@ -297,7 +297,7 @@ impl Question {
             true => !(turns && loading.mode == Mode::SimpleShear),
             false => modes.contains(&loading.mode),
         };
-        let mut notes = notes_on_law(&*material);
+        let mut notes = notes_on_law(settings, &*material);
         if turns && modes.is_empty() {
             let why = if has_axes {
                 SHEAR_OF_AXES
