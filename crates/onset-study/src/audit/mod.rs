@@ -43,7 +43,7 @@ pub enum AuditError {
     Convention,
     /// A law whose tangent is not the derivative of its stress along paths from the reference.
     #[error(
-        "{0} is in rate form: its tangent is that of rates that go on, and not the derivative of the stress by the end of the path\n  hint: an audit is for laws with an energy \
+        "{0} is in rate form: its tangent is that of rates that go on (of a metal, of continued flow), and not the derivative of the stress by the end of the path\n  hint: an audit is for laws with an energy \
          and for UMATs, whose last increment is compared"
     )]
     Flow(&'static str),

@@ -138,14 +138,18 @@ impl Case {
         let is_growing = typed.omega_squared < 0.0;
         let (time_step, steps) = steps(question, rate, is_growing, critical);
         let duration = time_step * steps as f64;
-        let (block, k) = match code.is_periodic() {
-            true => periodic(&sides, question, reach)?,
-            false => {
+        let rim = code.rim(&problem, &f)?;
+        let (block, k) = match rim {
+            None => periodic(&sides, question, reach)?,
+            Some(width) => {
                 // Of sound, or of the shortest waves: half of their frequency times the spacing.
                 let sound = sound(&problem, &f, &sides)?;
                 let fastest = sound.max(problem.analysis.spacing() / critical);
                 let apart = SAFETY * fastest * duration + 2.0 * reach;
-                (held(&sides, apart, reach), question.wave_vector.clone())
+                (
+                    held(&sides, apart, width * reach),
+                    question.wave_vector.clone(),
+                )
             }
         };
         if block.particles() > LARGEST {
@@ -169,7 +173,7 @@ impl Case {
             wave_vector: k,
             density: problem.settings.discretization.density,
             block,
-            is_periodic: code.is_periodic(),
+            is_periodic: rim.is_none(),
             reach,
             speed: amplitude * rate * problem.analysis.spacing(),
             time_step,

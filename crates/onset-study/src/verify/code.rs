@@ -74,8 +74,20 @@ pub trait Code: Sync {
     /// What else deviates from what one would expect of it, a sentence each.
     fn remarks(&self) -> &'static [&'static str];
 
-    /// Whether the block is periodic; otherwise its rim is held, and it is read in its core before waves from the rim arrive.
+    /// Whether blocks are periodic; otherwise their rims are held, and they are read in their cores before waves from the rims arrive.
     fn is_periodic(&self) -> bool;
+
+    /// How wide the rim of the block of a material at a state is, in distances that particles see each other from; none of a periodic block.
+    ///
+    /// # Errors
+    /// [`VerifyError::Refused`] for what the code cannot compute.
+    fn rim(
+        &self,
+        _problem: &Problem,
+        _f: &DeformationGradient,
+    ) -> Result<Option<f64>, VerifyError> {
+        Ok((!self.is_periodic()).then_some(1.0))
+    }
 
     /// What relative difference of the rates counts as agreement.
     fn tolerance(&self) -> f64;

@@ -121,13 +121,63 @@ impl Volumetric {
     }
 }
 
+/// Pressure, its derivative by the ratio of densities, and the deviator of a law whose stress rates are Jaumann's at a state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct JaumannRates {
+    /// Of the pressure, as of a law of the volume alone.
+    pub(super) volumetric: Volumetric,
+    /// Shear modulus; stress.
+    pub(super) shear: f64,
+    /// The principal values of the deviator of the Cauchy stress; stress.
+    pub(super) deviator: [f64; 3],
+}
+
+impl JaumannRates {
+    /// Those of a law at a state along the axes, from `sigma'_ij = g_ijkl L_kl`; `None` where its rates are others: with Jaumann's they are
+    /// `kappa tr D 1 + 2 mu dev D + W s - s W`, the spin with a factor that is 1 unless a code has it wrong.
+    pub(super) fn of(
+        law: &dyn Hyperelastic,
+        f: &DeformationGradient,
+        factor: f64,
+    ) -> Result<Option<Self>, MaterialError> {
+        let response = law.response(f)?;
+        let (sigma, g) = (response.cauchy(), response.effective_cauchy_tangent());
+        let tension = sigma.trace() / 3.0;
+        let deviator = [0, 1, 2].map(|i| sigma[(i, i)] - tension);
+        let pairs = (0..9).map(|n| (n / 3, n % 3));
+        let bulk = pairs.map(|(i, j)| g[(i, i, j, j)]).sum::<f64>() / 9.0;
+        let shear = 0.5 * (g[(0, 1, 0, 1)] + g[(1, 0, 1, 0)]);
+        let scale = ROUNDING * g.largest().max(sigma.amax());
+        let delta = |i: usize, j: usize| f64::from(u8::from(i == j));
+        let is_jaumann = indices().all(|[i, j, k, l]| {
+            let strain = delta(i, k) * delta(j, l) + delta(i, l) * delta(j, k);
+            // W of L = e_k (x) e_l, between axes of the stress.
+            let spin = 0.5 * factor * (delta(i, k) * delta(j, l) - delta(i, l) * delta(j, k));
+            let expected = shear * strain
+                + (bulk - shear / 1.5) * delta(i, j) * delta(k, l)
+                + spin * (deviator[j] - deviator[i]);
+            (g[(i, j, k, l)] - expected).abs() <= scale
+        });
+        let is_along_axes = (0..3).all(|i| (0..i).all(|j| sigma[(i, j)].abs() <= scale));
+        Ok((is_jaumann && is_along_axes).then_some(Self {
+            volumetric: Volumetric {
+                pressure: -tension,
+                slope: bulk * f.jacobian(),
+            },
+            // A fluid has none.
+            shear: if shear.abs() <= scale { 0.0 } else { shear },
+            deviator: deviator.map(|s| if s.abs() <= scale { 0.0 } else { s }),
+        }))
+    }
+}
+
 fn indices() -> impl Iterator<Item = [usize; 4]> {
     (0..81).map(|n| [n / 27, n / 9 % 3, n / 3 % 3, n % 3])
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Isotropic, Volumetric};
+    use super::{Isotropic, JaumannRates, Volumetric, is_in_rate_form};
     use crate::settings::Settings;
     use onset::kinematics::DeformationGradient;
 
@@ -167,5 +217,51 @@ mod tests {
         assert!((own.young() / (2.0 * own.mu * (1.0 + own.poisson())) - 1.0).abs() < 1e-14);
         let f = DeformationGradient::from_stretches([1.2, 0.9, 1.1]).expect("a state");
         assert_eq!(Volumetric::of(&*law, &f).expect("a response"), None);
+    }
+    #[test]
+    fn jaumanns_rates_are_told_from_others() {
+        let given = ["material.mu=0.4", "material.kappa=2", "material.n=1"];
+        let f = DeformationGradient::from_stretches([1.2, 0.9, 1.1]).expect("a state");
+        let rate = |name: &str| law(&[&[name], &given[..]].concat());
+        let [jaumann, other] = ["jaumann", "green-naghdi"]
+            .map(|name| rate(&format!("material.model=hypoelastic-{name}")));
+        let own = JaumannRates::of(&*jaumann, &f, 1.0).expect("a response");
+        let own = own.expect("Jaumann's rate");
+        let jacobian = f.jacobian();
+        assert!((own.volumetric.pressure - 2.0 * (1.0 / jacobian - 1.0)).abs() < 1e-14);
+        // p = kappa (1/J - 1).
+        assert!((own.volumetric.slope - 2.0).abs() < 1e-13);
+        assert!((own.shear - 0.4).abs() < 1e-14);
+        let expected = 0.8 * (1.2_f64.ln() - jacobian.ln() / 3.0);
+        assert!((own.deviator[0] - expected).abs() < 1e-14);
+        assert_eq!(
+            JaumannRates::of(&*other, &f, 1.0).expect("a response"),
+            None
+        );
+        assert_eq!(
+            JaumannRates::of(&*jaumann, &f, -1.0).expect("a response"),
+            None
+        );
+        let is_one = |law, name: &str, n| is_in_rate_form(law, name, n, &f).expect("a response");
+        assert!(is_one(&*other, "hypoelastic-green-naghdi", 1.0));
+        assert!(!is_one(&*other, "hypoelastic-green-naghdi", 0.0));
+        assert!(!is_one(&*jaumann, "hypoelastic-green-naghdi", 1.0));
+    }
+
+    #[test]
+    fn a_law_of_the_volume_has_jaumanns_rates_without_shear() {
+        let law = law(&[
+            "material.model=formula",
+            "material.energy=K*(J-ln(J))",
+            "material.K=2",
+        ]);
+        let f = DeformationGradient::from_stretches([1.2, 0.9, 1.1]).expect("a state");
+        let own = JaumannRates::of(&*law, &f, 1.0).expect("a response");
+        let own = own.expect("Jaumann's rate");
+        assert_eq!((own.shear, own.deviator), (0.0, [0.0; 3]));
+        let volumetric = Volumetric::of(&*law, &f).expect("a response");
+        let volumetric = volumetric.expect("volumetric");
+        assert!((own.volumetric.pressure - volumetric.pressure).abs() < 1e-14);
+        assert!((own.volumetric.slope - volumetric.slope).abs() < 1e-13);
     }
 }

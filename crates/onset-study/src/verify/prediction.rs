@@ -180,13 +180,7 @@ pub(super) fn predicted(
     stepping: Stepping,
     step: f64,
 ) -> Result<Prediction, VerifyError> {
-    let whole = matrix(problem, f, k)?.map(|x| Complex::new(x, 0.0));
-    let none = DMatrix::zeros(whole.nrows(), whole.ncols());
-    let carried = match stepping.carries() {
-        true => problem.analysis.carried(f, k)?.unwrap_or(none),
-        false => none,
-    };
-    let rates = stepping.rates(&(whole - &carried), &carried, step);
+    let rates = stepping.rates(&problem.analysis.parts(f, k)?, step);
     let root = Complex::new(-mode.omega_squared, 0.0).sqrt();
     let near = |wanted: Complex| {
         let apart = |z: &&Complex| (*z - wanted).norm();

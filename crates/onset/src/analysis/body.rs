@@ -3,7 +3,7 @@
 use super::in_space::InSpace;
 use super::{Analysis, PatchParticle, PlaneWaves, SteppedWaves};
 use crate::algebra::{Complex, array_of, eigenvalues};
-use crate::bloch::{IsEnded, SpectrumSummary, Stability, ZoneSearch};
+use crate::bloch::{IsEnded, SpectrumSummary, Stability, WaveSystem, ZoneSearch};
 use crate::certificate::{Certificate, Certifier, Foundation};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::{DeformationGradient, DeformationPath};
@@ -18,7 +18,7 @@ use crate::motion::{
     BodyError, BodyMotion, BodyParticles, Contact, Grip, PatchMotion, with_body, with_motion,
 };
 use crate::scheme::{Discretization, PeriodicPatch};
-use crate::time_step::{Integrator, TransferredWaves};
+use crate::time_step::{Integrator, TransferredWaves, WaveParts};
 use crate::verdict::{
     Assessment, Ground, PathError, PathScan, Probe, StateWaves, Survey, SurveyedState, Verdict,
     scan_discretization,
@@ -221,13 +221,22 @@ impl<const D: usize> Analysis for Body<D> {
         }))
     }
 
-    fn carried(
-        &self,
-        f: &DeformationGradient,
-        k: &[f64],
-    ) -> Result<Option<DMatrix<Complex>>, MethodError> {
-        let carried = self.discretization.carried(&*self.material, f)?;
-        Ok(carried.map(|system| system.dynamical_matrix_at(&vector(k))))
+    fn parts(&self, f: &DeformationGradient, k: &[f64]) -> Result<WaveParts, MethodError> {
+        let whole = self.waves(f)?.dynamical_matrix_at(k);
+        let Some(carried) = self.discretization.carried(&*self.material, f)? else {
+            return Ok(WaveParts::of_positions(whole));
+        };
+        let at = |system: &WaveSystem<D>| system.dynamical_matrix_at(&vector(k));
+        let all = at(&carried.all);
+        let density = match &carried.density {
+            Some(system) => at(system),
+            None => DMatrix::zeros(all.nrows(), all.ncols()),
+        };
+        Ok(WaveParts {
+            positions: whole - &all,
+            stress: all - &density,
+            density,
+        })
     }
 
     fn gradient_norm(

@@ -19,7 +19,7 @@ use crate::measures::{DispersionError, Fidelity, Load, OnsetPair, SpuriousModes,
 use crate::method::MethodError;
 use crate::motion::{BodyError, BodyMotion, BodyParticles, Contact, Grip, PatchMotion};
 use crate::scheme::MethodChoices;
-use crate::time_step::Integrator;
+use crate::time_step::{Integrator, WaveParts};
 use crate::verdict::{
     Assessment, PathError, PathScan, Probe, SurveyedState, Verdict, probe_material, scan_material,
 };
@@ -126,16 +126,12 @@ pub trait Analysis: Send + Sync {
     /// [`MethodError`] when material or method cannot be evaluated there.
     fn waves(&self, f: &DeformationGradient) -> Result<Box<dyn PlaneWaves>, MethodError>;
 
-    /// The part of `D(k)` by what particles carry along, positions held; see
-    /// [`Discretization::carried`](crate::scheme::Discretization::carried). 1/time^2.
+    /// `D(k)` by what codes integrate of it: positions, and the stress and the density that particles carry along; see
+    /// [`Discretization::carried`](crate::scheme::Discretization::carried). All of it follows the positions where the method tells no parts apart. 1/time^2.
     ///
     /// # Errors
     /// [`MethodError`] when material or method cannot be evaluated there.
-    fn carried(
-        &self,
-        f: &DeformationGradient,
-        k: &[f64],
-    ) -> Result<Option<DMatrix<Complex>>, MethodError>;
+    fn parts(&self, f: &DeformationGradient, k: &[f64]) -> Result<WaveParts, MethodError>;
 
     /// The squared norm of the discrete gradient of a wave over that of the exact one, where the method tells it.
     ///

@@ -313,13 +313,16 @@ pub trait Hyperelastic: Send + Sync {
         false
     }
 
-    /// The part of the tangent `A_iJkL` by the stress that codes with kernels of material coordinates integrate in time, while everything else follows the
-    /// positions: all of it, unless a law is in rate form. Units of stress.
+    /// The part of the tangent `A_iJkL` by the stress that a law in rate form integrates in time, `J F^-1_Jj F^-1_Ll g_ijkl` of the rates
+    /// `sigma'_ij = g_ijkl L_kl` that are no function of the positions; the rest follows these. `None` of other laws. Units of stress.
     ///
     /// # Errors
     /// As [`Hyperelastic::response`].
-    fn integrated_tangent(&self, f: &DeformationGradient) -> Result<FourthOrder, MaterialError> {
-        Ok(self.response(f)?.tangent)
+    fn integrated_tangent(
+        &self,
+        _f: &DeformationGradient,
+    ) -> Result<Option<FourthOrder>, MaterialError> {
+        Ok(None)
     }
 
     /// Bounds of energy, stress and tangent over all states with components in the given intervals.

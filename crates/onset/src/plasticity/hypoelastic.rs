@@ -31,28 +31,33 @@ use nalgebra::Matrix3;
 /// Points of Gauss along the path to a state, for the work on it.
 const POINTS: usize = 16;
 
-const PARAMETERS: &[Parameter] = &[
-    Parameter::new("mu", "stress", 1.0, Admitted::Positive, "shear modulus"),
-    Parameter::new(
-        "kappa",
-        "stress",
-        2.0,
-        Admitted::Positive,
-        "bulk modulus at J = 1",
-    ),
-    Parameter::new(
-        "n",
-        "1",
-        0.0,
-        Admitted::NotNegative,
-        "derivative of the bulk modulus by the pressure: 0 for a pressure in rate form, 1 for one that is linear in the density, 7 for water",
-    ),
-];
+const MU: Parameter = Parameter::new("mu", "stress", 1.0, Admitted::Positive, "shear modulus");
+const KAPPA: Parameter = Parameter::new(
+    "kappa",
+    "stress",
+    2.0,
+    Admitted::Positive,
+    "bulk modulus at J = 1",
+);
+const N: Parameter = Parameter::new(
+    "n",
+    "1",
+    0.0,
+    Admitted::NotNegative,
+    "derivative of the bulk modulus by the pressure: 0 for a pressure in rate form, 1 for one that is linear in the density, 7 for water",
+);
+const SPIN: Parameter = Parameter::new(
+    "spin",
+    "1",
+    1.0,
+    Admitted::Any,
+    "factor of the spin that turns the stress: 1 for Jaumann's rate; -1 for a code that has its sign wrong, whose stress turns against the material",
+);
 
 pub(super) const JAUMANN: Law = Law {
     name: "hypoelastic-jaumann",
-    formula: "sigma = -p 1 + s, p = kappa/n (J^(-n) - 1) (-kappa ln J if n = 0), s' = 2 mu dev D + W s - s W",
-    parameters: PARAMETERS,
+    formula: "sigma = -p 1 + s, p = kappa/n (J^(-n) - 1) (-kappa ln J if n = 0), s' = 2 mu dev D + spin (W s - s W)",
+    parameters: &[MU, KAPPA, N, SPIN],
     domain: "all J > 0; small elastic strains, as in codes that integrate the stress; states are reached along R U^t; not from an energy: the tangent has no major \
              symmetry at stressed states",
     symmetry: Symmetry::Isotropic,
@@ -61,12 +66,13 @@ pub(super) const JAUMANN: Law = Law {
     source: "Jaumann's rate of the deviator, as Gray, Monaghan and Swift, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6641, have it for smoothed particle \
              hydrodynamics; defaults: Poisson's ratio 2/7, any unit of stress",
     stiffness: |p| hooke(p[0], p[1]),
-    make: |p| made(p, Rate::Jaumann),
+    make: |p| made(p, Rate::Jaumann { spin: p[3] }),
 };
 
 pub(super) const GREEN_NAGHDI: Law = Law {
     name: "hypoelastic-green-naghdi",
     formula: "sigma = -p 1 + s, p = kappa/n (J^(-n) - 1) (-kappa ln J if n = 0), s' = 2 mu dev D + Omega s - s Omega, Omega = R' R^T",
+    parameters: &[MU, KAPPA, N],
     source: "the rate of Green and Naghdi, Arch. Ration. Mech. Anal. 18 (1965) 251, which codes have that integrate the stress in unrotated axes (Flanagan and Taylor, \
              Comput. Methods Appl. Mech. Engrg. 62 (1987) 305); defaults: Poisson's ratio 2/7, any unit of stress",
     make: |p| made(p, Rate::GreenNaghdi),
@@ -74,10 +80,10 @@ pub(super) const GREEN_NAGHDI: Law = Law {
 };
 
 /// What turns the stress.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Rate {
-    /// The spin `W`.
-    Jaumann,
+    /// The spin `W`, with a factor that is one unless a code has it wrong.
+    Jaumann { spin: f64 },
     /// `R' R^T`.
     GreenNaghdi,
 }
@@ -167,8 +173,8 @@ impl Stressed<'_> {
         let mut gradient = Matrix3::zeros();
         gradient[(k, l)] = 1.0;
         let spin = (gradient - gradient.transpose()) * 0.5;
-        if self.law.rate == Rate::Jaumann {
-            return spin;
+        if let Rate::Jaumann { spin: factor } = self.law.rate {
+            return spin * factor;
         }
         let axes = &self.logarithm.axes;
         let strain = axes.transpose() * (gradient + gradient.transpose()) * axes * 0.5;
@@ -246,15 +252,19 @@ impl Hyperelastic for Hypoelastic {
     }
 
     /// Stress in unrotated axes is turned by the positions; what Jaumann's rate turns, it turns in time. A pressure that is a function of the volume is not integrated.
-    fn integrated_tangent(&self, f: &DeformationGradient) -> Result<FourthOrder, MaterialError> {
+    fn integrated_tangent(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<Option<FourthOrder>, MaterialError> {
         let state = self.at(f)?;
         let bulk = if self.n == 0.0 { self.kappa } else { 0.0 };
         let turned = match self.rate {
-            Rate::Jaumann => state.turned(),
+            Rate::Jaumann { .. } => state.turned(),
             Rate::GreenNaghdi => vec![Matrix3::zeros(); 9],
         };
-        pulled_back(f, |at @ [i, j, k, l]| {
+        let tangent = pulled_back(f, |at @ [i, j, k, l]| {
             state.stiffness(bulk, at) + turned[3 * k + l][(i, j)]
-        })
+        });
+        tangent.map(Some)
     }
 }

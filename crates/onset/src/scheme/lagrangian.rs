@@ -4,7 +4,7 @@ use super::{Interaction, Motion, PointResponse, StrainOperator};
 use crate::algebra::{Each, array_of};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
-use crate::material::{Hyperelastic, MaterialError, Response};
+use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use crate::real::Real;
 use nalgebra::SVector;
@@ -46,27 +46,6 @@ impl<const D: usize> LagrangianPoint<D> {
     /// Its reference volume; length^D.
     pub fn volume(&self) -> f64 {
         self.volume
-    }
-}
-
-/// A law by the part of its stress that is integrated in time.
-pub(super) struct Integrated<'a>(pub(super) &'a dyn Hyperelastic);
-
-impl Hyperelastic for Integrated<'_> {
-    fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
-        let tangent = self.0.integrated_tangent(f)?;
-        Ok(Response {
-            tangent,
-            ..self.0.response(f)?
-        })
-    }
-
-    fn dimension(&self) -> usize {
-        self.0.dimension()
-    }
-
-    fn is_path_dependent(&self) -> bool {
-        self.0.is_path_dependent()
     }
 }
 

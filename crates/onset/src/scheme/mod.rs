@@ -80,6 +80,15 @@ pub trait Interaction<const D: usize> {
     }
 }
 
+/// Waves by what particles carry along, positions held.
+#[derive(Clone, Debug)]
+pub struct CarriedWaves<const D: usize> {
+    /// All of it.
+    pub all: WaveSystem<D>,
+    /// What of it follows the density; nothing where there is none.
+    pub density: Option<WaveSystem<D>>,
+}
+
 /// A discretization of a solid by particles or nodes.
 ///
 /// The first methods define it. Those with a body are capabilities: what a discretization knows beyond that, by which the same questions
@@ -194,7 +203,7 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
     }
 
     /// The part of the waves at a state by what particles carry along with them: deformation gradients and densities follow the wave,
-    /// positions are held. Codes that integrate stress or density in time follow this part by velocities and the rest of it by
+    /// positions are held. A law in rate form has a stress that is integrated and a pressure that follows the density; of others all follows one of both. Codes that integrate stress or density in time follow this part by velocities and the rest of it by
     /// positions, which differ once time is discrete; see [`Stepping`](crate::time_step::Stepping). `None` where the method does
     /// not tell the two apart.
     ///
@@ -204,7 +213,7 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         &self,
         _material: &dyn Hyperelastic,
         _f: &DeformationGradient,
-    ) -> Result<Option<WaveSystem<D>>, MethodError> {
+    ) -> Result<Option<CarriedWaves<D>>, MethodError> {
         Ok(None)
     }
 

@@ -3,8 +3,41 @@
 use crate::algebra::array_of;
 use crate::bloch::Local;
 use crate::kinematics::DeformationGradient;
-use crate::material::{Hyperelastic, MaterialError};
+use crate::material::{FourthOrder, Hyperelastic, MaterialError, Response};
 use crate::real::Real;
+
+/// A law in rate form by a part of its tangent: that of the stress which is integrated in time, or the rest.
+pub(super) struct PartOf<'a> {
+    pub(super) law: &'a dyn Hyperelastic,
+    pub(super) is_integrated: bool,
+}
+
+impl Hyperelastic for PartOf<'_> {
+    fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        let response = self.law.response(f)?;
+        let Some(integrated) = self.law.integrated_tangent(f)? else {
+            return Ok(response);
+        };
+        let tangent = match self.is_integrated {
+            true => integrated,
+            false => FourthOrder::from_fn(|i, j, k, l| {
+                response.tangent[(i, j, k, l)] - integrated[(i, j, k, l)]
+            }),
+        };
+        Ok(Response {
+            tangent,
+            ..response
+        })
+    }
+
+    fn dimension(&self) -> usize {
+        self.law.dimension()
+    }
+
+    fn is_path_dependent(&self) -> bool {
+        true
+    }
+}
 
 /// The response of a material at a point of a discretization: its stress at deformations near that of a homogeneous state.
 ///

@@ -14,7 +14,7 @@ mod zone;
 pub use amplification::{
     Amplification, critical_time_step, critical_time_step_at, critical_time_step_unless,
 };
-pub use stepping::Stepping;
+pub use stepping::{Stepping, WaveParts};
 pub use transferred::TransferredWaves;
 
 /// Explicit integrators.

@@ -5,25 +5,25 @@ use nalgebra::DMatrix;
 
 /// How a code takes a time step: what follows positions, what follows velocities, and from which time these are.
 ///
-/// The waves of a state obey `dv/dt = -D u`, `D = X + W`: the part `X` of the forces follows the positions `x`, the part `W` what particles
-/// carry along (stress or density), whose displacement `w` the code integrates from velocities of its own. In continuous time
-/// `w = x + const`, and both are the same; in discrete time they are not, and what was wrong at the start stays as a constant. With velocities
-/// `h` at half steps, `a = -X x - W w` and the step `dt`:
+/// The waves of a state obey `dv/dt = -D u`, `D = X + S + R`: the part `X` of the forces follows the positions `x`, the parts `S` and `R` what particles
+/// carry along, stress and density, whose displacements `s` and `r` the code integrates from velocities of its own. In continuous time
+/// both are `x + const`; in discrete time they are not, and what was wrong at the start stays as a constant. With velocities
+/// `h` at half steps, `a = -X x - S s - R r` and the step `dt`:
 ///
 /// | stepping | a step |
 /// |---|---|
-/// | velocity Verlet | `h' = h + dt a`, `x' = x + dt h'`; `w = x` |
-/// | extrapolated stress | the same, and `w' = w + dt (h' + dt/2 a)` |
-/// | late density | the same, `e' = h' + dt/2 a`, and `w' = w + dt e` |
+/// | velocity Verlet | `h' = h + dt a`, `x' = x + dt h'`; `s = r = x` |
+/// | extrapolated stress | the same, and `s' = s + dt (h' + dt/2 a)`; `r = s` |
+/// | late density | the same, `e' = h' + dt/2 a`, `s' = s + dt e'` and `r' = r + dt e` |
 /// | late acceleration | `y* = y + dt/2 f`, `f' = L y*`, `y' = y + dt f'` with `y = (x, v)`, `L = ((0, 1), (-D, 0))` |
 ///
 /// ```
 /// use nalgebra::DMatrix;
 /// use onset::algebra::Complex;
-/// use onset::time_step::Stepping;
+/// use onset::time_step::{WaveParts, Stepping};
 /// // A wave of omega = 1 that follows positions alone: omega of velocity Verlet is 2/dt asin(omega dt/2).
-/// let [one, none] = [1.0, 0.0].map(|x| DMatrix::from_element(1, 1, Complex::new(x, 0.0)));
-/// let rates = Stepping::VelocityVerlet.rates(&one, &none, 0.1);
+/// let parts = WaveParts::of_positions(DMatrix::from_element(1, 1, Complex::new(1.0, 0.0)));
+/// let rates = Stepping::VelocityVerlet.rates(&parts, 0.1);
 /// assert!((rates[0].im.abs() - 20.0 * 0.05_f64.asin()).abs() < 1e-12);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,11 +39,34 @@ pub enum Stepping {
     /// wave at the rate `omega^2 dt/4`.
     ExtrapolatedStress,
     /// Density integrated from the extrapolated velocities of the step before, as in LAMMPS' updated SMD: it amplifies a wave at
-    /// the rate `omega^2 dt/4`.
+    /// the rate `omega^2 dt/4`. Stress is integrated from those of the step.
     LateDensity,
     /// Predictor with the accelerations of the step before, evaluation, corrector, as in PySPH's `PECIntegrator`: positions,
     /// velocities and densities at half steps are those of the second-order method of Adams and Bashforth.
     LateAcceleration,
+}
+
+/// The parts of `D(k)` by what they follow; 1/time^2.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WaveParts {
+    /// `X`.
+    pub positions: DMatrix<Complex>,
+    /// `S`.
+    pub stress: DMatrix<Complex>,
+    /// `R`.
+    pub density: DMatrix<Complex>,
+}
+
+impl WaveParts {
+    /// Everything follows the positions.
+    pub fn of_positions(positions: DMatrix<Complex>) -> Self {
+        let none = DMatrix::zeros(positions.nrows(), positions.ncols());
+        Self {
+            positions,
+            stress: none.clone(),
+            density: none,
+        }
+    }
 }
 
 impl Stepping {
@@ -65,20 +88,10 @@ impl Stepping {
         }
     }
 
-    /// Whether a code with this stepping follows part of the forces by velocities.
-    pub fn carries(self) -> bool {
-        matches!(self, Self::ExtrapolatedStress | Self::LateDensity)
-    }
-
-    /// The matrix of a step, `y' = G y` with the state `y` of the code: positions first, then what [`Stepping`] lists. `positions` and
-    /// `carried` are `X` and `W`, 1/time^2.
-    pub fn matrix(
-        self,
-        positions: &DMatrix<Complex>,
-        carried: &DMatrix<Complex>,
-        step: f64,
-    ) -> DMatrix<Complex> {
-        let n = positions.nrows();
+    /// The matrix of a step, `y' = G y` with the state `y` of the code: positions first, then what [`Stepping`] lists.
+    pub fn matrix(self, parts: &WaveParts, step: f64) -> DMatrix<Complex> {
+        let (x, s, r) = (&parts.positions, &parts.stress, &parts.density);
+        let n = x.nrows();
         let number = |x: f64| Complex::new(x, 0.0);
         let (dt, half) = (number(step), number(0.5 * step));
         let one = DMatrix::<Complex>::identity(n, n);
@@ -86,14 +99,14 @@ impl Stepping {
         // Each quantity after the step as a row of matrices, one for each quantity before it.
         let rows: Vec<Vec<DMatrix<Complex>>> = match self {
             Self::VelocityVerlet => {
-                let a = positions + carried;
+                let a = x + s + r;
                 vec![
                     vec![&one - &a * (dt * dt), &one * dt],
                     vec![-(&a * dt), one],
                 ]
             }
             Self::ExtrapolatedStress => {
-                let (x, w) = (positions, carried);
+                let w = &(s + r);
                 let later = dt + half;
                 vec![
                     vec![&one - x * (dt * dt), -(w * (dt * dt)), &one * dt],
@@ -102,22 +115,29 @@ impl Stepping {
                 ]
             }
             Self::LateDensity => {
-                let (x, w) = (positions, carried);
                 let later = dt + half;
+                // Minus the acceleration, times a factor, by the columns x, s, r.
+                let pushed = |factor: Complex| [x, s, r].map(|part| -(part * factor));
+                let [x_h, s_h, r_h] = pushed(dt);
+                let [x_e, s_e, r_e] = pushed(later);
+                let [x_x, s_x, r_x] = pushed(dt * dt);
+                let [x_s, s_s, r_s] = pushed(dt * later);
                 vec![
+                    vec![&one + x_x, s_x, r_x, &one * dt, zero.clone()],
+                    vec![x_s, &one + s_s, r_s, &one * dt, zero.clone()],
                     vec![
-                        &one - x * (dt * dt),
-                        -(w * (dt * dt)),
-                        &one * dt,
                         zero.clone(),
+                        zero.clone(),
+                        one.clone(),
+                        zero.clone(),
+                        &one * dt,
                     ],
-                    vec![zero.clone(), one.clone(), zero.clone(), &one * dt],
-                    vec![-(x * dt), -(w * dt), one.clone(), zero.clone()],
-                    vec![-(x * later), -(w * later), one, zero],
+                    vec![x_h, s_h, r_h, one.clone(), zero.clone()],
+                    vec![x_e, s_e, r_e, one, zero],
                 ]
             }
             Self::LateAcceleration => {
-                let d = positions + carried;
+                let d = x + s + r;
                 // f' = L (y + dt/2 f), by the columns x, v, f_x, f_v.
                 let of_x = vec![zero.clone(), one.clone(), zero.clone(), &one * half];
                 let of_v = vec![-&d, zero.clone(), -(&d * half), zero.clone()];
@@ -142,19 +162,14 @@ impl Stepping {
     /// The rates `s` of all solutions `exp(s t)` at whole steps, `s = ln(z)/dt` with the eigenvalues `z` of the matrix of a step; the
     /// imaginary part is the frequency, the real one the growth. Solutions that vanish after one step are left out; empty where the
     /// eigenvalue iteration fails. 1/time.
-    pub fn rates(
-        self,
-        positions: &DMatrix<Complex>,
-        carried: &DMatrix<Complex>,
-        step: f64,
-    ) -> Vec<Complex> {
-        let n = positions.nrows();
-        let mut matrix = self.matrix(positions, carried, step);
+    pub fn rates(self, parts: &WaveParts, step: f64) -> Vec<Complex> {
+        let n = parts.positions.nrows();
+        let mut matrix = self.matrix(parts, step);
         // Velocities times the step, accelerations times its square: a similarity that keeps all of the same size.
         let powers: &[i32] = match self {
             Self::VelocityVerlet => &[0, 1],
             Self::ExtrapolatedStress => &[0, 0, 1],
-            Self::LateDensity => &[0, 0, 1, 1],
+            Self::LateDensity => &[0, 0, 0, 1, 1],
             Self::LateAcceleration => &[0, 1, 1, 2],
         };
         for i in 0..matrix.nrows() {
@@ -175,12 +190,17 @@ impl Stepping {
 
 #[cfg(test)]
 mod tests {
-    use super::Stepping;
+    use super::{Stepping, WaveParts};
     use crate::algebra::Complex;
     use nalgebra::DMatrix;
 
-    fn one(x: f64) -> DMatrix<Complex> {
-        DMatrix::from_element(1, 1, Complex::new(x, 0.0))
+    fn parts(positions: f64, stress: f64, density: f64) -> WaveParts {
+        let one = |x: f64| DMatrix::from_element(1, 1, Complex::new(x, 0.0));
+        WaveParts {
+            positions: one(positions),
+            stress: one(stress),
+            density: one(density),
+        }
     }
 
     /// The rate next to a given one.
@@ -192,12 +212,17 @@ mod tests {
 
     #[test]
     fn all_have_the_rates_of_the_equations_in_the_limit_of_short_steps() {
-        for (positions, carried) in [(0.7, 0.0), (0.3, 0.5), (-0.9, 0.4), (0.2, -0.8)] {
-            let square: f64 = positions + carried;
+        for [x, s, r] in [
+            [0.7, 0.0, 0.0],
+            [0.3, 0.2, 0.3],
+            [-0.9, 0.4, 0.0],
+            [0.2, 0.1, -0.9],
+        ] {
+            let square: f64 = x + s + r;
             let exact = Complex::new(-square, 0.0).sqrt();
             for stepping in Stepping::ALL {
                 let error = |step: f64| {
-                    let rates = stepping.rates(&one(positions), &one(carried), step);
+                    let rates = stepping.rates(&parts(x, s, r), step);
                     (near(&rates, exact) - exact).norm()
                 };
                 assert!(error(1e-4) < 1e-4, "{stepping:?}");
@@ -210,11 +235,12 @@ mod tests {
         // To first order in the step by omega^2 dt/4, from the characteristic polynomial by hand.
         let (square, step): (f64, f64) = (0.7102, 0.02);
         let exact = Complex::new(0.0, square.sqrt());
-        for (stepping, sign) in [
-            (Stepping::ExtrapolatedStress, -1.0),
-            (Stepping::LateDensity, 1.0),
+        for (stepping, stress, density, sign) in [
+            (Stepping::ExtrapolatedStress, square, 0.0, -1.0),
+            (Stepping::LateDensity, square, 0.0, -1.0),
+            (Stepping::LateDensity, 0.0, square, 1.0),
         ] {
-            let rates = stepping.rates(&one(0.0), &one(square), step);
+            let rates = stepping.rates(&parts(0.0, stress, density), step);
             let found = near(&rates, exact).re;
             let expected = sign * 0.25 * square * step;
             assert!(
@@ -227,33 +253,32 @@ mod tests {
     #[test]
     fn a_step_by_step_run_has_these_rates() {
         // The code of each stepping, written out once more, without matrices.
-        let (positions, carried, step) = (0.31, 0.23, 0.17);
+        let (positions, stress, density, step) = (0.31, 0.14, 0.09, 0.17);
         for stepping in Stepping::ALL {
-            let rates = stepping.rates(&one(positions), &one(carried), step);
+            let rates = stepping.rates(&parts(positions, stress, density), step);
             let mut x = vec![0.0];
-            let (mut h, mut w, mut e, mut f): (f64, f64, f64, (f64, f64)) =
-                (1.0, 0.0, 0.4, (0.0, 0.0));
+            let (mut h, mut w, mut r, mut e) = (1.0_f64, 0.0_f64, 0.0_f64, 0.4_f64);
+            let mut f: (f64, f64) = (0.0, 0.0);
             let mut here: f64 = 0.0;
             for _ in 0..60 {
                 let a = match stepping {
-                    Stepping::VelocityVerlet => -(positions + carried) * here,
-                    _ => -positions * here - carried * w,
+                    Stepping::VelocityVerlet => -(positions + stress + density) * here,
+                    Stepping::ExtrapolatedStress => -positions * here - (stress + density) * w,
+                    _ => -positions * here - stress * w - density * r,
                 };
                 match stepping {
                     Stepping::LateAcceleration => {
                         let (x_half, v_half) = (here + 0.5 * step * f.0, h + 0.5 * step * f.1);
-                        f = (v_half, -(positions + carried) * x_half);
+                        f = (v_half, -(positions + stress + density) * x_half);
                         here += step * f.0;
                         h += step * f.1;
                     }
                     _ => {
                         h += step * a;
                         here += step * h;
-                        w += match stepping {
-                            Stepping::LateDensity => step * e,
-                            _ => step * (h + 0.5 * step * a),
-                        };
+                        r += step * e;
                         e = h + 0.5 * step * a;
+                        w += step * e;
                     }
                 }
                 x.push(here);

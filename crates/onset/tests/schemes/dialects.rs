@@ -557,7 +557,8 @@ fn the_penalty_of_smd_is_that_of_its_regularized_denominators() {
     let carried = scheme
         .carried(&*material, &state)
         .expect("a state")
-        .expect("told apart");
+        .expect("told apart")
+        .all;
     assert!(carried.dynamical_matrix_at(&Vector2::new(PI, PI)).camax() < 1e-12);
     let k = Vector2::new(0.7, -1.3);
     let penalized = system.dynamical_matrix_at(&k) - carried.dynamical_matrix_at(&k);
@@ -591,7 +592,8 @@ fn what_is_not_carried_along_is_the_stress_on_kernels_that_move() {
     let carried = scheme
         .carried(&material, &f)
         .expect("a state")
-        .expect("told apart");
+        .expect("told apart")
+        .all;
     let whole = waves(&scheme, &f);
     for k in [
         Vector2::new(0.7, -1.3),

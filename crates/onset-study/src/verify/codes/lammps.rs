@@ -45,6 +45,38 @@ pub(super) fn velocities(case: &Case) -> String {
     text
 }
 
+/// The groups `inner`, `core` and `rim` of a block with a rim of a width, of particles in the homogeneous state of some stretches.
+pub(super) fn regions(case: &Case, width: f64, stretches: [f64; 3]) -> String {
+    let margin = |side: &f64| (width / side).ceil() as usize + 1;
+    let counts = case.block.counts.iter().zip(&case.block.sides);
+    let inner: Vec<[usize; 2]> = counts
+        .map(|(count, side)| [margin(side), count - margin(side)])
+        .collect();
+    let region = |name: &str, between: &[[usize; 2]]| {
+        let mut text = format!("region {name} block");
+        let sides = case.block.sides.iter().zip(stretches);
+        for ([first, end], (side, stretch)) in between.iter().zip(sides) {
+            let edge = |place: usize| number((place as f64 - 0.5) * side * stretch);
+            let _ = write!(text, " {} {}", edge(*first), edge(*end));
+        }
+        format!("{text} INF INF units box\ngroup {name} region {name}\n")
+    };
+    region("inner", &inner)
+        + &region("core", &case.block.measured)
+        + "group rim subtract all inner\n"
+}
+
+/// The commands that seed the wave in the group `inner`, of particles in the homogeneous state.
+pub(super) fn seed(case: &Case) -> String {
+    // k.X, where X = F^-1 x.
+    let [k1, k2] = [0, 1].map(|i| number(case.wave_vector[i] / case.stretches[i]));
+    let [g1, g2] = [0, 1].map(|i| number(case.speed * case.prediction.polarization[i]));
+    format!(
+        "variable vx atom ({g1})*cos(({k1})*x+({k2})*y)\nvariable vy atom ({g2})*cos(({k1})*x+({k2})*y)\n\
+         velocity inner set v_vx v_vy 0 units box\n"
+    )
+}
+
 /// The commands that dump a group; a column bears the mark of the case.
 pub(super) fn dump(case: &Case, group: &str) -> String {
     format!(

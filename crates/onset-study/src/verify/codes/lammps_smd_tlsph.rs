@@ -142,16 +142,6 @@ fn coefficients(deck: &Deck<'_>) -> Result<String, VerifyError> {
     })
 }
 
-/// A region of the reference configuration between particles, in places along the axes.
-fn region(case: &Case, name: &str, between: &[[usize; 2]]) -> String {
-    let mut text = format!("region {name} block");
-    for ([first, end], side) in between.iter().zip(&case.block.sides) {
-        let edge = |place: usize| number((place as f64 - 0.5) * side);
-        let _ = write!(text, " {} {}", edge(*first), edge(*end));
-    }
-    format!("{text} INF INF units box\ngroup {name} region {name}\n")
-}
-
 fn particles(deck: &Deck<'_>) -> String {
     let case = deck.case;
     let volume = case.block.volume();
@@ -200,33 +190,25 @@ fn ramp(case: &Case) -> String {
 
 fn input(deck: &Deck<'_>) -> Result<String, VerifyError> {
     let case = deck.case;
-    let rim = |side: &f64| (case.reach / side).ceil() as usize + 1;
-    let rims: Vec<usize> = case.block.sides.iter().map(rim).collect();
-    let counts = case.block.counts.iter().zip(&rims);
-    let inner: Vec<[usize; 2]> = counts.map(|(count, rim)| [*rim, count - rim]).collect();
     let mut text = format!(
         "# {NAME}, onset case {}: run with `lmp -in in.lammps`, read with `onset verify read`\n\
          dimension 2\nunits si\nboundary sm sm p\natom_style smd\natom_modify map array sort 0 0\n\
          comm_modify vel yes\nneigh_modify every 10 delay 0 check yes\nnewton off\nread_data particles.data\n\
          group tlsph type 1\nneighbor {} bin\npair_style smd/tlsph\npair_coeff 1 1 {} *END\n\
-         fix integrate all smd/integrate_tlsph\ntimestep {}\nthermo 1000\n{}{}group rim subtract all inner\n",
+         fix integrate all smd/integrate_tlsph\ntimestep {}\nthermo 1000\n{}",
         case.id,
         number(support(deck)),
         coefficients(deck)?,
         number(case.time_step),
-        region(case, "inner", &inner),
-        region(case, "core", &case.block.measured),
+        lammps::regions(case, case.reach, [1.0; 3]),
     );
     if case.stretches != [1.0; 3] {
         text += &ramp(case);
     }
-    // k.X at the state, where X = F^-1 x.
-    let [k1, k2] = [0, 1].map(|i| number(case.wave_vector[i] / case.stretches[i]));
-    let [g1, g2] = [0, 1].map(|i| number(case.speed * case.prediction.polarization[i]));
     let _ = write!(
         text,
-        "variable vx atom ({g1})*cos(({k1})*x+({k2})*y)\nvariable vy atom ({g2})*cos(({k1})*x+({k2})*y)\n\
-         velocity inner set v_vx v_vy 0 units box\nfix hold rim setforce 0 0 0\n{}run {}\n",
+        "{}fix hold rim setforce 0 0 0\n{}run {}\n",
+        lammps::seed(case),
         lammps::dump(case, "core"),
         case.steps
     );

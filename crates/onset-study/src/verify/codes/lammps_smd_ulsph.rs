@@ -1,13 +1,17 @@
-//! Updated-Lagrangian SPH of LAMMPS' package SMD (`pair_style smd/ulsph`) with the density that continuity integrates.
+//! Updated-Lagrangian SPH of LAMMPS' package SMD (`pair_style smd/ulsph`) with the density that continuity integrates, and strength.
 //!
-//! Source: `pair_smd_ulsph.cpp`, `fix_smd_integrate_ulsph.cpp`: velocity gradients are those of velocities extrapolated from the step before, and
-//! the volume that they integrate is used one step later.
+//! A deviator can be given to particles by a motion only. It is left by one step with velocities that are affine in space, with all forces switched off and a shear modulus so large that nothing moves.
+//! Velocities that are affine do not fit a periodic box, and particles at a free face do not see them: the block of such a state has a rim that is held.
+//!
+//! Source: `pair_smd_ulsph.cpp`, `fix_smd_integrate_ulsph.cpp`: velocity gradients are those of velocities extrapolated from the step before; the volume that they
+//! integrate is used one step later, the deviator at once. It is turned against the spin: `s' = 2 mu dev D - W s + s W`.
 
-use super::super::law::Volumetric;
+use super::super::law::JaumannRates;
 use super::super::{Code, Deck, Program, Projector, Record, Settled, VerifyError};
 use super::lammps::{self, number};
 use crate::answers::Problem;
 use crate::output::{Files, text};
+use nalgebra::{Matrix2, Vector2};
 use onset::kinematics::DeformationGradient;
 use onset::method::MethodError;
 use onset::time_step::Stepping;
@@ -27,28 +31,44 @@ fn refused(what: impl Into<String>, hint: &str) -> VerifyError {
     }
 }
 
-/// Pressure of the law at the state; that it is one of density alone.
-fn pressure(problem: &Problem, f: &DeformationGradient) -> Result<Volumetric, VerifyError> {
+/// The factor of the spin in the rate of the code, and that of Jaumann's rate.
+const SPINS: [f64; 2] = [-1.0, 1.0];
+/// Shear moduli that leave the deviator, in units of that of the law: particles are displaced by its reciprocal.
+const STIFFER: f64 = 1e10;
+/// Rims of blocks in distances that particles see each other from: particles of one width see what is wrong at the faces, and pull at those of another.
+const RIM: f64 = 2.0;
+
+/// Pressure and deviator of the law at the state; that its rates are Jaumann's, the spin with the sign of the code or with the right one.
+fn rates(problem: &Problem, f: &DeformationGradient) -> Result<JaumannRates, VerifyError> {
     if problem.dimension() != 2 || f.components()[2][2] != 1.0 {
         return Err(refused(
             "decks are planar, with the stretch 1 out of the plane",
             "leave out the third stretch",
         ));
     }
-    let own = Volumetric::of(&*problem.material, f).map_err(MethodError::from)?;
+    let mut own = None;
+    for spin in SPINS {
+        let rates = JaumannRates::of(&*problem.material, f, spin).map_err(MethodError::from)?;
+        own = own.or(rates);
+    }
     let own = own.ok_or_else(|| {
         refused(
-            "the equations of state of the code are functions of the density alone",
-            "choose a law of the volume alone, such as --energy \"K*(J-ln(J))\" --set material.K=1",
+            "the code has a pressure that depends on the density alone, and a deviator that is integrated with the spin",
+            "choose --set material.model=hypoelastic-jaumann --set material.n=1, with material.spin=-1 as the code has it, or a law of the volume alone, such as --energy \"K*(J-ln(J))\" --set material.K=1",
         )
     })?;
-    if own.slope <= 0.0 {
+    if own.volumetric.slope <= 0.0 {
         return Err(refused(
             "the pressure of the law falls with the density at this state, which Tait's equation cannot",
             "choose another state",
         ));
     }
     Ok(own)
+}
+
+/// Whether particles begin with a deviator.
+fn is_prestressed(own: &JaumannRates) -> bool {
+    own.deviator != [0.0; 3]
 }
 
 fn particles(deck: &Deck<'_>) -> String {
@@ -71,29 +91,88 @@ fn particles(deck: &Deck<'_>) -> String {
             index + 1
         );
     }
-    data + &lammps::velocities(case)
+    match case.is_periodic {
+        true => data + &lammps::velocities(case),
+        false => data,
+    }
+}
+
+/// `sum_J V_J (-W'/r) x_I^2` of the lattice at the state: by how much the code sees a velocity gradient along an axis.
+fn seen(deck: &Deck<'_>, axis: usize) -> f64 {
+    let choices = &deck.problem.settings.discretization;
+    let radius = choices.support * choices.spacing;
+    let sides = [0, 1].map(|i| deck.case.block.sides[i] * deck.case.stretches[i]);
+    let most = sides.map(|side| (radius / side).ceil() as i32);
+    let mut sum = 0.0;
+    for x in -most[0]..=most[0] {
+        for y in -most[1]..=most[1] {
+            let apart = Vector2::new(f64::from(x) * sides[0], f64::from(y) * sides[1]);
+            let weight = choices.kernel.weight(&apart, radius, &Matrix2::identity());
+            sum -= weight.map_or(0.0, |weight| weight.gradient[axis] * apart[axis]);
+        }
+    }
+    let kernel = choices.kernel.normalization::<2>(radius);
+    kernel * sum * deck.case.block.volume() * deck.f.jacobian()
+}
+
+/// The coefficients of the pair style with a shear modulus.
+fn coefficients(deck: &Deck<'_>, own: &JaumannRates, shear: f64) -> String {
+    let case = deck.case;
+    // Tait's equation with the exponent 1, p = c^2 (rho - rho_p), is the tangent of the law at the state.
+    let square = own.volumetric.slope / case.density;
+    let free = case.density / deck.f.jacobian() - own.volumetric.pressure / square;
+    let strength = match shear == 0.0 {
+        true => String::new(),
+        false => format!("*STRENGTH_LINEAR {} ", number(shear)),
+    };
+    format!(
+        "pair_coeff 1 1 *COMMON {} {} 0.0 1.0 0.0 *EOS_TAIT 1.0 {strength}*END\n",
+        number(free),
+        number(square.sqrt())
+    )
+}
+
+/// The step that leaves the deviator, and the seed.
+fn prestressed(deck: &Deck<'_>, own: &JaumannRates) -> String {
+    let case = deck.case;
+    let stiff = STIFFER * own.shear;
+    // In plane strain 2 mu dev(e) = s has e_i = (s_i - s_3)/(2 mu).
+    let rate = |i: usize| {
+        let strain = (own.deviator[i] - own.deviator[2]) / (2.0 * stiff);
+        number(strain / seen(deck, i) / case.time_step)
+    };
+    format!(
+        "{}fix freeze all setforce 0 0 0\nvariable rx atom ({})*x\nvariable ry atom ({})*y\nvelocity all set v_rx v_ry 0 units box\nrun 1\nunfix freeze\n\
+         velocity all set 0 0 0 units box\nreset_timestep 0\n{}{}{}fix hold rim setforce 0 0 0\n",
+        coefficients(deck, own, stiff),
+        rate(0),
+        rate(1),
+        coefficients(deck, own, own.shear),
+        lammps::regions(case, RIM * case.reach, case.stretches),
+        lammps::seed(case),
+    )
 }
 
 fn input(deck: &Deck<'_>) -> Result<String, VerifyError> {
     let case = deck.case;
-    let own = pressure(deck.problem, deck.f)?;
-    // Tait's equation with the exponent 1, p = c^2 (rho - rho_p), is the tangent of the law at the state.
-    let square = own.slope / case.density;
-    let free = case.density / deck.f.jacobian() - own.pressure / square;
+    let own = rates(deck.problem, deck.f)?;
+    let (boundary, group, before) = match case.is_periodic {
+        true => ("p p p", "all", String::new()),
+        false => ("sm sm p", "core", prestressed(deck, &own)),
+    };
+    let pair =
+        "pair_style smd/ulsph *DENSITY_CONTINUITY *VELOCITY_GRADIENT *NO_GRADIENT_CORRECTION";
     Ok(format!(
         "# {NAME}, onset case {}: run with `lmp -in in.lammps`, read with `onset verify read`\n\
-         dimension 2\nunits si\nboundary p p p\natom_style smd\natom_modify map array sort 0 0\n\
+         dimension 2\nunits si\nboundary {boundary}\natom_style smd\natom_modify map array sort 0 0\n\
          comm_modify vel yes\nneigh_modify every 10 delay 0 check yes\nnewton off\nread_data particles.data\n\
-         group ulsph type 1\nneighbor {} bin\n\
-         pair_style smd/ulsph *DENSITY_CONTINUITY *VELOCITY_GRADIENT *NO_GRADIENT_CORRECTION\n\
-         pair_coeff 1 1 *COMMON {} {} 0.0 1.0 0.0 *EOS_TAIT 1.0 *END\n\
-         fix integrate all smd/integrate_ulsph\ntimestep {}\nthermo 1000\n{}run {}\n",
+         group ulsph type 1\nneighbor {} bin\n{pair}\n{}fix integrate all smd/integrate_ulsph\ntimestep {}\nthermo 1000\n{}{}run {}\n",
         case.id,
         number(0.5 * case.spacing()),
-        number(free),
-        number(square.sqrt()),
+        coefficients(deck, &own, own.shear),
         number(case.time_step),
-        lammps::dump(case, "all"),
+        before,
+        lammps::dump(case, group),
         case.steps
     ))
 }
@@ -135,11 +214,16 @@ impl Code for UpdatedSmd {
     fn remarks(&self) -> &'static [&'static str] {
         &[
             "density is integrated half a step late, which amplifies waves of sound at the rate omega^2 dt/4",
+            "the deviator is turned against the spin, s' = 2 mu dev D - W s + s W: in a rotation it turns away from the material (material.spin=-1)",
         ]
     }
 
     fn is_periodic(&self) -> bool {
         true
+    }
+
+    fn rim(&self, problem: &Problem, f: &DeformationGradient) -> Result<Option<f64>, VerifyError> {
+        Ok(is_prestressed(&rates(problem, f)?).then_some(RIM))
     }
 
     fn tolerance(&self) -> f64 {
@@ -151,7 +235,7 @@ impl Code for UpdatedSmd {
         problem: &Problem,
         f: &DeformationGradient,
     ) -> Result<Stepping, VerifyError> {
-        pressure(problem, f).map(|_| Stepping::LateDensity)
+        rates(problem, f).map(|_| Stepping::LateDensity)
     }
 
     fn deck(&self, deck: &Deck<'_>) -> Result<Files, VerifyError> {

@@ -1,8 +1,9 @@
-//! Updated SPH of solids in PySPH: the equations of Gray, Monaghan and Swift with their artificial stress.
+//! Updated SPH of solids in PySPH: the equations of Gray, Monaghan and Swift with their artificial stress. Pressures depend on the density, and deviators follow Jaumann's
+//! rate; particles of a deck begin with the deviator of the state.
 //!
 //! Source: Ramachandran and others, ACM Trans. Math. Softw. 47 (2021) 34; `pysph/sph/integrator.py`, `pysph/sph/solid_mech/basic.py`.
 
-use super::super::law::Volumetric;
+use super::super::law::JaumannRates;
 use super::super::{Code, Deck, Program, Projector, Record, Settled, VerifyError};
 use super::plain;
 use crate::answers::Problem;
@@ -28,22 +29,22 @@ fn refused(what: impl Into<String>, hint: &str) -> VerifyError {
     }
 }
 
-/// Pressure of the law at the state; that it is one of density alone.
-fn pressure(problem: &Problem, f: &DeformationGradient) -> Result<Volumetric, VerifyError> {
+/// Pressure and deviator of the law at the state; that its rates are those of the code.
+fn rates(problem: &Problem, f: &DeformationGradient) -> Result<JaumannRates, VerifyError> {
     if problem.dimension() != 2 || f.components()[2][2] != 1.0 {
         return Err(refused(
             "decks are planar, with the stretch 1 out of the plane",
             "set discretization.lattice=square, and leave out the third stretch",
         ));
     }
-    let own = Volumetric::of(&*problem.material, f).map_err(MethodError::from)?;
+    let own = JaumannRates::of(&*problem.material, f, 1.0).map_err(MethodError::from)?;
     let own = own.ok_or_else(|| {
         refused(
-            "decks use the isothermal equation of state, a function of the density alone",
-            "choose a law of the volume alone, such as --energy \"K*(J-ln(J))\" --set material.K=1",
+            "decks have a pressure that depends on the density alone, and a deviator with Jaumann's rate",
+            "choose --set material.model=hypoelastic-jaumann --set material.n=1, or a law of the volume alone, such as --energy \"K*(J-ln(J))\" --set material.K=1",
         )
     })?;
-    if own.slope <= 0.0 {
+    if own.volumetric.slope <= 0.0 {
         return Err(refused(
             "the pressure of the law falls with the density at this state",
             "choose another state",
@@ -55,14 +56,19 @@ fn pressure(problem: &Problem, f: &DeformationGradient) -> Result<Volumetric, Ve
 fn script(deck: &Deck<'_>) -> Result<String, VerifyError> {
     let case = deck.case;
     let settings = &deck.problem.settings;
-    let own = pressure(deck.problem, deck.f)?;
+    let own = rates(deck.problem, deck.f)?;
+    let [s00, s11, s22] = own.deviator;
     // p = p0 + c^2 (rho - rho0), the tangent of the law at the state.
-    let square = own.slope / case.density;
+    let square = own.volumetric.slope / case.density;
     let change = case.density / deck.f.jacobian() - case.density;
     let numbers = [
         ("DENSITY", case.density),
         ("SOUND", square.sqrt()),
-        ("PRESSURE", own.pressure - square * change),
+        ("PRESSURE", own.volumetric.pressure - square * change),
+        ("SHEAR", own.shear),
+        ("DEVIATOR_X", s00),
+        ("DEVIATOR_Y", s11),
+        ("DEVIATOR_Z", s22),
         (
             "SMOOTHING",
             0.5 * settings.discretization.support * settings.discretization.spacing,
@@ -129,7 +135,7 @@ impl Code for PySph {
         problem: &Problem,
         f: &DeformationGradient,
     ) -> Result<Stepping, VerifyError> {
-        pressure(problem, f).map(|_| Stepping::LateAcceleration)
+        rates(problem, f).map(|_| Stepping::LateAcceleration)
     }
 
     fn deck(&self, deck: &Deck<'_>) -> Result<Files, VerifyError> {

@@ -4,11 +4,17 @@ from pysph.base.kernels import CubicSpline
 from pysph.base.nnps import DomainManager
 from pysph.solver.application import Application
 from pysph.solver.solver import Solver
-from pysph.sph.basic_equations import ContinuityEquation, IsothermalEOS, XSPHCorrection
+from pysph.sph.basic_equations import (
+    ContinuityEquation,
+    IsothermalEOS,
+    VelocityGradient2D,
+    XSPHCorrection,
+)
 from pysph.sph.equation import Group
 from pysph.sph.integrator import PECIntegrator
 from pysph.sph.integrator_step import SolidMechStep
 from pysph.sph.solid_mech.basic import (
+    HookesDeviatoricStressRate,
     MomentumEquationWithStress,
     MonaghanArtificialStress,
     get_particle_array_elastic_dynamics,
@@ -32,10 +38,13 @@ class Wave(Application):
             m=table["mass"], rho=table["mass"] / table["volume"],
             h=np.full(len(table), SMOOTHING),
             constants={
-                "c0_ref": SOUND, "rho_ref": DENSITY, "G": 0.0, "n": EXPONENT,
+                "c0_ref": SOUND, "rho_ref": DENSITY, "n": EXPONENT,
                 "wdeltap": CubicSpline(dim=2).kernel(rij=SPACING, h=SMOOTHING),
             },
         )
+        # The constructor makes it of E and nu.
+        solid.G[0] = SHEAR
+        solid.s00[:], solid.s11[:], solid.s22[:] = DEVIATOR_X, DEVIATOR_Y, DEVIATOR_Z
         solid.add_property("number", data=table["id"])
         solid.add_property("cs", data=np.full(len(table), SOUND))
         self.file = open("wave.csv", "w")
@@ -47,11 +56,13 @@ class Wave(Application):
         return [
             Group(equations=[
                 IsothermalEOS("solid", sources=None, rho0=DENSITY, c0=SOUND, p0=PRESSURE),
+                VelocityGradient2D("solid", sources=["solid"]),
                 MonaghanArtificialStress("solid", sources=None, eps=ARTIFICIAL_STRESS),
             ], real=False),
             Group(equations=[
                 ContinuityEquation("solid", sources=["solid"]),
                 MomentumEquationWithStress("solid", sources=["solid"]),
+                HookesDeviatoricStressRate("solid", sources=None),
                 XSPHCorrection("solid", sources=["solid"], eps=0.0),
             ]),
         ]

@@ -1,14 +1,15 @@
 //! Total-Lagrangian SPH.
 
-use super::super::lagrangian::{Integrated, LagrangianPoint, strains, stressed};
+use super::super::lagrangian::{LagrangianPoint, strains, stressed};
 use super::super::layout::{Layout, MovingWeight, assert_positive};
+use super::super::response::PartOf;
 use super::super::stabilization::{
     ArtificialViscosity, BondPenalty, Compliance, Dashpot, PenaltyForm, Slope, ViscousBond,
     ViscousScales, assert_coefficients, smoothed_velocities, viscous_bonds,
 };
 use super::super::{
-    Assembled, Bond, Discretization, PairLaw, PatchForces, PeriodicPatch, PointResponse,
-    StrainOperator, linearized, lumped_masses,
+    Assembled, Bond, CarriedWaves, Discretization, PairLaw, PatchForces, PeriodicPatch,
+    PointResponse, StrainOperator, linearized, lumped_masses,
 };
 use super::interaction::SphInteraction;
 use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
@@ -292,14 +293,21 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
         &self,
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
-    ) -> Result<Option<WaveSystem<D>>, MethodError> {
+    ) -> Result<Option<CarriedWaves<D>>, MethodError> {
         // Kernels and bonds of material coordinates do not move: the stress follows the deformation gradients, and the penalty, which
-        // measures the distances themselves, the positions.
-        let material = Integrated(material);
+        // measures the distances themselves, the positions. Of a law in rate form what it integrates is carried along alone.
+        let material = PartOf {
+            law: material,
+            is_integrated: true,
+        };
         let points = stressed(&self.points, &material, f)?;
         let points: Vec<_> = points.into_iter().map(SphInteraction::Fixed).collect();
         let masses = lumped_masses(&self.crystal, self.choices.density);
-        linearized(&self.crystal, Mass::Lumped(masses), &points).map(Some)
+        let stress = linearized(&self.crystal, Mass::Lumped(masses), &points)?;
+        Ok(Some(CarriedWaves {
+            all: stress,
+            density: None,
+        }))
     }
 
     fn strain(&self) -> Result<StrainOperator<D>, MethodError> {

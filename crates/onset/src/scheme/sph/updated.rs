@@ -1,13 +1,14 @@
 //! SPH with kernels of current coordinates.
 
 use super::super::layout::{Layout, assert_planar, assert_positive};
+use super::super::response::PartOf;
 use super::super::stabilization::{
     ArtificialStress, ArtificialViscosity, Dashpot, Repulsion, Slope, SmoothedMotion, ViscousBond,
     ViscousScales, assert_coefficients, smoothed_velocities, smoothing_share, viscous_bonds,
 };
 use super::super::{
-    Assembled, Discretization, PatchForces, PeriodicPatch, PointResponse, StrainOperator,
-    linearized, lumped_masses,
+    Assembled, CarriedWaves, Discretization, PatchForces, PeriodicPatch, PointResponse,
+    StrainOperator, linearized, lumped_masses,
 };
 use super::current::CurrentPairs;
 use super::interaction::SphInteraction;
@@ -425,15 +426,25 @@ impl<const D: usize> Discretization<D> for UpdatedSph<D> {
         &self,
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
-    ) -> Result<Option<WaveSystem<D>>, MethodError> {
-        self.with_interactions(material, f, true, |_, interactions| {
-            linearized(
-                &self.crystal,
-                Mass::Lumped(self.masses.clone()),
-                interactions,
-            )
-        })?
-        .map(Some)
+    ) -> Result<Option<CarriedWaves<D>>, MethodError> {
+        let waves = |material: &dyn Hyperelastic| {
+            self.with_interactions(material, f, true, |_, interactions| {
+                linearized(
+                    &self.crystal,
+                    Mass::Lumped(self.masses.clone()),
+                    interactions,
+                )
+            })?
+        };
+        // What a law in rate form does not integrate is the pressure, which follows the density as the sums of the forces do.
+        let rest = PartOf {
+            law: material,
+            is_integrated: false,
+        };
+        Ok(Some(CarriedWaves {
+            all: waves(material)?,
+            density: Some(waves(&rest)?),
+        }))
     }
 
     fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
