@@ -143,12 +143,28 @@ fn what_a_code_cannot_compute_is_refused() {
             "a law in rate form",
         ),
         (
+            "--code lammps-smd-tlsph --wave-vector 1,0 --stretch 1.2,1 --set material.model=hypoelastic-jaumann",
+            "material.model=hypoelastic-green-naghdi",
+        ),
+        (
+            "--code lammps-smd-tlsph --wave-vector 1,0 --stretch 1.9,1.9 --set material.model=hypoelastic-green-naghdi",
+            "deletes particles with the volume ratio",
+        ),
+        (
+            "--code lammps-smd-ulsph --wave-vector 1,0 --stretch 1.2,1 --set material.model=hypoelastic-green-naghdi --set material.n=1",
+            "integrated with the spin",
+        ),
+        (
+            "--code pysph --wave-vector 1,0 --stretch 1.2,1 --set material.model=hypoelastic-jaumann --set material.n=1 --set material.spin=-1",
+            "a deviator with Jaumann's rate",
+        ),
+        (
             "--code lammps-smd-tlsph --wave-vector 3.141592653589793,3.141592653589793 --set material.model=neo-hooke",
             "zero energy",
         ),
         (
             "--code lammps-smd-ulsph --wave-vector 3.141592653589793,0 --set material.model=neo-hooke",
-            "functions of the density alone",
+            "depends on the density alone",
         ),
         (
             "--code lammps-peri --wave-vector 1.2566370614359172,0,0 --stretch 1.1,1,1 --set material.model=neo-hooke",

@@ -82,6 +82,8 @@ pub struct Judgment {
 
 /// A record of which this share is left is not one wave.
 const ONE_WAVE: f64 = 0.02;
+/// Differences within so many uncertainties are doubtful: of a short part of a period an estimate of what is uncertain is uncertain itself.
+const DOUBT: f64 = 4.0;
 
 /// Reads an output and judges it. The path is that of the output, or of the folder of the deck; the case is that beside it unless another file
 /// is named.
@@ -196,7 +198,7 @@ pub(crate) fn compared(
             ),
         );
     }
-    if difference > tolerance + uncertainty {
+    if difference > tolerance + DOUBT * uncertainty {
         return (Outcome::Differs, String::new());
     }
     if uncertainty > tolerance {
