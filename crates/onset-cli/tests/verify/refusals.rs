@@ -155,6 +155,10 @@ fn what_a_code_cannot_compute_is_refused() {
             "integrated with the spin",
         ),
         (
+            "--code lammps-smd-ulsph --wave-vector 1,0 --stretch 1.2,1 --set material.model=hypoelastic-jaumann",
+            "--set material.n=1",
+        ),
+        (
             "--code pysph --wave-vector 1,0 --stretch 1.2,1 --set material.model=hypoelastic-jaumann --set material.n=1 --set material.spin=-1",
             "a deviator with Jaumann's rate",
         ),

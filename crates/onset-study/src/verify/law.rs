@@ -171,13 +171,27 @@ impl JaumannRates {
     }
 }
 
+/// Whether a law in rate form integrates its pressure too, at a state along the axes, by `sum_ij g_iijj` of what it integrates; `None` of other laws.
+pub(super) fn integrates_pressure(
+    law: &dyn Hyperelastic,
+    f: &DeformationGradient,
+) -> Result<Option<bool>, MaterialError> {
+    let Some(tangent) = law.integrated_tangent(f)? else {
+        return Ok(None);
+    };
+    let stretch = |i: usize| f.components()[i][i];
+    let pairs = (0..9).map(|n| (n / 3, n % 3));
+    let bulk = pairs.map(|(i, j)| tangent[(i, i, j, j)] * stretch(i) * stretch(j));
+    Ok(Some(bulk.sum::<f64>().abs() > ROUNDING * tangent.largest()))
+}
+
 fn indices() -> impl Iterator<Item = [usize; 4]> {
     (0..81).map(|n| [n / 27, n / 9 % 3, n / 3 % 3, n % 3])
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Isotropic, JaumannRates, Volumetric, is_in_rate_form};
+    use super::{Isotropic, JaumannRates, Volumetric, integrates_pressure, is_in_rate_form};
     use crate::settings::Settings;
     use onset::kinematics::DeformationGradient;
 
@@ -242,6 +256,11 @@ mod tests {
             JaumannRates::of(&*jaumann, &f, -1.0).expect("a response"),
             None
         );
+        let pressure = |law| integrates_pressure(law, &f).expect("a response");
+        assert_eq!(pressure(&*jaumann), Some(false));
+        let all = law(&["material.model=hypoelastic-jaumann", "material.mu=0.4"]);
+        assert_eq!(pressure(&*all), Some(true));
+        assert_eq!(pressure(&*law(&["material.model=neo-hooke"])), None);
         let is_one = |law, name: &str, n| is_in_rate_form(law, name, n, &f).expect("a response");
         assert!(is_one(&*other, "hypoelastic-green-naghdi", 1.0));
         assert!(!is_one(&*other, "hypoelastic-green-naghdi", 0.0));

@@ -6,7 +6,7 @@
 //! Source: `pair_smd_ulsph.cpp`, `fix_smd_integrate_ulsph.cpp`: velocity gradients are those of velocities extrapolated from the step before; the volume that they
 //! integrate is used one step later, the deviator at once. It is turned against the spin: `s' = 2 mu dev D - W s + s W`.
 
-use super::super::law::JaumannRates;
+use super::super::law::{JaumannRates, integrates_pressure};
 use super::super::{Code, Deck, Program, Projector, Record, Settled, VerifyError};
 use super::lammps::{self, number};
 use crate::answers::Problem;
@@ -46,11 +46,15 @@ fn rates(problem: &Problem, f: &DeformationGradient) -> Result<JaumannRates, Ver
             "leave out the third stretch",
         ));
     }
+    let law = &*problem.material;
     let mut own = None;
     for spin in SPINS {
-        let rates = JaumannRates::of(&*problem.material, f, spin).map_err(MethodError::from)?;
+        let rates = JaumannRates::of(law, f, spin).map_err(MethodError::from)?;
         own = own.or(rates);
     }
+    // The deviator is integrated, and the pressure is not.
+    let integrated = integrates_pressure(law, f).map_err(MethodError::from)?;
+    let own = own.filter(|own| integrated == Some(false) || own.shear == 0.0);
     let own = own.ok_or_else(|| {
         refused(
             "the code has a pressure that depends on the density alone, and a deviator that is integrated with the spin",
