@@ -172,6 +172,7 @@ fn updated(settings: &Settings) -> UpdatedSphChoices {
         momentum: method.momentum,
         density_evolution: method.density_evolution,
         corrected: method.corrected,
+        corrected_forces: method.corrected_forces,
         artificial_stress,
         viscosity: viscosity(settings),
         velocity_smoothing: method.velocity_smoothing,

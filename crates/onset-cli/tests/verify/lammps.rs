@@ -76,6 +76,16 @@ pub const ROWS: &[Row<'static>] = &[
         tolerance: 1e-6,
     },
     Row {
+        title: "`smd/ulsph`, gradient correction, tensile instability, F = 1.1, (2 pi/3, 2 pi/3)",
+        line: "--code lammps-smd-ulsph-corrected --stretch 1.1,1.1 --wave-vector 2.0943951023931953,2.0943951023931953 --time-step 0.02 --steps 300 --energy K*(J-ln(J)) --set material.K=1 --set discretization.support=2.01",
+        tolerance: 1e-6,
+    },
+    Row {
+        title: "`smd/ulsph`, gradient correction, strength, F = (1.1, 1.02), (pi/2, pi/2)",
+        line: "--code lammps-smd-ulsph-corrected --stretch 1.1,1.02 --wave-vector 1.5707963267948966,1.5707963267948966 --branch 2 --time-step 0.02 --steps 300 --set STRENGTH --set material.spin=-1",
+        tolerance: 1e-6,
+    },
+    Row {
         title: "`peri/pmb`, F = 1, (2 pi/5, 0, 0) along",
         line: "--code lammps-peri --wave-vector 1.2566370614359172,0,0 --branch 3 --time-step 0.05 --steps 160 --set PERI",
         tolerance: 1e-8,
@@ -254,6 +264,8 @@ fn mutants_of_lammps_decks_are_flagged() {
     changed(&ROWS[0], "in.lammps", &step);
     let corrected = |text: &str| text.replace("*NO_GRADIENT_CORRECTION", "*GRADIENT_CORRECTION");
     changed(&ROWS[7], "in.lammps", &corrected);
+    let left_out = |text: &str| text.replace("*GRADIENT_CORRECTION", "*NO_GRADIENT_CORRECTION");
+    changed(&ROWS[11], "in.lammps", &left_out);
     changed(&ROWS[7], "particles.data", &support);
     changed(&ROWS[7], "in.lammps", &step);
     // The size of a particle, from which the partial volumes near the horizon follow.
@@ -264,8 +276,8 @@ fn mutants_of_lammps_decks_are_flagged() {
             .expect("a lattice");
         text.replace(line, "lattice sc 1.2")
     };
-    changed(&ROWS[11], "in.lammps", &size);
-    changed(&ROWS[11], "in.lammps", &step);
+    changed(&ROWS[13], "in.lammps", &size);
+    changed(&ROWS[13], "in.lammps", &step);
 }
 
 #[test]

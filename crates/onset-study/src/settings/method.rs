@@ -115,6 +115,8 @@ pub struct MethodSettings {
     pub method: Family,
     /// SPH: gradients exact for linear fields.
     pub corrected: bool,
+    /// Of corrected velocity gradients.
+    pub corrected_forces: bool,
     /// Updated SPH: form of the forces.
     pub momentum: MomentumForm,
     /// Updated SPH: rule of the densities.
@@ -194,6 +196,7 @@ impl Default for MethodSettings {
         Self {
             method: Family::Kernel,
             corrected: true,
+            corrected_forces: false,
             momentum: MomentumForm::Symmetric,
             density_evolution: DensityEvolution::Continuity,
             penalty: 0.0,
@@ -340,6 +343,12 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         "SPH: gradients corrected to be exact for linear fields (PySPH: false)",
     )
     .only_with(SPH),
+    key(
+        "discretization.corrected-forces",
+        Kind::Switch,
+        "updated SPH: stresses act along corrected gradients too (LAMMPS' *GRADIENT_CORRECTION); with discretization.corrected",
+    )
+    .only_with(UPDATED_SPH),
     key(
         "discretization.momentum",
         Kind::Words(&["symmetric", "mean", "difference"]),

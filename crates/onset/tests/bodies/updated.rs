@@ -112,11 +112,15 @@ impl<const D: usize> Sums<'_, D> {
         piola * self.f[i].transpose() / dynamic(&self.f[i]).determinant()
     }
 
-    /// The stress less the artificial one of a pair.
+    /// The stress along corrected gradients, where forces are corrected, less the artificial one of a pair.
     fn lessened(&self, i: usize, j: usize) -> SMatrix<f64, D, D> {
         let stress = self.stress(i);
+        let along = match self.choices.corrected_forces {
+            true => stress * self.correction(i).transpose(),
+            false => stress,
+        };
         let Some(artificial) = &self.choices.artificial_stress else {
-            return stress;
+            return along;
         };
         let weights = [(self.x[i] - self.x[j]).norm(), artificial.spacing];
         let [own, at_spacing] = weights.map(|distance| self.weight(distance)[0]);
@@ -130,7 +134,7 @@ impl<const D: usize> Sums<'_, D> {
                 })
                 .sum()
         });
-        stress - tensile * factor
+        along - tensile * factor
     }
 
     fn viscous(&self, i: usize, j: usize) -> SVector<f64, D> {
@@ -181,17 +185,26 @@ impl<const D: usize> Sums<'_, D> {
 
     /// `sum_J V_J (w_J - w_I) (x) grad W_IJ K_I^-1`.
     fn gradient_of(&self, i: usize, w: &[SVector<f64, D>]) -> SMatrix<f64, D, D> {
-        let (mut sum, mut moment) = (SMatrix::zeros(), SMatrix::zeros());
+        let mut sum = SMatrix::zeros();
         for j in 0..self.x.len() {
             let along = self.gradient(i, j).transpose() * (self.masses[j] / self.density(j));
             sum += (w[j] - w[i]) * along;
+        }
+        match self.choices.corrected {
+            true => sum * self.correction(i),
+            false => sum,
+        }
+    }
+
+    /// `K_I^-1`.
+    fn correction(&self, i: usize) -> SMatrix<f64, D, D> {
+        let mut moment = SMatrix::<f64, D, D>::zeros();
+        for j in 0..self.x.len() {
+            let along = self.gradient(i, j).transpose() * (self.masses[j] / self.density(j));
             moment += (self.x[j] - self.x[i]) * along;
         }
-        if !self.choices.corrected {
-            return sum;
-        }
         let inverse = dynamic(&moment).try_inverse().expect("neighbors enough");
-        sum * SMatrix::<f64, D, D>::from_fn(|a, b| inverse[(a, b)])
+        SMatrix::<f64, D, D>::from_fn(|a, b| inverse[(a, b)])
     }
 
     /// As a body takes it up, with places in the reference state.
@@ -283,6 +296,23 @@ fn all_choices(radius: f64) -> Vec<UpdatedSphChoices> {
     all.push(UpdatedSphChoices {
         corrected: true,
         density_evolution: DensityEvolution::Summation,
+        ..plain.clone()
+    });
+    for momentum in [MomentumForm::Symmetric, MomentumForm::Mean] {
+        for density_evolution in [DensityEvolution::Continuity, DensityEvolution::Summation] {
+            all.push(UpdatedSphChoices {
+                corrected: true,
+                corrected_forces: true,
+                momentum,
+                density_evolution,
+                ..plain.clone()
+            });
+        }
+    }
+    all.push(UpdatedSphChoices {
+        corrected: true,
+        corrected_forces: true,
+        artificial_stress: Some(ArtificialStress::default()),
         ..plain.clone()
     });
     all.push(UpdatedSphChoices {

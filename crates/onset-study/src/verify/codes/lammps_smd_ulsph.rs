@@ -19,17 +19,25 @@ use std::fmt::Write;
 use std::path::Path;
 
 /// The adapter.
-pub(super) struct UpdatedSmd;
-
-const NAME: &str = "lammps-smd-ulsph";
-
-fn refused(what: impl Into<String>, hint: &str) -> VerifyError {
-    VerifyError::Refused {
-        code: NAME,
-        what: what.into(),
-        hint: hint.to_owned(),
-    }
+pub(super) struct UpdatedSmd {
+    name: &'static str,
+    title: &'static str,
+    /// Whether gradients are corrected, and the stress with them.
+    is_corrected: bool,
 }
+
+/// Without correction.
+pub(super) const PLAIN: UpdatedSmd = UpdatedSmd {
+    name: "lammps-smd-ulsph",
+    title: "updated-Lagrangian SPH of LAMMPS' package SMD, smd/ulsph *DENSITY_CONTINUITY *NO_GRADIENT_CORRECTION",
+    is_corrected: false,
+};
+/// With it.
+pub(super) const CORRECTED: UpdatedSmd = UpdatedSmd {
+    name: "lammps-smd-ulsph-corrected",
+    title: "updated-Lagrangian SPH of LAMMPS' package SMD, smd/ulsph *DENSITY_CONTINUITY *GRADIENT_CORRECTION",
+    is_corrected: true,
+};
 
 /// The factor of the spin in the rate of the code, and that of Jaumann's rate.
 const SPINS: [f64; 2] = [-1.0, 1.0];
@@ -39,7 +47,16 @@ const STIFFER: f64 = 1e10;
 const RIM: f64 = 2.0;
 
 /// Pressure and deviator of the law at the state; that its rates are Jaumann's, the spin with the sign of the code or with the right one.
-fn rates(problem: &Problem, f: &DeformationGradient) -> Result<JaumannRates, VerifyError> {
+fn rates(
+    code: &UpdatedSmd,
+    problem: &Problem,
+    f: &DeformationGradient,
+) -> Result<JaumannRates, VerifyError> {
+    let refused = |what: &str, hint: &str| VerifyError::Refused {
+        code: code.name,
+        what: what.to_owned(),
+        hint: hint.to_owned(),
+    };
     if problem.dimension() != 2 || f.components()[2][2] != 1.0 {
         return Err(refused(
             "decks are planar, with the stretch 1 out of the plane",
@@ -77,12 +94,13 @@ fn is_prestressed(own: &JaumannRates) -> bool {
 
 fn particles(deck: &Deck<'_>) -> String {
     let case = deck.case;
+    let name = &case.code;
     let choices = &deck.problem.settings.discretization;
     let volume = case.block.volume();
     let [current, mass] = [volume * deck.f.jacobian(), volume * case.density].map(number);
     let radius = number(0.5 * choices.support * choices.spacing);
     let mut data = format!(
-        "{NAME}, onset case {}\n\n{} atoms\n1 atom types\n\n{}\nAtoms # smd\n\n",
+        "{name}, onset case {}\n\n{} atoms\n1 atom types\n\n{}\nAtoms # smd\n\n",
         case.id,
         case.block.particles(),
         lammps::bounds(case)
@@ -101,7 +119,7 @@ fn particles(deck: &Deck<'_>) -> String {
     }
 }
 
-/// `sum_J V_J (-W'/r) x_I^2` of the lattice at the state: by how much the code sees a velocity gradient along an axis.
+/// `sum_J V_J (-W'/r) x_I^2` of the lattice at the state: by how much the code sees a velocity gradient along an axis without correction.
 fn seen(deck: &Deck<'_>, axis: usize) -> f64 {
     let choices = &deck.problem.settings.discretization;
     let radius = choices.support * choices.spacing;
@@ -137,13 +155,18 @@ fn coefficients(deck: &Deck<'_>, own: &JaumannRates, shear: f64) -> String {
 }
 
 /// The step that leaves the deviator, and the seed.
-fn prestressed(deck: &Deck<'_>, own: &JaumannRates) -> String {
+fn prestressed(code: &UpdatedSmd, deck: &Deck<'_>, own: &JaumannRates) -> String {
     let case = deck.case;
     let stiff = STIFFER * own.shear;
     // In plane strain 2 mu dev(e) = s has e_i = (s_i - s_3)/(2 mu).
     let rate = |i: usize| {
         let strain = (own.deviator[i] - own.deviator[2]) / (2.0 * stiff);
-        number(strain / seen(deck, i) / case.time_step)
+        let seen = if code.is_corrected {
+            1.0
+        } else {
+            seen(deck, i)
+        };
+        number(strain / seen / case.time_step)
     };
     format!(
         "{}fix freeze all setforce 0 0 0\nvariable rx atom ({})*x\nvariable ry atom ({})*y\nvelocity all set v_rx v_ry 0 units box\nrun 1\nunfix freeze\n\
@@ -157,20 +180,24 @@ fn prestressed(deck: &Deck<'_>, own: &JaumannRates) -> String {
     )
 }
 
-fn input(deck: &Deck<'_>) -> Result<String, VerifyError> {
+fn input(code: &UpdatedSmd, deck: &Deck<'_>) -> Result<String, VerifyError> {
     let case = deck.case;
-    let own = rates(deck.problem, deck.f)?;
+    let own = rates(code, deck.problem, deck.f)?;
     let (boundary, group, before) = match case.is_periodic {
         true => ("p p p", "all", String::new()),
-        false => ("sm sm p", "core", prestressed(deck, &own)),
+        false => ("sm sm p", "core", prestressed(code, deck, &own)),
     };
-    let pair =
-        "pair_style smd/ulsph *DENSITY_CONTINUITY *VELOCITY_GRADIENT *NO_GRADIENT_CORRECTION";
+    let correction = match code.is_corrected {
+        true => "*GRADIENT_CORRECTION",
+        false => "*NO_GRADIENT_CORRECTION",
+    };
+    let pair = format!("pair_style smd/ulsph *DENSITY_CONTINUITY *VELOCITY_GRADIENT {correction}");
     Ok(format!(
-        "# {NAME}, onset case {}: run with `lmp -in in.lammps`, read with `onset verify read`\n\
+        "# {}, onset case {}: run with `lmp -in in.lammps`, read with `onset verify read`\n\
          dimension 2\nunits si\nboundary {boundary}\natom_style smd\natom_modify map array sort 0 0\n\
          comm_modify vel yes\nneigh_modify every 10 delay 0 check yes\nnewton off\nread_data particles.data\n\
          group ulsph type 1\nneighbor {} bin\n{pair}\n{}fix integrate all smd/integrate_ulsph\ntimestep {}\nthermo 1000\n{}{}run {}\n",
+        code.name,
         case.id,
         number(0.5 * case.spacing()),
         coefficients(deck, &own, own.shear),
@@ -181,42 +208,53 @@ fn input(deck: &Deck<'_>) -> Result<String, VerifyError> {
     ))
 }
 
+/// The choices of either.
+const fn dialect(is_corrected: bool) -> [Settled; 11] {
+    let (value, deviation) = match is_corrected {
+        true => (
+            "true",
+            "*GRADIENT_CORRECTION multiplies the stress by the correction as well as the velocity gradient",
+        ),
+        false => ("false", ""),
+    };
+    [
+        Settled::exactly("discretization.method", "updated-sph"),
+        Settled::exactly("discretization.lattice", "square"),
+        Settled::deviating(
+            "discretization.kernel",
+            "(1-q)^3",
+            "the spiky kernel of Desbrun and Gascuel (1996)",
+        ),
+        Settled::exactly("discretization.momentum", "mean"),
+        Settled::exactly("discretization.density-evolution", "continuity"),
+        Settled::exactly("discretization.corrected", value),
+        Settled::deviating("discretization.corrected-forces", value, deviation),
+        Settled::exactly("discretization.support-size", "fixed"),
+        Settled::exactly("discretization.artificial-stress", "0"),
+        Settled::exactly("discretization.viscosity", "0"),
+        Settled::exactly("discretization.velocity-smoothing", "0"),
+    ]
+}
+
 impl Code for UpdatedSmd {
     fn name(&self) -> &'static str {
-        NAME
+        self.name
     }
 
     fn title(&self) -> &'static str {
-        "updated-Lagrangian SPH of LAMMPS' package SMD, smd/ulsph *DENSITY_CONTINUITY *NO_GRADIENT_CORRECTION"
+        self.title
     }
 
     fn dialect(&self) -> &'static [Settled] {
-        const {
-            &[
-                Settled::exactly("discretization.method", "updated-sph"),
-                Settled::exactly("discretization.lattice", "square"),
-                Settled::deviating(
-                    "discretization.kernel",
-                    "(1-q)^3",
-                    "the spiky kernel of Desbrun and Gascuel (1996)",
-                ),
-                Settled::exactly("discretization.momentum", "mean"),
-                Settled::exactly("discretization.density-evolution", "continuity"),
-                Settled::deviating(
-                    "discretization.corrected",
-                    "false",
-                    "*GRADIENT_CORRECTION, which is left out, would multiply the stress by the correction as well as the velocity gradient",
-                ),
-                Settled::exactly("discretization.support-size", "fixed"),
-                Settled::exactly("discretization.artificial-stress", "0"),
-                Settled::exactly("discretization.viscosity", "0"),
-                Settled::exactly("discretization.velocity-smoothing", "0"),
-            ]
+        match self.is_corrected {
+            false => const { &dialect(false) },
+            true => const { &dialect(true) },
         }
     }
 
     fn remarks(&self) -> &'static [&'static str] {
         &[
+            "a correction is limited to the factor 2, which particles of a block do not reach",
             "density is integrated half a step late, which amplifies waves of sound at the rate omega^2 dt/4",
             "the deviator is turned against the spin, s' = 2 mu dev D - W s + s W: in a rotation it turns away from the material (material.spin=-1)",
         ]
@@ -227,7 +265,7 @@ impl Code for UpdatedSmd {
     }
 
     fn rim(&self, problem: &Problem, f: &DeformationGradient) -> Result<Option<f64>, VerifyError> {
-        Ok(is_prestressed(&rates(problem, f)?).then_some(RIM))
+        Ok(is_prestressed(&rates(self, problem, f)?).then_some(RIM))
     }
 
     fn tolerance(&self) -> f64 {
@@ -239,12 +277,12 @@ impl Code for UpdatedSmd {
         problem: &Problem,
         f: &DeformationGradient,
     ) -> Result<Stepping, VerifyError> {
-        rates(problem, f).map(|_| Stepping::LateDensity)
+        rates(self, problem, f).map(|_| Stepping::LateDensity)
     }
 
     fn deck(&self, deck: &Deck<'_>) -> Result<Files, VerifyError> {
         Ok(vec![
-            text("in.lammps", input(deck)?),
+            text("in.lammps", input(self, deck)?),
             text("particles.data", particles(deck)),
         ])
     }

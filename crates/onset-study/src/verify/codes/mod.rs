@@ -12,9 +12,10 @@ use serde::Serialize;
 use std::fmt;
 
 /// All codes.
-pub const CODES: [&dyn Code; 5] = [
+pub const CODES: [&dyn Code; 6] = [
     &lammps_smd_tlsph::TotalSmd,
-    &lammps_smd_ulsph::UpdatedSmd,
+    &lammps_smd_ulsph::PLAIN,
+    &lammps_smd_ulsph::CORRECTED,
     &lammps_peri::Peri,
     &pysph::PySph,
     &plain::Plain,

@@ -50,6 +50,8 @@ pub(super) struct CurrentEngine<'a, const D: usize> {
     tensions: Tensors<D>,
     /// Where there is an artificial stress.
     tensile: Option<Tensors<D>>,
+    /// `K_I^-1`, where forces are corrected.
+    corrections: Option<Tensors<D>>,
     pub(super) count: usize,
 }
 
@@ -331,6 +333,45 @@ impl<L: Left<D>, const D: usize, const CORRECTED: bool> Sums<D> for Gradients<'_
     }
 }
 
+/// `K_I^-1`.
+struct Corrections<'s, const D: usize> {
+    around: Around<'s, D>,
+    /// `V`.
+    spreads: &'s [f64],
+}
+
+impl<'s, const D: usize> Sums<D> for Corrections<'s, D> {
+    type Sum = Tensor<D>;
+    type Block = [[&'s mut [f64]; D]; D];
+
+    #[inline(always)]
+    fn begin(&self, _: usize) -> Tensor<D> {
+        [[Lanes::constant(0.0); D]; D]
+    }
+
+    #[inline(always)]
+    fn add(&self, moment: &mut Tensor<D>, other: &Seen<D>) {
+        let spread = -number(self.spreads, other.place);
+        for i in 0..D {
+            for j in 0..D {
+                let along = other.weight.gradient[j] * spread;
+                moment[i][j] = moment[i][j] + other.x[i] * along;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn leave(
+        &self,
+        moment: Tensor<D>,
+        group: &Group,
+        block: &mut Self::Block,
+    ) -> Result<(), NoForce> {
+        group.put_tensor(block, &self.around.corrections(group, &moment)?);
+        Ok(())
+    }
+}
+
 /// `V` after a time, `V exp(dt tr L)`.
 struct Grown<'s> {
     spreads: &'s [f64],
@@ -558,6 +599,7 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
             reaches: vec![0.0; volumes.len()],
             tensions: zero_tensors(count),
             tensile: None,
+            corrections: None,
             volumes,
             count,
         };
@@ -676,6 +718,7 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
         if law.is_tensile() {
             self.tensile.get_or_insert_with(|| zero_tensors(count));
         }
+        self.correct()?;
         let Self {
             material,
             base,
@@ -686,9 +729,11 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
             reaches,
             tensions,
             tensile,
+            corrections,
             ..
         } = self;
         let f = slices(deformations);
+        let corrections = corrections.as_ref().map(slices);
         let mut tensile = tensile
             .as_mut()
             .map(|own| tensor_parts(own, BLOCK).into_iter());
@@ -713,7 +758,15 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
                 let stress = stress.each(|row| row.each(|entry| entry / volume));
                 let mass = number(volumes, group.own) * *density;
                 let density = number(densities, group.own);
-                let laden = law.laden(mass, density, &stress, law.tensile_of_each(&stress));
+                let tensile_part = law.tensile_of_each(&stress);
+                let along = match &corrections {
+                    None => stress,
+                    Some(corrections) => {
+                        let own = tensor(corrections, group.own);
+                        times(&stress, &array_of(|i| array_of(|j| own[j][i])))
+                    }
+                };
+                let laden = law.laden(mass, density, &along, tensile_part);
                 group.put(reaches, laden.reach, 0.0);
                 group.put_tensor(&mut tensions, &laden.tension);
                 if let (Some(block), Some(own)) = (&mut tensile, &laden.tensile) {
@@ -723,6 +776,24 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
             })
         });
         stressed.into_iter().collect()
+    }
+
+    /// Finds what corrects forces, where they are corrected.
+    fn correct(&mut self) -> Result<(), NoForce> {
+        if !self.law()?.corrects_forces() {
+            return Ok(());
+        }
+        let mut corrections = self.corrections.take();
+        let count = self.count;
+        let all = corrections.get_or_insert_with(|| zero_tensors(count));
+        let around = self.around()?;
+        let sums = Corrections {
+            around,
+            spreads: &self.spreads,
+        };
+        let done = around.sum(&sums, tensor_parts(all, BLOCK));
+        self.corrections = corrections;
+        done
     }
 
     /// Accelerations by the stresses at hand, and by viscosity.
@@ -814,7 +885,8 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
 
     /// What the engine keeps for a particle; bytes.
     pub(super) fn bytes(&self) -> usize {
-        let tensors = 2 + usize::from(self.tensile.is_some());
+        let kept = [&self.tensile, &self.corrections];
+        let tensors = 2 + kept.into_iter().flatten().count();
         let numbers = tensors * D * D + 2 * D + 5;
         numbers * size_of_val(&*self.volumes) + self.neighborhoods.bytes()
     }

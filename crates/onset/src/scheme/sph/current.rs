@@ -42,6 +42,7 @@ pub struct CurrentPairs<const D: usize> {
     pub(super) density_evolution: DensityEvolution,
     pub(super) reference_density: f64,
     pub(super) is_corrected: bool,
+    pub(super) corrects_forces: bool,
     pub(super) repulsion: Option<Repulsion>,
     pub(super) dashpot: Option<Dashpot>,
     /// The coefficient of XSPH.
@@ -100,7 +101,17 @@ impl<const D: usize> CurrentPairs<D> {
         }
     }
 
-    /// What forces take of a particle of so much mass, with a density and a stress, of which a part is [`Self::tensile`].
+    /// Whether the force of a stress takes the densities of all others: in itself, or in the correction.
+    pub(super) fn takes_all_densities(&self) -> bool {
+        self.takes_both_densities() || self.corrects_forces
+    }
+
+    /// Whether stresses act along corrected gradients.
+    pub(crate) fn corrects_forces(&self) -> bool {
+        self.corrects_forces
+    }
+
+    /// What forces take of a particle of so much mass, with a density and a stress, corrected where forces are, of which a part is [`Self::tensile`].
     pub(crate) fn laden<R: Real>(
         &self,
         mass: R,

@@ -1,7 +1,7 @@
 //! The forces that the stress of one particle exerts on itself and on its neighbors, with kernels that move.
 
 use super::super::products::{displacement_gradient, times_transpose, transported};
-use super::super::response::determinant;
+use super::super::response::{determinant, inverse};
 use super::super::{Interaction, Motion, PointResponse};
 use super::current::CurrentPairs;
 use crate::algebra::{Each, array_of};
@@ -26,7 +26,7 @@ pub(super) struct Circle<const D: usize> {
 /// The part of the forces that is linear in the stress `s_I` of a particle `I`:
 ///
 /// `f_I = +- sum_J c_IJ s_I grad W_IJ`, `f_J = -c_IJ s_I grad W_IJ`; the sums of these over all `I` are the pairwise forms.
-/// `s = P F^T / det F` within the dimensions of the lattice.
+/// `s = P F^T / det F` within the dimensions of the lattice, times `K_I^-T` where forces are corrected.
 pub(super) struct StressOf<'a, const D: usize> {
     pub(super) surroundings: &'a Surroundings<'a, D>,
     /// The particle, its neighbors, and those that only the densities of its neighbors see.
@@ -81,6 +81,25 @@ impl<const D: usize> StressOf<'_, D> {
     }
 }
 
+impl<const D: usize> StressOf<'_, D> {
+    /// `K_I^-1`, `K_I = sum_J m_J/rho_J x_IJ (x) grad W_IJ`.
+    fn correction<R: Real>(&self, moved: &Moved<'_, R, D>) -> [[R; D]; D] {
+        let pairs = self.surroundings.pairs;
+        let mut moment = [[R::constant(0.0); D]; D];
+        for &other in &self.circles[0].members[1..] {
+            let x = between(&moved.positions[0], &moved.positions[other]);
+            let [slope, _] = pairs.slopes(&pairs.weigh(&x));
+            let volume = self.density(other, moved).recip() * self.masses[other];
+            for i in 0..D {
+                for j in 0..D {
+                    moment[i][j] = moment[i][j] + x[i] * slope[j] * volume;
+                }
+            }
+        }
+        inverse(&moment)
+    }
+}
+
 impl<const D: usize> Interaction<D> for StressOf<'_, D> {
     fn particles(&self) -> &[Particle<D>] {
         &self.particles
@@ -109,7 +128,11 @@ impl<const D: usize> Interaction<D> for StressOf<'_, D> {
         let masses = self.masses.iter().copied().map(R::constant);
         let masses: Vec<R> = masses.collect();
         let density = self.density(0, &moved);
-        let own = pairs.laden(masses[0], density, &stress, pairs.tensile(&stress));
+        let along = match pairs.corrects_forces() {
+            false => stress,
+            true => times_transpose(&stress, &self.correction(&moved)),
+        };
+        let own = pairs.laden(masses[0], density, &along, pairs.tensile(&stress));
         let mut forces = vec![[R::constant(0.0); D]; self.particles.len()];
         for &other in &circle.members[1..] {
             let x = between(&moved.positions[0], &moved.positions[other]);

@@ -76,6 +76,8 @@ pub struct UpdatedSphChoices {
     pub density_evolution: DensityEvolution,
     /// Whether the velocity gradient is corrected to be exact for linear fields.
     pub corrected: bool,
+    /// Whether stresses act along corrected gradients too; of a corrected velocity gradient alone.
+    pub corrected_forces: bool,
     /// Artificial stress; for the forms that conserve momentum.
     pub artificial_stress: Option<ArtificialStress>,
     /// Artificial viscosity.
@@ -96,6 +98,7 @@ impl Default for UpdatedSphChoices {
             momentum: MomentumForm::Symmetric,
             density_evolution: DensityEvolution::Continuity,
             corrected: false,
+            corrected_forces: false,
             artificial_stress: None,
             viscosity: None,
             velocity_smoothing: 0.0,
@@ -108,7 +111,7 @@ impl Default for UpdatedSphChoices {
 ///
 /// The stress is that of the law at the deformation gradient that a particle carries along, `Fdot = L F` with
 /// `L_I = sum_J m_J/rho_J (v_J - v_I) (x) grad W_IJ K_I^-1`, `K_I = sum_J m_J/rho_J x_IJ (x) grad W_IJ` or, uncorrected, `K = 1`. Forces are
-/// those of [`MomentumForm`] and are linearized exactly: kernels, densities and volumes move. Where positions alone follow the
+/// those of [`MomentumForm`], with corrected forces of the stresses `sigma_I K_I^-T`, and are linearized exactly: kernels, densities and volumes move. Where positions alone follow the
 /// smoothed velocities of XSPH, a displacement is what the velocity makes of it, and positions are moved by its smoothed image.
 ///
 /// Source: Gray, Monaghan, Swift, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6641; Randles and Libersky, Comput. Methods Appl.
@@ -179,6 +182,13 @@ impl<const D: usize> UpdatedSph<D> {
             .viscosity
             .iter()
             .try_for_each(|v| v.assert_admissible())?;
+        if choices.corrected_forces && !choices.corrected {
+            return Err(MethodError::Incompatible {
+                choice: "corrected forces",
+                other: "velocity gradients that are not corrected",
+                hint: "correct both (corrected = true), or neither",
+            });
+        }
         if let Some(artificial_stress) = &choices.artificial_stress {
             artificial_stress.assert_admissible()?;
             if choices.momentum == MomentumForm::Difference {
@@ -280,6 +290,7 @@ impl<const D: usize> UpdatedSph<D> {
             density_evolution: self.choices.density_evolution,
             reference_density: self.choices.density,
             is_corrected: self.choices.corrected,
+            corrects_forces: self.choices.corrected_forces,
             repulsion: self.repulsion(layout, response),
             dashpot: dashpot.transpose()?,
             smoothing: self.choices.velocity_smoothing,
@@ -314,9 +325,9 @@ impl<const D: usize> UpdatedSph<D> {
     ) -> StressOf<'a, D> {
         let own = &state.neighborhoods[site].particles;
         // Whose densities count.
-        let seeing = match self.choices.momentum {
-            MomentumForm::Symmetric => &own[..1],
-            MomentumForm::Mean | MomentumForm::Difference => &own[..],
+        let seeing = match surroundings.pairs.takes_all_densities() {
+            false => &own[..1],
+            true => &own[..],
         };
         let mut members = Numbered::default();
         own.iter()
