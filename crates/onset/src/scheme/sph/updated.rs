@@ -184,7 +184,7 @@ impl<const D: usize> UpdatedSph<D> {
             .try_for_each(|v| v.assert_admissible())?;
         if choices.corrected_forces && !choices.corrected {
             return Err(MethodError::Incompatible {
-                choice: "corrected forces",
+                choice: "a correction of forces",
                 other: "velocity gradients that are not corrected",
                 hint: "correct both (corrected = true), or neither",
             });
