@@ -151,6 +151,14 @@ fn what_a_code_cannot_compute_is_refused() {
             "deletes particles with the volume ratio",
         ),
         (
+            "--code lammps-smd-tlsph --wave-vector 1,0 --stretch 0.3,1 --set material.model=hypoelastic-green-naghdi",
+            "do not lead to the stretch 0.3",
+        ),
+        (
+            "--code lammps-smd-tlsph --wave-vector 1,0 --set material.model=hypoelastic-jaumann --set material.n=1",
+            "set material.n=0",
+        ),
+        (
             "--code lammps-smd-ulsph --wave-vector 1,0 --stretch 1.2,1 --set material.model=hypoelastic-green-naghdi --set material.n=1",
             "integrated with the spin",
         ),

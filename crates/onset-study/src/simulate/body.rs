@@ -107,10 +107,10 @@ pub fn run_body(
         let material = &problem.settings.material;
         return Err(refused(
             format!(
-                "`{}` cannot be run in a body: its particles would not remember how they have flowed",
+                "`{}` cannot be run in a body: its particles would not remember the path that has led to their stress",
                 material.model.name()
             ),
-            "choose an elastic law: `onset list materials`",
+            "choose a law with an energy: `onset list materials`",
         ));
     }
     let dimension = problem.dimension();

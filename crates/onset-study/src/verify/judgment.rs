@@ -213,7 +213,8 @@ pub(crate) fn compared(
         true => (Outcome::Agrees, String::new()),
         false => (
             Outcome::Undecided,
-            "the difference is beyond the tolerance, and within what is uncertain".to_owned(),
+            "the difference is beyond the tolerance, and within four times what is uncertain"
+                .to_owned(),
         ),
     }
 }

@@ -7,7 +7,7 @@
 //!
 //! Source: Ganzenmueller, "Smooth Mach Dynamics package for LAMMPS" (manual); `pair_smd_tlsph.cpp`, `fix_smd_integrate_tlsph.cpp`.
 
-use super::super::law::{Isotropic, Volumetric, is_in_rate_form};
+use super::super::law::{Isotropic, Volumetric, integrates_pressure, is_in_rate_form};
 use super::super::{Case, Code, Deck, Program, Projector, Record, Settled, VerifyError};
 use super::lammps::{self, number};
 use crate::answers::Problem;
@@ -29,6 +29,8 @@ const RATE: &str = "hypoelastic-green-naghdi";
 const STEPS: usize = 20;
 /// Iterations for the stretch at which it ends; each leaves about a tenth of the error.
 const ITERATIONS: usize = 40;
+/// Stretches that the two runs reach.
+const STRETCHES: [f64; 2] = [0.4, 2.0];
 /// Particles with a volume ratio outside of these are deleted.
 const VOLUMES: [f64; 2] = [0.2, 2.0];
 
@@ -86,6 +88,20 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
             ));
         }
         return Ok(Elasticity::Pressure(own));
+    }
+    let is_far = |i: &usize| !(STRETCHES[0]..=STRETCHES[1]).contains(&f.components()[*i][*i]);
+    if let Some(i) = (0..2).find(is_far) {
+        return Err(refused(
+            format!("decks do not lead to the stretch {}", f.components()[i][i]),
+            "choose stretches from 0.4 to 2",
+        ));
+    }
+    // The code integrates all of the stress, and a prediction follows what the law integrates.
+    if integrates_pressure(law, f).map_err(MethodError::from)? == Some(false) {
+        return Err(refused(
+            "the code integrates the pressure, which this law has as a function of the volume",
+            "set material.n=0",
+        ));
     }
     let is_rest = *f == DeformationGradient::identity();
     if !is_rest && !is_in_rate_form(law, RATE, 0.0, f).map_err(MethodError::from)? {
