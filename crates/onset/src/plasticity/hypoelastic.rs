@@ -124,14 +124,10 @@ struct Stressed<'a> {
 impl Hypoelastic {
     fn at<'a>(&'a self, f: &DeformationGradient) -> Result<Stressed<'a>, MaterialError> {
         let matrix = f.matrix();
-        let squares = Spectral::positive(&(matrix * matrix.transpose()));
-        let squares = squares.ok_or_else(|| MaterialError::NotFinite {
+        let logarithm = Spectral::half_logarithm(&(matrix * matrix.transpose()));
+        let logarithm = logarithm.ok_or_else(|| MaterialError::NotFinite {
             jacobian: f.jacobian(),
         })?;
-        let logarithm = Spectral {
-            values: squares.values.map(|square| 0.5 * square.ln()),
-            ..squares
-        };
         let mean = logarithm.values.mean();
         Ok(Stressed {
             law: self,

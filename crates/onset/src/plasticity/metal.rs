@@ -454,13 +454,11 @@ impl Metal {
     /// The response of a state whose material axes are the fixed ones.
     fn along_axes(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         let matrix = f.matrix();
-        let logarithm = Spectral::positive(&(matrix.transpose() * matrix))
-            .map(|squares| Spectral {
-                values: squares.values.map(|square| 0.5 * square.ln()),
-                ..squares
-            })
-            .ok_or_else(|| MaterialError::NotFinite {
-                jacobian: f.jacobian(),
+        let logarithm =
+            Spectral::half_logarithm(&(matrix.transpose() * matrix)).ok_or_else(|| {
+                MaterialError::NotFinite {
+                    jacobian: f.jacobian(),
+                }
             })?;
         match self.flowed(&logarithm)? {
             None => self.elastic.response(f),

@@ -25,6 +25,14 @@ impl Spectral {
         Some(Self::of(tensor)).filter(|found| found.values.min() > 0.0)
     }
 
+    /// `1/2 ln T` of a tensor `T` with positive principal values, as of `F^T F` or `F F^T`.
+    pub(super) fn half_logarithm(tensor: &Matrix3<f64>) -> Option<Self> {
+        Self::positive(tensor).map(|squares| Self {
+            values: squares.values.map(|square| 0.5 * square.ln()),
+            ..squares
+        })
+    }
+
     /// The tensor with a function of the principal values.
     pub(super) fn map(&self, function: impl Fn(f64) -> f64) -> Matrix3<f64> {
         self.turned(&Matrix3::from_diagonal(&self.values.map(function)))

@@ -77,6 +77,20 @@ pub(super) fn seed(case: &Case) -> String {
     )
 }
 
+/// The commands that move all particles with velocities that are affine in space and no forces, and leave them at rest at time zero: of each run the rates of strain along the axes, with
+/// the places at its start, and its steps.
+pub(super) fn strained(runs: &[([f64; 2], usize)]) -> String {
+    let mut text = String::from("fix freeze all setforce 0 0 0\n");
+    for (run, (rates, steps)) in runs.iter().enumerate() {
+        let [x, y] = rates.map(number);
+        let _ = write!(
+            text,
+            "variable rx{run} atom ({x})*x\nvariable ry{run} atom ({y})*y\nvelocity all set v_rx{run} v_ry{run} 0 units box\nrun {steps}\n"
+        );
+    }
+    text + "unfix freeze\nvelocity all set 0 0 0 units box\nreset_timestep 0\n"
+}
+
 /// The commands that dump a group; a column bears the mark of the case.
 pub(super) fn dump(case: &Case, group: &str) -> String {
     format!(

@@ -192,16 +192,10 @@ fn support(deck: &Deck<'_>) -> f64 {
 fn ramp(case: &Case) -> String {
     let turning = case.stretches.map(turning_point);
     let legs = [([1.0; 3], turning, STEPS), (turning, case.stretches, 1)];
-    let mut text = String::from("fix freeze all setforce 0 0 0\n");
-    for (leg, (from, to, steps)) in legs.into_iter().enumerate() {
+    lammps::strained(&legs.map(|(from, to, steps)| {
         let time = steps as f64 * case.time_step;
-        let [x, y] = [0, 1].map(|i| number((to[i] / from[i] - 1.0) / time));
-        let _ = write!(
-            text,
-            "variable rx{leg} atom ({x})*x\nvariable ry{leg} atom ({y})*y\nvelocity all set v_rx{leg} v_ry{leg} 0 units box\nrun {steps}\n"
-        );
-    }
-    text + "unfix freeze\nvelocity all set 0 0 0 units box\nreset_timestep 0\n"
+        ([0, 1].map(|i| (to[i] / from[i] - 1.0) / time), steps)
+    }))
 }
 
 fn input(deck: &Deck<'_>) -> Result<String, VerifyError> {

@@ -166,14 +166,12 @@ fn prestressed(code: &UpdatedSmd, deck: &Deck<'_>, own: &JaumannRates) -> String
         } else {
             seen(deck, i)
         };
-        number(strain / seen / case.time_step)
+        strain / seen / case.time_step
     };
     format!(
-        "{}fix freeze all setforce 0 0 0\nvariable rx atom ({})*x\nvariable ry atom ({})*y\nvelocity all set v_rx v_ry 0 units box\nrun 1\nunfix freeze\n\
-         velocity all set 0 0 0 units box\nreset_timestep 0\n{}{}{}fix hold rim setforce 0 0 0\n",
+        "{}{}{}{}{}fix hold rim setforce 0 0 0\n",
         coefficients(deck, own, stiff),
-        rate(0),
-        rate(1),
+        lammps::strained(&[([0, 1].map(rate), 1)]),
         coefficients(deck, own, own.shear),
         lammps::regions(case, RIM * case.reach, case.stretches),
         lammps::seed(case),
@@ -207,6 +205,13 @@ fn input(code: &UpdatedSmd, deck: &Deck<'_>) -> Result<String, VerifyError> {
         case.steps
     ))
 }
+
+/// What deviates of both, and last of the one with a correction.
+const REMARKS: [&str; 3] = [
+    "density is integrated half a step late, which amplifies waves of sound at the rate omega^2 dt/4",
+    "the deviator is turned against the spin, s' = 2 mu dev D - W s + s W: in a rotation it turns away from the material (material.spin=-1)",
+    "a correction is limited to the factor 2, which particles of a block do not reach",
+];
 
 /// The choices of either.
 const fn dialect(is_corrected: bool) -> [Settled; 11] {
@@ -253,11 +258,10 @@ impl Code for UpdatedSmd {
     }
 
     fn remarks(&self) -> &'static [&'static str] {
-        &[
-            "a correction is limited to the factor 2, which particles of a block do not reach",
-            "density is integrated half a step late, which amplifies waves of sound at the rate omega^2 dt/4",
-            "the deviator is turned against the spin, s' = 2 mu dev D - W s + s W: in a rotation it turns away from the material (material.spin=-1)",
-        ]
+        match self.is_corrected {
+            false => &REMARKS[..2],
+            true => &REMARKS,
+        }
     }
 
     fn is_periodic(&self) -> bool {

@@ -75,6 +75,23 @@ fn times<const D: usize>(a: &Tensor<D>, b: &Tensor<D>) -> Tensor<D> {
     product
 }
 
+/// `S + a (x) b`.
+#[inline(always)]
+fn add_product<const D: usize>(sum: &mut Tensor<D>, a: &Vector<D>, b: &Vector<D>) {
+    for i in 0..D {
+        for j in 0..D {
+            sum[i][j] = sum[i][j] + a[i] * b[j];
+        }
+    }
+}
+
+/// `V_J grad W_IJ`, with respect to `x_I`: minus that along `x_J - x_I`.
+#[inline(always)]
+fn spread_slope<const D: usize>(spreads: &[f64], other: &Seen<D>) -> Vector<D> {
+    let spread = -number(spreads, other.place);
+    other.weight.gradient.each(|slope| slope * spread)
+}
+
 /// `1 + factor L`.
 #[inline(always)]
 fn stepped<const D: usize>(l: &Tensor<D>, factor: f64) -> Tensor<D> {
@@ -303,22 +320,14 @@ impl<L: Left<D>, const D: usize, const CORRECTED: bool> Sums<D> for Gradients<'_
 
     #[inline(always)]
     fn add(&self, sum: &mut Gradient<D>, other: &Seen<D>) {
-        // grad W_IJ with respect to x_I is minus that along x_J - x_I.
-        let spread = -number(self.spreads, other.place);
-        let along = other.weight.gradient.each(|slope| slope * spread);
-        let w = vector(&self.w, other.place);
+        let along = spread_slope(self.spreads, other);
+        let mut apart = vector(&self.w, other.place);
         for i in 0..D {
-            let apart = w[i] - sum.own[i];
-            for j in 0..D {
-                sum.sum[i][j] = sum.sum[i][j] + apart * along[j];
-            }
+            apart[i] = apart[i] - sum.own[i];
         }
+        add_product(&mut sum.sum, &apart, &along);
         if CORRECTED {
-            for i in 0..D {
-                for j in 0..D {
-                    sum.moment[i][j] = sum.moment[i][j] + other.x[i] * along[j];
-                }
-            }
+            add_product(&mut sum.moment, &other.x, &along);
         }
     }
 
@@ -351,13 +360,7 @@ impl<'s, const D: usize> Sums<D> for Corrections<'s, D> {
 
     #[inline(always)]
     fn add(&self, moment: &mut Tensor<D>, other: &Seen<D>) {
-        let spread = -number(self.spreads, other.place);
-        for i in 0..D {
-            for j in 0..D {
-                let along = other.weight.gradient[j] * spread;
-                moment[i][j] = moment[i][j] + other.x[i] * along;
-            }
-        }
+        add_product(moment, &other.x, &spread_slope(self.spreads, other));
     }
 
     #[inline(always)]

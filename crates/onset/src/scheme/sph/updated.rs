@@ -447,7 +447,8 @@ impl<const D: usize> Discretization<D> for UpdatedSph<D> {
                 )
             })?
         };
-        // What a law in rate form does not integrate is the pressure, which follows the density as the sums of the forces do.
+        // What Jaumann's rate does not integrate is the pressure, which follows the density as the sums of the forces do. That of Green and Naghdi leaves the rotation
+        // too, which follows neither.
         let rest = PartOf {
             law: material,
             is_integrated: false,
