@@ -41,20 +41,10 @@ pub fn tangent_from_jaumann_kirchhoff(
     cauchy: &Matrix3<f64>,
     c: &FourthOrder,
 ) -> FourthOrder {
-    let inverse = inverse(f);
-    let jacobian = f.jacobian();
     let spatial = FourthOrder::from_fn(|i, j, k, l| {
         c[(i, j, k, l)] - symmetric_product(cauchy, i, j, k, l) + delta(i, k) * cauchy[(j, l)]
     });
-    let pulled = FourthOrder::from_fn(|i, m, k, l| {
-        (0..3)
-            .map(|j| inverse[(m, j)] * spatial[(i, j, k, l)])
-            .sum()
-    });
-    FourthOrder::from_fn(|i, m, k, n| {
-        let sum: f64 = (0..3).map(|l| inverse[(n, l)] * pulled[(i, m, k, l)]).sum();
-        jacobian * sum
-    })
+    spatial.pulled_back(f)
 }
 
 /// The Jaumann rate of the Kirchhoff stress over `J` of a response: what `DDSDDE` must hold. Spatial indices, units of stress.

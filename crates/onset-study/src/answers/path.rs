@@ -9,7 +9,7 @@ use crate::number::{told, told_of, vector};
 use crate::settings::{Effective, Units};
 use nalgebra::SVector;
 use onset::analysis::scan_material_in;
-use onset::continuum::Ellipticity;
+use onset::continuum::{Ellipticity, Stiffness};
 use onset::kinematics::{DeformationGradient, DeformationPath};
 use onset::method::MethodError;
 use onset::verdict::{Crossing, Onset, PathScan, Phase, Verdict};
@@ -27,6 +27,9 @@ pub struct PathAnswer {
     /// Whether the law is a fluid, which is strongly elliptic nowhere.
     #[serde(skip)]
     pub is_fluid: bool,
+    /// Whether tangents have major symmetry at both ends.
+    #[serde(skip)]
+    pub is_symmetric: bool,
     /// What a reader must know of law and method.
     pub notes: Vec<String>,
     /// Every choice in effect.
@@ -69,9 +72,11 @@ pub struct MaterialOnset {
     /// Where; the start itself when it is not elliptic.
     #[serde(flatten)]
     pub place: Place,
+    /// How waves of the material grow behind it: `flutter` or `unstable`.
+    pub phase: Phase,
     /// Reference direction of the critical wave.
     pub direction: Vec<f64>,
-    /// Its polarization.
+    /// Its polarization; none of flutter, whose polarization is complex.
     pub polarization: Vec<f64>,
 }
 
@@ -160,17 +165,28 @@ fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, P
         let minimum = analysis.acoustic_minimum(f);
         minimum.is_ok_and(|minimum| minimum.ellipticity() == Ellipticity::Undecided)
     };
+    let is_symmetric = |f: &DeformationGradient| {
+        let response = problem.material.response(f);
+        response.map_or(true, |response| {
+            Stiffness::<3>::of(&response).has_major_symmetry()
+        })
+    };
     let continuum = scan_material_in(dimension, &*problem.material, path)?;
     let particles = analysis.scan(path)?;
 
     let material_onset = match onset(&continuum) {
-        Some((parameter, witness, tolerance, _)) => {
+        Some((parameter, witness, tolerance, phase)) => {
             let critical = analysis.acoustic_minimum(&path.at(witness)?);
             let critical = critical.map_err(MethodError::from)?;
+            let polarization = match critical.only_flutters() {
+                true => Vec::new(),
+                false => list(&critical.polarization),
+            };
             Some(MaterialOnset {
                 place: place(problem, path, parameter, tolerance)?,
-                direction: list(&critical.direction),
-                polarization: list(&critical.polarization),
+                phase,
+                direction: list(&critical.critical_direction()),
+                polarization,
             })
         }
         None => None,
@@ -209,6 +225,7 @@ fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, P
         dimension,
         is_marginal: is_marginal(from) || is_marginal(to),
         is_fluid: is_fluid(&*problem.material) && is_marginal(from) && is_marginal(to),
+        is_symmetric: is_symmetric(from) && is_symmetric(to),
         notes,
         settings: problem.settings.effective(),
         loading: None,
@@ -310,6 +327,12 @@ impl std::fmt::Display for PathAnswer {
             None => "along the whole path".to_owned(),
         };
         match &self.material_onset {
+            Some(onset) if onset.phase == Phase::Flutter => writeln!(
+                formatter,
+                "The material begins to flutter at {}: acoustic eigenvalues are complex for waves along N = {}.",
+                at(&onset.place, units),
+                vector(&onset.direction)
+            )?,
             Some(onset) => writeln!(
                 formatter,
                 "The material loses ellipticity at {} for waves along N = {}.",
@@ -326,7 +349,11 @@ impl std::fmt::Display for PathAnswer {
             )?,
             None => writeln!(
                 formatter,
-                "The material stays strongly elliptic {way}{}.",
+                "{} {way}{}.",
+                match self.is_symmetric {
+                    true => "The material stays strongly elliptic",
+                    false => "No plane wave of the material grows",
+                },
                 match self.dimension {
                     1 => ", for waves along the chain of particles",
                     2 => ", for in-plane perturbations",

@@ -8,7 +8,7 @@ use crate::number::{told, vector};
 use crate::settings::{Family, Units};
 use nalgebra::SVector;
 use onset::bloch::Stability;
-use onset::continuum::Ellipticity;
+use onset::continuum::{AcousticMinimum, Ellipticity};
 use onset::kinematics::DeformationGradient;
 use onset::method::Frame;
 use onset::verdict::{Assessment, Mechanism, Verdict};
@@ -52,6 +52,7 @@ pub(super) fn of(
     let k = analysis.spatial(f, &finite_wave_vector(mode));
     let wave = wave(&k, along, units);
     let growth = growth(spectrum.growth_rate(), units);
+    let minimum = &assessment.material.minimum;
     match assessment.verdict {
         Verdict::Stable => {
             let weak = if !spectrum.softest.is_long_wave && assessment.gradient_norm < WEAK {
@@ -69,21 +70,25 @@ pub(super) fn of(
             } else {
                 String::new()
             };
-            match assessment.material.ellipticity() {
+            match assessment.material.ellipticity {
                 Ellipticity::Undecided => format!(
                     "Stable: all omega^2 of the discretization are real and nonnegative. The material is undecided: its smallest acoustic eigenvalue is \
                      zero to rounding, as that of a fluid, which has no shear stiffness.{weak}"
                 ),
-                _ => format!(
+                Ellipticity::Lost => format!(
+                    "Stable: no plane wave of the material grows, and all omega^2 of the discretization are real and nonnegative. The material is not \
+                     strongly elliptic, though: its tangent has no major symmetry.{weak}"
+                ),
+                Ellipticity::Elliptic => format!(
                     "Stable: the material is strongly elliptic{}, and all omega^2 of the discretization are real and nonnegative.{weak}",
                     in_plane(in_3d)
                 ),
             }
         }
         Verdict::Physical => format!(
-            "Unstable, as the material is: it has lost strong ellipticity, for waves along N = {}, and \
-             the discretization follows; fastest mode: {wave}, {growth}.",
-            along(&assessment.material.minimum.direction)
+            "Unstable, as the material is: {}, for waves along N = {}, and the discretization follows; fastest mode: {wave}, {growth}.",
+            lost(minimum),
+            along(&minimum.critical_direction())
         ),
         Verdict::ZeroEnergy => {
             let which = if mode.is_long_wave {
@@ -121,10 +126,11 @@ pub(super) fn of(
         }
         Verdict::Numerical => {
             let instability = instability(assessment, culprit(family));
-            match assessment.material.ellipticity().is_lost() {
+            match minimum.has_growing_waves() {
                 true => format!(
-                    "Unstable, but not as the material is: the material has lost ellipticity, while the discretization is stable at \
-                     long wavelengths; numerical instability: {instability}, {wave}, {growth}."
+                    "Unstable, but not as the material is: {}, while the discretization is stable at \
+                     long wavelengths; numerical instability: {instability}, {wave}, {growth}.",
+                    lost(minimum)
                 ),
                 false => format!(
                     "Unstable although the material is stable: {instability}, {wave}, {growth}."
@@ -132,10 +138,18 @@ pub(super) fn of(
             }
         }
         Verdict::Suppressed => format!(
-            "Stable although the material is not: it has lost ellipticity for waves along N = {}, which \
-             the discretization suppresses.",
-            along(&assessment.material.minimum.direction)
+            "Stable although the material is not: {}, for waves along N = {}, which the discretization suppresses.",
+            lost(minimum),
+            along(&minimum.critical_direction())
         ),
+    }
+}
+
+/// What is wrong with a material of which waves grow.
+fn lost(minimum: &AcousticMinimum<3>) -> &'static str {
+    match minimum.only_flutters() {
+        true => "its acoustic tensor has complex eigenvalues (flutter)",
+        false => "it has lost strong ellipticity",
     }
 }
 

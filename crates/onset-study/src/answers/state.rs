@@ -12,14 +12,13 @@ use crate::number::{told, told_of, vector};
 use crate::settings::{Effective, Value};
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
-use onset::analysis::minimum_in_space;
 use onset::bloch::IsEnded;
 use onset::certificate::certify_3d;
-use onset::continuum::Ellipticity;
+use onset::continuum::{AcousticMinimum, Ellipticity};
 use onset::kinematics::DeformationGradient;
 use onset::material::Response;
 use onset::method::MethodError;
-use onset::verdict::{Assessment, Mechanism, SurveyedState, Verdict};
+use onset::verdict::{Assessment, MaterialAssessment, Mechanism, SurveyedState, Verdict};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -90,11 +89,15 @@ pub struct MaterialAnswer {
     /// The size of its largest component: what stresses and eigenvalues are made of.
     #[serde(skip)]
     stiffness: f64,
-    /// Whether the state is strongly elliptic for waves in the dimensions of the lattice: whether their smallest eigenvalue is
-    /// positive, beyond rounding.
+    /// Whether the state is strongly elliptic for waves in the dimensions of the lattice: whether `g . Q(N) g > 0`, beyond
+    /// rounding. With major symmetry of the tangent that is the sign of the smallest eigenvalue; without it, strong ellipticity can be lost before
+    /// waves grow.
     pub elliptic: bool,
-    /// The same in three values: `undecided` where the smallest eigenvalue is zero to rounding, as that of a fluid.
+    /// The same in three values: `undecided` where the smallest value is zero to rounding, as that of a fluid.
     pub ellipticity: Ellipticity,
+    /// Waves of the material that oscillate and grow, where there are some; only tangents without major symmetry have them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flutter: Option<FlutterAnswer>,
     /// Whether it is elliptic for waves in all directions of space, (60) instead of (62).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub elliptic_3d: Option<bool>,
@@ -111,13 +114,34 @@ pub struct MaterialAnswer {
     pub polarization: Vec<f64>,
 }
 
+/// A complex eigenvalue of an acoustic tensor.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FlutterAnswer {
+    /// That with the largest imaginary part of those that were found.
+    pub eigenvalue: ComplexNumber,
+    /// Reference direction of its wave.
+    pub direction: Vec<f64>,
+}
+
+impl FlutterAnswer {
+    fn of(minimum: &AcousticMinimum<3>, dimension: usize) -> Option<Self> {
+        minimum.flutter.as_ref().map(|flutter| Self {
+            eigenvalue: ComplexNumber::from(flutter.eigenvalue),
+            direction: list(dimension, &flutter.direction),
+        })
+    }
+}
+
 /// The slowest plane wave of the continuum in three dimensions. A state of plane strain can lose ellipticity for out-of-plane perturbations first.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpaceAnswer {
     /// Whether the state is strongly elliptic.
     pub elliptic: bool,
     /// The same in three values.
     pub ellipticity: Ellipticity,
+    /// Waves that oscillate and grow, where there are some.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flutter: Option<FlutterAnswer>,
     /// Smallest eigenvalue of the acoustic tensor over all directions; zero where it is to rounding.
     pub minimum_acoustic_eigenvalue: f64,
     /// How much of it can be rounding.
@@ -133,12 +157,14 @@ pub struct SpaceAnswer {
 
 impl SpaceAnswer {
     fn new(response: &Response) -> Self {
-        let minimum = minimum_in_space(response);
+        let material = MaterialAssessment::<3>::of(response.clone());
+        let minimum = &material.minimum;
         // Adding zero turns a negative zero into a plain one.
         let components = |v: SVector<f64, 3>| std::array::from_fn(|i| v[i] + 0.0);
         Self {
-            elliptic: minimum.ellipticity().is_elliptic(),
-            ellipticity: minimum.ellipticity(),
+            elliptic: material.ellipticity.is_elliptic(),
+            ellipticity: material.ellipticity,
+            flutter: FlutterAnswer::of(minimum, 3),
             minimum_acoustic_eigenvalue: minimum.significant(),
             rounding: minimum.rounding,
             bound: minimum.bound,
@@ -255,7 +281,7 @@ fn answer(
     let mut sentence = sentence::of(
         problem,
         assessment,
-        in_3d.map(|in_3d| in_3d.ellipticity),
+        in_3d.as_ref().map(|in_3d| in_3d.ellipticity),
         f,
         problem.settings.units(),
     );
@@ -327,8 +353,9 @@ fn material_answer(
             })
             .collect(),
         stiffness: response.tangent.largest(),
-        elliptic: continuum.ellipticity().is_elliptic(),
-        ellipticity: continuum.ellipticity(),
+        elliptic: continuum.ellipticity.is_elliptic(),
+        ellipticity: continuum.ellipticity,
+        flutter: FlutterAnswer::of(&continuum.minimum, dimension),
         elliptic_3d: in_3d.map(|in_3d| in_3d.elliptic),
         minimum_acoustic_eigenvalue_3d: in_3d.map(|in_3d| in_3d.minimum_acoustic_eigenvalue),
         minimum_acoustic_eigenvalue: continuum.minimum.significant(),
@@ -413,6 +440,10 @@ impl StateAnswer {
                 "undecided: the smallest eigenvalue is zero to rounding ({:.1e})",
                 material.rounding
             ),
+            (Ellipticity::Lost, _) if material.minimum_acoustic_eigenvalue > 0.0 => {
+                "no; the tangent has no major symmetry, and no acoustic eigenvalue is negative"
+                    .to_owned()
+            }
             (Ellipticity::Lost, _) => "no".to_owned(),
             (Ellipticity::Elliptic, None) => "yes".to_owned(),
             (Ellipticity::Elliptic, Some(in_3d)) => match in_3d.ellipticity {
@@ -500,7 +531,29 @@ impl std::fmt::Display for StateAnswer {
                 vector(&material.direction)
             ),
         )?;
+        let fluttering = |flutter: &FlutterAnswer| {
+            let FlutterAnswer {
+                eigenvalue,
+                direction,
+            } = flutter;
+            let [re, im] = [eigenvalue.re, eigenvalue.im].map(|part| told_of(part, stiffness));
+            format!(
+                "{} along N = {}",
+                units.of(format!("{re} +- {im} i"), "Pa"),
+                vector(direction)
+            )
+        };
+        if let Some(flutter) = &material.flutter {
+            line(&of("flutter"), fluttering(flutter))?;
+        }
         if let Some(in_3d) = &self.material_3d {
+            if let Some(flutter) = in_3d
+                .flutter
+                .as_ref()
+                .filter(|_| material.flutter.is_none())
+            {
+                line(&of("flutter in 3D"), fluttering(flutter))?;
+            }
             line(
                 &of("in 3D"),
                 format!(

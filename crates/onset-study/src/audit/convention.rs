@@ -267,18 +267,11 @@ impl StressChange {
 
     /// `a_ijkl = g_ijkl + sigma_ij delta_kl - sigma_il delta_jk`, `A_iJkL = J F^-1_Jj F^-1_Ll a_ijkl`.
     fn first_piola(&self) -> FourthOrder {
-        let inverse = self.inverse();
-        let jacobian = self.deformation.jacobian();
         let sigma = &self.cauchy;
         let spatial = FourthOrder::from_fn(|i, j, k, l| {
             self.gradient[(i, j, k, l)] + sigma[(i, j)] * delta(k, l) - sigma[(i, l)] * delta(j, k)
         });
-        FourthOrder::from_fn(|i, m, k, n| {
-            let sum: f64 = (0..9)
-                .map(|p| inverse[(m, p / 3)] * inverse[(n, p % 3)] * spatial[(i, p / 3, k, p % 3)])
-                .sum();
-            jacobian * sum
-        })
+        spatial.pulled_back(&self.deformation)
     }
 }
 

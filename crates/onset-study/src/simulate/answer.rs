@@ -224,7 +224,7 @@ fn moving(plan: &Plan, progress: &Progress) -> Verdict {
     }
     let fit = match plan.wave.is_alone {
         true => fitted_alone(&samples, rates[0].re),
-        false => fitted(&samples, rates),
+        false => fitted(&samples, rates, &[]),
     };
     let fit = match fit {
         Ok(fit) => fit,

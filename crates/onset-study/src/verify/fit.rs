@@ -7,6 +7,9 @@
 //! two numbers alone: Levenberg's and Marquardt's iteration with Kaufman's Jacobian finds its least from several starts. Of a solution whose other one is gone
 //! before a record tells it, `d = 0` and `S` is left out.
 //!
+//! Of other branches, whose rates are predicted, a projection leaves a trace of the order of the time step. Where their part of the record is that small,
+//! their solutions are fitted with it, and take nothing from the rate.
+//!
 //! Sources: Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49.
 
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
@@ -64,12 +67,22 @@ const DEVIATIONS: f64 = 4.0;
 /// The part of the record that alone must tell the same.
 const PART: f64 = 0.7;
 
-/// Fits the rates of a record; the two that are expected are a start among others.
+/// A trace of other branches is at most this part of a record.
+const TRACE: f64 = 1e-2;
+/// Rates of other branches that turn or grow against the wave by less than this during a record cannot be told from its own.
+const APART: f64 = 3.0;
+
+/// Fits the rates of a record; the two that are expected are a start among others. Of `others`, rates of other branches and one of each conjugate
+/// pair, the record may hold a trace.
 ///
 /// # Errors
 /// [`FitError`] for a record that is too short, out of order, or zero.
-pub fn fitted(samples: &[(f64, f64)], expected: [Complex; 2]) -> Result<Fit, FitError> {
-    fit(samples, expected, false)
+pub fn fitted(
+    samples: &[(f64, f64)],
+    expected: [Complex; 2],
+    others: &[Complex],
+) -> Result<Fit, FitError> {
+    fit(samples, expected, others, false)
 }
 
 /// Fits the rate of one solution that grows or decays, of which the expected rate is a start among others.
@@ -77,10 +90,15 @@ pub fn fitted(samples: &[(f64, f64)], expected: [Complex; 2]) -> Result<Fit, Fit
 /// # Errors
 /// As [`fitted`].
 pub fn fitted_alone(samples: &[(f64, f64)], expected: f64) -> Result<Fit, FitError> {
-    fit(samples, [Complex::new(expected, 0.0); 2], true)
+    fit(samples, [Complex::new(expected, 0.0); 2], &[], true)
 }
 
-fn fit(samples: &[(f64, f64)], expected: [Complex; 2], is_alone: bool) -> Result<Fit, FitError> {
+fn fit(
+    samples: &[(f64, f64)],
+    expected: [Complex; 2],
+    others: &[Complex],
+    is_alone: bool,
+) -> Result<Fit, FitError> {
     if samples.len() < SAMPLES {
         return Err(FitError::Short {
             count: samples.len(),
@@ -93,10 +111,16 @@ fn fit(samples: &[(f64, f64)], expected: [Complex; 2], is_alone: bool) -> Result
             time: pair[1].0,
         });
     }
-    let whole = Series::new(samples, is_alone)?;
-    let best = whole.best(expected);
+    let mut whole = Series::new(samples, is_alone)?;
+    let mut best = whole.best(expected);
     let count = (PART * samples.len() as f64).ceil() as usize;
-    let part = Series::new(&samples[..count.max(SAMPLES)], is_alone)?;
+    let mut part = Series::new(&samples[..count.max(SAMPLES)], is_alone)?;
+    let rate = whole.rate(&best);
+    let told = whole.told_apart(others, rate);
+    if let Some((with_traces, traced)) = whole.with_traces(&told, &best) {
+        part.traces = part.solutions(&told);
+        (whole, best) = (with_traces, traced);
+    }
     let shorter = part.duration / whole.duration;
     let shorter = part.refined(Vector2::new(
         best.place[0] * shorter,
@@ -118,6 +142,8 @@ struct Series {
     duration: f64,
     /// Whether there is one solution, not two.
     is_alone: bool,
+    /// Solutions of other branches, a column each.
+    traces: Vec<DVector<f64>>,
 }
 
 /// `m`, `d`, and what they leave of the record.
@@ -171,18 +197,71 @@ impl Series {
             values: DVector::from_iterator(samples.len(), samples.iter().map(|(_, y)| y / largest)),
             duration,
             is_alone,
+            traces: Vec::new(),
         })
+    }
+
+    /// How many solutions of its own the wave has.
+    fn own(&self) -> usize {
+        if self.is_alone { 1 } else { 2 }
+    }
+
+    /// Those of other rates that the record can tell from its own.
+    fn told_apart(&self, others: &[Complex], rate: Complex) -> Vec<Complex> {
+        let is_apart = |z: &Complex| {
+            let nearest = (z - rate).norm().min((z - rate.conj()).norm());
+            nearest * self.duration > APART
+        };
+        others.iter().copied().filter(is_apart).collect()
+    }
+
+    /// The solutions of some rates, up to one in size.
+    fn solutions(&self, rates: &[Complex]) -> Vec<DVector<f64>> {
+        let solution = |z: &Complex| {
+            let z = z * self.duration;
+            let at = |t: f64| Complex::from_polar((z.re * t - z.re.max(0.0)).exp(), z.im * t);
+            let column = |of: fn(Complex) -> f64| {
+                DVector::from_iterator(self.times.len(), self.times.iter().map(|t| of(at(*t))))
+            };
+            let sine = (z.im != 0.0).then(|| column(|z| z.im));
+            [column(|z| z.re)].into_iter().chain(sine)
+        };
+        rates.iter().flat_map(solution).collect()
+    }
+
+    /// The series with traces of other branches, and the fit with them, where they are traces.
+    fn with_traces(&self, others: &[Complex], best: &Point) -> Option<(Self, Point)> {
+        let traces = self.solutions(others);
+        let parameters = self.own() + 1 + traces.len() + 2;
+        if traces.is_empty() || self.times.len() < SAMPLES.max(2 * parameters) {
+            return None;
+        }
+        let traced = Self {
+            times: self.times.clone(),
+            values: self.values.clone(),
+            traces,
+            ..*self
+        };
+        let point = traced.refined(best.place);
+        let (q, r, _) = traced.projected(&point.place);
+        let amplitudes = r.solve_upper_triangular(&(q.transpose() * &traced.values))?;
+        let after = self.own() + 1;
+        let part = traced.traces.iter().zip(amplitudes.iter().skip(after));
+        let largest = part.map(|(trace, a)| (trace * *a).amax()).sum::<f64>();
+        (largest < TRACE && point.residual.is_finite()).then_some((traced, point))
     }
 
     /// The functions of a place, orthogonalized, and what is left of the record.
     fn projected(&self, place: &Vector2<f64>) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
         let (m, d) = (place[0], place[1]);
-        let solutions = if self.is_alone { 1 } else { 2 };
-        let functions = DMatrix::from_fn(self.times.len(), solutions + 1, |row, column| {
+        let own = self.own();
+        let columns = own + 1 + self.traces.len();
+        let functions = DMatrix::from_fn(self.times.len(), columns, |row, column| {
             let t = self.times[row];
-            match column < solutions {
-                false => 1.0,
-                true => (m * t).exp() * pair(d, t)[column],
+            match column.checked_sub(own) {
+                None => (m * t).exp() * pair(d, t)[column],
+                Some(0) => 1.0,
+                Some(n) => self.traces[n - 1][row],
             }
         });
         let decomposition = functions.qr();
@@ -331,7 +410,7 @@ impl Series {
         let Some(inverse) = self.normal(&jacobian).try_inverse() else {
             return f64::INFINITY;
         };
-        let variance = left.norm_squared() / (self.times.len() - 5) as f64;
+        let variance = left.norm_squared() / (self.times.len() - 5 - self.traces.len()) as f64;
         let covariance = inverse * variance;
         if self.is_alone {
             return covariance[(0, 0)].max(0.0).sqrt() / self.duration;
@@ -384,7 +463,7 @@ mod tests {
             let samples = record(240, 0.05, y);
             for factor in [1.0, 0.5, 1.7] {
                 let expected = traveling(factor * frequency);
-                let fit = fitted(&samples, expected).expect("a fit");
+                let fit = fitted(&samples, expected, &[]).expect("a fit");
                 let true_rate = Complex::new(growth, frequency);
                 assert!((fit.rate - true_rate).norm() < 1e-9, "{fit:?} {true_rate}");
                 assert!(fit.uncertainty < 1e-8, "{fit:?}");
@@ -397,18 +476,39 @@ mod tests {
         let samples = record(200, 0.02, |t| {
             1e-3 + (0.7 * t).exp() - 0.9 * (-0.71 * t).exp()
         });
-        let fit = fitted(&samples, traveling(0.7)).expect("a fit");
+        let fit = fitted(&samples, traveling(0.7), &[]).expect("a fit");
         assert!((fit.rate - Complex::new(0.7, 0.0)).norm() < 1e-7, "{fit:?}");
         // Far into growth the decaying part and the constant are small.
         let samples = record(400, 0.02, |t| 1e-9 * (0.856 * t).sinh());
-        let fit = fitted(&samples, traveling(0.8)).expect("a fit");
+        let fit = fitted(&samples, traveling(0.8), &[]).expect("a fit");
         assert!(
             (fit.rate - Complex::new(0.856, 0.0)).norm() < 1e-7,
             "{fit:?}"
         );
         let still = record(60, 0.1, |t| 2.0 + t);
-        let fit = fitted(&still, traveling(0.5)).expect("a fit");
+        let fit = fitted(&still, traveling(0.5), &[]).expect("a fit");
         assert!(fit.rate.norm() < 1e-3, "a double root at zero: {fit:?}");
+    }
+
+    #[test]
+    fn traces_of_other_branches_take_nothing_from_the_rate() {
+        let traced = |t: f64| {
+            (-0.01 * t).exp() * (1.3 * t).sin() + 2e-4 * (0.9 * t).cos() - 1e-9 * (0.6 * t).exp()
+        };
+        let samples = record(240, 0.1, traced);
+        let truth = Complex::new(-0.01, 1.3);
+        let fit = |others: &[Complex]| fitted(&samples, traveling(1.3), others).expect("a fit");
+        let error = |others: &[Complex]| (fit(others).rate - truth).norm();
+        let others = [Complex::new(0.0, 0.9), Complex::new(0.6, 0.0)];
+        assert!(error(&[]) > 1e-6, "{}", error(&[]));
+        assert!(error(&others) < 1e-9, "{}", error(&others));
+        // The wave itself is no trace, whatever is said of other branches.
+        let mistaken = fit(&[truth, Complex::new(0.0, 1.31)]);
+        assert!((mistaken.rate - truth).norm() < 1e-3 && mistaken.uncertainty.is_finite());
+        // Nor is another branch that is as large.
+        let mixed = record(240, 0.1, |t| traced(t) + 0.5 * (2.1 * t).sin());
+        let two = fitted(&mixed, traveling(1.3), &[Complex::new(0.0, 2.1)]).expect("a fit");
+        assert!(two.residual > 0.1, "{two:?}");
     }
 
     #[test]
@@ -424,7 +524,7 @@ mod tests {
             };
             let mut samples = record(200, 0.05, |t| (1.1 * t).sin());
             samples.iter_mut().for_each(|(_, y)| *y += 1e-3 * noise());
-            let fit = fitted(&samples, traveling(1.1)).expect("a fit");
+            let fit = fitted(&samples, traveling(1.1), &[]).expect("a fit");
             let error = (fit.rate - Complex::new(0.0, 1.1)).norm();
             assert!(fit.uncertainty > 1e-6, "{fit:?}");
             covered += usize::from(error <= fit.uncertainty);
@@ -435,16 +535,16 @@ mod tests {
     #[test]
     fn records_without_a_wave_are_refused() {
         let expected = traveling(1.0);
-        let short = fitted(&record(8, 0.1, f64::sin), expected);
+        let short = fitted(&record(8, 0.1, f64::sin), expected, &[]);
         assert!(matches!(short, Err(FitError::Short { count: 8, .. })));
         assert_eq!(
-            fitted(&record(40, 0.1, |_| 0.0), expected),
+            fitted(&record(40, 0.1, |_| 0.0), expected, &[]),
             Err(FitError::Still)
         );
         let mut samples = record(40, 0.1, f64::sin);
         samples.swap(3, 4);
         assert!(matches!(
-            fitted(&samples, expected),
+            fitted(&samples, expected, &[]),
             Err(FitError::Order { .. })
         ));
     }

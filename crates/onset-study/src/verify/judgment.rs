@@ -119,13 +119,17 @@ pub fn read(path: &Path, case: Option<&Path>) -> Result<Judgment, VerifyError> {
 /// [`VerifyError::Fit`] for a record without a wave.
 pub fn judge(case: &Case, record: &Record) -> Result<Judgment, VerifyError> {
     let predicted = case.rate();
-    let fit =
-        fitted(&record.samples, case.prediction.rates.map(Complex::from)).map_err(|source| {
-            VerifyError::Fit {
-                path: record.path.clone(),
-                source,
-            }
-        })?;
+    let others = case
+        .prediction
+        .others
+        .iter()
+        .map(|rate| Complex::from(*rate));
+    let others: Vec<Complex> = others.collect();
+    let expected = case.prediction.rates.map(Complex::from);
+    let fit = fitted(&record.samples, expected, &others).map_err(|source| VerifyError::Fit {
+        path: record.path.clone(),
+        source,
+    })?;
     let difference = (fit.rate - predicted).norm() / predicted.norm();
     let uncertainty = fit.uncertainty / predicted.norm();
     let (outcome, reason) = outcome(case, record, &fit, difference, uncertainty);

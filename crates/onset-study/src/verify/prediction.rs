@@ -50,6 +50,10 @@ pub struct Prediction {
     pub projection: Vec<f64>,
     /// The rates in discrete time: the growing one or the one with the positive frequency, and the other.
     pub rates: [Rate; 2],
+    /// The rates of the other branches, one of each conjugate pair. In discrete time no projection leaves them out quite: what is carried along
+    /// follows positions late, each branch in its own way.
+    #[serde(default)]
+    pub others: Vec<Rate>,
     /// How the code takes a time step.
     pub stepping: Stepping,
 }
@@ -57,6 +61,8 @@ pub struct Prediction {
 /// Imaginary parts of what should be real, and `omega^2` of what should be at rest, may be this share of the largest `omega^2` of all waves:
 /// rounding.
 const ROUNDING: f64 = 1e-10;
+/// Solutions that fall by more than this in a step are of the stepping, not of the wave.
+const FALL: f64 = 0.5;
 /// The discrete rate may differ from that of the equations by this share.
 const RESOLVED: f64 = 0.3;
 
@@ -193,6 +199,7 @@ pub(super) fn predicted(
             omega_squared: mode.omega_squared,
             polarization: mode.polarization,
             projection: mode.projection,
+            others: others(&rates, [*first, *second], step),
             rates: [(*first).into(), (*second).into()],
             stepping,
         }),
@@ -201,4 +208,14 @@ pub(super) fn predicted(
             hint: "choose a smaller --time-step".to_owned(),
         }),
     }
+}
+
+/// Of all rates those of other branches: neither the branch's own, nor constants, nor solutions that vanish within a few steps.
+fn others(rates: &[Complex], own: [Complex; 2], step: f64) -> Vec<Rate> {
+    let least = ROUNDING.sqrt() * own[0].norm();
+    let is_other = |z: &&Complex| {
+        let is_own = own.iter().any(|own| (*z - own).norm() <= least);
+        !is_own && z.norm() > least && z.im >= 0.0 && z.re * step > -FALL
+    };
+    rates.iter().filter(is_other).map(|z| (*z).into()).collect()
 }

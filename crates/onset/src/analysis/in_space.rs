@@ -2,7 +2,7 @@
 
 use crate::bloch::{Mode, SpectrumSummary};
 use crate::certificate::Certificate;
-use crate::continuum::AcousticMinimum;
+use crate::continuum::{AcousticFlutter, AcousticMinimum};
 use crate::measures::{SpuriousMode, SpuriousModes};
 use crate::verdict::{Assessment, MaterialAssessment, SurveyedState};
 use nalgebra::{SVector, Scalar};
@@ -34,6 +34,10 @@ impl<const D: usize> InSpace for AcousticMinimum<D> {
             polarization: self.polarization.in_3d(),
             bound: self.bound,
             rounding: self.rounding,
+            flutter: self.flutter.map(|flutter| AcousticFlutter {
+                eigenvalue: flutter.eigenvalue,
+                direction: flutter.direction.in_3d(),
+            }),
         }
     }
 }
@@ -65,6 +69,7 @@ impl<const D: usize> InSpace for SpectrumSummary<D> {
             tolerance: self.tolerance,
             bound: self.bound,
             flutters: self.flutters,
+            long_waves_flutter: self.long_waves_flutter,
         }
     }
 }
@@ -79,6 +84,7 @@ impl<const D: usize> InSpace for Assessment<D> {
             material: MaterialAssessment {
                 response: material.response.clone(),
                 minimum: material.minimum.in_3d(),
+                ellipticity: material.ellipticity,
                 mean_stress: material.mean_stress,
             },
             spectrum: self.spectrum.in_3d(),

@@ -11,10 +11,10 @@ mod in_space;
 use crate::algebra::Complex;
 use crate::bloch::{IsEnded, SpectrumSummary, Stability};
 use crate::certificate::Certificate;
-use crate::continuum::{AcousticMinimum, Stiffness};
+use crate::continuum::AcousticMinimum;
 use crate::kinematics::{DeformationGradient, DeformationPath};
 use crate::lattice::LatticeKind;
-use crate::material::{Hyperelastic, MaterialError, Response};
+use crate::material::{Hyperelastic, MaterialError};
 use crate::measures::{DispersionError, Fidelity, Load, OnsetPair, SpuriousModes, StateWindow};
 use crate::method::MethodError;
 use crate::motion::{BodyError, BodyMotion, BodyParticles, Contact, Grip, PatchMotion};
@@ -404,9 +404,4 @@ pub fn acoustic_eigenvalues_in(
     directions: &[SVector<f64, 3>],
 ) -> Result<Vec<Vec<f64>>, MaterialError> {
     in_dimension!(dimension, acoustic_eigenvalues(material, f, directions))
-}
-
-/// The smallest acoustic eigenvalue of a response over all directions of space.
-pub fn minimum_in_space(response: &Response) -> AcousticMinimum<3> {
-    Stiffness::<3>::of(response).minimum()
 }

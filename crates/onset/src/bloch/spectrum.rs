@@ -2,6 +2,7 @@
 
 use super::growth_rate;
 use crate::algebra::Complex;
+use crate::continuum::AcousticMinimum;
 use nalgebra::SVector;
 
 /// A plane-wave mode of the discretization.
@@ -41,6 +42,8 @@ pub struct SpectrumSummary<const D: usize> {
     pub bound: f64,
     /// Whether modes grow with a complex `omega^2`.
     pub flutters: bool,
+    /// Whether they do so in the limit of long waves.
+    pub long_waves_flutter: bool,
 }
 
 /// How perturbations develop.
@@ -80,6 +83,12 @@ impl<const D: usize> SpectrumSummary<D> {
         } else {
             Stability::Stable
         }
+    }
+
+    /// Whether modes grow in the limit of long waves, by flutter only where that is how waves of the material grow.
+    pub fn long_waves_grow(&self, material: &AcousticMinimum<D>) -> bool {
+        self.long_wave.scaled < -self.tolerance
+            || (material.only_flutters() && self.long_waves_flutter)
     }
 
     /// Whether no mode grows.

@@ -20,7 +20,7 @@ pub use space::{SpaceCertificate, certify_3d};
 
 use crate::algebra::Each;
 use crate::bloch::{Stability, ZoneSearch, dynamical_matrix};
-use crate::continuum::{Ellipticity, Stiffness};
+use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::BrillouinZone;
 use crate::material::Hyperelastic;
@@ -145,10 +145,10 @@ impl Reason {
 impl<const D: usize> Certificate<D> {
     /// The verdict and how perturbations develop, where what is proved goes before what a search has found.
     pub fn corrected(&self, found: &SurveyedState<D>) -> (Verdict, Stability) {
-        let ellipticity = match self.material {
-            Certainty::Stable { .. } => Ellipticity::Elliptic,
-            Certainty::Unstable { .. } => Ellipticity::Lost,
-            _ => found.acoustic.ellipticity(),
+        let material_grows = match self.material {
+            Certainty::Stable { .. } => false,
+            Certainty::Unstable { .. } => true,
+            _ => found.acoustic.has_growing_waves(),
         };
         let searched = found.stability;
         let (stability, has_zero_mode) = match &self.discretization {
@@ -164,7 +164,12 @@ impl<const D: usize> Certificate<D> {
             _ => (searched, found.verdict == Verdict::ZeroEnergy),
         };
         let is_stable = stability == Stability::Stable;
-        let verdict = decided(ellipticity, is_stable, has_zero_mode, found.long_waves_grow);
+        let verdict = decided(
+            material_grows,
+            is_stable,
+            has_zero_mode,
+            found.long_waves_grow,
+        );
         (verdict, stability)
     }
 }

@@ -45,12 +45,27 @@ pub struct AcousticMinimum<const D: usize> {
     /// Eigenvalues nearer to zero than this can be rounding: [`ROUNDING`] of the largest component of the stiffness. Units of the
     /// stiffness.
     pub rounding: f64,
+    /// Waves whose eigenvalues are complex; see [`Stiffness::flutter`].
+    pub flutter: Option<AcousticFlutter<D>>,
+}
+
+/// A complex eigenvalue of an acoustic tensor: waves in its direction oscillate and grow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AcousticFlutter<const D: usize> {
+    /// The eigenvalue, its imaginary part positive; units of the stiffness.
+    pub eigenvalue: Complex,
+    /// The unit direction `N`.
+    pub direction: SVector<f64, D>,
 }
 
 /// How much of the largest component of a stiffness can be rounding: of the law that computed it, and of the eigenvalue found.
 ///
 /// Held against arithmetic with sixty digits in the tests, for laws and constants at random.
 pub const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Imaginary parts of acoustic eigenvalues below this part of the largest component are rounding: those of a double eigenvalue are
+/// as uncertain as the square root of what it is computed from.
+const COMPLEX: f64 = 1.2e-7;
 
 /// What the smallest acoustic eigenvalue says of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -60,7 +75,7 @@ pub const ROUNDING: f64 = 64.0 * f64::EPSILON;
     serde(rename_all = "kebab-case")
 )]
 pub enum Ellipticity {
-    /// It is positive: all wave speeds are real, the state is strongly elliptic.
+    /// It is positive. With major symmetry all wave speeds are then real, and the state is strongly elliptic.
     Elliptic,
     /// It is zero to rounding: not positive as far as the numbers tell, nor negative. So it is for a fluid, which bears no shear.
     Undecided,
@@ -80,12 +95,12 @@ impl Ellipticity {
         }
     }
 
-    /// Whether the state is strongly elliptic.
+    /// Whether it is positive.
     pub fn is_elliptic(self) -> bool {
         self == Self::Elliptic
     }
 
-    /// Whether some plane waves grow.
+    /// Whether it is negative.
     pub fn is_lost(self) -> bool {
         self == Self::Lost
     }
@@ -120,6 +135,22 @@ impl<const D: usize> AcousticMinimum<D> {
         Ellipticity::of(self.eigenvalue.re, self.rounding)
     }
 
+    /// Whether some plane waves grow: those of an eigenvalue below zero, or of a complex one.
+    pub fn has_growing_waves(&self) -> bool {
+        self.ellipticity().is_lost() || self.flutter.is_some()
+    }
+
+    /// Whether plane waves grow by flutter, and no others do.
+    pub fn only_flutters(&self) -> bool {
+        self.flutter.is_some() && !self.ellipticity().is_lost()
+    }
+
+    /// The direction of the waves that grow by flutter, where no others do; otherwise that of the smallest eigenvalue.
+    pub fn critical_direction(&self) -> SVector<f64, D> {
+        let flutter = self.flutter.filter(|_| self.only_flutters());
+        flutter.map_or(self.direction, |flutter| flutter.direction)
+    }
+
     /// The real part of the eigenvalue with the sign that [`AcousticMinimum::ellipticity`] says: zero where rounding leaves it none.
     /// Units of the stiffness.
     pub fn significant(&self) -> f64 {
@@ -135,6 +166,10 @@ impl<const D: usize> AcousticMinimum<D> {
             eigenvalue: self.eigenvalue * scale,
             bound: self.bound * scale,
             rounding: self.rounding * scale,
+            flutter: self.flutter.map(|flutter| AcousticFlutter {
+                eigenvalue: flutter.eigenvalue * scale,
+                ..flutter
+            }),
             ..self
         }
     }
@@ -229,7 +264,61 @@ impl<const D: usize> Stiffness<D> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn minimum(&self) -> AcousticMinimum<D> {
-        self.minimum_below(f64::INFINITY)
+        AcousticMinimum {
+            flutter: self.flutter(),
+            ..self.minimum_below(f64::INFINITY)
+        }
+    }
+
+    /// The stiffness whose acoustic tensors are the symmetric parts of these, with the same quadratic forms `g . Q(N) g`: itself, where there is
+    /// major symmetry.
+    pub fn symmetric_part(&self) -> Self {
+        let symmetric = |block: SMatrix<f64, D, D>| (block + block.transpose()) * 0.5;
+        Self(self.0.each(|row| row.each(symmetric)), self.1)
+    }
+
+    /// The largest difference `|Q_ik - Q_ki|` of blocks: how far it is from major symmetry.
+    fn asymmetry(&self) -> f64 {
+        let blocks = self.0.iter().flatten();
+        let differences = blocks.map(|block| (block - block.transpose()).amax());
+        differences.fold(0.0, f64::max)
+    }
+
+    /// The complex acoustic eigenvalue with the largest imaginary part over all directions, beyond rounding. There is none with major symmetry.
+    ///
+    /// By algebra in two dimensions; in three found by going down the discriminant from several directions, so that a narrow range of
+    /// directions can be missed.
+    ///
+    /// ```
+    /// use nalgebra::Vector2;
+    /// use onset::continuum::Stiffness;
+    /// // Q(N) = (N.N) (1, -1; 1, 1): eigenvalues 1 +- i in all directions.
+    /// let q = [[1.0, -1.0], [1.0, 1.0]];
+    /// let stiffness = Stiffness::<2>::from_fn(|i, j, k, l| if j == l { q[i][k] } else { 0.0 });
+    /// let flutter = stiffness.flutter().expect("complex eigenvalues");
+    /// assert!((flutter.eigenvalue.re - 1.0).abs() + (flutter.eigenvalue.im - 1.0).abs() < 1e-12);
+    /// ```
+    pub fn flutter(&self) -> Option<AcousticFlutter<D>> {
+        let scale = self.magnitude();
+        // Imaginary parts are no larger than the antisymmetric part (Bendixson), of which the entries are half of these differences.
+        let largest = 0.5 * self.asymmetry() * (D * D) as f64;
+        if D == 1 || !scale.is_normal() || largest <= COMPLEX * scale {
+            return None;
+        }
+        let unit = self.divided(scale);
+        let direction = match D {
+            2 => planar::fluttering_direction(&unit),
+            _ => {
+                let axes = spherical::fluttering_direction(&unit.0);
+                SVector::from_fn(|i, _| axes[i])
+            }
+        };
+        let values = unit.eigenvalues(&direction).into_iter();
+        let complex = values.max_by(|a, b| a.im.total_cmp(&b.im))?;
+        (complex.im > COMPLEX).then(|| AcousticFlutter {
+            eigenvalue: complex * scale,
+            direction: oriented(direction),
+        })
     }
 
     /// The smallest eigenvalue where it is below a level; elsewhere one above the level that a descent finds. In three dimensions
@@ -276,6 +365,7 @@ impl<const D: usize> Stiffness<D> {
             polarization,
             bound: f64::NEG_INFINITY,
             rounding: ROUNDING * self.1,
+            flutter: None,
         }
     }
 
@@ -301,6 +391,7 @@ impl<const D: usize> Stiffness<D> {
             polarization,
             bound: eigenvalue.re - ROUNDING * self.1,
             rounding: ROUNDING * self.1,
+            flutter: None,
         }
     }
 
@@ -321,18 +412,25 @@ impl<const D: usize> Stiffness<D> {
             polarization,
             bound: found.bound,
             rounding: ROUNDING * self.1,
+            flutter: None,
         }
     }
 
-    /// What the smallest eigenvalue over all directions says of the state; its sign and this word always agree.
-    pub fn ellipticity(&self) -> Ellipticity {
-        self.minimum().ellipticity()
+    /// Whether the state is strongly elliptic: what the smallest value of `g . Q(N) g` over all unit vectors `N` and `g` says, equation (28).
+    /// That value is an eigenvalue of the symmetric part of `Q`.
+    pub fn strong_ellipticity(&self) -> Ellipticity {
+        let symmetric = self.symmetric_part();
+        symmetric.minimum_below(f64::INFINITY).ellipticity()
     }
 
-    /// Whether the acoustic tensor is positive definite in every direction, equation (28): whether the smallest eigenvalue over
-    /// all of them is positive, beyond rounding.
+    /// Whether the symmetric part of the acoustic tensor is positive definite in every direction, beyond rounding.
     pub fn is_strongly_elliptic(&self) -> bool {
-        self.ellipticity().is_elliptic()
+        self.strong_ellipticity().is_elliptic()
+    }
+
+    /// Whether there is major symmetry, rounding apart: then all acoustic eigenvalues are real.
+    pub fn has_major_symmetry(&self) -> bool {
+        self.asymmetry() <= COMPLEX * self.magnitude()
     }
 
     /// The smallest eigenvalue (by real part) in one direction, and its polarization.
@@ -340,8 +438,7 @@ impl<const D: usize> Stiffness<D> {
         let q = self
             .acoustic_tensor(direction)
             .map(|entry| Complex::new(entry, 0.0));
-        let scale = q.iter().map(|entry| entry.norm()).fold(0.0, f64::max);
-        let eigenvalue = eigenvalues(&q, f64::EPSILON * scale)[0];
+        let eigenvalue = self.eigenvalues(direction)[0];
         let vector = eigenvector(&q, eigenvalue).map(|component| component.re);
         let length = vector.norm();
         (
@@ -354,11 +451,18 @@ impl<const D: usize> Stiffness<D> {
         )
     }
 
+    /// All eigenvalues in one direction, by increasing real part.
+    fn eigenvalues(&self, direction: &SVector<f64, D>) -> [Complex; D] {
+        let q = self.acoustic_tensor(direction);
+        let noise = f64::EPSILON * q.amax();
+        eigenvalues(&q.map(|entry| Complex::new(entry, 0.0)), noise)
+    }
+
     /// The largest real part of an eigenvalue over all directions: that of the fastest wave. Units of the stiffness.
     pub fn maximum_eigenvalue(&self) -> f64 {
         // Q -> -Q turns the largest eigenvalue into the smallest.
         let negative = Self(self.0.each(|row| row.each(|block| -block)), self.1);
-        -negative.minimum().eigenvalue.re
+        -negative.minimum_below(f64::INFINITY).eigenvalue.re
     }
 }
 

@@ -155,6 +155,7 @@ impl Orthotropic {
         AcousticMinimum {
             bound: eigenvalue - ROUNDING,
             rounding: ROUNDING,
+            flutter: None,
             eigenvalue: Complex::new(eigenvalue, 0.0),
             direction: SVector::from_fn(|i, _| normal[i]),
             polarization: SVector::from_fn(|i, _| polarization[i]),
@@ -209,6 +210,11 @@ pub(super) fn minimizing_direction<const D: usize>(stiffness: &Stiffness<D>) -> 
         }
     }
     direction(best.0)
+}
+
+/// The direction in which the discriminant is smallest: where it is below zero, that of the largest imaginary part.
+pub(super) fn fluttering_direction<const D: usize>(stiffness: &Stiffness<D>) -> SVector<f64, D> {
+    direction(Entries::of(stiffness).discriminant().minimum().0)
 }
 
 /// Doubled angles at which the minimum is first looked for.

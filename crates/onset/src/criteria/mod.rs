@@ -503,7 +503,7 @@ impl State {
         }
     }
 
-    /// The slowest wave where its stiffness is below a level; elsewhere one above the level.
+    /// The smallest value of `g . Q(N) g` where it is below a level; elsewhere one above the level.
     fn strong_ellipticity(&self, below: f64) -> Measure {
         if let Some(tangent) = &self.isotropic {
             let (value, wave) = match self.free_faces {
@@ -512,7 +512,8 @@ impl State {
             };
             return self.of(value, wave);
         }
-        let minimum = Stiffness::<3>::of(&self.response).minimum_below(below);
+        let stiffness = Stiffness::<3>::of(&self.response);
+        let minimum = stiffness.symmetric_part().minimum_below(below);
         let witness = wave(&minimum.direction, &minimum.polarization);
         self.of(minimum.eigenvalue.re, witness)
     }
@@ -522,7 +523,8 @@ impl State {
             let (value, wave) = tangent.softest_isochoric_wave_in_plane(&self.stretches());
             return self.of(value, wave);
         }
-        let minimum = Stiffness::<2>::of(&self.response).minimum();
+        let stiffness = Stiffness::<2>::of(&self.response);
+        let minimum = stiffness.symmetric_part().minimum();
         let spatial = |v: nalgebra::Vector2<f64>| Vector3::new(v[0], v[1], 0.0);
         let witness = wave(&spatial(minimum.direction), &spatial(minimum.polarization));
         Measure {

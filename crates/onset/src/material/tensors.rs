@@ -1,6 +1,7 @@
 //! The stress measures and elasticity tensors that follow from `P` and `A`.
 
 use super::{MaterialError, Response};
+use crate::kinematics::DeformationGradient;
 use nalgebra::Matrix3;
 use std::ops::{Index, IndexMut};
 
@@ -38,6 +39,29 @@ impl FourthOrder {
     pub fn largest(&self) -> f64 {
         let components = self.0.as_flattened().as_flattened().as_flattened().iter();
         components.fold(0.0, |largest: f64, value| largest.max(value.abs()))
+    }
+
+    /// The tangent `A_iJkL = J F^-1_Jj F^-1_Ll a_ijkl` of a spatial tangent `a_ijkl`, the inverse of [`Response::spatial_tangent`].
+    ///
+    /// ```
+    /// use onset::kinematics::DeformationGradient;
+    /// use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
+    /// let f = DeformationGradient::from_stretches([1.2, 0.8, 1.1])?;
+    /// let response = ModifiedMooneyRivlin::default().response(&f)?;
+    /// let back = response.spatial_tangent().pulled_back(&f);
+    /// assert!((back[(0, 1, 1, 0)] - response.tangent[(0, 1, 1, 0)]).abs() < 1e-13 * response.tangent.largest());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn pulled_back(&self, f: &DeformationGradient) -> Self {
+        // The determinant of a checked deformation gradient is positive.
+        let inverse = f.matrix().try_inverse().unwrap_or_else(Matrix3::zeros);
+        let jacobian = f.jacobian();
+        let half =
+            Self::from_fn(|i, m, k, l| (0..3).map(|j| inverse[(m, j)] * self[(i, j, k, l)]).sum());
+        Self::from_fn(|i, m, k, n| {
+            let sum: f64 = (0..3).map(|l| inverse[(n, l)] * half[(i, m, k, l)]).sum();
+            jacobian * sum
+        })
     }
 
     /// All four indices transformed by the same matrix: `m_iI m_jJ m_kK m_lL T_IJKL`.

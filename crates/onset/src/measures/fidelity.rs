@@ -65,7 +65,7 @@ pub fn fidelity<const D: usize>(
             }
             match survey.state(&f) {
                 Ok(state) => {
-                    let is_lost = state.acoustic.ellipticity().is_lost();
+                    let is_lost = state.acoustic.has_growing_waves();
                     found.elliptic += if is_lost { 0.0 } else { share };
                     match state.verdict {
                         Verdict::Numerical if !is_lost => found.false_instability += share,

@@ -203,25 +203,6 @@ impl Stressed<'_> {
     }
 }
 
-/// `J F^-1_Jj F^-1_Ll a_ijkl`.
-fn pulled_back(
-    f: &DeformationGradient,
-    spatial: impl Fn([usize; 4]) -> f64,
-) -> Result<FourthOrder, MaterialError> {
-    let jacobian = f.jacobian();
-    let inverse = f.matrix().try_inverse();
-    let inverse = inverse.ok_or(MaterialError::NotFinite { jacobian })?;
-    let half = FourthOrder::from_fn(|i, j, k, n| {
-        (0..3)
-            .map(|l| inverse[(n, l)] * spatial([i, j, k, l]))
-            .sum()
-    });
-    Ok(FourthOrder::from_fn(|i, m, k, n| {
-        let sum: f64 = (0..3).map(|j| inverse[(m, j)] * half[(i, j, k, n)]).sum();
-        jacobian * sum
-    }))
-}
-
 impl Hyperelastic for Hypoelastic {
     fn is_path_dependent(&self) -> bool {
         true
@@ -231,10 +212,12 @@ impl Hyperelastic for Hypoelastic {
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         let state = self.at(f)?;
         let (sigma, turned, bulk) = (state.cauchy(), state.turned(), state.bulk());
-        let tangent = pulled_back(f, |at @ [i, j, k, l]| {
-            state.stiffness(bulk, at) + turned[3 * k + l][(i, j)] + sigma[(i, j)] * delta(k, l)
+        let spatial = FourthOrder::from_fn(|i, j, k, l| {
+            state.stiffness(bulk, [i, j, k, l])
+                + turned[3 * k + l][(i, j)]
+                + sigma[(i, j)] * delta(k, l)
                 - sigma[(i, l)] * delta(j, k)
-        })?;
+        });
         let jacobian = f.jacobian();
         let inverse = f.matrix().try_inverse();
         let inverse = inverse.ok_or(MaterialError::NotFinite { jacobian })?;
@@ -242,7 +225,7 @@ impl Hyperelastic for Hypoelastic {
             deformation: *f,
             energy: state.work(),
             first_piola: sigma * inverse.transpose() * jacobian,
-            tangent,
+            tangent: spatial.pulled_back(f),
         }
         .finite()
     }
@@ -258,9 +241,9 @@ impl Hyperelastic for Hypoelastic {
             Rate::Jaumann { .. } => state.turned(),
             Rate::GreenNaghdi => vec![Matrix3::zeros(); 9],
         };
-        let tangent = pulled_back(f, |at @ [i, j, k, l]| {
-            state.stiffness(bulk, at) + turned[3 * k + l][(i, j)]
+        let spatial = FourthOrder::from_fn(|i, j, k, l| {
+            state.stiffness(bulk, [i, j, k, l]) + turned[3 * k + l][(i, j)]
         });
-        tangent.map(Some)
+        Ok(Some(spatial.pulled_back(f)))
     }
 }

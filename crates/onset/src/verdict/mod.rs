@@ -82,8 +82,11 @@ impl Verdict {
 pub struct MaterialAssessment<const D: usize> {
     /// Energy, stress and tangent.
     pub response: Response,
-    /// The smallest acoustic eigenvalue over all directions, which tells whether the state is strongly elliptic; units of stress.
+    /// The smallest acoustic eigenvalue over all directions, and complex ones: whether waves grow; units of stress.
     pub minimum: AcousticMinimum<D>,
+    /// Whether the state is strongly elliptic. Where the tangent has major symmetry it is the sign of the smallest eigenvalue; elsewhere strong
+    /// ellipticity can be lost without a wave that grows.
+    pub ellipticity: Ellipticity,
     /// The mean Cauchy stress within the `D` dimensions; positive in tension.
     pub mean_stress: f64,
 }
@@ -97,19 +100,24 @@ impl<const D: usize> MaterialAssessment<D> {
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
     ) -> Result<Self, MaterialError> {
-        let response = material.response(f)?;
-        let minimum = Stiffness::<D>::of(&response).minimum();
-        let cauchy = response.cauchy();
-        Ok(Self {
-            response,
-            minimum,
-            mean_stress: (0..D).map(|i| cauchy[(i, i)]).sum::<f64>() / D as f64,
-        })
+        Ok(Self::of(material.response(f)?))
     }
 
-    /// Whether every acoustic tensor is positive definite.
-    pub fn ellipticity(&self) -> Ellipticity {
-        self.minimum.ellipticity()
+    /// The same of a response.
+    pub fn of(response: Response) -> Self {
+        let stiffness = Stiffness::<D>::of(&response);
+        let minimum = stiffness.minimum();
+        let ellipticity = match stiffness.has_major_symmetry() {
+            true => minimum.ellipticity(),
+            false => stiffness.strong_ellipticity(),
+        };
+        let cauchy = response.cauchy();
+        Self {
+            response,
+            minimum,
+            ellipticity,
+            mean_stress: (0..D).map(|i| cauchy[(i, i)]).sum::<f64>() / D as f64,
+        }
     }
 }
 
@@ -205,13 +213,13 @@ fn finite<const D: usize>(spectrum: SpectrumSummary<D>) -> Result<SpectrumSummar
 
 /// The verdict on what is known of material and particles.
 pub(crate) fn decided(
-    ellipticity: Ellipticity,
+    material_grows: bool,
     is_stable: bool,
     has_zero_mode: bool,
     long_waves_grow: bool,
 ) -> Verdict {
     // A material at the margin has no wave that grows: there is none to miss or to follow.
-    match (ellipticity.is_lost(), is_stable) {
+    match (material_grows, is_stable) {
         (false, true) if has_zero_mode => Verdict::ZeroEnergy,
         (false, true) => Verdict::Stable,
         (true, true) => Verdict::Suppressed,

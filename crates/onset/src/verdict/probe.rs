@@ -44,7 +44,8 @@ impl Phase {
 pub type Probe = (Phase, f64);
 
 /// Whether waves of a material grow at a state for perturbations in `D` dimensions, with the smallest acoustic
-/// eigenvalue over all directions; units of stress. Where that is zero to rounding none grows, as in a fluid.
+/// eigenvalue over all directions; units of stress. Where that is zero to rounding none grows, as in a fluid; where complex ones grow and no others, it is
+/// flutter.
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -70,6 +71,8 @@ pub fn probe_material<const D: usize>(
     let minimum = stiffness.minimum();
     let phase = if minimum.ellipticity().is_lost() {
         Phase::Unstable
+    } else if minimum.only_flutters() {
+        Phase::Flutter
     } else {
         Phase::Stable
     };

@@ -37,7 +37,7 @@ pub struct SurveyedState<const D: usize> {
     pub verdict: Verdict,
     /// How perturbations of the discretization develop.
     pub stability: Stability,
-    /// The smallest acoustic eigenvalue of the material, which tells whether it is strongly elliptic.
+    /// The smallest acoustic eigenvalue of the material, and complex ones: whether its waves grow.
     pub acoustic: AcousticMinimum<D>,
     /// The smallest scaled measure `Re omega^2 / (c^2 |k|_h^2)`, long waves included; see [`SpectrumSummary::softest`].
     pub scaled_minimum: f64,
@@ -47,7 +47,7 @@ pub struct SurveyedState<const D: usize> {
     pub is_long_wave: bool,
     /// The smallest limit of long waves.
     pub long_wave_minimum: f64,
-    /// Whether the limit is negative beyond rounding.
+    /// Whether the limit is negative beyond rounding, or long waves flutter as those of the material do.
     pub long_waves_grow: bool,
     /// The smallest `Re omega^2`, zero (the translation) where none is below. 1/time^2.
     pub lowest_omega_squared: f64,
@@ -436,12 +436,11 @@ impl<'a, const D: usize> Survey<'a, D> {
         let waves = self.waves(f)?;
         unless(is_ended)?;
         let spectrum = waves.bounded_spectrum_unless(is_ended)?;
-        let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
         let verdict = decided(
-            material.ellipticity(),
+            material.minimum.has_growing_waves(),
             spectrum.is_stable(),
             self.has_zero_mode(f, &spectrum)?,
-            long_waves_grow,
+            spectrum.long_waves_grow(&material.minimum),
         );
         let softest = &spectrum.softest;
         let norm = self.gradient_norm(f, softest)?;
@@ -463,7 +462,8 @@ impl<'a, const D: usize> Survey<'a, D> {
     /// # Errors
     /// [`MethodError`] when discretization or material cannot be evaluated there.
     pub fn judge(&self, f: &DeformationGradient) -> Result<(Verdict, Stability), MethodError> {
-        let ellipticity = Stiffness::<D>::at(self.material, f)?.ellipticity();
+        let acoustic = Stiffness::<D>::at(self.material, f)?.minimum();
+        let material_grows = acoustic.has_growing_waves();
         let waves = match self.waves(f)? {
             StateWaves::Direct(waves) => waves,
             system => {
@@ -474,16 +474,17 @@ impl<'a, const D: usize> Survey<'a, D> {
         let (search, matrix) = (&waves.search, &waves.matrix);
         let (stability, measure) = search.stability(matrix);
         let is_stable = stability == Stability::Stable;
-        let is_sound = is_stable && !ellipticity.is_lost();
+        let is_sound = is_stable && !material_grows;
         if is_sound && measure <= SOFT.max(search.tolerance(matrix)) {
             // Whether a mode has no energy takes the mode itself.
             return Ok((self.searched(f)?.verdict, stability));
         }
         // Only where both are unstable do the long waves tell to whom it belongs.
-        let long_waves_grow = ellipticity.is_lost() && !is_stable && search.long_waves_grow(matrix);
+        let long_waves_grow =
+            material_grows && !is_stable && search.long_waves_grow(matrix, &acoustic);
         let has_zero_mode = is_sound && self.discretization.has_alternating_zero_mode(f)?;
         Ok((
-            decided(ellipticity, is_stable, has_zero_mode, long_waves_grow),
+            decided(material_grows, is_stable, has_zero_mode, long_waves_grow),
             stability,
         ))
     }
@@ -665,7 +666,7 @@ impl<const D: usize> SurveyedState<D> {
         let has_zero_mode = extremes.has_zero_mode;
         Self {
             verdict: decided(
-                acoustic.ellipticity(),
+                acoustic.has_growing_waves(),
                 is_stable,
                 has_zero_mode,
                 long_waves_grow,
@@ -693,10 +694,10 @@ impl<const D: usize> SurveyedState<D> {
         has_zero_mode: bool,
     ) -> Self {
         let is_stable = spectrum.is_stable();
-        let long_waves_grow = spectrum.long_wave.scaled < -spectrum.tolerance;
+        let long_waves_grow = spectrum.long_waves_grow(&acoustic);
         Self {
             verdict: decided(
-                acoustic.ellipticity(),
+                acoustic.has_growing_waves(),
                 is_stable,
                 has_zero_mode,
                 long_waves_grow,

@@ -89,10 +89,34 @@ fn the_minimum_of_a_stiffness_without_major_symmetry_is_that_of_a_dense_scan() {
         });
         assert_minimum(&t, 1.0);
         let stiffness = Stiffness::<2>::from_tangent(&t);
-        let minimum = stiffness.minimum().eigenvalue.re;
-        if minimum.abs() > 1e-9 {
-            assert_eq!(stiffness.is_strongly_elliptic(), minimum > 0.0);
+        let minimum = stiffness.minimum();
+        assert_eq!(
+            minimum.ellipticity().is_elliptic(),
+            minimum.eigenvalue.re > 0.0
+        );
+
+        let directions =
+            (0..4_000).map(|n| (f64::from(n) * std::f64::consts::PI / 4_000.0).sin_cos());
+        let tensors: Vec<Matrix2<f64>> = directions.map(|(s, c)| acoustic(&t, [c, s])).collect();
+        // Strong ellipticity asks for the symmetric part, which is smaller.
+        let forms = tensors
+            .iter()
+            .map(|q| smallest(&((q + q.transpose()) * 0.5)));
+        let form = forms.fold(f64::INFINITY, f64::min);
+        if form.abs() > 1e-4 {
+            assert_eq!(stiffness.is_strongly_elliptic(), form > 0.0, "{form}");
         }
+        let imaginary = |q: &Matrix2<f64>| {
+            let half = 0.5 * (q[(0, 0)] - q[(1, 1)]);
+            (-half * half - q[(0, 1)] * q[(1, 0)]).max(0.0).sqrt()
+        };
+        let scan = tensors.iter().map(imaginary).fold(0.0, f64::max);
+        let found = minimum.flutter.map_or(0.0, |flutter| {
+            let q = acoustic(&t, [flutter.direction[0], flutter.direction[1]]);
+            assert!((imaginary(&q) - flutter.eigenvalue.im).abs() < 1e-9);
+            flutter.eigenvalue.im
+        });
+        assert!((-1e-9..1e-3).contains(&(found - scan)), "{found} {scan}");
     }
 }
 

@@ -12,7 +12,7 @@ use onset::scheme::Discretization;
 use onset::scheme::sph::{
     TotalLagrangianChoices, TotalLagrangianSph, UpdatedSph, UpdatedSphChoices,
 };
-use onset::verdict::Survey;
+use onset::verdict::{MaterialAssessment, Phase, Survey, Verdict, probe_material};
 
 const MU: f64 = 1.3;
 const KAPPA: f64 = 3.1;
@@ -316,4 +316,70 @@ fn jaumanns_rate_loses_ellipticity_where_stretches_have_the_ratio_e() {
             );
         }
     }
+}
+
+/// In space the rate of Green and Naghdi leaves complex acoustic eigenvalues from a ratio of stretches of about six on: waves of the material flutter, and what
+/// particles do there is the material's.
+#[test]
+fn flutter_of_the_law_is_physical() {
+    let law = law(NAMES[1], 0.0);
+    let cubic = LatticeKind::SimpleCubic
+        .lattice::<3>(1.0)
+        .expect("a lattice");
+    let choices = TotalLagrangianChoices::default();
+    let sph = TotalLagrangianSph::new(Crystal::of_lattice(cubic), choices).expect("a method");
+    let survey = Survey::new(&sph, &*law).expect("waves");
+    let mut random = Numbers(17);
+    for (x, flutters) in [(0.7_f64, false), (1.0, true)] {
+        let f = DeformationGradient::from_stretches([x.exp(), (-x).exp(), 1.0]).expect("a state");
+        let stiffness = Stiffness::<3>::of(&law.response(&f).expect("a response"));
+        let imaginary = |n: &Vector3<f64>| {
+            let values = stiffness.acoustic_tensor(n).complex_eigenvalues();
+            values
+                .iter()
+                .fold(0.0_f64, |most, value| most.max(value.im))
+        };
+        let directions = (0..20_000).map(|_| Vector3::from_fn(|_, _| random.next()).normalize());
+        let scan = directions.map(|n| imaginary(&n)).fold(0.0, f64::max);
+        let assessment = survey.assess(&f).expect("a state");
+        let found = assessment.material.minimum.flutter;
+        assert_eq!(found.is_some(), flutters, "{x}: {scan}");
+        assert!(assessment.material.minimum.eigenvalue.re > 0.0);
+        if let Some(found) = found {
+            assert!(
+                found.eigenvalue.im > 0.98 * scan && scan > 1e-3,
+                "{found:?} {scan}"
+            );
+            assert!((imaginary(&found.direction) - found.eigenvalue.im).abs() < 1e-9);
+            assert_eq!(assessment.verdict, Verdict::Physical);
+            assert_eq!(survey.judge(&f).expect("a state").0, Verdict::Physical);
+            assert_eq!(
+                survey.state(&f).expect("a state").verdict,
+                Verdict::Physical
+            );
+            let probed = probe_material::<3>(&*law, &f).expect("a state");
+            assert_eq!(probed.0, Phase::Flutter);
+        } else {
+            assert!(scan < 1e-6, "{scan}");
+        }
+    }
+}
+
+/// Strong ellipticity asks for `g . Q g > 0`; without major symmetry it is lost before the first wave grows.
+#[test]
+fn strong_ellipticity_is_lost_before_waves_grow() {
+    let law = law(NAMES[1], 0.0);
+    let f = DeformationGradient::from_stretches([10.0, 0.1, 1.0]).expect("a state");
+    let stiffness = Stiffness::<2>::of(&law.response(&f).expect("a response"));
+    let form = |angle: f64| {
+        let q = stiffness.acoustic_tensor(&nalgebra::Vector2::new(angle.cos(), angle.sin()));
+        let (mean, half) = (0.5 * q.trace(), 0.5 * (q[(0, 0)] - q[(1, 1)]));
+        mean - half.hypot(0.5 * (q[(0, 1)] + q[(1, 0)]))
+    };
+    let angles = (0..20_000).map(|n| f64::from(n) * std::f64::consts::PI / 20_000.0);
+    assert!(angles.map(form).fold(f64::INFINITY, f64::min) < -1e-3);
+    assert!(!stiffness.is_strongly_elliptic());
+    assert!(!stiffness.minimum().has_growing_waves());
+    let assessed = MaterialAssessment::<2>::new(&*law, &f).expect("a state");
+    assert!(assessed.ellipticity.is_lost() && assessed.minimum.ellipticity().is_elliptic());
 }

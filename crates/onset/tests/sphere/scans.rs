@@ -48,11 +48,15 @@ impl Fast {
         }))
     }
 
-    fn smallest(&self, n: &Vector3<f64>) -> f64 {
+    fn acoustic(&self, n: &Vector3<f64>) -> Matrix3<f64> {
         let [x, y, z] = [n[0], n[1], n[2]];
         let powers = [x * x, y * y, z * z, x * y, x * z, y * z];
         let entry = |e: usize| (0..6).map(|m| self.0[e][m] * powers[m]).sum::<f64>();
-        smallest(&Matrix3::from_fn(|i, k| entry(3 * i + k)))
+        Matrix3::from_fn(|i, k| entry(3 * i + k))
+    }
+
+    fn smallest(&self, n: &Vector3<f64>) -> f64 {
+        smallest(&self.acoustic(n))
     }
 }
 
@@ -144,6 +148,49 @@ fn without_major_symmetry_the_smallest_real_part_is_that_of_a_dense_scan() {
     }
 }
 
+/// The largest imaginary part of an eigenvalue.
+fn imaginary(q: &Matrix3<f64>) -> f64 {
+    let values = q.complex_eigenvalues();
+    values.iter().fold(0.0, |most, value| most.max(value.im))
+}
+
+#[test]
+fn without_major_symmetry_complex_eigenvalues_are_those_of_a_dense_scan() {
+    let mut random = Random::new(31);
+    let (mut with, mut without) = (0, 0);
+    for asymmetry in [0.02, 0.1, 0.5] {
+        for _ in 0..12 {
+            let (symmetric, other) = (random.symmetric(), random.symmetric());
+            // Of the sum the first part has major symmetry, the second its opposite.
+            let t = FourthOrder::from_fn(|i, j, k, l| {
+                let apart = other[(i, j, k, l)] * (i as f64 - k as f64);
+                symmetric[(i, j, k, l)] + asymmetry * apart
+            });
+            let fast = Fast::new(&t);
+            let directions = (0..120 * 240).map(|n| {
+                let (row, column) = (f64::from(n / 240), f64::from(n % 240));
+                let polar = std::f64::consts::FRAC_PI_2 * (row + 0.5) / 120.0;
+                at(polar, std::f64::consts::TAU * column / 240.0)
+            });
+            let scan = directions
+                .map(|n| imaginary(&fast.acoustic(&n)))
+                .fold(0.0, f64::max);
+            let stiffness = Stiffness::<3>::from_tangent(&t);
+            let found = stiffness.flutter().map_or(0.0, |flutter| {
+                let own = imaginary(&fast.acoustic(&flutter.direction));
+                assert!((own - flutter.eigenvalue.im).abs() < 1e-9);
+                flutter.eigenvalue.im
+            });
+            assert!(found > 0.98 * scan, "{asymmetry}: {found} {scan}");
+            with += usize::from(found > 0.0);
+            without += usize::from(found == 0.0);
+        }
+    }
+    assert!(with > 20, "{with} {without}");
+    let symmetric = Stiffness::<3>::from_tangent(&random.symmetric());
+    assert_eq!(symmetric.flutter(), None);
+}
+
 #[test]
 fn a_rotated_tensor_moves_no_minimum() {
     let mut random = Random::new(4);
@@ -172,7 +219,8 @@ fn strong_ellipticity_is_decided_as_the_minimum_says() {
         };
         let t = raised(&t, 1.5 + random.number());
         let stiffness = Stiffness::<3>::from_tangent(&t);
-        let minimum = stiffness.minimum().eigenvalue.re;
+        let minimum = stiffness.symmetric_part().minimum().eigenvalue.re;
+        assert!(minimum <= stiffness.minimum().eigenvalue.re + 1e-12);
         assert_eq!(stiffness.is_strongly_elliptic(), minimum > 0.0, "{minimum}");
         seen[usize::from(minimum > 0.0)] += 1;
         // As near to zero as can be told.

@@ -13,7 +13,7 @@ use super::short_range::ShortRange;
 use super::spatial::SpatialSpectrum;
 use super::spectrum::{Mode, SpectrumSummary, Stability};
 use super::{DynamicalMatrix, IsEnded, growth_rate, is_shown_reversed};
-use crate::algebra::{Complex, Each, array_of, directions, eigenvalues, eigenvector};
+use crate::algebra::{Complex, Each, array_of, eigenvalues, eigenvector};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{
@@ -245,6 +245,8 @@ impl<const D: usize> ZoneSearch<D> {
             tolerance,
             bound,
             flutters: fluttering.is_some(),
+            long_waves_flutter: fluttering.is_some()
+                && matrix.long_wave_stiffness().flutter().is_some(),
         }
     }
 
@@ -428,11 +430,19 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// Whether the limit of long waves is negative beyond rounding.
-    pub(crate) fn long_waves_grow(&self, matrix: &DynamicalMatrix<D>) -> bool {
+    /// As [`SpectrumSummary::long_waves_grow`].
+    pub(crate) fn long_waves_grow(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        material: &AcousticMinimum<D>,
+    ) -> bool {
         match self.short_ranged(matrix) {
-            Some((_, search, matrix)) => search.long_waves_grow(&matrix),
-            None => self.long_wave_limit(matrix).scaled < -self.tolerance(matrix),
+            Some((_, search, matrix)) => search.long_waves_grow(&matrix, material),
+            None => {
+                self.long_wave_limit(matrix).scaled < -self.tolerance(matrix)
+                    || (material.only_flutters()
+                        && matrix.long_wave_stiffness().flutter().is_some())
+            }
         }
     }
 
@@ -481,20 +491,10 @@ impl<const D: usize> ZoneSearch<D> {
         step: f64,
     ) -> Vec<SVector<f64, D>> {
         let map = self.grids.long_wave_map();
-        let growth = |direction: &SVector<f64, D>| {
-            let tensor = stiffness.acoustic_tensor(direction);
-            let noise = ROUNDING * f64::EPSILON * tensor.amax();
-            let values = eigenvalues(&tensor.map(|entry| Complex::new(entry, 0.0)), noise);
-            complex_growth(&values)
-        };
-        let fastest = directions::<D>()
-            .into_iter()
-            .map(|direction| map * direction)
-            .map(|direction| (growth(&direction), direction))
-            .max_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((_, direction)) = fastest.filter(|(growth, _)| *growth > 0.0) else {
+        let Some(fastest) = stiffness.with_directions_mapped(map).flutter() else {
             return Vec::new();
         };
+        let direction = map * fastest.direction;
         let reciprocal = self.reference().reciprocal().column(0).norm();
         let along = |steps: f64| direction * (steps * step * reciprocal / direction.norm());
         RELAXED_RAY.map(along).to_vec()

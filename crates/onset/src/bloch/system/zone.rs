@@ -366,6 +366,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             tolerance: found.tolerance,
             bound: found.bound,
             flutters: fluttering.is_some(),
+            long_waves_flutter: fluttering.is_some() && self.stiffness.flutter().is_some(),
         }
     }
 

@@ -14,6 +14,12 @@ use nalgebra::{Matrix3, SMatrix};
 
 /// Directions to go down from.
 const STARTS: usize = 4;
+/// Where complex eigenvalues have been found by going down the discriminant, those from which their imaginary part is followed.
+const FLUTTERING: usize = 6;
+/// Steps down the discriminant are no smaller: it need not be followed to its bottom to be negative.
+const NEAR: f64 = 1e-3;
+/// Steps down to a minimum are no smaller.
+const FINE: f64 = 1e-9;
 /// Triangles per cover at most.
 const BUDGET: usize = 6_000;
 /// Covers that may find something lower.
@@ -45,7 +51,7 @@ pub(super) fn minimum<const D: usize>(
                 Cover::Above => bound = level,
                 Cover::Fails(direction) => {
                     let n = unit(direction);
-                    let end = descended((real_part(&n), n), &real_part);
+                    let end = descended((real_part(&n), n), &real_part, FINE);
                     if end.0 >= best.0 {
                         break;
                     }
@@ -72,7 +78,7 @@ fn found(blocks: &Blocks3) -> (f64, Axes<f64>) {
     sort_by_value(&mut starts, |item| item.0);
     let mut best = starts[0];
     for start in starts.into_iter().take(STARTS) {
-        let end = descended(start, &real_part);
+        let end = descended(start, &real_part, FINE);
         if end.0 < best.0 {
             best = end;
         }
@@ -83,6 +89,45 @@ fn found(blocks: &Blocks3) -> (f64, Axes<f64>) {
 /// The direction of the lowest real part that is found.
 pub(super) fn descended_direction<const D: usize>(blocks: &Blocks<D>) -> Axes<f64> {
     found(&in_three_dimensions(blocks)).1
+}
+
+/// The direction of the complex eigenvalue with the largest imaginary part that is found; without one, some direction.
+pub(in crate::continuum) fn fluttering_direction<const D: usize>(blocks: &Blocks<D>) -> Axes<f64> {
+    let blocks = in_three_dimensions(blocks);
+    let discriminant = |n: &Axes<f64>| discriminant(&combined(&blocks, n, n));
+    let imaginary = |n: &Axes<f64>| {
+        let tensor = combined(&blocks, n, n).map(|entry| Complex::new(entry, 0.0));
+        let values = eigenvalues(&tensor, 0.0);
+        -values
+            .iter()
+            .fold(0.0_f64, |most, value| most.max(value.im))
+    };
+    let ends = spread(false).map(unit).map(|n| {
+        let (value, n) = descended((discriminant(&n), n), &discriminant, NEAR);
+        // Of those without a complex eigenvalue the lowest go first.
+        (imaginary(&n).min(0.0) + value.max(0.0), n)
+    });
+    let mut ends: Vec<(f64, Axes<f64>)> = ends.collect();
+    sort_by_value(&mut ends, |item| item.0);
+    let followed = ends.iter().take(FLUTTERING).map(|end| match end.0 < 0.0 {
+        true => descended(*end, &imaginary, FINE),
+        // Complex eigenvalues between two real ones that nearly meet are found at the bottom of the discriminant only.
+        false => {
+            let (_, n) = descended((discriminant(&end.1), end.1), &discriminant, FINE);
+            descended((imaginary(&n), n), &imaginary, FINE)
+        }
+    });
+    let best = followed.min_by(|a, b| a.0.total_cmp(&b.0));
+    best.map_or([1.0, 0.0, 0.0], |best| best.1)
+}
+
+/// That of the characteristic polynomial, `prod (q_i - q_j)^2`: negative where two eigenvalues are complex.
+fn discriminant(tensor: &Matrix3<f64>) -> f64 {
+    // Of the part without trace: q^3 + p q + r.
+    let shifted = tensor - Matrix3::identity() * (tensor.trace() / 3.0);
+    let p = -0.5 * (shifted * shifted).trace();
+    let r = -shifted.determinant();
+    -4.0 * p * p * p - 27.0 * r * r
 }
 
 fn lowest_real_part(blocks: &Blocks3, n: &Axes<f64>) -> f64 {
@@ -113,20 +158,21 @@ fn unit(n: Axes<f64>) -> Axes<f64> {
     n.each(|component| component / length)
 }
 
-/// Coordinate search on the sphere with a shrinking step.
+/// Coordinate search on the sphere with a shrinking step, down to the finest.
 fn descended(
     (mut value, mut direction): (f64, Axes<f64>),
-    real_part: &impl Fn(&Axes<f64>) -> f64,
+    objective: &impl Fn(&Axes<f64>) -> f64,
+    finest: f64,
 ) -> (f64, Axes<f64>) {
     let mut step = 0.1;
-    while step > 1e-9 {
+    while step > finest {
         let mut is_better = false;
         for axis in 0..3 {
             for sign in [step, -step] {
                 let mut trial = direction;
                 trial[axis] += sign;
                 let trial = unit(trial);
-                let trial_value = real_part(&trial);
+                let trial_value = objective(&trial);
                 if trial_value < value {
                     (value, direction, is_better) = (trial_value, trial, true);
                 }

@@ -10,6 +10,7 @@ mod descent;
 mod form;
 mod polyconvexity;
 
+pub(super) use asymmetric::fluttering_direction;
 pub(crate) use cover::{Cover, cover, exceeds, octants};
 pub(crate) use descent::Wave;
 pub(crate) use form::Form;
