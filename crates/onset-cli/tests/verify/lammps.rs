@@ -76,6 +76,11 @@ pub const ROWS: &[Row<'static>] = &[
         tolerance: 1e-6,
     },
     Row {
+        title: "`smd/ulsph`, strength, a long step, F = (1.1, 0.95), (pi/2, pi/4)",
+        line: "--code lammps-smd-ulsph --stretch 1.1,0.95 --wave-vector 1.5707963267948966,0.7853981633974483 --time-step 0.04 --set STRENGTH --set material.spin=-1",
+        tolerance: 1e-6,
+    },
+    Row {
         title: "`smd/ulsph`, gradient correction, tensile instability, F = 1.1, (2 pi/3, 2 pi/3)",
         line: "--code lammps-smd-ulsph-corrected --stretch 1.1,1.1 --wave-vector 2.0943951023931953,2.0943951023931953 --time-step 0.02 --steps 300 --energy K*(J-ln(J)) --set material.K=1 --set discretization.support=2.01",
         tolerance: 1e-6,
