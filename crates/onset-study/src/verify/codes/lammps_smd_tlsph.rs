@@ -106,7 +106,10 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
     let is_rest = *f == DeformationGradient::identity();
     if !is_rest && !is_in_rate_form(law, RATE, 0.0, f).map_err(MethodError::from)? {
         return Err(refused(
-            "at a stretched state the elasticity of the code is a law in rate form",
+            format!(
+                "at a stretched state the elasticity of the code is a law in rate form, which {} is not",
+                problem.settings.material.model.name()
+            ),
             "choose --set material.model=hypoelastic-green-naghdi (with n = 0), a law of the volume alone such as --energy \"K*(J-ln(J))\", or the reference configuration \
              (--stretch 1,1)",
         ));

@@ -14,9 +14,9 @@ use nalgebra::{Matrix3, SMatrix};
 
 /// Directions to go down from.
 const STARTS: usize = 4;
-/// Where complex eigenvalues have been found by going down the discriminant, those from which their imaginary part is followed.
-const FLUTTERING: usize = 6;
-/// Steps down the discriminant are no smaller: it need not be followed to its bottom to be negative.
+/// Of the directions that are found those which are followed to the end.
+const FLUTTERING: usize = 4;
+/// Steps are no smaller until the best directions are known.
 const NEAR: f64 = 1e-3;
 /// Steps down to a minimum are no smaller.
 const FINE: f64 = 1e-9;
@@ -104,8 +104,11 @@ pub(in crate::continuum) fn fluttering_direction<const D: usize>(blocks: &Blocks
     };
     let ends = spread(false).map(unit).map(|n| {
         let (value, n) = descended((discriminant(&n), n), &discriminant, NEAR);
-        // Of those without a complex eigenvalue the lowest go first.
-        (imaginary(&n).min(0.0) + value.max(0.0), n)
+        match imaginary(&n) {
+            // Of those without a complex eigenvalue the lowest go first.
+            0.0 => (value.max(0.0), n),
+            found => descended((found, n), &imaginary, NEAR),
+        }
     });
     let mut ends: Vec<(f64, Axes<f64>)> = ends.collect();
     sort_by_value(&mut ends, |item| item.0);
