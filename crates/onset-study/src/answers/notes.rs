@@ -94,7 +94,7 @@ fn note_on_path(model: Model) -> Option<String> {
     model.is_in_rate_form().then(|| match model.is_elastic_plastic() {
         false => format!(
             "{} is hypoelastic: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and waves meet the tangent of the rates that go on \
-             from there; of a stressed state it has no major symmetry, so that waves can flutter",
+             from there; of a stressed state it has no major symmetry, so that waves can flutter, even where the law is strongly elliptic",
             model.name()
         ),
         true => format!(

@@ -3,7 +3,7 @@
 use super::mode::{critical_mode, finite_wave_vector};
 use super::notes::is_unstressed;
 use super::problem::Problem;
-use super::state::list;
+use super::state::{SpaceAnswer, list};
 use crate::number::{told, vector};
 use crate::settings::{Family, Units};
 use nalgebra::SVector;
@@ -40,7 +40,7 @@ pub(super) fn of_correction(
 pub(super) fn of(
     problem: &Problem,
     assessment: &Assessment<3>,
-    in_3d: Option<Ellipticity>,
+    in_3d: Option<&SpaceAnswer>,
     f: &DeformationGradient,
     units: Units,
 ) -> String {
@@ -76,8 +76,9 @@ pub(super) fn of(
                      zero to rounding, as that of a fluid, which has no shear stiffness.{weak}"
                 ),
                 Ellipticity::Lost => format!(
-                    "Stable: no plane wave of the material grows, and all omega^2 of the discretization are real and nonnegative. The material is not \
-                     strongly elliptic, though: its tangent has no major symmetry.{weak}"
+                    "Stable: no plane wave of the material grows{}, and all omega^2 of the discretization are real and nonnegative. The material is not \
+                     strongly elliptic, though: g . Q(N) g < 0 for some g and N, which makes no wave grow where the tangent has no major symmetry.{weak}",
+                    in_plane(in_3d)
                 ),
                 Ellipticity::Elliptic => format!(
                     "Stable: the material is strongly elliptic{}, and all omega^2 of the discretization are real and nonnegative.{weak}",
@@ -178,8 +179,11 @@ fn culprit(family: Family) -> &'static str {
 }
 
 /// What to add where waves of the material that the discretization does not have say another thing.
-fn in_plane(in_3d: Option<Ellipticity>) -> &'static str {
-    match in_3d {
+fn in_plane(in_3d: Option<&SpaceAnswer>) -> &'static str {
+    if in_3d.is_some_and(|in_3d| in_3d.flutter.is_some()) {
+        return " for in-plane perturbations (others flutter)";
+    }
+    match in_3d.map(|in_3d| in_3d.growth) {
         None | Some(Ellipticity::Elliptic) => "",
         Some(Ellipticity::Undecided) => {
             " for in-plane perturbations (undecided for out-of-plane ones)"

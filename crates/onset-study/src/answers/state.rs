@@ -144,6 +144,9 @@ pub struct SpaceAnswer {
     pub flutter: Option<FlutterAnswer>,
     /// Smallest eigenvalue of the acoustic tensor over all directions; zero where it is to rounding.
     pub minimum_acoustic_eigenvalue: f64,
+    /// Its sign.
+    #[serde(skip)]
+    pub growth: Ellipticity,
     /// How much of it can be rounding.
     pub rounding: f64,
     /// No direction has a smaller one than this: how sure the search is, to rounding. With proofs in intervals see
@@ -166,6 +169,7 @@ impl SpaceAnswer {
             ellipticity: material.ellipticity,
             flutter: FlutterAnswer::of(minimum, 3),
             minimum_acoustic_eigenvalue: minimum.significant(),
+            growth: minimum.ellipticity(),
             rounding: minimum.rounding,
             bound: minimum.bound,
             direction: components(minimum.direction),
@@ -281,7 +285,7 @@ fn answer(
     let mut sentence = sentence::of(
         problem,
         assessment,
-        in_3d.as_ref().map(|in_3d| in_3d.ellipticity),
+        in_3d.as_ref(),
         f,
         problem.settings.units(),
     );
@@ -441,7 +445,7 @@ impl StateAnswer {
                 material.rounding
             ),
             (Ellipticity::Lost, _) if material.minimum_acoustic_eigenvalue > 0.0 => {
-                "no; the tangent has no major symmetry, and no acoustic eigenvalue is negative"
+                "no: g . Q(N) g < 0 for some g and N, though no acoustic eigenvalue is negative"
                     .to_owned()
             }
             (Ellipticity::Lost, _) => "no".to_owned(),

@@ -35,6 +35,15 @@ pub enum CriteriaError {
         /// Its name.
         law: String,
     },
+    /// A law without an energy, of which no volumetric part can be told.
+    #[error(
+        "{law} has no energy, so that its incompressible response is not known; expected a law with one beside --incompressible\n  hint: leave --incompressible out, a large bulk \
+         modulus comes near to it"
+    )]
+    NoEnergy {
+        /// Its name.
+        law: String,
+    },
     /// No loading that keeps the volume.
     #[error(
         "an incompressible material keeps its volume; expected --mode uniaxial, equibiaxial, planar or simple-shear"
@@ -341,10 +350,15 @@ impl Question {
     /// The same question of the incompressible response of the law: its volumetric part does not count, the pressure follows from a free face.
     ///
     /// # Errors
-    /// [`CriteriaError::NotIsotropic`] of a law that is not isotropic, [`CriteriaError::ChangesVolume`] when none of the modes keeps the volume.
+    /// [`CriteriaError::NotIsotropic`] of a law that is not isotropic, [`CriteriaError::NoEnergy`] of one whose stress depends on the path, [`CriteriaError::ChangesVolume`] when none of the modes keeps the volume.
     pub fn incompressible(mut self) -> Result<Self, CriteriaError> {
         if !self.law.isotropic {
             return Err(CriteriaError::NotIsotropic {
+                law: self.law.model,
+            });
+        }
+        if self.material.is_path_dependent() {
+            return Err(CriteriaError::NoEnergy {
                 law: self.law.model,
             });
         }

@@ -265,14 +265,12 @@ pub(super) fn disagreements(loadings: &[LoadingAnswer]) -> Vec<String> {
             let list = sooner.join("; ");
             sentences.push(match criterion {
                 Criterion::LoadMaximum => {
-                    format!("The load falls while wave speeds are still real: {list}.")
+                    format!("The load falls while strong ellipticity holds: {list}.")
                 }
                 Criterion::RankOneConvexity => {
-                    format!(
-                        "Finite jumps lower the energy while wave speeds are still real: {list}."
-                    )
+                    format!("Finite jumps lower the energy while strong ellipticity holds: {list}.")
                 }
-                _ => format!("{title} is lost while wave speeds are still real: {list}."),
+                _ => format!("{title} is lost while strong ellipticity holds: {list}."),
             });
         }
         // What follows from strong ellipticity holds on of necessity.

@@ -132,10 +132,13 @@ pub(super) fn material_of_cells(map: &StoredMap, slice: &Slice) -> Result<Option
     let elliptic: Vec<Option<bool>> = classes
         .iter()
         .zip(&acoustic)
-        .map(|(class, minimum)| match class {
-            _ if minimum.is_finite() => Some(*minimum >= 0.0),
-            Some(Class::Verdict(verdict)) => is_elliptic(*verdict),
-            Some(Class::Flutter | Class::Undefined) | None => None,
+        .map(|(class, minimum)| {
+            // A verdict knows of flutter too, which the smallest real part does not tell.
+            let decided = match class {
+                Some(Class::Verdict(verdict)) => is_elliptic(*verdict),
+                Some(Class::Flutter | Class::Undefined) | None => None,
+            };
+            decided.or_else(|| minimum.is_finite().then_some(*minimum >= 0.0))
         })
         .collect();
     let [first, second] = slice.study.plane();

@@ -217,5 +217,39 @@ fn others(rates: &[Complex], own: [Complex; 2], step: f64) -> Vec<Rate> {
         let is_own = own.iter().any(|own| (*z - own).norm() <= least);
         !is_own && z.norm() > least && z.im >= 0.0 && z.re * step > -FALL
     };
+    // Of real rates both are others; what is imaginary of them is rounding.
+    let told = |z: &Complex| match z.im.abs() <= ROUNDING.sqrt() * z.norm() {
+        true => Complex::new(z.re, 0.0),
+        false => *z,
+    };
+    let rates: Vec<Complex> = rates.iter().map(told).collect();
     rates.iter().filter(is_other).map(|z| (*z).into()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::others;
+    use onset::algebra::Complex;
+
+    #[test]
+    fn both_real_rates_of_another_branch_and_one_of_each_conjugate_pair_are_its_own() {
+        let rate = Complex::new;
+        let own = [rate(-0.01, 1.0), rate(-0.01, -1.0)];
+        let rates = [
+            own[0],
+            own[1],
+            rate(0.98, -9e-17),
+            rate(-0.99, 9e-17),
+            rate(0.0, 2.0),
+            rate(0.0, -2.0),
+            // A constant, and what the stepping forgets.
+            rate(1e-17, 0.0),
+            rate(-90.0, 3.0),
+        ];
+        let told: Vec<Complex> = others(&rates, own, 0.05)
+            .into_iter()
+            .map(Into::into)
+            .collect();
+        assert_eq!(told, [rate(0.98, 0.0), rate(-0.99, 0.0), rate(0.0, 2.0)]);
+    }
 }

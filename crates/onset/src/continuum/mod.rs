@@ -79,7 +79,7 @@ pub enum Ellipticity {
     Elliptic,
     /// It is zero to rounding: not positive as far as the numbers tell, nor negative. So it is for a fluid, which bears no shear.
     Undecided,
-    /// It is negative: some plane waves grow.
+    /// It is negative. With major symmetry some plane waves grow.
     Lost,
 }
 

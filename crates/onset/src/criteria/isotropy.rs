@@ -75,6 +75,9 @@ fn respond(material: &dyn Hyperelastic, f: &Matrix3<f64>) -> Option<Response> {
     material.response(&f).ok()
 }
 
+/// Components of a symmetric tangent differ by less than this part of the largest: those of laws that are integrated, or delivered by others.
+const SYMMETRIC: f64 = 1e-6;
+
 /// The tangent of an isotropic law in principal axes; what is not here is zero.
 #[derive(Clone, Debug)]
 pub(super) struct PrincipalTangent {
@@ -111,6 +114,13 @@ impl PrincipalTangent {
             left: *left,
             right: *right,
         }
+    }
+
+    /// Whether `A_iijj = A_jjii` and `A_ijij = A_jiji`, rounding apart; so it is where there is an energy.
+    pub(super) fn has_major_symmetry(&self) -> bool {
+        let asymmetry = |part: &Matrix3<f64>| (part - part.transpose()).amax();
+        let largest = self.normal.amax().max(self.shear.amax());
+        asymmetry(&self.normal).max(asymmetry(&self.shear)) <= SYMMETRIC * largest
     }
 
     /// The smallest `A_ijij`, `i != j`, with its wave.

@@ -505,7 +505,9 @@ impl State {
 
     /// The smallest value of `g . Q(N) g` where it is below a level; elsewhere one above the level.
     fn strong_ellipticity(&self, below: f64) -> Measure {
-        if let Some(tangent) = &self.isotropic {
+        // The closed form takes the tangent for symmetric.
+        let isotropic = self.isotropic.as_ref();
+        if let Some(tangent) = isotropic.filter(|tangent| tangent.has_major_symmetry()) {
             let (value, wave) = match self.free_faces {
                 None => tangent.softest_wave(),
                 Some(_) => tangent.softest_isochoric_wave(&self.stretches()),

@@ -3,6 +3,7 @@
 use crate::Numbers;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use onset::continuum::Stiffness;
+use onset::criteria::{Criterion, State};
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{Crystal, LatticeKind};
 use onset::material::{Hyperelastic, Response};
@@ -382,4 +383,15 @@ fn strong_ellipticity_is_lost_before_waves_grow() {
     assert!(!stiffness.minimum().has_growing_waves());
     let assessed = MaterialAssessment::<2>::new(&*law, &f).expect("a state");
     assert!(assessed.ellipticity.is_lost() && assessed.minimum.ellipticity().is_elliptic());
+    // So say the criteria, whose closed form of isotropic laws is of symmetric tangents.
+    let measure = |criterion: Criterion, x: f64| {
+        let f = DeformationGradient::from_stretches([x, 1.0 / x, 1.0]).expect("a state");
+        let state = State::new(&*law, &f).expect("a state");
+        criterion.measure(&state).expect("a measure").value
+    };
+    for (x, is_lost) in [(6.0, false), (7.0, true), (10.0, true)] {
+        for criterion in [Criterion::StrongEllipticity, Criterion::PlaneEllipticity] {
+            assert_eq!(measure(criterion, x) < 0.0, is_lost, "{criterion:?} {x}");
+        }
+    }
 }
