@@ -41,19 +41,15 @@ const TEST: &[Step] = &[
         &["doc", "--workspace", "--no-deps", "--all-features"],
     ),
     ("tests", &["test", "--workspace", "--all-features"]),
-    // By the program that the tests have built: another one for this alone would take longer than it saves.
-    (
-        "the paper",
-        &[
-            "run",
-            "--all-features",
-            "--",
-            "reproduce",
-            "--out",
-            "target/reproduction",
-        ],
-    ),
 ];
+
+/// The paper, by the command that the Python package is tested with, which stands on what the tests have built. `cargo run` asks for other features
+/// of what lies below, and would build the core again.
+fn paper() -> Result<(), String> {
+    let command = wheel::command()?;
+    eprintln!("== the paper: onset reproduce");
+    python::succeed(Command::new(command).args(["reproduce", "--out", "target/reproduction"]))
+}
 
 const TESTS_WITHOUT_FORTRAN: &[&str] = &[
     "test",
@@ -165,6 +161,7 @@ fn test() -> bool {
         .map_or(true, |mdbook| reported(book::build(mdbook)))
         && (wasm.is_err() || reported(wasm::check()))
         && run(&steps, &tools)
+        && reported(paper())
         && reported(wheel::test())
         && (browser.is_err() || reported(page::test()));
     if let Err(error) = mdbook {
