@@ -82,8 +82,10 @@ pub struct Case {
 const LARGEST: usize = 40_000;
 /// The most frames of an output.
 const FRAMES: usize = 400;
-/// The fewest time steps of a run.
+/// The fewest time steps of a run whose step is chosen for it.
 const STEPS: f64 = 160.0;
+/// The fewest of one whose step is told. More would let a wave that grows leave what is linear.
+const FEWEST: f64 = 48.0;
 /// A wave vector may miss the nearest one that fits a periodic block by this share of the reciprocal vector, as when typed.
 const TYPED: f64 = 1e-6;
 /// Half of the measured core, in spacings.
@@ -408,7 +410,7 @@ fn steps(question: &Question, rate: f64, is_growing: bool, critical: f64) -> (f6
     let duration = if is_growing { 4.0 } else { 5.0 } / rate;
     match (question.time_step, question.steps) {
         (Some(step), Some(count)) => (step, count),
-        (Some(step), None) => (step, (duration / step).ceil().max(STEPS) as usize),
+        (Some(step), None) => (step, (duration / step).ceil().max(FEWEST) as usize),
         (None, count) => {
             let fewest = (duration / (0.1 * critical)).ceil().max(STEPS) as usize;
             let count = count.unwrap_or(fewest);
