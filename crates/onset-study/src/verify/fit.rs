@@ -70,7 +70,7 @@ const PART: f64 = 0.7;
 /// A trace of other branches is at most this part of a record.
 const TRACE: f64 = 1e-2;
 /// Rates of other branches that turn or grow against the wave by less than this during a record cannot be told from its own.
-const APART: f64 = 3.0;
+const APART: f64 = 0.3;
 
 /// Fits the rates of a record; the two that are expected are a start among others. Of `others`, rates of other branches and one of each conjugate
 /// pair, the record may hold a trace.
