@@ -69,8 +69,8 @@ const PART: f64 = 0.7;
 
 /// A trace of other branches is at most this part of a record.
 const TRACE: f64 = 1e-2;
-/// Rates of other branches that turn or grow against the wave by less than this during a record cannot be told from its own.
-const APART: f64 = 0.3;
+/// Rates of other branches that turn or grow against the wave by more than this during a record are told from its own well, or at all.
+const APART: [f64; 2] = [3.0, 0.3];
 
 /// Fits the rates of a record; the two that are expected are a start among others. Of `others`, rates of other branches and one of each conjugate
 /// pair, the record may hold a trace.
@@ -111,27 +111,22 @@ fn fit(
             time: pair[1].0,
         });
     }
-    let mut whole = Series::new(samples, is_alone)?;
-    let mut best = whole.best(expected);
+    let whole = Series::new(samples, is_alone)?;
+    let best = whole.best(expected);
     let count = (PART * samples.len() as f64).ceil() as usize;
-    let mut part = Series::new(&samples[..count.max(SAMPLES)], is_alone)?;
-    let rate = whole.rate(&best);
-    let told = whole.told_apart(others, rate);
-    if let Some((with_traces, traced)) = whole.with_traces(&told, &best) {
-        part.traces = part.solutions(&told);
-        (whole, best) = (with_traces, traced);
-    }
-    let shorter = part.duration / whole.duration;
-    let shorter = part.refined(Vector2::new(
-        best.place[0] * shorter,
-        best.place[1] * shorter * shorter,
-    ));
-    let rate = whole.rate(&best);
-    let moved = (part.rate(&shorter) - rate).norm();
-    Ok(Fit {
-        rate,
-        uncertainty: moved.max(DEVIATIONS * whole.deviation(&best)),
-        residual: best.residual,
+    let part = Series::new(&samples[..count.max(SAMPLES)], is_alone)?;
+    let beside = |apart: f64| {
+        let told = whole.told_apart(others, whole.rate(&best), apart);
+        match whole.with_traces(&told, &best) {
+            Some((traced, point)) => traced.told(&part.with(&told), &point),
+            None => whole.told(&part, &best),
+        }
+    };
+    // A trace that turns nearly as the wave makes the rate uncertain. It counts where it moves the rate by more than that.
+    let [far, near] = APART.map(beside);
+    Ok(match (near.rate - far.rate).norm() > near.uncertainty {
+        true => near,
+        false => far,
     })
 }
 
@@ -207,10 +202,10 @@ impl Series {
     }
 
     /// Those of other rates that the record can tell from its own.
-    fn told_apart(&self, others: &[Complex], rate: Complex) -> Vec<Complex> {
+    fn told_apart(&self, others: &[Complex], rate: Complex, apart: f64) -> Vec<Complex> {
         let is_apart = |z: &Complex| {
             let nearest = (z - rate).norm().min((z - rate.conj()).norm());
-            nearest * self.duration > APART
+            nearest * self.duration > apart
         };
         others.iter().copied().filter(is_apart).collect()
     }
@@ -229,19 +224,39 @@ impl Series {
         rates.iter().flat_map(solution).collect()
     }
 
-    /// The series with traces of other branches, and the fit with them, where they are traces.
-    fn with_traces(&self, others: &[Complex], best: &Point) -> Option<(Self, Point)> {
-        let traces = self.solutions(others);
-        let parameters = self.own() + 1 + traces.len() + 2;
-        if traces.is_empty() || self.times.len() < SAMPLES.max(2 * parameters) {
-            return None;
-        }
-        let traced = Self {
+    /// The series with solutions of other branches.
+    fn with(&self, others: &[Complex]) -> Self {
+        Self {
             times: self.times.clone(),
             values: self.values.clone(),
-            traces,
+            traces: self.solutions(others),
             ..*self
-        };
+        }
+    }
+
+    /// What a fit of the whole tells, held against a part of it.
+    fn told(&self, part: &Self, best: &Point) -> Fit {
+        let shorter = part.duration / self.duration;
+        let shorter = part.refined(Vector2::new(
+            best.place[0] * shorter,
+            best.place[1] * shorter * shorter,
+        ));
+        let rate = self.rate(best);
+        let moved = (part.rate(&shorter) - rate).norm();
+        Fit {
+            rate,
+            uncertainty: moved.max(DEVIATIONS * self.deviation(best)),
+            residual: best.residual,
+        }
+    }
+
+    /// The series with traces of other branches, and the fit with them, where they are traces.
+    fn with_traces(&self, others: &[Complex], best: &Point) -> Option<(Self, Point)> {
+        let traced = self.with(others);
+        let parameters = self.own() + 1 + traced.traces.len() + 2;
+        if traced.traces.is_empty() || self.times.len() < SAMPLES.max(2 * parameters) {
+            return None;
+        }
         let point = traced.refined(best.place);
         let (q, r, _) = traced.projected(&point.place);
         let amplitudes = r.solve_upper_triangular(&(q.transpose() * &traced.values))?;
