@@ -43,14 +43,6 @@ const TEST: &[Step] = &[
     ("tests", &["test", "--workspace", "--all-features"]),
 ];
 
-/// The paper, by the command that the Python package is tested with, which stands on what the tests have built. `cargo run` asks for other features
-/// of what lies below, and would build the core again.
-fn paper() -> Result<(), String> {
-    let command = wheel::command()?;
-    eprintln!("== the paper: onset reproduce");
-    python::succeed(Command::new(command).args(["reproduce", "--out", "target/reproduction"]))
-}
-
 const TESTS_WITHOUT_FORTRAN: &[&str] = &[
     "test",
     "--workspace",
@@ -180,6 +172,14 @@ fn test() -> bool {
         eprintln!("== NOT TESTED: predictions against LAMMPS. {error}");
     }
     done
+}
+
+/// The paper, by the command that the Python package is tested with, which stands on what the tests have built. `cargo run` asks for other features
+/// of what lies below, and would build the core again.
+fn paper() -> Result<(), String> {
+    let command = wheel::command()?;
+    eprintln!("== the paper: onset reproduce");
+    python::succeed(Command::new(command).args(["reproduce", "--out", "target/reproduction"]))
 }
 
 /// All that can be tested on a machine that has no Fortran compiler and cannot get one.

@@ -66,7 +66,6 @@ const ITERATIONS: usize = 200;
 const DEVIATIONS: f64 = 4.0;
 /// The part of the record that alone must tell the same.
 const PART: f64 = 0.7;
-
 /// A trace of other branches is at most this part of a record.
 const TRACE: f64 = 1e-2;
 /// Rates of other branches that turn or grow against the wave by more than this during a record are told from its own well, or at all.
@@ -115,15 +114,17 @@ fn fit(
     let best = whole.best(expected);
     let count = (PART * samples.len() as f64).ceil() as usize;
     let part = Series::new(&samples[..count.max(SAMPLES)], is_alone)?;
-    let beside = |apart: f64| {
-        let told = whole.told_apart(others, whole.rate(&best), apart);
-        match whole.with_traces(&told, &best) {
-            Some((traced, point)) => traced.told(&part.with(&told), &point),
-            None => whole.told(&part, &best),
-        }
+    let beside = |rates: &[Complex]| match whole.with_traces(rates, &best) {
+        Some((traced, point)) => traced.told(&part.with(rates), &point),
+        None => whole.told(&part, &best),
     };
+    let [apart, nearly] = APART.map(|apart| whole.told_apart(others, whole.rate(&best), apart));
+    let far = beside(&apart);
+    if nearly.len() == apart.len() {
+        return Ok(far);
+    }
     // A trace that turns nearly as the wave makes the rate uncertain. It counts where it moves the rate by more than that.
-    let [far, near] = APART.map(beside);
+    let near = beside(&nearly);
     Ok(match (near.rate - far.rate).norm() > near.uncertainty {
         true => near,
         false => far,
@@ -131,6 +132,7 @@ fn fit(
 }
 
 /// A record with times from 0 to 1 and amplitudes up to 1.
+#[derive(Clone)]
 struct Series {
     times: Vec<f64>,
     values: DVector<f64>,
@@ -227,10 +229,8 @@ impl Series {
     /// The series with solutions of other branches.
     fn with(&self, others: &[Complex]) -> Self {
         Self {
-            times: self.times.clone(),
-            values: self.values.clone(),
             traces: self.solutions(others),
-            ..*self
+            ..self.clone()
         }
     }
 

@@ -119,12 +119,8 @@ pub fn read(path: &Path, case: Option<&Path>) -> Result<Judgment, VerifyError> {
 /// [`VerifyError::Fit`] for a record without a wave.
 pub fn judge(case: &Case, record: &Record) -> Result<Judgment, VerifyError> {
     let predicted = case.rate();
-    let others = case
-        .prediction
-        .others
-        .iter()
-        .map(|rate| Complex::from(*rate));
-    let others: Vec<Complex> = others.collect();
+    let others = case.prediction.others.iter().copied();
+    let others: Vec<Complex> = others.map(Complex::from).collect();
     let expected = case.prediction.rates.map(Complex::from);
     let fit = fitted(&record.samples, expected, &others).map_err(|source| VerifyError::Fit {
         path: record.path.clone(),

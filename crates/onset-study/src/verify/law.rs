@@ -195,6 +195,12 @@ mod tests {
     use crate::settings::Settings;
     use onset::kinematics::DeformationGradient;
 
+    const OF_THE_VOLUME: [&str; 3] = [
+        "material.model=formula",
+        "material.energy=K*(J-ln(J))",
+        "material.K=2",
+    ];
+
     fn law(assignments: &[&str]) -> Box<dyn onset::material::Hyperelastic> {
         let settings = Settings::from_assignments(assignments).expect("settings");
         settings.material.build().expect("a law")
@@ -202,11 +208,7 @@ mod tests {
 
     #[test]
     fn a_law_of_the_volume_is_told_with_its_pressure() {
-        let law = law(&[
-            "material.model=formula",
-            "material.energy=K*(J-ln(J))",
-            "material.K=2",
-        ]);
+        let law = law(&OF_THE_VOLUME);
         let f = DeformationGradient::from_stretches([1.2, 0.9, 1.1]).expect("a state");
         let own = Volumetric::of(&*law, &f)
             .expect("a response")
@@ -232,6 +234,7 @@ mod tests {
         let f = DeformationGradient::from_stretches([1.2, 0.9, 1.1]).expect("a state");
         assert_eq!(Volumetric::of(&*law, &f).expect("a response"), None);
     }
+
     #[test]
     fn jaumanns_rates_are_told_from_others() {
         let given = ["material.mu=0.4", "material.kappa=2", "material.n=1"];
@@ -269,11 +272,7 @@ mod tests {
 
     #[test]
     fn a_law_of_the_volume_has_jaumanns_rates_without_shear() {
-        let law = law(&[
-            "material.model=formula",
-            "material.energy=K*(J-ln(J))",
-            "material.K=2",
-        ]);
+        let law = law(&OF_THE_VOLUME);
         let f = DeformationGradient::from_stretches([1.2, 0.9, 1.1]).expect("a state");
         let own = JaumannRates::of(&*law, &f, 1.0).expect("a response");
         let own = own.expect("Jaumann's rate");

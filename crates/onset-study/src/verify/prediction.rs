@@ -215,15 +215,18 @@ fn others(rates: &[Complex], own: [Complex; 2], step: f64) -> Vec<Rate> {
     let least = ROUNDING.sqrt() * own[0].norm();
     let is_other = |z: &&Complex| {
         let is_own = own.iter().any(|own| (*z - own).norm() <= least);
-        !is_own && z.norm() > least && z.im >= 0.0 && z.re * step > -FALL
+        !is_own && z.norm() > least && z.re * step > -FALL
     };
     // Of real rates both are others; what is imaginary of them is rounding.
-    let told = |z: &Complex| match z.im.abs() <= ROUNDING.sqrt() * z.norm() {
-        true => Complex::new(z.re, 0.0),
-        false => *z,
+    let told = |rate: Rate| match rate.is_growth() {
+        true => Rate {
+            frequency: 0.0,
+            ..rate
+        },
+        false => rate,
     };
-    let rates: Vec<Complex> = rates.iter().map(told).collect();
-    rates.iter().filter(is_other).map(|z| (*z).into()).collect()
+    let others = rates.iter().filter(is_other).map(|z| told(Rate::from(*z)));
+    others.filter(|rate| rate.frequency >= 0.0).collect()
 }
 
 #[cfg(test)]

@@ -277,13 +277,6 @@ impl<const D: usize> Stiffness<D> {
         Self(self.0.each(|row| row.each(symmetric)), self.1)
     }
 
-    /// The largest difference `|Q_ik - Q_ki|` of blocks: how far it is from major symmetry.
-    fn asymmetry(&self) -> f64 {
-        let blocks = self.0.iter().flatten();
-        let differences = blocks.map(|block| (block - block.transpose()).amax());
-        differences.fold(0.0, f64::max)
-    }
-
     /// The complex acoustic eigenvalue with the largest imaginary part over all directions, beyond rounding. There is none with major symmetry.
     ///
     /// By algebra in two dimensions; in three found by going down the discriminant from several directions, so that a narrow range of
@@ -301,7 +294,7 @@ impl<const D: usize> Stiffness<D> {
     pub fn flutter(&self) -> Option<AcousticFlutter<D>> {
         let scale = self.magnitude();
         // Imaginary parts are no larger than the antisymmetric part (Bendixson), of which the entries are half of these differences.
-        let largest = 0.5 * self.asymmetry() * (D * D) as f64;
+        let largest = 0.5 * asymmetry(&self.0) * (D * D) as f64;
         if D == 1 || !scale.is_normal() || largest <= COMPLEX * scale {
             return None;
         }
@@ -430,7 +423,7 @@ impl<const D: usize> Stiffness<D> {
 
     /// Whether there is major symmetry, rounding apart: then all acoustic eigenvalues are real.
     pub fn has_major_symmetry(&self) -> bool {
-        self.asymmetry() <= COMPLEX * self.magnitude()
+        asymmetry(&self.0) <= COMPLEX * self.magnitude()
     }
 
     /// The smallest eigenvalue (by real part) in one direction, and its polarization.
@@ -464,6 +457,15 @@ impl<const D: usize> Stiffness<D> {
         let negative = Self(self.0.each(|row| row.each(|block| -block)), self.1);
         -negative.minimum_below(f64::INFINITY).eigenvalue.re
     }
+}
+
+/// The largest difference `|T_iJkL - T_kJiL|` of blocks: how far a stiffness is from major symmetry.
+fn asymmetry<const D: usize>(blocks: &[[SMatrix<f64, D, D>; D]; D]) -> f64 {
+    let differences = blocks
+        .as_flattened()
+        .iter()
+        .map(|block| (block - block.transpose()).amax());
+    differences.fold(0.0, f64::max)
 }
 
 /// The smallest acoustic eigenvalue of a tangent within the plane: what [`Stiffness::minimum`] says, faster where the coordinate axes are its

@@ -96,8 +96,7 @@ pub(in crate::continuum) fn fluttering_direction<const D: usize>(blocks: &Blocks
     let blocks = in_three_dimensions(blocks);
     let discriminant = |n: &Axes<f64>| discriminant(&combined(&blocks, n, n));
     let imaginary = |n: &Axes<f64>| {
-        let tensor = combined(&blocks, n, n).map(|entry| Complex::new(entry, 0.0));
-        let values = eigenvalues(&tensor, 0.0);
+        let values = acoustic_eigenvalues(&blocks, n);
         -values
             .iter()
             .fold(0.0_f64, |most, value| most.max(value.im))
@@ -134,11 +133,13 @@ fn discriminant(tensor: &Matrix3<f64>) -> f64 {
 }
 
 fn lowest_real_part(blocks: &Blocks3, n: &Axes<f64>) -> f64 {
-    eigenvalues(
-        &combined(blocks, n, n).map(|entry| Complex::new(entry, 0.0)),
-        0.0,
-    )[0]
-    .re
+    acoustic_eigenvalues(blocks, n)[0].re
+}
+
+/// By increasing real part.
+fn acoustic_eigenvalues(blocks: &Blocks3, n: &Axes<f64>) -> [Complex; 3] {
+    let tensor = combined(blocks, n, n).map(|entry| Complex::new(entry, 0.0));
+    eigenvalues(&tensor, 0.0)
 }
 
 fn in_three_dimensions<const D: usize>(blocks: &Blocks<D>) -> Blocks3 {

@@ -16,6 +16,7 @@ pub(crate) use descent::Wave;
 pub(crate) use form::Form;
 pub(crate) use polyconvexity::bound;
 
+use super::asymmetry;
 use crate::algebra::sort_by_value;
 use crate::real::Real;
 use cover::lower_bound;
@@ -32,6 +33,8 @@ const RESOLUTION: f64 = 1e-10;
 const BUDGET: usize = 4_000;
 /// Covers that may find something lower.
 const COVERS: usize = 20;
+/// Blocks of a stiffness of magnitude one that differ by no more than this from symmetric ones are symmetric.
+const SYMMETRIC: f64 = 1e-13;
 /// Directions to go down from.
 const STARTS: usize = 1;
 
@@ -50,7 +53,7 @@ type Blocks<const D: usize> = [[SMatrix<f64, D, D>; D]; D];
 /// The minimum over all directions. That nothing is lower than it is shown, and looked for, below a level only.
 pub(super) fn minimum<const D: usize>(blocks: &Blocks<D>, below: f64) -> Minimum {
     let form = symmetric_part(blocks);
-    if has_no_major_symmetry(blocks) {
+    if asymmetry(blocks) > SYMMETRIC {
         return asymmetric::minimum(blocks, &form, below);
     }
     let (wave, bound) = symmetric_minimum(&form, below);
@@ -63,7 +66,7 @@ pub(super) fn minimum<const D: usize>(blocks: &Blocks<D>, below: f64) -> Minimum
 
 /// The direction of the lowest real part that is found by going down from some directions, without a bound.
 pub(super) fn descended_direction<const D: usize>(blocks: &Blocks<D>) -> Axes<f64> {
-    if has_no_major_symmetry(blocks) {
+    if asymmetry(blocks) > SYMMETRIC {
         return asymmetric::descended_direction(blocks);
     }
     let form = symmetric_part(blocks);
@@ -72,14 +75,6 @@ pub(super) fn descended_direction<const D: usize>(blocks: &Blocks<D>) -> Axes<f6
 
 fn symmetric_part<const D: usize>(blocks: &Blocks<D>) -> Form<f64> {
     Form::from_fn(|i, j, k, l| 0.5 * (blocks[j][l][(i, k)] + blocks[j][l][(k, i)]))
-}
-
-fn has_no_major_symmetry<const D: usize>(blocks: &Blocks<D>) -> bool {
-    let mut asymmetry = blocks
-        .as_flattened()
-        .iter()
-        .map(|block| (block - block.transpose()).amax());
-    asymmetry.any(|entry| entry > 1e-13)
 }
 
 /// The slowest wave of a form of magnitude one, and a lower bound of all eigenvalues, at least the level below which it is asked for

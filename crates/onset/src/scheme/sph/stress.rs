@@ -79,9 +79,7 @@ impl<const D: usize> StressOf<'_, D> {
         let f = self.deformation(moved.displacements, circle);
         determinant(&f).recip() * pairs.reference_density()
     }
-}
 
-impl<const D: usize> StressOf<'_, D> {
     /// `K_I^-1`, `K_I = sum_J m_J/rho_J x_IJ (x) grad W_IJ`.
     fn correction<R: Real>(&self, moved: &Moved<'_, R, D>) -> [[R; D]; D] {
         let pairs = self.surroundings.pairs;
