@@ -1,21 +1,34 @@
 //! Work on all cores: fields cut into blocks of particles, of which each core takes one after the other.
 
 use super::vectors::{Component, Field, Tensors};
+use std::sync::{Mutex, PoisonError};
 
 /// Work on each of some things, on all cores where there are any; results in their order.
-#[cfg(feature = "rayon")]
-pub(super) fn of_each<T: Send, R: Send>(
-    things: Vec<T>,
-    work: impl Fn(T) -> R + Sync + Send,
-) -> Vec<R> {
-    use rayon::prelude::*;
-    things.into_par_iter().map(work).collect()
+pub(super) fn of_each<T: Send, R: Send>(things: Vec<T>, work: impl Fn(T) -> R + Sync) -> Vec<R> {
+    let place = |thing| Mutex::new((Some(thing), None));
+    let places: Vec<_> = things.into_iter().map(place).collect();
+    on_all_cores(places.len(), &|n| {
+        let mut place = places[n].lock().unwrap_or_else(PoisonError::into_inner);
+        let thing = place.0.take();
+        place.1 = thing.map(&work);
+    });
+    let result = |place: Mutex<(Option<T>, Option<R>)>| {
+        let place = place.into_inner();
+        place.unwrap_or_else(PoisonError::into_inner).1
+    };
+    places.into_iter().filter_map(result).collect()
 }
 
-/// Work on each of some things; results in their order.
-#[cfg(not(feature = "rayon"))]
-pub(super) fn of_each<T, R>(things: Vec<T>, work: impl Fn(T) -> R) -> Vec<R> {
-    things.into_iter().map(work).collect()
+/// Calls for each number below a count. What spreads the calls is compiled once for all kinds of work, of which it takes some ten thousand
+/// lines of intermediate code.
+fn on_all_cores(count: usize, work: &(dyn Fn(usize) + Sync)) {
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        (0..count).into_par_iter().for_each(work);
+    }
+    #[cfg(not(feature = "rayon"))]
+    (0..count).for_each(work);
 }
 
 /// A field cut into blocks of so many particles.
