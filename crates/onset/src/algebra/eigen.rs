@@ -1,7 +1,7 @@
 //! Eigenvalues and eigenvectors of complex matrices of one to three rows.
 
 use super::{Complex, symmetric_eigen};
-use crate::algebra::{Each, array_of};
+use crate::algebra::{Deviator, Each, array_of};
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector};
 
 /// Sweeps allowed to the iterative decompositions before they are given up as not converging.
@@ -112,9 +112,13 @@ pub(crate) fn without_rounding(values: &mut [Complex], norm: f64, noise: f64) {
     }
 }
 
-/// The eigenvalues of a real matrix of three rows: by rotations where it is symmetric to rounding, otherwise those of the
-/// blocks of its Schur form, so that what holds for two rows holds here.
+/// The eigenvalues of a real matrix of three rows: in closed form where they are well apart, by rotations where it is symmetric to rounding, otherwise those of
+/// the blocks of its Schur form, so that what holds for two rows holds here.
 fn of_three_real(matrix: &Matrix3<f64>, noise: f64) -> Option<[Complex; 3]> {
+    let deviator = Deviator::of(&array_of(|e| matrix[(e / 3, e % 3)]));
+    if deviator.is_apart(noise) {
+        return Some(deviator.all().each(|value| Complex::new(value, 0.0)));
+    }
     if (matrix - matrix.transpose()).amax() <= noise {
         let mean = |i: usize, j: usize| 0.5 * (matrix[(i, j)] + matrix[(j, i)]);
         let rows: [[f64; 3]; 3] = array_of(|i| array_of(|j| mean(i, j)));

@@ -2,6 +2,7 @@
 
 mod array;
 mod decomposition;
+mod deviator;
 mod directions;
 mod eigen;
 mod gauss;
@@ -18,6 +19,7 @@ mod well;
 
 pub(crate) use array::{Each, array_of};
 pub(crate) use decomposition::Decomposition;
+pub(crate) use deviator::Deviator;
 pub(crate) use directions::directions;
 pub(crate) use eigen::{MAXIMUM_ITERATIONS, without_rounding};
 pub use eigen::{eigenvalues, eigenvector, left_eigenvector};

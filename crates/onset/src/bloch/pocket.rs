@@ -2,7 +2,7 @@
 
 use super::system::MatrixExpansion;
 use super::{Expansion, growth_rate};
-use crate::algebra::{Complex, Decomposition, Each, Parts, array_of, eigenvalues, sort_by_value};
+use crate::algebra::{Complex, Decomposition, Deviator, Each, Parts, array_of, sort_by_value};
 use crate::lattice::grid_coordinates;
 use nalgebra::{ComplexField, DMatrix, SMatrix, SVector};
 use std::collections::HashSet;
@@ -85,85 +85,205 @@ fn along<S: Scalar, const D: usize>(slope: &[S; D], u: &[f64; D]) -> S {
     sum
 }
 
+/// How fast the faster of two branches `mean +- root` grows, given their sum over two, half their distance without coupling, and the product of their
+/// couplings; zero where both are real.
+fn growth_of<S: Scalar>(mean: S, half: S, product: S) -> f64 {
+    let square = half * half + product;
+    if mean.imaginary() == 0.0 && square.imaginary() == 0.0 {
+        let (mean, square) = (mean.real(), square.real());
+        // The modulus of `mean +- i root(-square)`, as `growth_rate` takes it.
+        let growth = |modulus: f64| (0.5 * (modulus - mean)).max(0.0).sqrt();
+        return match square < 0.0 {
+            true => growth((mean * mean - square).sqrt()),
+            false => 0.0,
+        };
+    }
+    let complex = |value: S| Complex::new(value.real(), value.imaginary());
+    let (mean, root) = (complex(mean), complex(square).sqrt());
+    growth_rate(mean + root).max(growth_rate(mean - root))
+}
+
 impl<S: Scalar, const D: usize> Pair<S, D> {
-    /// How fast the faster of the two grows at `u`; zero where both are real.
+    /// How fast the faster of the two grows at `u`.
     fn growth(&self, u: &[f64; D]) -> f64 {
         let [first, second] = [0, 1].each(|n| self.values[n] + along(&self.slopes[n], u));
-        let (mean, half) = ((first + second).scale(0.5), (first - second).scale(0.5));
-        let square = half * half + self.product(u);
-        let is_real = mean.imaginary() == 0.0 && square.imaginary() == 0.0;
-        if is_real && square.real() >= 0.0 {
-            return 0.0;
-        }
-        let complex = |value: S| Complex::new(value.real(), value.imaginary());
-        let (mean, root) = (complex(mean), complex(square).sqrt());
-        growth_rate(mean + root).max(growth_rate(mean - root))
-    }
-
-    /// The product of the couplings at `u`: where branches cross, `omega^2` is complex if its real part is negative.
-    fn product(&self, u: &[f64; D]) -> S {
-        along(&self.couplings[0], u) * along(&self.couplings[1], u)
+        let product = along(&self.couplings[0], u) * along(&self.couplings[1], u);
+        growth_of(
+            (first + second).scale(0.5),
+            (first - second).scale(0.5),
+            product,
+        )
     }
 
     /// The fastest growth within reach, and where: looked for along the line or surface on which the branches would cross.
     fn fastest(&self) -> (f64, [f64; D]) {
         let mut fastest = (0.0, [0.0; D]);
-        let mut look = |u: [f64; D]| {
-            let growth = self.growth(&u);
+        let mut look = |growth: f64, u: [f64; D]| {
             if growth > fastest.0 {
                 fastest = (growth, u);
             }
         };
-        look([0.0; D]);
+        look(self.growth(&[0.0; D]), [0.0; D]);
+        let Some(crossing) = self.crossing() else {
+            return fastest;
+        };
+        let is_real = crossing.is_real();
+        if is_real && crossing.repels() {
+            return fastest;
+        }
+        let mut look_at = |mut u: [f64; D]| {
+            if is_real && crossing.product(&u).real() >= 0.0 {
+                return;
+            }
+            let height = crossing.height(&u);
+            u[crossing.axis] = height.clamp(-REACH, REACH);
+            if height == u[crossing.axis] {
+                look(crossing.growth(&u), u);
+            } else if height.abs() <= 2.0 * REACH {
+                look(self.growth(&u), u);
+            }
+        };
+        let place = |n: usize| REACH * (2.0 * n as f64 / (PLACES - 1) as f64 - 1.0);
+        let others = || (0..D).filter(|a| *a != crossing.axis);
+        for number in 0..PLACES.pow(D as u32 - 1) {
+            let (mut places, mut rest) = ([0; D], number);
+            for a in others() {
+                places[a] = rest % PLACES;
+                rest /= PLACES;
+            }
+            let mut u = places.each(place);
+            look_at(u);
+            // Along a line through the places the product of the couplings is quadratic, and can be negative between two of them only.
+            for a in others().filter(|a| places[*a] == 0) {
+                u[a] = 0.0;
+                if let Some(x) = crossing.lowest_along(a, &u) {
+                    u[a] = x;
+                    look_at(u);
+                }
+                u[a] = place(0);
+            }
+        }
+        fastest
+    }
+
+    /// The line or surface on which the two would cross without their couplings, where it comes within reach.
+    fn crossing(&self) -> Option<Crossing<S, D>> {
         let distance = (self.values[0] - self.values[1]).real();
         let closing: [f64; D] = array_of(|a| (self.slopes[0][a] - self.slopes[1][a]).real());
-        let steepest = (0..D).fold(0, |most, a| {
+        let axis = (0..D).fold(0, |most, a| {
             if closing[a].abs() > closing[most].abs() {
                 a
             } else {
                 most
             }
         });
-        let others = || (0..D).filter(move |a| *a != steepest);
-        let closed: f64 = others().map(|a| REACH * closing[a].abs()).sum();
-        if distance.abs() > closed + 2.0 * REACH * closing[steepest].abs() {
-            return fastest;
+        let others = (0..D).filter(|a| *a != axis);
+        let closed: f64 = others.map(|a| REACH * closing[a].abs()).sum();
+        if distance.abs() > closed + 2.0 * REACH * closing[axis].abs() {
+            return None;
         }
-        // The place with given coordinates along the other axes at which the branches would cross.
-        let crossing = |mut u: [f64; D]| {
-            u[steepest] = 0.0;
-            u[steepest] = -(distance + along(&closing, &u)) / closing[steepest];
-            u
+        let height = Affine {
+            origin: -distance / closing[axis],
+            slopes: array_of(|a| match a == axis {
+                true => 0.0,
+                false => -closing[a] / closing[axis],
+            }),
         };
-        let mut look_at = |u: [f64; D]| {
-            let u = crossing(u);
-            if u[steepest].abs() <= 2.0 * REACH {
-                look(u.each(|x| x.clamp(-REACH, REACH)));
-            }
+        let on = |value: S, slopes: &[S; D]| Affine {
+            origin: value + slopes[axis].scale(height.origin),
+            slopes: array_of(|a| match a == axis {
+                true => S::zero(),
+                false => slopes[a] + slopes[axis].scale(height.slopes[a]),
+            }),
         };
-        for place in 0..PLACES.pow(D as u32 - 1) {
-            let (mut u, mut rest) = ([0.0; D], place);
-            for a in others() {
-                u[a] = REACH * (2.0 * (rest % PLACES) as f64 / (PLACES - 1) as f64 - 1.0);
-                rest /= PLACES;
-            }
-            look_at(u);
-            // Along each axis the product of the couplings is quadratic, and can be negative between two places only.
-            for a in others() {
-                let at = |x: f64| {
-                    let mut u = u;
-                    u[a] = x;
-                    self.product(&crossing(u)).real()
-                };
-                let [behind, middle, ahead] = [-REACH, 0.0, REACH].map(at);
-                let (slope, curvature) = (0.5 * (ahead - behind), ahead - 2.0 * middle + behind);
-                if curvature > 0.0 {
-                    u[a] = (-slope / curvature * REACH).clamp(-REACH, REACH);
-                    look_at(u);
-                }
-            }
+        Some(Crossing {
+            axis,
+            values: [0, 1].each(|n| on(self.values[n], &self.slopes[n])),
+            couplings: [0, 1].each(|n| on(S::zero(), &self.couplings[n])),
+            height,
+        })
+    }
+}
+
+/// A linear function of a place and a constant.
+#[derive(Clone, Copy)]
+struct Affine<S, const D: usize> {
+    origin: S,
+    slopes: [S; D],
+}
+
+impl<S: Scalar, const D: usize> Affine<S, D> {
+    fn at(&self, u: &[f64; D]) -> S {
+        self.origin + along(&self.slopes, u)
+    }
+
+    fn is_real(&self) -> bool {
+        let mut all = self.slopes.iter().chain([&self.origin]);
+        all.all(|own| own.imaginary() == 0.0)
+    }
+
+    /// The sign of a real function within reach; zero where it changes.
+    fn sign(&self) -> f64 {
+        let change: f64 = self.slopes.iter().map(|own| REACH * own.modulus()).sum();
+        let origin = self.origin.real();
+        match origin.abs() > change {
+            true => origin.signum(),
+            false => 0.0,
         }
-        fastest
+    }
+}
+
+/// Two branches where they would cross, by the places along all axes but one.
+struct Crossing<S, const D: usize> {
+    /// The axis along which they close most steeply.
+    axis: usize,
+    /// The place along it.
+    height: Affine<f64, D>,
+    values: [Affine<S, D>; 2],
+    couplings: [Affine<S, D>; 2],
+}
+
+impl<S: Scalar, const D: usize> Crossing<S, D> {
+    fn height(&self, u: &[f64; D]) -> f64 {
+        self.height.at(u)
+    }
+
+    fn is_real(&self) -> bool {
+        let mut all = self.values.iter().chain(&self.couplings);
+        all.all(Affine::is_real)
+    }
+
+    /// Whether the product of real couplings is positive throughout, so that the two push each other apart.
+    fn repels(&self) -> bool {
+        let [b, c] = self.couplings.each(|own| own.sign());
+        b * c > 0.0
+    }
+
+    /// The product of the couplings: where it is real and negative, `omega^2` is complex.
+    fn product(&self, u: &[f64; D]) -> S {
+        self.couplings[0].at(u) * self.couplings[1].at(u)
+    }
+
+    /// How fast the faster of the two grows; `omega^2` is complex where the real part of the product of the couplings is negative.
+    fn growth(&self, u: &[f64; D]) -> f64 {
+        let [first, second] = [0, 1].each(|n| self.values[n].at(u));
+        let product = self.couplings[0].at(u) * self.couplings[1].at(u);
+        growth_of(
+            (first + second).scale(0.5),
+            (first - second).scale(0.5),
+            product,
+        )
+    }
+
+    /// Where along an axis the product of the couplings is smallest, within reach, if it bends upward; given a place at zero of that axis.
+    fn lowest_along(&self, axis: usize, u: &[f64; D]) -> Option<f64> {
+        let [b, c] = [0, 1].each(|n| self.couplings[n].at(u));
+        let [b_slope, c_slope] = [0, 1].each(|n| self.couplings[n].slopes[axis]);
+        let (slope, curvature) = (
+            (b * c_slope + c * b_slope).real(),
+            2.0 * (b_slope * c_slope).real(),
+        );
+        (curvature > 0.0).then(|| (-slope / curvature).clamp(-REACH, REACH))
     }
 }
 
@@ -325,13 +445,14 @@ impl<const D: usize> Neighborhood<[f64; D], SMatrix<f64, D, D>, D> {
             return None;
         }
         let matrix = &expansion.value;
-        let all = eigenvalues(&matrix.map(Complex::from), 0.0);
+        let deviator = Deviator::of(&array_of(|e| matrix[(e / 3, e % 3)]));
+        let ordered = deviator.all();
         let apart = CLOSE * matrix.amax();
-        let is_apart = |pair: &[Complex]| pair[1].re - pair[0].re > apart;
-        if all.iter().any(|value| value.im != 0.0) || !all.windows(2).all(is_apart) {
+        let is_apart = |pair: &[f64]| pair[1] - pair[0] > apart;
+        if deviator.discriminant() <= 0.0 || !ordered.windows(2).all(is_apart) {
             return None;
         }
-        let values = all.each(|value| value.re);
+        let values: [f64; D] = array_of(|n| ordered[n]);
         let mut left = SMatrix::<f64, D, D>::zeros();
         let mut right = left;
         for (n, value) in values.iter().enumerate() {

@@ -2,15 +2,14 @@
 //!
 //! The sum over lattice vectors `l a_1 + m a_2 + n a_3` factors, `exp(i k.R) = exp(i l t_1) exp(i m t_2) exp(i n t_3)`,
 //! `t_i = k.a_i`: summed over `n`, `m` and `l` in turn it costs a few operations a wave vector and entry. Eigenvalues follow in
-//! closed form from trace and deviator `K = D - mean`: `x^3 - 3 a x - 2 h = 0` with `a = tr K^2 / 6`, `h = det K / 2`.
+//! closed form.
 
 use super::DynamicalMatrix;
 use super::dynamical_matrix::Term;
-use crate::algebra::array_of;
+use crate::algebra::{Deviator, array_of};
 use crate::lattice::{WaveGrid, Wedge};
 use nalgebra::SMatrix;
 use pulp::{Arch, NullaryFnOnce};
-use std::f64::consts::TAU;
 
 /// The entries of a matrix, by rows.
 pub(super) type Entries = [f64; 9];
@@ -29,35 +28,18 @@ pub(super) struct SpatialSpectrum {
     pub(super) pair: f64,
 }
 
-/// Mean, `a` and `h`.
-#[inline(always)]
-pub(super) fn mean_and_deviator(d: &Entries) -> [f64; 3] {
-    let mean = (d[0] + d[4] + d[8]) / 3.0;
-    let [x, y, z] = [d[0] - mean, d[4] - mean, d[8] - mean];
-    let square = x * x + y * y + z * z + 2.0 * (d[1] * d[3] + d[2] * d[6] + d[5] * d[7]);
-    let determinant = x * (y * z - d[5] * d[7]) - d[1] * (d[3] * z - d[5] * d[6])
-        + d[2] * (d[3] * d[7] - y * d[6]);
-    [mean, square / 6.0, 0.5 * determinant]
-}
-
 impl SpatialSpectrum {
     /// Of a matrix; where eigenvalues are nearly equal, to the square root of rounding.
     #[inline(always)]
     pub(super) fn of(entries: &Entries) -> Self {
-        let [mean, a, h] = mean_and_deviator(entries);
-        let discriminant = a * a * a - h * h;
+        let deviator = Deviator::of(entries);
+        let Deviator { mean, a, h } = deviator;
+        let discriminant = deviator.discriminant();
         if discriminant >= 0.0 {
-            let root = a.max(0.0).sqrt();
-            let cube = a * root;
-            let cosine = if cube > 0.0 {
-                (h / cube).clamp(-1.0, 1.0)
-            } else {
-                0.0
-            };
-            let angle = cosine.acos() / 3.0;
+            let [lowest, highest] = deviator.outer();
             return Self {
-                lowest: mean + 2.0 * root * (angle + TAU / 3.0).cos(),
-                highest: mean + 2.0 * root * angle.cos(),
+                lowest,
+                highest,
                 discriminant,
                 imaginary_squared: 0.0,
                 pair: mean,
@@ -224,7 +206,7 @@ fn entries_of<const D: usize>(matrix: &SMatrix<f64, D, D>) -> Entries {
 #[cfg(test)]
 mod tests {
     use super::SpatialSpectrum;
-    use crate::algebra::{Complex, eigenvalues};
+    use crate::algebra::eigenvalues;
     use crate::bloch::dynamical_matrix::ForceConstants;
     use crate::lattice::{LatticeKind, Reduced, WaveGrids};
     use nalgebra::{Matrix3, Vector3};
@@ -300,8 +282,10 @@ mod tests {
         let mut pairs = 0;
         for _ in 0..500 {
             let entries: [f64; 9] = std::array::from_fn(|_| random());
-            let matrix = Matrix3::from_row_slice(&entries).map(|x| Complex::new(x, 0.0));
-            let values = eigenvalues(&matrix, 1e-16);
+            let mut values = Matrix3::from_row_slice(&entries).complex_eigenvalues();
+            values
+                .as_mut_slice()
+                .sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
             let spectrum = SpatialSpectrum::of(&entries);
             assert!((spectrum.lowest - values[0].re).abs() < 1e-7);
             assert!((spectrum.highest - values[2].re).abs() < 1e-7);

@@ -4,6 +4,7 @@ use super::BravaisLattice;
 use super::mirror::{Mirror, MirrorWaves};
 use super::numbering::{coordinates, opposite};
 use super::symmetry::{Symmetry, Wedge};
+use crate::algebra::{Complex, array_of};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -20,7 +21,21 @@ pub struct WaveGrid<const D: usize> {
     laplacian: Arc<Vec<f64>>,
     /// `cos` and `sin` of `2 pi m j / n`, `j = 0 .. n`, for each `m` from `-n / 2` to `n / 2`.
     turned: Arc<Vec<(Vec<f64>, Vec<f64>)>>,
+    /// The reciprocal vectors, as columns.
+    reciprocal: SMatrix<f64, D, D>,
+    /// How many of each a wave vector is.
+    cycles: SMatrix<f64, D, D>,
+    /// What has been taken off wave vectors that were folded.
+    shifts: Option<Shifts<D>>,
     site_phases: Mutex<SitePhases<D>>,
+}
+
+/// What folding takes off wave vectors: few different ones for many wave vectors.
+#[derive(Debug, Default)]
+struct Shifts<const D: usize> {
+    distinct: Vec<SVector<f64, D>>,
+    /// The place of the shift of each wave vector among these.
+    of_wave: Vec<u32>,
 }
 
 /// Sites with the cosine and the sine of `k.site` at all wave vectors.
@@ -29,10 +44,7 @@ type SitePhases<const D: usize> = Vec<(SVector<f64, D>, Arc<(Vec<f64>, Vec<f64>)
 impl<const D: usize> WaveGrid<D> {
     fn new(lattice: &BravaisLattice<D>, resolution: usize) -> Self {
         let n = resolution as i64;
-        let centered = |j: usize| {
-            let (j, n) = (j as f64, n as f64);
-            (if 2.0 * j > n { j - n } else { j }) / n
-        };
+        let centered = |j: usize| centered(j, resolution);
         let wave_vectors: Vec<SVector<f64, D>> = (0..resolution.pow(D as u32))
             .map(|index| {
                 let fractional = coordinates::<D>(index, resolution).map(centered);
@@ -54,26 +66,43 @@ impl<const D: usize> WaveGrid<D> {
             laplacian: Arc::new(laplacian),
             wave_vectors,
             turned: Arc::new((-(n / 2)..=n / 2).map(turned).collect()),
+            reciprocal: *lattice.reciprocal(),
+            cycles: lattice.vectors().transpose() / TAU,
+            shifts: None,
             site_phases: Mutex::new(Vec::new()),
         }
     }
 
     /// The same with each wave vector replaced by an equivalent one, of `k` and `-k` by opposite ones.
-    fn folded(&self, folded: impl Fn(SVector<f64, D>) -> SVector<f64, D>) -> Self {
+    fn folded(&self, folded: impl Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Self {
         let mut wave_vectors = self.wave_vectors.clone();
+        let mut shifts = Shifts::default();
+        let mut known: Vec<[i32; D]> = Vec::new();
         for index in 0..wave_vectors.len() {
             let opposite = opposite::<D>(index, self.resolution);
-            wave_vectors[index] = if opposite < index {
+            let own = if opposite < index {
                 -wave_vectors[opposite]
             } else {
-                folded(wave_vectors[index])
+                folded(&wave_vectors[index])
             };
+            let shift = wave_vectors[index] - own;
+            let steps = array_of(|d| (self.cycles.row(d) * shift)[0].round() as i32);
+            let place = known.iter().position(|other| *other == steps);
+            shifts.of_wave.push(place.unwrap_or(known.len()) as u32);
+            if place.is_none() {
+                known.push(steps);
+                shifts.distinct.push(shift);
+            }
+            wave_vectors[index] = own;
         }
         Self {
             resolution: self.resolution,
             laplacian: Arc::clone(&self.laplacian),
             wave_vectors,
             turned: Arc::clone(&self.turned),
+            reciprocal: self.reciprocal,
+            cycles: self.cycles,
+            shifts: Some(shifts),
             site_phases: Mutex::new(Vec::new()),
         }
     }
@@ -117,15 +146,46 @@ impl<const D: usize> WaveGrid<D> {
         if let Some((_, phases)) = known.iter().find(|(other, _)| other == site) {
             return Arc::clone(phases);
         }
-        let phase = |k: &SVector<f64, D>| {
-            let (sine, cosine) = k.dot(site).sin_cos();
-            (cosine, sine)
-        };
         let phases: Arc<(Vec<f64>, Vec<f64>)> =
-            Arc::new(self.wave_vectors.iter().map(phase).unzip());
+            Arc::new(self.phases_of(site).iter().map(|p| (p.re, p.im)).unzip());
         known.push((*site, Arc::clone(&phases)));
         phases
     }
+}
+
+impl<const D: usize> WaveGrid<D> {
+    /// `exp(i k.site)`: a product of those along the reciprocal vectors, and of that of the shift, with far fewer sines than wave vectors.
+    fn phases_of(&self, site: &SVector<f64, D>) -> Vec<Complex> {
+        let turned = |angle: f64| Complex::from_polar(1.0, angle);
+        let mut phases = vec![Complex::new(1.0, 0.0)];
+        for axis in self.reciprocal.column_iter() {
+            let along = axis.dot(site);
+            let line: Vec<Complex> = (0..self.resolution)
+                .map(|j| turned(centered(j, self.resolution) * along))
+                .collect();
+            let next = phases
+                .iter()
+                .flat_map(|phase| line.iter().map(move |own| phase * own));
+            phases = next.collect();
+        }
+        if let Some(shifts) = &self.shifts {
+            let distinct: Vec<Complex> = shifts
+                .distinct
+                .iter()
+                .map(|shift| turned(-shift.dot(site)))
+                .collect();
+            for (phase, place) in phases.iter_mut().zip(&shifts.of_wave) {
+                *phase *= distinct[*place as usize];
+            }
+        }
+        phases
+    }
+}
+
+/// A number of a grid along an axis as a part of the reciprocal vector; beyond the middle it stands for a negative one.
+fn centered(j: usize, resolution: usize) -> f64 {
+    let (j, n) = (j as f64, resolution as f64);
+    (if 2.0 * j > n { j - n } else { j }) / n
 }
 
 /// The grids of one lattice, each made when it is first asked for.
@@ -230,7 +290,7 @@ impl<const D: usize> WaveGrids<D> {
         let plain = self.grid(resolution);
         self.cached((resolution, true), || {
             let zone = super::BrillouinZone::new(self.lattice);
-            plain.folded(|k| zone.folded(&k))
+            plain.folded(|k| zone.folded(k))
         })
     }
 
@@ -238,7 +298,7 @@ impl<const D: usize> WaveGrids<D> {
     pub fn grid_folded_by(
         &self,
         resolution: usize,
-        folded: impl Fn(SVector<f64, D>) -> SVector<f64, D>,
+        folded: impl Fn(&SVector<f64, D>) -> SVector<f64, D>,
     ) -> Arc<WaveGrid<D>> {
         Arc::new(self.grid(resolution).folded(folded))
     }
@@ -264,4 +324,38 @@ fn inverse_square_root<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D
             })
             .sum()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::WaveGrids;
+    use crate::lattice::{BrillouinZone, LatticeKind};
+    use nalgebra::{Matrix2, Vector2};
+
+    /// Also on the lines between `k` and `-k`, and where a zone that is not that of the grid takes other vectors off.
+    #[test]
+    fn phases_of_sites_are_those_of_folded_wave_vectors() {
+        let lattice = LatticeKind::Hexagonal.lattice::<2>(1.0).expect("a lattice");
+        let grids = WaveGrids::new(lattice);
+        let stretch = Matrix2::new(1.3, 0.2, 0.0, 0.6);
+        let zone = BrillouinZone::new(lattice.mapped(&stretch).expect("a lattice"));
+        let folded = |k: &Vector2<f64>| {
+            stretch.transpose()
+                * zone.folded(&(stretch.transpose().try_inverse().expect("a map") * k))
+        };
+        for grid in [
+            grids.grid(12),
+            grids.folded_grid(12),
+            grids.grid_folded_by(12, folded),
+        ] {
+            for site in [Vector2::new(0.5, 0.0), Vector2::new(0.31, -0.77)] {
+                let phases = grid.site_phases(&site);
+                for (n, k) in grid.wave_vectors().iter().enumerate() {
+                    let (sine, cosine) = k.dot(&site).sin_cos();
+                    assert!((phases.0[n] - cosine).abs() < 1e-14, "{k} {site}");
+                    assert!((phases.1[n] - sine).abs() < 1e-14, "{k} {site}");
+                }
+            }
+        }
+    }
 }

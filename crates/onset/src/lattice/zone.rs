@@ -15,6 +15,8 @@ pub struct BrillouinZone<const D: usize> {
     short: SMatrix<f64, D, D>,
     /// Short reciprocal vectors `G`; the zone is `k . G <= |G|^2 / 2` for all of them.
     reciprocal: Vec<SVector<f64, D>>,
+    /// `|G|^2 / 2`.
+    bisectors: Vec<f64>,
 }
 
 impl<const D: usize> BrillouinZone<D> {
@@ -35,12 +37,14 @@ impl<const D: usize> BrillouinZone<D> {
             |k: &SVector<f64, D>, g: &SVector<f64, D>| k.dot(g) > (0.5 + 1e-9) * g.norm_squared();
         let bounding =
             |g: &SVector<f64, D>| reciprocal.iter().all(|other| !beyond(&(g * 0.5), other));
-        let reciprocal = reciprocal.iter().filter(|g| bounding(g)).copied().collect();
+        let bounding = reciprocal.iter().filter(|g| bounding(g));
+        let (reciprocal, bisectors) = bounding.map(|g| (*g, 0.5 * g.norm_squared())).unzip();
         Self {
             lattice,
             dual,
             short,
             reciprocal,
+            bisectors,
         }
     }
 
@@ -60,13 +64,16 @@ impl<const D: usize> BrillouinZone<D> {
         let mut folded = self.short * cycles.map(|x| x - x.round());
         // Each step shortens the vector; few are needed, and the bound only guards rounding.
         for _ in 0..64 {
-            let excess = |g: &SVector<f64, D>| folded.dot(g) - 0.5 * g.norm_squared();
-            let farthest = self
-                .reciprocal
-                .iter()
-                .max_by(|a, b| excess(a).total_cmp(&excess(b)));
-            match farthest {
-                Some(g) if excess(g) > 1e-12 * g.norm_squared() => folded -= g,
+            let mut farthest = (0, f64::NEG_INFINITY);
+            for (n, (g, half)) in self.reciprocal.iter().zip(&self.bisectors).enumerate() {
+                let excess = folded.dot(g) - half;
+                if excess >= farthest.1 {
+                    farthest = (n, excess);
+                }
+            }
+            let (n, excess) = farthest;
+            match self.bisectors.get(n) {
+                Some(half) if excess > 2e-12 * half => folded -= self.reciprocal[n],
                 _ => break,
             }
         }

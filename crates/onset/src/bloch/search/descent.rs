@@ -1,7 +1,7 @@
 //! From the wells of the grid to their bottoms.
 
 use super::grid::Grid;
-use super::{Candidate, Objective, RAY, ZoneSearch};
+use super::{Candidate, Objective, RAY, Seen, ZoneSearch};
 use crate::algebra::{Complex, Each, GoldenSection, array_of, eigenvalues, symmetric_eigen};
 use crate::bloch::branches::Taylor;
 use crate::bloch::{DynamicalMatrix, growth_rate};
@@ -17,6 +17,8 @@ const LONG_WAVE: f64 = 1e-3;
 const STEPS: usize = 40;
 /// A well is a valley when its curvatures differ by this factor.
 const SHALLOW: f64 = 0.1;
+/// Steps along an edge of a zone that does not repeat, between which its minima are sought.
+const SAMPLES: usize = 24;
 /// Relative length of a step that counts as converged.
 const CONVERGED: f64 = 1e-9;
 
@@ -33,7 +35,7 @@ impl<const D: usize> ZoneSearch<D> {
         let boundary = if self.is_periodic {
             Vec::new()
         } else {
-            self.boundary_minima(matrix, objective)
+            self.boundary_minima(matrix, grid, objective)
         };
         let mut best: Option<Candidate<D>> =
             boundary.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0));
@@ -117,9 +119,9 @@ impl<const D: usize> ZoneSearch<D> {
     fn boundary_minima(
         &self,
         matrix: &DynamicalMatrix<D>,
+        grid: &Grid<D>,
         objective: Objective,
     ) -> Vec<Candidate<D>> {
-        const SAMPLES: usize = 24;
         let corners = self.zone().corners();
         let at = |k: &SVector<f64, D>| {
             let k = self.to_reference * k;
@@ -130,27 +132,40 @@ impl<const D: usize> ZoneSearch<D> {
             let faces = self.zone().faces();
             minima.extend(faces.iter().map(|face| minimum_on_face(face, &at)));
         }
-        if D != 2 {
-            return minima;
-        }
-        // k and -k are equivalent: half of the edges is enough.
-        for edge in 0..corners.len().div_ceil(2) {
-            let (from, to) = (corners[edge], corners[(edge + 1) % corners.len()]);
-            let along = |t: f64| at(&(from + (to - from) * t)).0;
-            let samples: Vec<f64> = (0..=SAMPLES)
-                .map(|n| along(n as f64 / SAMPLES as f64))
-                .collect();
+        let edges = grid.edges.get_or_init(|| self.edges(matrix));
+        let value = |seen: &Seen<D>| self.value(matrix, objective, seen);
+        let values: Vec<Vec<f64>> = edges
+            .iter()
+            .map(|edge| edge.iter().map(value).collect())
+            .collect();
+        for (edge, values) in edges.iter().zip(&values) {
+            let (from, to) = (edge[0].wave_vector, edge[SAMPLES].wave_vector);
+            let along = |t: f64| from + (to - from) * t;
+            let value = |t: f64| self.value_at(matrix, objective, &along(t));
             for n in 1..SAMPLES {
-                if samples[n] <= samples[n - 1] && samples[n] <= samples[n + 1] {
-                    let (low, high) = (
-                        (n - 1) as f64 / SAMPLES as f64,
-                        (n + 1) as f64 / SAMPLES as f64,
-                    );
-                    minima.push(at(&(from + (to - from) * golden_section(&along, low, high))));
+                if values[n] <= values[n - 1].min(values[n + 1]) {
+                    let [low, high] = [n - 1, n + 1].map(|n| n as f64 / SAMPLES as f64);
+                    let t = golden_section(&value, low, high);
+                    minima.push((value(t), along(t)));
                 }
             }
         }
         minima
+    }
+
+    /// What is seen along the edges of the zone in the plane, of which `k` and `-k` make one half enough; none in one and three dimensions.
+    fn edges(&self, matrix: &DynamicalMatrix<D>) -> Vec<Vec<Seen<D>>> {
+        if D != 2 {
+            return Vec::new();
+        }
+        let corners = self.zone().corners();
+        let count = corners.len();
+        let edge = |n: usize| {
+            let [from, to] = [n, (n + 1) % count].map(|n| self.to_reference * corners[n]);
+            let along = |n: usize| from + (to - from) * (n as f64 / SAMPLES as f64);
+            (0..=SAMPLES).map(|n| Seen::of(matrix, along(n))).collect()
+        };
+        (0..count.div_ceil(2)).map(edge).collect()
     }
 
     /// Follows a well to its bottom by Newton's method with exact derivatives and a line search; where the objective is

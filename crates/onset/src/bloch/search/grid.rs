@@ -1,7 +1,7 @@
 //! The spectrum on a grid over the zone, and its wells.
 
-use super::{Candidate, Objective, ZoneSearch};
-use crate::algebra::{Complex, eigenvalues, neighbors, sort_by_value};
+use super::{Candidate, Objective, Seen, ZoneSearch};
+use crate::algebra::{Complex, neighbors, sort_by_value};
 use crate::bloch::DynamicalMatrix;
 use crate::bloch::growth_rate;
 use crate::bloch::planar::PlanarEntries;
@@ -28,6 +28,10 @@ pub(super) struct Grid<const D: usize> {
     pub(super) soft_direction: SVector<f64, D>,
     /// Wave vectors in pockets of complex `omega^2` between its points, once they are needed.
     pub(super) pockets: OnceLock<Vec<SVector<f64, D>>>,
+    /// Wave vectors along the direction in which the longest waves flutter, likewise.
+    pub(super) opening: OnceLock<Vec<SVector<f64, D>>>,
+    /// What is seen along the edges of a zone that does not repeat, likewise.
+    pub(super) edges: OnceLock<Vec<Vec<Seen<D>>>>,
 }
 
 /// A point of the grid that is lower than those around it.
@@ -199,7 +203,7 @@ impl<const D: usize> ZoneSearch<D> {
         let waves = match (self.is_periodic, self.home_is_reference) {
             (true, _) => self.grids.grid(resolution),
             (false, true) => self.grids.folded_grid(resolution),
-            (false, false) => self.grids.grid_folded_by(resolution, |k| self.folded(&k)),
+            (false, false) => self.grids.grid_folded_by(resolution, |k| self.folded(k)),
         };
         let is_spatial = D == 3 && matrix.is_centrosymmetric() && matrix.sites().len() == 1;
         let wedge = is_spatial.then(|| {
@@ -229,6 +233,8 @@ impl<const D: usize> ZoneSearch<D> {
             spectrum,
             soft_direction,
             pockets: OnceLock::new(),
+            opening: OnceLock::new(),
+            edges: OnceLock::new(),
         }
     }
 
@@ -239,10 +245,8 @@ impl<const D: usize> ZoneSearch<D> {
         let mut spectrum = GridSpectrum::zeros(count, half);
         spectrum.slowness = vec![0.0; count];
         for index in 0..half {
-            let k = &waves.wave_vectors()[index];
-            let d = matrix.at(k);
-            let omega_squared = eigenvalues(&d, matrix.noise());
-            let value = |objective| self.value(matrix, objective, k, &d, &omega_squared);
+            let seen = Seen::of(matrix, waves.wave_vectors()[index]);
+            let value = |objective| self.value(matrix, objective, &seen);
             spectrum.slowness[index] = value(Objective::Growth);
             spectrum.scaled[index] = value(Objective::Scaled);
             spectrum.lowest[index] = value(Objective::Lowest);

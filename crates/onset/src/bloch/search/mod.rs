@@ -10,10 +10,9 @@ mod mirrored;
 use super::bound::{self, Measure, Question};
 use super::pocket::{Around, Order, Pockets};
 use super::short_range::ShortRange;
-use super::spatial::SpatialSpectrum;
 use super::spectrum::{Mode, SpectrumSummary, Stability};
 use super::{DynamicalMatrix, IsEnded, growth_rate, is_shown_reversed};
-use crate::algebra::{Complex, Each, array_of, eigenvalues, eigenvector};
+use crate::algebra::{Complex, Deviator, Each, array_of, eigenvalues, eigenvector};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{
@@ -85,6 +84,52 @@ pub(in crate::bloch) enum Objective {
 
 /// A wave vector with the value of the objective there.
 pub(in crate::bloch) type Candidate<const D: usize> = (f64, SVector<f64, D>);
+
+/// A wave vector, the matrix there, and its eigenvalues, by increasing real part: what all objectives follow from.
+struct Seen<const D: usize> {
+    wave_vector: SVector<f64, D>,
+    matrix: SMatrix<Complex, D, D>,
+    omega_squared: [Complex; D],
+}
+
+impl<const D: usize> Seen<D> {
+    fn of(matrix: &DynamicalMatrix<D>, k: SVector<f64, D>) -> Self {
+        Self::with(matrix, k, matrix.at(&k))
+    }
+
+    fn with(
+        matrix: &DynamicalMatrix<D>,
+        wave_vector: SVector<f64, D>,
+        there: SMatrix<Complex, D, D>,
+    ) -> Self {
+        Self {
+            wave_vector,
+            omega_squared: eigenvalues(&there, matrix.noise()),
+            matrix: there,
+        }
+    }
+}
+
+/// What is negative where `omega^2` is complex, of a matrix that is real; in the plane and in space, where it tells of all pockets.
+fn discriminant<const D: usize>(
+    matrix: &DynamicalMatrix<D>,
+    d: &SMatrix<Complex, D, D>,
+) -> Option<f64> {
+    if !matrix.is_centrosymmetric() {
+        return None;
+    }
+    match D {
+        2 => {
+            let half = (d[(0, 0)] - d[(1, 1)]) * 0.5;
+            Some((half * half + d[(0, 1)] * d[(1, 0)]).re)
+        }
+        3 => {
+            let entries = array_of(|e| d[(e / 3, e % 3)].re);
+            Some(Deviator::of(&entries).discriminant())
+        }
+        _ => None,
+    }
+}
 
 impl<const D: usize> ZoneSearch<D> {
     /// The zone of a method at a state. `speed_squared` is the `c^2` of the scaled measure.
@@ -245,8 +290,7 @@ impl<const D: usize> ZoneSearch<D> {
             tolerance,
             bound,
             flutters: fluttering.is_some(),
-            long_waves_flutter: fluttering.is_some()
-                && matrix.long_wave_stiffness().flutter().is_some(),
+            long_waves_flutter: fluttering.is_some() && self.long_waves_flutter(matrix, &wells),
         }
     }
 
@@ -326,7 +370,7 @@ impl<const D: usize> ZoneSearch<D> {
                 Wells::Grid(if matrix.is_hermitian() {
                     coarse
                 } else {
-                    self.grid(matrix, FINE, long_wave.wave_vector)
+                    Box::new(self.grid(matrix, FINE, long_wave.wave_vector))
                 })
             }
             mirrored => mirrored,
@@ -552,31 +596,18 @@ impl<const D: usize> ZoneSearch<D> {
         self.zone().contains(&(self.from_reference * k), 1e-12)
     }
 
-    fn value(
-        &self,
-        matrix: &DynamicalMatrix<D>,
-        objective: Objective,
-        k: &SVector<f64, D>,
-        d: &SMatrix<Complex, D, D>,
-        omega_squared: &[Complex; D],
-    ) -> f64 {
+    fn value(&self, matrix: &DynamicalMatrix<D>, objective: Objective, seen: &Seen<D>) -> f64 {
+        let omega_squared = &seen.omega_squared;
         match objective {
             Objective::Scaled => {
-                omega_squared[0].re / (self.speed_squared * self.reference().laplacian(k))
+                let laplacian = self.reference().laplacian(&seen.wave_vector);
+                omega_squared[0].re / (self.speed_squared * laplacian)
             }
             Objective::Lowest => omega_squared[0].re,
             Objective::Highest => -omega_squared[D - 1].re,
-            Objective::Discriminant => match D {
-                2 if matrix.is_centrosymmetric() => {
-                    let half = (d[(0, 0)] - d[(1, 1)]) * 0.5;
-                    (half * half + d[(0, 1)] * d[(1, 0)]).re
-                }
-                3 if matrix.is_centrosymmetric() => {
-                    let entries = array_of(|e| d[(e / 3, e % 3)].re);
-                    SpatialSpectrum::of(&entries).discriminant
-                }
-                _ => -complex_growth(omega_squared),
-            },
+            Objective::Discriminant => {
+                discriminant(matrix, &seen.matrix).unwrap_or_else(|| -complex_growth(omega_squared))
+            }
             Objective::Growth => -complex_growth(omega_squared),
         }
     }
@@ -588,7 +619,12 @@ impl<const D: usize> ZoneSearch<D> {
         k: &SVector<f64, D>,
     ) -> f64 {
         let d = matrix.at(k);
-        self.value(matrix, objective, k, &d, &eigenvalues(&d, matrix.noise()))
+        if objective == Objective::Discriminant
+            && let Some(value) = discriminant(matrix, &d)
+        {
+            return value;
+        }
+        self.value(matrix, objective, &Seen::with(matrix, *k, d))
     }
 
     /// A mode with complex `omega^2` that grows noticeably, if there is one.
@@ -605,12 +641,10 @@ impl<const D: usize> ZoneSearch<D> {
         };
         let pocket = wells.bottom(self, matrix, Objective::Discriminant, floor);
         let opening = match wells {
-            Wells::Grid(grid) => {
-                let step = 1.0 / grid.waves.resolution() as f64;
-                self.long_flutter(&matrix.long_wave_stiffness(), step)
-            }
-            Wells::Mirrored { .. } => Vec::new(),
+            Wells::Grid(grid) => self.opening(matrix, grid),
+            Wells::Mirrored { .. } => &[],
         };
+        let opening = opening.iter().copied();
         let candidates = pocket.map(|(_, k)| k).into_iter().chain(opening);
         let noticeable =
             |mode: &Mode<D>| growth_rate(mode.omega_squared) > self.flutter_threshold(1);
@@ -630,6 +664,21 @@ impl<const D: usize> ZoneSearch<D> {
                     .filter_map(|k| self.fluttering_mode(matrix, k));
                 modes.find(noticeable)
             })
+    }
+
+    /// Wave vectors along the direction in which the longest waves flutter fastest.
+    fn opening<'g>(&self, matrix: &DynamicalMatrix<D>, grid: &'g Grid<D>) -> &'g [SVector<f64, D>] {
+        let step = 1.0 / grid.waves.resolution() as f64;
+        grid.opening
+            .get_or_init(|| self.long_flutter(&matrix.long_wave_stiffness(), step))
+    }
+
+    /// Whether the longest waves flutter.
+    fn long_waves_flutter(&self, matrix: &DynamicalMatrix<D>, wells: &Wells<D>) -> bool {
+        match wells {
+            Wells::Grid(grid) => !self.opening(matrix, grid).is_empty(),
+            Wells::Mirrored { .. } => matrix.long_wave_stiffness().flutter().is_some(),
+        }
     }
 
     /// Wave vectors in pockets of complex `omega^2` that are smaller than the steps of a grid.
@@ -674,7 +723,7 @@ impl<const D: usize> ZoneSearch<D> {
         };
         let Some(sums) = matrix.mirror_sums(mirrors) else {
             let grid = self.grid(matrix, points_per_period, long_wave.wave_vector);
-            return Wells::Grid(grid);
+            return Wells::Grid(Box::new(grid));
         };
         let waves = self.grids.mirrored(sums.number, mirrored::intervals(&sums));
         let request = |objective, floor| Request { objective, floor };
@@ -755,7 +804,7 @@ impl<const D: usize> ZoneSearch<D> {
 /// The wells of the zone.
 enum Wells<const D: usize> {
     /// Of a grid, to be followed.
-    Grid(Grid<D>),
+    Grid(Box<Grid<D>>),
     /// Followed to their bottoms, where the matrix has a mirror line.
     Mirrored {
         bottoms: Vec<Bottom>,

@@ -9,7 +9,7 @@
 use super::cover::{Cover, Triangle, cover, octants};
 use super::form::Form;
 use super::{Axes, Blocks, Minimum, dot, spread, symmetric_minimum};
-use crate::algebra::{Complex, Each, array_of, eigenvalues, sort_by_value};
+use crate::algebra::{Complex, Deviator, Each, array_of, eigenvalues, sort_by_value};
 use nalgebra::{Matrix3, SMatrix};
 
 /// Directions to go down from.
@@ -123,13 +123,9 @@ pub(in crate::continuum) fn fluttering_direction<const D: usize>(blocks: &Blocks
     best.map_or([1.0, 0.0, 0.0], |best| best.1)
 }
 
-/// That of the characteristic polynomial, `prod (q_i - q_j)^2`: negative where two eigenvalues are complex.
+/// That of the characteristic polynomial, but for a factor: negative where two eigenvalues are complex.
 fn discriminant(tensor: &Matrix3<f64>) -> f64 {
-    // Of the part without trace: q^3 + p q + r.
-    let shifted = tensor - Matrix3::identity() * (tensor.trace() / 3.0);
-    let p = -0.5 * (shifted * shifted).trace();
-    let r = -shifted.determinant();
-    -4.0 * p * p * p - 27.0 * r * r
+    Deviator::of(&array_of(|e| tensor[(e / 3, e % 3)])).discriminant()
 }
 
 fn lowest_real_part(blocks: &Blocks3, n: &Axes<f64>) -> f64 {
