@@ -336,7 +336,7 @@ fn figure_05() -> Result<Plate, ReproduceError> {
         let support = study.settings.discretization.support;
         figure = figure.with(
             stretch_panel(&study, &study.title)
-                .with(Domain::of(&study)?.layer())
+                .with(Domain::of(&study)?.smoothed()?.layer())
                 .with(Line::new(boundary.clone()).named("PDE"))
                 .with(
                     Points::new(rows.iter().map(|row| (row[0], row[2])).collect::<Vec<_>>())
