@@ -610,23 +610,26 @@ def map_into(
     out: str | os.PathLike[str],
     study: Study | str | os.PathLike[str],
     *,
-    tiles: tuple[int, int] | None = None,
+    tiles: tuple[int, int] | str | None = None,
     resume: bool = False,
     overwrite: bool = False,
     executor: Executor | None = None,
 ) -> Mapped:
     """Computes the map of a study into the store `out`, and tells what came of it: ``onset map``.
 
-    `tiles` are the first and the one after the last of those that are computed; several processes may do parts of one store at the same time.
+    `tiles` are the first and the one after the last of those that are computed, or a share of all, ``"1/8"`` to ``"8/8"``, whose tiles lie evenly among them;
+    several processes may do parts of one store at the same time.
     Ctrl-C ends with the tiles that have begun, a second one with the states being computed, up to 512 on each core, in an adaptive map with those tiles;
     with `resume` the map goes on. With an `executor`, anything with a ``submit`` whose workers see `out`, each tile is a task; what lost workers leave is
     computed here in the end. A store that exists is refused, unless `resume` or `tiles` go on with it or
     `overwrite` replaces it.
     """
     part = None
-    if tiles is not None:
+    if isinstance(tiles, str):
+        part = tiles
+    elif tiles is not None:
         first, last = _two(tiles, "tiles")
-        part = (whole(first, "tiles", 0, MOST), whole(last, "tiles", 0, MOST))
+        part = f"{whole(first, 'tiles', 0, MOST)}..{whole(last, 'tiles', 0, MOST)}"
     anew, again = switch(overwrite, "overwrite"), switch(resume, "resume")
     if anew and (again or part is not None):
         raise InputError("`overwrite` begins a store anew; leave out `resume` and `tiles`")
@@ -662,7 +665,7 @@ def _elsewhere(executor: Executor, study: Study, folder: str, tiles: int) -> Non
 
 def _tile(study: Study, folder: str, tile: int, run: str) -> int:
     """Computes one tile of a store, in a process of an executor; it may be repeated. `run` tells tasks of different runs apart."""
-    study._study.map(folder, (tile, tile + 1), True, False)
+    study._study.map(folder, f"{tile}..{tile + 1}", True, False)
     return tile
 
 
@@ -671,7 +674,7 @@ def map(
     study: Study | str | os.PathLike[str],
     *,
     out: str | os.PathLike[str],
-    tiles: tuple[int, int] | None = None,
+    tiles: tuple[int, int] | str | None = None,
     resume: bool = False,
     overwrite: bool = False,
     executor: Executor | None = None,

@@ -321,6 +321,9 @@ def test_a_study_of_objects_has_the_store_of_its_file(tmp_path: Path) -> None:
     command("map", str(tmp_path / "study.toml"), "--out", str(tmp_path / "there.zarr"))
     # Part after part, and what is left with `resume`.
     onset.map_into(tmp_path / "here.zarr", study, tiles=(1, 3))
+    onset.map_into(tmp_path / "here.zarr", study, tiles="2/2")
+    with pytest.raises(onset.InputError, match="for example 1/8"):
+        onset.map_into(tmp_path / "here.zarr", study, tiles="3/2")
     dataset = onset.map(study, out=tmp_path / "here.zarr", resume=True)
     assert contents(tmp_path / "here.zarr") == contents(tmp_path / "there.zarr")
     assert dataset.verdict.dims == ("stretch-2", "stretch-1")

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// Runs the criterion benches, checks the peers against the command, and compares states per second and minima.
-/// A full run writes `bench/README.md`, a quick one a trial in `target/bench/`.
+/// A full run writes `bench/README.md`, `bench/waiting.md` and `bench/bodies.md`, a quick one trials in `target/bench/`.
 ///
 /// # Errors
 /// What failed, in words.
@@ -23,6 +23,11 @@ pub fn run(quick: bool) -> Result<(), String> {
         "the command",
         Command::new(&cargo).args(["build", "--release", "--package", "onset-cli"]),
     )?;
+    let target = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".to_owned());
+    let current = std::env::current_dir()
+        .map_err(|error| format!("cannot tell the current folder: {error}"))?;
+    let onset = current.join(target).join("release/onset");
+    waiting(&interpreter, &onset, quick)?;
     bodies(&cargo, &interpreter, quick)?;
     // Built before it is timed.
     step(
@@ -36,10 +41,6 @@ pub fn run(quick: bool) -> Result<(), String> {
             "--no-run",
         ]),
     )?;
-    let target = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".to_owned());
-    let current = std::env::current_dir()
-        .map_err(|error| format!("cannot tell the current folder: {error}"))?;
-    let onset = current.join(target).join("release/onset");
     let states = if quick { "10" } else { "40" };
     step(
         "the peers against the command",
@@ -55,6 +56,18 @@ pub fn run(quick: bool) -> Result<(), String> {
         ["--out", "bench/README.md"].as_slice()
     });
     step("the peers against the map", &mut compare)
+}
+
+/// How long commands take, small and large.
+fn waiting(interpreter: &Path, onset: &Path, quick: bool) -> Result<(), String> {
+    let mut waiting = Command::new(interpreter);
+    waiting.arg("bench/waiting.py").arg("--onset").arg(onset);
+    waiting.args(if quick {
+        ["--quick", "--out", "target/bench/waiting.md"].as_slice()
+    } else {
+        ["--out", "bench/waiting.md"].as_slice()
+    });
+    step("how long people wait", &mut waiting)
 }
 
 /// Steps of a body here and in LAMMPS, where that can be had.

@@ -9,12 +9,13 @@ use onset_study::criteria::{Lateral, Mode, Range as Stretches};
 use onset_study::figure::ColorMap;
 use onset_study::limit::Integrator;
 use onset_study::localization::PARAMETERS;
+use onset_study::map::Part;
 use onset_study::settings::Program;
 use onset_study::settings::{BODY_KEYS, COMPARISON_KEYS, GRIP_KEYS, KEYS, Key, did_you_mean};
 use onset_study::simulate::Stepper;
 use onset_study::verify::Stepping;
-use std::ops::Range;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 /// A key with what it expects and means.
 fn line(key: &Key) -> String {
@@ -999,10 +1000,10 @@ pub struct MapArguments {
     /// Folder of the store [default: the name of the study file, with .zarr, in the current folder].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Compute these tiles only, A to B - 1; several processes may do parts of one store at the same time. Tiles that are done
-    /// are kept.
-    #[arg(long, value_name = "A..B", value_parser = tiles)]
-    pub tiles: Option<Range<usize>>,
+    /// Compute these tiles only: A to B - 1, or share M of N, whose tiles lie evenly among all. Several processes may do parts of one store at
+    /// the same time. Tiles that are done are kept.
+    #[arg(long, value_name = "A..B | M/N", value_parser = Part::from_str)]
+    pub tiles: Option<Part>,
     /// Resume a store of the same study; create it where there is none.
     #[arg(long)]
     pub resume: bool,
@@ -1143,20 +1144,6 @@ fn tolerance(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(number) if number > 0.0 && number < 1.0 => Ok(number),
         _ => Err("expected a number above 0 and below 1, for example 1e-3".to_owned()),
-    }
-}
-
-/// A range of tiles as typed.
-fn tiles(text: &str) -> Result<Range<usize>, String> {
-    let range = text.split_once("..").and_then(|(start, end)| {
-        let number = |text: &str| text.trim().parse::<usize>().ok();
-        Some(number(start)?..number(end)?)
-    });
-    match range {
-        Some(range) if range.start < range.end => Ok(range),
-        _ => {
-            Err("expected the first tile and the one after the last, for example 0..64".to_owned())
-        }
     }
 }
 

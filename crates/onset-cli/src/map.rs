@@ -68,12 +68,12 @@ pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
         ZarrStore::create(&path, plan.layout())
     }?;
     let states = tiles
-        .clone()
-        .map(|tile| plan.tiling().at(tile).states() as u64)
+        .iter()
+        .map(|tile| plan.tiling().at(*tile).states() as u64)
         .sum();
     let progress = Progress::new(states, is_quiet());
     let asked = tiles.len();
-    let summary = plan.run(&store, tiles, &progress)?;
+    let summary = plan.run(&store, &tiles, &progress)?;
     interrupt::is_ending();
     progress.0.finish_and_clear();
     let is_interrupted = summary.tiles_computed + summary.tiles_found < asked;
@@ -112,7 +112,7 @@ fn resuming(arguments: &MapArguments, path: &Path) -> String {
         quoted_file(path)
     );
     if let Some(tiles) = &arguments.tiles {
-        command.push_str(&format!(" --tiles {}..{}", tiles.start, tiles.end));
+        command.push_str(&format!(" --tiles {tiles}"));
     }
     for assignment in &arguments.assignments {
         command.push_str(&format!(" --set {}", quoted(assignment.as_ref())));

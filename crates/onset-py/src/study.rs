@@ -5,12 +5,11 @@ use crate::failure::Failure;
 use crate::interrupt::{self, Interrupt};
 use crate::problem::{Source, trusted};
 use onset_study::boundary::{self, Boundaries, Tracing, files};
-use onset_study::map::{self, Plan, Summary};
+use onset_study::map::{self, Part, Plan, Summary};
 use onset_study::settings;
 use onset_study::store::ZarrStore;
 use pyo3::prelude::*;
 use serde::Serialize;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// A study of two or three axes.
@@ -122,24 +121,27 @@ impl Study {
         })
     }
 
-    /// Computes tiles of the map, all unless a range is given, into a store.
+    /// Computes tiles of the map, all unless a part is given, into a store.
     fn map(
         &self,
         py: Python<'_>,
         out: PathBuf,
-        tiles: Option<(usize, usize)>,
+        tiles: Option<String>,
         resume: bool,
         overwrite: bool,
     ) -> PyResult<Answer> {
         let study = self.0.clone();
         interrupt::ending(py, move |interrupt| {
             let plan = Plan::new(&study)?;
-            let asked = tiles.map(|(start, end)| Range { start, end });
+            let asked = tiles.map(|text| text.parse::<Part>());
+            let asked = asked
+                .transpose()
+                .map_err(|error| Failure::input(format!("tiles: {error}")))?;
             let is_part = asked.is_some();
             let tiles = plan.tiles(asked)?;
             let store = store(&plan, &out, resume || is_part, overwrite)?;
             let asked = tiles.len();
-            let summary = plan.run(&store, tiles, &interrupt)?;
+            let summary = plan.run(&store, &tiles, &interrupt)?;
             let mapped = Mapped {
                 store: out.display().to_string(),
                 summary: &summary,

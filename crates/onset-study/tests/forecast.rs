@@ -30,7 +30,7 @@ fn counted(study: &Study, name: &str) -> u64 {
         std::env::temp_dir().join(format!("onset-forecast-{}-{name}.zarr", std::process::id()));
     let store = ZarrStore::create(&path, plan.layout()).expect("a store");
     let tiles = plan.tiles(None).expect("tiles");
-    let summary = plan.run(&store, tiles, &Quiet).expect("a map");
+    let summary = plan.run(&store, &tiles, &Quiet).expect("a map");
     std::fs::remove_dir_all(&path).expect("removable");
     summary.evaluated
 }

@@ -1,7 +1,7 @@
 //! Figures of stored maps.
 
 use onset_study::figure::{Layer, Panel, Symbol};
-use onset_study::map::{Plan, Watch};
+use onset_study::map::{Part, Plan, Watch};
 use onset_study::plot::{Lines, Look, Plot, plot};
 use onset_study::settings::Study;
 use onset_study::store::ZarrStore;
@@ -37,8 +37,8 @@ impl Place {
         let plan = Plan::new(&study).expect("a plan");
         let path = self.0.join(format!("{name}.zarr"));
         let store = ZarrStore::create(&path, plan.layout()).expect("a store");
-        let tiles = plan.tiles(Some(0..tiles)).expect("tiles");
-        plan.run(&store, tiles, &Quiet).expect("a map");
+        let tiles = plan.tiles(Some(Part::Range(0..tiles))).expect("tiles");
+        plan.run(&store, &tiles, &Quiet).expect("a map");
         path
     }
 }

@@ -569,7 +569,9 @@ fn tiles_that_the_map_does_not_have_are_refused() {
     let place = Place::new(STUDY);
     let beyond = format!("--tiles {TILES}..99");
     assert_refused(&place.map("a.zarr", &beyond), 2, &["25 tiles", "0..25"]);
-    for text in ["1..1", "3..1", "a..b", "5", "-1..2"] {
+    let none = format!("--tiles {}/99", TILES + 1);
+    assert_refused(&place.map("a.zarr", &none), 2, &["25 tiles", "26/99"]);
+    for text in ["1..1", "3..1", "a..b", "5", "-1..2", "0/4", "5/4", "1/0"] {
         let answer = place.map("a.zarr", &format!("--tiles={text}"));
         assert_eq!(answer.code, Some(2));
         assert!(

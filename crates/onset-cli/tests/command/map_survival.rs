@@ -240,6 +240,10 @@ fn four_processes_at_once_make_the_store_of_one() {
     let parts = parts.each_ref().map(String::as_str);
     together(&place, "disjoint.zarr", &parts);
     assert_eq!(tree(&place.store("disjoint.zarr")), whole, "disjoint tiles");
+    let parts = ["1/4", "2/4", "3/4", "4/4"].map(|part| format!("--tiles {part}"));
+    let parts = parts.each_ref().map(String::as_str);
+    together(&place, "shares.zarr", &parts);
+    assert_eq!(tree(&place.store("shares.zarr")), whole, "shares");
     let parts = [
         "--tiles 0..15",
         "--tiles 5..20",

@@ -845,7 +845,16 @@ impl Source {
             &mut line.words,
         );
         if self.chance(30) {
-            let tiles = self.of(&["0..1", "0..1", "0..9999999999", "1..1", "1..2", "x", "3..0"]);
+            let tiles = self.of(&[
+                "0..1",
+                "1/99",
+                "0..9999999999",
+                "1..1",
+                "1..2",
+                "x",
+                "3..0",
+                "2/1",
+            ]);
             line.words.push(format!("--tiles={tiles}"));
         }
         self.out(&mut line.words, 50);

@@ -1,13 +1,13 @@
 //! The computation of a map: tile by tile, on all cores, into a store.
 
 use super::fields::{CERTAINTY, CORRECTED, REASON, VERDICT};
+use super::part::Part;
 use super::summary::{Summary, Tally};
 use super::tile::{Plan, Work};
 use crate::answers::ProblemError;
 use crate::number::counted;
 use crate::store::{Column, ResultStore, StoreError};
 use rayon::prelude::*;
-use std::ops::Range;
 use std::time::Instant;
 use thiserror::Error;
 
@@ -27,12 +27,12 @@ pub enum MapError {
     },
     /// Tiles that the map does not have.
     #[error(
-        "the map has {}, numbered from 0; {asked:?} are none of them\n  hint: --tiles 0..{tiles} are all",
+        "the map has {}, numbered from 0; {asked} are none of them\n  hint: --tiles 0..{tiles} are all",
         counted(*tiles, "tile")
     )]
     Tiles {
         /// What was asked for.
-        asked: Range<usize>,
+        asked: Part,
         /// How many there are.
         tiles: usize,
     },
@@ -75,35 +75,36 @@ const TILES_PER_CORE: usize = 4;
 const STATES_AT_ONCE: usize = 1 << 20;
 
 impl Plan {
-    /// The tiles of a range that the map has; all when none is given. The end may lie beyond the last.
+    /// The tiles of a part that the map has; all when none is given. The end of a range may lie beyond the last.
     ///
     /// # Errors
     /// [`MapError::Tiles`] when none of them exists.
-    pub fn tiles(&self, asked: Option<Range<usize>>) -> Result<Range<usize>, MapError> {
+    pub fn tiles(&self, asked: Option<Part>) -> Result<Vec<usize>, MapError> {
         let tiles = self.tiling.tiles();
-        match asked {
-            None => Ok(0..tiles),
-            Some(range) if range.start < range.end.min(tiles) => {
-                Ok(range.start..range.end.min(tiles))
-            }
-            Some(asked) => Err(MapError::Tiles { asked, tiles }),
+        let Some(asked) = asked else {
+            return Ok((0..tiles).collect());
+        };
+        let own = asked.tiles(tiles);
+        match own.is_empty() {
+            true => Err(MapError::Tiles { asked, tiles }),
+            false => Ok(own),
         }
     }
 
-    /// Computes the tiles of a range that are not done, and checks those that are.
+    /// Computes those of some tiles that are not done, and checks those that are.
     ///
     /// # Errors
     /// [`MapError`] when a state cannot be computed, or the store not be read or written. Tiles that are done stay so.
     pub fn run(
         &self,
         store: &dyn ResultStore,
-        tiles: Range<usize>,
+        tiles: &[usize],
         watch: &dyn Watch,
     ) -> Result<Summary, MapError> {
         let started = Instant::now();
         let mut open = Vec::new();
         let mut done = Vec::new();
-        for tile in tiles {
+        for tile in tiles.iter().copied() {
             if store.is_done(tile)? {
                 done.push(tile);
             } else {

@@ -1,0 +1,220 @@
+"""How long people wait: the commands of the README, maps that are refined, maps in space, one map by several processes.
+
+`python bench/waiting.py --onset PROGRAM --out bench/waiting.md [--quick]`; `cargo xtask bench` does it.
+
+Run from the root of the repository. Commands of the README are read from it: those of its consoles, and the first of each row of its table of questions, but for pages that
+stay open, placeholders, and programs of others. Every command runs in turns, as often as there are rounds, on all cores, in a folder of its own with the studies and
+comparisons; seconds are medians.
+"""
+
+import argparse
+import math
+import os
+import platform
+import re
+import shlex
+import shutil
+import statistics
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+# Commands of the README that others must be there for, or that stay open.
+ELSEWHERE = ("explore", "verify", "audit", "plot")
+# What a command of the README may take that is not a large study or a simulation.
+BAR = 2.0
+
+# The part of a study on discretization, for refined maps: a kernel method as it stands in the study, and two others.
+METHODS = {
+    "Eulerian kernel": None,
+    "updated SPH": 'method = "updated-sph"\nlattice = "hexagonal"\nartificial-stress = 0.2\n',
+    "peridynamics": 'method = "peridynamics"\nlattice = "square"\n',
+}
+
+
+def commands(readme):
+    """Arguments of the commands of the README."""
+    found = []
+    for console in re.findall(r"```console\n(.*?)\n```", readme, re.DOTALL):
+        for line in re.findall(r"^\$ (onset (?:[^\n]*\\\n)*[^\n]*)", console, re.MULTILINE):
+            found.append(line.replace("\\\n", " ").split(";")[0])
+    rows = re.findall(r"^\| [^|]*\? \| (.*) \|$", readme, re.MULTILINE)
+    found += [first for row in rows for first in re.findall(r"`(onset [^`]*)`", row)[:2]]
+    distinct = dict.fromkeys(shlex.join(shlex.split(line)[1:]) for line in found)
+    is_own = lambda line: not line.startswith(ELSEWHERE) and "..." not in line and not re.search(r"\b[A-Z]{3,}\b|map\.zarr", line)
+    return [shlex.split(line) for line in distinct if is_own(line)]
+
+
+class Program:
+    def __init__(self, path, folder):
+        self.path, self.folder = path, folder
+
+    def run(self, arguments, threads=None):
+        """Wall and processor seconds, and what is printed."""
+        environment = dict(os.environ)
+        if threads:
+            environment["RAYON_NUM_THREADS"] = str(threads)
+        begin, before = time.perf_counter(), os.times()
+        done = subprocess.run(
+            [self.path, *arguments], cwd=self.folder, env=environment, capture_output=True, text=True
+        )
+        wall, after = time.perf_counter() - begin, os.times()
+        # 3: a verdict that was asked to be a failure.
+        if done.returncode not in (0, 3):
+            raise SystemExit(f"onset {shlex.join(arguments)}: exit code {done.returncode}\n{done.stderr}")
+        used = after.children_user + after.children_system - before.children_user - before.children_system
+        return wall, used, done.stdout
+
+    def map(self, study, *more, threads=None):
+        """Wall and processor seconds of a map, its states, and how many of them were computed."""
+        out = self.folder / "map.zarr"
+        shutil.rmtree(out, ignore_errors=True)
+        (self.folder / "study.toml").write_text(study)
+        wall, used, printed = self.run(["map", "study.toml", "--out", out.name, *more], threads)
+        states, computed = re.search(r"(\d+) states, (\d+) of them computed", printed).groups()
+        shutil.rmtree(out)
+        return wall, used, int(states), int(computed)
+
+
+def short(command):
+    line = "onset " + shlex.join(command)
+    return line if len(line) <= 100 else line[:97] + "..."
+
+
+def of_readme(program, readme, rounds):
+    lines = ["| command | seconds | of all cores |", "|---|---:|---:|"]
+    own = commands(readme)
+    taken = {shlex.join(command): [] for command in own}
+    for _ in range(rounds):
+        for command in own:
+            taken[shlex.join(command)].append(program.run(command)[:2])
+    slow = []
+    for command in own:
+        wall, used = (statistics.median(column) for column in zip(*taken[shlex.join(command)]))
+        lines.append(f"| `{short(command)}` | {wall:.2f} | {used:.2f} |")
+        if wall > BAR and command[0] != "simulate":
+            slow.append(f"`{short(command)}`")
+    told = ", ".join(slow) if slow else "none"
+    return lines + ["", f"More than {BAR:g} s, but for simulations: {told}."]
+
+
+def larger(program, root, rounds):
+    studies = {name: (root / "studies" / f"{name}.toml").read_text() for name in ("fcc-eulerian", "three-axes")}
+    jobs = {
+        "`onset reproduce`": lambda: program.run(["reproduce", "--out", "reproduction"])[:2],
+        "`onset compare comparisons/irregular.toml`": lambda: program.run(
+            ["compare", "comparisons/irregular.toml", "--out", "irregular"]
+        )[:2],
+        "`onset map studies/three-axes.toml`, 36 x 36 x 12 states": lambda: program.map(studies["three-axes"])[:2],
+        "`onset map studies/fcc-eulerian.toml`, 64 x 64 states in space": lambda: program.map(studies["fcc-eulerian"])[:2],
+    }
+    lines = ["| job | seconds (least - most) | of all cores |", "|---|---:|---:|"]
+    for name, job in jobs.items():
+        walls, used = zip(*(job() for _ in range(rounds)))
+        lines.append(f"| {name} | {statistics.median(walls):.1f} ({min(walls):.1f} - {max(walls):.1f}) | {statistics.median(used):.1f} |")
+    return lines
+
+
+def exponent(points):
+    """Of the power law through points, by least squares of logarithms."""
+    xs, ys = zip(*((math.log(x), math.log(y)) for x, y in points))
+    mx, my = statistics.mean(xs), statistics.mean(ys)
+    return sum((x - mx) * (y - my) for x, y in zip(xs, ys)) / sum((x - mx) ** 2 for x in xs)
+
+
+def refined(program, root, sizes):
+    """Maps of one window, ever finer, the coarsest cells a 32nd of its edges."""
+    adaptive = (root / "studies/adaptive.toml").read_text()
+    before, rest = adaptive.split("[discretization]\n")
+    kernel, axes = rest.split("\n[[axes]]", 1)
+    head = "| method | " + " | ".join(f"{n}^2" for n in sizes) + " | exponent of states | of seconds |"
+    lines = [head, "|---|" + "---:|" * (len(sizes) + 2)]
+    for name, choices in METHODS.items():
+        study = f"{before}[discretization]\n{choices or kernel}\n[[axes]]{axes}"
+        cells, states, seconds = [], [], []
+        for n in sizes:
+            sized = study.replace("states = 4096", f"states = {n}")
+            wall, _, _, computed = program.map(sized, "--set", f"map.refine-from={n // 32}")
+            cells.append(f"{computed:,} in {wall:.1f} s")
+            states.append((n, computed))
+            seconds.append((n, wall))
+        lines.append(f"| {name} | " + " | ".join(cells) + f" | {exponent(states):.2f} | {exponent(seconds):.2f} |")
+    return lines
+
+
+def shared(program, root, rounds):
+    """One map by one process and by as many as there are cores, each with one thread."""
+    study = (root / "studies/three-axes.toml").read_text()
+    cores = len(os.sched_getaffinity(0))
+    (program.folder / "shared.toml").write_text(study)
+
+    def seconds(processes):
+        out = program.folder / "shared.zarr"
+        shutil.rmtree(out, ignore_errors=True)
+        environment = dict(os.environ, RAYON_NUM_THREADS="1")
+        begin = time.perf_counter()
+        running = [
+            subprocess.Popen(
+                [program.path, "map", "shared.toml", "--out", out.name, "--tiles", f"{n}/{processes}", "--resume", "--quiet"],
+                cwd=program.folder,
+                env=environment,
+            )
+            for n in range(1, processes + 1)
+        ]
+        if any(process.wait() for process in running):
+            raise SystemExit("a part of the shared map failed")
+        return time.perf_counter() - begin
+
+    counts = [1]
+    while counts[-1] * 2 <= max(cores, 2):
+        counts.append(counts[-1] * 2)
+    taken = {count: [] for count in counts}
+    for _ in range(rounds):
+        for count in counts:
+            taken[count].append(seconds(count))
+    lines = ["| processes, one thread each | seconds | efficiency |", "|---:|---:|---:|"]
+    alone = statistics.median(taken[1])
+    for count in counts:
+        own = statistics.median(taken[count])
+        lines.append(f"| {count} | {own:.2f} | {alone / (count * own):.2f} |")
+    return lines
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--onset", required=True)
+    parser.add_argument("--out", required=True)
+    parser.add_argument("--quick", action="store_true")
+    choices = parser.parse_args()
+    root = Path.cwd()
+    rounds = 1 if choices.quick else 3
+    sizes = [256, 512] if choices.quick else [256, 512, 1024, 2048, 4096]
+    with tempfile.TemporaryDirectory() as folder:
+        folder = Path(folder)
+        for name in ("studies", "comparisons"):
+            shutil.copytree(root / name, folder / name)
+        program = Program(str(Path(choices.onset).resolve()), folder)
+        readme = (root / "README.md").read_text()
+        parts = [
+            "# How long people wait",
+            "Written by `cargo xtask bench`; do not edit. What is measured, and how: `bench/waiting.py`.",
+            f"Machine: {platform.processor() or platform.machine()}, {len(os.sched_getaffinity(0))} cores, shared. {rounds} rounds; medians.",
+            "## Commands of the README",
+            "\n".join(of_readme(program, readme, rounds)),
+            "## Larger work",
+            "\n".join(larger(program, root, 1 if choices.quick else 2)),
+            "## Maps that are refined along their boundaries",
+            "States that are computed, and seconds, of the window of `studies/adaptive.toml` at more and more states; the coarsest cells are a 32nd of its edges "
+            "(`map.refine-from`). Boundaries grow with the first power. All states are stored, also those that are not computed, which is most of what the seconds of the finest maps are.",
+            "\n".join(refined(program, root, sizes)),
+            "## One map by several processes",
+            "`onset map studies/three-axes.toml --tiles 1/N` to `N/N`, shares of its tiles, into one store.",
+            "\n".join(shared(program, root, rounds)),
+        ]
+    Path(choices.out).parent.mkdir(parents=True, exist_ok=True)
+    Path(choices.out).write_text("\n\n".join(parts) + "\n")
+
+
+if __name__ == "__main__":
+    main()
