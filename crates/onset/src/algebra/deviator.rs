@@ -5,9 +5,11 @@
 
 use std::f64::consts::TAU;
 
-/// Real eigenvalues are well apart where the discriminant is more than this fraction of `a^3`: what rounding changes of them is then no more than ten times
-/// what it changes of the matrix.
+/// Real eigenvalues are well apart where the discriminant is more than this fraction of `a^3`.
 const APART: f64 = 1e-2;
+/// A matrix is not far from normal where `tr K^2`, which is the square of the norm of a symmetric `K`, is more than this fraction of it. Elsewhere trace and
+/// determinant cancel.
+const NORMAL: f64 = 0.5;
 
 /// A third of the trace, and `a` and `h` of the deviator.
 #[derive(Clone, Copy, Debug)]
@@ -59,9 +61,60 @@ impl Deviator {
         [lowest, 3.0 * self.mean - lowest - highest, highest]
     }
 
-    /// Whether all eigenvalues are real and so far from each other that the closed form tells them to rounding, given the rounding error of an entry.
-    pub(crate) fn is_apart(&self, noise: f64) -> bool {
+    /// Whether all eigenvalues are real and so far from each other that the closed form tells them to some ten times the rounding error of an entry, given the
+    /// entries and this error.
+    pub(crate) fn is_apart(&self, d: &[f64; 9], noise: f64) -> bool {
         let told = self.discriminant() > APART * self.a * self.a * self.a;
-        told && self.a.sqrt() * APART > noise
+        let entry = |e: usize| match e {
+            0 | 4 | 8 => d[e] - self.mean,
+            _ => d[e],
+        };
+        let squares: f64 = (0..9).map(|e| entry(e) * entry(e)).sum();
+        told && 6.0 * self.a > NORMAL * squares && self.a.sqrt() * APART > noise
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Deviator;
+    use crate::algebra::uniform;
+    use nalgebra::{Matrix3, Vector3};
+
+    /// Matrices of known eigenvalues, in axes that are more and more oblique.
+    #[test]
+    fn eigenvalues_that_are_apart_are_told_to_rounding_and_others_are_refused() {
+        let (mut state, mut taken) = (5, [0; 4]);
+        let mut random = || 2.0 * uniform(&mut state) - 1.0;
+        for _ in 0..400 {
+            for (n, oblique) in [0.0, 0.3, 3.0, 1e4].into_iter().enumerate() {
+                let mut values = [random(), random(), random()];
+                values.sort_by(f64::total_cmp);
+                let axes = Matrix3::from_fn(|_, _| random()).qr().q();
+                let slant = Matrix3::from_fn(|i, j| match i < j {
+                    true => oblique * random(),
+                    false => f64::from(u8::from(i == j)),
+                });
+                let slanted = axes * slant;
+                let inverse = slanted.try_inverse().expect("unit triangles have inverses");
+                let matrix = slanted * Matrix3::from_diagonal(&Vector3::from(values)) * inverse;
+                let entries: [f64; 9] = std::array::from_fn(|e| matrix[(e / 3, e % 3)]);
+                let deviator = Deviator::of(&entries);
+                if !deviator.is_apart(&entries, 1e-15) {
+                    continue;
+                }
+                taken[n] += 1;
+                for (own, exact) in deviator.all().into_iter().zip(values) {
+                    let error = (own - exact).abs();
+                    assert!(
+                        error < 1e-14 * (1.0 + oblique).powi(2),
+                        "{oblique} {error:e}"
+                    );
+                }
+            }
+        }
+        assert!(
+            taken[0] > 300 && taken[1] > 100 && taken[3] == 0,
+            "{taken:?}"
+        );
     }
 }

@@ -115,8 +115,9 @@ pub(crate) fn without_rounding(values: &mut [Complex], norm: f64, noise: f64) {
 /// The eigenvalues of a real matrix of three rows: in closed form where they are well apart, by rotations where it is symmetric to rounding, otherwise those of
 /// the blocks of its Schur form, so that what holds for two rows holds here.
 fn of_three_real(matrix: &Matrix3<f64>, noise: f64) -> Option<[Complex; 3]> {
-    let deviator = Deviator::of(&array_of(|e| matrix[(e / 3, e % 3)]));
-    if deviator.is_apart(noise) {
+    let entries = array_of(|e| matrix[(e / 3, e % 3)]);
+    let deviator = Deviator::of(&entries);
+    if deviator.is_apart(&entries, noise) {
         return Some(deviator.all().each(|value| Complex::new(value, 0.0)));
     }
     if (matrix - matrix.transpose()).amax() <= noise {

@@ -330,7 +330,7 @@ fn inverse_square_root<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D
 mod tests {
     use super::WaveGrids;
     use crate::lattice::{BrillouinZone, LatticeKind};
-    use nalgebra::{Matrix2, Vector2};
+    use nalgebra::{Matrix2, Vector2, Vector3};
 
     /// Also on the lines between `k` and `-k`, and where a zone that is not that of the grid takes other vectors off.
     #[test]
@@ -355,6 +355,23 @@ mod tests {
                     assert!((phases.0[n] - cosine).abs() < 1e-14, "{k} {site}");
                     assert!((phases.1[n] - sine).abs() < 1e-14, "{k} {site}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn phases_of_sites_in_space_are_those_of_the_wave_vectors() {
+        let lattice = LatticeKind::FaceCenteredCubic
+            .lattice::<3>(1.0)
+            .expect("a lattice");
+        let grids = WaveGrids::new(lattice);
+        let site = Vector3::new(0.31, -0.77, 0.13);
+        for grid in [grids.grid(6), grids.folded_grid(6)] {
+            let phases = grid.site_phases(&site);
+            for (n, k) in grid.wave_vectors().iter().enumerate() {
+                let (sine, cosine) = k.dot(&site).sin_cos();
+                assert!((phases.0[n] - cosine).abs() < 1e-13, "{k}");
+                assert!((phases.1[n] - sine).abs() < 1e-13, "{k}");
             }
         }
     }

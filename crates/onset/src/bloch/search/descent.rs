@@ -143,7 +143,7 @@ impl<const D: usize> ZoneSearch<D> {
             let along = |t: f64| from + (to - from) * t;
             let value = |t: f64| self.value_at(matrix, objective, &along(t));
             for n in 1..SAMPLES {
-                if values[n] <= values[n - 1].min(values[n + 1]) {
+                if values[n] <= values[n - 1] && values[n] <= values[n + 1] {
                     let [low, high] = [n - 1, n + 1].map(|n| n as f64 / SAMPLES as f64);
                     let t = golden_section(&value, low, high);
                     minima.push((value(t), along(t)));

@@ -110,7 +110,7 @@ impl<const D: usize> Seen<D> {
     }
 }
 
-/// What is negative where `omega^2` is complex, of a matrix that is real; in the plane and in space, where it tells of all pockets.
+/// The discriminant of a real matrix, negative where two `omega^2` are complex, in the plane and in space.
 fn discriminant<const D: usize>(
     matrix: &DynamicalMatrix<D>,
     d: &SMatrix<Complex, D, D>,
@@ -677,7 +677,10 @@ impl<const D: usize> ZoneSearch<D> {
     fn long_waves_flutter(&self, matrix: &DynamicalMatrix<D>, wells: &Wells<D>) -> bool {
         match wells {
             Wells::Grid(grid) => !self.opening(matrix, grid).is_empty(),
-            Wells::Mirrored { .. } => matrix.long_wave_stiffness().flutter().is_some(),
+            Wells::Mirrored { .. } => {
+                let opening = self.long_flutter(&matrix.long_wave_stiffness(), 1.0);
+                !opening.is_empty()
+            }
         }
     }
 

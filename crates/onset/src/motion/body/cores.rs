@@ -7,6 +7,7 @@ use std::sync::{Mutex, PoisonError};
 pub(super) fn of_each<T: Send, R: Send>(things: Vec<T>, work: impl Fn(T) -> R + Sync) -> Vec<R> {
     let place = |thing| Mutex::new((Some(thing), None));
     let places: Vec<_> = things.into_iter().map(place).collect();
+    // Each lock is taken once, so that none is waited for; a panic of the work ends the call before results are read.
     on_all_cores(places.len(), &|n| {
         let mut place = places[n].lock().unwrap_or_else(PoisonError::into_inner);
         let thing = place.0.take();
@@ -19,8 +20,8 @@ pub(super) fn of_each<T: Send, R: Send>(things: Vec<T>, work: impl Fn(T) -> R + 
     places.into_iter().filter_map(result).collect()
 }
 
-/// Calls for each number below a count. What spreads the calls is compiled once for all kinds of work, of which it takes some ten thousand
-/// lines of intermediate code.
+/// Calls for each number below a count. It is compiled once for all kinds of work: for each kind it would be some ten thousand lines of
+/// intermediate code.
 fn on_all_cores(count: usize, work: &(dyn Fn(usize) + Sync)) {
     #[cfg(feature = "rayon")]
     {
