@@ -212,7 +212,6 @@ def main():
             "`onset map studies/three-axes.toml --tiles 1/N` to `N/N`, shares of its tiles, into one store.",
             "\n".join(shared(program, root, rounds)),
         ]
-    Path(choices.out).parent.mkdir(parents=True, exist_ok=True)
     Path(choices.out).write_text("\n\n".join(parts) + "\n")
 
 

@@ -50,24 +50,34 @@ pub fn run(quick: bool) -> Result<(), String> {
             .arg(onset),
     )?;
     let mut compare = Command::new(&interpreter);
-    compare.arg("bench/compare.py").args(if quick {
-        ["--quick", "--out", "target/bench/README.md"].as_slice()
+    compare.arg("bench/compare.py");
+    step(
+        "the peers against the map",
+        into(&mut compare, quick, "README.md")?,
+    )
+}
+
+/// A comparison that writes a table: in `bench/`, or for a trial, which is quick, in `target/bench/`.
+fn into<'a>(compare: &'a mut Command, quick: bool, table: &str) -> Result<&'a mut Command, String> {
+    let folder = Path::new(if quick { "target/bench" } else { "bench" });
+    std::fs::create_dir_all(folder)
+        .map_err(|error| format!("cannot make {}: {error}", folder.display()))?;
+    compare.arg("--out").arg(folder.join(table));
+    Ok(if quick {
+        compare.arg("--quick")
     } else {
-        ["--out", "bench/README.md"].as_slice()
-    });
-    step("the peers against the map", &mut compare)
+        compare
+    })
 }
 
 /// How long commands take, small and large.
 fn waiting(interpreter: &Path, onset: &Path, quick: bool) -> Result<(), String> {
     let mut waiting = Command::new(interpreter);
     waiting.arg("bench/waiting.py").arg("--onset").arg(onset);
-    waiting.args(if quick {
-        ["--quick", "--out", "target/bench/waiting.md"].as_slice()
-    } else {
-        ["--out", "bench/waiting.md"].as_slice()
-    });
-    step("how long people wait", &mut waiting)
+    step(
+        "how long people wait",
+        into(&mut waiting, quick, "waiting.md")?,
+    )
 }
 
 /// Steps of a body here and in LAMMPS, where that can be had.
@@ -90,21 +100,13 @@ fn bodies(cargo: &str, interpreter: &Path, quick: bool) -> Result<(), String> {
         rest.split('"').next()
     });
     let program = program.ok_or("bodies: the bench was not built")?;
-    let out = match quick {
-        true => "target/bench/bodies.md",
-        false => "bench/bodies.md",
-    };
-    if let Some(folder) = Path::new(out).parent() {
-        std::fs::create_dir_all(folder)
-            .map_err(|error| format!("cannot make {}: {error}", folder.display()))?;
-    }
     let mut compare = Command::new(interpreter);
     compare.arg("bench/bodies.py").args(["--onset", program]);
-    compare.arg("--lammps").arg(lammps).args(["--out", out]);
-    if quick {
-        compare.arg("--quick");
-    }
-    step("bodies against LAMMPS", &mut compare)
+    compare.arg("--lammps").arg(lammps);
+    step(
+        "bodies against LAMMPS",
+        into(&mut compare, quick, "bodies.md")?,
+    )
 }
 
 fn step(purpose: &str, command: &mut Command) -> Result<(), String> {

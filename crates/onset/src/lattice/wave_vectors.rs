@@ -21,10 +21,7 @@ pub struct WaveGrid<const D: usize> {
     laplacian: Arc<Vec<f64>>,
     /// `cos` and `sin` of `2 pi m j / n`, `j = 0 .. n`, for each `m` from `-n / 2` to `n / 2`.
     turned: Arc<Vec<(Vec<f64>, Vec<f64>)>>,
-    /// The reciprocal vectors, as columns.
-    reciprocal: SMatrix<f64, D, D>,
-    /// How many of each a wave vector is.
-    cycles: SMatrix<f64, D, D>,
+    lattice: BravaisLattice<D>,
     /// What has been taken off wave vectors that were folded.
     shifts: Option<Shifts<D>>,
     site_phases: Mutex<SitePhases<D>>,
@@ -44,10 +41,10 @@ type SitePhases<const D: usize> = Vec<(SVector<f64, D>, Arc<(Vec<f64>, Vec<f64>)
 impl<const D: usize> WaveGrid<D> {
     fn new(lattice: &BravaisLattice<D>, resolution: usize) -> Self {
         let n = resolution as i64;
-        let centered = |j: usize| centered(j, resolution);
         let wave_vectors: Vec<SVector<f64, D>> = (0..resolution.pow(D as u32))
             .map(|index| {
-                let fractional = coordinates::<D>(index, resolution).map(centered);
+                let fractional =
+                    coordinates::<D>(index, resolution).map(|j| centered(j, resolution));
                 lattice.reciprocal() * SVector::from(fractional)
             })
             .collect();
@@ -66,8 +63,7 @@ impl<const D: usize> WaveGrid<D> {
             laplacian: Arc::new(laplacian),
             wave_vectors,
             turned: Arc::new((-(n / 2)..=n / 2).map(turned).collect()),
-            reciprocal: *lattice.reciprocal(),
-            cycles: lattice.vectors().transpose() / TAU,
+            lattice: *lattice,
             shifts: None,
             site_phases: Mutex::new(Vec::new()),
         }
@@ -78,6 +74,8 @@ impl<const D: usize> WaveGrid<D> {
         let mut wave_vectors = self.wave_vectors.clone();
         let mut shifts = Shifts::default();
         let mut known: Vec<[i32; D]> = Vec::new();
+        // How many of each reciprocal vector a wave vector is.
+        let cycles = self.lattice.vectors().transpose() / TAU;
         for index in 0..wave_vectors.len() {
             let opposite = opposite::<D>(index, self.resolution);
             let own = if opposite < index {
@@ -86,7 +84,7 @@ impl<const D: usize> WaveGrid<D> {
                 folded(&wave_vectors[index])
             };
             let shift = wave_vectors[index] - own;
-            let steps = array_of(|d| (self.cycles.row(d) * shift)[0].round() as i32);
+            let steps = array_of(|d| (cycles.row(d) * shift)[0].round() as i32);
             let place = known.iter().position(|other| *other == steps);
             shifts.of_wave.push(place.unwrap_or(known.len()) as u32);
             if place.is_none() {
@@ -100,8 +98,7 @@ impl<const D: usize> WaveGrid<D> {
             laplacian: Arc::clone(&self.laplacian),
             wave_vectors,
             turned: Arc::clone(&self.turned),
-            reciprocal: self.reciprocal,
-            cycles: self.cycles,
+            lattice: self.lattice,
             shifts: Some(shifts),
             site_phases: Mutex::new(Vec::new()),
         }
@@ -151,14 +148,12 @@ impl<const D: usize> WaveGrid<D> {
         known.push((*site, Arc::clone(&phases)));
         phases
     }
-}
 
-impl<const D: usize> WaveGrid<D> {
     /// `exp(i k.site)`: a product of those along the reciprocal vectors, and of that of the shift, with far fewer sines than wave vectors.
     fn phases_of(&self, site: &SVector<f64, D>) -> Vec<Complex> {
         let turned = |angle: f64| Complex::from_polar(1.0, angle);
         let mut phases = vec![Complex::new(1.0, 0.0)];
-        for axis in self.reciprocal.column_iter() {
+        for axis in self.lattice.reciprocal().column_iter() {
             let along = axis.dot(site);
             let line: Vec<Complex> = (0..self.resolution)
                 .map(|j| turned(centered(j, self.resolution) * along))
