@@ -3,6 +3,7 @@
 use crate::answers::{Problem, ProblemError};
 use crate::figure::{Color, Regions, palette};
 use crate::settings::Study;
+use nalgebra::SVector;
 use onset::bloch::{IsEnded, Stability};
 use onset::kinematics::DeformationGradient;
 use onset::verdict::Verdict;
@@ -65,6 +66,8 @@ impl Class {
     }
 }
 
+type Wave = SVector<f64, 3>;
+
 /// How often the cells of a map are halved so that it looks smooth.
 const HALVINGS: usize = 3;
 
@@ -82,9 +85,20 @@ pub struct Domain {
     pub study: Study,
     /// One class a state.
     pub classes: Vec<Class>,
+    /// The wave vector of a wave that grows in a state, where one was found.
+    witnesses: Vec<Option<Wave>>,
 }
 
 impl Domain {
+    fn new(study: Study, found: Vec<(Class, Option<Wave>)>) -> Self {
+        let (classes, witnesses) = found.into_iter().unzip();
+        Self {
+            study,
+            classes,
+            witnesses,
+        }
+    }
+
     /// Evaluates a study, on all cores.
     ///
     /// # Errors
@@ -186,19 +200,16 @@ fn evaluated(
         let coordinates = study.coordinates(index);
         let f = study.deformation_at(&coordinates)?;
         if !study.varies_settings() {
-            return class(problem, &f);
+            return class(problem, &f, None);
         }
         let problem = Problem::new(study.settings_at(&coordinates)?)?;
-        class(&problem, &f)
+        class(&problem, &f, None)
     };
-    let classes = (0..study.states())
+    let found: Vec<_> = (0..study.states())
         .into_par_iter()
         .map(of_state)
         .collect::<Result<_, ProblemError>>()?;
-    Ok(Domain {
-        study: study.clone(),
-        classes,
-    })
+    Ok(Domain::new(study.clone(), found))
 }
 
 /// The map with two states in the place of one along each axis.
@@ -210,7 +221,7 @@ fn halved(map: &Domain, problem: &Problem, is_ended: IsEnded<'_>) -> Result<Doma
     study.axes[1].count *= 2;
     let of_state = |index: usize| {
         let (column, row) = (index % (2 * columns), index / (2 * columns));
-        let own = map.classes[row / 2 * columns + column / 2];
+        let whole = row / 2 * columns + column / 2;
         // The states around it, among them that of which it is a part.
         let around = |at: usize, count: usize| {
             let (half, side) = (at / 2, at % 2);
@@ -221,29 +232,42 @@ fn halved(map: &Domain, problem: &Problem, is_ended: IsEnded<'_>) -> Result<Doma
             };
             [half, next]
         };
-        let neighbors = around(row, rows)
-            .into_iter()
-            .flat_map(|j| around(column, columns).map(|i| map.classes[j * columns + i]));
-        if neighbors.into_iter().all(|class| class == own) {
-            return Ok(own);
+        let neighbors = || {
+            around(row, rows)
+                .into_iter()
+                .flat_map(|j| around(column, columns).map(|i| j * columns + i))
+        };
+        if neighbors().all(|state| map.classes[state] == map.classes[whole]) {
+            return Ok((map.classes[whole], map.witnesses[whole]));
         }
         unless(is_ended)?;
         let f = study.deformation_at(&study.coordinates(index))?;
-        class(problem, &f)
+        let beside: Vec<Wave> = neighbors()
+            .filter_map(|state| map.witnesses[state])
+            .collect();
+        class(problem, &f, Some(&beside))
     };
-    let classes = (0..4 * columns * rows)
+    let found: Vec<_> = (0..4 * columns * rows)
         .into_par_iter()
         .map(of_state)
         .collect::<Result<_, ProblemError>>()?;
-    Ok(Domain { study, classes })
+    Ok(Domain::new(study, found))
 }
 
-/// The class of one state.
-fn class(problem: &Problem, f: &DeformationGradient) -> Result<Class, ProblemError> {
-    match problem.analysis.judge(f) {
-        Ok((Verdict::Numerical, Stability::Flutter)) => Ok(Class::Flutter),
-        Ok((verdict, _)) => Ok(Class::Verdict(verdict)),
-        Err(error) if error.leaves_undefined() => Ok(Class::Undefined),
-        Err(error) => Err(error.into()),
-    }
+/// The class of one state, with a witness if it is unstable and one was found; given those of the states beside it where these are known.
+fn class(
+    problem: &Problem,
+    f: &DeformationGradient,
+    beside: Option<&[Wave]>,
+) -> Result<(Class, Option<Wave>), ProblemError> {
+    let judged = match problem.analysis.judge(f, beside) {
+        Ok(judged) => judged,
+        Err(error) if error.leaves_undefined() => return Ok((Class::Undefined, None)),
+        Err(error) => return Err(error.into()),
+    };
+    let class = match (judged.verdict, judged.stability) {
+        (Verdict::Numerical, Stability::Flutter) => Class::Flutter,
+        (verdict, _) => Class::Verdict(verdict),
+    };
+    Ok((class, judged.witness))
 }

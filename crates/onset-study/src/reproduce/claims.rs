@@ -179,10 +179,12 @@ fn count(
 ) -> Result<[usize; 3], ProblemError> {
     let method = method(discretization, material)?;
     let one = |[a, b]: &[f64; 2]| -> Result<usize, ProblemError> {
-        match method.judge(&state(*a, *b)?) {
-            Ok((_, Stability::Stable)) => Ok(0),
-            Ok((_, Stability::Flutter)) => Ok(1),
-            Ok((_, Stability::Divergence)) => Ok(2),
+        match method.judge(&state(*a, *b)?, None) {
+            Ok(judged) => Ok(match judged.stability {
+                Stability::Stable => 0,
+                Stability::Flutter => 1,
+                Stability::Divergence => 2,
+            }),
             // Without a discretization there is nothing to be stable.
             Err(error) if error.is_about_support() => Ok(2),
             Err(error) => Err(error.into()),
@@ -555,7 +557,7 @@ fn c10() -> Checked {
         CurrentLattice::Regular,
         Linearization::Exact,
     );
-    let mixed = method(regular, &law())?.judge(&state(1.1, 0.8)?)?;
+    let mixed = method(regular, &law())?.judge(&state(1.1, 0.8)?, None)?;
     let verdict = match holding.len() {
         0 => ClaimVerdict::Contradicted,
         all if all == cases.len() => ClaimVerdict::Reproduced,
@@ -572,7 +574,7 @@ fn c10() -> Checked {
             "Stable compressive and tensile states: {}. Where it holds the stable set is about J < 1, more than the square: \
              (1.1, 0.8) is {}.",
             told.join("; "),
-            mixed.0.name()
+            mixed.verdict.name()
         ),
         choices: "hexagonal, stress points, Eulerian, fixed support, material (5)",
         verdict,

@@ -3,7 +3,7 @@
 use super::in_space::InSpace;
 use super::{Analysis, PatchParticle, PlaneWaves, SteppedWaves};
 use crate::algebra::{Complex, array_of, eigenvalues};
-use crate::bloch::{IsEnded, SpectrumSummary, Stability, WaveSystem, ZoneSearch};
+use crate::bloch::{IsEnded, SpectrumSummary, WaveSystem, ZoneSearch};
 use crate::certificate::{Certificate, Certifier, Foundation};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::{DeformationGradient, DeformationPath};
@@ -20,7 +20,7 @@ use crate::motion::{
 use crate::scheme::{Discretization, PeriodicPatch};
 use crate::time_step::{Integrator, TransferredWaves, WaveParts};
 use crate::verdict::{
-    Assessment, Ground, PathError, PathScan, Probe, StateWaves, Survey, SurveyedState, Verdict,
+    Assessment, Ground, Judged, PathError, PathScan, Probe, StateWaves, Survey, SurveyedState,
     scan_discretization,
 };
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
@@ -153,8 +153,20 @@ impl<const D: usize> Analysis for Body<D> {
         Ok(self.survey()?.assess_unless(f, is_ended)?.in_3d())
     }
 
-    fn judge(&self, f: &DeformationGradient) -> Result<(Verdict, Stability), MethodError> {
-        self.survey()?.judge(f)
+    fn judge(
+        &self,
+        f: &DeformationGradient,
+        beside: Option<&[SVector<f64, 3>]>,
+    ) -> Result<Judged<3>, MethodError> {
+        let own = |k: &SVector<f64, 3>| SVector::from_fn(|i, _| k[i]);
+        let beside: Option<Vec<SVector<f64, D>>> =
+            beside.map(|waves| waves.iter().map(own).collect());
+        let judged = self.survey()?.judge_beside(f, beside.as_deref())?;
+        Ok(Judged {
+            verdict: judged.verdict,
+            stability: judged.stability,
+            witness: judged.witness.map(|k| k.in_3d()),
+        })
     }
 
     fn states(&self, states: &[DeformationGradient]) -> Vec<Result<SurveyedState<3>, MethodError>> {

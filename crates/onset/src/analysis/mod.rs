@@ -9,7 +9,7 @@ mod body;
 mod in_space;
 
 use crate::algebra::Complex;
-use crate::bloch::{IsEnded, SpectrumSummary, Stability};
+use crate::bloch::{IsEnded, SpectrumSummary};
 use crate::certificate::Certificate;
 use crate::continuum::AcousticMinimum;
 use crate::kinematics::{DeformationGradient, DeformationPath};
@@ -21,7 +21,7 @@ use crate::motion::{BodyError, BodyMotion, BodyParticles, Contact, Grip, PatchMo
 use crate::scheme::MethodChoices;
 use crate::time_step::{Integrator, WaveParts};
 use crate::verdict::{
-    Assessment, PathError, PathScan, Probe, SurveyedState, Verdict, probe_material, scan_material,
+    Assessment, Judged, PathError, PathScan, Probe, SurveyedState, probe_material, scan_material,
 };
 use body::{Body, acoustic_eigenvalues, acoustic_minimum};
 use nalgebra::{DMatrix, SMatrix, SVector};
@@ -74,11 +74,16 @@ pub trait Analysis: Send + Sync {
         is_ended: IsEnded<'_>,
     ) -> Result<Assessment<3>, MethodError>;
 
-    /// The verdict on a state and how perturbations develop, several times faster.
+    /// The verdict on a state and how perturbations develop, several times faster; given the witnesses of the states beside it, where these are
+    /// known: see [`Survey::judge_beside`](crate::verdict::Survey::judge_beside).
     ///
     /// # Errors
     /// [`MethodError`] when material or method cannot be evaluated there.
-    fn judge(&self, f: &DeformationGradient) -> Result<(Verdict, Stability), MethodError>;
+    fn judge(
+        &self,
+        f: &DeformationGradient,
+        beside: Option<&[SVector<f64, 3>]>,
+    ) -> Result<Judged<3>, MethodError>;
 
     /// What a map shows of states, each as it would be computed alone.
     fn states(&self, states: &[DeformationGradient]) -> Vec<Result<SurveyedState<3>, MethodError>>;

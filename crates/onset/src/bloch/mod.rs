@@ -25,6 +25,7 @@ pub use assembly::{dynamical_matrix, gradient_norm};
 pub use dynamical_matrix::{DynamicalMatrix, Expansion};
 pub use moments::{GradientMoments, MomentExtremes};
 pub use search::ZoneSearch;
+pub(crate) use spectrum::Judgment;
 pub use spectrum::{Mode, SpectrumSummary, Stability};
 pub use system::{BlochBlocks, BlochSum, Mass, WaveSystem};
 

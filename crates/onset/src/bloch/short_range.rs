@@ -75,33 +75,40 @@ impl<const D: usize> ShortRange<D> {
         found: &SpectrumSummary<D>,
         folded: impl Fn(&SVector<f64, D>) -> SVector<f64, D>,
     ) -> SpectrumSummary<D> {
-        let back = |mode: &Mode<D>| {
-            let k = self.map.transpose() * mode.wave_vector;
-            if mode.is_long_wave {
-                return Mode {
-                    wave_vector: k.normalize(),
-                    ..*mode
-                };
-            }
-            let k = folded(&k);
-            if is_shown_reversed(&k) {
-                return Mode {
-                    wave_vector: -k,
-                    polarization: mode.polarization.map(|z| z.conj()),
-                    ..*mode
-                };
-            }
-            Mode {
-                wave_vector: k,
-                ..*mode
-            }
-        };
+        let back = |mode: &Mode<D>| self.mode_carried_back(mode, &folded);
         SpectrumSummary {
             softest: back(&found.softest),
             long_wave: back(&found.long_wave),
             lowest: back(&found.lowest),
             fastest_growing: back(&found.fastest_growing),
             ..*found
+        }
+    }
+
+    /// One mode of these.
+    pub(super) fn mode_carried_back(
+        &self,
+        mode: &Mode<D>,
+        folded: impl Fn(&SVector<f64, D>) -> SVector<f64, D>,
+    ) -> Mode<D> {
+        let k = self.map.transpose() * mode.wave_vector;
+        if mode.is_long_wave {
+            return Mode {
+                wave_vector: k.normalize(),
+                ..*mode
+            };
+        }
+        let k = folded(&k);
+        if is_shown_reversed(&k) {
+            return Mode {
+                wave_vector: -k,
+                polarization: mode.polarization.map(|z| z.conj()),
+                ..*mode
+            };
+        }
+        Mode {
+            wave_vector: k,
+            ..*mode
         }
     }
 }

@@ -57,18 +57,36 @@ pub enum Stability {
     Divergence,
 }
 
+/// How perturbations develop, as far as a verdict asks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Judgment<const D: usize> {
+    pub(crate) stability: Stability,
+    /// Where the spectrum is real, its sign tells stability: the scaled measure of the softest wave, of an unstable state that of a witness.
+    pub(crate) measure: f64,
+    /// The wave vector of a wave with `Re omega^2 < 0`, unless long waves tell that some have it.
+    pub(crate) witness: Option<SVector<f64, D>>,
+    /// The softest mode of a stable state that is no stiffer than was asked about.
+    pub(crate) softest: Option<Mode<D>>,
+}
+
+impl<const D: usize> Mode<D> {
+    /// The same with `omega^2` multiplied by a unit.
+    pub(super) fn in_units(self, unit: f64) -> Self {
+        Self {
+            omega_squared: self.omega_squared * unit,
+            ..self
+        }
+    }
+}
+
 impl<const D: usize> SpectrumSummary<D> {
     /// The same with `omega^2` multiplied by a unit.
     pub(super) fn in_units(self, unit: f64) -> Self {
-        let times = |mode: Mode<D>| Mode {
-            omega_squared: mode.omega_squared * unit,
-            ..mode
-        };
         Self {
-            softest: times(self.softest),
-            long_wave: times(self.long_wave),
-            lowest: times(self.lowest),
-            fastest_growing: times(self.fastest_growing),
+            softest: self.softest.in_units(unit),
+            long_wave: self.long_wave.in_units(unit),
+            lowest: self.lowest.in_units(unit),
+            fastest_growing: self.fastest_growing.in_units(unit),
             maximum_omega: self.maximum_omega * unit.sqrt(),
             ..self
         }

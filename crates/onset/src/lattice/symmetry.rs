@@ -226,7 +226,7 @@ mod tests {
             let wedge = Wedge::new(&group, 12);
             let mut of_orbits = std::collections::BTreeMap::new();
             for (index, first) in wedge.first.iter().enumerate() {
-                let [own, other] = [index, *first as usize].map(|i| grid.wave_vectors()[i]);
+                let [own, other] = [index, *first as usize].map(|i| grid.wave_vector(i));
                 let is_image = |symmetry: &Symmetry<3>| {
                     let apart = lattice.vectors().transpose() * (symmetry.map * own - other)
                         / std::f64::consts::TAU;

@@ -1,11 +1,11 @@
 //! Grids of wave vectors over a cell of the reciprocal lattice, and what of them no state changes.
 
-use super::BravaisLattice;
 use super::mirror::{Mirror, MirrorWaves};
 use super::numbering::{coordinates, opposite};
 use super::symmetry::{Symmetry, Wedge};
-use crate::algebra::{Complex, array_of};
-use nalgebra::{DMatrix, SMatrix, SVector};
+use super::{BravaisLattice, BrillouinZone, Fractional};
+use crate::algebra::Complex;
+use nalgebra::{DMatrix, SMatrix, SVector, SVectorView};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -17,26 +17,29 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 #[derive(Debug)]
 pub struct WaveGrid<const D: usize> {
     resolution: usize,
-    wave_vectors: Vec<SVector<f64, D>>,
+    wave_vectors: Arc<Vec<SVector<f64, D>>>,
     laplacian: Arc<Vec<f64>>,
     /// `cos` and `sin` of `2 pi m j / n`, `j = 0 .. n`, for each `m` from `-n / 2` to `n / 2`.
     turned: Arc<Vec<(Vec<f64>, Vec<f64>)>>,
     lattice: BravaisLattice<D>,
-    /// What has been taken off wave vectors that were folded.
+    /// What is to be taken off wave vectors that are folded.
     shifts: Option<Shifts<D>>,
     site_phases: Mutex<SitePhases<D>>,
 }
 
-/// What folding takes off wave vectors: few different ones for many wave vectors.
-#[derive(Debug, Default)]
+/// What folding takes off wave vectors: few different ones for many points.
+#[derive(Debug)]
 struct Shifts<const D: usize> {
     distinct: Vec<SVector<f64, D>>,
-    /// The place of the shift of each wave vector among these.
-    of_wave: Vec<u32>,
+    /// The place of the shift of each point of half of the grid among these.
+    of_point: Vec<u32>,
 }
 
-/// Sites with the cosine and the sine of `k.site` at all wave vectors.
-type SitePhases<const D: usize> = Vec<(SVector<f64, D>, Arc<(Vec<f64>, Vec<f64>)>)>;
+/// Cosines and sines at half of the points.
+type Phases = (Vec<f64>, Vec<f64>);
+
+/// Sites with those of `k.site`.
+type SitePhases<const D: usize> = Vec<(SVector<f64, D>, Arc<Phases>)>;
 
 impl<const D: usize> WaveGrid<D> {
     fn new(lattice: &BravaisLattice<D>, resolution: usize) -> Self {
@@ -61,7 +64,7 @@ impl<const D: usize> WaveGrid<D> {
         Self {
             resolution,
             laplacian: Arc::new(laplacian),
-            wave_vectors,
+            wave_vectors: Arc::new(wave_vectors),
             turned: Arc::new((-(n / 2)..=n / 2).map(turned).collect()),
             lattice: *lattice,
             shifts: None,
@@ -69,37 +72,15 @@ impl<const D: usize> WaveGrid<D> {
         }
     }
 
-    /// The same with each wave vector replaced by an equivalent one, of `k` and `-k` by opposite ones.
-    fn folded(&self, folded: impl Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Self {
-        let mut wave_vectors = self.wave_vectors.clone();
-        let mut shifts = Shifts::default();
-        let mut known: Vec<[i32; D]> = Vec::new();
-        // How many of each reciprocal vector a wave vector is.
-        let cycles = self.lattice.vectors().transpose() / TAU;
-        for index in 0..wave_vectors.len() {
-            let opposite = opposite::<D>(index, self.resolution);
-            let own = if opposite < index {
-                -wave_vectors[opposite]
-            } else {
-                folded(&wave_vectors[index])
-            };
-            let shift = wave_vectors[index] - own;
-            let steps = array_of(|d| (cycles.row(d) * shift)[0].round() as i32);
-            let place = known.iter().position(|other| *other == steps);
-            shifts.of_wave.push(place.unwrap_or(known.len()) as u32);
-            if place.is_none() {
-                known.push(steps);
-                shifts.distinct.push(shift);
-            }
-            wave_vectors[index] = own;
-        }
+    /// The same with each wave vector replaced by its equivalent in a zone, given what those in units of the reciprocal vectors lose.
+    fn folded(&self, shift: impl Fn(&Fractional<D>) -> [i32; D]) -> Self {
         Self {
             resolution: self.resolution,
+            wave_vectors: Arc::clone(&self.wave_vectors),
             laplacian: Arc::clone(&self.laplacian),
-            wave_vectors,
             turned: Arc::clone(&self.turned),
             lattice: self.lattice,
-            shifts: Some(shifts),
+            shifts: Some(Shifts::new(self.resolution, &self.lattice, shift)),
             site_phases: Mutex::new(Vec::new()),
         }
     }
@@ -109,9 +90,30 @@ impl<const D: usize> WaveGrid<D> {
         self.resolution
     }
 
-    /// The wave vectors; 1/length.
-    pub fn wave_vectors(&self) -> &[SVector<f64, D>] {
-        &self.wave_vectors
+    /// The number of its points.
+    pub fn count(&self) -> usize {
+        self.wave_vectors.len()
+    }
+
+    /// The number of points with a first index up to `n / 2`, which are the first ones; the others are opposite to some of these.
+    pub(crate) fn half(&self) -> usize {
+        half::<D>(self.resolution)
+    }
+
+    /// The wave vector of a point; 1/length.
+    pub fn wave_vector(&self, point: usize) -> SVector<f64, D> {
+        let Some(shifts) = &self.shifts else {
+            return self.wave_vectors[point];
+        };
+        match shifts.of_point.get(point) {
+            Some(shift) => self.wave_vectors[point] - shifts.distinct[*shift as usize],
+            None => -self.wave_vector(opposite::<D>(point, self.resolution)),
+        }
+    }
+
+    /// The wave vectors of all points; 1/length.
+    pub fn wave_vectors(&self) -> impl Iterator<Item = SVector<f64, D>> {
+        (0..self.count()).map(|point| self.wave_vector(point))
     }
 
     /// The lattice Laplacian `|k|_h^2` of each; 1/length^2.
@@ -134,8 +136,8 @@ impl<const D: usize> WaveGrid<D> {
         (cosines, sines)
     }
 
-    /// `cos k.site` and `sin k.site` at all wave vectors, computed once a site.
-    pub(crate) fn site_phases(&self, site: &SVector<f64, D>) -> Arc<(Vec<f64>, Vec<f64>)> {
+    /// `cos k.site` and `sin k.site` at the wave vectors of half of the points, computed once a site.
+    pub(crate) fn site_phases(&self, site: &SVector<f64, D>) -> Arc<Phases> {
         let mut known = self
             .site_phases
             .lock()
@@ -143,25 +145,33 @@ impl<const D: usize> WaveGrid<D> {
         if let Some((_, phases)) = known.iter().find(|(other, _)| other == site) {
             return Arc::clone(phases);
         }
-        let phases: Arc<(Vec<f64>, Vec<f64>)> =
-            Arc::new(self.phases_of(site).iter().map(|p| (p.re, p.im)).unzip());
+        let phases = Arc::new(self.phases_of(site));
         known.push((*site, Arc::clone(&phases)));
         phases
     }
 
     /// `exp(i k.site)`: a product of those along the reciprocal vectors, and of that of the shift, with far fewer sines than wave vectors.
-    fn phases_of(&self, site: &SVector<f64, D>) -> Vec<Complex> {
+    fn phases_of(&self, site: &SVector<f64, D>) -> Phases {
+        let n = self.resolution;
         let turned = |angle: f64| Complex::from_polar(1.0, angle);
-        let mut phases = vec![Complex::new(1.0, 0.0)];
-        for axis in self.lattice.reciprocal().column_iter() {
-            let along = axis.dot(site);
-            let line: Vec<Complex> = (0..self.resolution)
-                .map(|j| turned(centered(j, self.resolution) * along))
-                .collect();
-            let next = phases
-                .iter()
-                .flat_map(|phase| line.iter().map(move |own| phase * own));
-            phases = next.collect();
+        let axis = |b: SVectorView<'_, f64, D>| -> Vec<Complex> {
+            let along = b.dot(site);
+            (0..n).map(|j| turned(centered(j, n) * along)).collect()
+        };
+        let axes: Vec<_> = self.lattice.reciprocal().column_iter().map(axis).collect();
+        let (mut cosines, mut sines) = (vec![0.0; self.half()], vec![0.0; self.half()]);
+        let lines = cosines.chunks_mut(n).zip(sines.chunks_mut(n));
+        for (number, (cosines, sines)) in lines.enumerate() {
+            let mut first = Complex::new(1.0, 0.0);
+            let mut rest = number;
+            for axis in axes[..D - 1].iter().rev() {
+                first *= axis[rest % n];
+                rest /= n;
+            }
+            for ((cosine, sine), own) in cosines.iter_mut().zip(sines).zip(&axes[D - 1]) {
+                let phase = first * own;
+                (*cosine, *sine) = (phase.re, phase.im);
+            }
         }
         if let Some(shifts) = &self.shifts {
             let distinct: Vec<Complex> = shifts
@@ -169,11 +179,72 @@ impl<const D: usize> WaveGrid<D> {
                 .iter()
                 .map(|shift| turned(-shift.dot(site)))
                 .collect();
-            for (phase, place) in phases.iter_mut().zip(&shifts.of_wave) {
-                *phase *= distinct[*place as usize];
+            for (point, shift) in shifts.of_point.iter().enumerate() {
+                let by = distinct[*shift as usize];
+                let (cosine, sine) = (cosines[point], sines[point]);
+                cosines[point] = cosine * by.re - sine * by.im;
+                sines[point] = cosine * by.im + sine * by.re;
             }
         }
-        phases
+        (cosines, sines)
+    }
+}
+
+/// The number of points of a grid with a first index up to half of the resolution.
+fn half<const D: usize>(resolution: usize) -> usize {
+    (resolution / 2 + 1) * resolution.pow(D as u32 - 1)
+}
+
+impl<const D: usize> Shifts<D> {
+    /// Of half of the points of a grid, by what those in units of the reciprocal vectors lose.
+    fn new(
+        resolution: usize,
+        lattice: &BravaisLattice<D>,
+        shift: impl Fn(&Fractional<D>) -> [i32; D],
+    ) -> Self {
+        let n = resolution;
+        let mut known: Vec<[i32; D]> = Vec::new();
+        let mut at = |point: usize| {
+            let place = coordinates::<D>(point, n).map(|j| centered(j, n));
+            let own = shift(&SVector::from(place));
+            let number = known.iter().position(|other| *other == own);
+            number.unwrap_or_else(|| {
+                known.push(own);
+                known.len() - 1
+            }) as u32
+        };
+        let mut of_point = vec![0; half::<D>(n)];
+        for (start, line) in of_point.chunks_mut(n).enumerate() {
+            let start = start * n;
+            // Places jump in the middle of a line.
+            let (near, far) = line.split_at_mut(n / 2 + 1);
+            fill_convex(near, &mut |j| at(start + j));
+            fill_convex(far, &mut |j| at(start + n / 2 + 1 + j));
+        }
+        let vector = |shift: [i32; D]| lattice.reciprocal() * SVector::from(shift.map(f64::from));
+        Self {
+            distinct: known.into_iter().map(vector).collect(),
+            of_point,
+        }
+    }
+}
+
+/// Fills a line with a function that is the same between two points at which it is the same.
+fn fill_convex(line: &mut [u32], at: &mut impl FnMut(usize) -> u32) {
+    let Some(last) = line.len().checked_sub(1) else {
+        return;
+    };
+    let mut open = vec![[(0, at(0)), (last, at(last))]];
+    while let Some([low, high]) = open.pop() {
+        if low.1 == high.1 {
+            line[low.0..=high.0].fill(low.1);
+        } else if high.0 - low.0 == 1 {
+            (line[low.0], line[high.0]) = (low.1, high.1);
+        } else {
+            let middle = low.0.midpoint(high.0);
+            let middle = (middle, at(middle));
+            open.extend([[low, middle], [middle, high]]);
+        }
     }
 }
 
@@ -284,18 +355,20 @@ impl<const D: usize> WaveGrids<D> {
     pub fn folded_grid(&self, resolution: usize) -> Arc<WaveGrid<D>> {
         let plain = self.grid(resolution);
         self.cached((resolution, true), || {
-            let zone = super::BrillouinZone::new(self.lattice);
-            plain.folded(|k| zone.folded(k))
+            let zone = BrillouinZone::new(self.lattice);
+            plain.folded(|place| zone.shift(place))
         })
     }
 
-    /// A grid with wave vectors replaced by equivalent ones that depend on the state; not kept.
-    pub fn grid_folded_by(
+    /// The same with each wave vector replaced by its equivalent in the image of the first Brillouin zone of the lattice's image under a
+    /// linear map; not kept.
+    pub(crate) fn grid_folded_to(
         &self,
         resolution: usize,
-        folded: impl Fn(&SVector<f64, D>) -> SVector<f64, D>,
+        zone: &BrillouinZone<D>,
     ) -> Arc<WaveGrid<D>> {
-        Arc::new(self.grid(resolution).folded(folded))
+        // A linear map leaves the numbers of reciprocal vectors.
+        Arc::new(self.grid(resolution).folded(|place| zone.shift(place)))
     }
 
     fn cached(&self, key: (usize, bool), make: impl FnOnce() -> WaveGrid<D>) -> Arc<WaveGrid<D>> {
@@ -334,23 +407,43 @@ mod tests {
         let grids = WaveGrids::new(lattice);
         let stretch = Matrix2::new(1.3, 0.2, 0.0, 0.6);
         let zone = BrillouinZone::new(lattice.mapped(&stretch).expect("a lattice"));
-        let folded = |k: &Vector2<f64>| {
-            stretch.transpose()
-                * zone.folded(&(stretch.transpose().try_inverse().expect("a map") * k))
-        };
         for grid in [
             grids.grid(12),
             grids.folded_grid(12),
-            grids.grid_folded_by(12, folded),
+            grids.grid_folded_to(12, &zone),
         ] {
             for site in [Vector2::new(0.5, 0.0), Vector2::new(0.31, -0.77)] {
                 let phases = grid.site_phases(&site);
-                for (n, k) in grid.wave_vectors().iter().enumerate() {
+                for (n, k) in grid.wave_vectors().enumerate().take(grid.half()) {
                     let (sine, cosine) = k.dot(&site).sin_cos();
                     assert!((phases.0[n] - cosine).abs() < 1e-14, "{k} {site}");
                     assert!((phases.1[n] - sine).abs() < 1e-14, "{k} {site}");
                 }
             }
+        }
+    }
+
+    /// Each point is as near to zero as any that is equivalent, in the metric of the zone, and equivalent to the one of the plain grid.
+    #[test]
+    fn folded_wave_vectors_are_equivalent_and_in_the_zone() {
+        for (kind, stretch) in [
+            (LatticeKind::Hexagonal, Matrix2::new(1.3, 0.2, 0.0, 0.6)),
+            (LatticeKind::Hexagonal, Matrix2::new(2.0, 0.0, 0.0, 0.2)),
+            (LatticeKind::Square, Matrix2::new(0.4, 1.7, 0.0, 1.0)),
+        ] {
+            let lattice = kind.lattice::<2>(1.0).expect("a lattice");
+            let zone = BrillouinZone::new(lattice.mapped(&stretch).expect("a lattice"));
+            let grids = WaveGrids::new(lattice);
+            let (plain, folded) = (grids.grid(30), grids.grid_folded_to(30, &zone));
+            let back = stretch.transpose().try_inverse().expect("a map");
+            let mut moved = 0;
+            for (k, own) in plain.wave_vectors().zip(folded.wave_vectors()) {
+                let apart = lattice.vectors().transpose() * (k - own) / std::f64::consts::TAU;
+                assert!((apart - apart.map(f64::round)).amax() < 1e-12, "{k} {own}");
+                assert!(zone.contains(&(back * own), 1e-9), "{k} {own}");
+                moved += usize::from(apart.amax() > 0.5);
+            }
+            assert!(moved > 10, "{moved}");
         }
     }
 
@@ -363,7 +456,7 @@ mod tests {
         let site = Vector3::new(0.31, -0.77, 0.13);
         for grid in [grids.grid(6), grids.folded_grid(6)] {
             let phases = grid.site_phases(&site);
-            for (n, k) in grid.wave_vectors().iter().enumerate() {
+            for (n, k) in grid.wave_vectors().enumerate().take(grid.half()) {
                 let (sine, cosine) = k.dot(&site).sin_cos();
                 assert!((phases.0[n] - cosine).abs() < 1e-13, "{k}");
                 assert!((phases.1[n] - sine).abs() < 1e-13, "{k}");

@@ -3,6 +3,7 @@
 use super::cell::{cell_among, face};
 use super::reduction::combinations;
 use super::{BravaisLattice, Fractional, Reduced};
+use crate::algebra::array_of;
 use nalgebra::{SMatrix, SVector};
 
 /// The first Brillouin zone of a lattice.
@@ -11,10 +12,12 @@ pub struct BrillouinZone<const D: usize> {
     lattice: BravaisLattice<D>,
     /// Primitive vectors whose reciprocal vectors are short.
     dual: SMatrix<f64, D, D>,
-    /// These, as columns.
-    short: SMatrix<f64, D, D>,
+    /// Short reciprocal vectors, which are a basis.
+    short: Reduced<D>,
     /// Short reciprocal vectors `G`; the zone is `k . G <= |G|^2 / 2` for all of them.
     reciprocal: Vec<SVector<f64, D>>,
+    /// How many of each vector of the basis they are.
+    factors: Vec<SVector<f64, D>>,
     /// `|G|^2 / 2`.
     bisectors: Vec<f64>,
 }
@@ -23,28 +26,28 @@ impl<const D: usize> BrillouinZone<D> {
     /// The zone of a lattice.
     pub fn new(lattice: BravaisLattice<D>) -> Self {
         // Where no short basis is found, the zone of the given one is as good as any.
-        let (short, dual) = match Reduced::of(lattice.reciprocal()) {
-            Ok(reduced) => (
-                reduced.vectors,
-                lattice.vectors() * reduced.inverse.transpose(),
-            ),
-            Err(_) => (*lattice.reciprocal(), *lattice.vectors()),
-        };
-        let reciprocal: Vec<SVector<f64, D>> =
-            combinations().map(|factors| short * factors).collect();
+        let short = Reduced::of(lattice.reciprocal())
+            .unwrap_or_else(|_| Reduced::given(lattice.reciprocal()));
+        let dual = lattice.vectors() * short.inverse.transpose();
+        let reciprocal: Vec<SVector<f64, D>> = combinations()
+            .map(|factors| short.vectors * factors)
+            .collect();
         // Only those whose bisector touches the zone bound it.
         let beyond =
             |k: &SVector<f64, D>, g: &SVector<f64, D>| k.dot(g) > (0.5 + 1e-9) * g.norm_squared();
         let bounding =
             |g: &SVector<f64, D>| reciprocal.iter().all(|other| !beyond(&(g * 0.5), other));
-        let bounding = reciprocal.iter().filter(|g| bounding(g));
-        let (reciprocal, bisectors) = bounding.map(|g| (*g, 0.5 * g.norm_squared())).unzip();
+        let (factors, reciprocal): (Vec<_>, Vec<SVector<f64, D>>) = combinations()
+            .zip(&reciprocal)
+            .filter(|(_, g)| bounding(g))
+            .unzip();
         Self {
             lattice,
             dual,
             short,
+            bisectors: reciprocal.iter().map(|g| 0.5 * g.norm_squared()).collect(),
             reciprocal,
-            bisectors,
+            factors,
         }
     }
 
@@ -60,8 +63,22 @@ impl<const D: usize> BrillouinZone<D> {
 
     /// The equivalent wave vector in the zone.
     pub fn folded(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
-        let cycles = self.dual.transpose() * k / std::f64::consts::TAU;
-        let mut folded = self.short * cycles.map(|x| x - x.round());
+        self.folded_with_shift(&(self.dual.transpose() * k / std::f64::consts::TAU))
+            .0
+    }
+
+    /// How many of each reciprocal vector a wave vector, in units of these, loses as it is folded. Convex sets of wave vectors lose the
+    /// same.
+    pub(crate) fn shift(&self, fractional: &Fractional<D>) -> [i32; D] {
+        let (_, shift) = self.folded_with_shift(&(self.short.inverse * fractional));
+        let shift = self.short.change * shift;
+        array_of(|n| shift[n].round() as i32)
+    }
+
+    /// The equivalent wave vector in the zone, of one in units of the short basis, and what it has lost in these units.
+    fn folded_with_shift(&self, cycles: &SVector<f64, D>) -> (SVector<f64, D>, SVector<f64, D>) {
+        let mut shift = cycles.map(f64::round);
+        let mut folded = self.short.vectors * (cycles - shift);
         // Each step shortens the vector; few are needed, and the bound only guards rounding.
         for _ in 0..64 {
             let mut farthest = (0, f64::NEG_INFINITY);
@@ -73,11 +90,14 @@ impl<const D: usize> BrillouinZone<D> {
             }
             let (n, excess) = farthest;
             match self.bisectors.get(n) {
-                Some(half) if excess > 2e-12 * half => folded -= self.reciprocal[n],
+                Some(half) if excess > 2e-12 * half => {
+                    folded -= self.reciprocal[n];
+                    shift += self.factors[n];
+                }
                 _ => break,
             }
         }
-        folded
+        (folded, shift)
     }
 
     /// Whether a wave vector lies in the zone, up to a relative tolerance.

@@ -15,7 +15,7 @@ mod survey;
 pub use mechanism::Mechanism;
 pub use path::{Crossing, Onset, PathError, PathScan, scan_discretization, scan_material};
 pub use probe::{Phase, Probe, probe_material};
-pub use survey::{Ground, StateWaves, Survey, SurveyedState};
+pub use survey::{Ground, Judged, StateWaves, Survey, SurveyedState};
 
 use crate::bloch::{SpectrumSummary, Stability};
 use crate::continuum::{AcousticMinimum, Ellipticity, Stiffness};

@@ -3,8 +3,8 @@
 use super::{Assessment, MaterialAssessment, Phase, Probe, Verdict, decided, finite};
 use crate::algebra::{Complex, eigenvalues};
 use crate::bloch::{
-    GradientMoments, IsEnded, Local, Mode, MomentExtremes, SpectrumSummary, Stability, WaveSystem,
-    ZERO_ENERGY, ZoneSearch,
+    GradientMoments, IsEnded, Judgment, Local, Mode, MomentExtremes, SpectrumSummary, Stability,
+    WaveSystem, ZERO_ENERGY, ZoneSearch,
 };
 use crate::continuum::{AcousticMinimum, Stiffness, plane_minimum};
 use crate::kinematics::DeformationGradient;
@@ -62,6 +62,17 @@ impl<const D: usize> SurveyedState<D> {
     pub fn critical_time_step(&self) -> f64 {
         2.0 / self.maximum_omega
     }
+}
+
+/// A verdict, without the evidence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judged<const D: usize> {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// How perturbations of the discretization develop.
+    pub stability: Stability,
+    /// The wave vector of a wave with `Re omega^2 < 0`, where one was found: not the fastest growing one. 1/length.
+    pub witness: Option<SVector<f64, D>>,
 }
 
 /// A discretization and a material, ready to be asked about many states.
@@ -439,7 +450,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         let verdict = decided(
             material.minimum.has_growing_waves(),
             spectrum.is_stable(),
-            self.has_zero_mode(f, &spectrum)?,
+            spectrum.is_stable() && self.has_zero_mode(f, &spectrum.softest)?,
             spectrum.long_waves_grow(&material.minimum),
         );
         let softest = &spectrum.softest;
@@ -462,31 +473,60 @@ impl<'a, const D: usize> Survey<'a, D> {
     /// # Errors
     /// [`MethodError`] when discretization or material cannot be evaluated there.
     pub fn judge(&self, f: &DeformationGradient) -> Result<(Verdict, Stability), MethodError> {
+        let judged = self.judge_beside(f, None)?;
+        Ok((judged.verdict, judged.stability))
+    }
+
+    /// The same of one of many states, given the witnesses of the states beside it, if these have some: where they are those of this state
+    /// too, none is searched for.
+    ///
+    /// # Errors
+    /// As for [`Survey::judge`].
+    pub fn judge_beside(
+        &self,
+        f: &DeformationGradient,
+        beside: Option<&[SVector<f64, D>]>,
+    ) -> Result<Judged<D>, MethodError> {
         let acoustic = Stiffness::<D>::at(self.material, f)?.minimum();
         let material_grows = acoustic.has_growing_waves();
         let waves = match self.waves(f)? {
             StateWaves::Direct(waves) => waves,
             system => {
                 let state = self.surveyed(f, &system.spectrum()?)?;
-                return Ok((state.verdict, state.stability));
+                return Ok(Judged {
+                    verdict: state.verdict,
+                    stability: state.stability,
+                    witness: None,
+                });
             }
         };
         let (search, matrix) = (&waves.search, &waves.matrix);
-        let (stability, measure) = search.stability(matrix);
+        // Whether a mode has no energy takes the mode itself.
+        let soft = match material_grows {
+            true => f64::NEG_INFINITY,
+            false => SOFT.max(search.tolerance(matrix)),
+        };
+        let Judgment {
+            stability,
+            witness,
+            softest,
+            ..
+        } = search.judgment(matrix, soft, beside);
         let is_stable = stability == Stability::Stable;
-        let is_sound = is_stable && !material_grows;
-        if is_sound && measure <= SOFT.max(search.tolerance(matrix)) {
-            // Whether a mode has no energy takes the mode itself.
-            return Ok((self.searched(f)?.verdict, stability));
-        }
         // Only where both are unstable do the long waves tell to whom it belongs.
         let long_waves_grow =
             material_grows && !is_stable && search.long_waves_grow(matrix, &acoustic);
-        let has_zero_mode = is_sound && self.discretization.has_alternating_zero_mode(f)?;
-        Ok((
-            decided(material_grows, is_stable, has_zero_mode, long_waves_grow),
+        let has_zero_mode = match softest {
+            Some(softest) => self.has_zero_mode(f, &softest)?,
+            None => {
+                is_stable && !material_grows && self.discretization.has_alternating_zero_mode(f)?
+            }
+        };
+        Ok(Judged {
+            verdict: decided(material_grows, is_stable, has_zero_mode, long_waves_grow),
             stability,
-        ))
+            witness,
+        })
     }
 
     /// The phase of the particles at a state, with the scaled measure `Re omega^2 / (c^2 |k|_h^2)` of the softest wave
@@ -580,7 +620,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         Ok(SurveyedState::of_spectrum(
             Local::new(self.material, f)?.stiffness().minimum(),
             spectrum,
-            self.has_zero_mode(f, spectrum)?,
+            spectrum.is_stable() && self.has_zero_mode(f, &spectrum.softest)?,
         ))
     }
 
@@ -591,12 +631,8 @@ impl<'a, const D: usize> Survey<'a, D> {
     fn has_zero_mode(
         &self,
         f: &DeformationGradient,
-        spectrum: &SpectrumSummary<D>,
+        softest: &Mode<D>,
     ) -> Result<bool, MethodError> {
-        if !spectrum.is_stable() {
-            return Ok(false);
-        }
-        let softest = &spectrum.softest;
         if let Some(norm) = self.gradient_norm(f, softest)? {
             return Ok(norm <= ZERO_ENERGY || self.discretization.has_alternating_zero_mode(f)?);
         }

@@ -451,7 +451,7 @@ fn is_stable<const D: usize>(waves: &WaveSystem<D>) -> bool {
     let grid = WaveGrids::new(*waves.crystal().lattice()).grid(12);
     let grows = |k: &SVector<f64, D>| waves.omega_squared(k)[0].re < -1e-10;
     let longest = waves.long_wave_stiffness().minimum().eigenvalue.re;
-    longest > -1e-10 && !grid.wave_vectors().iter().any(grows)
+    longest > -1e-10 && !grid.wave_vectors().any(|k| grows(&k))
 }
 
 fn assert_stable_where_elliptic<const D: usize>(mesh: ElementMesh) {

@@ -87,8 +87,9 @@ impl<const D: usize> Candidates<D> {
         let around: Vec<[usize; 8]> = (0..count)
             .map(|n| neighbors(n, grid.resolution()))
             .collect();
-        let phases: Vec<[f64; 2]> = grid.wave_vectors()[..count]
-            .iter()
+        let phases: Vec<[f64; 2]> = grid
+            .wave_vectors()
+            .take(count)
             .map(|k| {
                 let phases = lattice.vectors().transpose() * k;
                 [phases[0], phases[1]]
@@ -137,12 +138,12 @@ impl<const D: usize> Candidates<D> {
         let zone = BrillouinZone::new(*lattice);
         let wave_vectors: Vec<SVector<f64, D>> = kept
             .iter()
-            .map(|n| zone.folded(&grid.wave_vectors()[*n]))
+            .map(|n| zone.folded(&grid.wave_vector(*n)))
             .collect();
         let shifts = kept
             .iter()
             .zip(&wave_vectors)
-            .map(|(n, k)| k - grid.wave_vectors()[*n]);
+            .map(|(n, k)| k - grid.wave_vector(*n));
         Self {
             moments: kept.iter().map(|n| moments[*n]).collect(),
             phases: kept.iter().map(|n| phases[*n]).collect(),

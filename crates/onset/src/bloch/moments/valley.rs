@@ -51,7 +51,7 @@ impl<const D: usize> Valley<D> {
         Some(Self {
             wave_vectors: points
                 .iter()
-                .map(|n| zone.folded(&grid.wave_vectors()[*n]))
+                .map(|n| zone.folded(&grid.wave_vector(*n)))
                 .collect(),
             moments: points.iter().map(|n| moments[*n]).collect(),
             lattice: *lattice,

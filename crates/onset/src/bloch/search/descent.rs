@@ -2,12 +2,11 @@
 
 use super::grid::Grid;
 use super::{Candidate, Objective, RAY, Seen, ZoneSearch};
-use crate::algebra::{Complex, Each, GoldenSection, array_of, eigenvalues, symmetric_eigen};
+use crate::algebra::{Complex, Each, array_of, eigenvalues, lowest_between, symmetric_eigen};
 use crate::bloch::branches::Taylor;
 use crate::bloch::{DynamicalMatrix, growth_rate};
 use crate::lattice::grid_coordinates;
 use nalgebra::{SMatrix, SVector, Vector2};
-use std::convert::Infallible;
 
 /// Distinct wells of the grid that are followed to their bottom, deepest first.
 const WELLS: usize = 16;
@@ -19,6 +18,8 @@ const STEPS: usize = 40;
 const SHALLOW: f64 = 0.1;
 /// Steps along an edge of a zone that does not repeat, between which its minima are sought.
 const SAMPLES: usize = 24;
+/// To which part of such a step they are found.
+const ALONG_EDGES: f64 = 1e-6;
 /// Relative length of a step that counts as converged.
 const CONVERGED: f64 = 1e-9;
 
@@ -134,21 +135,19 @@ impl<const D: usize> ZoneSearch<D> {
         }
         let edges = grid.edges.get_or_init(|| self.edges(matrix));
         let value = |seen: &Seen<D>| self.value(matrix, objective, seen);
-        let values: Vec<Vec<f64>> = edges
-            .iter()
-            .map(|edge| edge.iter().map(value).collect())
-            .collect();
-        for (edge, values) in edges.iter().zip(&values) {
+        let mut dips = Vec::new();
+        for edge in edges {
+            let values: Vec<f64> = edge.iter().map(value).collect();
+            let is_dip = |n: &usize| values[*n] <= values[n - 1] && values[*n] <= values[n + 1];
+            dips.extend((1..SAMPLES).filter(is_dip).map(|n| (values[n], edge, n)));
+        }
+        for (value, edge, n) in dips {
             let (from, to) = (edge[0].wave_vector, edge[SAMPLES].wave_vector);
-            let along = |t: f64| from + (to - from) * t;
-            let value = |t: f64| self.value_at(matrix, objective, &along(t));
-            for n in 1..SAMPLES {
-                if values[n] <= values[n - 1] && values[n] <= values[n + 1] {
-                    let [low, high] = [n - 1, n + 1].map(|n| n as f64 / SAMPLES as f64);
-                    let t = golden_section(&value, low, high);
-                    minima.push((value(t), along(t)));
-                }
-            }
+            let along = |t: f64| from + (to - from) * (t / SAMPLES as f64);
+            let at = |t: f64| self.value_at(matrix, objective, &along(t));
+            let around = [-1.0, 0.0, 1.0].map(|step| n as f64 + step);
+            let (t, value) = lowest_between(at, around, value, ALONG_EDGES);
+            minima.push((value, along(t)));
         }
         minima
     }
@@ -548,17 +547,6 @@ fn minimum_on_face<const D: usize>(
     at(&place(sector, &weights))
 }
 
-/// The minimum of a unimodal function between two arguments.
-fn golden_section(f: &impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
-    let mut at = |x: f64| Ok::<f64, Infallible>(f(x));
-    let Ok(mut section) = GoldenSection::new(low, high, &mut at);
-    for _ in 0..30 {
-        let [a, b] = section.inner;
-        let Ok(()) = section.narrow(a.1 <= b.1, &mut at);
-    }
-    section.middle()
-}
-
 /// Minimization without derivatives along axes and diagonals with a shrinking step.
 pub(super) fn coordinate_search<const D: usize>(
     f: &impl Fn(&SVector<f64, D>) -> f64,
@@ -571,7 +559,10 @@ pub(super) fn coordinate_search<const D: usize>(
         if length < 1e-7 * step {
             break;
         }
-        let better = (0..3_usize.pow(D as u32))
+        let count = 3_usize.pow(D as u32);
+        // The middle one is where it is.
+        let better = (0..count)
+            .filter(|shift| 2 * shift + 1 != count)
             .map(|shift| {
                 let offsets = grid_coordinates::<D>(shift, 3).each(|j| (j as f64 - 1.0) * length);
                 k + SVector::from(offsets)

@@ -203,7 +203,7 @@ impl<const D: usize> ZoneSearch<D> {
         let waves = match (self.is_periodic, self.home_is_reference) {
             (true, _) => self.grids.grid(resolution),
             (false, true) => self.grids.folded_grid(resolution),
-            (false, false) => self.grids.grid_folded_by(resolution, |k| self.folded(k)),
+            (false, false) => self.grids.grid_folded_to(resolution, self.zone()),
         };
         let is_spatial = D == 3 && matrix.is_centrosymmetric() && matrix.sites().len() == 1;
         let wedge = is_spatial.then(|| {
@@ -240,12 +240,12 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// The objectives of half of the grid, one matrix after the other.
     fn pointwise(&self, matrix: &DynamicalMatrix<D>, waves: &WaveGrid<D>) -> GridSpectrum {
-        let count = waves.wave_vectors().len();
-        let half = (waves.resolution() / 2 + 1) * (count / waves.resolution());
+        let count = waves.count();
+        let half = waves.half();
         let mut spectrum = GridSpectrum::zeros(count, half);
         spectrum.slowness = vec![0.0; count];
         for index in 0..half {
-            let seen = Seen::of(matrix, waves.wave_vectors()[index]);
+            let seen = Seen::of(matrix, waves.wave_vector(index));
             let value = |objective| self.value(matrix, objective, &seen);
             spectrum.slowness[index] = value(Objective::Growth);
             spectrum.scaled[index] = value(Objective::Scaled);
@@ -266,7 +266,7 @@ impl<const D: usize> Grid<D> {
                 best = (*value, index);
             }
         }
-        (best.0, self.waves.wave_vectors()[best.1])
+        (best.0, self.waves.wave_vector(best.1))
     }
 
     /// The largest `Re omega^2`.
@@ -311,7 +311,7 @@ impl<const D: usize> Grid<D> {
                 };
                 if value.is_finite() && around().all(|other| other >= value) {
                     wells.push(Well {
-                        start: (value, self.waves.wave_vectors()[line * n + j]),
+                        start: (value, self.waves.wave_vector(line * n + j)),
                         relief: around().fold(value, f64::max) - value,
                     });
                 }
@@ -367,7 +367,7 @@ impl<const D: usize> Grid<D> {
             known[*index] <= NEAR * around.fold(0.0, f64::max)
         };
         let near = (1..known.len()).filter(is_near);
-        let points = near.map(|index| self.waves.wave_vectors()[index]).collect();
+        let points = near.map(|index| self.waves.wave_vector(index)).collect();
         (points, stride)
     }
 

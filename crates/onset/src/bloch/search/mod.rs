@@ -10,7 +10,7 @@ mod mirrored;
 use super::bound::{self, Measure, Question};
 use super::pocket::{Around, Order, Pockets};
 use super::short_range::ShortRange;
-use super::spectrum::{Mode, SpectrumSummary, Stability};
+use super::spectrum::{Judgment, Mode, SpectrumSummary, Stability};
 use super::{DynamicalMatrix, IsEnded, growth_rate, is_shown_reversed};
 use crate::algebra::{Complex, Deviator, Each, array_of, eigenvalues, eigenvector};
 use crate::continuum::{AcousticMinimum, Stiffness};
@@ -253,10 +253,8 @@ impl<const D: usize> ZoneSearch<D> {
         let rest = self.rest(matrix, long_wave.scaled);
         let tolerance = self.tolerance(matrix);
         let wells = self.wells(matrix, FINE, &long_wave, &rest);
-        let softest = wells
-            .bottom(self, matrix, Objective::Scaled, long_wave.scaled)
-            .filter(|bottom| bottom.0 < long_wave.scaled)
-            .map_or(long_wave, |bottom| self.mode(matrix, &bottom.1));
+        let bottom = wells.bottom(self, matrix, Objective::Scaled, long_wave.scaled);
+        let softest = self.softest(matrix, bottom, long_wave);
         let (softest, bound) = match is_bounded.filter(|_| self.is_periodic) {
             Some(is_ended) => self.bounded(matrix, softest, is_ended),
             None => (softest, f64::NEG_INFINITY),
@@ -338,53 +336,116 @@ impl<const D: usize> ZoneSearch<D> {
     /// Whether a mode grows, and how: the same answer as that of the summary, without the modes; with a measure
     /// whose sign it is where the spectrum is real.
     pub fn stability(&self, matrix: &DynamicalMatrix<D>) -> (Stability, f64) {
+        let judgment = self.judgment(matrix, f64::NEG_INFINITY, None);
+        (judgment.stability, judgment.measure)
+    }
+
+    /// The same, with the softest mode of a stable state whose measure is at most `soft`; with more work for a stable state and less for another
+    /// one where witnesses are known of the states beside it, if these have some.
+    pub(crate) fn judgment(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        soft: f64,
+        beside: Option<&[SVector<f64, D>]>,
+    ) -> Judgment<D> {
         let unit = matrix.moderate_unit();
         if unit != 1.0 {
-            return self.in_units(unit).stability(&matrix.over(unit));
+            let judgment = self
+                .in_units(unit)
+                .judgment(&matrix.over(unit), soft, beside);
+            return Judgment {
+                softest: judgment.softest.map(|mode| mode.in_units(unit)),
+                ..judgment
+            };
         }
-        if let Some((_, search, matrix)) = self.short_ranged(matrix) {
-            return search.stability(&matrix);
+        if let Some((range, search, matrix)) = self.short_ranged(matrix) {
+            let judgment = search.judgment(&matrix, soft, None);
+            let back = |mode: Mode<D>| range.mode_carried_back(&mode, |k| self.folded(k));
+            return Judgment {
+                softest: judgment.softest.map(back),
+                witness: None,
+                ..judgment
+            };
         }
         let tolerance = self.tolerance(matrix);
-        // One witness is enough. Most unstable states have one among the long waves, at the points of high symmetry, or
-        // on a coarse grid, sought in the order of what they cost.
-        let long_wave = self.long_wave_limit(matrix);
-        let mut measure = long_wave.scaled;
-        let rest = self.rest(matrix, measure);
-        if rest.omega_squared.re < 0.0 {
-            return (Stability::Divergence, measure);
-        }
-        if measure >= -tolerance {
-            measure = measure.min(self.symmetric_minimum(matrix));
-        }
-        if measure < -tolerance {
-            return (Stability::Divergence, measure);
-        }
-        let wells = match self.wells(matrix, COARSE, &long_wave, &rest) {
-            Wells::Grid(coarse) => {
-                measure = measure.min(coarse.minimum(Objective::Scaled).0);
-                if measure < -tolerance {
-                    return (Stability::Divergence, measure);
-                }
-                // Branches of a matrix that is not Hermitian can be complex in small pockets.
-                Wells::Grid(if matrix.is_hermitian() {
-                    coarse
-                } else {
-                    Box::new(self.grid(matrix, FINE, long_wave.wave_vector))
-                })
-            }
-            mirrored => mirrored,
+        let diverges = |(measure, witness)| Judgment {
+            stability: Stability::Divergence,
+            measure,
+            witness,
+            softest: None,
         };
-        if let Some(bottom) = wells.bottom(self, matrix, Objective::Scaled, ACCURATE) {
-            measure = measure.min(bottom.0);
+        // One witness is enough. Most unstable states have one among the long waves, those of the states beside them, at the points of high
+        // symmetry, or on a coarse grid, sought in the order of what they cost.
+        let long_wave = self.long_wave_limit(matrix);
+        let rest = self.rest(matrix, long_wave.scaled);
+        let mut least = (long_wave.scaled, None);
+        if rest.omega_squared.re < 0.0 || least.0 < -tolerance {
+            return diverges(least);
         }
+        let known = beside.unwrap_or_default().iter();
+        let known = known.map(|k| match self.is_periodic {
+            true => *k,
+            // The zone that holds them is that of another state.
+            false => k * self.reach(k).min(1.0),
+        });
+        for k in known.chain(self.symmetric_waves()) {
+            least = lower(least, (self.value_at(matrix, Objective::Scaled, &k), k));
+            if least.0 < -tolerance {
+                return diverges(least);
+            }
+        }
+        let is_coarse = matrix.is_hermitian() || beside.is_none();
+        let points_per_period = if is_coarse { COARSE } else { FINE };
+        let mut wells = self.wells(matrix, points_per_period, &long_wave, &rest);
+        if let Wells::Grid(grid) = &wells {
+            least = lower(least, grid.minimum(Objective::Scaled));
+            if least.0 < -tolerance {
+                return diverges(least);
+            }
+            // Branches of a matrix that is not Hermitian can be complex in small pockets.
+            if is_coarse && !matrix.is_hermitian() {
+                wells = Wells::Grid(Box::new(self.grid(matrix, FINE, long_wave.wave_vector)));
+            }
+        }
+        let lowest = |floor| wells.bottom(self, matrix, Objective::Scaled, floor);
+        let is_soft = least.0 <= soft;
+        let mut bottom = lowest(if is_soft { long_wave.scaled } else { ACCURATE });
+        if let Some(bottom) = bottom {
+            least = lower(least, bottom);
+        }
+        let measure = least.0;
         if measure < -tolerance {
-            (Stability::Divergence, measure)
-        } else if self.flutter(matrix, &wells).is_some() {
-            (Stability::Flutter, measure)
-        } else {
-            (Stability::Stable, measure)
+            return diverges(least);
         }
+        if self.flutter(matrix, &wells).is_some() {
+            return Judgment {
+                stability: Stability::Flutter,
+                measure,
+                witness: None,
+                softest: None,
+            };
+        }
+        if measure <= soft && !is_soft {
+            bottom = lowest(long_wave.scaled);
+        }
+        Judgment {
+            stability: Stability::Stable,
+            measure,
+            witness: None,
+            softest: (measure <= soft).then(|| self.softest(matrix, bottom, long_wave)),
+        }
+    }
+
+    /// The softest mode, of the deepest bottom of the zone and the limit of long waves.
+    fn softest(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        bottom: Option<Candidate<D>>,
+        long_wave: Mode<D>,
+    ) -> Mode<D> {
+        bottom
+            .filter(|bottom| bottom.0 < long_wave.scaled)
+            .map_or(long_wave, |bottom| self.mode(matrix, &bottom.1))
     }
 
     /// The mode at a given reference wave vector with the lowest `Re omega^2`.
@@ -544,12 +605,10 @@ impl<const D: usize> ZoneSearch<D> {
         RELAXED_RAY.map(along).to_vec()
     }
 
-    /// The smallest scaled measure at the points of high symmetry.
-    fn symmetric_minimum(&self, matrix: &DynamicalMatrix<D>) -> f64 {
+    /// The points of high symmetry, in the searched zone where `D` is not periodic.
+    fn symmetric_waves(&self) -> impl Iterator<Item = SVector<f64, D>> {
         self.symmetric_points()
             .map(|k| if self.is_periodic { k } else { self.folded(&k) })
-            .map(|k| self.value_at(matrix, Objective::Scaled, &k))
-            .fold(f64::INFINITY, f64::min)
     }
 
     /// The halves and thirds of reciprocal vectors, among which are X, M and K.
@@ -801,6 +860,18 @@ impl<const D: usize> ZoneSearch<D> {
             .filter(|value| value.im != 0.0)
             .max_by(|a, b| growth_rate(**a).total_cmp(&growth_rate(**b)))?;
         Some(self.mode_of(k, &d, &all, *omega_squared))
+    }
+}
+
+/// The lower one of a measure, with the wave vector where it is found on one, and that of a wave.
+fn lower<const D: usize>(
+    least: (f64, Option<SVector<f64, D>>),
+    (value, k): Candidate<D>,
+) -> (f64, Option<SVector<f64, D>>) {
+    if value < least.0 {
+        (value, Some(k))
+    } else {
+        least
     }
 }
 

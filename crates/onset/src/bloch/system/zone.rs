@@ -528,14 +528,14 @@ impl<'a, const D: usize> Sweep<'a, D> {
             threshold: self.search.flutter_threshold(self.system.sites()),
             most: self.effort.pockets,
         };
-        pockets.around(half(&self.waves).iter().copied())
+        pockets.around(half(&self.waves).into_iter())
     }
 
     /// The omega^2 at half of the grid.
     fn spectra(&self) -> &[Vec<Complex>] {
         self.spectra.get_or_init(|| {
-            let half = half(&self.waves).iter();
-            half.map(|k| self.omega_squared(k)).collect()
+            let half = half(&self.waves);
+            half.iter().map(|k| self.omega_squared(k)).collect()
         })
     }
 
@@ -1041,10 +1041,8 @@ fn resolution<const D: usize>(system: &WaveSystem<D>) -> usize {
 }
 
 /// Half of the wave vectors of a grid; `-k` has the same spectrum, conjugated.
-fn half<const D: usize>(waves: &WaveGrid<D>) -> &[SVector<f64, D>] {
-    let n = waves.resolution();
-    let all = waves.wave_vectors();
-    &all[..(n / 2 + 1) * (all.len() / n)]
+fn half<const D: usize>(waves: &WaveGrid<D>) -> Vec<SVector<f64, D>> {
+    waves.wave_vectors().take(waves.half()).collect()
 }
 
 /// The displacement, of unit length, of the particle that moves most.

@@ -1,0 +1,115 @@
+//! The lowest place of a function between two others.
+
+/// The share of an interval at which golden section looks.
+const GOLDEN: f64 = 0.381_966_011_250_105_1;
+/// Parabolas and golden sections, at most.
+const STEPS: usize = 60;
+
+/// A local minimum of a function between two arguments, given one between them at which it is no higher than at these, with its value, to
+/// `tolerance` in the argument: by parabolas through the lowest places seen, and by golden section where these do not close in (R. P. Brent,
+/// Algorithms for Minimization without Derivatives, 1973, ch. 5).
+pub(crate) fn lowest_between(
+    f: impl Fn(f64) -> f64,
+    [mut low, middle, mut high]: [f64; 3],
+    value: f64,
+    tolerance: f64,
+) -> (f64, f64) {
+    // The lowest place, the second lowest and the one that was that before.
+    let (mut best, mut second, mut third) = ((middle, value), (middle, value), (middle, value));
+    let (mut step, mut before): (f64, f64) = (0.0, high - low);
+    for _ in 0..STEPS {
+        let x = best.0;
+        if (x - low).max(high - x) <= 2.0 * tolerance {
+            break;
+        }
+        let parabolic = vertex(best, second, third).filter(|to| {
+            let is_shrinking = (to - x).abs() < 0.5 * before.abs();
+            is_shrinking && low < *to && *to < high
+        });
+        before = step;
+        step = match parabolic {
+            // Not beside an end, of which the other one would stay far away.
+            Some(to) if (to - low).min(high - to) < 2.0 * tolerance => {
+                tolerance.copysign(low.midpoint(high) - x)
+            }
+            Some(to) => to - x,
+            None => {
+                before = if high - x > x - low {
+                    high - x
+                } else {
+                    low - x
+                };
+                GOLDEN * before
+            }
+        };
+        if step.abs() < tolerance {
+            step = tolerance.copysign(step);
+        }
+        let there = (x + step, f(x + step));
+        if there.1 <= best.1 {
+            *(if there.0 < x { &mut high } else { &mut low }) = x;
+            (third, second, best) = (second, best, there);
+        } else {
+            *(if there.0 < x { &mut low } else { &mut high }) = there.0;
+            if there.1 <= second.1 || second.0 == x {
+                (third, second) = (second, there);
+            } else if there.1 <= third.1 || third.0 == x || third.0 == second.0 {
+                third = there;
+            }
+        }
+    }
+    best
+}
+
+/// Where the parabola through three places is lowest or highest; `None` where it is none.
+fn vertex(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> Option<f64> {
+    let (to_b, to_c) = (a.0 - b.0, a.0 - c.0);
+    let (r, q) = (to_b * (a.1 - c.1), to_c * (a.1 - b.1));
+    let vertex = a.0 - 0.5 * (to_b * r - to_c * q) / (r - q);
+    vertex.is_finite().then_some(vertex)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::lowest_between;
+    use std::cell::Cell;
+
+    fn sought(f: impl Fn(f64) -> f64, place: f64) -> (f64, usize) {
+        let asked = Cell::new(0);
+        let counted = |x: f64| {
+            asked.set(asked.get() + 1);
+            f(x)
+        };
+        let (x, value) = lowest_between(counted, [-1.0, place, 2.0], f(place), 1e-7);
+        assert_eq!(value, f(x));
+        assert!(value <= f(place));
+        (x, asked.get())
+    }
+
+    #[test]
+    fn smooth_minima_are_found_with_few_evaluations_and_kinks_with_more() {
+        let (x, asked) = sought(|x| (x - 0.3).cosh(), 0.5);
+        assert!((x - 0.3).abs() < 1e-6, "{x}");
+        assert!(asked < 15, "{asked}");
+        let (x, asked) = sought(|x| (x - 0.3).abs() + 0.2 * x, 0.5);
+        assert!((x - 0.3).abs() < 1e-6, "{x}");
+        assert!(asked < 60, "{asked}");
+        // Not smooth on one side, flat, infinite beyond a place.
+        let (x, _) = sought(|x| if x < 0.3 { 1.0 } else { (x - 0.3).sqrt() }, 0.5);
+        assert!((x - 0.3).abs() < 1e-6, "{x}");
+        let (x, _) = sought(|_| 1.0, 0.5);
+        assert!((-1.0..=2.0).contains(&x), "{x}");
+        let (x, _) = sought(|x| if x > 0.6 { f64::INFINITY } else { -x }, 0.5);
+        assert!((x - 0.6).abs() < 1e-6, "{x}");
+    }
+
+    #[test]
+    fn minima_at_the_middle_and_beside_an_end_are_found() {
+        for place in [-0.999, 0.3, 1.9999] {
+            let (x, _) = sought(|x| (x - place).powi(4) + (x - place).powi(2), 0.5);
+            assert!((x - place).abs() < 1e-5, "{x} {place}");
+        }
+        let (x, _) = sought(|x| (x - 0.5) * (x - 0.5), 0.5);
+        assert!((x - 0.5).abs() < 1e-6, "{x}");
+    }
+}
