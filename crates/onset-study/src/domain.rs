@@ -5,7 +5,6 @@ use crate::figure::{Color, Regions, palette};
 use crate::settings::Study;
 use nalgebra::SVector;
 use onset::bloch::{IsEnded, Stability};
-use onset::kinematics::DeformationGradient;
 use onset::verdict::Verdict;
 use rayon::prelude::*;
 
@@ -85,7 +84,7 @@ pub struct Domain {
     pub study: Study,
     /// One class a state.
     pub classes: Vec<Class>,
-    /// The wave vector of a wave that grows in a state, where one was found.
+    /// The wave vector of a wave that grows in a state, where one was found; of a state that was filled in, in that of which it is a part.
     witnesses: Vec<Option<Wave>>,
 }
 
@@ -197,13 +196,7 @@ fn evaluated(
 ) -> Result<Domain, ProblemError> {
     let of_state = |index: usize| {
         unless(is_ended)?;
-        let coordinates = study.coordinates(index);
-        let f = study.deformation_at(&coordinates)?;
-        if !study.varies_settings() {
-            return class(problem, &f, None);
-        }
-        let problem = Problem::new(study.settings_at(&coordinates)?)?;
-        class(&problem, &f, None)
+        class(study, problem, index, None)
     };
     let found: Vec<_> = (0..study.states())
         .into_par_iter()
@@ -241,11 +234,11 @@ fn halved(map: &Domain, problem: &Problem, is_ended: IsEnded<'_>) -> Result<Doma
             return Ok((map.classes[whole], map.witnesses[whole]));
         }
         unless(is_ended)?;
-        let f = study.deformation_at(&study.coordinates(index))?;
-        let beside: Vec<Wave> = neighbors()
-            .filter_map(|state| map.witnesses[state])
-            .collect();
-        class(problem, &f, Some(&beside))
+        let beside = neighbors().filter_map(|state| map.witnesses[state]);
+        let mut beside: Vec<Wave> = beside.collect();
+        // States at the rim, and those that were filled in, have one together.
+        beside.dedup();
+        class(&study, problem, index, Some(&beside))
     };
     let found: Vec<_> = (0..4 * columns * rows)
         .into_par_iter()
@@ -254,13 +247,22 @@ fn halved(map: &Domain, problem: &Problem, is_ended: IsEnded<'_>) -> Result<Doma
     Ok(Domain::new(study, found))
 }
 
-/// The class of one state, with a witness if it is unstable and one was found; given those of the states beside it where these are known.
+/// The class of a state of a study, with a witness if it is unstable and one was found; given those of the states beside it where these are known.
+/// The problem is that of all states where axes vary no setting.
 fn class(
+    study: &Study,
     problem: &Problem,
-    f: &DeformationGradient,
+    index: usize,
     beside: Option<&[Wave]>,
 ) -> Result<(Class, Option<Wave>), ProblemError> {
-    let judged = match problem.analysis.judge(f, beside) {
+    let coordinates = study.coordinates(index);
+    let f = study.deformation_at(&coordinates)?;
+    let own = match study.varies_settings() {
+        true => Some(Problem::new(study.settings_at(&coordinates)?)?),
+        false => None,
+    };
+    let problem = own.as_ref().unwrap_or(problem);
+    let judged = match problem.analysis.judge(&f, beside) {
         Ok(judged) => judged,
         Err(error) if error.leaves_undefined() => return Ok((Class::Undefined, None)),
         Err(error) => return Err(error.into()),
@@ -270,4 +272,44 @@ fn class(
         (verdict, _) => Class::Verdict(verdict),
     };
     Ok((class, judged.witness))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Refined, a window has the classes that its states have by themselves, wherever they were computed; also where an axis varies a setting.
+    #[test]
+    fn states_of_a_refined_window_are_what_they_are_alone() {
+        let window = |second: &str| {
+            let text = format!(
+                "[discretization]\nframe = \"eulerian\"\n\
+                 [[axes]]\nquantity = \"stretch-1\"\nrange = [0.5, 1.6]\nstates = 7\n[[axes]]\n{second}\nstates = 6\n"
+            );
+            let study = Study::parse("window.toml", &text).expect("a study");
+            Domain::of(&study).expect("a map")
+        };
+        for second in [
+            "quantity = \"discretization.support\"\nrange = [1.2, 2.6]",
+            "quantity = \"stretch-2\"\nrange = [0.5, 1.6]",
+        ] {
+            let coarse = window(second);
+            let fine = coarse.halved_unless(&|| false).expect("a map");
+            let alone = Domain::of(&fine.study).expect("a map");
+            let is_filled_in = |index: usize| {
+                let (column, row) = (index % 14, index / 14);
+                fine.classes[index] == coarse.classes[row / 2 * 7 + column / 2]
+            };
+            let (mut same, mut changed) = (0, 0);
+            for index in 0..fine.classes.len() {
+                let is_alike = fine.classes[index] == alone.classes[index];
+                assert!(is_alike || is_filled_in(index), "{second}: {index}");
+                same += usize::from(is_alike);
+                changed += usize::from(!is_filled_in(index));
+            }
+            // Pockets of less than a state are not seen.
+            assert!(10 * same > 9 * fine.classes.len(), "{second}: {same}");
+            assert!(changed > 5, "{second}: {changed}");
+        }
+    }
 }

@@ -17,6 +17,7 @@ mod trigonometric;
 mod turn;
 mod unit;
 mod well;
+mod zeros;
 
 pub(crate) use array::{Each, array_of};
 pub(crate) use decomposition::Decomposition;
@@ -36,6 +37,7 @@ pub use trigonometric::TrigonometricPolynomial;
 pub(crate) use turn::sines_and_cosines;
 pub(crate) use unit::moderate_unit;
 pub(crate) use well::{is_well, neighbors, settled, settled_along};
+pub(crate) use zeros::Zeros;
 
 /// Complex numbers of the whole crate.
 pub type Complex = nalgebra::Complex<f64>;

@@ -28,16 +28,19 @@ pub(crate) fn neighbors<const D: usize>(
 ) -> impl Iterator<Item = usize> {
     let coordinates = grid_coordinates::<D>(index, n);
     let flat = move |coordinates: &[usize; D]| coordinates.iter().fold(0, |sum, c| sum * n + c);
+    // Divisions are what this costs.
+    let wrapped = move |c: usize| if c < n { c } else { c - n };
+    let around = coordinates.each(|c| [wrapped(c + n - 1), c, wrapped(c + 1)]);
     let count = 3_usize.pow(D as u32);
     // The one in the middle is the point itself.
     let others = (0..count).filter(move |neighbor| *neighbor != count / 2);
     others
         .map(move |neighbor| {
             let steps = grid_coordinates::<D>(neighbor, 3);
-            let beside: [usize; D] = array_of(|i| (coordinates[i] + n + steps[i] - 1) % n);
+            let beside: [usize; D] = array_of(|i| around[i][steps[i]]);
             match flat(&beside) {
                 place if place < known => place,
-                _ => flat(&beside.each(|c| (n - c) % n)),
+                _ => flat(&beside.each(|c| wrapped(n - c))),
             }
         })
         .filter(move |place| *place < known)

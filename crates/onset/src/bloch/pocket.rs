@@ -103,6 +103,13 @@ fn growth_of<S: Scalar>([first, second]: [S; 2], product: S) -> f64 {
     growth_rate(mean + root).max(growth_rate(mean - root))
 }
 
+/// Whether a wave whose `omega^2` has a real part of at least `p` and an imaginary one of at most the root of `q` can grow faster than a rival:
+/// the growth rate is `sqrt((|omega^2| - Re omega^2) / 2)`.
+pub(super) fn can_beat(rival: f64, p: f64, q: f64) -> bool {
+    let square = rival * rival;
+    q > 4.0 * square * (square + p)
+}
+
 impl<S: Scalar, const D: usize> Pair<S, D> {
     /// How fast the faster of the two grows at `u`.
     fn growth(&self, u: &[f64; D]) -> f64 {
@@ -480,6 +487,9 @@ where
         };
         for j in 1..count {
             for i in 0..j {
+                if !self.can_beat(threshold, (i, j)) {
+                    continue;
+                }
                 let own = self.pair(i, j).fastest();
                 if own.0 > fastest.0 {
                     fastest = own;
@@ -499,6 +509,32 @@ where
             }),
             unresolved,
         }
+    }
+
+    /// Whether one of two branches can grow faster than a rival within reach; so it is taken to be where they are not real. What the derivatives across
+    /// the axes and the other branches may add is left as much as all that is known.
+    fn can_beat(&self, rival: f64, (i, j): (usize, usize)) -> bool {
+        let values = self.values.as_ref();
+        let is_real = |i: usize, j: usize| {
+            let mut all = self.first.iter().map(|m| m[(i, j)]);
+            all.all(|x| x.imaginary() == 0.0)
+        };
+        let own = [i, j]
+            .iter()
+            .all(|n| values[*n].imaginary() == 0.0 && is_real(*n, *n));
+        if !own {
+            return true;
+        }
+        let within = |of: &dyn Fn(&M) -> S| {
+            let first = self.first.iter().map(|m| REACH * of(m).modulus());
+            let second = self.second.iter().flatten();
+            let second = second.map(|m| 0.5 * REACH * REACH * of(m).modulus());
+            first.sum::<f64>() + second.sum::<f64>()
+        };
+        let mean = 0.5 * (values[i] + values[j]).real();
+        let change = 0.5 * within(&|m| m[(i, i)] + m[(j, j)]);
+        let coupling = within(&|m| m[(i, j)]) * within(&|m| m[(j, i)]);
+        can_beat(rival, mean - 2.0 * change, 4.0 * coupling)
     }
 
     fn pair(&self, i: usize, j: usize) -> Pair<S, D> {

@@ -6,7 +6,7 @@
 
 use super::DynamicalMatrix;
 use super::dynamical_matrix::Term;
-use crate::algebra::{Deviator, array_of};
+use crate::algebra::{Deviator, Each, Zeros, array_of};
 use crate::lattice::{WaveGrid, Wedge};
 use nalgebra::SMatrix;
 use pulp::{Arch, NullaryFnOnce};
@@ -26,6 +26,8 @@ pub(super) struct SpatialSpectrum {
     pub(super) imaginary_squared: f64,
     /// The real part of that pair.
     pub(super) pair: f64,
+    /// The square of the norm of the antisymmetric part, than which no imaginary part is larger (Bendixson).
+    pub(super) asymmetry: f64,
 }
 
 impl SpatialSpectrum {
@@ -35,6 +37,8 @@ impl SpatialSpectrum {
         let deviator = Deviator::of(entries);
         let Deviator { mean, a, h } = deviator;
         let discriminant = deviator.discriminant();
+        let axial = [[1, 3], [2, 6], [5, 7]].each(|[i, j]| 0.5 * (entries[i] - entries[j]));
+        let asymmetry = axial.iter().map(|x| x * x).sum();
         if discriminant >= 0.0 {
             let [lowest, highest] = deviator.outer();
             return Self {
@@ -43,6 +47,7 @@ impl SpatialSpectrum {
                 discriminant,
                 imaginary_squared: 0.0,
                 pair: mean,
+                asymmetry,
             };
         }
         let cube = h + h.signum() * (-discriminant).sqrt();
@@ -54,6 +59,7 @@ impl SpatialSpectrum {
             discriminant,
             imaginary_squared: (3.0 * (0.25 * real * real - a)).max(0.0),
             pair: mean - 0.5 * real,
+            asymmetry,
         }
     }
 }
@@ -94,9 +100,9 @@ impl Rows {
 
     /// The sums over `n` and `m` for each distinct `l`: at `[line of t_2][entry, real and imaginary part][t_3]`.
     #[inline(always)]
-    fn planes<const D: usize>(&self, grid: &WaveGrid<D>) -> Vec<(i32, Vec<f64>)> {
+    fn planes<const D: usize>(&self, grid: &WaveGrid<D>) -> Vec<(i32, Zeros)> {
         let n = grid.resolution();
-        let mut planes: Vec<(i32, Vec<f64>)> = Vec::new();
+        let mut planes: Vec<(i32, Zeros)> = Vec::new();
         let mut sums = vec![0.0; 18 * n];
         for row in &self.rows {
             sums.fill(0.0);
@@ -112,7 +118,7 @@ impl Rows {
                 }
             }
             if planes.last().is_none_or(|(l, _)| *l != row.l) {
-                planes.push((row.l, vec![0.0; 18 * n * n]));
+                planes.push((row.l, Zeros::new(18 * n * n)));
             }
             let Some((_, plane)) = planes.last_mut() else {
                 continue;
@@ -132,12 +138,11 @@ impl Rows {
         planes
     }
 
-    /// One spectrum for all points that symmetries map to each other.
+    /// One spectrum for all points that symmetries map to each other: that of the first one, and of some others.
     #[inline(always)]
-    fn on_grid<const D: usize>(&self, grid: &WaveGrid<D>, wedge: &Wedge) -> Vec<SpatialSpectrum> {
+    fn on_grid<const D: usize>(&self, grid: &WaveGrid<D>, wedge: &Wedge, found: Found<'_>) {
         let n = grid.resolution();
         let planes = self.planes(grid);
-        let mut spectra = vec![SpatialSpectrum::default(); wedge.first.len()];
         let mut entries = vec![0.0; 9 * n];
         for (number, own) in wedge.lines.iter().enumerate() {
             let (first, second) = (number / n, number % n);
@@ -156,45 +161,44 @@ impl Rows {
                 }
             }
             let of = |j: usize| -> Entries { array_of(|e| entries[e * n + j]) };
-            let there = &mut spectra[number * n..][own.clone()];
-            for (j, spectrum) in there.iter_mut().enumerate() {
-                *spectrum = SpatialSpectrum::of(&of(j));
+            for j in 0..count {
+                found(number * n + own.start + j, SpatialSpectrum::of(&of(j)));
             }
         }
-        // In the order of the points, so that it does not matter if rounding leaves out some symmetries of a group, and a first point has one itself.
-        for (index, first) in wedge.first.iter().enumerate() {
-            spectra[index] = spectra[*first as usize];
-        }
-        spectra
     }
 }
 
 impl<const D: usize> DynamicalMatrix<D> {
-    /// The spectra of a real and periodic matrix in space at the points of a grid with a first index up to `n / 2`; the others follow from
-    /// `D(-k) = D(k)`.
-    pub(super) fn spatial_spectra(
-        &self,
-        grid: &WaveGrid<D>,
-        wedge: &Wedge,
-    ) -> Vec<SpatialSpectrum> {
+    /// The spectra of a real and periodic matrix in space at those points of a grid with a first index up to `n / 2` that symmetries do not map to
+    /// earlier ones, and at some others; the rest follows from these and from `D(-k) = D(k)`.
+    pub(super) fn spatial_spectra(&self, grid: &WaveGrid<D>, wedge: &Wedge, found: Found<'_>) {
         let rows = &Rows::new(self.terms(), self.rigid_translation());
-        Arch::new().dispatch(OnGrid { rows, grid, wedge })
+        Arch::new().dispatch(OnGrid {
+            rows,
+            grid,
+            wedge,
+            found,
+        });
     }
 }
+
+/// Takes the spectrum of a point.
+type Found<'a> = &'a mut dyn FnMut(usize, SpatialSpectrum);
 
 /// Work for the widest vectors of the machine. (A closure would not be inlined there.)
 struct OnGrid<'a, const D: usize> {
     rows: &'a Rows,
     grid: &'a WaveGrid<D>,
     wedge: &'a Wedge,
+    found: Found<'a>,
 }
 
 impl<const D: usize> NullaryFnOnce for OnGrid<'_, D> {
-    type Output = Vec<SpatialSpectrum>;
+    type Output = ();
 
     #[inline(always)]
-    fn call(self) -> Vec<SpatialSpectrum> {
-        self.rows.on_grid(self.grid, self.wedge)
+    fn call(self) {
+        self.rows.on_grid(self.grid, self.wedge, self.found);
     }
 }
 
@@ -252,19 +256,21 @@ mod tests {
             let matrix = constants.finish(&lattice, false);
             let own = matrix.symmetries(grids.symmetries());
             assert_eq!(own.count_ones(), symmetries);
-            let spectra = matrix.spatial_spectra(&grid, &grids.wedge(n, own));
-            assert_eq!(spectra.len(), (n / 2 + 1) * n * n);
-            for (spectrum, k) in spectra.iter().zip(grid.wave_vectors()) {
+            let wedge = grids.wedge(n, own);
+            let mut outer = [0, 1].map(|_| vec![f64::NAN; (n / 2 + 1) * n * n]);
+            matrix.spatial_spectra(&grid, &wedge, &mut |point, spectrum| {
+                (outer[0][point], outer[1][point]) = (spectrum.lowest, spectrum.highest);
+            });
+            for values in &mut outer {
+                wedge.spread(values);
+            }
+            assert_eq!(outer[0].len(), grid.half());
+            for (point, k) in grid.wave_vectors().take(grid.half()).enumerate() {
                 let exact = eigenvalues(&matrix.at(&k), 1e-16).map(|value| value.re);
                 // Where eigenvalues are equal, to the square root of rounding.
-                assert!(
-                    (spectrum.lowest - exact[0]).abs() < 1e-6,
-                    "{symmetries} {k}"
-                );
-                assert!(
-                    (spectrum.highest - exact[2]).abs() < 1e-6,
-                    "{symmetries} {k}"
-                );
+                for (values, exact) in outer.iter().zip([exact[0], exact[2]]) {
+                    assert!((values[point] - exact).abs() < 1e-6, "{symmetries} {k}");
+                }
             }
         }
     }

@@ -88,6 +88,14 @@ impl Wedge {
         }
     }
 
+    /// Gives all points what is known of the first of their images: in the order of the points, so that it does not matter if rounding leaves out some
+    /// symmetries of a group, and a first point has one itself.
+    pub(crate) fn spread(&self, values: &mut [f64]) {
+        for (index, first) in self.first.iter().enumerate() {
+            values[index] = values[*first as usize];
+        }
+    }
+
     /// Whether a point is the first of its images.
     pub(crate) fn is_first(&self, index: usize) -> bool {
         self.first[index] as usize == index

@@ -72,7 +72,8 @@ impl<const D: usize> WaveGrid<D> {
         }
     }
 
-    /// The same with each wave vector replaced by its equivalent in a zone, given what those in units of the reciprocal vectors lose.
+    /// The same with each wave vector replaced by its equivalent in a zone; `shift` tells how many of each reciprocal vector one loses, itself
+    /// given in units of these.
     fn folded(&self, shift: impl Fn(&Fractional<D>) -> [i32; D]) -> Self {
         Self {
             resolution: self.resolution,
@@ -196,7 +197,7 @@ fn half<const D: usize>(resolution: usize) -> usize {
 }
 
 impl<const D: usize> Shifts<D> {
-    /// Of half of the points of a grid, by what those in units of the reciprocal vectors lose.
+    /// Of half of the points of a grid.
     fn new(
         resolution: usize,
         lattice: &BravaisLattice<D>,
@@ -360,14 +361,13 @@ impl<const D: usize> WaveGrids<D> {
         })
     }
 
-    /// The same with each wave vector replaced by its equivalent in the image of the first Brillouin zone of the lattice's image under a
-    /// linear map; not kept.
+    /// The same for a state: with each wave vector replaced by its equivalent whose image is in the zone of the deformed lattice. Not kept.
     pub(crate) fn grid_folded_to(
         &self,
         resolution: usize,
         zone: &BrillouinZone<D>,
     ) -> Arc<WaveGrid<D>> {
-        // A linear map leaves the numbers of reciprocal vectors.
+        // In units of the reciprocal vectors a wave vector and its image are the same.
         Arc::new(self.grid(resolution).folded(|place| zone.shift(place)))
     }
 

@@ -67,8 +67,8 @@ impl<const D: usize> BrillouinZone<D> {
             .0
     }
 
-    /// How many of each reciprocal vector a wave vector, in units of these, loses as it is folded. Convex sets of wave vectors lose the
-    /// same.
+    /// How many of each reciprocal vector a wave vector, in units of these, loses as it is folded. The wave vectors that lose the same fill a
+    /// convex set, an image of the zone.
     pub(crate) fn shift(&self, fractional: &Fractional<D>) -> [i32; D] {
         let (_, shift) = self.folded_with_shift(&(self.short.inverse * fractional));
         let shift = self.short.change * shift;

@@ -182,6 +182,16 @@ impl<const D: usize> StateWaves<D> {
         })
     }
 
+    /// The same, but for flutter that grows more slowly than what diverges; that of long waves is told where it is asked about.
+    fn extremes(&self, asks_about_long_waves: bool) -> Result<SpectrumSummary<D>, MethodError> {
+        match self {
+            Self::Direct(waves) => {
+                finite(waves.search.extremes(&waves.matrix, asks_about_long_waves))
+            }
+            Self::System(_) => self.spectrum(),
+        }
+    }
+
     /// The same with a lower bound of the scaled measure wherever equations are Hermitian.
     ///
     /// # Errors
@@ -492,7 +502,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         let waves = match self.waves(f)? {
             StateWaves::Direct(waves) => waves,
             system => {
-                let state = self.surveyed(f, &system.spectrum()?)?;
+                let state = self.surveyed(f, acoustic, &system.spectrum()?)?;
                 return Ok(Judged {
                     verdict: state.verdict,
                     stability: state.stability,
@@ -609,16 +619,19 @@ impl<'a, const D: usize> Survey<'a, D> {
     }
 
     fn searched(&self, f: &DeformationGradient) -> Result<SurveyedState<D>, MethodError> {
-        self.surveyed(f, &self.spectrum(f)?)
+        let acoustic = Local::new(self.material, f)?.stiffness().minimum();
+        let spectrum = self.waves(f)?.extremes(acoustic.only_flutters())?;
+        self.surveyed(f, acoustic, &spectrum)
     }
 
     fn surveyed(
         &self,
         f: &DeformationGradient,
+        acoustic: AcousticMinimum<D>,
         spectrum: &SpectrumSummary<D>,
     ) -> Result<SurveyedState<D>, MethodError> {
         Ok(SurveyedState::of_spectrum(
-            Local::new(self.material, f)?.stiffness().minimum(),
+            acoustic,
             spectrum,
             spectrum.is_stable() && self.has_zero_mode(f, &spectrum.softest)?,
         ))

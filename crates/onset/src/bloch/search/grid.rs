@@ -1,10 +1,11 @@
 //! The spectrum on a grid over the zone, and its wells.
 
 use super::{Candidate, Objective, Seen, ZoneSearch};
-use crate::algebra::{Complex, neighbors, sort_by_value};
+use crate::algebra::{Complex, Zeros, neighbors, sort_by_value};
 use crate::bloch::DynamicalMatrix;
 use crate::bloch::growth_rate;
 use crate::bloch::planar::PlanarEntries;
+use crate::bloch::pocket::can_beat;
 use crate::bloch::spatial::SpatialSpectrum;
 use crate::lattice::{WaveGrid, Wedge, grid_coordinates, opposite};
 use nalgebra::SVector;
@@ -48,24 +49,27 @@ struct GridSpectrum {
     /// Points of the half.
     half: usize,
     /// `Re omega^2 / (c^2 |k|_h^2)` of the lowest branch; infinite at `k = 0`.
-    scaled: Vec<f64>,
-    lowest: Vec<f64>,
-    highest: Vec<f64>,
-    discriminant: Vec<f64>,
+    scaled: Zeros,
+    lowest: Zeros,
+    highest: Zeros,
+    discriminant: Zeros,
     /// Minus the growth rate of complex branches; not where it follows from the others, in the plane with a real `D`.
-    slowness: Vec<f64>,
+    slowness: Zeros,
+    /// The square of the norm of the antisymmetric part, in space with a real `D`.
+    asymmetry: Zeros,
 }
 
 impl GridSpectrum {
     fn zeros(count: usize, half: usize) -> Self {
-        let zeros = || vec![0.0; count];
+        let zeros = || Zeros::new(count);
         Self {
             half,
             scaled: zeros(),
             lowest: zeros(),
             highest: zeros(),
             discriminant: zeros(),
-            slowness: Vec::new(),
+            slowness: Zeros::default(),
+            asymmetry: Zeros::default(),
         }
     }
 
@@ -85,6 +89,19 @@ impl GridSpectrum {
         }
     }
 
+    /// Minus the growth rates of complex branches, in the plane those of `Re omega^2 +- i sqrt(-p)`.
+    fn slowness(&self) -> Cow<'_, [f64]> {
+        if !self.slowness.is_empty() {
+            return Cow::Borrowed(&self.slowness);
+        }
+        let pairs = self.discriminant.iter().zip(self.lowest.iter());
+        let slowness = |(p, re): (&f64, &f64)| match *p < 0.0 {
+            true => -growth_rate(Complex::new(*re, (-p).sqrt())),
+            false => 0.0,
+        };
+        pairs.map(slowness).collect()
+    }
+
     /// How near branches are to each other: in space the discriminant over the sixth power of the distance of the outer ones, which can
     /// vary by orders of magnitude over the zone.
     fn relative_discriminants<const D: usize>(&self) -> Cow<'_, [f64]> {
@@ -92,7 +109,7 @@ impl GridSpectrum {
         if D < 3 {
             return Cow::Borrowed(known);
         }
-        let outer = self.lowest.iter().zip(&self.highest);
+        let outer = self.lowest.iter().zip(self.highest.iter());
         let distances = outer.map(|(lowest, highest)| -highest - lowest);
         known
             .iter()
@@ -127,20 +144,39 @@ impl GridSpectrum {
         spectrum
     }
 
-    /// From the spectra of half of the grid.
-    fn of_spatial(spectra: &[SpatialSpectrum], laplacian: &[f64], speed_squared: f64) -> Self {
-        let half = spectra.len();
-        let mut spectrum = Self::zeros(laplacian.len(), half);
-        spectrum.slowness = vec![0.0; laplacian.len()];
-        for (n, there) in spectra.iter().enumerate() {
+    /// Of a real matrix in space, from the points of half of the grid that symmetries do not map to earlier ones.
+    fn of_spatial<const D: usize>(
+        matrix: &DynamicalMatrix<D>,
+        waves: &WaveGrid<D>,
+        wedge: &Wedge,
+        speed_squared: f64,
+    ) -> Self {
+        let half = wedge.first.len();
+        let mut spectrum = Self::zeros(waves.count(), half);
+        spectrum.slowness = Zeros::new(waves.count());
+        spectrum.asymmetry = Zeros::new(half);
+        matrix.spatial_spectra(waves, wedge, &mut |n, there: SpatialSpectrum| {
             spectrum.lowest[n] = there.lowest;
             spectrum.highest[n] = -there.highest;
-            spectrum.scaled[n] = there.lowest / (speed_squared * laplacian[n]);
             spectrum.discriminant[n] = there.discriminant;
+            spectrum.asymmetry[n] = there.asymmetry;
             if there.discriminant < 0.0 {
                 let pair = Complex::new(there.pair, there.imaginary_squared.sqrt());
                 spectrum.slowness[n] = -growth_rate(pair);
             }
+        });
+        for values in [
+            &mut spectrum.lowest,
+            &mut spectrum.highest,
+            &mut spectrum.discriminant,
+            &mut spectrum.asymmetry,
+            &mut spectrum.slowness,
+        ] {
+            wedge.spread(values);
+        }
+        let known = spectrum.lowest.iter().zip(waves.laplacian());
+        for (scaled, (lowest, laplacian)) in spectrum.scaled[..half].iter_mut().zip(known) {
+            *scaled = lowest / (speed_squared * laplacian);
         }
         spectrum
     }
@@ -212,10 +248,7 @@ impl<const D: usize> ZoneSearch<D> {
         });
         let mut spectrum = match matrix.planar_entries(&waves) {
             None => match &wedge {
-                Some(wedge) => {
-                    let spectra = matrix.spatial_spectra(&waves, wedge);
-                    GridSpectrum::of_spatial(&spectra, waves.laplacian(), self.speed_squared)
-                }
+                Some(wedge) => GridSpectrum::of_spatial(matrix, &waves, wedge, self.speed_squared),
                 None => self.pointwise(matrix, &waves),
             },
             Some(entries) => Arch::new().dispatch(OfPlanar {
@@ -243,7 +276,7 @@ impl<const D: usize> ZoneSearch<D> {
         let count = waves.count();
         let half = waves.half();
         let mut spectrum = GridSpectrum::zeros(count, half);
-        spectrum.slowness = vec![0.0; count];
+        spectrum.slowness = Zeros::new(count);
         for index in 0..half {
             let seen = Seen::of(matrix, waves.wave_vector(index));
             let value = |objective| self.value(matrix, objective, &seen);
@@ -323,32 +356,34 @@ impl<const D: usize> Grid<D> {
         wells
     }
 
-    /// Where complex branches grow fastest, in the plane `omega^2 = Re omega^2 +- i sqrt(-p)`, fastest first.
+    /// Where complex branches grow fastest, fastest first.
     pub(super) fn fastest_flutter(&self) -> impl Iterator<Item = SVector<f64, D>> {
-        let spectrum = &self.spectrum;
-        let slowness = |(p, re): (&f64, &f64)| {
-            if *p < 0.0 {
-                -growth_rate(Complex::new(*re, (-p).sqrt()))
-            } else {
-                0.0
-            }
-        };
-        let pairs = || spectrum.discriminant.iter().zip(&spectrum.lowest);
-        let wells = if spectrum.slowness.is_empty() {
-            self.wells_of(&pairs().map(slowness).collect::<Vec<f64>>(), 0.0)
-        } else {
-            self.wells_of(&spectrum.slowness, 0.0)
-        };
-        let wells = wells.into_iter();
+        let wells = self.wells_of(&self.spectrum.slowness(), 0.0).into_iter();
         wells.map(|well| well.start.1)
+    }
+
+    /// The fastest growth of complex branches at its points.
+    pub(super) fn largest_growth(&self) -> f64 {
+        let slowness = self.spectrum.slowness();
+        -slowness[..self.spectrum.half]
+            .iter()
+            .copied()
+            .fold(0.0, f64::min)
     }
 
     /// Points near which two branches may cross, and how many steps of the grid there are between them. Where a discriminant is
     /// known, those at which it is small beside its neighbors, one of those that symmetries map to each other; otherwise all of a grid that is
-    /// not too fine.
-    pub(super) fn near_crossings(&self, has_discriminant: bool) -> (Vec<SVector<f64, D>>, usize) {
+    /// not too fine. Of those around which no `omega^2` of a complex pair can grow faster than a rival, none.
+    pub(super) fn near_crossings(
+        &self,
+        has_discriminant: bool,
+        rival: f64,
+    ) -> (Vec<SVector<f64, D>>, usize) {
         let n = self.waves.resolution();
         let known = self.spectrum.relative_discriminants::<D>();
+        let largest = NEAR * known.iter().copied().fold(0.0, f64::max);
+        let lowest = self.spectrum.known(Objective::Lowest);
+        let asymmetry: &[f64] = &self.spectrum.asymmetry;
         let stride = match has_discriminant || D < 3 {
             true => 1,
             false => n.div_ceil(SPARSE),
@@ -363,8 +398,17 @@ impl<const D: usize> Grid<D> {
                     .iter()
                     .all(|c| c % stride == 0);
             }
-            let around = neighbors::<D>(*index, n, known.len()).map(|other| known[other]);
-            known[*index] <= NEAR * around.fold(0.0, f64::max)
+            // Most are so far from a crossing that no surroundings would matter.
+            if known[*index] > largest {
+                return false;
+            }
+            let around = || neighbors::<D>(*index, n, known.len()).chain([*index]);
+            let most = |values: &[f64]| around().map(|n| values[n]).fold(0.0, f64::max);
+            if known[*index] > NEAR * most(&known) {
+                return false;
+            }
+            let least = around().map(|n| lowest[n]).fold(f64::INFINITY, f64::min);
+            asymmetry.is_empty() || can_beat(rival, least, most(asymmetry))
         };
         let near = (1..known.len()).filter(is_near);
         let points = near.map(|index| self.waves.wave_vector(index)).collect();
@@ -429,16 +473,21 @@ fn mark_low(line: &[f64], beside: &[&[f64]], below: f64, is_low: &mut [bool]) {
 
 /// A line of the grid (all coordinates but the last) and those beside it.
 fn lines_beside<const D: usize>(line: usize, n: usize) -> Vec<usize> {
-    let mut beside = vec![0];
+    let mut beside = Vec::with_capacity(3_usize.pow(D as u32 - 1));
+    beside.push(0);
     let mut scale = 1;
     let mut rest = line;
     for _ in 1..D {
         let i = rest % n;
         rest /= n;
-        beside = [(i + n - 1) % n, i, (i + 1) % n]
-            .iter()
-            .flat_map(|neighbor| beside.iter().map(move |known| known + neighbor * scale))
-            .collect();
+        let [last, own, next] = [(i + n - 1) % n, i, (i + 1) % n].map(|i| i * scale);
+        let known = beside.len();
+        for neighbor in [own, next] {
+            for place in 0..known {
+                beside.push(beside[place] + neighbor);
+            }
+        }
+        beside[..known].iter_mut().for_each(|place| *place += last);
         scale *= n;
     }
     beside

@@ -217,7 +217,20 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// The extremes of the spectrum, as a search finds them.
     pub fn summary(&self, matrix: &DynamicalMatrix<D>) -> SpectrumSummary<D> {
-        self.found(matrix, None)
+        self.found(matrix, Flutter::All, None)
+    }
+
+    /// The same, but for flutter that grows more slowly than what diverges, which the summary of a diverging state may leave out; that of long waves
+    /// is left out there unless it is asked about.
+    pub(crate) fn extremes(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        asks_about_long_waves: bool,
+    ) -> SpectrumSummary<D> {
+        let sought = Flutter::Fastest {
+            asks_about_long_waves,
+        };
+        self.found(matrix, sought, None)
     }
 
     /// The same with a lower bound of the scaled measure, where the matrix is Hermitian and periodic.
@@ -231,22 +244,24 @@ impl<const D: usize> ZoneSearch<D> {
         matrix: &DynamicalMatrix<D>,
         is_ended: IsEnded<'_>,
     ) -> SpectrumSummary<D> {
-        self.found(matrix, Some(is_ended))
+        self.found(matrix, Flutter::All, Some(is_ended))
     }
 
     /// The extremes; with a bound while somebody waits for it, where that is told.
     fn found(
         &self,
         matrix: &DynamicalMatrix<D>,
+        sought: Flutter,
         is_bounded: Option<IsEnded<'_>>,
     ) -> SpectrumSummary<D> {
         let unit = matrix.moderate_unit();
         if unit != 1.0 {
-            let found = self.in_units(unit).found(&matrix.over(unit), is_bounded);
+            let search = self.in_units(unit);
+            let found = search.found(&matrix.over(unit), sought, is_bounded);
             return found.in_units(unit);
         }
         if let Some((range, search, matrix)) = self.short_ranged(matrix) {
-            let found = search.found(&matrix, is_bounded);
+            let found = search.found(&matrix, sought, is_bounded);
             return range.carried_back(&found, |k| self.folded(k));
         }
         let long_wave = self.long_wave_limit(matrix);
@@ -269,9 +284,20 @@ impl<const D: usize> ZoneSearch<D> {
                 mode.omega_squared.re < rest.omega_squared.re && mode.scaled < -tolerance
             })
             .unwrap_or(rest);
-        let fluttering = self.flutter(matrix, &wells);
-        let fastest_growing =
-            fluttering.map_or(lowest, |mode| self.fastest(matrix, &wells, lowest, mode));
+        let (rival, asks_about_long_waves) = match sought {
+            Flutter::Fastest {
+                asks_about_long_waves,
+            } if grows => (growth_rate(lowest.omega_squared), asks_about_long_waves),
+            _ => (0.0, true),
+        };
+        let fluttering = self.flutter(matrix, &wells, rival);
+        let fastest_growing = fluttering.map_or(lowest, |mode| {
+            self.fastest(matrix, &wells, lowest, mode, rival)
+        });
+        let may_flutter = match rival > 0.0 {
+            true => asks_about_long_waves,
+            false => fluttering.is_some(),
+        };
         let highest = wells
             .bottom(self, matrix, Objective::Highest, f64::INFINITY)
             .map_or(0.0, |bottom| -bottom.0);
@@ -288,7 +314,7 @@ impl<const D: usize> ZoneSearch<D> {
             tolerance,
             bound,
             flutters: fluttering.is_some(),
-            long_waves_flutter: fluttering.is_some() && self.long_waves_flutter(matrix, &wells),
+            long_waves_flutter: may_flutter && self.long_waves_flutter(matrix, &wells),
         }
     }
 
@@ -340,8 +366,8 @@ impl<const D: usize> ZoneSearch<D> {
         (judgment.stability, judgment.measure)
     }
 
-    /// The same, with the softest mode of a stable state whose measure is at most `soft`; with more work for a stable state and less for another
-    /// one where witnesses are known of the states beside it, if these have some.
+    /// The same, with the softest mode of a stable state whose measure is at most `soft`. Where witnesses of the states beside it are given, all that
+    /// these have, they are tried first, and a coarse grid is not: few states are told by it then.
     pub(crate) fn judgment(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -388,12 +414,15 @@ impl<const D: usize> ZoneSearch<D> {
             // The zone that holds them is that of another state.
             false => k * self.reach(k).min(1.0),
         });
-        for k in known.chain(self.symmetric_waves()) {
-            least = lower(least, (self.value_at(matrix, Objective::Scaled, &k), k));
-            if least.0 < -tolerance {
-                return diverges(least);
-            }
+        let seen = |k| (self.value_at(matrix, Objective::Scaled, &k), k);
+        if let Some(witness) = known.map(seen).find(|(value, _)| *value < -tolerance) {
+            return diverges((witness.0, Some(witness.1)));
         }
+        least = self.symmetric_waves().map(seen).fold(least, lower);
+        if least.0 < -tolerance {
+            return diverges(least);
+        }
+        // The wells of a Hermitian matrix are followed from it.
         let is_coarse = matrix.is_hermitian() || beside.is_none();
         let points_per_period = if is_coarse { COARSE } else { FINE };
         let mut wells = self.wells(matrix, points_per_period, &long_wave, &rest);
@@ -417,7 +446,7 @@ impl<const D: usize> ZoneSearch<D> {
         if measure < -tolerance {
             return diverges(least);
         }
-        if self.flutter(matrix, &wells).is_some() {
+        if self.flutter(matrix, &wells, 0.0).is_some() {
             return Judgment {
                 stability: Stability::Flutter,
                 measure,
@@ -686,8 +715,13 @@ impl<const D: usize> ZoneSearch<D> {
         self.value(matrix, objective, &Seen::with(matrix, *k, d))
     }
 
-    /// A mode with complex `omega^2` that grows noticeably, if there is one.
-    fn flutter(&self, matrix: &DynamicalMatrix<D>, wells: &Wells<D>) -> Option<Mode<D>> {
+    /// A mode with complex `omega^2` that grows noticeably, and faster than a rival, if there is one.
+    fn flutter(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        wells: &Wells<D>,
+        rival: f64,
+    ) -> Option<Mode<D>> {
         // A Hermitian matrix has real eigenvalues.
         if matrix.is_hermitian() {
             return None;
@@ -698,15 +732,19 @@ impl<const D: usize> ZoneSearch<D> {
             (_, true) => -matrix.noise() * largest,
             (_, false) => 0.0,
         };
-        let pocket = wells.bottom(self, matrix, Objective::Discriminant, floor);
-        let opening = match wells {
-            Wells::Grid(grid) => self.opening(matrix, grid),
-            Wells::Mirrored { .. } => &[],
+        // Half of the growth of a rival is far from it, and the longest waves grow slowly.
+        let (is_contested, opening): (bool, &[SVector<f64, D>]) = match wells {
+            Wells::Grid(grid) if rival > 0.0 => (grid.largest_growth() > 0.5 * rival, &[]),
+            Wells::Grid(grid) => (true, self.opening(matrix, grid)),
+            Wells::Mirrored { .. } => (true, &[]),
         };
+        let pocket = is_contested
+            .then(|| wells.bottom(self, matrix, Objective::Discriminant, floor))
+            .flatten();
         let opening = opening.iter().copied();
         let candidates = pocket.map(|(_, k)| k).into_iter().chain(opening);
-        let noticeable =
-            |mode: &Mode<D>| growth_rate(mode.omega_squared) > self.flutter_threshold(1);
+        let least = self.flutter_threshold(1).max(rival);
+        let noticeable = |mode: &Mode<D>| growth_rate(mode.omega_squared) > least;
         candidates
             .filter_map(|k| self.fluttering_mode(matrix, &k))
             .max_by(|a, b| growth_rate(a.omega_squared).total_cmp(&growth_rate(b.omega_squared)))
@@ -715,7 +753,7 @@ impl<const D: usize> ZoneSearch<D> {
                 // In the plane the discriminant of a real matrix tells all of its pockets.
                 let is_told = D < 3 && matrix.is_centrosymmetric();
                 let pockets = match wells {
-                    Wells::Grid(grid) if !is_told => self.pockets(matrix, grid),
+                    Wells::Grid(grid) if !is_told => self.pockets(matrix, grid, rival),
                     _ => &[],
                 };
                 let mut modes = pockets
@@ -743,14 +781,24 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// Wave vectors in pockets of complex `omega^2` that are smaller than the steps of a grid.
-    fn pockets<'g>(&self, matrix: &DynamicalMatrix<D>, grid: &'g Grid<D>) -> &'g [SVector<f64, D>] {
+    /// Wave vectors in pockets of complex `omega^2` that are smaller than the steps of a grid, where waves may grow faster than a rival.
+    fn pockets<'g>(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        grid: &'g Grid<D>,
+        rival: f64,
+    ) -> &'g [SVector<f64, D>] {
         grid.pockets
-            .get_or_init(|| self.pockets_between(matrix, grid))
+            .get_or_init(|| self.pockets_between(matrix, grid, rival))
     }
 
-    fn pockets_between(&self, matrix: &DynamicalMatrix<D>, grid: &Grid<D>) -> Vec<SVector<f64, D>> {
-        let (points, stride) = grid.near_crossings(matrix.is_centrosymmetric());
+    fn pockets_between(
+        &self,
+        matrix: &DynamicalMatrix<D>,
+        grid: &Grid<D>,
+        rival: f64,
+    ) -> Vec<SVector<f64, D>> {
+        let (points, stride) = grid.near_crossings(matrix.is_centrosymmetric(), rival);
         let pockets = Pockets {
             around: &|k, order| {
                 let is_sought = self.is_sought(Objective::Scaled, k);
@@ -764,7 +812,7 @@ impl<const D: usize> ZoneSearch<D> {
                 })
             },
             steps: self.reference().reciprocal() * (stride as f64 / grid.waves.resolution() as f64),
-            threshold: self.flutter_threshold(1),
+            threshold: self.flutter_threshold(1).max(rival),
             most: POCKETS,
         };
         pockets.around(points.into_iter())
@@ -824,6 +872,7 @@ impl<const D: usize> ZoneSearch<D> {
         wells: &Wells<D>,
         lowest: Mode<D>,
         fluttering: Mode<D>,
+        rival: f64,
     ) -> Mode<D> {
         // In space a descent is not worth its while where it cannot beat the growth without oscillation.
         let floor = match D {
@@ -835,7 +884,12 @@ impl<const D: usize> ZoneSearch<D> {
                 .fastest_flutter()
                 .take(4)
                 .chain([fluttering.wave_vector])
-                .chain(self.pockets(matrix, grid).iter().copied().take(FOLLOWED))
+                .chain(
+                    self.pockets(matrix, grid, rival)
+                        .iter()
+                        .copied()
+                        .take(FOLLOWED),
+                )
                 .map(|k| self.settled(matrix, Objective::Growth, k, floor))
                 .collect(),
             Wells::Mirrored { bottoms, .. } => bottoms
@@ -863,12 +917,21 @@ impl<const D: usize> ZoneSearch<D> {
     }
 }
 
-/// The lower one of a measure, with the wave vector where it is found on one, and that of a wave.
+/// Which waves with a complex `omega^2` are sought.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Flutter {
+    /// All.
+    All,
+    /// Those that grow faster than any with a real one, and long waves where these are asked about.
+    Fastest { asks_about_long_waves: bool },
+}
+
+/// The lower one of two measures: that of the limit of long waves or of a wave vector, and that of another wave vector.
 fn lower<const D: usize>(
     least: (f64, Option<SVector<f64, D>>),
     (value, k): Candidate<D>,
 ) -> (f64, Option<SVector<f64, D>>) {
-    if value < least.0 {
+    if value < least.0 || least.0.is_nan() {
         (value, Some(k))
     } else {
         least
