@@ -270,6 +270,8 @@ pub(super) struct Pockets<'a, const D: usize> {
     pub(super) steps: SMatrix<f64, D, D>,
     /// Growth rates below are not flutter.
     pub(super) threshold: f64,
+    /// The growth rate of a wave that those sought must beat; zero where all are sought.
+    pub(super) rival: f64,
     /// How many are looked at again.
     pub(super) most: usize,
 }
@@ -339,12 +341,14 @@ impl<const D: usize> Pockets<'_, D> {
     fn outlook(&self, k: &SVector<f64, D>, share: f64, order: Order) -> Option<Outlook<D>> {
         let steps = self.steps * share;
         let any = |expansion: &MatrixExpansion<D>| {
-            Some(Neighborhood::of_any(expansion, &steps, order)?.outlook(self.threshold))
+            Some(
+                Neighborhood::of_any(expansion, &steps, order)?.outlook(self.threshold, self.rival),
+            )
         };
         let mut outlook = match (self.around)(k, order)? {
             Around::Complex(expansion) => any(&expansion)?,
             Around::Real(expansion) => match Neighborhood::of_real(&expansion, &steps, order) {
-                Some(near) => near.outlook(self.threshold),
+                Some(near) => near.outlook(self.threshold, self.rival),
                 None => any(&expansion.into())?,
             },
         };
@@ -477,8 +481,9 @@ where
     V: AsRef<[S]>,
     M: Index<(usize, usize), Output = S>,
 {
-    /// The fastest pocket that is foreseen, in steps from here, and whether branches that may meet are seen well.
-    fn outlook(&self, threshold: f64) -> Outlook<D> {
+    /// The fastest pocket that is foreseen, in steps from here, and whether branches that may meet are seen well; of those that may grow faster than
+    /// a rival where there is one.
+    fn outlook(&self, threshold: f64, rival: f64) -> Outlook<D> {
         let (mut fastest, mut unresolved) = ((0.0, [0.0; D]), 0.0_f64);
         let count = self.values.as_ref().len();
         let repulsion: Vec<f64> = match self.second {
@@ -487,7 +492,7 @@ where
         };
         for j in 1..count {
             for i in 0..j {
-                if !self.can_beat(threshold, (i, j)) {
+                if rival > 0.0 && !self.can_beat(rival, (i, j)) {
                     continue;
                 }
                 let own = self.pair(i, j).fastest();
@@ -511,8 +516,8 @@ where
         }
     }
 
-    /// Whether one of two branches can grow faster than a rival within reach; so it is taken to be where they are not real. What the derivatives across
-    /// the axes and the other branches may add is left as much as all that is known.
+    /// Whether one of two branches can grow faster than a rival within reach; it is taken for granted where they are not real. Mixed derivatives and
+    /// other branches may add as much again as is known.
     fn can_beat(&self, rival: f64, (i, j): (usize, usize)) -> bool {
         let values = self.values.as_ref();
         let is_real = |i: usize, j: usize| {

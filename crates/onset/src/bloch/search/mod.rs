@@ -813,6 +813,7 @@ impl<const D: usize> ZoneSearch<D> {
             },
             steps: self.reference().reciprocal() * (stride as f64 / grid.waves.resolution() as f64),
             threshold: self.flutter_threshold(1).max(rival),
+            rival,
             most: POCKETS,
         };
         pockets.around(points.into_iter())

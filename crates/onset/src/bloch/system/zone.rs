@@ -526,6 +526,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             },
             steps: self.search.reference().reciprocal() / self.waves.resolution() as f64,
             threshold: self.search.flutter_threshold(self.system.sites()),
+            rival: 0.0,
             most: self.effort.pockets,
         };
         pockets.around(half(&self.waves).into_iter())
