@@ -18,9 +18,9 @@ pub(crate) struct Zeros(Vec<f64>);
 impl Zeros {
     pub(crate) fn new(count: usize) -> Self {
         let mut own = KEPT_ARRAYS.with_borrow_mut(|kept| {
-            let fits = kept.iter().position(|array| array.capacity() >= count);
-            fits.map(|place| kept.swap_remove(place))
-                .unwrap_or_default()
+            let fits = (0..kept.len()).filter(|n| kept[*n].capacity() >= count);
+            let closest = fits.min_by_key(|n| kept[*n].capacity());
+            closest.map(|n| kept.swap_remove(n)).unwrap_or_default()
         });
         own.clear();
         own.resize(count, 0.0);
@@ -37,8 +37,10 @@ impl Drop for Zeros {
         // A thread that ends keeps nothing.
         let _ = KEPT_ARRAYS.try_with(|kept| {
             let mut kept = kept.borrow_mut();
-            if kept.len() < KEPT {
-                kept.push(own);
+            kept.push(own);
+            if kept.len() > KEPT {
+                let smallest = (0..kept.len()).min_by_key(|n| kept[*n].capacity());
+                smallest.map(|n| kept.swap_remove(n));
             }
         });
     }

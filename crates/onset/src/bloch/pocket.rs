@@ -593,8 +593,21 @@ where
 
 #[cfg(test)]
 mod tests {
-    use super::{PLACES, Pair, REACH};
-    use crate::algebra::{array_of, uniform};
+    use super::{PLACES, Pair, REACH, can_beat, growth_rate};
+    use crate::algebra::{Complex, array_of, uniform};
+
+    #[test]
+    fn a_rival_is_beaten_where_the_growth_rate_says_so() {
+        let mut state = 5_u64;
+        let mut random = || 2.0 * uniform(&mut state) - 1.0;
+        for _ in 0..1000 {
+            let (p, q, rival) = (random(), random(), 0.5 + 0.5 * random());
+            let growth = growth_rate(Complex::new(p, q.abs()));
+            if (growth - rival).abs() > 1e-9 {
+                assert_eq!(can_beat(rival, p, q * q), growth > rival, "{p} {q} {rival}");
+            }
+        }
+    }
 
     /// What is found on the crossing, by functions that are linear there, is what the pair has at that place; and no place of a finer grid over all of what
     /// is within reach grows much faster where the crossing is the place to look.

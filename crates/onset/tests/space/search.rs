@@ -2,13 +2,13 @@
 
 use crate::{CUBIC, config, deformation, discretization, state};
 use nalgebra::{Matrix3, Vector3};
-use onset::bloch::{Stability, ZoneSearch, dynamical_matrix, growth_rate};
+use onset::bloch::{SpectrumSummary, Stability, ZoneSearch, dynamical_matrix, growth_rate};
 use onset::kinematics::DeformationGradient;
 use onset::lattice::LatticeKind;
 use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{Frame, KernelMethodChoices, Linearization, Method};
 use onset::quadrature::{Quadrature, QuadraturePoint};
-use onset::verdict::speed_squared;
+use onset::verdict::{Survey, speed_squared};
 use proptest::prelude::*;
 
 /// What a dense grid sees.
@@ -96,7 +96,18 @@ fn compared(method: &Method<3>, f: &DeformationGradient) -> Result<(), TestCaseE
     }
     let (stability, measure) = search.stability(&d);
     prop_assert_eq!(stability, summary.stability(), "measure {}", measure);
+    is_surveyed(method, f, &summary);
     Ok(())
+}
+
+/// States of maps, for which flutter is not sought that grows more slowly than what diverges, grow as fast.
+fn is_surveyed(method: &Method<3>, f: &DeformationGradient, summary: &SpectrumSummary<3>) {
+    let law = ModifiedMooneyRivlin::default();
+    let survey = Survey::new(method, &law).expect("a scale");
+    let state = survey.state(f).expect("a state");
+    assert_eq!(state.stability, summary.stability());
+    let (rate, whole) = (state.growth_rate, summary.growth_rate());
+    assert!((rate - whole).abs() <= 1e-9 * whole, "{rate} {whole}");
 }
 
 proptest! {
@@ -153,6 +164,7 @@ fn flutter_in_space_is_found_and_its_mode_grows_as_it_says() {
         let d = dynamical_matrix(&method, &law, &f).expect("finite");
         let summary = search_of(&method, &law, &f).summary(&d);
         assert!(summary.growth_rate() >= seen.growth * (1.0 - 1e-6));
+        is_surveyed(&method, &f, &summary);
         fluttering += usize::from(summary.flutters || summary.stability() == Stability::Flutter);
     }
     assert!(fluttering > 0, "complex branches are met");

@@ -362,6 +362,11 @@ impl<const D: usize> Grid<D> {
         wells.map(|well| well.start.1)
     }
 
+    /// Whether antisymmetric parts are known, which bound imaginary parts.
+    pub(super) fn has_asymmetry(&self) -> bool {
+        !self.spectrum.asymmetry.is_empty()
+    }
+
     /// The fastest growth of complex branches at its points.
     pub(super) fn largest_growth(&self) -> f64 {
         let slowness = self.spectrum.slowness();
@@ -399,7 +404,7 @@ impl<const D: usize> Grid<D> {
                     .all(|c| c % stride == 0);
             }
             // Most are so far from a crossing that no surroundings would matter.
-            if known[*index] > largest {
+            if known[*index].is_nan() || known[*index] > largest {
                 return false;
             }
             let around = || neighbors::<D>(*index, n, known.len()).chain([*index]);
@@ -408,7 +413,7 @@ impl<const D: usize> Grid<D> {
                 return false;
             }
             let least = around().map(|n| lowest[n]).fold(f64::INFINITY, f64::min);
-            asymmetry.is_empty() || can_beat(rival, least, most(asymmetry))
+            !self.has_asymmetry() || can_beat(rival, least, most(asymmetry))
         };
         let near = (1..known.len()).filter(is_near);
         let points = near.map(|index| self.waves.wave_vector(index)).collect();

@@ -31,6 +31,8 @@ const ROUNDING: f64 = 4.0;
 const ACCURATE: f64 = 1e-3;
 /// Growth rates of complex `omega^2` count as flutter beyond this fraction of sound speed over spacing.
 const FLUTTER: f64 = 1e-7;
+/// Where waves diverge more slowly than this fraction of it, all flutter is looked for: it may be faster anywhere, of long waves too.
+const RIVAL: f64 = 0.05;
 /// No scaled measure is told from zero below this.
 const LEAST: f64 = 1e-15;
 /// Squared wave speeds below this over `c^2` are zero to rounding, where no sum of force constants tells better.
@@ -284,10 +286,12 @@ impl<const D: usize> ZoneSearch<D> {
                 mode.omega_squared.re < rest.omega_squared.re && mode.scaled < -tolerance
             })
             .unwrap_or(rest);
+        let growth = growth_rate(lowest.omega_squared);
+        let is_fast = growth > self.flutter_threshold(1) * (RIVAL / FLUTTER);
         let (rival, asks_about_long_waves) = match sought {
             Flutter::Fastest {
                 asks_about_long_waves,
-            } if grows => (growth_rate(lowest.omega_squared), asks_about_long_waves),
+            } if grows && is_fast => (growth, asks_about_long_waves),
             _ => (0.0, true),
         };
         let fluttering = self.flutter(matrix, &wells, rival);
@@ -715,7 +719,8 @@ impl<const D: usize> ZoneSearch<D> {
         self.value(matrix, objective, &Seen::with(matrix, *k, d))
     }
 
-    /// A mode with complex `omega^2` that grows noticeably, and faster than a rival, if there is one.
+    /// A mode with complex `omega^2` that grows noticeably, if there is one; where there is a rival, unless none can grow faster. The fastest one is
+    /// to be found from it.
     fn flutter(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -732,9 +737,13 @@ impl<const D: usize> ZoneSearch<D> {
             (_, true) => -matrix.noise() * largest,
             (_, false) => 0.0,
         };
-        // Half of the growth of a rival is far from it, and the longest waves grow slowly.
+        // In space pockets between its points are looked at one by one, and at these half of the growth of a rival is far from it. The longest
+        // waves grow slowly.
         let (is_contested, opening): (bool, &[SVector<f64, D>]) = match wells {
-            Wells::Grid(grid) if rival > 0.0 => (grid.largest_growth() > 0.5 * rival, &[]),
+            Wells::Grid(grid) if rival > 0.0 => {
+                let is_far = grid.has_asymmetry() && grid.largest_growth() <= 0.5 * rival;
+                (!is_far, &[])
+            }
             Wells::Grid(grid) => (true, self.opening(matrix, grid)),
             Wells::Mirrored { .. } => (true, &[]),
         };
@@ -743,8 +752,8 @@ impl<const D: usize> ZoneSearch<D> {
             .flatten();
         let opening = opening.iter().copied();
         let candidates = pocket.map(|(_, k)| k).into_iter().chain(opening);
-        let least = self.flutter_threshold(1).max(rival);
-        let noticeable = |mode: &Mode<D>| growth_rate(mode.omega_squared) > least;
+        let noticeable =
+            |mode: &Mode<D>| growth_rate(mode.omega_squared) > self.flutter_threshold(1);
         candidates
             .filter_map(|k| self.fluttering_mode(matrix, &k))
             .max_by(|a, b| growth_rate(a.omega_squared).total_cmp(&growth_rate(b.omega_squared)))
@@ -799,6 +808,11 @@ impl<const D: usize> ZoneSearch<D> {
         rival: f64,
     ) -> Vec<SVector<f64, D>> {
         let (points, stride) = grid.near_crossings(matrix.is_centrosymmetric(), rival);
+        // What is foreseen of a pocket can be half of what is found from there; in the plane all cost little.
+        let rival = match grid.has_asymmetry() {
+            true => 0.5 * rival,
+            false => 0.0,
+        };
         let pockets = Pockets {
             around: &|k, order| {
                 let is_sought = self.is_sought(Objective::Scaled, k);
@@ -923,7 +937,7 @@ impl<const D: usize> ZoneSearch<D> {
 enum Flutter {
     /// All.
     All,
-    /// Those that grow faster than any with a real one, and long waves where these are asked about.
+    /// Those that may grow faster than the lowest wave, and long waves where these are asked about.
     Fastest { asks_about_long_waves: bool },
 }
 
