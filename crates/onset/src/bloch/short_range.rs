@@ -6,6 +6,7 @@
 //! back.
 
 use super::{Mode, SpectrumSummary, is_shown_reversed};
+use crate::algebra::hermitian_eigen;
 use crate::lattice::{BravaisLattice, Reduced, determinant, inverse_of};
 use nalgebra::{DMatrix, SMatrix, SVector};
 
@@ -145,7 +146,7 @@ fn isotropic<const D: usize>(
     let extents: SMatrix<f64, D, D> = forces.iter().map(own).sum();
     let extents = extents / extents.amax();
     let matrix = DMatrix::from_fn(D, D, |i, j| extents[(i, j)]);
-    let eigen = matrix.try_symmetric_eigen(f64::EPSILON, 200)?;
+    let eigen = hermitian_eigen(matrix)?;
     let largest = eigen.eigenvalues.max();
     let is_flat = eigen.eigenvalues.iter().any(|x| *x <= FLAT * largest);
     let root = SMatrix::<f64, D, D>::from_fn(|i, j| {

@@ -4,7 +4,7 @@ use super::mirror::{Mirror, MirrorWaves};
 use super::numbering::{coordinates, opposite};
 use super::symmetry::{Symmetry, Wedge};
 use super::{BravaisLattice, BrillouinZone, Fractional};
-use crate::algebra::Complex;
+use crate::algebra::{Complex, hermitian_eigen};
 use nalgebra::{DMatrix, SMatrix, SVector, SVectorView};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -381,7 +381,7 @@ impl<const D: usize> WaveGrids<D> {
 /// entries that are not finite.
 fn inverse_square_root<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
     let matrix = DMatrix::from_fn(D, D, |i, j| m[(i, j)]);
-    let Some(eigen) = matrix.try_symmetric_eigen(f64::EPSILON, 200) else {
+    let Some(eigen) = hermitian_eigen(matrix) else {
         return SMatrix::repeat(f64::NAN);
     };
     SMatrix::from_fn(|i, j| {

@@ -2,7 +2,7 @@
 
 use super::jet::{bend, slope};
 use super::squares::{Quadratic, is_positive_definite};
-use crate::algebra::{Complex, Each, MAXIMUM_ITERATIONS};
+use crate::algebra::{Complex, Each, hermitian_eigen};
 use nalgebra::DMatrix;
 
 /// `P` and `Q` on a box.
@@ -82,8 +82,7 @@ impl<const D: usize> Local<D> {
                 .unpack();
             let half = lower.solve_lower_triangular(&own)?;
             let own = lower.solve_lower_triangular(&half.adjoint())?;
-            let eigen = own.try_symmetric_eigen(f64::EPSILON, MAXIMUM_ITERATIONS * free)?;
-            Some(eigen.eigenvalues.min())
+            Some(hermitian_eigen(own)?.eigenvalues.min())
         };
         smallest().unwrap_or(f64::NAN)
     }

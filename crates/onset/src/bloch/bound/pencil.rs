@@ -4,7 +4,7 @@ use super::cell::{Cell, Chart};
 use super::jet::{Jet, MatrixJet, parts};
 use super::local::Local;
 use super::sum::{Laplacian, PhaseSum};
-use crate::algebra::{Complex, MAXIMUM_ITERATIONS};
+use crate::algebra::{Complex, hermitian_eigen};
 use crate::bloch::{BlochSum, DynamicalMatrix, Mass, WaveSystem};
 use crate::lattice::{BravaisLattice, inverse_of};
 use nalgebra::{DMatrix, SMatrix, SVector};
@@ -220,7 +220,7 @@ impl Basis {
         if !size.is_finite() {
             return None;
         }
-        let eigen = sum.try_symmetric_eigen(f64::EPSILON, MAXIMUM_ITERATIONS * n)?;
+        let eigen = hermitian_eigen(sum)?;
         let [mut free, mut others] = [Vec::new(), Vec::new()];
         for (value, vector) in eigen
             .eigenvalues

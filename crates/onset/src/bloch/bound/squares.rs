@@ -1,6 +1,6 @@
 //! When a matrix polynomial of second order is positive definite on a box: a sum of squares.
 
-use crate::algebra::{Complex, MAXIMUM_ITERATIONS, array_of};
+use crate::algebra::{Complex, array_of, hermitian_eigen};
 use nalgebra::{DMatrix, DVector};
 
 /// Of a stiff vector so much of its value goes to its slopes, which are zero where nothing is coupled with them.
@@ -34,11 +34,7 @@ impl<const D: usize> Quadratic<D> {
         if is_positive_definite(&mut far) {
             return true;
         }
-        let iterations = MAXIMUM_ITERATIONS * size;
-        let eigen = self
-            .constant
-            .clone()
-            .try_symmetric_eigen(f64::EPSILON, iterations);
+        let eigen = hermitian_eigen(self.constant.clone());
         let Some(eigen) = eigen.filter(|eigen| eigen.eigenvalues.min() > 0.0) else {
             return false;
         };

@@ -645,7 +645,7 @@ impl<const D: usize> ZoneSearch<D> {
     }
 
     /// The halves and thirds of reciprocal vectors, among which are X, M and K.
-    pub(in crate::bloch) fn symmetric_points(&self) -> impl Iterator<Item = SVector<f64, D>> {
+    fn symmetric_points(&self) -> impl Iterator<Item = SVector<f64, D>> {
         let fractions = [0.0, 1.0 / 3.0, 0.5, 2.0 / 3.0];
         (1..4_usize.pow(D as u32))
             .map(move |index| SVector::from(grid_coordinates::<D>(index, 4).each(|n| fractions[n])))

@@ -28,33 +28,43 @@ fn inverse(matrix: DMatrix<Complex>) -> DMatrix<Complex> {
     pseudo.unwrap_or_else(|| DMatrix::repeat(size, size, Complex::new(f64::NAN, 0.0)))
 }
 
-/// `D(t n) = D0 + t D1 + t^2 D2 + ...` along a direction, with the translations and their duals.
-struct LongWave {
-    orders: [DMatrix<Complex>; 3],
-    /// Rigid translations, as columns.
+/// How the particles of a cell relax: what is the same for all directions.
+struct Relaxation {
+    /// `D(0)`.
+    d0: DMatrix<Complex>,
+    /// Rigid translations `R`, as columns.
     translations: DMatrix<Complex>,
-    /// `L` with `L^T R = 1`: the mean displacement, weighted with the masses.
-    mean: DMatrix<Complex>,
-    /// The size of what `D0` is summed up from.
-    magnitude: f64,
+    /// Their duals `Y`, `Y^T D0 = 0`, `Y^T R = 1`, as rows.
+    duals: DMatrix<Complex>,
+    /// The inverse of `D0` on the internal displacements, those with `Y^T u = 0`.
+    internal: DMatrix<Complex>,
 }
 
-impl LongWave {
-    /// The duals `Y` of the translations, `Y^T D0 = 0`, `Y^T R = 1`, as rows, and the inverse of `D0` on the internal displacements,
-    /// those with `Y^T u = 0`.
-    fn relaxation(&self) -> [DMatrix<Complex>; 2] {
-        let [d0, _, _] = &self.orders;
-        let mean = self.mean.transpose();
+impl Relaxation {
+    /// From `D0`, the size of what it is summed up from, the translations and `L` with `L^T R = 1`, the mean displacement, weighted with the
+    /// masses.
+    fn new(
+        d0: DMatrix<Complex>,
+        magnitude: f64,
+        translations: DMatrix<Complex>,
+        mean: &DMatrix<Complex>,
+    ) -> Self {
+        let mean = mean.transpose();
         // Forces that add up to zero make Y = L. In general S = D0 + R L^T has Y^T S = L^T.
-        let duals = if (&mean * d0).norm() <= FREE * self.magnitude {
+        let duals = if (&mean * &d0).norm() <= FREE * magnitude {
             mean
         } else {
-            &mean * inverse(d0 + &self.translations * &mean)
+            &mean * inverse(&d0 + &translations * &mean)
         };
-        let projector = &self.translations * &duals;
+        let projector = &translations * &duals;
         // On the internal displacements this is D0, on the translations the identity.
-        let internal = inverse(d0 + &projector) - &projector;
-        [duals, internal]
+        let internal = inverse(&d0 + &projector) - projector;
+        Self {
+            d0,
+            translations,
+            duals,
+            internal,
+        }
     }
 }
 
@@ -67,7 +77,8 @@ impl<const D: usize> WaveSystem<D> {
     /// the wave number itself, need not vanish; such waves grow at any length, and are found at finite ones.
     pub fn long_wave_stiffness(&self) -> Stiffness<D> {
         let unit = |i: usize| SVector::<f64, D>::from_fn(|j, _| f64::from(u8::from(i == j)));
-        let along = |direction: &SVector<f64, D>| self.acoustic(direction);
+        let relaxation = self.relaxation();
+        let along = |direction: &SVector<f64, D>| self.acoustic(&relaxation, direction);
         let squares: Vec<SMatrix<f64, D, D>> = (0..D).map(|j| along(&unit(j))).collect();
         // T(n) is a quadratic form in n, so that its mixed terms follow from those along diagonals.
         let mixed: Vec<Vec<SMatrix<f64, D, D>>> = (0..D)
@@ -88,11 +99,16 @@ impl<const D: usize> WaveSystem<D> {
     }
 
     /// `T_iJkL n_J n_L`.
-    fn acoustic(&self, direction: &SVector<f64, D>) -> SMatrix<f64, D, D> {
-        let long_wave = self.expanded(direction);
-        let [duals, internal] = long_wave.relaxation();
-        let [_, d1, d2] = &long_wave.orders;
-        let limit = duals * (d2 - d1 * internal * d1) * &long_wave.translations;
+    fn acoustic(&self, relaxation: &Relaxation, direction: &SVector<f64, D>) -> SMatrix<f64, D, D> {
+        let Relaxation {
+            translations,
+            duals,
+            internal,
+            ..
+        } = relaxation;
+        let [d1, d2] = self.orders(relaxation, direction);
+        let relaxed = internal * (&d1 * translations);
+        let limit = duals * (d2 * translations - d1 * relaxed);
         SMatrix::from_fn(|i, k| limit[(i, k)].re)
     }
 
@@ -104,14 +120,14 @@ impl<const D: usize> WaveSystem<D> {
             block.amax() * (self.crystal.position(to) - origin(from)).norm_squared()
         };
         let direct = self.stiffness.blocks().map(moment).sum::<f64>() / self.cell_mass();
+        let relaxation = self.relaxation();
+        let flexibility = relaxation.internal.norm();
         let relaxed = (0..D).map(|j| {
             let along = SVector::from_fn(|i, _| f64::from(u8::from(i == j)));
-            let long_wave = self.expanded(&along);
-            let [duals, internal] = long_wave.relaxation();
-            let [_, d1, _] = &long_wave.orders;
-            let (from, to) = (d1 * &long_wave.translations, duals * d1);
-            let relaxed = from.norm() * internal.norm() * to.norm();
-            [relaxed, relaxed * internal.norm() * long_wave.magnitude]
+            let [d1, _] = self.orders(&relaxation, &along);
+            let (from, to) = (&d1 * &relaxation.translations, &relaxation.duals * &d1);
+            let relaxed = from.norm() * flexibility * to.norm();
+            [relaxed, relaxed * flexibility * self.size_of_sums()]
         });
         let [relaxed, conditioned] = relaxed
             .filter(|x| x.iter().all(|x| x.is_finite()))
@@ -139,9 +155,29 @@ impl<const D: usize> WaveSystem<D> {
         self.particle_masses().iter().sum()
     }
 
-    fn expanded(&self, direction: &SVector<f64, D>) -> LongWave {
-        let size = self.size();
+    /// The size of what `D(k)` is summed up from.
+    fn size_of_sums(&self) -> f64 {
+        self.noise() / f64::EPSILON
+    }
+
+    fn relaxation(&self) -> Relaxation {
         let zero = SVector::zeros();
+        let translations = DMatrix::from_fn(self.size(), D, |row, i| {
+            Complex::new(f64::from(u8::from(row % D == i)), 0.0)
+        });
+        let weighted = self.mass_at(&zero).transpose() * &translations;
+        let mean = weighted / Complex::new(self.cell_mass(), 0.0);
+        let d0 = self.dynamical_matrix_at(&zero);
+        Relaxation::new(d0, self.size_of_sums(), translations, &mean)
+    }
+
+    /// `D1` and `D2` of `D(t n) = D0 + t D1 + t^2 D2 + ...` along a direction.
+    fn orders(
+        &self,
+        relaxation: &Relaxation,
+        direction: &SVector<f64, D>,
+    ) -> [DMatrix<Complex>; 2] {
+        let (size, zero) = (self.size(), SVector::zeros());
         let moved = |order: usize| -> DMatrix<Complex> {
             let stiffness = |n: usize| self.stiffness.taylor(direction, n);
             match &self.drift {
@@ -151,29 +187,16 @@ impl<const D: usize> WaveSystem<D> {
                     .fold(DMatrix::zeros(size, size), |sum, term| sum + term),
             }
         };
-        let k = [moved(0), moved(1), moved(2)];
+        let [k1, k2] = [moved(1), moved(2)];
         // M(t n) D(t n) = K T order by order, where the mass matrix depends on the wave vector too.
-        let orders = match &self.mass {
-            Mass::Lumped(_) => k.map(|matrix| self.divided_by_mass(&zero, matrix)),
+        match &self.mass {
+            Mass::Lumped(_) => [k1, k2].map(|matrix| self.divided_by_mass(&zero, matrix)),
             Mass::Consistent(mass) => {
-                let [k0, k1, k2] = k;
                 let (m1, m2) = (mass.taylor(direction, 1), mass.taylor(direction, 2));
-                let d0 = self.divided_by_mass(&zero, k0);
-                let d1 = self.divided_by_mass(&zero, k1 - &m1 * &d0);
-                let d2 = self.divided_by_mass(&zero, k2 - &m1 * &d1 - &m2 * &d0);
-                [d0, d1, d2]
+                let d1 = self.divided_by_mass(&zero, k1 - &m1 * &relaxation.d0);
+                let d2 = self.divided_by_mass(&zero, k2 - &m1 * &d1 - &m2 * &relaxation.d0);
+                [d1, d2]
             }
-        };
-        let translations = DMatrix::from_fn(size, D, |row, i| {
-            Complex::new(f64::from(u8::from(row % D == i)), 0.0)
-        });
-        let weighted = self.mass_at(&zero).transpose() * &translations;
-        let mean = weighted / Complex::new(self.cell_mass(), 0.0);
-        LongWave {
-            orders,
-            translations,
-            mean,
-            magnitude: self.noise() / f64::EPSILON,
         }
     }
 }

@@ -16,7 +16,7 @@ pub use sum::{BlochBlocks, BlochSum};
 
 use super::short_range::ShortRange;
 use super::{DynamicalMatrix, dynamical_matrix::ForceConstants};
-use crate::algebra::{Complex, Each, MAXIMUM_ITERATIONS, array_of, moderate_unit};
+use crate::algebra::{Complex, Each, array_of, hermitian_eigen, moderate_unit};
 use crate::lattice::{Crystal, Particle, Reduced};
 use crate::method::MethodError;
 use nalgebra::{DMatrix, SMatrix, SVector};
@@ -160,8 +160,7 @@ impl<const D: usize> WaveSystem<D> {
         for corner in 1..1_usize << D {
             let phases: [u8; D] = array_of(|i| (corner >> i & 1) as u8);
             let k = reciprocal * SVector::from(phases.each(|phase| 0.5 * f64::from(phase)));
-            let own = mass.at(&k);
-            let values = own.try_symmetric_eigen(f64::EPSILON, MAXIMUM_ITERATIONS * self.size());
+            let values = hermitian_eigen(mass.at(&k));
             let least = values.map_or(f64::NAN, |eigen| eigen.eigenvalues.min());
             if least <= MASSLESS * self.cell_mass() {
                 return Err(MethodError::SingularMass {

@@ -1,7 +1,9 @@
 //! Frequencies and modes at a wave vector.
 
 use super::{Mass, WaveSystem};
-use crate::algebra::{Complex, MAXIMUM_ITERATIONS, sort_by_value, without_rounding};
+use crate::algebra::{
+    Complex, MAXIMUM_ITERATIONS, hermitian_eigen, sort_by_value, without_rounding,
+};
 use nalgebra::{DMatrix, DVector, SVector};
 
 impl<const D: usize> WaveSystem<D> {
@@ -13,7 +15,7 @@ impl<const D: usize> WaveSystem<D> {
             let values = system.omega_squared(k).into_iter();
             return values.map(|value| value * unit).collect();
         }
-        let mut values = match self.symmetrized(k) {
+        let mut values = match self.hermitian_matrix(k) {
             Some(matrix) => hermitian_eigenvalues(matrix),
             None => general_eigenvalues(self.dynamical_matrix_at(k), self.noise()),
         };
@@ -28,6 +30,9 @@ impl<const D: usize> WaveSystem<D> {
         if self.rigid_translation().amax() > 0.0 {
             return self.omega_squared(&zero);
         }
+        if let Some(values) = self.hermitian_at_rest() {
+            return values;
+        }
         // R L^T with L^T R = 1 moves the zeros to s and leaves the other eigenvalues where they are.
         let matrix = self.dynamical_matrix_at(&zero);
         let far = 4.0 * matrix.norm() + f64::MIN_POSITIVE;
@@ -41,7 +46,30 @@ impl<const D: usize> WaveSystem<D> {
                     Complex::default()
                 }
         });
-        let mut values = general_eigenvalues(moved, self.noise());
+        self.without_largest(general_eigenvalues(moved, self.noise()))
+    }
+
+    /// The same of a Hermitian system: `s M R R^T M / (R^T M R)`, added to the stiffness, moves the zeros.
+    fn hermitian_at_rest(&self) -> Option<Vec<Complex>> {
+        if !self.is_hermitian {
+            return None;
+        }
+        let zero = SVector::zeros();
+        let mut stiffness = self.stiffness.at(&zero);
+        let masses = self.particle_masses();
+        let far = 4.0 * stiffness.norm() / self.lightest_mass() + f64::MIN_POSITIVE;
+        let share = far / self.cell_mass();
+        for j in 0..self.size() {
+            for i in (j % D..self.size()).step_by(D) {
+                stiffness[(i, j)] += Complex::from(share * masses[i / D] * masses[j / D]);
+            }
+        }
+        let moved = self.symmetrized(&zero, stiffness)?;
+        Some(self.without_largest(hermitian_eigenvalues(moved)))
+    }
+
+    /// Without those of the translations, which have been moved far up.
+    fn without_largest(&self, mut values: Vec<Complex>) -> Vec<Complex> {
         values.sort_by(|a, b| b.re.total_cmp(&a.re));
         values.split_off(D.min(values.len()))
     }
@@ -49,12 +77,23 @@ impl<const D: usize> WaveSystem<D> {
     /// All modes at a wave vector without damping: `omega^2` with the unit displacements of the particles of a cell, by
     /// increasing real part of `omega^2`. Displacements are those of the wave `u_K = g_K exp(i k.X_K)`.
     pub fn modes(&self, k: &SVector<f64, D>) -> Vec<(Complex, DVector<Complex>)> {
+        self.modes_of(k, |values| (0..values.len()).collect())
+    }
+
+    /// Those of the modes whose numbers are chosen from the values of `omega^2`.
+    pub(super) fn modes_of(
+        &self,
+        k: &SVector<f64, D>,
+        chosen: impl Fn(&[Complex]) -> Vec<usize>,
+    ) -> Vec<(Complex, DVector<Complex>)> {
         if let Some((system, unit)) = self.in_moderate_units() {
-            let modes = system.modes(k).into_iter();
+            let modes = system.modes_of(k, chosen).into_iter();
             return modes.map(|(value, mode)| (value * unit, mode)).collect();
         }
         if let Some(modes) = self.hermitian_modes(k) {
-            return modes;
+            let values: Vec<Complex> = modes.iter().map(|mode| mode.0).collect();
+            let numbers = chosen(&values).into_iter();
+            return numbers.map(|n| modes[n].clone()).collect();
         }
         let matrix = self.dynamical_matrix_at(k);
         let values = self.omega_squared(k);
@@ -66,12 +105,11 @@ impl<const D: usize> WaveSystem<D> {
                 .filter(|value| (**value - values[index]).norm() <= 1e-9 * scale)
                 .count()
         };
-        values
-            .iter()
-            .enumerate()
-            .map(|(index, value)| (*value, null_vector(&matrix, *value, nth(index))))
-            .map(|(value, vector)| (value, self.displaced(k, vector)))
-            .collect()
+        let shown = |index: usize| {
+            let vector = null_vector(&matrix, values[index], nth(index));
+            (values[index], self.displaced(k, vector))
+        };
+        chosen(&values).into_iter().map(shown).collect()
     }
 
     /// The unit displacements of the particles of a cell in a mode with a given `omega^2`.
@@ -128,34 +166,42 @@ impl<const D: usize> WaveSystem<D> {
         masses.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// `L^-1 K L^-*` with `M = L L*`, where the system is Hermitian: a Hermitian matrix with the eigenvalues of `D(k)`.
-    fn symmetrized(&self, k: &SVector<f64, D>) -> Option<DMatrix<Complex>> {
-        if !self.is_hermitian {
-            return None;
+    /// A Hermitian matrix with the eigenvalues of `D(k)`, where the system is Hermitian.
+    fn hermitian_matrix(&self, k: &SVector<f64, D>) -> Option<DMatrix<Complex>> {
+        match self.is_hermitian {
+            true => self.symmetrized(k, self.stiffness.at(k)),
+            false => None,
         }
-        let mut stiffness = self.stiffness.at(k);
-        match &self.mass {
+    }
+
+    /// `L^-1 K L^-*` with `M = L L*` for a Hermitian stiffness at a wave vector: a Hermitian matrix with the eigenvalues of `M^-1 K`.
+    fn symmetrized(
+        &self,
+        k: &SVector<f64, D>,
+        mut stiffness: DMatrix<Complex>,
+    ) -> Option<DMatrix<Complex>> {
+        let symmetrized = match &self.mass {
             Mass::Lumped(masses) => {
-                let root = |i: usize| masses[i / D].sqrt();
-                for i in 0..self.size() {
-                    for j in 0..self.size() {
-                        stiffness[(i, j)] /= root(i) * root(j);
+                let roots: Vec<f64> = masses.iter().map(|mass| mass.sqrt()).collect();
+                for (j, mut column) in stiffness.column_iter_mut().enumerate() {
+                    for (i, entry) in column.iter_mut().enumerate() {
+                        *entry /= roots[i / D] * roots[j / D];
                     }
                 }
-                Some(stiffness)
+                stiffness
             }
             Mass::Consistent(mass) => {
                 let lower = mass.at(k).cholesky()?.unpack();
                 let half = lower.solve_lower_triangular(&stiffness)?;
-                lower.solve_lower_triangular(&half.adjoint())
+                lower.solve_lower_triangular(&half.adjoint())?
             }
-        }
+        };
+        Some(hermitian(symmetrized))
     }
 
     /// The modes of a Hermitian system.
     fn hermitian_modes(&self, k: &SVector<f64, D>) -> Option<Vec<(Complex, DVector<Complex>)>> {
-        let matrix = hermitian(self.symmetrized(k)?);
-        let eigen = matrix.try_symmetric_eigen(f64::EPSILON, MAXIMUM_ITERATIONS)?;
+        let eigen = hermitian_eigen(self.hermitian_matrix(k)?)?;
         let back = |vector: DVector<Complex>| match &self.mass {
             Mass::Lumped(masses) => Some(DVector::from_fn(vector.len(), |i, _| {
                 vector[i] / masses[i / D].sqrt()
@@ -218,7 +264,7 @@ fn hermitian_eigenvalues(matrix: DMatrix<Complex>) -> Vec<Complex> {
     if !matrix.iter().all(|z| z.re.is_finite() && z.im.is_finite()) {
         return vec![Complex::new(f64::NAN, f64::NAN); matrix.nrows()];
     }
-    let values = hermitian(matrix).symmetric_eigenvalues();
+    let values = matrix.symmetric_eigenvalues();
     let values = values.iter();
     values.map(|value| Complex::new(*value, 0.0)).collect()
 }

@@ -20,6 +20,8 @@ pub struct BlochSum<const D: usize> {
     primitive: [SVector<f64, D>; D],
     /// The largest lattice coordinate of a cell.
     reach: usize,
+    /// The sum of the largest entries of the blocks.
+    magnitude: f64,
     terms: Vec<Term<D>>,
 }
 
@@ -117,7 +119,7 @@ impl<const D: usize> BlochSum<D> {
                 block,
             }
         });
-        let terms = terms.collect();
+        let terms: Vec<Term<D>> = terms.collect();
         let home = |site: usize| position(&Particle::home(site));
         let primitive = array_of(|axis| {
             let step = array_of(|i| i32::from(i == axis));
@@ -131,6 +133,7 @@ impl<const D: usize> BlochSum<D> {
             cells,
             primitive,
             reach,
+            magnitude: magnitude(&terms),
             terms,
         }
     }
@@ -175,6 +178,7 @@ impl<const D: usize> BlochSum<D> {
         for term in &mut scaled.terms {
             term.block /= unit;
         }
+        scaled.magnitude = magnitude(&scaled.terms);
         scaled
     }
 
@@ -280,7 +284,7 @@ impl<const D: usize> BlochSum<D> {
 
     /// The sum of the largest entries of the blocks: rounding errors are a few [`f64::EPSILON`] of it.
     pub fn magnitude(&self) -> f64 {
-        self.terms.iter().map(|term| term.block.amax()).sum()
+        self.magnitude
     }
 
     /// The sum over the columns' particles, `S(0)` applied to a rigid translation; for each site of the rows.
@@ -291,4 +295,8 @@ impl<const D: usize> BlochSum<D> {
         }
         sums
     }
+}
+
+fn magnitude<const D: usize>(terms: &[Term<D>]) -> f64 {
+    terms.iter().map(|term| term.block.amax()).sum()
 }

@@ -457,6 +457,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
             true => None,
         };
         let softest = match &covered {
+            // What grows at k = 0 has no scaled measure: the lowest wave tells all.
+            _ if grows_at_rest => None,
             Some(covered) => covered.wave_vector.map(|k| (covered.lowest, k)),
             None => self.bottom(Objective::Scaled, long_wave.scaled),
         };
@@ -742,11 +744,14 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 ends.push(self.followed(objective, 0, start, to_beat(&ends)));
             }
         }
-        // At points of high symmetry slopes vanish, and none of the grid need lie near.
-        for k in self.search.symmetric_points().flat_map(|k| self.beside(k)) {
-            let value = self.value(objective, &k);
-            if value < to_beat(&ends) {
-                ends.push(self.followed(objective, 0, (value, k), to_beat(&ends)));
+        // At points of high symmetry slopes vanish, and the lowest point near need not be that of their well.
+        for index in self.symmetric_points() {
+            let k = wave_vectors[index];
+            let beside = self.beside(&k).map(|k| (self.value(objective, &k), k));
+            for start in std::iter::once((branches[index][0], k)).chain(beside) {
+                if start.0 < to_beat(&ends) {
+                    ends.push(self.followed(objective, 0, start, to_beat(&ends)));
+                }
             }
         }
         for region in self.regions(objective, branches, to_beat(&ends), &ends) {
@@ -758,13 +763,20 @@ impl<'a, const D: usize> Sweep<'a, D> {
         ends
     }
 
-    /// A point of high symmetry and others near it: folded branches that nearly cross there bend within a part of a step. Beyond one
-    /// dimension that would be as many as those of the grid.
-    fn beside(&self, k: SVector<f64, D>) -> Vec<SVector<f64, D>> {
+    /// The points of the grid at halves and thirds of reciprocal vectors, `k = 0` left out.
+    fn symmetric_points(&self) -> impl Iterator<Item = usize> {
+        let n = self.waves.resolution();
+        let is_symmetric = move |c: &usize| [0, n / 3, n / 2, 2 * n / 3].contains(c);
+        (1..self.waves.half())
+            .filter(move |index| grid_coordinates::<D>(*index, n).iter().all(is_symmetric))
+    }
+
+    /// Wave vectors near a point of high symmetry: folded branches that nearly cross there bend within a part of a step. Beyond one
+    /// dimension they would be as many as those of the grid.
+    fn beside(&self, k: &SVector<f64, D>) -> impl Iterator<Item = SVector<f64, D>> {
         let step = self.search.reference().reciprocal().column(0) / self.waves.resolution() as f64;
         let near = RELAXED_RAY.each(|share| k + step * share);
-        let near = near.into_iter().filter(|_| D == 1);
-        std::iter::once(k).chain(near).collect()
+        near.into_iter().filter(|_| D == 1)
     }
 
     /// Differences of an objective that mean nothing: modes that no force answers have many wells of rounding.
@@ -958,35 +970,31 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// The mode with the lowest `Re omega^2` at a wave vector.
     fn mode(&self, k: &SVector<f64, D>) -> Mode<D> {
         let k = self.search.folded(k);
-        let mut modes = self.system.modes(&k).into_iter();
-        let none = || no_mode(self.system.size());
-        let (omega_squared, displacements) = modes.next().unwrap_or_else(none);
-        self.shown(&k, omega_squared, &displacements)
+        self.shown(&k, |values| (!values.is_empty()).then_some(0))
     }
 
     /// The mode with complex `omega^2` that grows fastest at a wave vector.
     fn fluttering(&self, k: &SVector<f64, D>) -> Mode<D> {
         let k = self.search.folded(k);
-        let modes = self.system.modes(&k).into_iter();
-        let (omega_squared, displacements) = modes
-            .filter(|(value, _)| value.im != 0.0)
-            .max_by(|a, b| growth_rate(a.0).total_cmp(&growth_rate(b.0)))
-            .unwrap_or_else(|| no_mode(self.system.size()));
-        self.shown(&k, omega_squared, &displacements)
+        self.shown(&k, |values| {
+            let complex = (0..values.len()).filter(|n| values[*n].im != 0.0);
+            complex.max_by(|a, b| growth_rate(values[*a]).total_cmp(&growth_rate(values[*b])))
+        })
     }
 
-    fn shown(
-        &self,
-        k: &SVector<f64, D>,
-        omega_squared: Complex,
-        displacements: &DVector<Complex>,
-    ) -> Mode<D> {
+    /// The mode that is chosen from the values of `omega^2` at a wave vector.
+    fn shown(&self, k: &SVector<f64, D>, chosen: impl Fn(&[Complex]) -> Option<usize>) -> Mode<D> {
+        let modes = self
+            .system
+            .modes_of(k, |values| chosen(values).into_iter().collect());
+        let mode = modes.into_iter().next();
+        let (omega_squared, displacements) = mode.unwrap_or_else(|| no_mode(self.system.size()));
         Mode {
             wave_vector: *k,
             is_long_wave: false,
             omega_squared,
             scaled: self.scaled(k, omega_squared.re),
-            polarization: largest_of_particles(displacements),
+            polarization: largest_of_particles(&displacements),
         }
     }
 
@@ -1025,7 +1033,8 @@ fn complex_growth(spectrum: &[Complex]) -> impl Iterator<Item = f64> {
         .map(|z| if z.im == 0.0 { 0.0 } else { -growth_rate(*z) })
 }
 
-/// Points along each reciprocal vector: enough for the range of the forces, fewer for large cells, whose zones are small.
+/// Points along each reciprocal vector: enough for the range of the forces, fewer for large cells, whose zones are small. Multiples of six
+/// have the points of high symmetry among them.
 fn resolution<const D: usize>(system: &WaveSystem<D>) -> usize {
     let drift = system.drift().map_or(0, |drift| drift.reach());
     let reach = system.stiffness().reach() + drift;
