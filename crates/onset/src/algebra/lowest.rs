@@ -8,12 +8,15 @@ const STEPS: usize = 60;
 /// A local minimum of a function between two arguments, given one between them at which it is no higher than at these, with its value, to
 /// `tolerance` in the argument: by parabolas through the lowest places seen, and by golden section where these do not close in (R. P. Brent,
 /// Algorithms for Minimization without Derivatives, 1973, ch. 5).
-pub(crate) fn lowest_between(
-    f: impl Fn(f64) -> f64,
+///
+/// # Errors
+/// What the function says against a place, or has found there that makes others needless.
+pub(crate) fn lowest_between<E>(
+    mut f: impl FnMut(f64) -> Result<f64, E>,
     [mut low, middle, mut high]: [f64; 3],
     value: f64,
     tolerance: f64,
-) -> (f64, f64) {
+) -> Result<(f64, f64), E> {
     // The lowest place, the second lowest and the one that was that before.
     let (mut best, mut second, mut third) = ((middle, value), (middle, value), (middle, value));
     let (mut step, mut before): (f64, f64) = (0.0, high - low);
@@ -45,7 +48,7 @@ pub(crate) fn lowest_between(
         if step.abs() < tolerance {
             step = tolerance.copysign(step);
         }
-        let there = (x + step, f(x + step));
+        let there = (x + step, f(x + step)?);
         if there.1 <= best.1 {
             *(if there.0 < x { &mut high } else { &mut low }) = x;
             (third, second, best) = (second, best, there);
@@ -58,7 +61,7 @@ pub(crate) fn lowest_between(
             }
         }
     }
-    best
+    Ok(best)
 }
 
 /// Where the parabola through three places is lowest or highest; `None` where it is none.
@@ -73,14 +76,15 @@ fn vertex(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> Option<f64> {
 mod tests {
     use super::lowest_between;
     use std::cell::Cell;
+    use std::convert::Infallible;
 
     fn sought(f: impl Fn(f64) -> f64, place: f64) -> (f64, usize) {
         let asked = Cell::new(0);
         let counted = |x: f64| {
             asked.set(asked.get() + 1);
-            f(x)
+            Ok::<f64, Infallible>(f(x))
         };
-        let (x, value) = lowest_between(counted, [-1.0, place, 2.0], f(place), 1e-7);
+        let Ok((x, value)) = lowest_between(counted, [-1.0, place, 2.0], f(place), 1e-7);
         assert_eq!(value, f(x));
         assert!(value <= f(place));
         (x, asked.get())
@@ -111,5 +115,15 @@ mod tests {
         }
         let (x, _) = sought(|x| (x - 0.5) * (x - 0.5), 0.5);
         assert!((x - 0.5).abs() < 1e-6, "{x}");
+    }
+
+    #[test]
+    fn what_the_function_finds_ends_the_search() {
+        let crossing = |x: f64| match x < 0.4 {
+            true => Err(x),
+            false => Ok(x),
+        };
+        let met = lowest_between(crossing, [0.0, 0.5, 1.0], 0.5, 1e-7).expect_err("it falls there");
+        assert!((0.0..0.4).contains(&met), "{met}");
     }
 }

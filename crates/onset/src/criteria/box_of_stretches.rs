@@ -2,7 +2,7 @@
 
 use super::root::bracket_zero;
 use super::{Measure, Range, State, Witness, is_isotropic};
-use crate::algebra::{Each, GoldenSection, array_of, sort_by_value};
+use crate::algebra::{Each, array_of, lowest_between, sort_by_value};
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 
@@ -76,9 +76,9 @@ const STARTS: usize = 24;
 const FLAT: f64 = 8.0;
 /// Descents within a box stop at this step, in units of the box.
 const SMALLEST_STEP: f64 = 1e-7;
-/// Skews that are tried for the widest box, before the best is refined in so many steps.
+/// Skews that are tried for the widest box, before the best is refined to such an angle.
 const SKEWS: usize = 17;
-const REFINEMENTS: usize = 20;
+const REFINED: f64 = 1e-6;
 /// A stretch this near to an end of a box, relative, is at it.
 const AT_END: f64 = 1e-7;
 
@@ -125,14 +125,10 @@ pub fn widest_safe_box(material: &dyn Hyperelastic, range: &Range) -> Option<Saf
         .map(|n| at(angle(n)))
         .collect::<Option<_>>()?;
     let best = (0..SKEWS + 2).max_by(|a, b| widths[*a].total_cmp(&widths[*b]))?;
-    // Golden section between the neighbors of the best one.
-    let (low, high) = (angle(best.saturating_sub(1)), angle(best + 1));
-    let mut at_angle = |angle: f64| at(angle).ok_or(());
-    let mut section = GoldenSection::new(low, high, &mut at_angle).ok()?;
-    for _ in 0..REFINEMENTS {
-        let [a, b] = section.inner;
-        section.narrow(a.1 >= b.1, &mut at_angle).ok()?;
-    }
+    // Between the neighbors of the best one.
+    let around = [best.saturating_sub(1), best, best + 1].each(angle);
+    let narrowness = |angle: f64| at(angle).map(|width| -width).ok_or(());
+    lowest_between(narrowness, around, -widths[best], REFINED).ok()?;
     // Boxes that reach an end of the range, or both.
     let (_, found) = widest?;
     let mut at = |angle: f64| {

@@ -65,8 +65,8 @@ const RESOLUTION: f64 = 1e-14;
 const AT_REFERENCE: f64 = 1e-9;
 /// The step, in `ln lambda`, of the slope of a measure.
 const SLOPE_STEP: f64 = 1e-5;
-/// Evaluations spent on the bottom of a dip.
-const DIP_STEPS: usize = 48;
+/// How near to the bottom of a dip is sought, in parts of the interval.
+const DIP: f64 = 1e-9;
 
 /// A criterion along one side of a path, in tension or in compression. `None` where it is not defined.
 ///
@@ -123,7 +123,10 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
         );
         if down >= 0.0 && up >= 0.0 && own * values[n] <= down.max(up) {
             let mut upright = |s: f64| Some(own * value(s)?);
-            let found = dip(&mut upright, parameter(n - 1), parameter(n + 1), DIP_STEPS);
+            let mut around = [n - 1, n, n + 1].each(parameter);
+            around.sort_by(f64::total_cmp);
+            let tolerance = DIP * (around[2] - around[0]);
+            let found = dip(&mut upright, around, own * values[n], tolerance);
             if let Some((s, found)) = found.filter(|found| found.1.abs() > measures[n].rounding) {
                 knots.push((s, own * found));
             }

@@ -1,6 +1,6 @@
 //! Zeros and dips of a function of one variable.
 
-use crate::algebra::GoldenSection;
+use crate::algebra::lowest_between;
 
 /// A zero of a function between two places at which its signs differ, by regula falsi with the Illinois rule and bisection where that
 /// is slow; down to neighboring numbers or `resolution`. `None` for values are not possible places and count as the side of `high`.
@@ -53,21 +53,19 @@ pub(super) fn bracket_zero(
     (low, high)
 }
 
-/// The place at which a function is smallest between two places (golden section), or the first one met at which it is not positive.
+/// A place between two others at which a function is not positive, sought where it is smallest, to `tolerance`, given a place between them
+/// with its value. `None` where it has no value somewhere on the way.
 pub(super) fn dip(
     value: &mut impl FnMut(f64) -> Option<f64>,
-    low: f64,
-    high: f64,
-    steps: usize,
+    around: [f64; 3],
+    middle: f64,
+    tolerance: f64,
 ) -> Option<(f64, f64)> {
-    let mut at = |s: f64| value(s).ok_or(());
-    let mut section = GoldenSection::new(low, high, &mut at).ok()?;
-    for _ in 0..steps {
-        if let Some(found) = section.inner.into_iter().find(|found| found.1 <= 0.0) {
-            return Some(found);
-        }
-        let [a, b] = section.inner;
-        section.narrow(a.1 <= b.1, &mut at).ok()?;
-    }
-    None
+    let at = |s: f64| match value(s) {
+        Some(found) if found > 0.0 => Ok(found),
+        found => Err(found.map(|found| (s, found))),
+    };
+    lowest_between(at, around, middle, tolerance)
+        .err()
+        .flatten()
 }

@@ -3,7 +3,7 @@
 use super::Survey;
 use super::change::{Knot, Narrowed, narrow};
 use super::probe::{Phase, Probe, probe_material};
-use crate::algebra::{GoldenSection, sort_by_value};
+use crate::algebra::{Each, lowest_between, sort_by_value};
 use crate::kinematics::{DeformationGradient, DeformationPath, KinematicsError};
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
@@ -16,8 +16,8 @@ const INTERVALS: usize = 256;
 const HALVINGS: i32 = 24;
 /// How near to each other the parameters on both sides of a crossing are.
 const CLOSE: f64 = 1e-15;
-/// Evaluations spent on the bottom of a dip.
-const DIP_STEPS: usize = 30;
+/// How near to the bottom of a dip is sought, in parts of the interval.
+const DIP: f64 = 1e-6;
 
 /// A change of phase between two parameters of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -195,10 +195,8 @@ fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, Pa
             };
             let (down, up) = (sign * (left.1 - middle.1), sign * (right.1 - middle.1));
             if down >= 0.0 && up >= 0.0 && sign * middle.1 <= down.max(up) {
-                let found = extremum(probe, middle.0, sign, parameter(n - 1), parameter(n + 1))?;
-                if found.1.0 != middle.0 {
-                    knots.push(found);
-                }
+                let around = [n - 1, n, n + 1].each(parameter);
+                knots.extend(change_in_dip(probe, middle, sign, around)?);
             }
         }
     }
@@ -215,26 +213,22 @@ fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, Pa
     })
 }
 
-/// The parameter in an interval at which `sign * measure` is smallest (golden section), or the first one
-/// met that changes the phase.
-fn extremum(
+/// A parameter with another phase than that in the middle of an interval, met on the way to where `sign * measure` is smallest.
+fn change_in_dip(
     probe: &impl Fn(f64) -> Result<Probe, PathError>,
-    own: Phase,
+    (own, measure): Probe,
     sign: f64,
-    low: f64,
-    high: f64,
-) -> Result<Knot, PathError> {
-    let mut at = |s: f64| probe(s);
-    let mut section = GoldenSection::new(low, high, &mut at)?;
-    for _ in 0..DIP_STEPS {
-        let [a, b] = section.inner;
-        if let Some((s, found)) = [a, b].into_iter().find(|(_, found)| found.0 != own) {
-            return Ok((s, found));
-        }
-        section.narrow(sign * a.1.1 <= sign * b.1.1, &mut at)?;
-    }
-    let [bottom, _] = section.inner;
-    Ok(bottom)
+    around: [f64; 3],
+) -> Result<Option<Knot>, PathError> {
+    let at = |s: f64| match probe(s) {
+        Ok(found) if found.0 == own => Ok(sign * found.1),
+        Ok(found) => Err(Ok((s, found))),
+        Err(error) => Err(Err(error)),
+    };
+    let tolerance = DIP * (around[2] - around[0]);
+    lowest_between(at, around, sign * measure, tolerance)
+        .err()
+        .transpose()
 }
 
 /// Down to neighboring floating-point parameters, or 1e-15 apart. A third phase met on the way splits the bracket.

@@ -7,6 +7,7 @@ use crate::bloch::branches::Taylor;
 use crate::bloch::{DynamicalMatrix, growth_rate};
 use crate::lattice::grid_coordinates;
 use nalgebra::{SMatrix, SVector, Vector2};
+use std::convert::Infallible;
 
 /// Distinct wells of the grid that are followed to their bottom, deepest first.
 const WELLS: usize = 16;
@@ -144,9 +145,9 @@ impl<const D: usize> ZoneSearch<D> {
         for (value, edge, n) in dips {
             let (from, to) = (edge[0].wave_vector, edge[SAMPLES].wave_vector);
             let along = |t: f64| from + (to - from) * (t / SAMPLES as f64);
-            let at = |t: f64| self.value_at(matrix, objective, &along(t));
+            let at = |t: f64| Ok::<f64, Infallible>(self.value_at(matrix, objective, &along(t)));
             let around = [-1.0, 0.0, 1.0].map(|step| n as f64 + step);
-            let (t, value) = lowest_between(at, around, value, ALONG_EDGES);
+            let Ok((t, value)) = lowest_between(at, around, value, ALONG_EDGES);
             minima.push((value, along(t)));
         }
         minima

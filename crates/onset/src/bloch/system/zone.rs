@@ -7,7 +7,7 @@
 
 use super::WaveSystem;
 use crate::algebra::{
-    Complex, Decomposition, Each, GoldenSection, is_well, neighbors, settled, sort_by_value,
+    Complex, Decomposition, Each, is_well, lowest_between, neighbors, settled, sort_by_value,
 };
 use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, cover_system};
 use crate::bloch::branches::Taylor;
@@ -28,10 +28,10 @@ const POINTS_PER_PERIOD: usize = 10;
 /// that they are made of, which is some times that of the sums.
 const ROUNDING: f64 = 16.0;
 /// What a limit of long waves makes of the longest wave that is asked whether it grows, in units of what rounding makes of it; how many
-/// waves are asked, two octaves apart; and steps in which the fastest growing one is found.
+/// waves are asked, two octaves apart; and how near in octaves the fastest growing one is found.
 const TOLD: f64 = 8.0;
 const FOLLOWED: i32 = 5;
-const NARROWED: usize = 24;
+const NARROWED: f64 = 1e-5;
 /// What is not told from the largest and the smallest squared frequency, relative to it, and the part of the work for a bound that
 /// is done for them.
 const FREQUENCY_GAP: f64 = 1e-6;
@@ -438,13 +438,10 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let step = self.search.reference().reciprocal().column(0).norm();
         let octaves = (step / self.waves.resolution() as f64 / longest).log2();
         let values = (0..=octaves as usize).map(|n| (lowest(n as f64), n as f64));
-        let best = values.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let mut at = |octaves: f64| Ok::<f64, Infallible>(lowest(octaves));
-        let Ok(mut section) = GoldenSection::new(best.1 - 1.0, best.1 + 1.0, &mut at);
-        for _ in 0..NARROWED {
-            let Ok(()) = section.narrow(section.inner[0].1 <= section.inner[1].1, &mut at);
-        }
-        let k = limit.wave_vector.normalize() * (longest * section.middle().exp2());
+        let (value, best) = values.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let at = |octaves: f64| Ok::<f64, Infallible>(lowest(octaves));
+        let Ok((octaves, _)) = lowest_between(at, [best - 1.0, best, best + 1.0], value, NARROWED);
+        let k = limit.wave_vector.normalize() * (longest * octaves.exp2());
         let mode = self.mode(&k);
         (mode.omega_squared.re < -ROUNDING * self.system.noise()).then_some(mode)
     }

@@ -3,12 +3,12 @@
 use super::line::{Field, Found, Sides};
 use super::plane::{Point, distance, minus, plus, unit};
 use super::{Crossing, Fineness, Window, rank};
-use crate::algebra::{Each, GoldenSection};
+use crate::algebra::{Each, lowest_between};
 use crate::verdict::change::Knot;
 use crate::verdict::{Phase, Probe};
 
-/// Evaluations spent on the bottom of a dip along a line, and in the plane.
-const DIP_STEPS: usize = 24;
+/// How near to the bottom of a dip along a line is sought, in parts of it, and evaluations spent on one in the plane.
+const DIP: f64 = 1e-5;
 const PLANE_STEPS: usize = 160;
 
 /// A piece of a line with a change of phase, from its one end to the other.
@@ -119,22 +119,14 @@ fn dip_along<E>(
     }
     let along = minus(right.0, left.0);
     let place = |x: f64| plus(left.0, x, along);
-    let mut at = |x: f64| field.at(place(x));
-    let mut section = GoldenSection::new(0.0, 1.0, &mut at)?;
-    for _ in 0..DIP_STEPS {
-        let [a, b] = section.inner;
-        for (x, found) in [a, b] {
-            if let Some(found) = found.filter(|found| found.0 != own) {
-                let other = (place(x), found);
-                return Ok(vec![(left, other), (other, right)]);
-            }
-        }
-        let (Some(lower), Some(upper)) = (a.1, b.1) else {
-            break;
-        };
-        section.narrow(sign * lower.1 <= sign * upper.1, &mut at)?;
-    }
-    Ok(Vec::new())
+    let at = |x: f64| match field.at(place(x)) {
+        Ok(Some(found)) if found.0 == own => Ok(sign * found.1),
+        Ok(found) => Err(Ok(found.map(|found| (place(x), found)))),
+        Err(error) => Err(Err(error)),
+    };
+    let met = lowest_between(at, [0.0, 0.5, 1.0], sign * middle.1.1, DIP).err();
+    let other = met.transpose()?.flatten();
+    Ok(other.map_or_else(Vec::new, |other| vec![(left, other), (other, right)]))
 }
 
 /// A change of phase near a node whose measure is less than that of all around it: an island between the lines of the
