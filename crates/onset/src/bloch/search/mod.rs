@@ -287,7 +287,7 @@ impl<const D: usize> ZoneSearch<D> {
             })
             .unwrap_or(rest);
         let growth = growth_rate(lowest.omega_squared);
-        let is_fast = growth > self.flutter_threshold(1) * (RIVAL / FLUTTER);
+        let is_fast = growth > RIVAL * self.speed_over_spacing(1);
         let (rival, asks_about_long_waves) = match sought {
             Flutter::Fastest {
                 asks_about_long_waves,
@@ -595,12 +595,15 @@ impl<const D: usize> ZoneSearch<D> {
         (noise / self.speed_squared).max(LEAST)
     }
 
-    /// Growth rates of complex `omega^2` are flutter beyond this: a fraction of sound speed over the spacing of so many particles in
-    /// a cell. 1/time.
+    /// Growth rates of complex `omega^2` are flutter beyond this. 1/time.
     pub(in crate::bloch) fn flutter_threshold(&self, sites: usize) -> f64 {
+        FLUTTER * self.speed_over_spacing(sites)
+    }
+
+    /// Sound speed over the spacing of so many particles in a cell. 1/time.
+    fn speed_over_spacing(&self, sites: usize) -> f64 {
         let side = self.reference().vectors().column(0).norm();
-        let spacing = side / (sites as f64).powf(1.0 / D as f64);
-        FLUTTER * self.speed_squared.sqrt() / spacing
+        self.speed_squared.sqrt() * (sites as f64).powf(1.0 / D as f64) / side
     }
 
     /// The largest `|k|_h^2` of all wave vectors. 1/length^2.
@@ -737,21 +740,25 @@ impl<const D: usize> ZoneSearch<D> {
             (_, true) => -matrix.noise() * largest,
             (_, false) => 0.0,
         };
-        // In space pockets between its points are looked at one by one, and at these half of the growth of a rival is far from it. The longest
-        // waves grow slowly.
-        let (is_contested, opening): (bool, &[SVector<f64, D>]) = match wells {
+        // In space pockets between its points are looked at one by one, and at these half of the growth of a rival is far from it.
+        let is_far = match wells {
             Wells::Grid(grid) if rival > 0.0 => {
-                let is_far = grid.has_asymmetry() && grid.largest_growth() <= 0.5 * rival;
-                (!is_far, &[])
+                grid.has_asymmetry() && grid.largest_growth() <= 0.5 * rival
             }
-            Wells::Grid(grid) => (true, self.opening(matrix, grid)),
-            Wells::Mirrored { .. } => (true, &[]),
+            _ => false,
         };
-        let pocket = is_contested
-            .then(|| wells.bottom(self, matrix, Objective::Discriminant, floor))
-            .flatten();
-        let opening = opening.iter().copied();
-        let candidates = pocket.map(|(_, k)| k).into_iter().chain(opening);
+        let pocket = match is_far {
+            true => None,
+            false => wells.bottom(self, matrix, Objective::Discriminant, floor),
+        };
+        let opening = match wells {
+            Wells::Grid(grid) if !is_far => self.opening(matrix, grid),
+            _ => &[],
+        };
+        let candidates = pocket
+            .map(|(_, k)| k)
+            .into_iter()
+            .chain(opening.iter().copied());
         let noticeable =
             |mode: &Mode<D>| growth_rate(mode.omega_squared) > self.flutter_threshold(1);
         candidates
