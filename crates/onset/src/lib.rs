@@ -39,6 +39,7 @@ pub mod approximation;
 pub mod bloch;
 pub mod certificate;
 pub mod continuum;
+mod cores;
 pub mod criteria;
 pub mod formula;
 pub mod kernel;

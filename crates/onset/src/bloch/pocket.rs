@@ -3,6 +3,7 @@
 use super::system::MatrixExpansion;
 use super::{Expansion, growth_rate};
 use crate::algebra::{Complex, Decomposition, Deviator, Each, Parts, array_of, sort_by_value};
+use crate::cores::of_each_long;
 use crate::lattice::grid_coordinates;
 use nalgebra::{ComplexField, DMatrix, SMatrix, SVector};
 use std::collections::HashSet;
@@ -265,7 +266,9 @@ impl<S: Scalar, const D: usize> Crossing<S, D> {
 /// What is looked for, where.
 pub(super) struct Pockets<'a, const D: usize> {
     /// `D(k)` with its derivatives up to an order; `None` where a wave vector is not looked at.
-    pub(super) around: &'a dyn Fn(&SVector<f64, D>, Order) -> Option<Around<D>>,
+    pub(super) around: &'a (dyn Fn(&SVector<f64, D>, Order) -> Option<Around<D>> + Sync),
+    /// Whether it is so large that each wave vector is worth a core.
+    pub(super) is_large: bool,
     /// Steps between the points of the grid, as columns.
     pub(super) steps: SMatrix<f64, D, D>,
     /// Growth rates below are not flutter.
@@ -288,11 +291,12 @@ impl<const D: usize> Pockets<'_, D> {
         for _ in 0..CLOSER {
             self.leave_fastest(&mut all, most);
             most /= 2;
-            let again = |own: &Candidate<D>| {
+            let again = |own: Candidate<D>| {
                 self.outlook(&own.wave_vector, NEARER * own.share, Order::First)?
                     .foreseen
             };
-            all = all.iter().filter_map(again).collect();
+            let foreseen = of_each_long(self.is_large, all, again);
+            all = foreseen.into_iter().flatten().collect();
         }
         self.leave_fastest(&mut all, most / 2);
         all.into_iter().map(|own| own.wave_vector).collect()
@@ -308,12 +312,12 @@ impl<const D: usize> Pockets<'_, D> {
         between.truncate(1 << (D - 1));
         for _ in 0..=HALVINGS {
             let mut unresolved = Vec::new();
-            for k in &points {
-                if let Some(outlook) = self.outlook(k, share, Order::Second) {
-                    all.extend(outlook.foreseen);
-                    if outlook.unresolved > 0.0 {
-                        unresolved.push((outlook.unresolved, *k));
-                    }
+            let outlook = |k| Some((self.outlook(&k, share, Order::Second)?, k));
+            let outlooks = of_each_long(self.is_large, points, outlook);
+            for (outlook, k) in outlooks.into_iter().flatten() {
+                all.extend(outlook.foreseen);
+                if outlook.unresolved > 0.0 {
+                    unresolved.push((outlook.unresolved, k));
                 }
             }
             sort_by_value(&mut unresolved, |item| -item.0);

@@ -832,6 +832,7 @@ impl<const D: usize> ZoneSearch<D> {
                     None => Around::Complex(matrix.expansion_at(k).into()),
                 })
             },
+            is_large: false,
             steps: self.reference().reciprocal() * (stride as f64 / grid.waves.resolution() as f64),
             threshold: self.flutter_threshold(1).max(rival),
             rival,

@@ -16,6 +16,7 @@ use crate::bloch::search::RELAXED_RAY;
 use crate::bloch::short_range::ShortRange;
 use crate::bloch::{IsEnded, Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
 use crate::continuum::Stiffness;
+use crate::cores::of_each_long;
 use crate::lattice::{WaveGrid, grid_coordinates};
 use nalgebra::{DVector, SMatrix, SVector};
 use std::convert::Infallible;
@@ -40,10 +41,14 @@ const FREQUENCY_SHARE: usize = 4;
 const LOOSE: f64 = 1e-3;
 /// Growth rates above this part of the fastest one that is known are followed where Newton's method has not ended.
 const PROMISING: f64 = 0.7;
+/// Of waves that grow, those as fast as the one at `k = 0` to this part are that one.
+const ALIKE: f64 = 1e-9;
 /// How often boxes are divided.
 const DIVISIONS: usize = 2;
 /// How many of the lowest branches may have a well between the points of the grid.
 const BRANCHES: usize = 3;
+/// Cells of so many degrees of freedom are large.
+const LARGE: usize = 24;
 /// Within half of a step of the grid a branch changes by about this fraction of its change within a step.
 const HALF: f64 = 0.6;
 /// Wave vectors below this fraction of a reciprocal vector are long waves, which are taken to their limit.
@@ -228,6 +233,8 @@ struct Effort {
     leaves: usize,
     /// Pockets of complex `omega^2` that are foreseen and looked at again.
     pockets: usize,
+    /// Whether each spectrum is worth a core, and of wave vectors along a ray the lowest is followed only.
+    is_large: bool,
 }
 
 impl Effort {
@@ -243,6 +250,7 @@ impl Effort {
             boxes,
             leaves,
             pockets,
+            is_large: system.size() >= LARGE,
         }
     }
 }
@@ -473,10 +481,12 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .then(|| self.lowest(Objective::Lowest, rest.omega_squared.re, &softest))
             .flatten()
             .map(|(_, k)| self.mode(&k))
-            .filter(|mode| mode.omega_squared.re < rest.omega_squared.re)
+            .filter(|mode| mode.omega_squared.re < rest.omega_squared.re * (1.0 + ALIKE))
             .or_else(|| {
                 let is_limit = softest.is_long_wave && softest.scaled < -long.of_limit;
-                is_limit.then(|| self.growing_long_wave(&softest)).flatten()
+                (is_limit && !grows_at_rest)
+                    .then(|| self.growing_long_wave(&softest))
+                    .flatten()
             })
             .unwrap_or(rest);
         // What is hardly negative, where no other wave grows, is zero to the rounding of the relaxation or of eigenvalues.
@@ -523,6 +533,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 let is_seen = !self.is_long(k) && !(self.is_ended)();
                 is_seen.then(|| Around::Complex(self.system.expansion_at(k)))
             },
+            is_large: self.effort.is_large,
             steps: self.search.reference().reciprocal() / self.waves.resolution() as f64,
             threshold: self.search.flutter_threshold(self.system.sites()),
             rival: 0.0,
@@ -534,8 +545,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// The omega^2 at half of the grid.
     fn spectra(&self) -> &[Vec<Complex>] {
         self.spectra.get_or_init(|| {
-            let half = half(&self.waves);
-            half.iter().map(|k| self.omega_squared(k)).collect()
+            let spectrum = |k| self.omega_squared(&k);
+            of_each_long(self.effort.is_large, half(&self.waves), spectrum)
         })
     }
 
@@ -572,13 +583,11 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let reciprocal = self.search.reference().reciprocal().column(0).norm();
         let step = reciprocal / self.waves.resolution() as f64;
         let starts = match softest.is_long_wave {
-            true => RELAXED_RAY.each(|steps| k * (steps * step)).to_vec(),
-            false => vec![k],
+            true => self.along_ray(Objective::Lowest, &(k * step)),
+            false => vec![(self.value(Objective::Lowest, &k), k)],
         };
-        let ends = starts.into_iter().map(|k| {
-            let start = (self.value(Objective::Lowest, &k), k);
-            self.followed(Objective::Lowest, 0, start, f64::INFINITY)
-        });
+        let follow = |start| self.followed(Objective::Lowest, 0, start, f64::INFINITY);
+        let ends = starts.into_iter().map(follow);
         let lowest = ends.min_by(|a, b| a.0.total_cmp(&b.0));
         lowest.unwrap_or((f64::INFINITY, k))
     }
@@ -736,8 +745,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             let along = self.search.long_wave_mode(&self.stiffness).wave_vector;
             let reciprocal = self.search.reference().reciprocal().column(0).norm();
             let step = reciprocal / self.waves.resolution() as f64;
-            for k in RELAXED_RAY.each(|steps| along * (steps * step)) {
-                let start = (self.value(objective, &k), k);
+            for start in self.along_ray(objective, &(along * step)) {
                 ends.push(self.followed(objective, 0, start, to_beat(&ends)));
             }
         }
@@ -758,6 +766,17 @@ impl<'a, const D: usize> Sweep<'a, D> {
             }
         }
         ends
+    }
+
+    /// Where to begin along a ray, of which one step is given; in large cells at the lowest place.
+    fn along_ray(&self, objective: Objective, step: &SVector<f64, D>) -> Vec<Candidate<D>> {
+        let start = |steps: f64| (self.value(objective, &(step * steps)), step * steps);
+        let mut starts = RELAXED_RAY.each(start).to_vec();
+        if self.effort.is_large {
+            sort_by_value(&mut starts, |start| start.0);
+            starts.truncate(1);
+        }
+        starts
     }
 
     /// The points of the grid at halves and thirds of reciprocal vectors, `k = 0` left out.
@@ -853,10 +872,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
         for _ in 0..DIVISIONS {
             regions.retain(|region| !self.is_known(region, known, side));
             chosen(&mut regions, below, self.effort.boxes);
-            regions = regions
-                .iter()
-                .flat_map(|region| self.divided(objective, region, &step))
-                .collect();
+            let divided = |region| self.divided(objective, &region, &step);
+            let parts = of_each_long(self.effort.is_large, regions, divided);
+            regions = parts.into_iter().flatten().collect();
             step *= 0.5;
             side *= 0.5;
         }

@@ -3,13 +3,14 @@
 //! Each particle adds up what it gets of its neighbors in the order of their numbers, eight particles that follow each other at once and blocks of them on all cores.
 //! What comes of particles beyond the support is exactly zero. So the same bits come out whenever neighbors were found, and of any number of cores.
 
-use super::cores::{field_parts, of_each, tensor_parts};
 use super::neighborhoods::{Look, NOWHERE, Neighborhoods, Seen, number, tensor, vector};
+use super::parts::{field_parts, tensor_parts};
 use super::vectors::{
     Component, Field, Tensors, are_finite, slices, states, vector_of, zero_tensors,
 };
 use crate::algebra::{Each, array_of};
 use crate::approximation::SingularMoment;
+use crate::cores::of_each;
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 use crate::method::MethodError;

@@ -4,11 +4,12 @@
 //! come out of vectors of any width, and of any number of cores.
 
 use super::contact::Pieces;
-use super::cores::{field_parts, of_each, tensor_parts};
 use super::error::Lost;
 use super::links::{Kind, Links, Pair, Stencil};
+use super::parts::{field_parts, tensor_parts};
 use super::vectors::{Field, MASKS, Tensors, load, part, slices, states, store, zeros};
 use crate::algebra::Each;
+use crate::cores::of_each;
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 use crate::real::LANES;

@@ -1,12 +1,12 @@
 //! Bodies whose gradients stay with the material.
 
 use super::contact::{Contact, Pieces};
-use super::cores::drift;
 use super::engine::Engine;
 use super::error::Lost;
 use super::grip::{Grip, held, work_of};
 use super::links::Links;
 use super::moving::{BodyMotion, Start};
+use super::parts::drift;
 use super::quantities::in_space;
 use super::shape::placed;
 use super::stability::{DIFFERENCE, critical_step, largest_factor};

@@ -26,7 +26,6 @@
 //! [`Discretization::with_forces`]: crate::scheme::Discretization::with_forces
 
 mod contact;
-mod cores;
 mod current;
 mod engine;
 mod error;
@@ -36,6 +35,7 @@ mod links;
 mod moving;
 mod neighborhoods;
 mod neighbors;
+mod parts;
 mod quantities;
 mod shape;
 mod stability;

@@ -1,9 +1,9 @@
 //! Whom particles that move see, eight of them at once.
 
-use super::cores::of_each;
 use super::neighbors::{Cells, SKIN};
 use super::vectors::{Field, vector_of};
 use crate::algebra::array_of;
+use crate::cores::of_each;
 use crate::real::{LANES, Lanes, Real, Side, Work};
 use crate::scheme::sph::CurrentPairs;
 use crate::scheme::{Measure, Weighed};

@@ -15,11 +15,11 @@
 //! `d/dt sum_I V_I0 W(F_I) = sum_I V_I s_I : L_I = sum_IJ V_I V_J (v_J - v_I).s_I grad W_IJ = -sum_I f_I.v_I`. Other choices have no potential.
 
 use super::contact::Contact;
-use super::cores::drift;
 use super::current::CurrentEngine;
 use super::grip::{Grip, held, work_of};
 use super::moving::{BodyMotion, Start};
 use super::neighbors::Neighbors;
+use super::parts::drift;
 use super::quantities::in_space;
 use super::shape::placed;
 use super::stability::{DIFFERENCE, critical_step, largest_factor};

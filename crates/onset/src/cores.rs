@@ -1,0 +1,44 @@
+//! Work on all cores.
+
+use std::sync::{Mutex, PoisonError};
+
+/// Work on each of some things, on all cores where there are any; results in their order.
+pub(crate) fn of_each<T: Send, R: Send>(things: Vec<T>, work: impl Fn(T) -> R + Sync) -> Vec<R> {
+    let place = |thing| Mutex::new((Some(thing), None));
+    let places: Vec<_> = things.into_iter().map(place).collect();
+    // Each lock is taken once, so that none is waited for; a panic of the work ends the call before results are read.
+    on_all_cores(places.len(), &|n| {
+        let mut place = places[n].lock().unwrap_or_else(PoisonError::into_inner);
+        let thing = place.0.take();
+        place.1 = thing.map(&work);
+    });
+    let result = |place: Mutex<(Option<T>, Option<R>)>| {
+        let place = place.into_inner();
+        place.unwrap_or_else(PoisonError::into_inner).1
+    };
+    places.into_iter().filter_map(result).collect()
+}
+
+/// The same where each takes long enough to be worth a core, otherwise on one.
+pub(crate) fn of_each_long<T: Send, R: Send>(
+    is_long: bool,
+    things: Vec<T>,
+    work: impl Fn(T) -> R + Sync,
+) -> Vec<R> {
+    match is_long {
+        true => of_each(things, work),
+        false => things.into_iter().map(work).collect(),
+    }
+}
+
+/// Calls for each number below a count. It is compiled once for all kinds of work: for each kind it would be some ten thousand lines of
+/// intermediate code.
+fn on_all_cores(count: usize, work: &(dyn Fn(usize) + Sync)) {
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        (0..count).into_par_iter().for_each(work);
+    }
+    #[cfg(not(feature = "rayon"))]
+    (0..count).for_each(work);
+}
