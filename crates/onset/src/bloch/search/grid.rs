@@ -322,19 +322,23 @@ impl<const D: usize> Grid<D> {
         let half = if D == 1 { 1 } else { (n / 2 + 1) * lines / n };
         let mut is_low = vec![false; n];
         for line in 0..half {
+            let own = &values[line * n..][..n];
+            if !own.iter().any(|value| *value < below) {
+                continue;
+            }
             let beside: Vec<&[f64]> = lines_beside::<D>(line, n)
                 .iter()
                 .map(|line| &values[line * n..][..n])
                 .collect();
             Arch::new().dispatch(MarkLow {
-                line: &values[line * n..][..n],
+                line: own,
                 beside: &beside,
                 below,
                 is_low: &mut is_low,
             });
             let low = is_low.iter().enumerate().filter(|(_, low)| **low);
             for j in low.map(|(j, _)| j).filter(|j| line + j > 0) {
-                let value = values[line * n + j];
+                let value = own[j];
                 let (left, right) = ((j + n - 1) % n, (j + 1) % n);
                 let around = || {
                     let points = beside
@@ -408,12 +412,16 @@ impl<const D: usize> Grid<D> {
                 return false;
             }
             let around = || neighbors::<D>(*index, n, known.len()).chain([*index]);
-            let most = |values: &[f64]| around().map(|n| values[n]).fold(0.0, f64::max);
-            if known[*index] > NEAR * most(&known) {
+            if !around().any(|other| known[*index] <= NEAR * known[other]) {
                 return false;
             }
-            let least = around().map(|n| lowest[n]).fold(f64::INFINITY, f64::min);
-            !self.has_asymmetry() || can_beat(rival, least, most(asymmetry))
+            if !self.has_asymmetry() {
+                return true;
+            }
+            let (least, most) = around().fold((f64::INFINITY, 0.0_f64), |(least, most), other| {
+                (least.min(lowest[other]), most.max(asymmetry[other]))
+            });
+            can_beat(rival, least, most)
         };
         let near = (1..known.len()).filter(is_near);
         let points = near.map(|index| self.waves.wave_vector(index)).collect();
