@@ -145,17 +145,21 @@ fn test() -> bool {
         Err(_) => without_fortran(),
     };
     let tools: Vec<(&str, &Path)> = tools.iter().map(|(name, path)| (*name, &**path)).collect();
-    let mdbook = book::tools();
     let wasm = wasm::tools();
-    let browser = page::tools();
-    let done = mdbook
-        .as_ref()
-        .map_or(true, |mdbook| reported(book::build(mdbook)))
-        && (wasm.is_err() || reported(wasm::check()))
-        && run(&steps, &tools)
-        && reported(paper())
-        && reported(wheel::test())
-        && (browser.is_err() || reported(page::test()));
+    let (mdbook, browser, done) = std::thread::scope(|scope| {
+        // What the last steps need is fetched and installed beside the first ones.
+        let tools_of_last = scope.spawn(|| (book::tools(), page::tools(), wheel::environments()));
+        let first = (wasm.is_err() || reported(wasm::check())) && run(&steps, &tools);
+        let (mdbook, browser, environments) = joined(tools_of_last);
+        let done = first
+            && mdbook
+                .as_ref()
+                .map_or(true, |mdbook| reported(book::build(mdbook)))
+            && reported(paper())
+            && reported(environments.map(|_| ()))
+            && python_and_page(browser.is_ok());
+        (mdbook, browser, done)
+    });
     if let Err(error) = mdbook {
         eprintln!("== NOT TESTED: the book, its formulas and its links. {error}");
     }
@@ -174,8 +178,23 @@ fn test() -> bool {
     done
 }
 
-/// The paper, by the command that the Python package is tested with, which stands on what the tests have built. `cargo run` asks for other features
-/// of what lies below, and would build the core again.
+/// The Python package and, where it can be, the page in a browser: mostly one process each, so that both fit beside each other.
+fn python_and_page(has_browser: bool) -> bool {
+    std::thread::scope(|scope| {
+        let page = has_browser.then(|| scope.spawn(|| reported(page::test())));
+        let package = reported(wheel::test());
+        page.is_none_or(joined) && package
+    })
+}
+
+/// What a thread has made; its panic goes on here.
+fn joined<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
+    thread
+        .join()
+        .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+}
+
+/// The paper, by the command that the tests have built. `cargo run` asks for other features of what lies below, and would build the core again.
 fn paper() -> Result<(), String> {
     let command = wheel::command()?;
     eprintln!("== the paper: onset reproduce");

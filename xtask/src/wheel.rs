@@ -60,9 +60,9 @@ fn is_installed(interpreter: &Path) -> bool {
 /// # Errors
 /// What failed, in words.
 pub fn test() -> Result<(), String> {
+    let [_, interpreter] = environments()?;
     let wheel = made("dev", "target/wheels-dev", None)?;
     let command = command()?;
-    let interpreter = environment("python", Path::new(TESTING))?;
     succeed(
         Command::new(&interpreter)
             .args([
@@ -86,14 +86,25 @@ pub fn test() -> Result<(), String> {
     )
 }
 
-/// The command in the profile of the tests, built together with what the wheel has: one build of what both stand on.
+/// Sees to the environments in which wheels are made and tested: their interpreters.
+///
+/// # Errors
+/// What failed, in words.
+pub fn environments() -> Result<[PathBuf; 2], String> {
+    Ok([
+        environment("wheel", Path::new(MAKING))?,
+        environment("python", Path::new(TESTING))?,
+    ])
+}
+
+/// The command in the profile and with the features of the tests, which have built it if they have run.
 ///
 /// # Errors
 /// What failed, in words.
 pub fn command() -> Result<PathBuf, String> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
-    let both = ["build", "--package", "onset-cli", "--package", "onset-py"];
-    succeed(Command::new(cargo).args(both))?;
+    let of_tests = ["build", "--workspace", "--all-features", "--bins"];
+    succeed(Command::new(cargo).args(of_tests))?;
     let command = Path::new("target/debug").join(format!("onset{}", std::env::consts::EXE_SUFFIX));
     std::path::absolute(command).map_err(|error| error.to_string())
 }
