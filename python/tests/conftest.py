@@ -12,6 +12,8 @@ import pytest
 #: The command, as `cargo xtask python` names it.
 COMMAND = os.environ.get("ONSET_COMMAND", "onset")
 REPOSITORY = Path(__file__).resolve().parents[2]
+# What a type checker knows of other packages is found once.
+os.environ["MYPY_CACHE_DIR"] = str(REPOSITORY / "target" / "mypy")
 
 
 @dataclass(frozen=True)

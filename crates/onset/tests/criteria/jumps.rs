@@ -283,7 +283,7 @@ fn brute_force(law: &dyn Hyperelastic, state: &onset::material::Response) -> f64
         seed ^= seed << 17;
         (seed >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
     };
-    let mut tried: Vec<(f64, [f64; 6])> = (0..5_000)
+    let mut tried: Vec<(f64, [f64; 6])> = (0..2_000)
         .map(|_| {
             let size = 4.0_f64.powf(2.0 * random() - 0.5);
             let x = [0; 6].map(|_: i32| random());
@@ -293,7 +293,7 @@ fn brute_force(law: &dyn Hyperelastic, state: &onset::material::Response) -> f64
         .collect();
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut lowest = f64::INFINITY;
-    for (mut value, mut x) in tried.into_iter().take(12) {
+    for (mut value, mut x) in tried.into_iter().take(6) {
         let mut step = 0.3;
         while step > 1e-4 {
             let before = value;

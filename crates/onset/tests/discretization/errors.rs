@@ -205,72 +205,85 @@ fn states_that_leave_the_plane_are_refused() {
 /// Nothing here is asserted but that every call returns, and that what it returns is finite.
 #[test]
 fn no_magnitude_of_stretches_panics_with_any_method() {
-    let materials: [Box<dyn Hyperelastic>; 2] = [
-        Box::new(ModifiedMooneyRivlin::default()),
-        Box::new(BlatzKo::default()),
+    let current = [
+        (
+            CurrentLattice::Convected,
+            Background::Interpolated,
+            Linearization::Exact,
+        ),
+        (
+            CurrentLattice::Regular,
+            Background::Imposed,
+            Linearization::Paper,
+        ),
     ];
-    let mut evaluated = 0;
-    for frame in [Frame::Lagrangian, Frame::Eulerian] {
-        for support_size in [
-            SupportSize::Fixed,
-            SupportSize::Scaled,
-            SupportSize::Convected,
-        ] {
-            for (lattice, background, linearization) in [
-                (
-                    CurrentLattice::Convected,
-                    Background::Interpolated,
-                    Linearization::Exact,
-                ),
-                (
-                    CurrentLattice::Regular,
-                    Background::Imposed,
-                    Linearization::Paper,
-                ),
-            ] {
-                let discretization = KernelMethodChoices {
-                    frame,
-                    support_size,
-                    current_lattice: lattice,
-                    background,
-                    linearization,
-                    support: 1.6,
-                    ..KernelMethodChoices::default()
-                };
-                let method = Method::<2>::new(discretization).expect("a method");
-                for exponent in (-300..=300).step_by(20).chain([-3, -1, 1, 3]) {
-                    let stretch = 10.0_f64.powi(exponent);
-                    for stretches in [
-                        [stretch, 1.0, 1.0],
-                        [stretch, stretch, 1.0],
-                        [stretch, stretch.recip(), 1.0],
-                    ] {
-                        let Ok(f) = DeformationGradient::from_stretches(stretches) else {
-                            continue;
-                        };
-                        for material in &materials {
-                            if let Ok(d) = dynamical_matrix(&method, &**material, &f) {
-                                assert!(d.is_finite());
-                            }
-                            if exponent.abs() <= 20
-                                && let Ok(assessment) = assess(&method, &**material, &f)
-                            {
-                                assert!(
-                                    !assessment.spectrum.softest.scaled.is_nan(),
-                                    "{stretches:?}"
-                                );
-                                evaluated += 1;
-                            }
-                        }
-                    }
+    let sizes = [
+        SupportSize::Fixed,
+        SupportSize::Scaled,
+        SupportSize::Convected,
+    ];
+    let evaluated: usize = std::thread::scope(|scope| {
+        let mut running = Vec::new();
+        for frame in [Frame::Lagrangian, Frame::Eulerian] {
+            for support_size in sizes {
+                for (current_lattice, background, linearization) in current {
+                    let choices = KernelMethodChoices {
+                        frame,
+                        support_size,
+                        current_lattice,
+                        background,
+                        linearization,
+                        support: 1.6,
+                        ..KernelMethodChoices::default()
+                    };
+                    running.push(scope.spawn(move || evaluated_at_all_magnitudes(choices)));
                 }
             }
         }
-    }
+        let count = |own: std::thread::ScopedJoinHandle<'_, usize>| own.join().expect("no panic");
+        running.into_iter().map(count).sum()
+    });
     assert!(
         evaluated > 100,
         "only {evaluated} states could be evaluated"
     );
+}
+
+/// The number of states of all magnitudes that a method can be assessed at.
+fn evaluated_at_all_magnitudes(choices: KernelMethodChoices) -> usize {
+    let materials: [Box<dyn Hyperelastic>; 2] = [
+        Box::new(ModifiedMooneyRivlin::default()),
+        Box::new(BlatzKo::default()),
+    ];
+    let method = Method::<2>::new(choices).expect("a method");
+    let mut evaluated = 0;
+    for exponent in (-300..=300).step_by(20).chain([-3, -1, 1, 3]) {
+        let stretch = 10.0_f64.powi(exponent);
+        for stretches in [
+            [stretch, 1.0, 1.0],
+            [stretch, stretch, 1.0],
+            [stretch, stretch.recip(), 1.0],
+        ] {
+            let Ok(f) = DeformationGradient::from_stretches(stretches) else {
+                continue;
+            };
+            for material in &materials {
+                if let Ok(d) = dynamical_matrix(&method, &**material, &f) {
+                    assert!(d.is_finite());
+                }
+                if exponent.abs() <= 20
+                    && let Ok(assessment) = assess(&method, &**material, &f)
+                {
+                    assert!(
+                        !assessment.spectrum.softest.scaled.is_nan(),
+                        "{stretches:?}"
+                    );
+                    evaluated += 1;
+                }
+            }
+        }
+    }
+    evaluated
 }
 
 #[test]
