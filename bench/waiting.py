@@ -33,6 +33,14 @@ METHODS = {
 }
 
 
+# Disordered supercells of 64 particles.
+SUPERCELLS = {
+    "in the plane, kernel of material coordinates": "cells=8 perturbation=0.05",
+    "in the plane, kernel of current coordinates": "cells=8 perturbation=0.05 frame=eulerian",
+    "in space, kernel of material coordinates": "lattice=simple-cubic cells=4 perturbation=0.05 quadrature=nodal",
+}
+
+
 def commands(readme):
     """Arguments of the commands of the README."""
     found = []
@@ -109,6 +117,10 @@ def larger(program, root, rounds):
         "`onset map studies/three-axes.toml`, 36 x 36 x 12 states": lambda: program.map(studies["three-axes"])[:2],
         "`onset map studies/fcc-eulerian.toml`, 64 x 64 states in space": lambda: program.map(studies["fcc-eulerian"])[:2],
     }
+    for name, keys in SUPERCELLS.items():
+        arguments = ["state", "--stretch", "1.02,1.01,1" if "space" in name else "1.1,1"]
+        arguments += [part for key in keys.split() for part in ("--set", f"discretization.{key}")]
+        jobs[f"`onset state`, 64 disordered particles, {name}"] = lambda arguments=arguments: program.run(arguments)[:2]
     lines = ["| job | seconds (least - most) | of all cores |", "|---|---:|---:|"]
     for name, job in jobs.items():
         walls, used = zip(*(job() for _ in range(rounds)))

@@ -15,8 +15,8 @@ pub(crate) struct Decomposition {
     x: Option<DMatrix<Complex>>,
 }
 
-/// The eigenvalues and eigenvectors of a Hermitian matrix of any size, of its lower triangle, as it is taken for Hermitian. `None` where entries
-/// are not finite: otherwise the iteration ends, after a few steps for each row.
+/// The eigenvalues and eigenvectors of a Hermitian matrix of any size, of which the lower triangle is read. `None` where entries are not finite:
+/// otherwise the iteration ends, after a few steps for each row.
 pub(crate) fn hermitian_eigen<T: ComplexField<RealField = f64>>(
     matrix: DMatrix<T>,
 ) -> Option<SymmetricEigen<T, Dyn>> {

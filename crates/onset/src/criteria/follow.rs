@@ -66,7 +66,7 @@ const AT_REFERENCE: f64 = 1e-9;
 /// The step, in `ln lambda`, of the slope of a measure.
 const SLOPE_STEP: f64 = 1e-5;
 /// How near to the bottom of a dip is sought, in parts of the interval.
-const DIP: f64 = 1e-9;
+const DIP: f64 = 2e-11;
 
 /// A criterion along one side of a path, in tension or in compression. `None` where it is not defined.
 ///
@@ -127,9 +127,12 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
             around.sort_by(f64::total_cmp);
             let tolerance = DIP * (around[2] - around[0]);
             let found = dip(&mut upright, around, own * values[n], tolerance);
-            if let Some((s, found)) = found.filter(|found| found.1.abs() > measures[n].rounding) {
-                knots.push((s, own * found));
-            }
+            // What is lost must be told from rounding there.
+            let told = found.filter(|(s, found)| {
+                let there = path.state(*s).and_then(|state| criterion.measure(&state));
+                there.is_some_and(|measure| found.abs() > measure.rounding)
+            });
+            knots.extend(told.map(|(s, found)| (s, own * found)));
         }
     }
     sort_by_value(&mut knots, |item| item.0.abs());

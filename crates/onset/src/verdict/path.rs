@@ -17,7 +17,7 @@ const HALVINGS: i32 = 24;
 /// How near to each other the parameters on both sides of a crossing are.
 const CLOSE: f64 = 1e-15;
 /// How near to the bottom of a dip is sought, in parts of the interval.
-const DIP: f64 = 1e-6;
+const DIP: f64 = 1e-7;
 
 /// A change of phase between two parameters of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]

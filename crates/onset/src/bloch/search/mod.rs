@@ -740,7 +740,8 @@ impl<const D: usize> ZoneSearch<D> {
             (_, true) => -matrix.noise() * largest,
             (_, false) => 0.0,
         };
-        // In space pockets between its points are looked at one by one, and at these half of the growth of a rival is far from it.
+        // In space pockets between the points of the grid are looked at one by one; what grows less than half as fast as a rival at all points is
+        // far from it.
         let is_far = match wells {
             Wells::Grid(grid) if rival > 0.0 => {
                 grid.has_asymmetry() && grid.largest_growth() <= 0.5 * rival

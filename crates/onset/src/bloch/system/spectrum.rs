@@ -51,13 +51,10 @@ impl<const D: usize> WaveSystem<D> {
 
     /// The same of a Hermitian system: `s M R R^T M / (R^T M R)`, added to the stiffness, moves the zeros.
     fn hermitian_at_rest(&self) -> Option<Vec<Complex>> {
-        if !self.is_hermitian {
-            return None;
-        }
         let zero = SVector::zeros();
+        let far = 4.0 * self.hermitian_matrix(&zero)?.norm() + f64::MIN_POSITIVE;
         let mut stiffness = self.stiffness.at(&zero);
         let masses = self.particle_masses();
-        let far = 4.0 * stiffness.norm() / self.lightest_mass() + f64::MIN_POSITIVE;
         let share = far / self.cell_mass();
         for j in 0..self.size() {
             for i in (j % D..self.size()).step_by(D) {

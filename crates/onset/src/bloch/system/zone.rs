@@ -41,7 +41,7 @@ const FREQUENCY_SHARE: usize = 4;
 const LOOSE: f64 = 1e-3;
 /// Growth rates above this part of the fastest one that is known are followed where Newton's method has not ended.
 const PROMISING: f64 = 0.7;
-/// Of waves that grow, those as fast as the one at `k = 0` to this part are that one.
+/// Waves that grow faster than the one at `k = 0` by less than this part are taken for it.
 const ALIKE: f64 = 1e-9;
 /// How often boxes are divided.
 const DIVISIONS: usize = 2;
@@ -233,7 +233,7 @@ struct Effort {
     leaves: usize,
     /// Pockets of complex `omega^2` that are foreseen and looked at again.
     pockets: usize,
-    /// Whether each spectrum is worth a core, and of wave vectors along a ray the lowest is followed only.
+    /// Whether each spectrum is worth a core, and only the lowest wave along a ray is followed.
     is_large: bool,
 }
 
@@ -791,8 +791,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// dimension they would be as many as those of the grid.
     fn beside(&self, k: &SVector<f64, D>) -> impl Iterator<Item = SVector<f64, D>> {
         let step = self.search.reference().reciprocal().column(0) / self.waves.resolution() as f64;
-        let near = RELAXED_RAY.each(|share| k + step * share);
-        near.into_iter().filter(|_| D == 1)
+        let near = RELAXED_RAY.each(|share| [k - step * share, k + step * share]);
+        near.into_iter().flatten().filter(|_| D == 1)
     }
 
     /// Differences of an objective that mean nothing: modes that no force answers have many wells of rounding.

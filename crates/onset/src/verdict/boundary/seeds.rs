@@ -8,7 +8,7 @@ use crate::verdict::change::Knot;
 use crate::verdict::{Phase, Probe};
 
 /// How near to the bottom of a dip along a line is sought, in parts of it, and evaluations spent on one in the plane.
-const DIP: f64 = 1e-5;
+const DIP: f64 = 2e-6;
 const PLANE_STEPS: usize = 160;
 
 /// A piece of a line with a change of phase, from its one end to the other.
