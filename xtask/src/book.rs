@@ -58,7 +58,7 @@ pub fn tools() -> Result<PathBuf, String> {
             .args(["install", "mdbook", "--locked", "--no-default-features"])
             .args(["--version", VERSION, "--root", TOOLS])
             // It builds one book: what matters is how soon it is there.
-            .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "1")
+            .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "0")
             .env("CARGO_PROFILE_RELEASE_LTO", "off")
             .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16"),
     )?;
