@@ -161,23 +161,25 @@ impl WitnessAnswer {
 
 impl fmt::Display for CertificateAnswer {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(formatter, "proofs")?;
-        writeln!(
-            formatter,
-            "  material              {}",
-            self.material.line("direction", "c |k|")
-        )?;
-        if let Some(in_3d) = &self.material_3d {
-            writeln!(
-                formatter,
-                "  material in 3D     {}",
-                in_3d.line("direction", "c |k|")
-            )?;
+        let rows = [
+            ("material", Some(&self.material), ["direction", "c |k|"]),
+            (
+                "material in 3D",
+                self.material_3d.as_ref(),
+                ["direction", "c |k|"],
+            ),
+            (
+                "discretization",
+                Some(&self.discretization),
+                ["wave vector", "c/h"],
+            ),
+        ];
+        write!(formatter, "proofs")?;
+        for (name, proved, [wave, rate]) in rows {
+            if let Some(proved) = proved {
+                write!(formatter, "\n  {name:<22}{}", proved.line(wave, rate))?;
+            }
         }
-        write!(
-            formatter,
-            "  discretization        {}",
-            self.discretization.line("wave vector", "c/h")
-        )
+        Ok(())
     }
 }
