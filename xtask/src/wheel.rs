@@ -79,6 +79,7 @@ pub fn test() -> Result<(), String> {
     succeed(
         Command::new(&interpreter)
             .args(["-m", "pytest", "-q", "-p", "no:cacheprovider"])
+            .args(["--numprocesses", "auto"])
             // Not in the folder of the package, which is found there without its compiled part.
             .current_dir("python/tests")
             .env("ONSET_COMMAND", &command)
