@@ -72,7 +72,7 @@ fn a_material_that_is_elliptic_in_the_plane_only_is_said_and_proved_to_be_so() {
         "{text}"
     );
     assert!(
-        text.contains("material in 3D     proved-unstable"),
+        text.contains("material in 3D        proved-unstable"),
         "{text}"
     );
 }

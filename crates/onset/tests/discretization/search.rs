@@ -3,7 +3,12 @@
 use crate::choices::{Case, case, config};
 use nalgebra::{Matrix2, Vector2};
 use onset::bloch::{DynamicalMatrix, ZoneSearch, dynamical_matrix, growth_rate};
+use onset::kinematics::DeformationGradient;
 use onset::lattice::BrillouinZone;
+use onset::material::ModifiedMooneyRivlin;
+use onset::method::KernelMethodChoices;
+use onset::quadrature::Quadrature;
+use onset::scheme::MethodChoices;
 use onset::verdict::{Survey, speed_squared};
 use proptest::prelude::*;
 use std::cell::Cell;
@@ -163,4 +168,29 @@ fn the_summary_is_reached_and_not_only_bounded() {
         seen.get() > 5,
         "waves of finite length are among the softest"
     );
+}
+
+/// Its matrices have 128 rows, and its fastest growing wave lies at no point of high symmetry.
+#[test]
+fn sixty_four_particles_of_a_lattice_grow_as_one_does() {
+    let material = ModifiedMooneyRivlin::default();
+    let state = DeformationGradient::from_stretches([2.2, 1.3, 1.0]).expect("a state");
+    let [one, many] = [1, 8].map(|cells| {
+        let choices = MethodChoices::Kernel(Box::new(KernelMethodChoices {
+            cells,
+            quadrature: Quadrature::Nodal,
+            ..KernelMethodChoices::default()
+        }));
+        let discretization = choices.discretization::<2>().expect("a method");
+        let survey = Survey::new(&*discretization, &material).expect("a survey");
+        survey.spectrum(&state).expect("a spectrum")
+    });
+    let differs = |a: f64, b: f64| (a - b).abs() > 1e-10 * a.abs();
+    assert!(one.lowest.omega_squared.re < -0.3);
+    for (of_one, of_many) in [
+        (one.lowest.omega_squared.re, many.lowest.omega_squared.re),
+        (one.maximum_omega, many.maximum_omega),
+    ] {
+        assert!(!differs(of_one, of_many), "{of_one} {of_many}");
+    }
 }
