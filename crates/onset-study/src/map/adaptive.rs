@@ -5,7 +5,7 @@
 //! cell has computed says otherwise. In the end the states of a cell are all corners, or all have one finding. A pocket smaller
 //! than a cell of the coarse stride, of which no measure tells, can be missed.
 
-use super::record::{Finding, Outcome, Record};
+use super::record::{Finding, Outcomes, Record};
 use crate::store::{ravel, unravel};
 use onset::bloch::Stability;
 use std::ops::Range;
@@ -130,12 +130,34 @@ fn coarse(extent: &[usize], stride: usize) -> Vec<Cell> {
 /// The states of a tile while it is refined.
 struct Tile<'a> {
     extent: &'a [usize],
-    records: Vec<Option<Record>>,
+    /// Of each state the number of its record, [`OPEN`] where it is not computed.
+    numbers: Vec<u32>,
+    records: Vec<(usize, Record)>,
 }
 
-impl Tile<'_> {
+/// No number of a record.
+const OPEN: u32 = u32::MAX;
+
+impl<'a> Tile<'a> {
+    fn new(extent: &'a [usize]) -> Self {
+        Self {
+            extent,
+            numbers: vec![OPEN; extent.iter().product()],
+            records: Vec::new(),
+        }
+    }
+
+    fn insert(&mut self, state: usize, record: Record) {
+        self.numbers[state] = self.records.len() as u32;
+        self.records.push((state, record));
+    }
+
     fn record(&self, place: &[usize]) -> Option<&Record> {
-        self.records[ravel(place, self.extent)].as_ref()
+        self.known(self.numbers[ravel(place, self.extent)])
+    }
+
+    fn known(&self, number: u32) -> Option<&Record> {
+        self.records.get(number as usize).map(|(_, record)| record)
     }
 
     /// The corners of cells that are not computed yet.
@@ -144,7 +166,7 @@ impl Tile<'_> {
             .iter()
             .flat_map(Cell::corners)
             .map(|corner| ravel(&corner, self.extent))
-            .filter(|state| self.records[*state].is_none())
+            .filter(|state| self.numbers[*state] == OPEN)
             .collect();
         missing.sort_unstable();
         missing.dedup();
@@ -167,10 +189,33 @@ impl Tile<'_> {
 
     /// Whether a state that was computed contradicts the corners.
     fn is_contradicted(&self, cell: &Cell, finding: Finding) -> bool {
-        let differs =
-            |record: &Option<Record>| record.is_some_and(|record| record.finding != finding);
+        let differs = |number: &u32| {
+            *number != OPEN
+                && self
+                    .known(*number)
+                    .is_some_and(|record| record.finding != finding)
+        };
         cell.rows(self.extent)
-            .any(|row| self.records[row].iter().any(differs))
+            .any(|row| self.numbers[row].iter().any(differs))
+    }
+
+    /// Every state: as computed, or as the corners of its cell.
+    fn filled(mut self, agreed: &[(Cell, Finding)]) -> Outcomes {
+        // Cells fill the tile, so that every state is known.
+        let mut findings = vec![Finding::UNDEFINED; self.numbers.len()];
+        for (cell, finding) in agreed {
+            for row in cell.rows(self.extent) {
+                findings[row].fill(*finding);
+            }
+        }
+        for (state, record) in &self.records {
+            findings[*state] = record.finding;
+        }
+        self.records.sort_unstable_by_key(|(state, _)| *state);
+        Outcomes {
+            findings,
+            computed: self.records,
+        }
     }
 }
 
@@ -226,11 +271,8 @@ pub(super) fn refine<E>(
     extent: &[usize],
     stride: usize,
     evaluate: impl Fn(&[usize]) -> Result<Vec<Record>, E>,
-) -> Result<Vec<Outcome>, E> {
-    let mut tile = Tile {
-        extent,
-        records: vec![None; extent.iter().product()],
-    };
+) -> Result<Outcomes, E> {
+    let mut tile = Tile::new(extent);
     let mut open = coarse(extent, stride.max(1));
     // A small tile has no cells of the whole stride.
     let longest = open.iter().map(Cell::span).max().unwrap_or(1).max(1);
@@ -238,7 +280,7 @@ pub(super) fn refine<E>(
     while !open.is_empty() {
         let missing = tile.missing(&open);
         for (state, record) in missing.iter().zip(evaluate(&missing)?) {
-            tile.records[*state] = Some(record);
+            tile.insert(*state, record);
         }
         let mut next = Vec::new();
         for cell in open.into_iter().filter(Cell::is_divisible) {
@@ -256,32 +298,7 @@ pub(super) fn refine<E>(
         }
         open = next;
     }
-    Ok(filled(&tile, &agreed))
-}
-
-/// Every state: as computed, or as the corners of its cell.
-fn filled(tile: &Tile<'_>, agreed: &[(Cell, Finding)]) -> Vec<Outcome> {
-    let computed = |record: &Option<Record>| record.map(Outcome::from);
-    let mut outcomes: Vec<Option<Outcome>> = tile.records.iter().map(computed).collect();
-    for (cell, finding) in agreed {
-        for row in cell.rows(tile.extent) {
-            for outcome in &mut outcomes[row] {
-                outcome.get_or_insert(Outcome {
-                    finding: *finding,
-                    record: None,
-                });
-            }
-        }
-    }
-    let undefined = Outcome {
-        finding: Finding::UNDEFINED,
-        record: None,
-    };
-    // Cells fill the tile, so that every state is known.
-    outcomes
-        .into_iter()
-        .map(|outcome| outcome.unwrap_or(undefined))
-        .collect()
+    Ok(tile.filled(&agreed))
 }
 
 #[cfg(test)]
@@ -318,11 +335,17 @@ mod tests {
             Ok::<_, Infallible>(states.iter().map(at).collect())
         };
         let Ok(outcomes) = refine(extent, stride, evaluate);
-        for (state, outcome) in outcomes.iter().enumerate() {
+        for (state, finding) in outcomes.findings.iter().enumerate() {
             let place = unravel(state, extent);
-            assert_eq!(outcome.finding, record(&place).finding, "{place:?}");
+            assert_eq!(*finding, record(&place).finding, "{place:?}");
         }
-        count.get() as f64 / outcomes.len() as f64
+        for (state, computed) in &outcomes.computed {
+            let expected = record(&unravel(*state, extent));
+            assert_eq!(computed.finding, expected.finding, "{state}");
+        }
+        assert_eq!(outcomes.computed.len(), count.get());
+        assert!(outcomes.computed.is_sorted_by(|a, b| a.0 < b.0));
+        count.get() as f64 / outcomes.findings.len() as f64
     }
 
     /// Signed distance from a ball, in states.

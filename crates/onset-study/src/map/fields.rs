@@ -1,6 +1,6 @@
 //! What of a state is stored: the table of fields, each with how its value is taken.
 
-use super::record::{Certainty, Outcome, Proof, Record};
+use super::record::{Certainty, Finding, Outcomes, Proof, Record};
 use crate::settings::MapSettings;
 use crate::store::{Column, Field, Kind};
 use onset::bloch::Stability;
@@ -24,8 +24,10 @@ const NO_REASON: &str = "decided-or-not-asked";
 /// How the value of a field is taken from what is known about a state.
 #[derive(Clone, Copy, Debug)]
 enum Taken {
-    /// A flag of every state; -1 where there is none.
-    Flag(fn(&Outcome) -> i8),
+    /// A flag of what a state is.
+    Word(fn(Finding) -> i8),
+    /// A flag of what was computed, if it was; -1 where there is none.
+    Flag(fn(Option<&Record>) -> i8),
     /// A number where the state was computed.
     Number(fn(&Record) -> f64),
     /// A vector where the state was computed.
@@ -56,28 +58,34 @@ impl Table {
     }
 
     /// The columns of a tile.
-    pub(super) fn columns(&self, outcomes: &[Outcome], components: usize) -> Vec<Column> {
-        let number = |outcome: &Outcome, take: fn(&Record) -> f64| {
-            outcome.record.as_ref().map_or(f64::NAN, take)
-        };
-        let vector = |outcome: &Outcome, take: fn(&Record) -> [f64; 3]| {
-            let values = outcome.record.as_ref().map_or([f64::NAN; 3], take);
-            values.into_iter().take(components)
+    pub(super) fn columns(&self, outcomes: &Outcomes, components: usize) -> Vec<Column> {
+        let Outcomes { findings, computed } = outcomes;
+        let numbers = |components: usize, take: &dyn Fn(&Record, &mut [f64])| {
+            let mut numbers = vec![f64::NAN; findings.len() * components];
+            for (state, record) in computed {
+                take(record, &mut numbers[state * components..][..components]);
+            }
+            Column::Numbers(numbers)
         };
         let column = |(_, taken): &(Field, Taken)| match *taken {
-            Taken::Flag(take) => Column::Flags(outcomes.iter().map(take).collect()),
-            Taken::Number(take) => Column::Numbers(
-                outcomes
-                    .iter()
-                    .map(|outcome| number(outcome, take))
-                    .collect(),
-            ),
-            Taken::Vector(take) => Column::Numbers(
-                outcomes
-                    .iter()
-                    .flat_map(|outcome| vector(outcome, take))
-                    .collect(),
-            ),
+            Taken::Word(take) => {
+                let mut flags = Vec::with_capacity(findings.len());
+                for run in findings.chunk_by(PartialEq::eq) {
+                    flags.resize(flags.len() + run.len(), take(run[0]));
+                }
+                Column::Flags(flags)
+            }
+            Taken::Flag(take) => {
+                let mut flags = vec![take(None); findings.len()];
+                for (state, record) in computed {
+                    flags[*state] = take(Some(record));
+                }
+                Column::Flags(flags)
+            }
+            Taken::Number(take) => numbers(1, &|record, to| to[0] = take(record)),
+            Taken::Vector(take) => numbers(components, &|record, to| {
+                to.copy_from_slice(&take(record)[..components]);
+            }),
         };
         self.0.iter().map(column).collect()
     }
@@ -106,33 +114,33 @@ fn flag<T: PartialEq>(list: &[T], element: Option<T>) -> i8 {
 fn words() -> Vec<(Field, Taken)> {
     let stabilities = STABILITIES.map(|(_, name)| name);
     vec![
-        flags(
+        words_of(
             VERDICT,
             "the origin of the first instability",
             verdicts(),
-            |outcome| flag(&Verdict::ALL, outcome.finding.verdict),
+            |finding| flag(&Verdict::ALL, finding.verdict),
         ),
-        flags(
+        words_of(
             "stability",
             "how perturbations of the discretization develop",
             stabilities.into_iter().chain(["undefined"]).collect(),
-            |outcome| {
+            |finding| {
                 let stabilities = STABILITIES.map(|(stability, _)| stability);
-                flag(&stabilities, outcome.finding.stability)
+                flag(&stabilities, finding.stability)
             },
         ),
         flags(
             "evaluated",
             "whether the state was computed, or its verdict follows from its surroundings",
             vec!["filled-in", "computed"],
-            |outcome| i8::from(outcome.record.is_some()),
+            |record| i8::from(record.is_some()),
         ),
         flags(
             "long_wave",
             "whether wave_vector is that of a finite wave, or the direction of the limit of long waves",
             vec!["finite", "limit"],
-            |outcome| {
-                let is_long_wave = outcome.record.and_then(|record| record.is_long_wave);
+            |record| {
+                let is_long_wave = record.and_then(|record| record.is_long_wave);
                 is_long_wave.map_or(-1, i8::from)
             },
         ),
@@ -192,14 +200,14 @@ fn proofs() -> Vec<(Field, Taken)> {
             CERTAINTY,
             "what has been proved about the waves of the discretization; not-asked where the state was filled in or is undefined",
             Certainty::ALL.map(Certainty::name).to_vec(),
-            |outcome| flag(&Certainty::ALL, Some(proof(outcome).particles)),
+            |record| flag(&Certainty::ALL, Some(proof(record).particles)),
         ),
         flags(
             CERTAINTY_MATERIAL,
             "what has been proved about the strong ellipticity of the material; not-asked where the state was filled in or is \
              undefined",
             Certainty::ALL.map(Certainty::name).to_vec(),
-            |outcome| flag(&Certainty::ALL, Some(proof(outcome).material)),
+            |record| flag(&Certainty::ALL, Some(proof(record).material)),
         ),
         flags(
             REASON,
@@ -208,7 +216,7 @@ fn proofs() -> Vec<(Field, Taken)> {
                 .into_iter()
                 .chain(Reason::ALL.map(Reason::name))
                 .collect(),
-            |outcome| match proof(outcome).reason {
+            |record| match proof(record).reason {
                 None => 0,
                 reason => 1 + flag(&Reason::ALL, reason),
             },
@@ -217,7 +225,7 @@ fn proofs() -> Vec<(Field, Taken)> {
             CORRECTED,
             "whether the proof corrects verdict or stability of the search; the numbers but growth_rate are still those of the search",
             vec!["as-searched", "corrected"],
-            |outcome| i8::from(proof(outcome).corrects),
+            |record| i8::from(proof(record).corrects),
         ),
         number(
             "proved_bound",
@@ -235,8 +243,8 @@ fn proofs() -> Vec<(Field, Taken)> {
     ]
 }
 
-fn proof(outcome: &Outcome) -> Proof {
-    outcome.record.map_or(Proof::NONE, |record| record.proof)
+fn proof(record: Option<&Record>) -> Proof {
+    record.map_or(Proof::NONE, |record| record.proof)
 }
 
 fn field(name: &'static str, long_name: &'static str, kind: Kind, taken: Taken) -> (Field, Taken) {
@@ -250,11 +258,20 @@ fn field(name: &'static str, long_name: &'static str, kind: Kind, taken: Taken) 
     (field, taken)
 }
 
+fn words_of(
+    name: &'static str,
+    long_name: &'static str,
+    meanings: Vec<&'static str>,
+    take: fn(Finding) -> i8,
+) -> (Field, Taken) {
+    field(name, long_name, Kind::Flags(meanings), Taken::Word(take))
+}
+
 fn flags(
     name: &'static str,
     long_name: &'static str,
     meanings: Vec<&'static str>,
-    take: fn(&Outcome) -> i8,
+    take: fn(Option<&Record>) -> i8,
 ) -> (Field, Taken) {
     field(name, long_name, Kind::Flags(meanings), Taken::Flag(take))
 }
@@ -280,7 +297,6 @@ fn vector(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::map::Finding;
     use crate::settings::{OUTPUTS, Value};
 
     #[test]
@@ -328,7 +344,7 @@ mod tests {
                     is_long_wave: Some(true),
                     ..Record::UNDEFINED
                 };
-                let columns = table.columns(&[record.into()], 2);
+                let columns = table.columns(&vec![record].into(), 2);
                 for (field, column) in table.fields().iter().zip(&columns) {
                     if let Kind::Flags(meanings) = &field.kind {
                         let flag = column.flags()[0];
@@ -343,15 +359,16 @@ mod tests {
 
     #[test]
     fn states_that_are_filled_in_have_words_and_no_numbers() {
-        let outcome = Outcome {
-            finding: Finding {
-                verdict: Some(Verdict::Numerical),
-                stability: Some(Stability::Flutter),
-            },
-            record: None,
+        let finding = Finding {
+            verdict: Some(Verdict::Numerical),
+            stability: Some(Stability::Flutter),
+        };
+        let outcomes = Outcomes {
+            findings: vec![finding],
+            computed: Vec::new(),
         };
         let table = Table::of(&MapSettings::default());
-        for (field, column) in table.fields().iter().zip(table.columns(&[outcome], 2)) {
+        for (field, column) in table.fields().iter().zip(table.columns(&outcomes, 2)) {
             let expected = match field.name {
                 "verdict" => 3,
                 "stability" => 1,

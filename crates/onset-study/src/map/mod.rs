@@ -22,7 +22,7 @@ pub use fields::{CERTAINTY, CERTAINTY_MATERIAL, VERDICT, fields};
 pub use forecast::{Forecast, PATIENCE};
 pub(crate) use layout::{edge, stored_layout, tiling};
 pub use part::Part;
-pub use record::{Certainty, Finding, Outcome, Proof, Record};
+pub use record::{Certainty, Finding, Outcomes, Proof, Record};
 pub use run::{MapError, Watch};
 pub use summary::{Proved, Share, Summary};
 pub use tile::Plan;

@@ -18,10 +18,11 @@ pub(super) struct Proofs {
 }
 
 impl Proofs {
-    pub(super) fn count(&mut self, proof: &Proof) {
+    /// Counts states of which the same is proved.
+    pub(super) fn count(&mut self, proof: &Proof, states: u64) {
         let add = |counts: &mut [u64], place: Option<usize>| {
             if let Some(count) = place.and_then(|place| counts.get_mut(place)) {
-                *count += 1;
+                *count += states;
             }
         };
         let certainty = |other: &Certainty| *other == proof.particles;
@@ -31,7 +32,7 @@ impl Proofs {
         );
         let reason = |other: &Reason| Some(*other) == proof.reason;
         add(&mut self.reasons, Reason::ALL.iter().position(reason));
-        self.corrected += u64::from(proof.corrects);
+        self.corrected += states * u64::from(proof.corrects);
     }
 
     pub(super) fn count_certainties(&mut self, flags: &[i8]) {

@@ -167,20 +167,21 @@ impl Record {
     };
 }
 
-/// What a map says about a state.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outcome {
-    /// What it is.
-    pub finding: Finding,
-    /// What was computed; `None` where the finding follows from the surroundings.
-    pub record: Option<Record>,
+/// What a map says about the states of a tile, last dimension running fastest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcomes {
+    /// What they are.
+    pub findings: Vec<Finding>,
+    /// What was computed, with the numbers of the states, increasing; the finding at others follows from the surroundings.
+    pub computed: Vec<(usize, Record)>,
 }
 
-impl From<Record> for Outcome {
-    fn from(record: Record) -> Self {
+impl From<Vec<Record>> for Outcomes {
+    /// All of them were computed.
+    fn from(records: Vec<Record>) -> Self {
         Self {
-            finding: record.finding,
-            record: Some(record),
+            findings: records.iter().map(|record| record.finding).collect(),
+            computed: records.into_iter().enumerate().collect(),
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::fields::verdicts;
 use super::proved::Proofs;
 pub use super::proved::Proved;
-use super::record::{Outcome, Proof};
+use super::record::{Outcomes, Proof};
 use crate::number::counted;
 use crate::settings::Study;
 use onset::verdict::Verdict;
@@ -30,32 +30,27 @@ pub(super) struct Tally {
 
 impl Tally {
     /// Of a tile that this run has computed.
-    pub(super) fn computed(outcomes: &[Outcome]) -> Self {
+    pub(super) fn computed(outcomes: &Outcomes) -> Self {
+        let Outcomes { findings, computed } = outcomes;
+        let states = computed.len() as u64;
         let mut tally = Self {
             computed: 1,
+            evaluated: states,
+            fresh: states,
             ..Self::default()
         };
-        for outcome in outcomes {
-            tally.count(outcome);
+        for run in findings.chunk_by(PartialEq::eq) {
+            let verdict = run[0].verdict;
+            let number = Verdict::ALL.iter().position(|v| Some(*v) == verdict);
+            // The last counts what is undefined.
+            tally.verdicts[number.unwrap_or(Verdict::ALL.len())] += run.len() as u64;
         }
+        for (_, record) in computed {
+            tally.proofs.count(&record.proof, 1);
+        }
+        let others = findings.len() as u64 - states;
+        tally.proofs.count(&Proof::NONE, others);
         tally
-    }
-
-    fn count(&mut self, outcome: &Outcome) {
-        let verdict = outcome.finding.verdict;
-        let index = Verdict::ALL
-            .iter()
-            .position(|other| Some(*other) == verdict)
-            .unwrap_or(Verdict::ALL.len());
-        self.verdicts[index] += 1;
-        let is_computed = u64::from(outcome.record.is_some());
-        self.evaluated += is_computed;
-        self.fresh += is_computed;
-        if let Some(record) = &outcome.record {
-            self.proofs.count(&record.proof);
-        } else {
-            self.proofs.count(&Proof::NONE);
-        }
     }
 
     pub(super) fn count_verdicts(&mut self, flags: &[i8]) {

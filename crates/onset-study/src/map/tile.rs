@@ -4,7 +4,7 @@ use super::adaptive::refine;
 use super::evaluate::Evaluator;
 use super::fields::Table;
 use super::layout::layout;
-use super::record::{Outcome, Record};
+use super::record::{Outcomes, Record};
 use super::run::{MapError, Watch};
 use crate::answers::ProblemError;
 use crate::settings::{Quantity, Study};
@@ -79,7 +79,7 @@ impl Plan {
     }
 
     /// What is known about every state of a tile, last dimension running fastest.
-    pub(super) fn outcomes(&self, tile: &Tile, work: Work<'_>) -> Result<Vec<Outcome>, MapError> {
+    pub(super) fn outcomes(&self, tile: &Tile, work: Work<'_>) -> Result<Outcomes, MapError> {
         let states = States::new(self, tile);
         let pace = Pace::default();
         let some = |part: &[usize]| {
@@ -115,11 +115,11 @@ impl Plan {
             return Ok(outcomes);
         }
         let all: Vec<usize> = (0..tile.states()).collect();
-        Ok(evaluate(&all)?.into_iter().map(Outcome::from).collect())
+        Ok(evaluate(&all)?.into())
     }
 
     /// The columns of a tile in the order of the layout.
-    pub(super) fn columns(&self, outcomes: &[Outcome]) -> Vec<Column> {
+    pub(super) fn columns(&self, outcomes: &Outcomes) -> Vec<Column> {
         self.table.columns(outcomes, self.layout.components)
     }
 }

@@ -19,21 +19,35 @@ pub(super) struct Label<'a> {
     pub(super) identity: &'a str,
 }
 
+/// Numbers that are brought into order at a time.
+const ABREAST: usize = 1024;
 /// Bytes of the checksum.
 const CHECKSUM: usize = 4;
 
 /// The bytes of a chunk.
 pub(super) fn encode(values: &Column, label: Label<'_>) -> io::Result<Vec<u8>> {
-    let raw: Vec<u8> = match values {
-        Column::Flags(flags) => flags.iter().map(|flag| flag.to_le_bytes()[0]).collect(),
-        Column::Numbers(numbers) => numbers
-            .iter()
-            .flat_map(|number| number.to_le_bytes())
-            .collect(),
-    };
     let header = GzBuilder::new().filename(label.key).comment(label.identity);
     let mut gzip = header.write(Vec::new(), Compression::new(GZIP_LEVEL));
-    gzip.write_all(&raw)?;
+    // Some at a time, which stay in the cache.
+    let mut raw = [0; 8 * ABREAST];
+    match values {
+        Column::Flags(flags) => {
+            for some in flags.chunks(raw.len()) {
+                for (byte, flag) in raw.iter_mut().zip(some) {
+                    *byte = flag.cast_unsigned();
+                }
+                gzip.write_all(&raw[..some.len()])?;
+            }
+        }
+        Column::Numbers(numbers) => {
+            for some in numbers.chunks(ABREAST) {
+                for (bytes, number) in raw.as_chunks_mut().0.iter_mut().zip(some) {
+                    *bytes = number.to_le_bytes();
+                }
+                gzip.write_all(&raw[..8 * some.len()])?;
+            }
+        }
+    }
     let mut bytes = gzip.finish()?;
     bytes.extend(crc32c::crc32c(&bytes).to_le_bytes());
     Ok(bytes)
@@ -72,18 +86,10 @@ pub(super) fn decode(
         return Err(format!("it does not hold {expected} bytes of values"));
     }
     Ok(if is_flags {
-        Column::Flags(
-            raw.into_iter()
-                .map(|byte| i8::from_le_bytes([byte]))
-                .collect(),
-        )
+        Column::Flags(raw.into_iter().map(u8::cast_signed).collect())
     } else {
-        let number = |chunk: &[u8]| {
-            let mut bytes = [0; 8];
-            bytes.copy_from_slice(chunk);
-            f64::from_le_bytes(bytes)
-        };
-        Column::Numbers(raw.chunks_exact(8).map(number).collect())
+        let numbers = raw.as_chunks().0.iter();
+        Column::Numbers(numbers.map(|bytes| f64::from_le_bytes(*bytes)).collect())
     })
 }
 

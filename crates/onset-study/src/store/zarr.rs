@@ -427,6 +427,7 @@ impl ResultStore for ZarrStore {
         for (field, column) in self.fields.iter().zip(columns).rev() {
             let key = self.chunk(field, tile);
             let padded = match column {
+                whole if place.extent == self.tiling.tile => whole,
                 Column::Flags(flags) => Column::Flags(self.padded(&place, &flags, -1)),
                 Column::Numbers(numbers) => {
                     Column::Numbers(self.padded(&place, &numbers, f64::NAN))
@@ -460,6 +461,7 @@ impl ResultStore for ZarrStore {
         };
         let place = self.tiling.at(tile);
         Ok(Some(match column {
+            whole if place.extent == self.tiling.tile => whole,
             Column::Flags(flags) => Column::Flags(self.cut(&place, &flags)),
             Column::Numbers(numbers) => Column::Numbers(self.cut(&place, &numbers)),
         }))
