@@ -168,11 +168,11 @@ def shared(program, root, rounds):
         begin = time.perf_counter()
         running = [
             subprocess.Popen(
-                [program.path, "map", "shared.toml", "--out", out.name, "--tiles", f"{n}/{processes}", "--resume", "--quiet"],
+                [program.path, "map", "shared.toml", "--out", out.name, "--resume", "--quiet"],
                 cwd=program.folder,
                 env=environment,
             )
-            for n in range(1, processes + 1)
+            for _ in range(processes)
         ]
         if any(process.wait() for process in running):
             raise SystemExit("a part of the shared map failed")
@@ -221,7 +221,7 @@ def main():
             "(`map.refine-from`). Boundaries grow with the first power. All states are stored, also those that are not computed, which is most of what the seconds of the finest maps are.",
             "\n".join(refined(program, root, sizes)),
             "## One map by several processes",
-            "`onset map studies/three-axes.toml --tiles 1/N` to `N/N`, shares of its tiles, into one store.",
+            "`onset map studies/three-axes.toml --resume` so many times at once, into one store.",
             "\n".join(shared(program, root, rounds)),
         ]
     Path(choices.out).write_text("\n\n".join(parts) + "\n")

@@ -1000,11 +1000,11 @@ pub struct MapArguments {
     /// Folder of the store [default: the name of the study file, with .zarr, in the current folder].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Compute these tiles only: A to B - 1, or share M of N, whose tiles lie evenly among all. Several processes may do parts of one store at
-    /// the same time. Tiles that are done are kept.
+    /// Compute these tiles only: A to B - 1, or share M of N, whose tiles lie evenly among all. Tiles that are done are kept. Processes that run at
+    /// the same time need no parts: see --resume.
     #[arg(long, value_name = "A..B | M/N", value_parser = Part::from_str)]
     pub tiles: Option<Part>,
-    /// Resume a store of the same study; create it where there is none.
+    /// Resume a store of the same study; create it where there is none. Several processes with this option share the work on one store.
     #[arg(long)]
     pub resume: bool,
     /// Verdicts with which the command fails.

@@ -2,7 +2,7 @@
 
 use crate::command;
 use crate::map::{Place, STUDY, TILES, tree};
-use onset_study::store::ZarrStore;
+use onset_study::store::{ResultStore, ZarrStore};
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -259,6 +259,55 @@ fn four_processes_at_once_make_the_store_of_one() {
     ];
     together(&place, "shared.zarr", &parts);
     assert_eq!(tree(&place.store("shared.zarr")), whole, "the same tiles");
+    together(&place, "same.zarr", &["--resume"; 4]);
+    assert_eq!(tree(&place.store("same.zarr")), whole, "one command");
+}
+
+/// The tile is the first one, which would be computed first if it were free.
+#[test]
+fn a_tile_that_another_process_has_taken_is_computed_after_all_others() {
+    let place = Place::new(STUDY);
+    place.computed("taken.zarr", "--tiles 20..21");
+    let store = place.store("taken.zarr");
+    let taken = ZarrStore::open(&store).expect("a store").take(0);
+    let taken = taken.expect("a lock").expect("a free tile");
+    let again = ZarrStore::open(&store).expect("a store").take(0);
+    assert!(again.expect("a lock").is_none(), "it is taken");
+    let document = place.document("taken.zarr", "--resume");
+    assert_eq!(document["tiles_done"], TILES);
+    assert_eq!(document["tiles_computed"], TILES - 1);
+    let written = |tile: [usize; 2]| {
+        let [row, column] = tile;
+        let chunk = store.join(format!("verdict/c/{row}/{column}"));
+        let found = std::fs::metadata(chunk).expect("a chunk");
+        found.modified().expect("a time")
+    };
+    let others = (1..TILES).map(|tile| written([tile / 5, tile % 5]));
+    assert!(others.into_iter().all(|time| time <= written([0, 0])));
+    drop(taken);
+    let again = ZarrStore::open(&store).expect("a store").take(0);
+    assert!(again.expect("a lock").is_some(), "it is free");
+}
+
+/// What has begun a tile and does not go on keeps nobody from ending; when it goes on, it finds the tile done.
+#[test]
+fn a_process_that_is_stopped_is_not_waited_for() {
+    let place = Place::new(&slow(2, 6));
+    let stopped = begun(&place);
+    signal(&stopped, "-STOP");
+    assert_eq!(done(&place, "slow.zarr"), 0, "it has begun its tile");
+    place.computed("slow.zarr", "--resume");
+    assert_eq!(done(&place, "slow.zarr"), 1);
+    signal(&stopped, "-CONT");
+    let output = stopped.wait_with_output().expect("an end");
+    let told = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{told}");
+    assert!(told.contains("1 were done already"), "{told}");
+    place.computed("whole.zarr", "");
+    assert_eq!(
+        tree(&place.store("slow.zarr")),
+        tree(&place.store("whole.zarr"))
+    );
 }
 
 #[test]

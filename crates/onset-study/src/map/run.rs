@@ -8,6 +8,8 @@ use crate::answers::ProblemError;
 use crate::number::counted;
 use crate::store::{Column, ResultStore, StoreError};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 use thiserror::Error;
 
@@ -74,6 +76,9 @@ const TILES_PER_CORE: usize = 4;
 /// so that memory does not grow with the number of cores.
 const STATES_AT_ONCE: usize = 1 << 20;
 
+/// What is done with a tile, and what comes of it, if anything.
+type Action<'a> = dyn Fn(usize) -> Result<Option<Tally>, MapError> + Sync + 'a;
+
 impl Plan {
     /// The tiles of a part that the map has; all when none is given. The end of a range may lie beyond the last.
     ///
@@ -113,47 +118,76 @@ impl Plan {
         }
         let largest = self.tiling.at(0).states().max(1);
         let at_once = (STATES_AT_ONCE / largest).max(1);
-        let found = self.each(&done, at_once, |tile| {
-            self.checked(store, tile, watch).map(Some)
-        })?;
-        let work = Work {
-            by_state: open.len().min(at_once) < TILES_PER_CORE * rayon::current_num_threads(),
-            watch,
-        };
-        let computed = self.each(&open, at_once, |tile| {
-            if watch.is_interrupted() {
+        let each = |tiles: &[usize], action: &Action<'_>| self.each(tiles, at_once, watch, action);
+        let found = each(&done, &|tile| self.checked(store, tile, watch).map(Some))?;
+        let by_state = open.len().min(at_once) < TILES_PER_CORE * rayon::current_num_threads();
+        // Of several who work on a store, each computes first what nobody else does. What others have begun and not done in the end is computed here
+        // too, until it is done anywhere: nobody waits for one who is slow, stopped or gone.
+        let elsewhere = Mutex::new(Vec::new());
+        let of_others = || elsewhere.lock().unwrap_or_else(PoisonError::into_inner);
+        let own = each(&open, &|tile| {
+            let taken = store.take(tile)?;
+            if taken.is_none() {
+                of_others().push(tile);
                 return Ok(None);
             }
-            // Another process may have been faster.
-            if store.is_done(tile)? {
-                return self.checked(store, tile, watch).map(Some);
-            }
-            let outcomes = match self.outcomes(&self.tiling.at(tile), work) {
-                Err(MapError::Interrupted) => return Ok(None),
-                outcomes => outcomes?,
-            };
-            store.write(tile, self.columns(&outcomes))?;
-            Ok(Some(Tally::computed(&outcomes)))
+            self.computed(store, tile, by_state, watch)
         })?;
+        let begun = std::mem::take(&mut *of_others());
+        let others = each(&begun, &|tile| self.computed(store, tile, by_state, watch))?;
         let mut left = 0;
         for tile in 0..self.tiling.tiles() {
             left += usize::from(!store.is_done(tile)?);
         }
         Ok(Summary::new(
             &self.study,
-            found + computed,
+            found + own + others,
             self.tiling.tiles() - left,
             self.tiling.tiles(),
             started.elapsed(),
         ))
     }
 
-    /// Does something with some tiles, so many at once, on all cores, and adds up what comes of it.
+    /// Computes a tile, until it is done anywhere; `None` where the run is interrupted.
+    fn computed(
+        &self,
+        store: &dyn ResultStore,
+        tile: usize,
+        by_state: bool,
+        watch: &dyn Watch,
+    ) -> Result<Option<Tally>, MapError> {
+        // Another process may have been faster.
+        if store.is_done(tile)? {
+            return self.checked(store, tile, watch).map(Some);
+        }
+        let race = Race {
+            store,
+            tile,
+            watch,
+            left: AtomicU64::new(self.tiling.at(tile).states() as u64),
+        };
+        let work = Work {
+            by_state,
+            watch: &race,
+        };
+        let outcomes = match self.outcomes(&self.tiling.at(tile), work) {
+            Err(MapError::Interrupted) if store.is_done(tile)? => {
+                return self.checked(store, tile, &race).map(Some);
+            }
+            Err(MapError::Interrupted) => return Ok(None),
+            outcomes => outcomes?,
+        };
+        store.write(tile, self.columns(&outcomes))?;
+        Ok(Some(Tally::computed(&outcomes)))
+    }
+
+    /// Does something with some tiles, so many at once, on all cores, and adds up what comes of it; no more once the run is interrupted.
     fn each(
         &self,
         tiles: &[usize],
         at_once: usize,
-        action: impl Fn(usize) -> Result<Option<Tally>, MapError> + Sync,
+        watch: &dyn Watch,
+        action: &Action<'_>,
     ) -> Result<Tally, MapError> {
         tiles
             .chunks(at_once)
@@ -161,7 +195,10 @@ impl Plan {
                 let tally = some
                     .par_iter()
                     .with_max_len(1)
-                    .map(|tile| Ok(action(*tile)?.unwrap_or_default()))
+                    .map(|tile| match watch.is_interrupted() {
+                        true => Ok(Tally::default()),
+                        false => Ok(action(*tile)?.unwrap_or_default()),
+                    })
                     .try_reduce(Tally::default, |a, b| Ok::<_, MapError>(a + b))?;
                 Ok(sum + tally)
             })
@@ -189,5 +226,31 @@ impl Plan {
         tally.found = 1;
         watch.advance(self.tiling.at(tile).states() as u64);
         Ok(tally)
+    }
+}
+
+/// Watches a tile that another process may compute too.
+struct Race<'a> {
+    store: &'a dyn ResultStore,
+    tile: usize,
+    watch: &'a dyn Watch,
+    /// States of the tile that have not been told of as done: each is told of once, whoever computes it.
+    left: AtomicU64,
+}
+
+impl Watch for Race<'_> {
+    fn advance(&self, states: u64) {
+        let less = |left: u64| Some(left.saturating_sub(states));
+        let left = self.left.fetch_update(Relaxed, Relaxed, less);
+        self.watch.advance(states.min(left.unwrap_or(0)));
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.watch.is_interrupted()
+    }
+
+    fn is_out_of_time(&self) -> bool {
+        // What cannot be read is told where the tile is written.
+        self.watch.is_out_of_time() || self.store.is_done(self.tile).unwrap_or(false)
     }
 }

@@ -1,9 +1,10 @@
 //! The files of a store: written whole or not at all.
 //!
 //! A file is written under a name of its own in the folder `.partial` and renamed to its place, so that whoever reads a
-//! file reads all of it, whenever a process ends and however many write at once. Nothing is forced to the disk: after a loss
+//! file reads all of it, whenever a process ends and however many write at once. The locks of tiles that are being computed lie there too. Nothing is forced to the disk: after a loss
 //! of power a chunk may be cut short, which its checksum tells.
 
+use super::occupancy::Taken;
 use std::fs::{self, File};
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io::{self, ErrorKind, Read, Write};
@@ -11,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Where files are that are being written.
+/// Where files are that are being written, and locks.
 pub(super) const PARTIAL: &str = ".partial";
 
 /// A folder of files.
@@ -66,6 +67,15 @@ impl Folder {
         written
     }
 
+    /// Takes what has a name, until it is dropped; `None` where somebody else has it.
+    pub(super) fn take(&self, name: &str) -> io::Result<Option<Taken>> {
+        let lock = self.path(PARTIAL).join(name);
+        within_parent(&lock, || {
+            self.check_inside(&lock)?;
+            Taken::by(&lock)
+        })
+    }
+
     /// That no link leads out of the folder on the way to a file, as far as that way is there.
     fn check_inside(&self, path: &Path) -> io::Result<()> {
         let root = match fs::canonicalize(&self.root) {
@@ -100,7 +110,7 @@ impl Folder {
 }
 
 /// Does something with a path, making its folder where that is missing.
-fn within_parent(path: &Path, action: impl Fn() -> io::Result<()>) -> io::Result<()> {
+fn within_parent<T>(path: &Path, action: impl Fn() -> io::Result<T>) -> io::Result<T> {
     match action() {
         Err(error) if error.kind() == ErrorKind::NotFound => {
             path.parent().map_or(Ok(()), fs::create_dir_all)?;

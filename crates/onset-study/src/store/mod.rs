@@ -17,6 +17,7 @@ mod zarr;
 pub use error::StoreError;
 pub(crate) use layout::LIBRARY;
 pub use layout::{Dimension, Field, Kind, Layout};
+pub use occupancy::Taken;
 pub use tiling::{Tile, Tiling};
 pub(crate) use tiling::{ravel, unravel};
 pub use zarr::ZarrStore;
@@ -58,6 +59,12 @@ pub trait ResultStore: Sync {
     /// # Errors
     /// [`StoreError`] when that cannot be read.
     fn is_done(&self, tile: usize) -> Result<bool, StoreError>;
+
+    /// Takes a tile, so that others who work on the same store compute other ones meanwhile; `None` where somebody else has it.
+    ///
+    /// # Errors
+    /// [`StoreError`] when the store cannot be written.
+    fn take(&self, tile: usize) -> Result<Option<Taken>, StoreError>;
 
     /// Writes all fields of a tile, in the order of the layout. Afterwards it is done; before, it is not.
     ///

@@ -1,10 +1,10 @@
-//! Who writes to a store: several who share it, or one who has it for itself.
+//! Who writes to a store: several who share it, or one who has it for itself; and who of the several computes which tile.
 //!
-//! A lock on the store's `zarr.json`, which ends with the process however that ends.
+//! Locks, on the store's `zarr.json` and on a file for each tile that is being computed. They end with the process however that ends.
 
-use std::fs::{File, TryLockError};
+use std::fs::{self, File, TryLockError};
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// How long a store may be had by one for itself.
@@ -50,5 +50,38 @@ impl Occupancy {
             Err(TryLockError::WouldBlock) => Claim::Shared,
             Err(TryLockError::Error(_)) => Claim::Unknown,
         })
+    }
+}
+
+/// A tile that is being computed here and, where the file system knows locks, nowhere else, until dropped.
+#[derive(Debug)]
+pub struct Taken {
+    lock: PathBuf,
+    _file: File,
+}
+
+impl Taken {
+    /// Tries to take a tile by the lock on a file, which is made; `None` where somebody else has it.
+    pub(super) fn by(lock: &Path) -> io::Result<Option<Self>> {
+        let file = File::options()
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(lock)?;
+        if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+            return Ok(None);
+        }
+        Ok(Some(Self {
+            lock: lock.to_owned(),
+            _file: file,
+        }))
+    }
+}
+
+impl Drop for Taken {
+    /// Who has opened the file before and locks it after finds the tile done.
+    fn drop(&mut self) {
+        // What cannot be removed is cleared by the last who writes.
+        let _ = fs::remove_file(&self.lock);
     }
 }

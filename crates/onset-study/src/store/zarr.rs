@@ -6,7 +6,7 @@ use super::chunk::{self, Label};
 use super::earlier;
 use super::folder::{self, Folder};
 use super::layout::{self, FORMAT, FORMAT_VERSION, IDENTITY};
-use super::occupancy::{Claim, Occupancy};
+use super::occupancy::{Claim, Occupancy, Taken};
 use super::replace::Contents;
 use super::{Column, Layout, ResultStore, StoreError, Tile, Tiling};
 use crate::output::STAGE;
@@ -419,6 +419,11 @@ impl ResultStore for ZarrStore {
         };
         let path = self.folder.path(&self.chunk(mark, tile));
         fs::exists(&path).map_err(StoreError::reading(&path))
+    }
+
+    fn take(&self, tile: usize) -> Result<Option<Taken>, StoreError> {
+        let taken = self.folder.take(&format!("tile-{tile}"));
+        taken.map_err(StoreError::writing(&self.path))
     }
 
     fn write(&self, tile: usize, columns: Vec<Column>) -> Result<(), StoreError> {
