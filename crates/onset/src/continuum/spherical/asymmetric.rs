@@ -16,10 +16,16 @@ use nalgebra::{Matrix3, SMatrix};
 const STARTS: usize = 4;
 /// Of the directions that are found those which are followed to the end.
 const FLUTTERING: usize = 4;
-/// Steps are no smaller until the best directions are known.
+/// Steps are this long at first,
+const WIDE: f64 = 0.1;
+/// and no smaller than this until the best directions are known.
 const NEAR: f64 = 1e-3;
 /// Steps down to a minimum are no smaller.
 const FINE: f64 = 1e-9;
+/// From steps of [`NEAR`] on the real part of a stiffness of magnitude one is expected to fall by less.
+const REST: f64 = 1e-4;
+/// Real parts that differ by less are those of directions that a symmetry maps to each other.
+const IMAGE: f64 = 1e-13;
 /// Triangles per cover at most.
 const BUDGET: usize = 6_000;
 /// Covers that may find something lower.
@@ -51,7 +57,7 @@ pub(super) fn minimum<const D: usize>(
                 Cover::Above => bound = level,
                 Cover::Fails(direction) => {
                     let n = unit(direction);
-                    let end = descended((real_part(&n), n), &real_part, FINE);
+                    let end = descended((real_part(&n), n), &real_part, [WIDE, FINE]);
                     if end.0 >= best.0 {
                         break;
                     }
@@ -71,19 +77,25 @@ pub(super) fn minimum<const D: usize>(
 /// The lowest real part, and its direction, that is found by going down from the lowest of evenly spread directions.
 fn found(blocks: &Blocks3) -> (f64, Axes<f64>) {
     let real_part = |n: &Axes<f64>| lowest_real_part(blocks, n);
-    let mut starts: Vec<(f64, Axes<f64>)> = spread(false)
-        .map(unit)
-        .map(|n| (real_part(&n), n))
-        .collect();
-    sort_by_value(&mut starts, |item| item.0);
-    let mut best = starts[0];
-    for start in starts.into_iter().take(STARTS) {
-        let end = descended(start, &real_part, FINE);
-        if end.0 < best.0 {
-            best = end;
-        }
-    }
-    best
+    let starts = spread(false).map(unit).map(|n| (real_part(&n), n));
+    let near = distinct(starts.collect())
+        .into_iter()
+        .take(STARTS)
+        .map(|start| descended(start, &real_part, [WIDE, NEAR]));
+    let ends = distinct(near.collect());
+    let lowest = ends[0].0;
+    ends.into_iter()
+        .take_while(|end| end.0 <= lowest + REST)
+        .map(|end| descended(end, &real_part, [NEAR, FINE]))
+        .reduce(|best, end| if end.0 < best.0 { end } else { best })
+        .unwrap_or((f64::NAN, [1.0, 0.0, 0.0]))
+}
+
+/// The lowest first, one of those that are images of each other.
+fn distinct(mut all: Vec<(f64, Axes<f64>)>) -> Vec<(f64, Axes<f64>)> {
+    sort_by_value(&mut all, |item| item.0);
+    all.dedup_by(|b, a| b.0 - a.0 <= IMAGE);
+    all
 }
 
 /// The direction of the lowest real part that is found.
@@ -102,21 +114,21 @@ pub(in crate::continuum) fn fluttering_direction<const D: usize>(blocks: &Blocks
             .fold(0.0_f64, |most, value| most.max(value.im))
     };
     let ends = spread(false).map(unit).map(|n| {
-        let (value, n) = descended((discriminant(&n), n), &discriminant, NEAR);
+        let (value, n) = descended((discriminant(&n), n), &discriminant, [WIDE, NEAR]);
         match imaginary(&n) {
             // Of those without a complex eigenvalue the lowest go first.
             0.0 => (value.max(0.0), n),
-            found => descended((found, n), &imaginary, NEAR),
+            found => descended((found, n), &imaginary, [WIDE, NEAR]),
         }
     });
     let mut ends: Vec<(f64, Axes<f64>)> = ends.collect();
     sort_by_value(&mut ends, |item| item.0);
     let followed = ends.iter().take(FLUTTERING).map(|end| match end.0 < 0.0 {
-        true => descended(*end, &imaginary, FINE),
+        true => descended(*end, &imaginary, [WIDE, FINE]),
         // Complex eigenvalues between two real ones that nearly meet are found at the bottom of the discriminant only.
         false => {
-            let (_, n) = descended((discriminant(&end.1), end.1), &discriminant, FINE);
-            descended((imaginary(&n), n), &imaginary, FINE)
+            let (_, n) = descended((discriminant(&end.1), end.1), &discriminant, [WIDE, FINE]);
+            descended((imaginary(&n), n), &imaginary, [WIDE, FINE])
         }
     });
     let best = followed.min_by(|a, b| a.0.total_cmp(&b.0));
@@ -158,13 +170,13 @@ fn unit(n: Axes<f64>) -> Axes<f64> {
     n.each(|component| component / length)
 }
 
-/// Coordinate search on the sphere with a shrinking step, down to the finest.
+/// Coordinate search on the sphere with a shrinking step, from the first down to the finest.
 fn descended(
     (mut value, mut direction): (f64, Axes<f64>),
     objective: &impl Fn(&Axes<f64>) -> f64,
-    finest: f64,
+    [first, finest]: [f64; 2],
 ) -> (f64, Axes<f64>) {
-    let mut step = 0.1;
+    let mut step = first;
     while step > finest {
         let mut is_better = false;
         for axis in 0..3 {
