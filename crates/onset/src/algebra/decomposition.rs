@@ -15,26 +15,12 @@ pub(crate) struct Decomposition {
     x: Option<DMatrix<Complex>>,
 }
 
-/// The eigenvalues and eigenvectors of a Hermitian matrix of any size, of which the lower triangle is read. `None` where entries are not finite:
-/// otherwise the iteration ends, after a few steps for each row.
-pub(crate) fn hermitian_eigen<T: ComplexField<RealField = f64>>(
-    matrix: DMatrix<T>,
-) -> Option<SymmetricEigen<T, Dyn>> {
-    let iterations = MAXIMUM_ITERATIONS * matrix.nrows();
-    let is_finite = matrix.iter().all(|entry| entry.is_finite());
-    is_finite
-        .then_some(matrix)?
-        .try_symmetric_eigen(f64::EPSILON, iterations)
-}
-
 impl Decomposition {
-    /// From the Schur form `A = Q T Q*`, whose triangular factor has eigenvectors by substitution. `None` where the iteration does
-    /// not converge, which needs entries that are not finite.
+    /// From the Schur form `A = Q T Q*`, whose triangular factor has eigenvectors by substitution. `None` where entries are not finite.
     pub(crate) fn new(matrix: DMatrix<Complex>) -> Option<Self> {
         let size = matrix.nrows();
         let smallest = f64::EPSILON * matrix.norm();
-        let iterations = MAXIMUM_ITERATIONS * size;
-        let (q, t) = Schur::try_new(matrix, f64::EPSILON, iterations)?.unpack();
+        let (q, t) = schur_form(&matrix)?;
         let mut vectors = DMatrix::<Complex>::identity(size, size);
         for j in 0..size {
             for i in (0..j).rev() {
@@ -118,6 +104,53 @@ impl Decomposition {
             None => [self.q.clone(), adjoint],
         }
     }
+}
+
+/// The eigenvalues of any matrix. `None` where entries are not finite.
+pub(crate) fn any_eigenvalues(matrix: &DMatrix<Complex>) -> Option<Vec<Complex>> {
+    let (_, t) = schur_form(matrix)?;
+    Some(t.diagonal().iter().copied().collect())
+}
+
+/// `A = Q T Q*` with a triangular `T`. The iteration compares with entries of the diagonal, and may not end where several eigenvalues are zero: then they are
+/// moved away.
+fn schur_form(matrix: &DMatrix<Complex>) -> Option<(DMatrix<Complex>, DMatrix<Complex>)> {
+    let size = matrix.nrows();
+    let form = |matrix| {
+        let schur = Schur::try_new(matrix, f64::EPSILON, MAXIMUM_ITERATIONS * size);
+        schur.map(Schur::unpack)
+    };
+    form(finite(matrix.clone())?).or_else(|| {
+        let shift = DMatrix::from_diagonal_element(size, size, Complex::from(matrix.norm()));
+        let (q, t) = form(matrix + &shift)?;
+        Some((q, t - shift))
+    })
+}
+
+/// The eigenvalues and eigenvectors of a Hermitian matrix of any size, of which the lower triangle is read. `None` where entries are not finite:
+/// otherwise the iteration ends, after a few steps for each row.
+pub(crate) fn hermitian_eigen<T: ComplexField<RealField = f64>>(
+    matrix: DMatrix<T>,
+) -> Option<SymmetricEigen<T, Dyn>> {
+    let iterations = MAXIMUM_ITERATIONS * matrix.nrows();
+    finite(matrix)?.try_symmetric_eigen(f64::EPSILON, iterations)
+}
+
+/// The eigenvalues alone, no numbers where entries are not finite.
+pub(crate) fn hermitian_eigenvalues(matrix: DMatrix<Complex>) -> Vec<Complex> {
+    let size = matrix.nrows();
+    let values = finite(matrix).map(|matrix| matrix.symmetric_eigenvalues());
+    let values = values.unwrap_or_else(|| DVector::repeat(size, f64::NAN));
+    values
+        .iter()
+        .map(|value| Complex::new(*value, 0.0))
+        .collect()
+}
+
+/// A matrix all of whose entries are finite.
+fn finite<T: ComplexField<RealField = f64>>(matrix: DMatrix<T>) -> Option<DMatrix<T>> {
+    let is_finite = matrix.iter().all(|entry| entry.is_finite());
+    is_finite.then_some(matrix)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Eigenvalues and eigenvectors of complex matrices of one to three rows.
 
 use super::{Complex, symmetric_eigen};
-use crate::algebra::{Deviator, Each, array_of};
+use crate::algebra::{Deviator, Each, any_eigenvalues, array_of};
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector};
 
 /// Sweeps allowed to the iterative decompositions before they are given up as not converging.
@@ -74,12 +74,11 @@ pub fn eigenvalues<const D: usize>(matrix: &SMatrix<Complex, D, D>, noise: f64) 
         }
         _ => {
             let dynamic = nalgebra::DMatrix::from_fn(D, D, |i, j| matrix[(i, j)]);
-            let schur = nalgebra::Schur::try_new(dynamic, f64::EPSILON, MAXIMUM_ITERATIONS);
-            if let Some(found) = schur.and_then(|schur| schur.eigenvalues()) {
+            if let Some(found) = any_eigenvalues(&dynamic) {
                 values
                     .iter_mut()
-                    .zip(found.iter())
-                    .for_each(|(value, known)| *value = *known);
+                    .zip(found)
+                    .for_each(|(value, known)| *value = known);
                 without_rounding(&mut values, matrix.norm(), noise);
             }
         }

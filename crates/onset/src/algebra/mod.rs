@@ -19,7 +19,9 @@ mod well;
 mod zeros;
 
 pub(crate) use array::{Each, array_of};
-pub(crate) use decomposition::{Decomposition, hermitian_eigen};
+pub(crate) use decomposition::{
+    Decomposition, any_eigenvalues, hermitian_eigen, hermitian_eigenvalues,
+};
 pub(crate) use deviator::Deviator;
 pub(crate) use directions::directions;
 pub(crate) use eigen::{MAXIMUM_ITERATIONS, without_rounding};

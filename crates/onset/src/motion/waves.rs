@@ -1,7 +1,7 @@
 //! The plane waves of a patch, in continuous and in discrete time.
 
 use super::Stepper;
-use crate::algebra::{Complex, Each, array_of};
+use crate::algebra::{Complex, Each, any_eigenvalues, array_of};
 use crate::bloch::WaveSystem;
 use crate::scheme::PeriodicPatch;
 use crate::time_step::{Amplification, critical_time_step_at};
@@ -227,8 +227,7 @@ fn damped<const D: usize>(
             matrix[(n + i, j)] *= scale;
         }
     }
-    let schur = nalgebra::Schur::try_new(matrix.clone(), f64::EPSILON, 400 * n)?;
-    let values = schur.eigenvalues()?;
+    let values = any_eigenvalues(&matrix)?;
     let near = |rate: Complex| {
         let wanted = (rate * step).exp();
         let apart = |z: &Complex| (z - wanted).norm();

@@ -1,6 +1,6 @@
 //! Time steps as particle codes take them, and the rates of waves in discrete time.
 
-use crate::algebra::Complex;
+use crate::algebra::{Complex, any_eigenvalues};
 use nalgebra::DMatrix;
 
 /// How a code takes a time step: what follows positions, what follows velocities, and from which time these are.
@@ -160,8 +160,8 @@ impl Stepping {
     }
 
     /// The rates `s` of all solutions `exp(s t)` at whole steps, `s = ln(z)/dt` with the eigenvalues `z` of the matrix of a step; the
-    /// imaginary part is the frequency, the real one the growth. Solutions that vanish after one step are left out; empty where the
-    /// eigenvalue iteration fails. 1/time.
+    /// imaginary part is the frequency, the real one the growth. Solutions that vanish after one step are left out; empty where parts are
+    /// not finite. 1/time.
     pub fn rates(self, parts: &WaveParts, step: f64) -> Vec<Complex> {
         let n = parts.positions.nrows();
         let mut matrix = self.matrix(parts, step);
@@ -177,10 +177,7 @@ impl Stepping {
                 matrix[(i, j)] *= Complex::new(step.powi(powers[i / n] - powers[j / n]), 0.0);
             }
         }
-        let size = matrix.nrows();
-        let schur = nalgebra::Schur::try_new(matrix, f64::EPSILON, 400 * size);
-        let values = schur.and_then(|schur| schur.eigenvalues());
-        let values = values.iter().flat_map(|values| values.iter().copied());
+        let values = any_eigenvalues(&matrix).unwrap_or_default().into_iter();
         values
             .filter(|z| z.norm() > f64::EPSILON.sqrt())
             .map(|z| z.ln() / step)

@@ -2,7 +2,8 @@
 
 use super::{Mass, WaveSystem};
 use crate::algebra::{
-    Complex, MAXIMUM_ITERATIONS, hermitian_eigen, sort_by_value, without_rounding,
+    Complex, MAXIMUM_ITERATIONS, any_eigenvalues, hermitian_eigen, hermitian_eigenvalues,
+    sort_by_value, without_rounding,
 };
 use nalgebra::{DMatrix, DVector, SVector};
 
@@ -256,33 +257,12 @@ fn hermitian(matrix: DMatrix<Complex>) -> DMatrix<Complex> {
     (&matrix + matrix.adjoint()) * Complex::new(0.5, 0.0)
 }
 
-fn hermitian_eigenvalues(matrix: DMatrix<Complex>) -> Vec<Complex> {
-    // Of finite entries the iteration ends.
-    if !matrix.iter().all(|z| z.re.is_finite() && z.im.is_finite()) {
-        return vec![Complex::new(f64::NAN, f64::NAN); matrix.nrows()];
-    }
-    let values = matrix.symmetric_eigenvalues();
-    let values = values.iter();
-    values.map(|value| Complex::new(*value, 0.0)).collect()
-}
-
 /// Eigenvalues of any complex matrix; imaginary parts that the noise of the entries explains are left out.
 pub(super) fn general_eigenvalues(matrix: DMatrix<Complex>, noise: f64) -> Vec<Complex> {
-    let (size, norm) = (matrix.nrows(), matrix.norm());
-    let values_of = |matrix| {
-        let schur = nalgebra::Schur::try_new(matrix, f64::EPSILON, MAXIMUM_ITERATIONS * size);
-        schur.and_then(|schur| schur.eigenvalues())
+    let norm = matrix.norm();
+    let Some(mut values) = any_eigenvalues(&matrix) else {
+        return vec![Complex::new(f64::NAN, f64::NAN); matrix.nrows()];
     };
-    // The iteration compares with diagonal entries, and may not end where several eigenvalues are zero: then they are moved away.
-    let moved = |shift: f64| {
-        let shift = Complex::new(shift, 0.0);
-        let values = values_of(&matrix + DMatrix::identity(size, size) * shift)?;
-        Some(values.map(|value| value - shift))
-    };
-    let Some(values) = values_of(matrix.clone()).or_else(|| moved(norm)) else {
-        return vec![Complex::new(f64::NAN, f64::NAN); size];
-    };
-    let mut values: Vec<Complex> = values.iter().copied().collect();
     if noise > 0.0 {
         without_rounding(&mut values, norm, noise);
     }
