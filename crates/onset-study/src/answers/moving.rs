@@ -199,11 +199,13 @@ mod tests {
                 "{own:?}: {}",
                 rest.norm()
             );
-            // The particle that moves most moves as the answer says.
-            let most = of_sites.iter().max_by(|a, b| a.norm().total_cmp(&b.norm()));
-            let most = most.expect("a particle");
-            let along: Complex = (0..3).map(|i| most[i] * mode.polarization[i].conj()).sum();
-            assert!(along.norm() > 0.999 * most.norm(), "{own:?}");
+            // The particle that moves most moves as the answer says; one of them where two move as much.
+            let most = of_sites.iter().map(|own| own.norm()).fold(0.0, f64::max);
+            let is_shown = of_sites.iter().any(|own| {
+                let along: Complex = (0..3).map(|i| own[i] * mode.polarization[i].conj()).sum();
+                own.norm() > (1.0 - 1e-6) * most && along.norm() > 0.999 * most
+            });
+            assert!(is_shown, "{own:?}");
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::{Interaction, Motion};
 use crate::bloch::{BlochBlocks, BlochSum, Mass, WaveSystem};
-use crate::lattice::{Crystal, Particle};
+use crate::lattice::Crystal;
 use crate::method::MethodError;
 use crate::real::{Dual, Real};
 use nalgebra::SMatrix;
@@ -34,7 +34,7 @@ impl<const D: usize> Default for Forced<D> {
 impl<const D: usize> Forced<D> {
     /// Adds an interaction.
     pub fn add<I: Interaction<D>>(&mut self, interaction: &I) {
-        differentiated(interaction, false, &mut self.stiffness);
+        interaction.add_stiffness(&mut self.stiffness);
         if interaction.is_viscous() {
             self.is_viscous = true;
             differentiated(interaction, true, &mut self.damping);
@@ -79,7 +79,7 @@ pub fn linearized<'i, I: Interaction<D> + 'i, const D: usize>(
 }
 
 /// Adds minus the derivatives of the forces of an interaction, by displacements or by velocities.
-fn differentiated<I: Interaction<D>, const D: usize>(
+pub(super) fn differentiated<I: Interaction<D> + ?Sized, const D: usize>(
     interaction: &I,
     by_velocity: bool,
     blocks: &mut BlochBlocks<D>,
@@ -88,6 +88,7 @@ fn differentiated<I: Interaction<D>, const D: usize>(
     let particles = interaction.particles();
     let fixed = vec![[Number::constant(0.0); D]; particles.len()];
     let unknowns = D * particles.len();
+    let mut sums = blocks.between(particles);
     // Columns of one particle, collected until it is complete.
     let mut columns = vec![SMatrix::<f64, D, D>::zeros(); particles.len()];
     for start in (0..unknowns).step_by(LANES) {
@@ -116,21 +117,11 @@ fn differentiated<I: Interaction<D>, const D: usize>(
                 }
             }
             if column == D - 1 {
-                add_columns(particles, &particles[to], &columns, blocks);
+                for (from, block) in columns.iter().enumerate() {
+                    sums.add(from, to, block);
+                }
             }
         }
     }
-}
-
-fn add_columns<const D: usize>(
-    particles: &[Particle<D>],
-    to: &Particle<D>,
-    columns: &[SMatrix<f64, D, D>],
-    blocks: &mut BlochBlocks<D>,
-) {
-    for (from, block) in particles.iter().zip(columns) {
-        if block.iter().any(|entry| *entry != 0.0) {
-            blocks.add(from, to, block);
-        }
-    }
+    sums.finish();
 }

@@ -45,7 +45,7 @@ pub use strain::{SeenForm, SeenPoint, StrainOperator};
 pub(crate) use strain_rows::StrainRows;
 
 use self::sph::CurrentPairs;
-use crate::bloch::{DynamicalMatrix, GradientMoments, WaveSystem, ZoneSearch};
+use crate::bloch::{BlochBlocks, DynamicalMatrix, GradientMoments, WaveSystem, ZoneSearch};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
 use crate::material::Hyperelastic;
@@ -77,6 +77,12 @@ pub trait Interaction<const D: usize> {
     /// Whether the forces depend on the velocities.
     fn is_viscous(&self) -> bool {
         false
+    }
+
+    /// Adds minus the derivatives of the forces by the displacements: those of [`Interaction::forces`], unless the interaction takes them faster by the
+    /// chain rule.
+    fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
+        linearized::differentiated(self, false, blocks);
     }
 }
 

@@ -70,6 +70,15 @@ impl<const D: usize> BlochBlocks<D> {
         *entry.or_insert_with(SMatrix::zeros) += block;
     }
 
+    /// Collects blocks between some particles, by their numbers.
+    pub(crate) fn between<'a>(&'a mut self, particles: &'a [Particle<D>]) -> Between<'a, D> {
+        Between {
+            table: Table::of(particles),
+            particles,
+            blocks: self,
+        }
+    }
+
     /// The sum. Blocks that are zero to rounding are left out.
     pub fn sum(self, crystal: &Crystal<D>) -> BlochSum<D> {
         let largest = self.blocks.values().map(|b| b.amax()).fold(0.0, f64::max);
@@ -81,6 +90,103 @@ impl<const D: usize> BlochBlocks<D> {
                 .filter(|(_, block)| !block.iter().all(is_zero))
                 .map(|((from, to), block)| (from, to, block)),
         )
+    }
+}
+
+/// Blocks between some particles, each with each: as many pairs have the same difference, their sums are taken in a table of differences where that is no
+/// larger than the pairs are many.
+pub(crate) struct Between<'a, const D: usize> {
+    particles: &'a [Particle<D>],
+    table: Option<Table<D>>,
+    blocks: &'a mut BlochBlocks<D>,
+}
+
+impl<const D: usize> Between<'_, D> {
+    /// Adds to the block between two of the particles.
+    pub(crate) fn add(&mut self, from: usize, to: usize, block: &SMatrix<f64, D, D>) {
+        match &mut self.table {
+            Some(table) => table.sums[table.rows[from] + table.columns[to]] += block,
+            None if block.iter().all(|entry| *entry == 0.0) => {}
+            None => {
+                let [from, to] = [from, to].each(|n| &self.particles[n]);
+                self.blocks.add(from, to, block);
+            }
+        }
+    }
+
+    /// Adds what has been collected.
+    pub(crate) fn finish(mut self) {
+        let Some(table) = self.table.take() else {
+            return;
+        };
+        for (n, block) in table.sums.iter().enumerate() {
+            if block.iter().any(|entry| *entry != 0.0) {
+                let (from, to) = table.pair(n);
+                self.blocks.add(&from, &to, block);
+            }
+        }
+    }
+}
+
+/// Sums of blocks by the sites of two particles and the difference of their cells.
+struct Table<const D: usize> {
+    sums: Vec<SMatrix<f64, D, D>>,
+    /// What the particles add to the number of a sum as the first and as the second one.
+    rows: Vec<usize>,
+    columns: Vec<usize>,
+    sites: usize,
+    /// The largest difference along each axis.
+    span: [i32; D],
+}
+
+/// Entries of a table for each pair of particles, at most.
+const SPARSE: usize = 4;
+
+impl<const D: usize> Table<D> {
+    /// None where it would be much larger than pairs are many.
+    fn of(particles: &[Particle<D>]) -> Option<Self> {
+        let along = |axis: usize| particles.iter().map(move |particle| particle.cell[axis]);
+        let [low, high] = [i32::min, i32::max]
+            .map(|of| -> [i32; D] { array_of(|axis| along(axis).reduce(of).unwrap_or(0)) });
+        let span: [i32; D] = array_of(|axis| high[axis] - low[axis]);
+        let sites = particles.iter().map(|p| p.site + 1).max().unwrap_or(0);
+        let widths = span.map(|span| 2 * span as usize + 1);
+        let size = widths
+            .iter()
+            .try_fold(sites * sites, |size, width| size.checked_mul(*width));
+        let size = size.filter(|size| *size <= SPARSE * particles.len().pow(2))?;
+        // By site of the first, site of the second and difference, counted from the lowest one.
+        let number = |site: usize, place: [usize; D]| {
+            let places = place.iter().zip(&widths);
+            places.fold(site, |number, (n, width)| number * width + n)
+        };
+        let row =
+            |p: &Particle<D>| number(p.site * sites, array_of(|i| (high[i] - p.cell[i]) as usize));
+        let column = |p: &Particle<D>| number(p.site, array_of(|i| (p.cell[i] - low[i]) as usize));
+        Some(Self {
+            sums: vec![SMatrix::zeros(); size],
+            rows: particles.iter().map(row).collect(),
+            columns: particles.iter().map(column).collect(),
+            sites,
+            span,
+        })
+    }
+
+    /// The particles of a sum, the first of them at home.
+    fn pair(&self, number: usize) -> (Particle<D>, Particle<D>) {
+        let mut rest = number;
+        let mut cell = [0; D];
+        for axis in (0..D).rev() {
+            let width = 2 * self.span[axis] as usize + 1;
+            cell[axis] = (rest % width) as i32 - self.span[axis];
+            rest /= width;
+        }
+        let from = Particle::home(rest / self.sites);
+        let to = Particle {
+            site: rest % self.sites,
+            cell,
+        };
+        (from, to)
     }
 }
 

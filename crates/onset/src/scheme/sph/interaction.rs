@@ -4,6 +4,7 @@ use super::super::lagrangian::Stressed;
 use super::super::stabilization::{BondPenalty, ViscousBond};
 use super::super::{Interaction, Motion};
 use super::stress::StressOf;
+use crate::bloch::BlochBlocks;
 use crate::lattice::Particle;
 use crate::real::Real;
 
@@ -38,5 +39,14 @@ impl<const D: usize> Interaction<D> for SphInteraction<'_, D> {
 
     fn is_viscous(&self) -> bool {
         matches!(self, Self::Viscous(_))
+    }
+
+    fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
+        match self {
+            Self::Fixed(point) => point.add_stiffness(blocks),
+            Self::Moving(stress) => stress.add_stiffness(blocks),
+            Self::Penalty(penalty) => penalty.add_stiffness(blocks),
+            Self::Viscous(bond) => bond.add_stiffness(blocks),
+        }
     }
 }

@@ -5,6 +5,7 @@
 //! that moves with them, in one of several forms that are the same in the continuum and differ here. Neighbors are those of
 //! the homogeneous state: what is near enough to come in has no weight there.
 
+mod chain;
 mod current;
 mod interaction;
 mod neighborhood;

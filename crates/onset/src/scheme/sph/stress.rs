@@ -3,10 +3,13 @@
 use super::super::products::{displacement_gradient, times_transpose, transported};
 use super::super::response::{determinant, inverse};
 use super::super::{Interaction, Motion, PointResponse};
-use super::current::CurrentPairs;
+use super::chain::Chain;
+use super::current::{CurrentPairs, Laden};
 use crate::algebra::{Each, array_of};
+use crate::bloch::BlochBlocks;
 use crate::lattice::Particle;
 use crate::real::Real;
+use std::borrow::Cow;
 
 /// What the particles of a state have in common.
 pub(super) struct Surroundings<'a, const D: usize> {
@@ -42,20 +45,40 @@ pub(super) struct StressOf<'a, const D: usize> {
 }
 
 /// Displacements, and the positions that come of them.
-struct Moved<'a, R, const D: usize> {
-    displacements: &'a [[R; D]],
+pub(super) struct Moved<'a, R: Clone, const D: usize> {
+    displacements: Cow<'a, [[R; D]]>,
     positions: Vec<[R; D]>,
 }
 
 impl<const D: usize> StressOf<'_, D> {
-    /// How far the position of the particle with a number has moved: `u_I + sum_J s_IJ (u_J - u_I)`.
+    /// The particles whose displacements move the one with a number, with their shares: `u_I + sum_J s_IJ (u_J - u_I)`.
+    pub(super) fn shares(&self, number: usize) -> impl Iterator<Item = (usize, f64)> {
+        let moves = !self.surroundings.holds_positions;
+        let smoothing = self.smoothing.get(number).filter(|_| moves);
+        let others = smoothing.into_iter().flatten().copied();
+        let rest = others.clone().fold(1.0, |rest, (_, share)| rest - share);
+        moves.then_some((number, rest)).into_iter().chain(others)
+    }
+
+    /// How far its position has moved.
     fn shift<R: Real>(&self, number: usize, displacements: &[[R; D]]) -> [R; D] {
-        let own = displacements[number];
-        let shares = self.smoothing.get(number).into_iter().flatten();
-        shares.fold(own, |sum, (other, share)| {
-            let apart = between(&own, &displacements[*other]);
-            array_of(|i| sum[i] + apart[i] * *share)
+        let shares = self.shares(number);
+        shares.fold([R::constant(0.0); D], |sum, (other, share)| {
+            array_of(|i| sum[i] + displacements[other][i] * share)
         })
+    }
+
+    /// The vector between two particles in the homogeneous state, by their numbers.
+    pub(super) fn vector(&self, from: usize, to: usize) -> [f64; D] {
+        between(&self.positions[from], &self.positions[to])
+    }
+
+    /// Nothing displaced.
+    pub(super) fn at_rest(&self) -> Moved<'_, f64, D> {
+        Moved {
+            displacements: Cow::Owned(vec![[0.0; D]; self.particles.len()]),
+            positions: self.positions.clone(),
+        }
     }
 
     /// The deformation gradient that a particle carries, `(1 + sum_J u_J (x) g_J) F`.
@@ -66,7 +89,7 @@ impl<const D: usize> StressOf<'_, D> {
     }
 
     /// The density of the particle with a number.
-    fn density<R: Real>(&self, number: usize, moved: &Moved<'_, R, D>) -> R {
+    pub(super) fn density<R: Real>(&self, number: usize, moved: &Moved<'_, R, D>) -> R {
         let circle = &self.circles[number];
         let pairs = self.surroundings.pairs;
         if pairs.sums_densities() {
@@ -76,25 +99,75 @@ impl<const D: usize> StressOf<'_, D> {
                 sum + pairs.weigh(&x).value * self.masses[*member]
             });
         }
-        let f = self.deformation(moved.displacements, circle);
+        let f = self.deformation(&moved.displacements, circle);
         determinant(&f).recip() * pairs.reference_density()
     }
 
-    /// `K_I^-1`, `K_I = sum_J m_J/rho_J x_IJ (x) grad W_IJ`.
-    fn correction<R: Real>(&self, moved: &Moved<'_, R, D>) -> [[R; D]; D] {
-        let pairs = self.surroundings.pairs;
+    /// `K_I = sum_J m_J/rho_J x_IJ (x) grad W_IJ`, where forces are corrected by its inverse.
+    pub(super) fn moment<R: Real>(&self, moved: &Moved<'_, R, D>) -> Option<[[R; D]; D]> {
+        if !self.surroundings.pairs.corrects_forces() {
+            return None;
+        }
         let mut moment = [[R::constant(0.0); D]; D];
         for &other in &self.circles[0].members[1..] {
             let x = between(&moved.positions[0], &moved.positions[other]);
-            let [slope, _] = pairs.slopes(&pairs.weigh(&x));
-            let volume = self.density(other, moved).recip() * self.masses[other];
+            let part = self.part_of_moment(other, &x, self.density(other, moved));
             for i in 0..D {
                 for j in 0..D {
-                    moment[i][j] = moment[i][j] + x[i] * slope[j] * volume;
+                    moment[i][j] = moment[i][j] + part[i][j];
                 }
             }
         }
-        inverse(&moment)
+        Some(moment)
+    }
+
+    /// The part of another particle in it, from where that is and how dense.
+    pub(super) fn part_of_moment<R: Real>(
+        &self,
+        other: usize,
+        x: &[R; D],
+        density: R,
+    ) -> [[R; D]; D] {
+        let pairs = self.surroundings.pairs;
+        let [slope, _] = pairs.slopes(&pairs.weigh(x));
+        let volume = density.recip() * self.masses[other];
+        array_of(|i| array_of(|j| x[i] * slope[j] * volume))
+    }
+
+    /// What the forces take of the particle: from its deformation gradient, its density, and the moment of a correction.
+    pub(super) fn laden<R: Real>(
+        &self,
+        f: &[[R; D]; D],
+        density: R,
+        moment: Option<&[[R; D]; D]>,
+    ) -> Laden<R, D> {
+        let Surroundings {
+            response, pairs, ..
+        } = self.surroundings;
+        let stress = over(
+            &times_transpose(&response.first_piola(f), f),
+            determinant(f),
+        );
+        let along = match moment {
+            None => stress,
+            Some(moment) => times_transpose(&stress, &inverse(moment)),
+        };
+        let mass = R::constant(self.masses[0]);
+        pairs.laden(mass, density, &along, pairs.tensile(&stress))
+    }
+
+    /// The traction between the particle and another one, from where that is and how dense.
+    pub(super) fn traction<R: Real>(
+        &self,
+        own: &Laden<R, D>,
+        other: usize,
+        x: &[R; D],
+        density: R,
+    ) -> [R; D] {
+        let pairs = self.surroundings.pairs;
+        let reach = pairs.reach(R::constant(self.masses[other]), density);
+        let traction = own.traction(&pairs.slopes(&pairs.weigh(x)));
+        traction.each(|own| own * reach)
     }
 }
 
@@ -104,33 +177,19 @@ impl<const D: usize> Interaction<D> for StressOf<'_, D> {
     }
 
     fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
-        let surroundings = self.surroundings;
         let position = |(number, x): (usize, &[f64; D])| -> [R; D] {
-            if surroundings.holds_positions {
-                return x.map(R::constant);
-            }
             let shift = self.shift(number, motion.displacements);
             array_of(|i| shift[i] + x[i])
         };
         let moved = Moved {
-            displacements: motion.displacements,
+            displacements: Cow::Borrowed(motion.displacements),
             positions: self.positions.iter().enumerate().map(position).collect(),
         };
         let circle = &self.circles[0];
         let f = self.deformation(motion.displacements, circle);
-        let stress = over(
-            &times_transpose(&surroundings.response.first_piola(&f), &f),
-            determinant(&f),
-        );
-        let pairs = surroundings.pairs;
-        let masses = self.masses.iter().copied().map(R::constant);
-        let masses: Vec<R> = masses.collect();
         let density = self.density(0, &moved);
-        let along = match pairs.corrects_forces() {
-            false => stress,
-            true => times_transpose(&stress, &self.correction(&moved)),
-        };
-        let own = pairs.laden(masses[0], density, &along, pairs.tensile(&stress));
+        let own = self.laden(&f, density, self.moment(&moved).as_ref());
+        let pairs = self.surroundings.pairs;
         let mut forces = vec![[R::constant(0.0); D]; self.particles.len()];
         for &other in &circle.members[1..] {
             let x = between(&moved.positions[0], &moved.positions[other]);
@@ -138,9 +197,7 @@ impl<const D: usize> Interaction<D> for StressOf<'_, D> {
                 false => density,
                 true => self.density(other, &moved),
             };
-            let reach = pairs.reach(masses[other], other_density);
-            let traction = own.traction(&pairs.slopes(&pairs.weigh(&x)));
-            let traction = traction.each(|own| own * reach);
+            let traction = self.traction(&own, other, &x, other_density);
             let taken = pairs.taken(traction);
             for i in 0..D {
                 forces[other][i] = forces[other][i] - traction[i];
@@ -148,6 +205,10 @@ impl<const D: usize> Interaction<D> for StressOf<'_, D> {
             }
         }
         forces
+    }
+
+    fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
+        Chain::new(self).add_stiffness(blocks);
     }
 }
 

@@ -501,3 +501,105 @@ impl<const D: usize> Discretization<D> for UpdatedSph<D> {
         self.pairs_of(&layout, material, &response).map(Some)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::linearized::differentiated;
+    use super::*;
+    use crate::bloch::{BlochBlocks, BlochSum};
+    use crate::lattice::LatticeKind;
+    use crate::material::ModifiedMooneyRivlin;
+    use crate::scheme::Interaction;
+    use nalgebra::SMatrix;
+
+    /// All forms of the forces, with what can be added to them.
+    fn choices(radius: f64) -> Vec<UpdatedSphChoices> {
+        let mut all = Vec::new();
+        for momentum in [
+            MomentumForm::Symmetric,
+            MomentumForm::Mean,
+            MomentumForm::Difference,
+        ] {
+            for density_evolution in [DensityEvolution::Summation, DensityEvolution::Continuity] {
+                for (corrected, corrected_forces) in [(false, false), (true, false), (true, true)] {
+                    let repels = momentum != MomentumForm::Difference;
+                    all.push(UpdatedSphChoices {
+                        radius,
+                        momentum,
+                        density_evolution,
+                        corrected,
+                        corrected_forces,
+                        artificial_stress: repels.then(ArtificialStress::default),
+                        velocity_smoothing: if corrected { 0.0 } else { 0.4 },
+                        smoothed_motion: SmoothedMotion::Positions,
+                        ..UpdatedSphChoices::default()
+                    });
+                }
+            }
+        }
+        all
+    }
+
+    /// The largest difference of two sums over the largest entry of the first.
+    fn difference<const D: usize>(sums: [&BlochSum<D>; 2]) -> f64 {
+        let [blocks, others] = sums.map(|sum| {
+            let blocks = sum.blocks().map(|(from, to, block)| ((from, *to), *block));
+            blocks.collect::<BTreeMap<_, _>>()
+        });
+        let largest = blocks.values().map(|b| b.amax()).fold(0.0, f64::max);
+        let keys = blocks.keys().chain(others.keys());
+        let of = |key| {
+            [&blocks, &others].map(|all| all.get(key).copied().unwrap_or_else(SMatrix::zeros))
+        };
+        let differences = keys.map(|key| {
+            let [block, other] = of(key);
+            (block - other).amax()
+        });
+        differences.fold(0.0, f64::max) / largest
+    }
+
+    fn assert_derivatives<const D: usize>(kind: LatticeKind, cells: [usize; D], radius: f64) {
+        let lattice = Crystal::of(kind, 1.0).expect("a crystal");
+        let disordered = lattice.supercell(cells).expect("a crystal");
+        let disordered = disordered.perturbed(0.08, 3).expect("a crystal");
+        let mut sheared = [[1.1, 0.2, 0.0], [0.05, 1.2, 0.0], [0.0, 0.0, 0.95]];
+        if D == 1 {
+            sheared = [[1.1, 0.0, 0.0], [0.0, 1.2, 0.0], [0.0, 0.0, 0.95]];
+        }
+        let stretched = DeformationGradient::from_stretches([1.1, 1.1, 1.0]);
+        assert_derivatives_at(&lattice, &stretched.expect("a deformation"), radius);
+        let sheared = DeformationGradient::new(sheared);
+        assert_derivatives_at(&disordered, &sheared.expect("a deformation"), radius);
+    }
+
+    fn assert_derivatives_at<const D: usize>(
+        crystal: &Crystal<D>,
+        f: &DeformationGradient,
+        radius: f64,
+    ) {
+        let law = ModifiedMooneyRivlin::default();
+        for choices in choices(radius) {
+            let sph = UpdatedSph::new(crystal.clone(), choices.clone()).expect("a method");
+            for holds_positions in [false, true] {
+                let found = sph.with_interactions(&law, f, holds_positions, |_, interactions| {
+                    let [mut by_chain, mut by_each] = [BlochBlocks::new(), BlochBlocks::new()];
+                    for interaction in interactions {
+                        interaction.add_stiffness(&mut by_chain);
+                        differentiated(interaction, false, &mut by_each);
+                    }
+                    difference([&by_each.sum(crystal), &by_chain.sum(crystal)])
+                });
+                let found = found.expect("a state");
+                assert!(found < 1e-13, "{found}: {choices:?}, {holds_positions}");
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_by_the_chain_rule_are_those_of_the_forces() {
+        assert_derivatives(LatticeKind::Chain, [3], 2.2);
+        assert_derivatives(LatticeKind::Square, [2, 1], 2.01);
+        assert_derivatives(LatticeKind::Hexagonal, [2, 1], 2.0);
+        assert_derivatives(LatticeKind::SimpleCubic, [2, 1, 1], 1.6);
+    }
+}
