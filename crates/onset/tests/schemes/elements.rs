@@ -8,7 +8,7 @@ use onset::bloch::{WaveSystem, ZoneSearch};
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{BravaisLattice, Crystal, LatticeKind, Particle, WaveGrids};
-use onset::material::Hyperelastic;
+use onset::material::{BlatzKo, Hyperelastic};
 use onset::method::MethodError;
 use onset::scheme::Discretization;
 use onset::scheme::element::{
@@ -443,6 +443,33 @@ fn alternating_and_crossed_triangles_are_the_same_mesh_turned_by_an_eighth() {
         for (a, b) in alternating.omega_squared(&k).iter().zip(turned) {
             assert!((a - b).norm() < 1e-11);
         }
+    }
+}
+
+/// Where two branches meet a descent does not end by itself. Both hourglass modes of squares have one frequency there, and rounding decides how they meet.
+#[test]
+fn the_lowest_hourglass_mode_is_found_where_two_meet_whatever_the_units() {
+    let f = DeformationGradient::from_stretches([1.15, 0.9, 1.0]).expect("a deformation");
+    let mut random = Random::new(5);
+    for _ in 0..200 {
+        let [mu, density, spacing] = [0; 3].map(|_| 10.0_f64.powf(3.0 * random.number()));
+        let squares = FiniteElements::<2>::new(&ElementChoices {
+            mesh: ElementMesh::Quadrilaterals,
+            spacing,
+            density,
+            formulation: controlled(0.05),
+        });
+        let law = BlatzKo::new(mu).expect("a law");
+        let waves = squares.expect("elements").waves(&law, &f).expect("waves");
+        let search = ZoneSearch::of_lattice(*waves.crystal().lattice(), 3.0 * mu / density);
+        let corner = Vector2::repeat(PI / spacing);
+        let expected = waves.omega_squared(&corner)[0].re * density * spacing.powi(2) / (24.0 * mu);
+        let found = search.summary_of(&waves).softest;
+        assert!(
+            (found.scaled - expected).abs() < 1e-12,
+            "{mu} {density} {spacing}: {} {expected}",
+            found.scaled
+        );
     }
 }
 

@@ -411,6 +411,7 @@ impl Floors {
 /// Where a descent has ended.
 pub(super) struct Bottom {
     pub(super) objective: Objective,
+    /// By fast sums; of the scaled measure without `c^2`.
     pub(super) value: f64,
     /// The phases of the primitive vectors.
     pub(super) phases: [f64; 2],
@@ -455,10 +456,12 @@ impl Descent {
         }
         if here.value.is_nan() || here.value >= self.value {
             self.step = [0.25 * self.step[0], 0.25 * self.step[1]];
+            self.place = [self.last[0] + self.step[0], self.last[1] + self.step[1]];
             if length(self.step) < SHORT {
+                // The value is that of the last place.
+                self.place = self.last;
                 self.state = State::Lost;
             }
-            self.place = [self.last[0] + self.step[0], self.last[1] + self.step[1]];
             return;
         }
         self.value = here.value;
