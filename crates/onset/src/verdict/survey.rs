@@ -184,12 +184,13 @@ impl<const D: usize> StateWaves<D> {
 
     /// The same, but for flutter that grows more slowly than what diverges; that of long waves is told where it is asked about.
     fn extremes(&self, asks_about_long_waves: bool) -> Result<SpectrumSummary<D>, MethodError> {
-        match self {
-            Self::Direct(waves) => {
-                finite(waves.search.extremes(&waves.matrix, asks_about_long_waves))
+        finite(match self {
+            Self::Direct(waves) => waves.search.extremes(&waves.matrix, asks_about_long_waves),
+            Self::System(waves) => {
+                waves.0.check_mass()?;
+                waves.1.extremes_of(&waves.0, asks_about_long_waves)
             }
-            Self::System(_) => self.spectrum(),
-        }
+        })
     }
 
     /// The same with a lower bound of the scaled measure wherever equations are Hermitian.

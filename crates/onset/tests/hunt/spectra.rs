@@ -82,6 +82,49 @@ fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_says(
     assert!(wrong.is_empty(), "{} complaints", wrong.len());
 }
 
+/// Maps leave out flutter that grows more slowly than what diverges, of cells of several particles too: what they tell is the same.
+#[test]
+fn a_state_of_a_map_has_the_verdict_and_the_growth_rate_of_the_state_alone() {
+    let (seed, cases) = hunted(150);
+    let mut compared = 0;
+    for case in 0..cases as u64 {
+        let mut random = Random::new(seed + case);
+        compared += usize::from(match random.happens(0.8) {
+            true => assert_same_in_a_map::<2>(&mut random, seed + case),
+            false => assert_same_in_a_map::<1>(&mut random, seed + case),
+        });
+    }
+    assert!(3 * compared > cases, "{compared} of {cases}");
+}
+
+/// Whether there is something to compare.
+fn assert_same_in_a_map<const D: usize>(random: &mut Random, seed: u64) -> bool {
+    let drawn = method::<D>(random);
+    let (law, material) = material(random);
+    let f = state::<D>(random);
+    let Some((name, Drawn::Scheme(scheme))) = drawn else {
+        return false;
+    };
+    let Ok(survey) = Survey::new(&*scheme, &*material) else {
+        return false;
+    };
+    let (Ok(alone), Ok(many)) = (survey.assess(&f), survey.for_many_states()) else {
+        return false;
+    };
+    let Some(Ok(of_map)) = many.states(&[f]).pop() else {
+        panic!("seed {seed}: no state of a map: {name}");
+    };
+    let what = format!("seed {seed}: {law} at {:?}: {name}", f.leading::<D>());
+    assert_eq!(of_map.verdict, alone.verdict, "{what}");
+    let (told, expected) = (of_map.growth_rate, alone.spectrum.growth_rate());
+    let least = GROWTH * many.speed_squared().sqrt();
+    assert!(
+        (told - expected).abs() <= 1e-6 * expected + least,
+        "{what}: grows with {told:e}, alone with {expected:e}"
+    );
+    true
+}
+
 /// What is stable is said to grow or the other way round; other complaints are of numbers.
 fn is_wrong_verdict(complaint: &str) -> bool {
     complaint.contains(SAID_STABLE) || complaint.contains(SAID_TO_GROW)

@@ -249,8 +249,22 @@ impl<const D: usize> ZoneSearch<D> {
         self.found(matrix, Flutter::All, Some(is_ended))
     }
 
+    /// The growth rate of a wave that flutter is to beat where only what is faster is sought; zero where all is.
+    pub(in crate::bloch) fn rival(
+        &self,
+        sought: Flutter,
+        growing: Option<Mode<D>>,
+        sites: usize,
+    ) -> f64 {
+        let growth = growing.map_or(0.0, |mode| growth_rate(mode.omega_squared));
+        match sought {
+            Flutter::Fastest { .. } if growth > RIVAL * self.speed_over_spacing(sites) => growth,
+            _ => 0.0,
+        }
+    }
+
     /// The extremes; with a bound while somebody waits for it, where that is told.
-    fn found(
+    pub(in crate::bloch) fn found(
         &self,
         matrix: &DynamicalMatrix<D>,
         sought: Flutter,
@@ -286,22 +300,12 @@ impl<const D: usize> ZoneSearch<D> {
                 mode.omega_squared.re < rest.omega_squared.re && mode.scaled < -tolerance
             })
             .unwrap_or(rest);
-        let growth = growth_rate(lowest.omega_squared);
-        let is_fast = growth > RIVAL * self.speed_over_spacing(1);
-        let (rival, asks_about_long_waves) = match sought {
-            Flutter::Fastest {
-                asks_about_long_waves,
-            } if grows && is_fast => (growth, asks_about_long_waves),
-            _ => (0.0, true),
-        };
+        let rival = self.rival(sought, grows.then_some(lowest), 1);
         let fluttering = self.flutter(matrix, &wells, rival);
         let fastest_growing = fluttering.map_or(lowest, |mode| {
             self.fastest(matrix, &wells, lowest, mode, rival)
         });
-        let may_flutter = match rival > 0.0 {
-            true => asks_about_long_waves,
-            false => fluttering.is_some(),
-        };
+        let may_flutter = sought.asks_about_long_waves(rival, fluttering.is_some());
         let highest = wells
             .bottom(self, matrix, Objective::Highest, f64::INFINITY)
             .map_or(0.0, |bottom| -bottom.0);
@@ -450,7 +454,7 @@ impl<const D: usize> ZoneSearch<D> {
         if measure < -tolerance {
             return diverges(least);
         }
-        if self.flutter(matrix, &wells, 0.0).is_some() {
+        if self.grid_flutters(matrix, &wells) || self.flutter(matrix, &wells, 0.0).is_some() {
             return Judgment {
                 stability: Stability::Flutter,
                 measure,
@@ -722,6 +726,18 @@ impl<const D: usize> ZoneSearch<D> {
         self.value(matrix, objective, &Seen::with(matrix, *k, d))
     }
 
+    /// Whether a wave on the grid has a complex `omega^2` and grows noticeably: where nobody asks how fast, that is enough.
+    fn grid_flutters(&self, matrix: &DynamicalMatrix<D>, wells: &Wells<D>) -> bool {
+        let Wells::Grid(grid) = wells else {
+            return false;
+        };
+        let (lowest, k) = grid.minimum(Objective::Discriminant);
+        let grows = |mode: Mode<D>| growth_rate(mode.omega_squared) > self.flutter_threshold(1);
+        !matrix.is_hermitian()
+            && lowest < 0.0
+            && self.fluttering_mode(matrix, &k).is_some_and(grows)
+    }
+
     /// A mode with complex `omega^2` that grows noticeably, if there is one; where there is a rival, unless none can grow faster. The fastest one is
     /// to be found from it.
     fn flutter(
@@ -943,11 +959,23 @@ impl<const D: usize> ZoneSearch<D> {
 
 /// Which waves with a complex `omega^2` are sought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Flutter {
+pub(in crate::bloch) enum Flutter {
     /// All.
     All,
     /// Those that may grow faster than the lowest wave, and long waves where these are asked about.
     Fastest { asks_about_long_waves: bool },
+}
+
+impl Flutter {
+    /// Whether long waves are looked at, given the rival and whether something that flutters was found.
+    pub(in crate::bloch) fn asks_about_long_waves(self, rival: f64, flutters: bool) -> bool {
+        match self {
+            Self::Fastest {
+                asks_about_long_waves,
+            } if rival > 0.0 => asks_about_long_waves,
+            _ => flutters,
+        }
+    }
 }
 
 /// The lower one of two measures: that of the limit of long waves or of a wave vector, and that of another wave vector.
@@ -998,7 +1026,8 @@ impl<const D: usize> Wells<D> {
             .map(|bottom| search.with_phases(bottom.phases))
             .map(|k| (search.value_at(matrix, objective, &k), k));
         for bottom in own().filter(|bottom| !bottom.is_settled) {
-            let start = (bottom.value, search.with_phases(bottom.phases));
+            let k = search.with_phases(bottom.phases);
+            let start = (search.value_at(matrix, objective, &k), k);
             search.improve(matrix, objective, start, floor, &mut best);
         }
         best

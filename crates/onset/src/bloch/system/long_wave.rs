@@ -76,9 +76,22 @@ impl<const D: usize> WaveSystem<D> {
     /// internal displacements: perturbation theory of second order. Where forces do not add up to zero, `Y^T D1 R`, which belongs to
     /// the wave number itself, need not vanish; such waves grow at any length, and are found at finite ones.
     pub fn long_wave_stiffness(&self) -> Stiffness<D> {
-        let unit = |i: usize| SVector::<f64, D>::from_fn(|j, _| f64::from(u8::from(i == j)));
+        self.relaxed_stiffness(&self.relaxation())
+    }
+
+    /// The same, with the rounding error to expect in it: of its sums, in which the forces of particles that relax cancel others; and with that of
+    /// `D0`, which `G = D0^-1` makes `G dD0 G`.
+    pub(super) fn long_waves(&self) -> (Stiffness<D>, [f64; 2]) {
         let relaxation = self.relaxation();
-        let along = |direction: &SVector<f64, D>| self.acoustic(&relaxation, direction);
+        (
+            self.relaxed_stiffness(&relaxation),
+            self.relaxation_noise(&relaxation),
+        )
+    }
+
+    fn relaxed_stiffness(&self, relaxation: &Relaxation) -> Stiffness<D> {
+        let unit = |i: usize| SVector::<f64, D>::from_fn(|j, _| f64::from(u8::from(i == j)));
+        let along = |direction: &SVector<f64, D>| self.acoustic(relaxation, direction);
         let squares: Vec<SMatrix<f64, D, D>> = (0..D).map(|j| along(&unit(j))).collect();
         // T(n) is a quadratic form in n, so that its mixed terms follow from those along diagonals.
         let mixed: Vec<Vec<SMatrix<f64, D, D>>> = (0..D)
@@ -112,19 +125,16 @@ impl<const D: usize> WaveSystem<D> {
         SMatrix::from_fn(|i, k| limit[(i, k)].re)
     }
 
-    /// Rounding error to expect in [`WaveSystem::long_wave_stiffness`]: of its sums, in which the forces of particles that relax cancel
-    /// others; and with that of `D0`, which `G = D0^-1` makes `G dD0 G`.
-    pub(super) fn long_wave_noise(&self) -> [f64; 2] {
+    fn relaxation_noise(&self, relaxation: &Relaxation) -> [f64; 2] {
         let origin = |site: usize| self.crystal.position(&Particle::home(site));
         let moment = |(from, to, block): (usize, &Particle<D>, &SMatrix<f64, D, D>)| {
             block.amax() * (self.crystal.position(to) - origin(from)).norm_squared()
         };
         let direct = self.stiffness.blocks().map(moment).sum::<f64>() / self.cell_mass();
-        let relaxation = self.relaxation();
         let flexibility = relaxation.internal.norm();
         let relaxed = (0..D).map(|j| {
             let along = SVector::from_fn(|i, _| f64::from(u8::from(i == j)));
-            let [d1, _] = self.orders(&relaxation, &along);
+            let [d1, _] = self.orders(relaxation, &along);
             let (from, to) = (&d1 * &relaxation.translations, &relaxation.duals * &d1);
             let relaxed = from.norm() * flexibility * to.norm();
             [relaxed, relaxed * flexibility * self.size_of_sums()]

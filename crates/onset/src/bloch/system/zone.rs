@@ -12,7 +12,7 @@ use crate::algebra::{
 use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, cover_system};
 use crate::bloch::branches::Taylor;
 use crate::bloch::pocket::{Around, Pockets};
-use crate::bloch::search::RELAXED_RAY;
+use crate::bloch::search::{Flutter, RELAXED_RAY};
 use crate::bloch::short_range::ShortRange;
 use crate::bloch::{IsEnded, Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
 use crate::continuum::Stiffness;
@@ -73,7 +73,19 @@ enum Objective {
 impl<const D: usize> ZoneSearch<D> {
     /// The extremes of the spectrum of a system; damping left out.
     pub fn summary_of(&self, system: &WaveSystem<D>) -> SpectrumSummary<D> {
-        self.found_of(system, false, &|| false)
+        self.found_of(system, Flutter::All, None)
+    }
+
+    /// The same, but for flutter that grows more slowly than what diverges, as [`ZoneSearch::extremes`] of a matrix.
+    pub(crate) fn extremes_of(
+        &self,
+        system: &WaveSystem<D>,
+        asks_about_long_waves: bool,
+    ) -> SpectrumSummary<D> {
+        let sought = Flutter::Fastest {
+            asks_about_long_waves,
+        };
+        self.found_of(system, sought, None)
     }
 
     /// The same with a lower bound of the scaled measure wherever equations are Hermitian.
@@ -87,30 +99,30 @@ impl<const D: usize> ZoneSearch<D> {
         system: &WaveSystem<D>,
         is_ended: IsEnded<'_>,
     ) -> SpectrumSummary<D> {
-        self.found_of(system, true, is_ended)
+        self.found_of(system, Flutter::All, Some(is_ended))
     }
 
+    /// The extremes; with a bound while somebody waits for it, where there is one.
     fn found_of(
         &self,
         system: &WaveSystem<D>,
-        is_bounded: bool,
-        is_ended: IsEnded<'_>,
+        sought: Flutter,
+        is_bounded: Option<IsEnded<'_>>,
     ) -> SpectrumSummary<D> {
         if let Some((system, unit)) = system.in_moderate_units() {
-            let found = self.in_units(unit).found_of(&system, is_bounded, is_ended);
-            return found.in_units(unit);
+            let search = self.in_units(unit);
+            return search.found_of(&system, sought, is_bounded).in_units(unit);
         }
         if let Some(reduced) = system.reduced() {
-            return self.with_null_space(system, self.found_of(reduced, is_bounded, is_ended));
+            return self.with_null_space(system, self.found_of(reduced, sought, is_bounded));
         }
         if let Some((range, search, system)) = self.short_ranged_system(system) {
-            let found = search.found_of(&system, is_bounded, is_ended);
+            let found = search.found_of(&system, sought, is_bounded);
             return range.carried_back(&found, |k| self.folded(k));
         }
         match system.single() {
-            Some(matrix) if is_bounded => self.bounded_summary_unless(&matrix, is_ended),
-            Some(matrix) => self.summary(&matrix),
-            None => Sweep::new(self, system, is_bounded, is_ended).summary(),
+            Some(matrix) => self.found(&matrix, sought, is_bounded),
+            None => Sweep::new(self, system, is_bounded).summary(sought),
         }
     }
 
@@ -129,7 +141,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
         match system.single() {
             Some(matrix) => self.stability(&matrix),
-            None => Sweep::new(self, system, false, &|| false).stability(),
+            None => Sweep::new(self, system, None).stability(),
         }
     }
 
@@ -200,7 +212,9 @@ struct Sweep<'a, const D: usize> {
     spectra: OnceLock<Vec<Vec<Complex>>>,
     /// `omega^2` at `k = 0`, translations left out where they are free.
     at_rest: Vec<Complex>,
+    /// Of long waves, with the rounding errors of that.
     stiffness: Stiffness<D>,
+    long_wave_noise: [f64; 2],
 }
 
 /// What is known without a search: of the limit of long waves, and of `k = 0`.
@@ -330,29 +344,33 @@ impl<'a, const D: usize> Sweep<'a, D> {
     fn new(
         search: &'a ZoneSearch<D>,
         system: &'a WaveSystem<D>,
-        is_bounded: bool,
-        is_ended: IsEnded<'a>,
+        is_bounded: Option<IsEnded<'a>>,
     ) -> Self {
         let waves = search.grid_of(resolution(system));
+        let (stiffness, long_wave_noise) = system.long_waves();
         Self {
             search,
             system,
-            is_bounded,
-            is_ended,
+            is_bounded: is_bounded.is_some(),
+            is_ended: is_bounded.unwrap_or(&|| false),
             effort: Effort::of(system),
             spectra: OnceLock::new(),
             waves,
             at_rest: system.omega_squared_at_rest(),
-            stiffness: system.long_wave_stiffness(),
+            stiffness,
+            long_wave_noise,
         }
     }
 
-    fn summary(&self) -> SpectrumSummary<D> {
+    fn summary(&self, sought: Flutter) -> SpectrumSummary<D> {
         let found = self.softest(&self.long_waves());
         let Softest {
             softest, lowest, ..
         } = found;
-        let fluttering = self.flutter();
+        let grows = found.grows_at_rest || softest.scaled < -found.tolerance;
+        let sites = self.system.sites();
+        let rival = self.search.rival(sought, grows.then_some(lowest), sites);
+        let fluttering = self.flutter(rival);
         let fastest_growing = fluttering
             .filter(|mode| growth_rate(mode.omega_squared) > growth_rate(lowest.omega_squared))
             .unwrap_or(lowest);
@@ -374,7 +392,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
             tolerance: found.tolerance,
             bound: found.bound,
             flutters: fluttering.is_some(),
-            long_waves_flutter: fluttering.is_some() && self.stiffness.flutter().is_some(),
+            long_waves_flutter: sought.asks_about_long_waves(rival, fluttering.is_some())
+                && self.stiffness.flutter().is_some(),
         }
     }
 
@@ -388,7 +407,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let stability =
             if found.softest.scaled < -found.tolerance || found.lowest.omega_squared.re < 0.0 {
                 Stability::Divergence
-            } else if self.flutter().is_some() {
+            } else if self.grid_flutters() || self.flutter(0.0).is_some() {
                 Stability::Flutter
             } else {
                 Stability::Stable
@@ -405,8 +424,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             // A translation that costs energy leaves no long waves to become soft; what is free beside it is found at finite ones.
             mode.scaled = f64::INFINITY;
         }
-        let noise = self.system.long_wave_noise();
-        let [tolerance, mut of_limit] = noise.each(|noise| self.search.told(noise));
+        let [tolerance, mut of_limit] = self.long_wave_noise.each(|noise| self.search.told(noise));
         if mode.scaled < -of_limit && !self.is_followed(&mode) {
             of_limit = -mode.scaled;
         }
@@ -457,14 +475,13 @@ impl<'a, const D: usize> Sweep<'a, D> {
     fn softest(&self, long: &LongWaves<D>) -> Softest<D> {
         let (long_wave, rest) = (long.mode, long.rest);
         let grows_at_rest = rest.omega_squared.re < 0.0;
-        let covered = match grows_at_rest {
-            false => self.covered(Objective::Scaled, long_wave.scaled, None),
-            true => None,
-        };
+        // What grows at k = 0 has no scaled measure: the lowest wave tells all.
+        let covered = (!grows_at_rest)
+            .then(|| self.covered(Objective::Scaled, long_wave.scaled, None))
+            .flatten();
         let softest = match &covered {
-            // What grows at k = 0 has no scaled measure: the lowest wave tells all.
-            _ if grows_at_rest => None,
             Some(covered) => covered.wave_vector.map(|k| (covered.lowest, k)),
+            None if grows_at_rest => None,
             None => self.bottom(Objective::Scaled, long_wave.scaled),
         };
         let softest = softest
@@ -526,8 +543,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
         noise / (self.search.speed_squared() * self.search.reference().laplacian(&k))
     }
 
-    /// Wave vectors in pockets of complex `omega^2`.
-    fn pockets(&self) -> Vec<SVector<f64, D>> {
+    /// Wave vectors in pockets of complex `omega^2`, where waves may grow faster than a rival.
+    fn pockets(&self, rival: f64) -> Vec<SVector<f64, D>> {
         let pockets = Pockets {
             around: &|k, _| {
                 let is_seen = !self.is_long(k) && !(self.is_ended)();
@@ -536,7 +553,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
             is_large: self.effort.is_large,
             steps: self.search.reference().reciprocal() / self.waves.resolution() as f64,
             threshold: self.search.flutter_threshold(self.system.sites()),
-            rival: 0.0,
+            // What is foreseen of a pocket can be half of what is found from there.
+            rival: 0.5 * rival,
             most: self.effort.pockets,
         };
         pockets.around(half(&self.waves).into_iter())
@@ -650,25 +668,36 @@ impl<'a, const D: usize> Sweep<'a, D> {
         Some(covered)
     }
 
-    /// The fastest growing mode with a complex `omega^2`, if one grows noticeably.
-    fn flutter(&self) -> Option<Mode<D>> {
+    /// Whether a wave on the grid has a complex `omega^2` and grows noticeably: where nobody asks how fast, that is enough.
+    fn grid_flutters(&self) -> bool {
+        let threshold = self.search.flutter_threshold(self.system.sites());
+        let waves = half(&self.waves).into_iter().zip(self.spectra());
+        !self.system.is_hermitian()
+            && waves
+                .filter(|(k, _)| !self.is_long(k))
+                .any(|(_, spectrum)| complex_growth(spectrum).any(|growth| -growth > threshold))
+    }
+
+    /// The fastest growing mode with a complex `omega^2`, if one grows noticeably, and faster than a rival.
+    fn flutter(&self, rival: f64) -> Option<Mode<D>> {
         if self.system.is_hermitian() {
             return None;
         }
-        let mut ends = self.bottoms(Objective::Growth, 0.0);
+        let mut ends = self.bottoms(Objective::Growth, -rival);
         let step = 1.0 / self.waves.resolution() as f64;
         let opening = self.search.long_flutter(&self.stiffness, step);
-        for k in self.pockets().into_iter().chain(opening) {
+        for k in self.pockets(rival).into_iter().chain(opening) {
             let value = self.value(Objective::Growth, &k);
             if value < 0.0 {
-                let deepest = ends.iter().map(|end| end.0).fold(0.0, f64::min);
+                let deepest = ends.iter().map(|end| end.0).fold(-rival, f64::min);
                 ends.push(self.followed(Objective::Growth, 0, (value, k), deepest));
             }
         }
         let at_rest = complex_growth(&self.at_rest).fold(0.0, f64::min);
         ends.push((at_rest, SVector::zeros()));
         let best = ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        best.filter(|(value, _)| -value > self.search.flutter_threshold(self.system.sites()))
+        let threshold = self.search.flutter_threshold(self.system.sites());
+        best.filter(|(value, _)| -value > threshold.max(rival))
             .map(|(_, k)| self.fluttering(&k))
     }
 
