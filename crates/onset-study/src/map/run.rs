@@ -120,20 +120,28 @@ impl Plan {
         let at_once = (STATES_AT_ONCE / largest).max(1);
         let each = |tiles: &[usize], action: &Action<'_>| self.each(tiles, at_once, watch, action);
         let found = each(&done, &|tile| self.checked(store, tile, watch).map(Some))?;
-        let by_state = open.len().min(at_once) < TILES_PER_CORE * rayon::current_num_threads();
+        let are_few = |tiles: &[usize]| {
+            tiles.len().min(at_once) < TILES_PER_CORE * rayon::current_num_threads()
+        };
         // Of several who work on a store, each computes first what nobody else does. What others have begun and not done in the end is computed here
         // too, until it is done anywhere: nobody waits for one who is slow, stopped or gone.
+        let by_state = are_few(&open);
         let elsewhere = Mutex::new(Vec::new());
         let of_others = || elsewhere.lock().unwrap_or_else(PoisonError::into_inner);
         let own = each(&open, &|tile| {
-            let taken = store.take(tile)?;
-            if taken.is_none() {
+            let is_done = store.is_done(tile)?;
+            let taken = match is_done {
+                true => None,
+                false => store.take(tile)?,
+            };
+            if taken.is_none() && !is_done {
                 of_others().push(tile);
                 return Ok(None);
             }
             self.computed(store, tile, by_state, watch)
         })?;
         let begun = std::mem::take(&mut *of_others());
+        let by_state = are_few(&begun);
         let others = each(&begun, &|tile| self.computed(store, tile, by_state, watch))?;
         let mut left = 0;
         for tile in 0..self.tiling.tiles() {

@@ -67,9 +67,9 @@ impl Folder {
         written
     }
 
-    /// Takes what has a name, until it is dropped; `None` where somebody else has it.
-    pub(super) fn take(&self, name: &str) -> io::Result<Option<Taken>> {
-        let lock = self.path(PARTIAL).join(name);
+    /// Takes what a file stands for, until it is dropped; `None` where somebody else has it.
+    pub(super) fn take(&self, key: &str) -> io::Result<Option<Taken>> {
+        let lock = self.path(key);
         within_parent(&lock, || {
             self.check_inside(&lock)?;
             Taken::by(&lock)
@@ -191,6 +191,12 @@ mod tests {
         assert!(folder.read("a/d", 100).is_err(), "a folder");
         symlink("/dev/zero", root.join("a/zero")).expect("a link");
         assert!(folder.read("a/zero", 100).is_err(), "a device");
+        symlink(outside.join("new"), root.join("a/lock")).expect("a link");
+        assert!(folder.take("a/lock").is_err(), "a link to nowhere");
+        assert!(folder.take("a/c").is_err(), "a folder");
+        assert!(folder.take("a/c/lock").is_err(), "outside");
+        assert_eq!(fs::read_dir(&outside).expect("a folder").count(), 1);
+        assert!(folder.take("a/d/lock").expect("a lock").is_some());
         for folder in [root, outside] {
             fs::remove_dir_all(folder).expect("removable");
         }

@@ -3,7 +3,7 @@
 //! Locks, on the store's `zarr.json` and on a file for each tile that is being computed. They end with the process however that ends.
 
 use std::fs::{self, File, TryLockError};
-use std::io;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -61,8 +61,13 @@ pub struct Taken {
 }
 
 impl Taken {
-    /// Tries to take a tile by the lock on a file, which is made; `None` where somebody else has it.
+    /// Tries to take a tile by the lock on a file, which is made; `None` where somebody else has it. What is no file, such as a link or a pipe, is not opened.
     pub(super) fn by(lock: &Path) -> io::Result<Option<Self>> {
+        match fs::symlink_metadata(lock) {
+            Ok(found) if !found.is_file() => return Err(io::Error::other("it is no file")),
+            Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
         let file = File::options()
             .write(true)
             .create(true)
@@ -79,9 +84,9 @@ impl Taken {
 }
 
 impl Drop for Taken {
-    /// Who has opened the file before and locks it after finds the tile done.
+    /// Somebody may have opened the file before and lock it after, while a third one makes it again: then both compute the tile, unless it is done.
     fn drop(&mut self) {
-        // What cannot be removed is cleared by the last who writes.
+        // What cannot be removed, and the file of who was killed, goes when the store is next written to its end.
         let _ = fs::remove_file(&self.lock);
     }
 }

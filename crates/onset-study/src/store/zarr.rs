@@ -4,7 +4,7 @@
 
 use super::chunk::{self, Label};
 use super::earlier;
-use super::folder::{self, Folder};
+use super::folder::{self, Folder, PARTIAL};
 use super::layout::{self, FORMAT, FORMAT_VERSION, IDENTITY};
 use super::occupancy::{Claim, Occupancy, Taken};
 use super::replace::Contents;
@@ -422,8 +422,9 @@ impl ResultStore for ZarrStore {
     }
 
     fn take(&self, tile: usize) -> Result<Option<Taken>, StoreError> {
-        let taken = self.folder.take(&format!("tile-{tile}"));
-        taken.map_err(StoreError::writing(&self.path))
+        let lock = format!("{PARTIAL}/tile-{tile}");
+        let taken = self.folder.take(&lock);
+        taken.map_err(StoreError::writing(&self.folder.path(&lock)))
     }
 
     fn write(&self, tile: usize, columns: Vec<Column>) -> Result<(), StoreError> {
