@@ -218,7 +218,7 @@ def main():
             "\n".join(larger(program, root, 1 if choices.quick else 2)),
             "## Maps that are refined along their boundaries",
             "States that are computed, and seconds, of the window of `studies/adaptive.toml` at more and more states; the coarsest cells are a 32nd of its edges "
-            "(`map.refine-from`). Boundaries grow with the first power. All states are stored, also those that are not computed, which is most of what the seconds of the finest maps are.",
+            "(`map.refine-from`). Boundaries grow with the first power. All states are stored, also those that are not computed.",
             "\n".join(refined(program, root, sizes)),
             "## One map by several processes",
             "`onset map studies/three-axes.toml --resume` so many times at once, into one store.",
