@@ -190,10 +190,8 @@ impl<'a> Tile<'a> {
     /// Whether a state that was computed contradicts the corners.
     fn is_contradicted(&self, cell: &Cell, finding: Finding) -> bool {
         let differs = |number: &u32| {
-            *number != OPEN
-                && self
-                    .known(*number)
-                    .is_some_and(|record| record.finding != finding)
+            let known = self.known(*number);
+            known.is_some_and(|record| record.finding != finding)
         };
         cell.rows(self.extent)
             .any(|row| self.numbers[row].iter().any(differs))

@@ -129,12 +129,11 @@ impl Plan {
         let elsewhere = Mutex::new(Vec::new());
         let of_others = || elsewhere.lock().unwrap_or_else(PoisonError::into_inner);
         let own = each(&open, &|tile| {
-            let is_done = store.is_done(tile)?;
-            let taken = match is_done {
-                true => None,
-                false => store.take(tile)?,
-            };
-            if taken.is_none() && !is_done {
+            if store.is_done(tile)? {
+                return self.checked(store, tile, watch).map(Some);
+            }
+            let taken = store.take(tile)?;
+            if taken.is_none() {
                 of_others().push(tile);
                 return Ok(None);
             }

@@ -456,11 +456,12 @@ impl Descent {
         }
         if here.value.is_nan() || here.value >= self.value {
             self.step = [0.25 * self.step[0], 0.25 * self.step[1]];
-            self.place = [self.last[0] + self.step[0], self.last[1] + self.step[1]];
             if length(self.step) < SHORT {
                 // The value is that of the last place.
                 self.place = self.last;
                 self.state = State::Lost;
+            } else {
+                self.place = [self.last[0] + self.step[0], self.last[1] + self.step[1]];
             }
             return;
         }

@@ -731,11 +731,13 @@ impl<const D: usize> ZoneSearch<D> {
         let Wells::Grid(grid) = wells else {
             return false;
         };
+        // A Hermitian matrix has real eigenvalues.
+        if matrix.is_hermitian() {
+            return false;
+        }
         let (lowest, k) = grid.minimum(Objective::Discriminant);
         let grows = |mode: Mode<D>| growth_rate(mode.omega_squared) > self.flutter_threshold(1);
-        !matrix.is_hermitian()
-            && lowest < 0.0
-            && self.fluttering_mode(matrix, &k).is_some_and(grows)
+        lowest < 0.0 && self.fluttering_mode(matrix, &k).is_some_and(grows)
     }
 
     /// A mode with complex `omega^2` that grows noticeably, if there is one; where there is a rival, unless none can grow faster. The fastest one is

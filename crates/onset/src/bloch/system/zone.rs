@@ -670,12 +670,14 @@ impl<'a, const D: usize> Sweep<'a, D> {
 
     /// Whether a wave on the grid has a complex `omega^2` and grows noticeably: where nobody asks how fast, that is enough.
     fn grid_flutters(&self) -> bool {
+        if self.system.is_hermitian() {
+            return false;
+        }
         let threshold = self.search.flutter_threshold(self.system.sites());
-        let waves = half(&self.waves).into_iter().zip(self.spectra());
-        !self.system.is_hermitian()
-            && waves
-                .filter(|(k, _)| !self.is_long(k))
-                .any(|(_, spectrum)| complex_growth(spectrum).any(|growth| -growth > threshold))
+        let mut waves = half(&self.waves).into_iter().zip(self.spectra());
+        waves.any(|(k, spectrum)| {
+            !self.is_long(&k) && complex_growth(spectrum).any(|growth| -growth > threshold)
+        })
     }
 
     /// The fastest growing mode with a complex `omega^2`, if one grows noticeably, and faster than a rival.

@@ -71,10 +71,11 @@ impl<'a, const D: usize> Chain<'a, D> {
                 .collect(),
             densities: Vec::new(),
         };
-        let densities = 0..stress.circles.len();
-        chain.densities = densities
-            .map(|n| (stress.density(n, &rest), chain.density_row(n)))
-            .collect();
+        let densities = (0..stress.circles.len()).map(|n| {
+            let density = stress.density(n, &rest);
+            (density, chain.density_row(n, density))
+        });
+        chain.densities = densities.collect();
         chain
     }
 
@@ -94,7 +95,7 @@ impl<'a, const D: usize> Chain<'a, D> {
     }
 
     /// `rho = rho_0 / det F` changes by `-rho div u`, a sum by the gradients of its weights.
-    fn density_row(&self, number: usize) -> Row<D> {
+    fn density_row(&self, number: usize, density: f64) -> Row<D> {
         let StressOf {
             surroundings,
             masses,
@@ -112,7 +113,6 @@ impl<'a, const D: usize> Chain<'a, D> {
             }
             return row;
         }
-        let density = self.stress.density(number, &self.stress.at_rest());
         for (member, gradient) in members.iter().zip(&circles[number].gradients) {
             row[*member] -= SVector::from(*gradient) * density;
         }
