@@ -3,6 +3,7 @@
 use super::super::lagrangian::Stressed;
 use super::super::stabilization::{BondPenalty, ViscousBond};
 use super::super::{Interaction, Motion};
+use super::chain::Chain;
 use super::stress::StressOf;
 use crate::bloch::BlochBlocks;
 use crate::lattice::Particle;
@@ -44,7 +45,7 @@ impl<const D: usize> Interaction<D> for SphInteraction<'_, D> {
     fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
         match self {
             Self::Fixed(point) => point.add_stiffness(blocks),
-            Self::Moving(stress) => stress.add_stiffness(blocks),
+            Self::Moving(stress) => Chain::new(stress).add_stiffness(blocks),
             Self::Penalty(penalty) => penalty.add_stiffness(blocks),
             Self::Viscous(bond) => bond.add_stiffness(blocks),
         }

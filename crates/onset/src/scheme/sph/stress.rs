@@ -3,10 +3,8 @@
 use super::super::products::{displacement_gradient, times_transpose, transported};
 use super::super::response::{determinant, inverse};
 use super::super::{Interaction, Motion, PointResponse};
-use super::chain::Chain;
 use super::current::{CurrentPairs, Laden};
 use crate::algebra::{Each, array_of};
-use crate::bloch::BlochBlocks;
 use crate::lattice::Particle;
 use crate::real::Real;
 use std::borrow::Cow;
@@ -205,10 +203,6 @@ impl<const D: usize> Interaction<D> for StressOf<'_, D> {
             }
         }
         forces
-    }
-
-    fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
-        Chain::new(self).add_stiffness(blocks);
     }
 }
 
