@@ -217,7 +217,8 @@ pub struct DiscretizationAnswer {
     /// Of which waves these are: of all, or, at a state that is unstable itself, of those that do not grow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damped_time_steps_of: Option<&'static str>,
-    /// No scaled measure of any wave is below this, however far; `null` where `minimum_scaled` is that of a search which nothing bounds.
+    /// No scaled measure of any wave is below this, however far; `null` where `minimum_scaled` is that of a search which nothing bounds. Where forces
+    /// have no energy it is the bound of the Hermitian part, and the minimum is searched.
     pub minimum_scaled_bound: Option<f64>,
     /// How the minimum was got: `bounded` or `searched`.
     pub minimum_scaled_by: &'static str,

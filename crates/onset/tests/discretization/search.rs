@@ -9,7 +9,7 @@ use onset::material::ModifiedMooneyRivlin;
 use onset::method::KernelMethodChoices;
 use onset::quadrature::Quadrature;
 use onset::scheme::MethodChoices;
-use onset::verdict::{Survey, speed_squared};
+use onset::verdict::{Survey, assess, speed_squared};
 use proptest::prelude::*;
 use std::cell::Cell;
 
@@ -130,6 +130,44 @@ proptest! {
         prop_assert!(summary.growth_rate() >= seen.growth * (1.0 - 1e-6) - margin * seen.highest.sqrt(),
             "growth rate {} below {}", summary.growth_rate(), seen.growth);
     }
+}
+
+#[test]
+fn no_real_part_is_below_the_bound_of_the_hermitian_part() {
+    let [seen, close] = [Cell::new(0), Cell::new(0)];
+    let mut runner = proptest::test_runner::TestRunner::new(config(40));
+    runner
+        .run(&case(), |case| {
+            let (method, material) = (case.method(), case.material());
+            let d = dynamical_matrix(&method, &*material, &case.state).expect("finite");
+            let spectrum = assess(&method, &*material, &case.state)
+                .expect("finite")
+                .spectrum;
+            if d.is_hermitian() || !spectrum.bound.is_finite() {
+                return Ok(());
+            }
+            let speed_squared = speed_squared(&method, &*material).expect("finite");
+            let mut least = f64::INFINITY;
+            for k in grid(&case) {
+                let wave = d.at(&k);
+                let part = (wave + wave.adjoint()) * nalgebra::Complex::new(0.5, 0.0);
+                let lowest = part.symmetric_eigenvalues().min();
+                least = least.min(lowest / (speed_squared * method.lattice().laplacian(&k)));
+            }
+            let scale = least.abs().max(1.0);
+            prop_assert!(
+                spectrum.bound <= least + 1e-9 * scale,
+                "{} {least}",
+                spectrum.bound
+            );
+            prop_assert!(spectrum.bound <= spectrum.softest.scaled);
+            seen.set(seen.get() + 1);
+            close.set(close.get() + usize::from(spectrum.bound > least - 1e-2 * scale));
+            Ok(())
+        })
+        .expect("all cases pass");
+    let (seen, close) = (seen.get(), close.get());
+    assert!(seen > 10 && 2 * close > seen, "{close} of {seen}");
 }
 
 #[test]

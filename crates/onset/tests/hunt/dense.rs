@@ -17,7 +17,7 @@ type MatrixAt<const D: usize> = dyn Fn(&SVector<f64, D>) -> DMatrix<Complex<f64>
 pub struct Waves<const D: usize> {
     pub lattice: BravaisLattice<D>,
     matrix: Box<MatrixAt<D>>,
-    is_hermitian: bool,
+    pub is_hermitian: bool,
     pub scale: f64,
 }
 

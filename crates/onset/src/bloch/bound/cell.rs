@@ -78,6 +78,15 @@ impl<const D: usize> Cell<D> {
         cell
     }
 
+    /// A wave vector, given by its components over the reciprocal vectors.
+    pub(super) fn point(components: &SVector<f64, D>) -> Self {
+        Self {
+            chart: Chart::Zone,
+            middle: (*components).into(),
+            half: [0.0; D],
+        }
+    }
+
     /// Whether it reaches the limit of long waves.
     pub(super) fn has_limit(&self) -> bool {
         self.chart != Chart::Zone && self.middle[0] <= self.half[0]

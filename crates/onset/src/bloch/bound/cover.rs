@@ -5,16 +5,20 @@ use super::local::{Local, Sign};
 use super::pencil::Pencil;
 use crate::algebra::{Each, settled_along};
 use crate::bloch::IsEnded;
+use crate::cores::of_each_long;
 use nalgebra::SVector;
 use std::collections::VecDeque;
 
 /// Half sides below which a box is not divided further.
 const SMALLEST: f64 = 1e-9;
-/// Boxes that must be affordable: with fewer nothing is bounded.
-const FEWEST: usize = 64;
+/// Boxes that must be affordable, in one to three dimensions: with fewer nothing is bounded that one would want to know.
+const FEWEST: [usize; 3] = [64, 256, 2048];
 /// How often the gap is enlarged by [`WIDER`] for a box that is left, at most.
-const WIDENINGS: usize = 40;
+const WIDENINGS: i32 = 40;
 const WIDER: f64 = 4.0;
+/// Boxes of which one value is asked, and work for them, in units of [`Pencil::cost`], that is worth distributing: a millisecond.
+const AT_ONCE: usize = 256;
+const DISTRIBUTED: usize = 15_000;
 
 /// What a cover of the zone has found.
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +56,7 @@ pub(super) fn cover<const D: usize>(
     question: &Question<'_, D>,
 ) -> Option<Covered<D>> {
     let most = question.budget / pencil.cost();
-    if most < FEWEST {
+    if most < FEWEST[D - 1] {
         return None;
     }
     let mut found = Covered {
@@ -63,41 +67,70 @@ pub(super) fn cover<const D: usize>(
     };
     let mut open: VecDeque<Cell<D>> = pencil.boxes(most).into();
     let (mut left, mut looked) = (Vec::new(), 0);
-    while let Some(cell) = open.pop_front() {
+    // What is open at the end is looked at once more.
+    while !open.is_empty() && looked + open.len() < most {
         if (question.is_ended)() {
             return Some(found);
         }
-        let local = pencil.on(&cell);
-        looked += 1;
-        let mut sign = local.sign(found.lowest - question.gap);
-        if sign == Sign::Lost {
-            let k = cell.wave_vector(pencil.reciprocal());
-            let value = (question.value)(&k);
-            let limit = (value >= found.lowest && cell.has_limit()).then(|| long_wave(pencil, &k));
-            let lower = match limit {
-                Some(limit) => (limit, true),
-                None => ((question.descended)((value, k)), false),
-            };
-            if lower.0.0 < found.lowest {
-                (found.lowest, found.wave_vector) = (lower.0.0, Some(lower.0.1));
-                found.is_long_wave = lower.1;
+        let several = open.drain(..open.len().min(AT_ONCE)).collect();
+        let highest = found.lowest - question.gap;
+        let sign = |cell: Cell<D>| {
+            let local = pencil.on(&cell);
+            let sign = local.sign(highest);
+            (cell, local, sign)
+        };
+        for (cell, local, mut sign) in on_cores(pencil, several, sign) {
+            looked += 1;
+            if sign == Sign::Lost && found.lowest - question.gap < highest {
                 sign = local.sign(found.lowest - question.gap);
             }
-        }
-        if sign == Sign::Positive {
-            continue;
-        }
-        if looked >= most || cell.half.iter().all(|half| *half < SMALLEST) {
-            left.push((cell, local));
-            if looked >= most {
-                left.extend(open.drain(..).map(|cell| (cell, pencil.on(&cell))));
+            if sign == Sign::Lost && found.is_lowered(pencil, question, &cell) {
+                sign = local.sign(found.lowest - question.gap);
             }
-            continue;
+            if sign == Sign::Positive {
+                continue;
+            }
+            match cell.half.iter().all(|half| *half < SMALLEST) {
+                true => left.push(cell),
+                false => open.extend(halves(&cell, &local)),
+            }
         }
-        open.extend(halves(&cell, &local));
     }
-    found.bound = below(found.lowest, question.gap, &left);
+    left.extend(open);
+    found.bound = below(pencil, found.lowest, question.gap, left);
     Some(found)
+}
+
+impl<const D: usize> Covered<D> {
+    /// Goes downhill from the middle of a box; whether that leads below what is known.
+    fn is_lowered(
+        &mut self,
+        pencil: &Pencil<D>,
+        question: &Question<'_, D>,
+        cell: &Cell<D>,
+    ) -> bool {
+        let k = cell.wave_vector(pencil.reciprocal());
+        let value = (question.value)(&k);
+        let is_long_wave = value >= self.lowest && cell.has_limit();
+        let (value, k) = match is_long_wave {
+            true => long_wave(pencil, &k),
+            false => (question.descended)((value, k)),
+        };
+        let is_lower = value < self.lowest;
+        if is_lower {
+            (self.lowest, self.wave_vector, self.is_long_wave) = (value, Some(k), is_long_wave);
+        }
+        is_lower
+    }
+}
+
+/// Work on several boxes, on all cores where it takes longer than to distribute it.
+fn on_cores<const D: usize, R: Send>(
+    pencil: &Pencil<D>,
+    cells: Vec<Cell<D>>,
+    work: impl Fn(Cell<D>) -> R + Sync,
+) -> Vec<R> {
+    of_each_long(cells.len() * pencil.cost() > DISTRIBUTED, cells, work)
 }
 
 /// The softest limit of long waves downhill from a direction.
@@ -105,10 +138,7 @@ fn long_wave<const D: usize>(
     pencil: &Pencil<D>,
     direction: &SVector<f64, D>,
 ) -> (f64, SVector<f64, D>) {
-    let limit = |k: &SVector<f64, D>| match pencil.limit_along(k) {
-        value if value.is_finite() => value,
-        _ => f64::INFINITY,
-    };
+    let limit = |k: &SVector<f64, D>| pencil.limit_along(k);
     let start = (limit(direction), *direction);
     // A step along the direction itself changes nothing.
     let scale = direction.norm() / pencil.reciprocal().norm();
@@ -139,16 +169,28 @@ fn halves<const D: usize>(cell: &Cell<D>, local: &Local<D>) -> [Cell<D>; 2] {
 }
 
 /// What no value is below, in boxes that are left too.
-fn below<const D: usize>(lowest: f64, gap: f64, left: &[(Cell<D>, Local<D>)]) -> f64 {
-    let (mut gap, mut widened) = (gap, 0);
-    for (_, local) in left {
-        while local.sign(lowest - gap) != Sign::Positive {
-            gap *= WIDER;
-            widened += 1;
-            if widened > WIDENINGS {
-                return f64::NEG_INFINITY;
-            }
-        }
+fn below<const D: usize>(
+    pencil: &Pencil<D>,
+    lowest: f64,
+    mut gap: f64,
+    mut left: Vec<Cell<D>>,
+) -> f64 {
+    let mut widened = 0;
+    while widened <= WIDENINGS && !left.is_empty() {
+        let several = left.split_off(left.len().saturating_sub(AT_ONCE));
+        let needed = |cell: Cell<D>| {
+            let local = pencil.on(&cell);
+            let is_seen = |n: &i32| local.sign(lowest - gap * WIDER.powi(*n)) == Sign::Positive;
+            (0..=WIDENINGS - widened)
+                .find(is_seen)
+                .unwrap_or(WIDENINGS + 1)
+        };
+        let most = on_cores(pencil, several, needed).into_iter().max();
+        widened += most.unwrap_or(0);
+        gap *= WIDER.powi(most.unwrap_or(0));
     }
-    lowest - gap
+    match widened > WIDENINGS {
+        true => f64::NEG_INFINITY,
+        false => lowest - gap,
+    }
 }

@@ -1,7 +1,7 @@
 //! What is known of `P - mu Q` on a box.
 
 use super::jet::{bend, slope};
-use super::squares::{Quadratic, is_positive_definite};
+use super::squares::{Quadratic, is_positive_definite, pairs};
 use crate::algebra::{Complex, Each, hermitian_eigen};
 use nalgebra::DMatrix;
 
@@ -50,8 +50,7 @@ impl<const D: usize> Local<D> {
         let quadratic = Quadratic::<D> {
             constant: middle,
             slopes: std::array::from_fn(|a| self.part(slope(a), mu, half[a])),
-            mixed: (0..D)
-                .flat_map(|a| (0..a).map(move |b| [a, b]))
+            mixed: pairs::<D>()
                 .map(|[a, b]| ([a, b], second(a, b, 1.0)))
                 .collect(),
             pure: std::array::from_fn(|a| second(a, a, 0.5)),

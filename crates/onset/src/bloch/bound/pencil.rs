@@ -60,14 +60,14 @@ struct Basis {
 }
 
 impl<const D: usize> Pencil<D> {
-    /// Of a system, for a measure over a lattice; `None` where the equations are not Hermitian, or where a translation or a
+    /// Of the Hermitian part of a system, for a measure over a lattice; `None` where particles drift, or where a translation or a
     /// homogeneous strain makes forces, so that the measure has no limit of long waves.
     pub(super) fn of_system(
         system: &WaveSystem<D>,
         measure: Measure,
         lattice: &BravaisLattice<D>,
     ) -> Option<Self> {
-        if !system.is_hermitian() || system.drift().is_some() {
+        if system.drift().is_some() {
             return None;
         }
         let masses = system.particle_masses();
@@ -82,15 +82,12 @@ impl<const D: usize> Pencil<D> {
         Self::new(stiffness, mass, &masses, measure, lattice)
     }
 
-    /// Of a dynamical matrix that is periodic.
+    /// Of the Hermitian part of a dynamical matrix that is periodic.
     pub(super) fn of_matrix(
         matrix: &DynamicalMatrix<D>,
         measure: Measure,
         lattice: &BravaisLattice<D>,
     ) -> Option<Self> {
-        if !matrix.is_hermitian() {
-            return None;
-        }
         let stiffness = PhaseSum::of_matrix(matrix, measure.unit())?;
         Self::new(stiffness, None, &[1.0], measure, lattice)
     }
@@ -127,19 +124,30 @@ impl<const D: usize> Pencil<D> {
         &self.reciprocal
     }
 
-    /// Work for a box: blocks that are summed up, entries, factorizations.
+    /// Work for a box, in units of some 80 ns of one core: blocks that are summed up, entries, factorizations.
     pub(super) fn cost(&self) -> usize {
         let size = D * self.sites;
         let blocks = self.stiffness.len() + self.mass.as_ref().map_or(0, PhaseSum::len);
-        40 + blocks + 4 * size * size + size * size * size / 2
+        let in_space = 60 + blocks / 2 + 4 * size * size + size * size * size;
+        in_space * (D + 1) / 4
     }
 
     /// The limit of the measure for long waves along a direction.
     pub(super) fn limit_along(&self, direction: &SVector<f64, D>) -> f64 {
-        match inverse_of(&self.reciprocal) {
-            Some(inverse) => self.on(&Cell::limit_along(&(inverse * direction))).value(),
-            None => f64::NAN,
-        }
+        self.value(direction, Cell::limit_along)
+    }
+
+    /// The measure at a wave vector.
+    pub(super) fn at(&self, k: &SVector<f64, D>) -> f64 {
+        self.value(k, Cell::point)
+    }
+
+    fn value(&self, k: &SVector<f64, D>, cell: impl Fn(&SVector<f64, D>) -> Cell<D>) -> f64 {
+        let inverse = inverse_of(&self.reciprocal);
+        let value = inverse.map(|inverse| self.on(&cell(&(inverse * k))).value());
+        value
+            .filter(|value| value.is_finite())
+            .unwrap_or(f64::INFINITY)
     }
 
     /// Boxes that together are half of the zone, where so many can be looked at.

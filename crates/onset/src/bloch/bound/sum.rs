@@ -2,29 +2,101 @@
 
 use super::cell::Cell;
 use super::jet::{Jet, MatrixJet, bend, parts, slope};
+use super::squares::pairs;
 use crate::algebra::{Complex, Each, array_of};
+use crate::bloch::powers::Powers;
 use crate::bloch::{BlochSum, DynamicalMatrix};
 use crate::lattice::{Crystal, Particle};
 use nalgebra::{DMatrix, SMatrix};
+use pulp::{Arch, NullaryFnOnce};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::f64::consts::TAU;
 
 /// The block of a pair of particles, half of it where that is one particle.
 #[derive(Clone, Debug)]
 struct Bond<const D: usize> {
     from: usize,
     to: usize,
+    cell: [i32; D],
     /// `b_i . R` for the reciprocal vectors.
     along: [f64; D],
     block: SMatrix<f64, D, D>,
-    norm: f64,
 }
 
-/// A Hermitian sum of blocks with phases `exp(i k.R)`.
+/// Derivatives up to the third order in three variables.
+const MOST: usize = 20;
+
+/// How many different entries a block has with its adjoint: real ones, and imaginary ones.
+const fn entries<const D: usize>(is_of_one_site: bool) -> usize {
+    if is_of_one_site { D * D } else { 2 * D * D }
+}
+
+impl<const D: usize> Bond<D> {
+    fn times(&self, factor: f64) -> Self {
+        Self {
+            block: self.block * factor,
+            ..self.clone()
+        }
+    }
+
+    /// The way back.
+    fn adjoint(&self) -> Self {
+        Self {
+            from: self.to,
+            to: self.from,
+            cell: self.cell.each(|n| -n),
+            along: self.along.each(|x| -x),
+            block: self.block.transpose(),
+        }
+    }
+
+    fn norm(&self) -> f64 {
+        self.block.norm()
+    }
+
+    fn is_of_one_site(&self) -> bool {
+        self.from == self.to
+    }
+
+    /// How many of the entries are multiplied with the cosine of the phase.
+    fn with_cosine(&self) -> usize {
+        match self.is_of_one_site() {
+            true => D * (D + 1) / 2,
+            false => D * D,
+        }
+    }
+
+    /// What is multiplied with the cosine of the phase, and with the sine: of one site `B exp(i x) + B^T exp(-i x)`, with a
+    /// symmetric real and an antisymmetric imaginary part, of two sites `B exp(i x)`.
+    fn entries(&self) -> Vec<f64> {
+        let block = &self.block;
+        if !self.is_of_one_site() {
+            return block.iter().chain(block.iter()).copied().collect();
+        }
+        let sums = pairs::<D>().map(|[i, j]| block[(i, j)] + block[(j, i)]);
+        let differences = pairs::<D>().map(|[i, j]| block[(i, j)] - block[(j, i)]);
+        let diagonal = (0..D).map(|i| 2.0 * block[(i, i)]);
+        diagonal.chain(sums).chain(differences).collect()
+    }
+}
+
+/// The Hermitian part of a sum of blocks with phases `exp(i k.R)`.
 #[derive(Clone, Debug)]
 pub(super) struct PhaseSum<const D: usize> {
+    /// One of each two that are each other's adjoints.
     bonds: Vec<Bond<D>>,
+    /// The norms of their blocks.
+    norms: Vec<f64>,
     sites: usize,
-    /// Of each pair its block times the powers up to the third order of its components: what derivatives by these sum up.
+    /// Of each pair the powers up to the third order of the components of its vector, which are derivatives of its phase.
     powers: Vec<f64>,
+    /// Of each pair what is multiplied with the cosine of its phase, and with the sine.
+    entries: Vec<f64>,
+    /// The farthest cell.
+    reach: usize,
+    /// `b_i . r` from one site to another.
+    offsets: Vec<[f64; D]>,
     /// How much the second derivatives by each component may do.
     bends: [f64; D],
 }
@@ -46,6 +118,16 @@ const fn derivatives<const D: usize>() -> usize {
     parts::<D>() + D * (D + 1) * (D + 2) / 6
 }
 
+/// The order of a derivative.
+const fn order<const D: usize>(derivative: usize) -> usize {
+    match derivative {
+        0 => 0,
+        first if first <= D => 1,
+        second if second < parts::<D>() => 2,
+        _ => 3,
+    }
+}
+
 impl<const D: usize> PhaseSum<D> {
     /// Of the blocks of a sum, over the square roots of masses, in a unit.
     pub(super) fn of_system(
@@ -61,8 +143,8 @@ impl<const D: usize> PhaseSum<D> {
             Bond {
                 from,
                 to: to.site,
+                cell: to.cell,
                 along: array_of(|i| reciprocal.column(i).dot(&vector)),
-                norm: block.norm(),
                 block,
             }
         };
@@ -77,33 +159,51 @@ impl<const D: usize> PhaseSum<D> {
             Bond {
                 from: 0,
                 to: 0,
-                along: cell.each(|n| std::f64::consts::TAU * f64::from(n)),
-                norm: block.norm(),
+                cell: *cell,
+                along: cell.each(|n| TAU * f64::from(n)),
                 block,
             }
         });
         Some(Self::new(bonds, 1))
     }
 
+    /// The Hermitian part of a sum: of each two blocks that would be each other's adjoints their mean.
     fn new(bonds: impl Iterator<Item = Bond<D>>, sites: usize) -> Self {
-        let bonds: Vec<Bond<D>> = bonds.filter_map(halved).collect();
-        let mut powers = Vec::with_capacity(bonds.len() * derivatives::<D>() * D * D);
-        let mut bends = [0.0; D];
+        let mut means: BTreeMap<_, Bond<D>> = BTreeMap::new();
+        for bond in bonds {
+            for own in [bond.times(0.5), bond.adjoint().times(0.5)] {
+                match means.entry((own.from, own.to, own.cell)) {
+                    Entry::Occupied(mut entry) => entry.get_mut().block += own.block,
+                    Entry::Vacant(entry) => {
+                        entry.insert(own);
+                    }
+                }
+            }
+        }
+        let bonds: Vec<Bond<D>> = means.into_values().filter_map(halved).collect();
+        let [mut powers, mut entries] = [Vec::new(), Vec::new()];
+        let (mut bends, mut offsets) = ([0.0; D], vec![[0.0; D]; sites * sites]);
         for bond in &bonds {
             let r = bond.along;
-            let mut factors = vec![1.0];
-            factors.extend(r);
-            factors.extend((0..D).flat_map(|a| (0..=a).map(move |b| r[a] * r[b])));
-            factors.extend(thirds::<D>().map(|([a, b, c], _)| r[a] * r[b] * r[c]));
-            for factor in factors {
-                powers.extend(bond.block.iter().map(|x| x * factor));
-            }
-            (0..D).for_each(|a| bends[a] += bond.norm * r[a] * r[a]);
+            powers.push(1.0);
+            powers.extend(r);
+            powers.extend((0..D).flat_map(|a| (0..=a).map(move |b| r[a] * r[b])));
+            powers.extend(thirds::<D>().map(|([a, b, c], _)| r[a] * r[b] * r[c]));
+            entries.extend(bond.entries());
+            (0..D).for_each(|a| bends[a] += bond.norm() * r[a] * r[a]);
+            offsets[bond.from * sites + bond.to] =
+                array_of(|a| r[a] - TAU * f64::from(bond.cell[a]));
         }
+        let cells = bonds.iter().flat_map(|bond| bond.cell);
+        let reach = cells.map(|n| n.unsigned_abs() as usize).max().unwrap_or(0);
         Self {
+            norms: bonds.iter().map(Bond::norm).collect(),
             bonds,
             sites,
             powers,
+            entries,
+            reach,
+            offsets,
             bends,
         }
     }
@@ -127,10 +227,10 @@ impl<const D: usize> PhaseSum<D> {
                 }
             };
             add(&mut sum, 1.0, 1.0);
-            sizes[0] += 2.0 * bond.norm;
+            sizes[0] += 2.0 * bond.norm();
             for (moment, along) in moments.iter_mut().zip(bond.along) {
                 add(moment, along, -along);
-                sizes[1] += 2.0 * bond.norm * along.abs();
+                sizes[1] += 2.0 * bond.norm() * along.abs();
             }
         }
         (sum, moments, sizes)
@@ -139,59 +239,18 @@ impl<const D: usize> PhaseSum<D> {
     /// On a box of the zone. What is left of it is below the sizes of the derivatives of the third order in the middle and of
     /// the terms of the fourth.
     pub(super) fn in_zone(&self, cell: &Cell<D>, bends: &mut [f64; D]) -> MatrixJet<D> {
-        let (n, entries) = (D * self.sites, D * D);
-        let each = derivatives::<D>() * entries;
-        let pairs = self.sites * self.sites;
-        let [mut cosines, mut sines] = [(); 2].map(|()| vec![0.0; pairs * each]);
+        let sums = Arch::new().dispatch(InZone(self, cell));
         let mut fourth = vec![0.0; self.sites];
-        for (bond, powers) in self.bonds.iter().zip(self.powers.chunks_exact(each)) {
-            let (mut phase, mut spread) = (0.0, 0.0);
-            for a in 0..D {
-                phase += cell.middle[a] * bond.along[a];
-                spread += cell.half[a] * bond.along[a].abs();
-            }
-            let (sine, cosine) = phase.sin_cos();
-            let start = (bond.from * self.sites + bond.to) * each;
-            let own = start..start + each;
-            let sums = cosines[own.clone()].iter_mut().zip(&mut sines[own]);
-            for ((c, s), power) in sums.zip(powers) {
-                *c += cosine * power;
-                *s += sine * power;
-            }
-            let most = bond.norm * (spread * spread) * (spread * spread);
+        for (bond, norm) in self.bonds.iter().zip(&self.norms) {
+            let spread: f64 = (0..D).map(|a| cell.half[a] * bond.along[a].abs()).sum();
+            let most = norm * (spread * spread) * (spread * spread);
             fourth[bond.from] += most;
             fourth[bond.to] += most;
         }
-        let assembled = |part: usize, order: usize| {
-            let mut matrix = DMatrix::zeros(n, n);
-            for pair in 0..pairs {
-                let start = pair * each + part * entries;
-                let (row, column) = (D * (pair / self.sites), D * (pair % self.sites));
-                for entry in 0..entries {
-                    let (c, s) = (cosines[start + entry], sines[start + entry]);
-                    // i^order (c + i s).
-                    let value = match order {
-                        0 => Complex::new(c, s),
-                        1 => Complex::new(-s, c),
-                        2 => Complex::new(-c, -s),
-                        _ => Complex::new(s, -c),
-                    };
-                    let place = (row + entry % D, column + entry / D);
-                    matrix[place] += value;
-                    matrix[(place.1, place.0)] += value.conj();
-                }
-            }
-            matrix
-        };
-        let order = |part: usize| match part {
-            0 => 0,
-            part if part <= D => 1,
-            _ => 2,
-        };
         let third: f64 = thirds::<D>()
             .enumerate()
             .map(|(number, (abc, count))| {
-                let size = norm_bound(&assembled(parts::<D>() + number, 3));
+                let size = norm_bound(&self.assembled(&sums, parts::<D>() + number));
                 count * size * abc.iter().map(|a| cell.half[*a]).product::<f64>()
             })
             .sum();
@@ -200,10 +259,78 @@ impl<const D: usize> PhaseSum<D> {
         }
         MatrixJet {
             parts: (0..parts::<D>())
-                .map(|part| assembled(part, order(part)))
+                .map(|part| self.assembled(&sums, part))
                 .collect(),
             rest: third / 6.0 + fourth.into_iter().fold(0.0, f64::max) / 24.0,
         }
+    }
+
+    /// The derivatives in the middle of a box, of one entry after the other, for each pair of sites as many as of different ones.
+    #[inline(always)]
+    fn derivatives_at(&self, cell: &Cell<D>) -> Vec<f64> {
+        let each = derivatives::<D>();
+        let turn = |angle: f64| {
+            let (sine, cosine) = angle.sin_cos();
+            Complex::new(cosine, sine)
+        };
+        let powers = Powers::new(cell.middle.each(|x| turn(TAU * x)), self.reach);
+        let angle = |r: &[f64; D]| (0..D).map(|a| cell.middle[a] * r[a]).sum();
+        let starts: Vec<Complex> = self.offsets.iter().map(|r| turn(angle(r))).collect();
+        let mut sums = vec![0.0; self.sites * self.sites * entries::<D>(false) * each];
+        let mut coefficients = &self.entries[..];
+        for (bond, factors) in self.bonds.iter().zip(self.powers.chunks_exact(each)) {
+            let pair = bond.from * self.sites + bond.to;
+            let Complex { re, im } = powers.turned(starts[pair], &bond.cell);
+            let [mut cosine, mut sine] = [[0.0; MOST]; 2];
+            for n in 0..each {
+                let order = order::<D>(n);
+                cosine[n] = factors[n] * [re, -im, -re, im][order];
+                sine[n] = factors[n] * [im, re, -im, -re][order];
+            }
+            let own = &mut sums[pair * entries::<D>(false) * each..];
+            let count = entries::<D>(bond.is_of_one_site());
+            for entry in 0..count {
+                let phase = match entry < bond.with_cosine() {
+                    true => &cosine,
+                    false => &sine,
+                };
+                let sum = &mut own[entry * each..(entry + 1) * each];
+                for n in 0..each {
+                    sum[n] += coefficients[entry] * phase[n];
+                }
+            }
+            coefficients = &coefficients[count..];
+        }
+        sums
+    }
+
+    /// The Hermitian matrix of a derivative.
+    fn assembled(&self, sums: &[f64], derivative: usize) -> DMatrix<Complex> {
+        let n = D * self.sites;
+        let mut matrix = DMatrix::zeros(n, n);
+        let value = |from: usize, to: usize, entry: usize| {
+            let pair = from * self.sites + to;
+            sums[(pair * entries::<D>(false) + entry) * derivatives::<D>() + derivative]
+        };
+        for site in 0..self.sites {
+            let real = |entry| Complex::new(value(site, site, entry), 0.0);
+            (0..D).for_each(|i| matrix[(D * site + i, D * site + i)] = real(i));
+            for (number, [i, j]) in pairs::<D>().enumerate() {
+                let imaginary = value(site, site, D * (D + 1) / 2 + number);
+                let place = (D * site + i, D * site + j);
+                matrix[place] = real(D + number) + Complex::new(0.0, imaginary);
+                matrix[(place.1, place.0)] = matrix[place].conj();
+            }
+            for to in site + 1..self.sites {
+                for entry in 0..D * D {
+                    let place = (D * site + entry % D, D * to + entry / D);
+                    let imaginary = value(site, to, D * D + entry);
+                    matrix[place] = Complex::new(value(site, to, entry), imaginary);
+                    matrix[(place.1, place.0)] = matrix[place].conj();
+                }
+            }
+        }
+        matrix
     }
 
     /// On a box of a cone, as far as they are wanted with what remains of the phases beyond their first `m` terms, over `t^m`.
@@ -220,7 +347,7 @@ impl<const D: usize> PhaseSum<D> {
             MatrixJet::<D>::zeros(size, size)
         });
         let mut rests = vec![[0.0; 3]; self.sites];
-        for bond in &self.bonds {
+        for (bond, norm) in self.bonds.iter().zip(&self.norms) {
             let jets = cell.cone_jets(cone, &bond.along, wanted);
             let place = (D * bond.from, D * bond.to);
             for (order, sum) in sums
@@ -230,9 +357,9 @@ impl<const D: usize> PhaseSum<D> {
             {
                 let (jet, rest, bent) = &jets[order];
                 sum.add(place, &bond.block, jet);
-                rests[bond.from][order] += bond.norm * rest;
-                rests[bond.to][order] += bond.norm * rest;
-                (0..D).for_each(|a| bends[a] += bond.norm * bent[a]);
+                rests[bond.from][order] += norm * rest;
+                rests[bond.to][order] += norm * rest;
+                (0..D).for_each(|a| bends[a] += norm * bent[a]);
             }
         }
         for (order, sum) in sums.iter_mut().enumerate() {
@@ -241,6 +368,18 @@ impl<const D: usize> PhaseSum<D> {
             sum.rest = rests.iter().map(|rest| rest[order]).fold(0.0, f64::max);
         }
         sums
+    }
+}
+
+/// Work for the widest vectors of the machine. (A closure would not be inlined there.)
+struct InZone<'a, const D: usize>(&'a PhaseSum<D>, &'a Cell<D>);
+
+impl<const D: usize> NullaryFnOnce for InZone<'_, D> {
+    type Output = Vec<f64>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<f64> {
+        self.0.derivatives_at(self.1)
     }
 }
 
@@ -307,11 +446,7 @@ fn halved<const D: usize>(bond: Bond<D>) -> Option<Bond<D>> {
         std::cmp::Ordering::Greater => -1.0,
     };
     match side {
-        0.0 => Some(Bond {
-            block: bond.block * 0.5,
-            norm: bond.norm * 0.5,
-            ..bond
-        }),
+        0.0 => Some(bond.times(0.5)),
         side => (side > 0.0).then_some(bond),
     }
 }
@@ -324,7 +459,9 @@ mod tests {
     use crate::bloch::bound::jet::{Jet, MatrixJet, bend, slope};
     use nalgebra::{DMatrix, SMatrix};
     use proptest::prelude::*;
+    use std::f64::consts::TAU;
 
+    /// The Hermitian part.
     fn at<const D: usize>(bonds: &[Bond<D>], sites: usize, x: &[f64; D]) -> DMatrix<Complex> {
         let mut sum = DMatrix::zeros(D * sites, D * sites);
         for bond in bonds {
@@ -332,7 +469,7 @@ mod tests {
             let phase = Complex::new(0.0, phase).exp();
             for i in 0..D {
                 for j in 0..D {
-                    let value = phase * bond.block[(i, j)];
+                    let value = phase * (0.5 * bond.block[(i, j)]);
                     let place = (D * bond.from + i, D * bond.to + j);
                     sum[place] += value;
                     sum[(place.1, place.0)] += value.conj();
@@ -366,10 +503,12 @@ mod tests {
             let bonds: Vec<Bond<2>> = (0..6).map(|n| {
                 let block = SMatrix::<f64, 2, 2>::from_column_slice(&entries[4 * n..4 * n + 4]);
                 let along = [along[2 * n], along[2 * n + 1]];
-                // Of pairs of one particle only one side is kept.
                 let (from, to) = [(0, 0), (1, 1), (0, 1)][n % 3];
-                let along = if along[0] < 0.0 && from == to { along.map(|x| -x) } else { along };
-                Bond { from, to, along, norm: block.norm(), block }
+                // The phase of a cell times that of an offset, which all pairs of two sites share.
+                let offset = if from == to { [0.0; 2] } else { [0.3, -0.7] };
+                let cell = [0, 1].map(|a| ((along[a] - offset[a]) / TAU).round() as i32);
+                let along = [0, 1].map(|a| offset[a] + TAU * f64::from(cell[a]));
+                Bond { from, to, cell, along, block }
             }).collect();
             let sum = PhaseSum::new(bonds.clone().into_iter(), 2);
             let cell = Cell { chart: Chart::Zone, middle, half };

@@ -336,7 +336,7 @@ impl<const D: usize> ZoneSearch<D> {
         let question = Question {
             known: known.scaled,
             gap: bound::GAP * known.scaled.abs().max(1.0) + self.tolerance(matrix),
-            budget: bound::BUDGET / 2,
+            budget: bound::BUDGET,
             value: &|k| self.value_at(matrix, Objective::Scaled, k),
             descended: &|(value, k)| {
                 let end = self.settled(matrix, Objective::Scaled, k, f64::INFINITY);

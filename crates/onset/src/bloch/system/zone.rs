@@ -618,7 +618,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
         floor: f64,
         start: Option<Candidate<D>>,
     ) -> Option<Covered<D>> {
-        if !self.is_bounded {
+        // The bound of a Hermitian part does not tell how far the values themselves go down.
+        let is_hermitian = self.system.is_hermitian();
+        if !self.is_bounded || !(is_hermitian || objective == Objective::Scaled) {
             return None;
         }
         let speed_squared = self.search.speed_squared();
@@ -652,8 +654,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
             is_ended: self.is_ended,
         };
         let mut covered = cover_system(self.system, measure, self.search.reference(), &question)?;
-        let is_loose = covered.bound < covered.lowest - question.gap;
-        if is_loose && covered.bound < covered.lowest - LOOSE * covered.lowest.abs() {
+        let is_loose = covered.bound < covered.lowest - question.gap
+            && covered.bound < covered.lowest - LOOSE * covered.lowest.abs();
+        if is_loose || !is_hermitian {
             // Where the bound does not tell the value, the wells of the grid are looked at too.
             let lower = self.bottom(objective, covered.lowest);
             if let Some((value, k)) = lower.filter(|(value, _)| *value < covered.lowest) {
