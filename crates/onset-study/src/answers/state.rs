@@ -217,10 +217,10 @@ pub struct DiscretizationAnswer {
     /// Of which waves these are: of all, or, at a state that is unstable itself, of those that do not grow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damped_time_steps_of: Option<&'static str>,
-    /// No scaled measure of any wave is below this, however far; `null` where `minimum_scaled` is that of a search which nothing bounds. Where forces
-    /// have no energy it is the bound of the Hermitian part, and the minimum is searched.
+    /// No scaled measure of any wave is below this; `null` where nothing bounds them, or what does is farther from `minimum_scaled` than that is from zero
+    /// (and than 0.001). Where forces have no energy it is the bound of the Hermitian part.
     pub minimum_scaled_bound: Option<f64>,
-    /// How the minimum was got: `bounded` or `searched`.
+    /// `bounded` where there is a bound, otherwise `searched`.
     pub minimum_scaled_by: &'static str,
     /// Reference wave vector at which `minimum_scaled` is attained; zero in the limit of long waves.
     pub minimum_scaled_wave_vector: Vec<f64>,
@@ -381,6 +381,9 @@ fn discretization_answer(
     let discrete_time = DiscreteTimeAnswer::new(problem, f, is_ended)?;
     let steps = analysis.damped_time_steps_unless(f, is_ended)?;
     let spectrum = &assessment.spectrum;
+    // Of a bound far below the minimum nobody learns anything.
+    let minimum = spectrum.softest.scaled;
+    let bound = Some(spectrum.bound).filter(|bound| minimum - bound <= minimum.abs().max(USEFUL));
     let mode = critical_mode(assessment);
     let wave_vector = finite_wave_vector(mode);
     let spatial = analysis.spatial(f, &mode.wave_vector);
@@ -389,7 +392,7 @@ fn discretization_answer(
         stable: spectrum.is_stable(),
         mode: named,
         minimum_omega_squared: spectrum.lowest.omega_squared.into(),
-        minimum_scaled: spectrum.softest.scaled,
+        minimum_scaled: minimum,
         wave_vector: list(&wave_vector),
         spatial_wave_vector: list(&analysis.spatial(f, &wave_vector)),
         polarization: list(&mode.polarization.map(|component| component.re)),
@@ -413,10 +416,10 @@ fn discretization_answer(
             .into_iter()
             .map(|(integrator, step)| (integrator.name(), step))
             .collect(),
-        minimum_scaled_bound: Some(spectrum.bound).filter(|bound| bound.is_finite()),
-        minimum_scaled_by: match spectrum.bound.is_finite() {
-            true => "bounded",
-            false => "searched",
+        minimum_scaled_bound: bound,
+        minimum_scaled_by: match bound {
+            Some(_) => "bounded",
+            None => "searched",
         },
         minimum_scaled_wave_vector: list(&finite_wave_vector(&spectrum.softest)),
         long_wave_minimum_scaled: spectrum.long_wave.scaled,
@@ -585,11 +588,8 @@ impl std::fmt::Display for StateAnswer {
         };
         line(&of("smallest omega^2"), units.of(omega_squared, "1/s^2"))?;
         let bound = match d.minimum_scaled_bound {
-            // Of a bound far below the minimum nobody learns anything.
-            Some(bound) if d.minimum_scaled - bound <= d.minimum_scaled.abs().max(USEFUL) => {
-                format!("no wave below {}", told_of(bound, 1.0))
-            }
-            _ => "searched, not bounded".to_owned(),
+            Some(bound) => format!("no wave below {}", told_of(bound, 1.0)),
+            None => "searched, not bounded".to_owned(),
         };
         let minimum = told_of(d.minimum_scaled, 1.0);
         line(&of("scaled minimum"), format!("{minimum} ({bound})"))?;

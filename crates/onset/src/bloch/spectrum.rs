@@ -37,8 +37,8 @@ pub struct SpectrumSummary<const D: usize> {
     pub maximum_omega: f64,
     /// `|scaled|` below this is zero to rounding.
     pub tolerance: f64,
-    /// No scaled measure of any wave vector, nor of the limit of long waves, is below this; minus infinity where `softest` is the
-    /// softest mode that a search has found, and nothing bounds the others.
+    /// No scaled measure of any wave vector, nor of the limit of long waves, is below this; minus infinity where nothing
+    /// bounds them. Of equations that are not Hermitian it is the bound of their Hermitian part, and `softest` the softest mode that a search has found.
     pub bound: f64,
     /// Whether modes grow with a complex `omega^2`.
     pub flutters: bool,

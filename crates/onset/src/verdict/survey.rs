@@ -193,7 +193,7 @@ impl<const D: usize> StateWaves<D> {
         })
     }
 
-    /// The same with a lower bound of the scaled measure wherever equations are Hermitian.
+    /// The same with a lower bound of the scaled measure wherever equations allow one.
     ///
     /// # Errors
     /// [`MethodError::NotFinite`] when they over- or underflow.

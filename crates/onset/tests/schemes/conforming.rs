@@ -14,6 +14,7 @@ use onset::material::{Hyperelastic, Law};
 use onset::method::MethodError;
 use onset::scheme::conforming::{ConformingChoices, ConformingIntegration, SmoothingDomain};
 use onset::scheme::{Discretization, LagrangianPoint};
+use onset::verdict::Survey;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
@@ -413,4 +414,34 @@ fn choices_out_of_range_are_refused() {
             ..
         }
     ));
+}
+
+/// The bound is within 4e-7 of what is told; the minimum, which is smaller than that, is told too.
+#[test]
+fn a_minimum_below_the_gap_of_its_bound_is_found() {
+    let packed = Crystal::<3>::of(LatticeKind::HexagonalClosePacked, 1.0).expect("a crystal");
+    let choices = ConformingChoices {
+        kernel: Kernel::WendlandC4,
+        approximation: Approximation::Shepard,
+        radius: 1.892,
+        ..ConformingChoices::default()
+    };
+    let crystal = packed.perturbed(0.1, 573).expect("a crystal");
+    let scheme = ConformingIntegration::new(crystal, &choices).expect("a scheme");
+    let law = Law::named("mooney-rivlin").expect("a law");
+    let material = law.build(&[]).expect("parameters");
+    let f = DeformationGradient::new([
+        [0.79002, 0.0, 0.0],
+        [0.16003, 1.17899, 0.0],
+        [0.19115, 0.0, 1.23348],
+    ])
+    .expect("a state");
+    let survey = Survey::new(&scheme, &*material).expect("a survey");
+    let spectrum = survey.assess(&f).expect("an answer").spectrum;
+    assert!(spectrum.bound.is_finite() && spectrum.bound <= spectrum.softest.scaled);
+    assert!(
+        spectrum.softest.scaled < 1e-7,
+        "{}",
+        spectrum.softest.scaled
+    );
 }

@@ -8,16 +8,18 @@ use crate::bloch::IsEnded;
 use crate::cores::of_each_long;
 use nalgebra::SVector;
 use std::collections::VecDeque;
+use std::iter;
 
 /// Half sides below which a box is not divided further.
 const SMALLEST: f64 = 1e-9;
 /// Boxes that must be affordable, in one to three dimensions: with fewer nothing is bounded that one would want to know.
 const FEWEST: [usize; 3] = [64, 256, 2048];
-/// How often the gap is enlarged by [`WIDER`] for a box that is left, at most.
-const WIDENINGS: i32 = 40;
+/// How much the gap is enlarged each time for a box that is left.
 const WIDER: f64 = 4.0;
-/// Boxes of which one value is asked, and work for them, in units of [`Pencil::cost`], that is worth distributing: a millisecond.
-const AT_ONCE: usize = 256;
+/// Work between two looks at what is known, in units of [`Pencil::cost`], and how many boxes that is, at least and at most; and work that is worth
+/// distributing: a millisecond.
+const AT_ONCE: usize = 40_000;
+const BOXES_AT_ONCE: [usize; 2] = [16, 256];
 const DISTRIBUTED: usize = 15_000;
 
 /// What a cover of the zone has found.
@@ -35,8 +37,9 @@ pub(in crate::bloch) struct Covered<const D: usize> {
 pub(in crate::bloch) struct Question<'a, const D: usize> {
     /// A value that is attained.
     pub(in crate::bloch) known: f64,
-    /// What is not told from the minimum.
+    /// What is not told from the minimum, and what nobody wants to be told any more: a bound that is farther below is none.
     pub(in crate::bloch) gap: f64,
+    pub(in crate::bloch) widest: f64,
     /// How much work is done, at most, in units of [`Pencil::cost`].
     pub(in crate::bloch) budget: usize,
     /// The value at a wave vector.
@@ -67,12 +70,13 @@ pub(super) fn cover<const D: usize>(
     };
     let mut open: VecDeque<Cell<D>> = pencil.boxes(most).into();
     let (mut left, mut looked) = (Vec::new(), 0);
+    let at_once = at_once(pencil);
     // What is open at the end is looked at once more.
     while !open.is_empty() && looked + open.len() < most {
         if (question.is_ended)() {
             return Some(found);
         }
-        let several = open.drain(..open.len().min(AT_ONCE)).collect();
+        let several = open.drain(..open.len().min(at_once)).collect();
         let highest = found.lowest - question.gap;
         let sign = |cell: Cell<D>| {
             let local = pencil.on(&cell);
@@ -97,7 +101,7 @@ pub(super) fn cover<const D: usize>(
         }
     }
     left.extend(open);
-    found.bound = below(pencil, found.lowest, question.gap, left);
+    found.bound = below(pencil, question, found.lowest, &left);
     Some(found)
 }
 
@@ -122,6 +126,12 @@ impl<const D: usize> Covered<D> {
         }
         is_lower
     }
+}
+
+/// How many boxes are compared with the same value.
+fn at_once<const D: usize>(pencil: &Pencil<D>) -> usize {
+    let [least, most] = BOXES_AT_ONCE;
+    (AT_ONCE / pencil.cost()).clamp(least, most)
 }
 
 /// Work on several boxes, on all cores where it takes longer than to distribute it.
@@ -171,26 +181,27 @@ fn halves<const D: usize>(cell: &Cell<D>, local: &Local<D>) -> [Cell<D>; 2] {
 /// What no value is below, in boxes that are left too.
 fn below<const D: usize>(
     pencil: &Pencil<D>,
+    question: &Question<'_, D>,
     lowest: f64,
-    mut gap: f64,
-    mut left: Vec<Cell<D>>,
+    left: &[Cell<D>],
 ) -> f64 {
-    let mut widened = 0;
-    while widened <= WIDENINGS && !left.is_empty() {
-        let several = left.split_off(left.len().saturating_sub(AT_ONCE));
+    let mut gap = question.gap;
+    for several in left.chunks(at_once(pencil)) {
+        if (question.is_ended)() {
+            return f64::NEG_INFINITY;
+        }
+        let wider = iter::successors(Some(gap), |gap| Some(gap * WIDER));
+        let gaps: Vec<f64> = wider.take_while(|gap| *gap <= question.widest).collect();
         let needed = |cell: Cell<D>| {
             let local = pencil.on(&cell);
-            let is_seen = |n: &i32| local.sign(lowest - gap * WIDER.powi(*n)) == Sign::Positive;
-            (0..=WIDENINGS - widened)
-                .find(is_seen)
-                .unwrap_or(WIDENINGS + 1)
+            let is_seen = |gap: &f64| local.sign(lowest - gap) == Sign::Positive;
+            gaps.iter().position(is_seen).unwrap_or(gaps.len())
         };
-        let most = on_cores(pencil, several, needed).into_iter().max();
-        widened += most.unwrap_or(0);
-        gap *= WIDER.powi(most.unwrap_or(0));
+        let most = on_cores(pencil, several.to_vec(), needed).into_iter().max();
+        match gaps.get(most.unwrap_or(0)) {
+            Some(needed) => gap = *needed,
+            None => return f64::NEG_INFINITY,
+        }
     }
-    match widened > WIDENINGS {
-        true => f64::NEG_INFINITY,
-        false => lowest - gap,
-    }
+    lowest - gap
 }

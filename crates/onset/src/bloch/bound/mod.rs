@@ -1,9 +1,9 @@
 //! Lower bounds over the whole zone: branch and bound on boxes of wave vectors.
 //!
-//! A search finds a small value; a bound says that there is none smaller. `D(k) - mu c^2 |k|_h^2 M` is positive definite for all
-//! wave vectors if and only if no scaled measure is below `mu`. On a box this matrix is a polynomial of second order and a rest
-//! that the range of the forces bounds, and a sum of squares tells whether the polynomial is positive definite. Boxes of which this
-//! is not seen are halved, until the bound is within a gap of the smallest value.
+//! A search finds a small value; a bound says that there is none smaller. Where the Hermitian part of `D(k) - mu c^2 |k|_h^2 M` is positive definite
+//! for all wave vectors, no scaled measure is below `mu`; of Hermitian equations the converse holds too. On a box this matrix is a polynomial of
+//! second order and a rest that the range of the forces bounds; coefficients in Bernstein's basis, or a sum of squares, tell whether the polynomial is
+//! positive definite. Boxes of which this is not seen are halved, until the bound is within a gap of the smallest value.
 
 mod cell;
 mod cover;
@@ -25,6 +25,8 @@ use pencil::Pencil;
 
 /// What is not told from the minimum of a measure, over the scale of the measure.
 pub(super) const GAP: f64 = 4e-7;
+/// A bound that is farther from the minimum is none.
+pub(super) const WIDEST: f64 = 0.1;
 /// Work for a bound of the scaled measure, at most, in units of its cost: a second and a half of one core.
 pub(super) const BUDGET: usize = 20_000_000;
 
@@ -42,7 +44,7 @@ pub(super) fn cover_system<const D: usize>(
     question: &Question<'_, D>,
 ) -> Option<Covered<D>> {
     let pencil = Pencil::of_system(system, measure, lattice)?;
-    covered(&pencil, system.is_hermitian(), question)
+    cover(&pencil, system.is_hermitian(), question)
 }
 
 /// Covers the zone of a dynamical matrix; `None` where it allows no bound.
@@ -53,10 +55,10 @@ pub(super) fn cover_matrix<const D: usize>(
     question: &Question<'_, D>,
 ) -> Option<Covered<D>> {
     let pencil = Pencil::of_matrix(matrix, measure, lattice)?;
-    covered(&pencil, matrix.is_hermitian(), question)
+    cover(&pencil, matrix.is_hermitian(), question)
 }
 
-fn covered<const D: usize>(
+fn cover<const D: usize>(
     pencil: &Pencil<D>,
     is_hermitian: bool,
     question: &Question<'_, D>,
@@ -74,14 +76,14 @@ fn by_hermitian_part<const D: usize>(
     question: &Question<'_, D>,
 ) -> Option<Covered<D>> {
     let value = |k: &SVector<f64, D>| pencil.at(k);
-    let corner = value(&(pencil.reciprocal() * SVector::repeat(0.5)));
-    let known = question.known.min(corner);
+    let scale = question.known.abs().max(1.0);
     let steps = pencil.reciprocal() * STEP;
     let part = cover::cover(
         pencil,
         &Question {
-            known,
-            gap: PART_GAP * known.abs().max(1.0) + question.gap,
+            known: question.known,
+            gap: PART_GAP * scale + question.gap,
+            widest: WIDEST * scale,
             budget: question.budget / PART_SHARE,
             value: &value,
             descended: &|start| settled(&value, start, &steps),

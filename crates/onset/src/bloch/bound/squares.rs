@@ -247,7 +247,7 @@ fn eliminated(matrix: &mut DMatrix<Complex>, leading: usize) -> Option<DMatrix<C
         for k in 0..j {
             pivot -= matrix[(j, k)].norm_sqr();
         }
-        if pivot.is_nan() || pivot <= 0.0 {
+        if !pivot.is_finite() || pivot <= 0.0 {
             return None;
         }
         let root = pivot.sqrt();

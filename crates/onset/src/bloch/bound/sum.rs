@@ -28,7 +28,7 @@ struct Bond<const D: usize> {
 const MOST: usize = 20;
 
 /// How many different entries a block has with its adjoint: real ones, and imaginary ones.
-const fn entries<const D: usize>(is_of_one_site: bool) -> usize {
+const fn entry_count<const D: usize>(is_of_one_site: bool) -> usize {
     if is_of_one_site { D * D } else { 2 * D * D }
 }
 
@@ -69,7 +69,7 @@ impl<const D: usize> Bond<D> {
 
     /// What is multiplied with the cosine of the phase, and with the sine: of one site `B exp(i x) + B^T exp(-i x)`, with a
     /// symmetric real and an antisymmetric imaginary part, of two sites `B exp(i x)`.
-    fn entries(&self) -> Vec<f64> {
+    fn separated(&self) -> Vec<f64> {
         let block = &self.block;
         if !self.is_of_one_site() {
             return block.iter().chain(block.iter()).copied().collect();
@@ -189,7 +189,7 @@ impl<const D: usize> PhaseSum<D> {
             powers.extend(r);
             powers.extend((0..D).flat_map(|a| (0..=a).map(move |b| r[a] * r[b])));
             powers.extend(thirds::<D>().map(|([a, b, c], _)| r[a] * r[b] * r[c]));
-            entries.extend(bond.entries());
+            entries.extend(bond.separated());
             (0..D).for_each(|a| bends[a] += bond.norm() * r[a] * r[a]);
             offsets[bond.from * sites + bond.to] =
                 array_of(|a| r[a] - TAU * f64::from(bond.cell[a]));
@@ -276,7 +276,7 @@ impl<const D: usize> PhaseSum<D> {
         let powers = Powers::new(cell.middle.each(|x| turn(TAU * x)), self.reach);
         let angle = |r: &[f64; D]| (0..D).map(|a| cell.middle[a] * r[a]).sum();
         let starts: Vec<Complex> = self.offsets.iter().map(|r| turn(angle(r))).collect();
-        let mut sums = vec![0.0; self.sites * self.sites * entries::<D>(false) * each];
+        let mut sums = vec![0.0; self.sites * self.sites * entry_count::<D>(false) * each];
         let mut coefficients = &self.entries[..];
         for (bond, factors) in self.bonds.iter().zip(self.powers.chunks_exact(each)) {
             let pair = bond.from * self.sites + bond.to;
@@ -287,8 +287,8 @@ impl<const D: usize> PhaseSum<D> {
                 cosine[n] = factors[n] * [re, -im, -re, im][order];
                 sine[n] = factors[n] * [im, re, -im, -re][order];
             }
-            let own = &mut sums[pair * entries::<D>(false) * each..];
-            let count = entries::<D>(bond.is_of_one_site());
+            let own = &mut sums[pair * entry_count::<D>(false) * each..];
+            let count = entry_count::<D>(bond.is_of_one_site());
             for entry in 0..count {
                 let phase = match entry < bond.with_cosine() {
                     true => &cosine,
@@ -310,7 +310,7 @@ impl<const D: usize> PhaseSum<D> {
         let mut matrix = DMatrix::zeros(n, n);
         let value = |from: usize, to: usize, entry: usize| {
             let pair = from * self.sites + to;
-            sums[(pair * entries::<D>(false) + entry) * derivatives::<D>() + derivative]
+            sums[(pair * entry_count::<D>(false) + entry) * derivatives::<D>() + derivative]
         };
         for site in 0..self.sites {
             let real = |entry| Complex::new(value(site, site, entry), 0.0);

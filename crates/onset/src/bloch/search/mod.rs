@@ -333,9 +333,11 @@ impl<const D: usize> ZoneSearch<D> {
         known: Mode<D>,
         is_ended: IsEnded<'_>,
     ) -> (Mode<D>, f64) {
+        let scale = known.scaled.abs().max(1.0);
         let question = Question {
             known: known.scaled,
-            gap: bound::GAP * known.scaled.abs().max(1.0) + self.tolerance(matrix),
+            gap: bound::GAP * scale + self.tolerance(matrix),
+            widest: bound::WIDEST * scale,
             budget: bound::BUDGET,
             value: &|k| self.value_at(matrix, Objective::Scaled, k),
             descended: &|(value, k)| {

@@ -53,8 +53,9 @@ impl<const D: usize> WaveSystem<D> {
     /// The same of a Hermitian system: `s M R R^T M / (R^T M R)`, added to the stiffness, moves the zeros.
     fn hermitian_at_rest(&self) -> Option<Vec<Complex>> {
         let zero = SVector::zeros();
-        let far = 4.0 * self.hermitian_matrix(&zero)?.norm() + f64::MIN_POSITIVE;
-        let mut stiffness = self.stiffness.at(&zero);
+        let mut stiffness = self.is_hermitian.then(|| self.stiffness.at(&zero))?;
+        let own = self.symmetrized(&zero, stiffness.clone())?;
+        let far = 4.0 * own.norm() + f64::MIN_POSITIVE;
         let masses = self.particle_masses();
         let share = far / self.cell_mass();
         for j in 0..self.size() {

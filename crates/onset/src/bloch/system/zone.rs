@@ -9,7 +9,7 @@ use super::WaveSystem;
 use crate::algebra::{
     Complex, Decomposition, Each, is_well, lowest_between, neighbors, settled, sort_by_value,
 };
-use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, cover_system};
+use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, WIDEST, cover_system};
 use crate::bloch::branches::Taylor;
 use crate::bloch::pocket::{Around, Pockets};
 use crate::bloch::search::{Flutter, RELAXED_RAY};
@@ -88,7 +88,7 @@ impl<const D: usize> ZoneSearch<D> {
         self.found_of(system, sought, None)
     }
 
-    /// The same with a lower bound of the scaled measure wherever equations are Hermitian.
+    /// The same with a lower bound of the scaled measure wherever equations allow one.
     pub fn bounded_summary_of(&self, system: &WaveSystem<D>) -> SpectrumSummary<D> {
         self.bounded_summary_of_unless(system, &|| false)
     }
@@ -648,14 +648,14 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let question = Question {
             known,
             gap: gap * scale + self.margin(objective),
+            widest: WIDEST * scale,
             budget,
             value: &|k| self.value(objective, k),
             descended: &|start| self.followed(objective, 0, start, f64::INFINITY),
             is_ended: self.is_ended,
         };
         let mut covered = cover_system(self.system, measure, self.search.reference(), &question)?;
-        let is_loose = covered.bound < covered.lowest - question.gap
-            && covered.bound < covered.lowest - LOOSE * covered.lowest.abs();
+        let is_loose = covered.bound < covered.lowest - LOOSE * covered.lowest.abs();
         if is_loose || !is_hermitian {
             // Where the bound does not tell the value, the wells of the grid are looked at too.
             let lower = self.bottom(objective, covered.lowest);
