@@ -1,6 +1,6 @@
 //! Words and moduli that people type.
 
-use super::{assert_close, document, fresh_place, number, onset, onset_line};
+use super::{Scratch, assert_close, document, number, onset, onset_line};
 
 /// The verdict and all numbers of an answer, without what was set.
 fn numbers_of(line: &str) -> serde_json::Value {
@@ -101,7 +101,7 @@ fn ambiguous_words_name_what_they_can_be_and_typos_the_nearest() {
 
 #[test]
 fn files_and_comparisons_take_the_same_words() {
-    let place = fresh_place("methods.toml");
+    let place = Scratch::new("methods.toml");
     let text = "[material]\nmodel = \"neo-hookean\"\nyoung = 2.5\npoisson = 0.25\n[discretization]\nlattice = \"square\"\n\
                 smoothing-length = 1.2\n[compare]\nstates = 2\n[[methods]]\nname = \"a\"\nmethod = \"tlsph\"\n\
                 [[methods]]\nname = \"b\"\nmethod = \"fem\"\n";
@@ -127,7 +127,6 @@ fn files_and_comparisons_take_the_same_words() {
     let refused = onset(&["compare", &place.display().to_string()]);
     assert_eq!(refused.code, Some(2));
     assert!(refused.stderr.contains(":12:10: "), "{}", refused.stderr);
-    std::fs::remove_file(place).expect("removed");
 }
 
 #[test]
@@ -206,7 +205,7 @@ fn moduli_set_a_law_and_its_state_says_so() {
 
 #[test]
 fn poissons_ratio_can_be_an_axis() {
-    let place = fresh_place("study.toml");
+    let place = Scratch::new("study.toml");
     let text = "[material]\nmodel = \"neo-hooke\"\nyoung = 1.0\n[discretization]\nmethod = \"fem\"\n\
                 [[axes]]\nquantity = \"stretch-1\"\nrange = [0.9, 1.1]\nstates = 3\n\
                 [[axes]]\nquantity = \"material.poisson\"\nrange = [0.1, 0.4]\nstates = 3\n";
@@ -214,9 +213,7 @@ fn poissons_ratio_can_be_an_axis() {
     let file = place.display().to_string();
     let checked = document(&format!("check {file}"));
     assert_eq!(checked[0]["valid"], true, "{checked}");
-    let store = fresh_place("map.zarr");
+    let store = Scratch::new("map.zarr");
     let mapped = document(&format!("map {file} --out {}", store.display()));
     assert_eq!(number(&mapped, "/verdicts/stable/states"), 9.0);
-    std::fs::remove_file(place).expect("removed");
-    std::fs::remove_dir_all(store).expect("removed");
 }

@@ -1,14 +1,14 @@
 //! `onset boundary`.
 
-use super::{Answer, fresh_place, number, onset};
+use super::{Answer, Scratch, number, onset};
 use serde_json::Value;
 use std::path::Path;
 
 const LAGRANGIAN: &str = "title = 'test'\n[[axes]]\nquantity = 'stretch-1'\nrange = [0.6, 2.4]\nstates = 8\n\
                           [[axes]]\nquantity = 'stretch-2'\nrange = [0.6, 2.4]\nstates = 8\n";
 
-fn traced(text: &str, more: &[&str]) -> (Answer, std::path::PathBuf) {
-    let folder = fresh_place("boundary");
+fn traced(text: &str, more: &[&str]) -> (Answer, Scratch) {
+    let folder = Scratch::new("boundary");
     std::fs::create_dir_all(&folder).expect("a folder");
     let study = folder.join("study.toml");
     std::fs::write(&study, text).expect("a file");
@@ -127,9 +127,9 @@ fn what_cannot_be_traced_is_refused_with_a_hint() {
 
 #[test]
 fn a_place_that_cannot_be_written_is_a_failure_of_the_machine() {
-    let folder = fresh_place("boundary-file");
+    let folder = Scratch::new("boundary-file");
     std::fs::write(&folder, "a file").expect("a file");
-    let study = fresh_place("boundary-study");
+    let study = Scratch::new("boundary-study");
     std::fs::write(&study, LAGRANGIAN).expect("a file");
     let answer = onset(&[
         "boundary",
@@ -143,7 +143,7 @@ fn a_place_that_cannot_be_written_is_a_failure_of_the_machine() {
 
 #[test]
 fn a_file_in_the_place_of_the_folder_is_told_before_any_curve_is_traced() {
-    let folder = fresh_place("boundary-file");
+    let folder = Scratch::new("boundary-file");
     std::fs::create_dir_all(&folder).expect("a folder");
     let file = folder.join("taken");
     std::fs::write(&file, "mine").expect("a file");

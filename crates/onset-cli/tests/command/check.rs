@@ -1,31 +1,24 @@
 //! `onset check` and `onset schema`.
 
-use crate::{fresh_place, onset};
+use crate::{Scratch, onset};
 use serde_json::Value;
-use std::path::PathBuf;
 
 const STUDY: &str = "title = \"a title\"\n\
     [[axes]]\nquantity = \"stretch-1\"\nrange = [0.8, 1.2]\nstates = 20\n\
     [[axes]]\nquantity = \"discretization.support\"\nrange = [1.4, 1.8]\nstates = 10\n";
 
 /// A file with a text, for one test.
-struct File(PathBuf);
+struct File(Scratch);
 
 impl File {
     fn new(text: impl AsRef<[u8]>) -> Self {
-        let place = fresh_place("study.toml");
+        let place = Scratch::new("study.toml");
         std::fs::write(&place, text).expect("a file");
         Self(place)
     }
 
     fn path(&self) -> &str {
         self.0.to_str().expect("UTF-8")
-    }
-}
-
-impl Drop for File {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.0);
     }
 }
 

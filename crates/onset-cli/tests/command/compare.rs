@@ -1,6 +1,6 @@
 //! `onset compare` and `onset recommend`.
 
-use super::{fresh_place, number, onset};
+use super::{Scratch, number, onset};
 use serde_json::Value;
 
 /// The comparison of methods in the plane that comes with the program, on a few states.
@@ -10,8 +10,8 @@ const PLANE: &str = concat!(
 );
 
 /// A comparison written to a file of its own, with what the command says to it.
-fn compared(text: &str, more: &[&str]) -> (super::Answer, std::path::PathBuf) {
-    let folder = fresh_place("compare");
+fn compared(text: &str, more: &[&str]) -> (super::Answer, Scratch) {
+    let folder = Scratch::new("compare");
     std::fs::create_dir_all(&folder).expect("a folder");
     let file = folder.join("methods.toml");
     std::fs::write(&file, text).expect("a file");
@@ -33,12 +33,11 @@ fn assert_refused(text: &str, facts: &[&str]) {
         assert!(told.contains(fact), "{text}: no `{fact}` in: {told}");
     }
     assert!(!folder.join("compare.csv").exists(), "nothing is written");
-    std::fs::remove_dir_all(folder).expect("removed");
 }
 
 #[test]
 fn twenty_methods_stand_in_one_table() {
-    let folder = fresh_place("twenty");
+    let folder = Scratch::new("twenty");
     let out = folder.display().to_string();
     let arguments = ["compare", PLANE, "--set", "compare.states=2", "--out", &out];
     let answer = onset(&arguments);
@@ -55,7 +54,6 @@ fn twenty_methods_stand_in_one_table() {
     }
     let page = std::fs::read_to_string(folder.join("compare.html")).expect("a file");
     assert_eq!(page.matches("<tr>").count(), 21);
-    std::fs::remove_dir_all(folder).expect("removed");
 }
 
 #[test]
@@ -72,7 +70,6 @@ fn a_method_that_cannot_be_evaluated_says_why_in_its_row() {
     let csv = std::fs::read_to_string(folder.join("compare.csv")).expect("a file");
     assert!(csv.contains("\n\"lonely, \"\"far\"\"\",,"), "{csv}");
     assert!(csv.contains("within the support radius 0.5"), "{csv}");
-    std::fs::remove_dir_all(folder).expect("removed");
 }
 
 #[test]
@@ -173,10 +170,9 @@ fn keys_that_a_family_does_read_are_taken() {
     let text = "[discretization]\nquadrature = 'nodal'\n[[methods]]\nname = 'c'\n\
                 [[methods]]\nname = 'a'\nmethod = 'updated-sph'\nsupport-size = 'scaled'\n\
                 [[methods]]\nname = 'b'\nmethod = 'finite-elements'\nintegration = 'one-point'\nhourglass-stiffness = 0.1\n";
-    let (answer, folder) = compared(text, &["--quiet"]);
+    let (answer, _folder) = compared(text, &["--quiet"]);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     assert_eq!((answer.stdout.as_str(), answer.stderr.as_str()), ("", ""));
-    std::fs::remove_dir_all(folder).expect("removed");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! `onset criteria` and `onset card`.
 
-use super::{assert_close, document, fresh_place, number, onset};
+use super::{Scratch, Written, assert_close, document, number, onset};
 use serde_json::Value;
 
 const BLATZ_KO: &str = "--set material.model=blatz-ko";
@@ -43,7 +43,7 @@ fn criteria_of_a_bar_are_told_with_their_limits_and_waves() {
 
 #[test]
 fn criteria_draw_a_figure_where_it_is_asked_for() {
-    let folder = fresh_place("criteria");
+    let folder = Scratch::new("criteria");
     let place = folder.display().to_string();
     let answer = onset(&[
         "criteria",
@@ -63,7 +63,7 @@ fn criteria_draw_a_figure_where_it_is_asked_for() {
 
 #[test]
 fn a_card_is_one_page_without_references_to_anything_else() {
-    let folder = fresh_place("card");
+    let folder = Scratch::new("card");
     let place = folder.display().to_string();
     let answer = document(&format!("card {BLATZ_KO} --out {place}"));
     let ratio = 2.0 + 3.0_f64.sqrt();
@@ -107,12 +107,11 @@ fn wrong_ranges_modes_and_laws_are_refused() {
 }
 
 /// A block in a file of its own.
-fn block(name: &str, text: &str) -> String {
-    let folder = fresh_place(name);
+fn block(name: &str, text: &str) -> Written {
+    let folder = Scratch::new(name);
     std::fs::create_dir_all(&folder).expect("a folder");
     let file = folder.join("block.inp");
-    std::fs::write(&file, text).expect("a file");
-    file.display().to_string()
+    Written::new(folder, &file, text)
 }
 
 /// Treloar's rubber in the constants of Abaqus, `mu_i alpha_i / 2` of Ogden's, is the default of `ogden`.
@@ -410,7 +409,7 @@ const TABLE: &str = "*HYPERELASTIC, MARLOW, POISSON=0.49\n*UNIAXIAL TEST DATA\n0
 #[test]
 fn a_card_of_a_table_has_a_short_title() {
     let file = block("marlow-title", TABLE);
-    let folder = fresh_place("marlow-card");
+    let folder = Scratch::new("marlow-card");
     let place = folder.display().to_string();
     let arguments = [
         "card",

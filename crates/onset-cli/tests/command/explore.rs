@@ -1,11 +1,11 @@
 //! `onset explore`: what the page asks is answered as the command answers, and nobody else is.
 
-use crate::{command, fresh_place, onset};
+use crate::{Scratch, command, onset};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -147,8 +147,8 @@ fn token(address: &str) -> String {
 }
 
 /// A new folder.
-fn folder(name: &str) -> PathBuf {
-    let place = fresh_place(&format!("explore-{name}"));
+fn folder(name: &str) -> Scratch {
+    let place = Scratch::new(&format!("explore-{name}"));
     std::fs::create_dir_all(&place).expect("a folder");
     place
 }
@@ -383,7 +383,6 @@ fn the_address_that_a_browser_is_started_with_opens_the_page_once() {
     assert_eq!(status, 200, "{body}");
     assert!(body.contains(&page.token));
     assert_eq!(page.post("enter", &json!({}), &[&shown]).0, 403);
-    std::fs::remove_dir_all(folder).expect("removed");
 }
 
 #[test]
@@ -513,7 +512,6 @@ fn a_strangers_study_starts_no_library_and_reads_no_file() {
             "{body}"
         );
     }
-    std::fs::remove_dir_all(folder).expect("removed");
 }
 
 /// Hours of work.
@@ -665,5 +663,4 @@ fn a_stored_map_is_shown() {
     }
     let refused = onset(&["explore", folder.to_str().expect("UTF-8"), "--no-browser"]);
     assert_eq!(refused.code, Some(2), "{}", refused.stderr);
-    std::fs::remove_dir_all(folder).expect("removed");
 }

@@ -1,6 +1,6 @@
 //! Files that are written, files that cannot be, and readers that stop reading.
 
-use crate::{command, fresh_place, onset};
+use crate::{Scratch, command, onset};
 use serde_json::Value;
 use std::fs;
 use std::io::Read;
@@ -11,16 +11,10 @@ fn text(path: &Path) -> &str {
     path.to_str().expect("UTF-8")
 }
 
-/// A folder that cannot be made, for anybody: a file is in the way.
-fn unwritable() -> std::path::PathBuf {
-    let file = fresh_place("file");
-    fs::write(&file, "in the way").expect("a file");
-    file.join("figures")
-}
-
 #[test]
 fn a_diagram_is_written_as_svg_and_png() {
-    let folder = fresh_place("diagram").join("inner");
+    let place = Scratch::new("diagram");
+    let folder = place.join("inner");
     for kind in ["hexagonal", "square", "chain", "simple-cubic"] {
         let stretches = match kind {
             "chain" => "1.2",
@@ -50,12 +44,11 @@ fn a_diagram_is_written_as_svg_and_png() {
         let png = fs::read(folder.join("dispersion.png")).expect("PNG");
         assert!(png.starts_with(b"\x89PNG\r\n\x1a\n"));
     }
-    fs::remove_dir_all(folder.parent().expect("a folder")).expect("removable");
 }
 
 #[test]
 fn a_diagram_is_also_a_document() {
-    let folder = fresh_place("document");
+    let folder = Scratch::new("document");
     let answer = onset(&[
         "dispersion",
         "--stretch",
@@ -76,12 +69,14 @@ fn a_diagram_is_also_a_document() {
     assert_eq!(names[..expected.len()], expected);
     let count = |key: &str| diagram[key].as_array().map(Vec::len);
     assert_eq!(count("samples"), count("lengths"));
-    fs::remove_dir_all(folder).expect("removable");
 }
 
 #[test]
 fn folders_that_cannot_be_made_are_named() {
-    let folder = unwritable();
+    // For anybody: a file is in the way.
+    let file = Scratch::new("file");
+    fs::write(&file, "in the way").expect("a file");
+    let folder = file.join("figures");
     for arguments in [
         &["dispersion", "--stretch", "1.2,0.9", "--path", "--out"][..],
         &["reproduce", "--out"],
@@ -98,7 +93,6 @@ fn folders_that_cannot_be_made_are_named() {
         assert!(answer.stderr.contains(text(&folder)), "{}", answer.stderr);
         assert!(!answer.stderr.contains("panicked"));
     }
-    fs::remove_file(folder.parent().expect("a file")).expect("removable");
 }
 
 /// Commands that write files, each with the files.
@@ -129,7 +123,7 @@ const WRITERS: [(&str, &[&str]); 4] = [
 #[test]
 fn what_is_in_the_way_of_a_file_is_told_before_the_work_and_no_other_is_changed() {
     for (line, files) in WRITERS {
-        let folder = fresh_place("in-the-way");
+        let folder = Scratch::new("in-the-way");
         let last = folder.join(files[files.len() - 1]);
         fs::create_dir_all(&last).expect("a folder");
         fs::write(folder.join(files[0]), "old").expect("a file");
@@ -152,7 +146,7 @@ fn what_is_in_the_way_of_a_file_is_told_before_the_work_and_no_other_is_changed(
 fn files_are_written_and_told_in_folders_whose_names_are_no_text_or_long() {
     use std::ffi::OsString;
     use std::os::unix::ffi::OsStringExt;
-    let place = fresh_place("names");
+    let place = Scratch::new("names");
     fs::create_dir_all(&place).expect("a folder");
     let study = "[[axes]]\nquantity = 'stretch-1'\nrange = [0.8, 1.6]\nstates = 8\n\
                  [[axes]]\nquantity = 'stretch-2'\nrange = [0.8, 1.6]\nstates = 8\n";
@@ -174,7 +168,6 @@ fn files_are_written_and_told_in_folders_whose_names_are_no_text_or_long() {
             assert!(place.join(&name).join(file).is_file(), "{line}");
         }
     }
-    fs::remove_dir_all(place).expect("removable");
 }
 
 /// Without the right to fill a disk: no file may grow beyond one block.
@@ -182,7 +175,7 @@ fn files_are_written_and_told_in_folders_whose_names_are_no_text_or_long() {
 #[cfg(unix)]
 fn a_full_disk_leaves_the_files_that_were_there_and_says_what_to_do() {
     for (line, files) in WRITERS {
-        let folder = fresh_place("full");
+        let folder = Scratch::new("full");
         fs::create_dir_all(&folder).expect("a folder");
         for file in files {
             fs::write(folder.join(file), "old").expect("a file");
@@ -216,7 +209,7 @@ fn a_full_disk_leaves_the_files_that_were_there_and_says_what_to_do() {
 #[test]
 #[cfg(unix)]
 fn a_study_without_end_is_refused_and_what_is_no_text_is_told_with_its_line() {
-    let place = fresh_place("no-study");
+    let place = Scratch::new("no-study");
     fs::write(&place, b"title = 'a'\n# \xff\n").expect("a file");
     for (file, facts) in [
         ("/dev/zero", ["more than 16 MiB", "hint: expected a study"]),
@@ -239,7 +232,6 @@ fn a_study_without_end_is_refused_and_what_is_no_text_is_told_with_its_line() {
             }
         }
     }
-    fs::remove_file(place).expect("removable");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Laws that are typed: they answer as the built-in ones of the same energy, and mistakes are shown in the formula.
 
-use crate::{assert_close, fresh_place, number, onset};
+use crate::{Scratch, assert_close, number, onset};
 use serde_json::Value;
 
 /// What `onset` prints as JSON.
@@ -112,7 +112,7 @@ fn assert_same(built_in: &Value, typed: &Value, place: &str) {
 
 #[test]
 fn a_formula_in_a_study_is_mapped_over_one_of_its_own_parameters() {
-    let place = fresh_place("formula");
+    let place = Scratch::new("formula");
     std::fs::create_dir(&place).expect("a folder");
     let study = place.join("study.toml");
     let text = "[material]\nmodel = \"formula\"\nenergy = \"\"\"\nlet log = ln(J);\n\
@@ -125,12 +125,11 @@ fn a_formula_in_a_study_is_mapped_over_one_of_its_own_parameters() {
     assert_eq!(summary[0]["valid"], true, "{summary}");
     let wrong = refusal(&["check", &study, "--set", "material.mu2=1"]);
     assert!(wrong.contains("no parameter `mu2`"), "{wrong}");
-    std::fs::remove_dir_all(place).expect("removed");
 }
 
 #[test]
 fn a_mistake_is_shown_with_its_file_its_line_and_the_column_in_the_formula() {
-    let place = fresh_place("wrong-formula");
+    let place = Scratch::new("wrong-formula");
     std::fs::create_dir(&place).expect("a folder");
     let study = place.join("study.toml");
     let axes = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.8, 1.2]\nstates = 4\n\n\
@@ -168,7 +167,6 @@ fn a_mistake_is_shown_with_its_file_its_line_and_the_column_in_the_formula() {
             assert!(message.contains(part), "{message}");
         }
     }
-    std::fs::remove_dir_all(place).expect("removed");
 }
 
 #[test]

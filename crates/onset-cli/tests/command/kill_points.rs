@@ -2,7 +2,7 @@
 //! file is the old one or the new one, and the next run leaves what an undisturbed one leaves.
 
 use crate::hunt::hunted;
-use crate::{Random, command, fresh_place};
+use crate::{Random, Scratch, command};
 use std::collections::BTreeMap;
 use std::fs;
 use std::os::unix::process::ExitStatusExt;
@@ -91,10 +91,10 @@ const COMMANDS: [(&str, &str); 11] = [
 
 /// The library that comes between a process and the system.
 fn interposer() -> &'static Path {
-    static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
+    static LIBRARY: OnceLock<Scratch> = OnceLock::new();
     LIBRARY.get_or_init(|| {
         let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/interpose/interpose.c");
-        let library = fresh_place("interpose.so");
+        let library = Scratch::new("interpose.so");
         let compiler = std::env::var_os("CC").unwrap_or_else(|| "cc".into());
         let output = Command::new(compiler)
             .args(["-shared", "-fPIC", "-O1", "-o"])
@@ -129,11 +129,11 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 }
 
 /// A folder in which commands run.
-struct Place(PathBuf);
+struct Place(Scratch);
 
 impl Place {
     fn new() -> Self {
-        let place = fresh_place("kill");
+        let place = Scratch::new("kill");
         fs::create_dir_all(&place).expect("a folder");
         fs::write(place.join("study.toml"), STUDY).expect("a file");
         fs::write(place.join("compare.toml"), COMPARISON).expect("a file");
@@ -194,12 +194,6 @@ impl Place {
             .collect();
         names.sort();
         names
-    }
-}
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
     }
 }
 

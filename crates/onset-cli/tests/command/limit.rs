@@ -1,6 +1,6 @@
 //! `onset limit`.
 
-use super::{document, fresh_place, number, onset, onset_line};
+use super::{Scratch, document, number, onset, onset_line};
 
 /// Bars with lumped masses: `omega_max = 2 c / h`, so that the critical step is `h / c` with `c^2 = (lambda + 2 mu) / rho` at `F = 1`.
 const BARS: &str = "set method=finite-elements set mesh=bars";
@@ -246,7 +246,7 @@ fn settings_and_steps_that_are_none_are_refused() {
 
 #[test]
 fn a_limit_is_drawn_and_listed() {
-    let folder = fresh_place("limit");
+    let folder = Scratch::new("limit");
     let out = folder.display().to_string();
     let line = format!("limit --vary discretization.spacing --time-step 0.1 --quiet {LAW} {BARS}");
     let mut words = super::words(&line);
@@ -258,5 +258,4 @@ fn a_limit_is_drawn_and_listed() {
     for file in ["limit.svg", "limit.png"] {
         assert!(folder.join(file).is_file(), "{file}");
     }
-    std::fs::remove_dir_all(folder).expect("removed");
 }

@@ -1,6 +1,6 @@
 //! `onset path` along loadings with free faces.
 
-use super::{assert_close, document, fresh_place, number, numbers, onset_line};
+use super::{Scratch, assert_close, document, number, numbers, onset_line};
 
 const OGDEN: &str = "--set material.model=ogden set method=tlsph set penalty=0.1";
 
@@ -52,7 +52,7 @@ fn the_onset_of_a_loading_is_where_the_criteria_have_it() {
 
 #[test]
 fn a_path_is_written_as_table_and_figure() {
-    let place = fresh_place("path");
+    let place = Scratch::new("path");
     let out = place.display().to_string();
     let line = format!("path --mode equibiaxial --to 1.6 {OGDEN} --out {out}");
     let answer = onset_line(&line);
@@ -80,7 +80,6 @@ fn a_path_is_written_as_table_and_figure() {
         "path --mode equibiaxial --to 1.6 {OGDEN} --format csv"
     ));
     assert_eq!(printed.stdout.trim_end(), csv.trim_end());
-    std::fs::remove_dir_all(place).expect("removed");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! `onset localize`: onset, files, and refusals.
 
 use crate::fortran::library;
-use crate::{assert_close, document, fresh_place, number, numbers, onset, onset_line};
+use crate::{Scratch, assert_close, document, number, numbers, onset, onset_line};
 
 #[test]
 fn von_mises_in_pure_shear_localizes_where_hardening_ends_under_45_degrees() {
@@ -42,7 +42,7 @@ fn the_default_localizes_while_hardening_and_loses_strong_ellipticity_before() {
 
 #[test]
 fn figure_and_tables_are_written_where_a_folder_is_given() {
-    let place = fresh_place("localize");
+    let place = Scratch::new("localize");
     let out = place.display().to_string();
     let answer = onset(&["localize", "--out", &out]);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
@@ -63,7 +63,6 @@ fn figure_and_tables_are_written_where_a_folder_is_given() {
             .lines()
             .all(|line| Some(line.split(',').count()) == columns)
     );
-    std::fs::remove_dir_all(place).expect("removed");
 }
 
 #[test]

@@ -54,7 +54,10 @@ mod units;
 mod fortran;
 
 use serde_json::Value;
-use std::path::PathBuf;
+use std::ffi::OsStr;
+use std::fmt;
+use std::ops::Deref;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -157,16 +160,81 @@ fn assert_close(computed: f64, expected: f64, relative: f64) {
     );
 }
 
-/// A place for files that no other test uses; nothing is there yet.
-fn fresh_place(name: &str) -> PathBuf {
-    static COUNT: AtomicUsize = AtomicUsize::new(0);
-    loop {
-        let count = COUNT.fetch_add(1, Ordering::Relaxed);
-        let place = format!("onset-{}-{count}-{name}", std::process::id());
-        let place = std::env::temp_dir().join(place);
-        // A killed process of the same number may have left one: numbers come again within minutes where many are started.
-        if !place.exists() {
-            return place;
+/// A place for files that no other test uses. Nothing is there at first, and nothing remains.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new(name: &str) -> Self {
+        static COUNT: AtomicUsize = AtomicUsize::new(0);
+        loop {
+            let count = COUNT.fetch_add(1, Ordering::Relaxed);
+            let place = format!("onset-{}-{count}-{name}", std::process::id());
+            let place = std::env::temp_dir().join(place);
+            // A killed process of the same number may have left one: numbers come again within minutes where many are started.
+            if !place.exists() {
+                return Self(place);
+            }
         }
+    }
+}
+
+impl Deref for Scratch {
+    type Target = PathBuf;
+
+    fn deref(&self) -> &PathBuf {
+        &self.0
+    }
+}
+
+impl AsRef<Path> for Scratch {
+    fn as_ref(&self) -> &Path {
+        &self.0
+    }
+}
+
+impl AsRef<OsStr> for Scratch {
+    fn as_ref(&self) -> &OsStr {
+        self.0.as_os_str()
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        // What a test has not made, or has removed itself, is not there.
+        let _ = match self.0.is_dir() {
+            true => std::fs::remove_dir_all(&self.0),
+            false => std::fs::remove_file(&self.0),
+        };
+    }
+}
+
+/// A file with a text, for one test.
+struct Written {
+    path: String,
+    _place: Scratch,
+}
+
+impl Written {
+    /// In a place, which may be the file itself.
+    fn new(place: Scratch, path: &Path, text: &str) -> Self {
+        std::fs::write(path, text).expect("a file");
+        Self {
+            path: path.display().to_string(),
+            _place: place,
+        }
+    }
+}
+
+impl Deref for Written {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        &self.path
+    }
+}
+
+impl fmt::Display for Written {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.path)
     }
 }

@@ -1,6 +1,6 @@
 //! `onset map`: what it says and what it stores.
 
-use crate::{Answer, command, fresh_place, onset};
+use crate::{Answer, Scratch, command, onset};
 use onset_study::store::{Column, ResultStore, ZarrStore};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -32,13 +32,13 @@ pub const TILES: usize = 25;
 
 /// A folder with a study file.
 pub struct Place {
-    pub folder: PathBuf,
+    pub folder: Scratch,
     pub file: PathBuf,
 }
 
 impl Place {
     pub fn new(study: &str) -> Self {
-        let folder = fresh_place("map");
+        let folder = Scratch::new("map");
         fs::create_dir_all(&folder).expect("a folder");
         let file = folder.join("study.toml");
         fs::write(&file, study).expect("a file");
@@ -76,12 +76,6 @@ impl Place {
     pub fn document(&self, store: &str, more: &str) -> Value {
         let answer = self.computed(store, &format!("{more} --json"));
         serde_json::from_str(&answer.stdout).expect("one JSON document")
-    }
-}
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.folder);
     }
 }
 

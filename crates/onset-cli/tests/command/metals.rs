@@ -1,7 +1,7 @@
 //! Metals beyond yield, crystals and fluids, as a user asks of them.
 
 use crate::fortran::library;
-use crate::{assert_close, document, fresh_place, number, onset_line};
+use crate::{Scratch, assert_close, document, number, onset_line};
 use std::time::{Duration, Instant};
 
 /// Steel in GPa with a slope of the flow stress.
@@ -48,7 +48,7 @@ fn a_metal_beyond_yield_has_the_stress_of_its_path_and_the_tangent_of_flow() {
 
 #[test]
 fn a_map_of_rolled_sheet_is_made_like_any_other() {
-    let folder = fresh_place("rolled");
+    let folder = Scratch::new("rolled");
     std::fs::create_dir_all(&folder).expect("a folder");
     let study = folder.join("sheet.toml");
     let text = "title = \"rolled sheet\"\n[material]\nmodel = \"hill-1948\"\nangle = 20.0\n[discretization]\nmethod = \"total-lagrangian-sph\"\n\
@@ -217,7 +217,7 @@ fn a_fluid_is_told_to_be_one() {
 
 #[test]
 fn a_script_of_felupe_is_the_same_law_in_words_of_its_own() {
-    let folder = fresh_place("felupe");
+    let folder = Scratch::new("felupe");
     std::fs::create_dir_all(&folder).expect("a folder");
     let file = folder.join("fit.py");
     let text = "umat = fem.Hyperelastic(fem.yeoh, C10=0.5, C20=-0.05, C30=0.02) & fem.Volumetric(bulk=50)\n";

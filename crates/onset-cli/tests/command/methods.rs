@@ -1,6 +1,6 @@
 //! Every command for every method of `comparisons/methods-*.toml`: what they answer, they answer for all of them.
 
-use super::{fresh_place, onset, onset_line};
+use super::{Scratch, onset, onset_line};
 use serde_json::Value;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -117,7 +117,7 @@ impl Method {
 
     /// Asks everything; what was not answered.
     fn asked(&self) -> Vec<String> {
-        let folder = fresh_place("methods");
+        let folder = Scratch::new("methods");
         std::fs::create_dir_all(&folder).expect("a folder");
         let study = folder.join("study.toml");
         std::fs::write(&study, self.study()).expect("a file");

@@ -1,6 +1,6 @@
 //! `onset modes`.
 
-use super::{document, fresh_place, number, numbers, onset, onset_line};
+use super::{Scratch, document, number, numbers, onset, onset_line};
 
 #[test]
 fn nodal_integration_on_squares_has_three_modes_and_stress_points_have_weak_ones() {
@@ -35,7 +35,7 @@ fn a_single_mode_of_a_chain_is_no_line_of_them() {
 
 #[test]
 fn modes_are_exported_to_seed_a_simulation() {
-    let folder = fresh_place("modes");
+    let folder = Scratch::new("modes");
     let out = folder.display().to_string();
     let arguments = [
         "modes",
@@ -61,7 +61,6 @@ fn modes_are_exported_to_seed_a_simulation() {
     assert!(vtk.contains("POINTS 64 double") && vtk.contains("VECTORS displacement double"));
     let page = std::fs::read_to_string(folder.join("modes.html")).expect("a file");
     assert_eq!(page.matches("<figure>").count(), 17);
-    std::fs::remove_dir_all(folder).expect("removed");
 }
 
 #[test]

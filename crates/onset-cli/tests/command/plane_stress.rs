@@ -1,6 +1,6 @@
 //! Plane stress: what a sheet answers, beside plane strain with the constants of a sheet, and what is refused.
 
-use super::{assert_close, document, fresh_place, number, numbers, onset_line};
+use super::{Scratch, assert_close, document, number, numbers, onset_line};
 use serde_json::Value;
 
 /// Lame's constants in space.
@@ -266,7 +266,7 @@ fn what_contradicts_plane_stress_is_refused_with_a_hint() {
         (
             format!(
                 "verify deck --code lammps-smd-tlsph --stretch 1,1 --wave-vector 1,0 --out {} {neo}",
-                fresh_place("deck").display()
+                Scratch::new("deck").display()
             ),
             "plane strain",
         ),
@@ -280,7 +280,7 @@ fn what_contradicts_plane_stress_is_refused_with_a_hint() {
 
 #[test]
 fn a_study_of_a_sheet_gives_no_third_stretch() {
-    let place = fresh_place("sheet");
+    let place = Scratch::new("sheet");
     std::fs::create_dir_all(&place).expect("a folder");
     let study = |third: &str, axis: &str| {
         let file = place.join("study.toml");

@@ -1,6 +1,6 @@
 //! `onset plot`.
 
-use super::{fresh_place, onset};
+use super::{Scratch, onset};
 
 #[test]
 fn what_is_no_store_is_refused() {
@@ -11,7 +11,7 @@ fn what_is_no_store_is_refused() {
         "{}",
         answer.stderr
     );
-    let folder = fresh_place("plot");
+    let folder = Scratch::new("plot");
     std::fs::create_dir_all(&folder).expect("a folder");
     std::fs::write(folder.join("notes.txt"), "no store").expect("a file");
     let answer = onset(&["plot", &folder.display().to_string()]);
@@ -55,7 +55,7 @@ fn a_look_that_cannot_be_drawn_is_refused() {
 
 #[test]
 fn a_map_becomes_a_pdf_with_the_svg_and_the_png_beside_it() {
-    let folder = fresh_place("pdf");
+    let folder = Scratch::new("pdf");
     std::fs::create_dir_all(&folder).expect("a folder");
     let study = folder.join("study.toml");
     let text = "[[axes]]\nquantity = 'stretch-1'\nrange = [0.8, 3.2]\nstates = 12\n\
@@ -88,5 +88,4 @@ fn a_map_becomes_a_pdf_with_the_svg_and_the_png_beside_it() {
     assert!(pdf.starts_with(b"%PDF-"));
     let svg = std::fs::read_to_string(folder.join("figure.svg")).expect("a figure");
     assert!(svg.contains("A map"));
-    std::fs::remove_dir_all(folder).expect("removable");
 }

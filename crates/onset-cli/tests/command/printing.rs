@@ -1,6 +1,6 @@
 //! How answers are printed: forms, quiet and verbose, color, exit codes by verdict, files.
 
-use super::{command, document, fresh_place, onset, onset_line};
+use super::{Scratch, command, document, onset, onset_line};
 
 const STATE: &str = "state --stretch 1.1,0.95";
 
@@ -163,12 +163,12 @@ fn verdicts_set_the_exit_code_where_that_is_asked_for() {
         onset_line(&format!("{path} --fail-on physical")).code,
         Some(0)
     );
-    let place = fresh_place("study.toml");
+    let place = Scratch::new("study.toml");
     let study = "[discretization]\nframe = \"eulerian\"\nsupport = 1.6\n\
                  [[axes]]\nquantity = \"stretch-1\"\nrange = [0.9, 1.2]\nstates = 4\n\
                  [[axes]]\nquantity = \"stretch-2\"\nrange = [0.9, 1.2]\nstates = 4\n";
     std::fs::write(&place, study).expect("a file");
-    let store = fresh_place("map.zarr");
+    let store = Scratch::new("map.zarr");
     let map = format!("map {} --out {} --quiet", place.display(), store.display());
     assert_eq!(
         onset_line(&format!("{map} --fail-on numerical")).code,
@@ -178,13 +178,11 @@ fn verdicts_set_the_exit_code_where_that_is_asked_for() {
         onset_line(&format!("{map} --resume --fail-on zero-energy")).code,
         Some(0)
     );
-    std::fs::remove_file(place).expect("removed");
-    std::fs::remove_dir_all(store).expect("removed");
 }
 
 #[test]
 fn nothing_is_written_without_a_folder() {
-    let place = fresh_place("here");
+    let place = Scratch::new("here");
     std::fs::create_dir_all(&place).expect("a folder");
     let study = place.join("study.toml");
     std::fs::write(
@@ -216,7 +214,6 @@ fn nothing_is_written_without_a_folder() {
         let files = std::fs::read_dir(&place).expect("a folder").count();
         assert_eq!(files, 1, "{line}");
     }
-    std::fs::remove_dir_all(place).expect("removed");
 }
 
 #[test]
@@ -229,7 +226,7 @@ fn shells_get_completions_and_manuals_are_pages() {
             "{shell}"
         );
     }
-    let place = fresh_place("man");
+    let place = Scratch::new("man");
     let out = place.display().to_string();
     let answer = onset(&["man", "--out", &out]);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
@@ -239,5 +236,4 @@ fn shells_get_completions_and_manuals_are_pages() {
         "{page}"
     );
     assert!(place.join("onset.1").is_file());
-    std::fs::remove_dir_all(place).expect("removed");
 }

@@ -1,6 +1,6 @@
 //! What the README and the page of published fits show is what their commands print.
 
-use super::fresh_place;
+use super::Scratch;
 use std::path::Path;
 use std::process::Command;
 
@@ -52,7 +52,7 @@ fn cards_of_published_fits_are_what_the_commands_print() {
 fn consoles_of(page: &str, name: &str, least: usize) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let text = std::fs::read_to_string(root.join(page)).expect("a page");
-    let place = fresh_place(name);
+    let place = Scratch::new(name);
     std::fs::create_dir_all(&place).expect("a folder");
     for folder in ["studies", "comparisons"] {
         let there = root.join(folder).canonicalize().expect("a folder");
@@ -91,5 +91,4 @@ fn consoles_of(page: &str, name: &str, least: usize) {
             _ => assert_eq!(printed, lines, "{command}"),
         }
     }
-    std::fs::remove_dir_all(place).expect("removed");
 }

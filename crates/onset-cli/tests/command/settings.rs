@@ -1,6 +1,6 @@
 //! What is set is read or refused, and told; one study file serves every question.
 
-use crate::{command, document, fresh_place, onset, onset_line};
+use crate::{Scratch, Written, command, document, onset, onset_line};
 use serde_json::Value;
 use std::io::Write;
 use std::process::Stdio;
@@ -12,10 +12,10 @@ const CHAIN: &str = "title = \"a chain\"\n[material]\nmodel = \"blatz-ko\"\nmu =
                      [compare]\nstates = 2\n";
 
 /// A file with a text.
-fn file(text: &str) -> String {
-    let place = fresh_place("study.toml");
-    std::fs::write(&place, text).expect("a file");
-    place.display().to_string()
+fn file(text: &str) -> Written {
+    let place = Scratch::new("study.toml");
+    let path = place.to_path_buf();
+    Written::new(place, &path, text)
 }
 
 #[test]
@@ -180,7 +180,8 @@ fn every_choice_in_effect_is_told_and_no_other() {
 #[test]
 fn one_study_file_serves_every_question() {
     let study = file(&format!("{CHAIN}{AXES}"));
-    let out = fresh_place("answers").display().to_string();
+    let place = Scratch::new("answers");
+    let out = place.display().to_string();
     for line in [
         format!("state {study} --stretch 1.1 set density=1"),
         format!("path {study} --from 1 --to 1.2 set density=1"),
@@ -220,7 +221,6 @@ fn one_study_file_serves_every_question() {
     let csv = std::fs::read_to_string(format!("{out}/compare.csv")).expect("a table");
     assert!(csv.contains("\nthe study's own method,"), "{csv}");
     assert!(csv.lines().count() > 10);
-    std::fs::remove_dir_all(out).expect("removed");
 }
 
 #[test]
@@ -316,7 +316,8 @@ fn a_stressed_reference_is_told_in_every_answer() {
         let answer = onset(&[arguments, &law].concat());
         format!("{}{}", answer.stdout, answer.stderr)
     };
-    let out = fresh_place("stressed").display().to_string();
+    let place = Scratch::new("stressed");
+    let out = place.display().to_string();
     for arguments in [
         vec!["state", "--stretch", "1,1"],
         vec!["dispersion", "--stretch", "1,1", "--wave-vector", "1,1"],

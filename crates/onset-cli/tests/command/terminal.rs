@@ -1,6 +1,6 @@
 //! What a person sees at a terminal while an answer takes its time. The terminal is that of `script` (util-linux).
 
-use crate::fresh_place;
+use crate::Scratch;
 use std::fs;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ const CTRL_C: &[u8] = b"\x03";
 
 /// A command at a terminal of its own, in a folder of its own.
 struct Terminal {
-    place: PathBuf,
+    place: Scratch,
     child: Child,
     begin: Instant,
     shown: Receiver<Vec<u8>>,
@@ -26,7 +26,7 @@ struct Terminal {
 
 impl Terminal {
     fn with(line: &str) -> Self {
-        let place = fresh_place("terminal");
+        let place = Scratch::new("terminal");
         fs::create_dir_all(place.join("tmp")).expect("folders");
         fs::create_dir(place.join("here")).expect("a folder");
         let mut child = Command::new("script")
@@ -104,7 +104,6 @@ impl Drop for Terminal {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
-        let _ = fs::remove_dir_all(&self.place);
     }
 }
 

@@ -1,6 +1,6 @@
 //! `onset tune`.
 
-use super::{document, fresh_place, number, onset, onset_line};
+use super::{Scratch, document, number, onset, onset_line};
 
 const PENALTY: &str = "set method=total-lagrangian-sph set lattice=square";
 
@@ -37,7 +37,7 @@ fn values_that_a_method_refuses_say_why() {
 
 #[test]
 fn a_tuned_coefficient_is_drawn_and_listed() {
-    let folder = fresh_place("tune");
+    let folder = Scratch::new("tune");
     let out = folder.display().to_string();
     let mut words = super::words(&format!("tune discretization.penalty {PENALTY} --quiet"));
     words.extend(["--out".to_owned(), out]);
@@ -52,7 +52,6 @@ fn a_tuned_coefficient_is_drawn_and_listed() {
     for file in ["tune.svg", "tune.png"] {
         assert!(folder.join(file).is_file(), "{file}");
     }
-    std::fs::remove_dir_all(folder).expect("removed");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! User materials, as a user sees them.
 
 use crate::fortran::library;
-use crate::{command, onset, onset_line};
+use crate::{Scratch, command, onset, onset_line};
 use serde_json::Value;
 use std::path::Path;
 use std::time::Duration;
@@ -71,7 +71,7 @@ fn a_state_is_the_same_with_the_umat_and_with_the_built_in_law_of_the_same_energ
 
 #[test]
 fn a_study_file_takes_a_umat_and_its_map_is_that_of_the_built_in_law() {
-    let folder = crate::fresh_place("umat-study");
+    let folder = Scratch::new("umat-study");
     std::fs::create_dir_all(&folder).expect("a folder");
     let library = library(&["fortran/blatz_ko.f90"]);
     let study = |name: &str, material: &str| {
@@ -108,7 +108,6 @@ fn a_study_file_takes_a_umat_and_its_map_is_that_of_the_built_in_law() {
     assert_eq!(umat, law);
     let stable = law["stable"]["states"].as_u64().expect("a number");
     assert!(stable > 0 && stable < 144, "{law:#}");
-    std::fs::remove_dir_all(folder).expect("the folder is removed");
 }
 
 #[test]
@@ -141,7 +140,7 @@ fn what_goes_wrong_in_a_umat_is_told_with_exit_code_2() {
 
 #[test]
 fn libraries_that_are_none_are_told_with_exit_code_2() {
-    let text = crate::fresh_place("text.so");
+    let text = Scratch::new("text.so");
     std::fs::write(&text, "no library").expect("a file");
     let utilities = library(&["fortran/abaqus_utilities.f90"]);
     for (file, words) in [
@@ -153,7 +152,6 @@ fn libraries_that_are_none_are_told_with_exit_code_2() {
         assert_eq!(answer.code, Some(2));
         assert!(answer.stderr.contains(words), "{}", answer.stderr);
     }
-    std::fs::remove_file(text).expect("the file is removed");
     let answer = onset_line("state --stretch 1.2,0.9 --set material.model=umat");
     assert_eq!(answer.code, Some(2));
     assert!(
@@ -165,13 +163,13 @@ fn libraries_that_are_none_are_told_with_exit_code_2() {
 
 /// A folder with a user-defined library and files that name it.
 struct Strange {
-    folder: std::path::PathBuf,
+    folder: Scratch,
     library: String,
 }
 
 impl Strange {
     fn new(name: &str) -> Self {
-        let folder = crate::fresh_place(name);
+        let folder = Scratch::new(name);
         std::fs::create_dir_all(&folder).expect("a folder");
         let own = folder.join("own.so");
         std::fs::copy(library(&["fortran/blatz_ko.f90"]), &own).expect("a copy");
@@ -222,12 +220,6 @@ impl Strange {
             command.env("ONSET_UMAT_HOST", &host);
         });
         trace.exists()
-    }
-}
-
-impl Drop for Strange {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.folder);
     }
 }
 
@@ -319,7 +311,6 @@ fn a_map_is_not_gone_on_with_by_another_library() {
     };
     assert_eq!(map("--tiles 0..1").code, Some(0));
     // Compiled anew: another file in its place, whose end says nothing to the loader.
-    std::fs::remove_file(&own).expect("removable");
     std::fs::write(&own, [&first[..], b"anew"].concat()).expect("a file");
     for more in ["--resume", "--tiles 1..2"] {
         let answer = map(more);
@@ -342,7 +333,7 @@ fn a_map_is_not_gone_on_with_by_another_library() {
 #[cfg(target_os = "linux")]
 fn no_folder_stays_behind_and_none_of_others_is_taken() {
     use std::os::unix::fs::symlink;
-    let place = crate::fresh_place("temporary");
+    let place = Scratch::new("temporary");
     std::fs::create_dir_all(place.join("tmp")).expect("a folder");
     std::fs::write(place.join("victim"), "precious").expect("a file");
     // What somebody has planted who could guess the names: they are not used.
@@ -410,7 +401,6 @@ fn no_folder_stays_behind_and_none_of_others_is_taken() {
         std::fs::read_to_string(place.join("victim")).expect("a file"),
         "precious"
     );
-    std::fs::remove_dir_all(place).expect("removable");
 }
 
 /// Killed without a chance to clean up, while the routine is in an endless loop.
@@ -418,7 +408,7 @@ fn no_folder_stays_behind_and_none_of_others_is_taken() {
 #[cfg(target_os = "linux")]
 fn no_process_outlives_a_killed_command() {
     use std::os::unix::ffi::OsStrExt;
-    let own = crate::fresh_place("outlives.so");
+    let own = Scratch::new("outlives.so");
     std::fs::copy(library(&HOSTILE), &own).expect("a copy");
     let running = || {
         let name = own.as_os_str().as_bytes();
@@ -443,7 +433,6 @@ fn no_process_outlives_a_killed_command() {
     child.kill().expect("killed");
     child.wait().expect("ended");
     wait_for(false);
-    std::fs::remove_file(own).expect("the copy is removed");
 }
 
 #[test]

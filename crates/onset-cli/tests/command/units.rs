@@ -1,6 +1,6 @@
 //! Units in values, and answers in SI.
 
-use super::{assert_close, document, fresh_place, number, onset, onset_line};
+use super::{Scratch, assert_close, document, number, onset, onset_line};
 
 const STEEL: &str = "--set material.model=neo-hooke --set material.mu=80GPa --set material.lambda=120GPa set density=7850kg/m^3 set spacing=1mm";
 const PLAIN: &str = "--set material.model=neo-hooke --set material.mu=80e9 --set material.lambda=120e9 set density=7850 set spacing=1e-3";
@@ -101,7 +101,7 @@ fn laws_waves_and_bands_are_told_and_drawn_with_their_units() {
         .split_whitespace()
         .map(str::to_owned)
         .collect();
-    let place = fresh_place("localize");
+    let place = Scratch::new("localize");
     let out = place.display().to_string();
     let mut words: Vec<&str> = words.iter().map(String::as_str).collect();
     words.extend(["--out", &out]);
@@ -126,7 +126,6 @@ fn laws_waves_and_bands_are_told_and_drawn_with_their_units() {
     );
     let figure = std::fs::read_to_string(place.join("localize.svg")).expect("a figure");
     assert!(figure.contains("critical modulus (Pa)"));
-    std::fs::remove_dir_all(place).expect("removed");
     assert!(!onset_line(plain).stdout.contains("Pa"));
     // A stress without a unit beside others is refused, with an example.
     let some = onset_line(&format!("{plain} --set plasticity.strength=20MPa"));
@@ -149,7 +148,7 @@ fn laws_waves_and_bands_are_told_and_drawn_with_their_units() {
         assert_eq!(told["material"]["units"]["mu"], "Pa");
     }
 
-    let place = fresh_place("waves");
+    let place = Scratch::new("waves");
     let out = place.display().to_string();
     let text = onset_line(&format!(
         "dispersion --stretch 1.2,0.9 --path --out {out} {STEEL}"
@@ -165,24 +164,22 @@ fn laws_waves_and_bands_are_told_and_drawn_with_their_units() {
     }
     // Of a stable state nothing grows.
     assert!(!figure.contains("growth rate"));
-    std::fs::remove_dir_all(place).expect("removed");
     let wave = format!("dispersion --stretch 1.2,0.9 --wave-vector 1000,0 {STEEL}");
     assert!(
         onset_line(&wave)
             .stdout
             .contains("reference wave vector  (1000, 0) 1/m")
     );
-    let place = fresh_place("modes");
+    let place = Scratch::new("modes");
     let out = place.display().to_string();
     onset_line(&format!("modes --out {out} {STEEL} set quadrature=nodal"));
     let figure = std::fs::read_to_string(place.join("modes.svg")).expect("a figure");
     assert!(figure.contains("x₁ (m)"));
-    std::fs::remove_dir_all(place).expect("removed");
 }
 
 #[test]
 fn a_study_with_units_is_written_out_and_read_back_with_them() {
-    let place = fresh_place("study.toml");
+    let place = Scratch::new("study.toml");
     let text = "[material]\nmodel = \"neo-hooke\"\nlambda = \"120 GPa\"\n[discretization]\nspacing = \"1 mm\"\ndensity = \"7850 kg/m^3\"\n\
                 [[axes]]\nquantity = \"stretch-1\"\nrange = [0.9, 1.1]\nstates = 3\n\
                 [[axes]]\nquantity = \"material.mu\"\nrange = [\"70 GPa\", \"90 GPa\"]\nstates = 3\n";
@@ -191,7 +188,7 @@ fn a_study_with_units_is_written_out_and_read_back_with_them() {
     let checked = document(&format!("check {file}"));
     assert_eq!(checked[0]["axes"][1]["range"][1], 90e9);
     // An override writes the study out in full; a map that is resumed reads it back.
-    let store = fresh_place("map.zarr");
+    let store = Scratch::new("map.zarr");
     let map = format!("map {file} --out {} set support=1.9", store.display());
     let first = document(&map);
     assert_eq!(number(&first, "/tiles_computed"), 1.0);
@@ -207,6 +204,4 @@ fn a_study_with_units_is_written_out_and_read_back_with_them() {
         "{}",
         refused.stderr
     );
-    std::fs::remove_file(place).expect("removed");
-    std::fs::remove_dir_all(store).expect("removed");
 }
