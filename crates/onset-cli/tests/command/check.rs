@@ -1,25 +1,15 @@
 //! `onset check` and `onset schema`.
 
-use crate::{Scratch, onset};
+use crate::{Written, onset};
 use serde_json::Value;
 
 const STUDY: &str = "title = \"a title\"\n\
     [[axes]]\nquantity = \"stretch-1\"\nrange = [0.8, 1.2]\nstates = 20\n\
     [[axes]]\nquantity = \"discretization.support\"\nrange = [1.4, 1.8]\nstates = 10\n";
 
-/// A file with a text, for one test.
-struct File(Scratch);
-
-impl File {
-    fn new(text: impl AsRef<[u8]>) -> Self {
-        let place = Scratch::new("study.toml");
-        std::fs::write(&place, text).expect("a file");
-        Self(place)
-    }
-
-    fn path(&self) -> &str {
-        self.0.to_str().expect("UTF-8")
-    }
+/// A study with a text.
+fn written(text: impl AsRef<[u8]>) -> Written {
+    Written::new("study.toml", text)
 }
 
 fn kept(name: &str) -> String {
@@ -28,11 +18,11 @@ fn kept(name: &str) -> String {
 
 #[test]
 fn a_valid_study_is_summarized() {
-    let file = File::new(STUDY);
-    let answer = onset(&["check", file.path()]);
+    let file = written(STUDY);
+    let answer = onset(&["check", &file]);
     assert_eq!((answer.code, answer.stderr.as_str()), (Some(0), ""));
     for fact in [
-        file.path(),
+        &file,
         "a title",
         "modified-mooney-rivlin (default)",
         "c1 0.1256",
@@ -56,8 +46,8 @@ fn a_valid_study_is_summarized() {
 
 #[test]
 fn the_document_says_the_same_as_the_text() {
-    let file = File::new(STUDY);
-    let answer = onset(&["check", "--json", file.path()]);
+    let file = written(STUDY);
+    let answer = onset(&["check", "--json", &file]);
     let entries: Value = serde_json::from_str(&answer.stdout).expect("one JSON document");
     let entry = &entries[0];
     assert_eq!(entry["valid"], true);
@@ -80,17 +70,17 @@ fn the_document_says_the_same_as_the_text() {
 fn states_without_support_are_warned_about_and_keys_without_effect_refused() {
     // A support of fixed size loses its neighbors in strong tension.
     let study = STUDY.replace("[0.8, 1.2]", "[1.0, 4.0]");
-    let file = File::new(format!("discretization.frame = \"eulerian\"\n{study}"));
-    let told = onset(&["check", file.path()]).stdout;
+    let file = written(format!("discretization.frame = \"eulerian\"\n{study}"));
+    let told = onset(&["check", &file]).stdout;
     assert!(
         told.contains("of 81 sampled states have no verdict"),
         "{told}"
     );
     assert!(told.contains("within the support radius"), "{told}");
-    let file = File::new(format!(
+    let file = written(format!(
         "discretization.current-lattice = \"regular\"\n{STUDY}"
     ));
-    let answer = onset(&["check", file.path()]);
+    let answer = onset(&["check", &file]);
     let fact =
         ":1:34: `discretization.current-lattice` has no effect: discretization.frame is lagrangian";
     assert_eq!(answer.code, Some(2));
@@ -99,10 +89,10 @@ fn states_without_support_are_warned_about_and_keys_without_effect_refused() {
 
 #[test]
 fn a_wrong_study_ends_with_code_2_and_its_place() {
-    let file = File::new(STUDY.replace("stretch-1", "strech-1"));
-    let answer = onset(&["check", file.path()]);
+    let file = written(STUDY.replace("stretch-1", "strech-1"));
+    let answer = onset(&["check", &file]);
     assert_eq!((answer.code, answer.stdout.as_str()), (Some(2), ""));
-    let place = format!("error: {}:3:12: ", file.path());
+    let place = format!("error: {file}:3:12: ");
     assert!(answer.stderr.starts_with(&place), "{}", answer.stderr);
     assert!(
         answer.stderr.contains("did you mean `stretch-1`?"),
@@ -113,12 +103,12 @@ fn a_wrong_study_ends_with_code_2_and_its_place() {
 
 #[test]
 fn every_file_is_told_about_behind_a_wrong_one() {
-    let (wrong, good) = (File::new(""), File::new(STUDY));
-    let text = onset(&["check", wrong.path(), good.path()]);
+    let (wrong, good) = (written(""), written(STUDY));
+    let text = onset(&["check", &wrong, &good]);
     assert_eq!(text.code, Some(2));
-    assert!(text.stdout.contains(good.path()) && !text.stdout.contains(wrong.path()));
+    assert!(text.stdout.contains(&*good) && !text.stdout.contains(&*wrong));
     assert!(text.stderr.contains("has no axes"), "{}", text.stderr);
-    let answer = onset(&["check", "--json", wrong.path(), good.path()]);
+    let answer = onset(&["check", "--json", &wrong, &good]);
     assert_eq!(answer.code, Some(2));
     let entries: Value = serde_json::from_str(&answer.stdout).expect("one JSON document");
     assert_eq!(entries[0]["valid"], false);
@@ -145,22 +135,22 @@ fn files_that_cannot_be_read_are_named() {
             answer.stderr
         );
     }
-    let file = File::new([0xff, 0xfe, 0x00]);
-    let answer = onset(&["check", file.path()]);
+    let file = written([0xff, 0xfe, 0x00]);
+    let answer = onset(&["check", &file]);
     assert_eq!(answer.code, Some(2));
     assert!(answer.stderr.contains("UTF-8"), "{}", answer.stderr);
 }
 
 #[test]
 fn assignments_are_checked_with_the_study() {
-    let file = File::new(STUDY);
-    let answer = onset(&["check", file.path(), "--set", "map.tile=8"]);
+    let file = written(STUDY);
+    let answer = onset(&["check", &file, "--set", "map.tile=8"]);
     assert!(
         answer.stdout.contains("200 states in 6 tiles of 8 x 8"),
         "{}",
         answer.stdout
     );
-    let answer = onset(&["check", file.path(), "--set", "discretization.support=2"]);
+    let answer = onset(&["check", &file, "--set", "discretization.support=2"]);
     assert_eq!(answer.code, Some(2));
     assert!(
         answer.stderr.contains("is an axis of this study"),

@@ -108,10 +108,7 @@ fn wrong_ranges_modes_and_laws_are_refused() {
 
 /// A block in a file of its own.
 fn block(name: &str, text: &str) -> Written {
-    let folder = Scratch::new(name);
-    std::fs::create_dir_all(&folder).expect("a folder");
-    let file = folder.join("block.inp");
-    Written::new(folder, &file, text)
+    Written::new(&format!("{name}.inp"), text)
 }
 
 /// Treloar's rubber in the constants of Abaqus, `mu_i alpha_i / 2` of Ogden's, is the default of `ogden`.

@@ -208,20 +208,14 @@ impl Drop for Scratch {
     }
 }
 
-/// A file with a text, for one test.
-struct Written {
-    path: String,
-    _place: Scratch,
-}
+/// A file of a name with a text, for one test.
+struct Written(Scratch);
 
 impl Written {
-    /// In a place, which may be the file itself.
-    fn new(place: Scratch, path: &Path, text: &str) -> Self {
-        std::fs::write(path, text).expect("a file");
-        Self {
-            path: path.display().to_string(),
-            _place: place,
-        }
+    fn new(name: &str, text: impl AsRef<[u8]>) -> Self {
+        let place = Scratch::new(name);
+        std::fs::write(&place, text).expect("a file");
+        Self(place)
     }
 }
 
@@ -229,12 +223,12 @@ impl Deref for Written {
     type Target = str;
 
     fn deref(&self) -> &str {
-        &self.path
+        self.0.to_str().expect("UTF-8")
     }
 }
 
 impl fmt::Display for Written {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.path)
+        f.write_str(self)
     }
 }

@@ -13,9 +13,7 @@ const CHAIN: &str = "title = \"a chain\"\n[material]\nmodel = \"blatz-ko\"\nmu =
 
 /// A file with a text.
 fn file(text: &str) -> Written {
-    let place = Scratch::new("study.toml");
-    let path = place.to_path_buf();
-    Written::new(place, &path, text)
+    Written::new("study.toml", text)
 }
 
 #[test]
