@@ -2,7 +2,7 @@
 
 use super::numbering::{coordinates, index};
 use super::reduction::combinations;
-use super::{BravaisLattice, Reduced, inverse_of};
+use super::{BravaisLattice, Fractional, Reduced, inverse_of};
 use crate::algebra::{Each, array_of, sort_by_value};
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
@@ -39,6 +39,20 @@ impl<const D: usize> Symmetry<D> {
     pub(crate) fn of_cell(&self, cell: &[i32; D]) -> [i32; D] {
         self.of_cells
             .each(|row| row.iter().zip(cell).map(|(n, c)| n * c).sum())
+    }
+
+    /// What the inverse makes of the components of a wave vector over the reciprocal vectors, by rows.
+    pub(crate) fn of_components(&self) -> [[f64; D]; D] {
+        array_of(|j| array_of(|i| f64::from(self.of_cells[i][j])))
+    }
+
+    /// What it makes of lattice coordinates.
+    pub(crate) fn of_place(&self, place: &Fractional<D>) -> Fractional<D> {
+        SVector::from_fn(|i, _| {
+            (0..D)
+                .map(|j| f64::from(self.of_cells[i][j]) * place[j])
+                .sum()
+        })
     }
 
     /// Where the inverse takes a wave vector with given coordinates: `k.(R a) = (R^-1 k).a`.

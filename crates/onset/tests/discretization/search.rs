@@ -4,7 +4,7 @@ use crate::choices::{Case, case, config};
 use nalgebra::{Matrix2, Vector2};
 use onset::bloch::{DynamicalMatrix, ZoneSearch, dynamical_matrix, growth_rate};
 use onset::kinematics::DeformationGradient;
-use onset::lattice::BrillouinZone;
+use onset::lattice::{BrillouinZone, LatticeKind};
 use onset::material::ModifiedMooneyRivlin;
 use onset::method::KernelMethodChoices;
 use onset::quadrature::Quadrature;
@@ -230,5 +230,32 @@ fn sixty_four_particles_of_a_lattice_grow_as_one_does() {
         (one.maximum_omega, many.maximum_omega),
     ] {
         assert!(!differs(of_one, of_many), "{of_one} {of_many}");
+    }
+}
+
+/// Nearly incompressible: its soft branches turn with the stiff one, and a bound is had by polynomials that turn with them.
+#[test]
+fn the_default_kernel_on_cubes_is_bounded() {
+    let material = ModifiedMooneyRivlin::default();
+    for lattice in [
+        LatticeKind::SimpleCubic,
+        LatticeKind::FaceCenteredCubic,
+        LatticeKind::BodyCenteredCubic,
+    ] {
+        let choices = MethodChoices::Kernel(Box::new(KernelMethodChoices {
+            lattice,
+            ..KernelMethodChoices::default()
+        }));
+        let discretization = choices.discretization::<3>().expect("a method");
+        let survey = Survey::new(&*discretization, &material).expect("a survey");
+        for stretches in [[1.0, 1.0, 1.0], [1.2, 1.0, 0.95]] {
+            let state = DeformationGradient::from_stretches(stretches).expect("a state");
+            let spectrum = survey.assess(&state).expect("an assessment").spectrum;
+            let gap = spectrum.softest.scaled - spectrum.bound;
+            assert!(
+                (0.0..1e-6).contains(&gap),
+                "{lattice:?} at {stretches:?}: {gap}"
+            );
+        }
     }
 }

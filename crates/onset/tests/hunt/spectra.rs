@@ -49,7 +49,10 @@ fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_says(
             continue;
         };
         if gap > 1e-6 && std::env::var("ONSET_DEBUG").is_ok() {
-            eprintln!("seed {}: gap {gap:e} {took:?}: {name}", seed + case);
+            eprintln!(
+                "seed {}: gap {gap:e} {took:?}, Hermitian {is_hermitian}: {name}",
+                seed + case
+            );
         }
         time += took;
         if took > LONG {

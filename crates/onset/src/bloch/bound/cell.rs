@@ -1,7 +1,7 @@
 //! Boxes of wave vectors, which together are half of the zone.
 
-use super::jet::{bend, slope};
-use super::phase::{derivative_bounds, phases};
+use super::jet::{FILLED, derivatives, products};
+use super::phase;
 use crate::algebra::{Complex, array_of};
 use nalgebra::{SMatrix, SVector};
 
@@ -27,10 +27,6 @@ pub(super) struct Cell<const D: usize> {
     pub(super) middle: [f64; D],
     pub(super) half: [f64; D],
 }
-
-/// A function of `t` and `p` on a box of a cone: value, slopes and second derivatives, a bound of what is left, and what the second
-/// derivatives by each variable may do.
-pub(super) type ConeJet<const D: usize> = ([Complex; 10], f64, [f64; D]);
 
 impl<const D: usize> Cell<D> {
     /// Half of the zone, where so many boxes can be looked at; the other half has the same spectrum. Long waves lie in cones where that
@@ -72,7 +68,7 @@ impl<const D: usize> Cell<D> {
             middle: [0.0; D],
             half: [0.0; D],
         };
-        for (variable, n) in others::<D>(cone) {
+        for (variable, n) in Self::others(cone) {
             cell.middle[variable] = components[n] / components[cone];
         }
         cell
@@ -98,7 +94,7 @@ impl<const D: usize> Cell<D> {
             Chart::Zone => reciprocal * SVector::from(self.middle),
             Chart::Cone(cone) => {
                 let mut direction: SVector<f64, D> = reciprocal.column(cone).into();
-                for (variable, n) in others::<D>(cone) {
+                for (variable, n) in Self::others(cone) {
                     direction += reciprocal.column(n) * self.middle[variable];
                 }
                 direction * self.middle[0]
@@ -106,59 +102,52 @@ impl<const D: usize> Cell<D> {
         }
     }
 
-    /// In a cone `f_m(t, p)` of a vector for three `m`, as far as they are wanted.
-    pub(super) fn cone_jets(
-        &self,
-        cone: usize,
-        along: &[f64; D],
-        orders: [bool; 3],
-    ) -> [ConeJet<D>; 3] {
-        let t = self.middle[0];
-        let (mut p, mut spread) = (along[cone], 0.0);
-        let mut rates = [0.0; D];
-        for (variable, n) in others::<D>(cone) {
+    /// `p` of a vector in the middle of a cone, its slopes by the variables beside the first (one stands for the first), and how much
+    /// it changes.
+    fn across(&self, cone: usize, along: &[f64; D]) -> (f64, [f64; D], f64) {
+        let (mut p, mut rates, mut spread) = (along[cone], [1.0; D], 0.0);
+        for (variable, n) in Self::others(cone) {
             p += self.middle[variable] * along[n];
             rates[variable] = along[n];
             spread += self.half[variable] * along[n].abs();
         }
-        let functions = phases(t, p);
-        let (most_t, most_p) = (t + self.half[0], p.abs() + spread);
-        array_of(|m| {
-            let (mut jet, mut bends) = ([Complex::default(); 10], [0.0; D]);
-            if !orders[m] {
-                return (jet, 0.0, bends);
-            }
-            let f = &functions[m];
-            jet[0] = f.value;
-            jet[slope(0)] = f.slope[0];
-            jet[bend::<D>(0, 0)] = f.bend[0];
-            for a in 1..D {
-                jet[slope(a)] = f.slope[1] * rates[a];
-                jet[bend::<D>(a, 0)] = f.bend[1] * rates[a];
-                for b in 1..=a {
-                    jet[bend::<D>(a, b)] = f.bend[2] * (rates[a] * rates[b]);
-                }
-            }
-            let (second, third) = derivative_bounds(m, most_t, most_p);
-            let h = self.half[0];
-            bends[0] = 0.5 * second[0] * h * h;
-            for a in 1..D {
-                bends[a] = 0.5 * second[1] * (rates[a] * self.half[a]).powi(2);
-            }
-            let rest = (third[0] * h.powi(3)
-                + 3.0 * third[1] * h * h * spread
-                + 3.0 * third[2] * h * spread * spread
-                + third[3] * spread.powi(3))
-                / 6.0;
-            (jet, rest, bends)
-        })
+        (p, rates, spread)
     }
-}
 
-/// The reciprocal vectors beside that of a cone, by the number of their variable.
-fn others<const D: usize>(cone: usize) -> impl Iterator<Item = (usize, usize)> {
-    (0..D)
-        .filter(move |n| *n != cone)
-        .enumerate()
-        .map(|(v, n)| (v + 1, n))
+    /// In a cone the derivatives of `f_m(t, p)` of a vector.
+    #[inline(always)]
+    pub(super) fn cone_derivatives(
+        &self,
+        cone: usize,
+        m: usize,
+        along: &[f64; D],
+    ) -> [Complex; FILLED] {
+        let (p, rates, _) = self.across(cone, along);
+        let own = phase::derivatives(m, self.middle[0], p);
+        let products = products(&rates);
+        let mut phases = [Complex::default(); FILLED];
+        for (n, kind) in const { derivatives::<D>() }.iter().enumerate() {
+            phases[n] = own[kind.by_first][kind.order - kind.by_first] * products[n];
+        }
+        phases
+    }
+
+    /// A bound of what a polynomial of these leaves out, from the fifth order on, and what the second derivatives by each variable may do.
+    pub(super) fn cone_rest(&self, cone: usize, m: usize, along: &[f64; D]) -> (f64, [f64; D]) {
+        let (p, rates, spread) = self.across(cone, along);
+        let half = &self.half;
+        let (most_t, most_p) = (self.middle[0] + half[0], p.abs() + spread);
+        let [by_t, by_p] = phase::bends(m, most_t, most_p);
+        let mut bends = array_of(|a| 0.5 * by_p * (rates[a] * half[a]).powi(2));
+        bends[0] = 0.5 * by_t * half[0] * half[0];
+        (phase::beyond(m, [most_t, half[0]], [most_p, spread]), bends)
+    }
+
+    /// The reciprocal vectors beside that of a cone, by the number of their variable.
+    pub(super) fn others(cone: usize) -> impl Iterator<Item = (usize, usize)> {
+        (0..D)
+            .filter(move |n| *n != cone)
+            .enumerate()
+            .map(|(v, n)| (v + 1, n))
+    }
 }

@@ -62,6 +62,7 @@ pub(super) fn cover<const D: usize>(
     if most < FEWEST[D - 1] {
         return None;
     }
+    let images = pencil.images();
     let mut found = Covered {
         lowest: question.known,
         wave_vector: None,
@@ -69,40 +70,83 @@ pub(super) fn cover<const D: usize>(
         bound: f64::NEG_INFINITY,
     };
     let mut open: VecDeque<Cell<D>> = pencil.boxes(most).into();
-    let (mut left, mut looked) = (Vec::new(), 0);
-    let at_once = at_once(pencil);
+    let cost = |cells: &[Cell<D>]| cells.iter().map(|cell| pencil.cost_on(cell)).sum::<usize>();
     // What is open at the end is looked at once more.
-    while !open.is_empty() && looked + open.len() < most {
+    let (mut left, mut done, mut waiting) = (Vec::new(), 0, cost(open.make_contiguous()));
+    let at_once = at_once(pencil);
+    while !open.is_empty() && done + waiting < question.budget {
         if (question.is_ended)() {
             return Some(found);
         }
-        let several = open.drain(..open.len().min(at_once)).collect();
+        let several: Vec<_> = open.drain(..open.len().min(at_once)).collect();
+        waiting -= cost(&several);
         let highest = found.lowest - question.gap;
-        let sign = |cell: Cell<D>| {
-            let local = pencil.on(&cell);
-            let sign = local.sign(highest);
-            (cell, local, sign)
-        };
-        for (cell, local, mut sign) in on_cores(pencil, several, sign) {
-            looked += 1;
-            if sign == Sign::Lost && found.lowest - question.gap < highest {
-                sign = local.sign(found.lowest - question.gap);
-            }
-            if sign == Sign::Lost && found.is_lowered(pencil, question, &cell) {
-                sign = local.sign(found.lowest - question.gap);
-            }
-            if sign == Sign::Positive {
+        let look =
+            |cell: Cell<D>| (!images.are_before(&cell)).then(|| Looked::at(pencil, cell, highest));
+        for seen in on_cores(pencil, several, look).into_iter().flatten() {
+            let Looked { cell, bends, .. } = seen;
+            done += pencil.cost_on(&cell);
+            let divisions = match seen.sign_below(&mut found, pencil, question, highest) {
+                Sign::Positive => continue,
+                Sign::Lost => 1,
+                Sign::Open { divisions } => divisions,
+            };
+            if cell.half.iter().all(|half| *half < SMALLEST) {
+                left.push(cell);
                 continue;
             }
-            match cell.half.iter().all(|half| *half < SMALLEST) {
-                true => left.push(cell),
-                false => open.extend(halves(&cell, &local)),
-            }
+            let parts = divided(cell, bends, divisions);
+            waiting += cost(&parts);
+            open.extend(parts);
         }
     }
-    left.extend(open);
+    left.extend(open.into_iter().filter(|cell| !images.are_before(cell)));
     found.bound = below(pencil, question, found.lowest, &left);
     Some(found)
+}
+
+/// What is seen of a box.
+struct Looked<const D: usize> {
+    cell: Cell<D>,
+    bends: [f64; D],
+    sign: Sign,
+    /// Where the sign may change as soon as a smaller value is met.
+    local: Option<Local<D>>,
+}
+
+impl<const D: usize> Looked<D> {
+    fn at(pencil: &Pencil<D>, cell: Cell<D>, highest: f64) -> Self {
+        let local = pencil.on(&cell);
+        let sign = local.sign(highest);
+        Self {
+            cell,
+            bends: local.bends,
+            sign,
+            local: (sign == Sign::Lost).then_some(local),
+        }
+    }
+
+    /// The sign after what has been met since, and what is met downhill from here.
+    fn sign_below(
+        &self,
+        found: &mut Covered<D>,
+        pencil: &Pencil<D>,
+        question: &Question<'_, D>,
+        highest: f64,
+    ) -> Sign {
+        let Some(local) = &self.local else {
+            return self.sign;
+        };
+        let sign = |found: &Covered<D>| local.sign(found.lowest - question.gap);
+        let mut own = self.sign;
+        if found.lowest - question.gap < highest {
+            own = sign(found);
+        }
+        if own == Sign::Lost && found.is_lowered(pencil, question, &self.cell) {
+            own = sign(found);
+        }
+        own
+    }
 }
 
 impl<const D: usize> Covered<D> {
@@ -162,20 +206,28 @@ fn long_wave<const D: usize>(
     (value, direction.normalize())
 }
 
-/// The two halves of a box, divided where the second derivatives do most.
-fn halves<const D: usize>(cell: &Cell<D>, local: &Local<D>) -> [Cell<D>; 2] {
-    let mut widest = 0;
-    for a in 1..D {
-        if local.bends[a] > local.bends[widest] {
-            widest = a;
+/// The parts of a box that is halved several times, each time where the second derivatives do most.
+fn divided<const D: usize>(cell: Cell<D>, mut bends: [f64; D], divisions: usize) -> Vec<Cell<D>> {
+    let mut parts = vec![cell];
+    for _ in 0..divisions {
+        let mut widest = 0;
+        for a in 1..D {
+            if bends[a] > bends[widest] {
+                widest = a;
+            }
         }
+        bends[widest] *= 0.25;
+        let halves = |cell: Cell<D>| {
+            [-0.5, 0.5].each(|side| {
+                let mut part = cell;
+                part.half[widest] *= 0.5;
+                part.middle[widest] += side * cell.half[widest];
+                part
+            })
+        };
+        parts = parts.into_iter().flat_map(halves).collect();
     }
-    [-0.5, 0.5].each(|side| {
-        let mut part = *cell;
-        part.half[widest] *= 0.5;
-        part.middle[widest] += side * cell.half[widest];
-        part
-    })
+    parts
 }
 
 /// What no value is below, in boxes that are left too.
@@ -195,7 +247,7 @@ fn below<const D: usize>(
         let needed = |cell: Cell<D>| {
             let local = pencil.on(&cell);
             let is_seen = |gap: &f64| local.sign(lowest - gap) == Sign::Positive;
-            gaps.iter().position(is_seen).unwrap_or(gaps.len())
+            gaps.partition_point(|gap| !is_seen(gap))
         };
         let most = on_cores(pencil, several.to_vec(), needed).into_iter().max();
         match gaps.get(most.unwrap_or(0)) {

@@ -1,15 +1,24 @@
-//! Functions on a box: a Taylor polynomial of second order about the middle, and a bound of what is left.
+//! Functions on a box: a Taylor polynomial of third order about the middle, and a bound of what is left.
 
 use crate::algebra::{Complex, Each};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 use std::ops::{Add, Mul};
 
-/// The parts of a polynomial of second order in up to three variables: value, slopes, and second derivatives by `a` and `b <= a`.
-const MOST: usize = 10;
+/// The parts of a polynomial of third order in up to three variables: value, slopes, second derivatives by `a` and `b <= a`, and third ones by
+/// `a`, `b <= a` and `c <= b`.
+pub(super) const MOST: usize = 20;
 
-/// How many parts there are in `D` variables.
-pub(super) const fn parts<const D: usize>() -> usize {
+/// Derivatives up to the fourth order in three variables, and places that fill up vectors of the machine.
+pub(super) const FILLED: usize = 40;
+
+/// How many parts there are in `D` variables up to the second order.
+pub(super) const fn quadratic_parts<const D: usize>() -> usize {
     1 + D + D * (D + 1) / 2
+}
+
+/// How many there are.
+pub(super) const fn parts<const D: usize>() -> usize {
+    quadratic_parts::<D>() + D * (D + 1) * (D + 2) / 6
 }
 
 /// The place of the slope by a variable.
@@ -21,6 +30,109 @@ pub(super) const fn slope(a: usize) -> usize {
 pub(super) const fn bend<const D: usize>(a: usize, b: usize) -> usize {
     let (a, b) = if a < b { (b, a) } else { (a, b) };
     1 + D + a * (a + 1) / 2 + b
+}
+
+/// The place of the third derivative by three variables.
+pub(super) fn third<const D: usize>(a: usize, b: usize, c: usize) -> usize {
+    let mut by = [a, b, c];
+    by.sort_unstable();
+    let [c, b, a] = by;
+    quadratic_parts::<D>() + a * (a + 1) * (a + 2) / 6 + b * (b + 1) / 2 + c
+}
+
+/// The variables of second derivatives, each pair once.
+pub(super) fn seconds<const D: usize>() -> impl Iterator<Item = [usize; 2]> {
+    (0..D).flat_map(|a| (0..=a).map(move |b| [a, b]))
+}
+
+/// Those that are different.
+pub(super) fn mixed<const D: usize>() -> impl Iterator<Item = [usize; 2]> {
+    seconds::<D>().filter(|[a, b]| a != b)
+}
+
+/// Those of third derivatives.
+pub(super) fn thirds<const D: usize>() -> impl Iterator<Item = [usize; 3]> {
+    seconds::<D>().flat_map(|[a, b]| (0..=b).map(move |c| [a, b, c]))
+}
+
+/// A derivative up to the fourth order.
+#[derive(Clone, Copy)]
+pub(super) struct Derivative {
+    /// The place of that by its variables but the last, which follow from the highest to the lowest, and the last.
+    before: usize,
+    last: usize,
+    /// How often the last has occurred.
+    times: usize,
+    pub(super) order: usize,
+    /// How often the first variable of all is among its own.
+    pub(super) by_first: usize,
+}
+
+/// All derivatives up to the fourth order, in their order.
+pub(super) const fn derivatives<const D: usize>() -> [Derivative; FILLED] {
+    let none = Derivative {
+        before: 0,
+        last: 0,
+        times: 0,
+        order: 0,
+        by_first: 0,
+    };
+    let mut derivatives = [none; FILLED];
+    // Those of an order lie between two places.
+    let (mut start, mut end, mut order) = (0, 1, 1);
+    while order <= 4 {
+        let (mut before, mut n) = (start, end);
+        while before < end {
+            let own = derivatives[before];
+            let highest = if order == 1 { D - 1 } else { own.last };
+            let mut last = 0;
+            while last <= highest {
+                let is_repeated = order > 1 && last == own.last;
+                derivatives[n] = Derivative {
+                    before,
+                    last,
+                    times: if is_repeated { own.times + 1 } else { 1 },
+                    order,
+                    by_first: own.by_first + (last == 0) as usize,
+                };
+                last += 1;
+                n += 1;
+            }
+            before += 1;
+        }
+        (start, end, order) = (end, n, order + 1);
+    }
+    derivatives
+}
+
+/// How many there are, with what fills up vectors of the machine.
+pub(super) const fn filled<const D: usize>() -> usize {
+    let fourths = D * (D + 1) * (D + 2) * (D + 3) / 24;
+    (parts::<D>() + fourths).next_multiple_of(8)
+}
+
+/// Products of the variables of each derivative.
+pub(super) fn products<const D: usize>(x: &[f64; D]) -> [f64; FILLED] {
+    let mut products = [0.0; FILLED];
+    products[0] = 1.0;
+    for (n, own) in const { derivatives::<D>() }.iter().enumerate().skip(1) {
+        if own.order > 0 {
+            products[n] = products[own.before] * x[own.last];
+        }
+    }
+    products
+}
+
+/// What each derivative is multiplied with in a polynomial in variables over the half sides of a box.
+pub(super) fn monomials<const D: usize>(half: &[f64; D]) -> [f64; FILLED] {
+    let mut monomials = [0.0; FILLED];
+    monomials[0] = 1.0;
+    for (n, own) in const { derivatives::<D>() }.iter().enumerate().skip(1) {
+        if own.order > 0 {
+            monomials[n] = monomials[own.before] * half[own.last] / own.times as f64;
+        }
+    }
+    monomials
 }
 
 /// A real function on a box.
@@ -35,6 +147,12 @@ impl<const D: usize> Jet<D> {
     pub(super) const ZERO: Self = Self {
         parts: [0.0; MOST],
         rest: 0.0,
+    };
+
+    pub(super) const ONE: Self = {
+        let mut jet = Self::ZERO;
+        jet.parts[0] = 1.0;
+        jet
     };
 
     /// The variable `a` itself, at its value in the middle.
@@ -56,26 +174,29 @@ impl<const D: usize> Jet<D> {
 }
 
 /// Bounds of the terms of each order, and the rest.
-type Sizes = [f64; 4];
+type Sizes = [f64; 5];
 
 fn sizes<const D: usize>(half: &[f64; D], rest: f64, size: impl Fn(usize) -> f64) -> Sizes {
-    let mut sizes = [size(0), 0.0, 0.0, rest];
+    let mut sizes = [size(0), 0.0, 0.0, 0.0, rest];
     for a in 0..D {
         sizes[1] += half[a] * size(slope(a));
         for b in 0..D {
-            sizes[2] += 0.5 * half[a] * half[b] * size(bend::<D>(a, b));
+            sizes[2] += half[a] * half[b] * size(bend::<D>(a, b)) / 2.0;
+            for c in 0..D {
+                sizes[3] += half[a] * half[b] * half[c] * size(third::<D>(a, b, c)) / 6.0;
+            }
         }
     }
     sizes
 }
 
-/// What a product has beyond the second order.
+/// What a product has beyond the third order.
 fn rest_of_product(x: Sizes, y: Sizes) -> f64 {
-    let all = |s: &Sizes| s.iter().sum::<f64>();
-    x[0] * y[3] + x[1] * (y[2] + y[3]) + x[2] * (y[1] + y[2] + y[3]) + x[3] * all(&y)
+    let from = |order: usize| y[order..].iter().sum::<f64>();
+    (0..5).map(|order| x[order] * from(4 - order)).sum()
 }
 
-/// The product of polynomials to second order.
+/// The product of polynomials to third order.
 fn product<T, const D: usize>(x: &[f64], y: &[T]) -> [T; MOST]
 where
     T: Copy + Default + Add<Output = T> + Mul<f64, Output = T>,
@@ -84,19 +205,91 @@ where
     product[0] = y[0] * x[0];
     for a in 0..D {
         product[slope(a)] = y[slope(a)] * x[0] + y[0] * x[slope(a)];
-        for b in 0..=a {
-            let n = bend::<D>(a, b);
-            product[n] =
-                y[n] * x[0] + y[0] * x[n] + y[slope(a)] * x[slope(b)] + y[slope(b)] * x[slope(a)];
+    }
+    for [a, b] in seconds::<D>() {
+        let n = bend::<D>(a, b);
+        product[n] =
+            y[n] * x[0] + y[0] * x[n] + y[slope(a)] * x[slope(b)] + y[slope(b)] * x[slope(a)];
+    }
+    for [a, b, c] in thirds::<D>() {
+        let n = third::<D>(a, b, c);
+        product[n] = y[n] * x[0] + y[0] * x[n];
+        for (single, pair) in [(a, [b, c]), (b, [a, c]), (c, [a, b])] {
+            let (single, pair) = (slope(single), bend::<D>(pair[0], pair[1]));
+            product[n] = product[n] + y[single] * x[pair] + y[pair] * x[single];
         }
     }
     product
 }
 
+/// Matrices of one shape side by side: the coefficients of a polynomial.
+#[derive(Clone, Debug)]
+pub(super) struct Parts {
+    all: DMatrix<Complex>,
+    columns: usize,
+}
+
+impl Parts {
+    pub(super) fn zeros(rows: usize, columns: usize, count: usize) -> Self {
+        Self {
+            all: DMatrix::zeros(rows, columns * count),
+            columns,
+        }
+    }
+
+    pub(super) fn shape(&self) -> (usize, usize) {
+        (self.all.nrows(), self.columns)
+    }
+
+    pub(super) fn part(&self, n: usize) -> DMatrixView<'_, Complex> {
+        self.all.columns(n * self.columns, self.columns)
+    }
+
+    pub(super) fn part_mut(&mut self, n: usize) -> DMatrixViewMut<'_, Complex> {
+        self.all.columns_mut(n * self.columns, self.columns)
+    }
+
+    /// The entries of a part, column by column.
+    pub(super) fn entries(&self, n: usize) -> &[Complex] {
+        let size = self.all.nrows() * self.columns;
+        &self.all.as_slice()[n * size..(n + 1) * size]
+    }
+
+    pub(super) fn entries_mut(&mut self, n: usize) -> &mut [Complex] {
+        let size = self.all.nrows() * self.columns;
+        &mut self.all.as_mut_slice()[n * size..(n + 1) * size]
+    }
+
+    /// Adds a multiple of one part to another.
+    pub(super) fn add_part(&mut self, to: usize, from: (&Self, usize), factor: f64) {
+        let own = self.entries_mut(to).iter_mut();
+        own.zip(from.0.entries(from.1))
+            .for_each(|(own, entry)| *own += entry * factor);
+    }
+
+    /// All of them multiplied by `R` from the right.
+    pub(super) fn times(&self, right: &DMatrix<Complex>) -> Self {
+        let count = self.all.ncols().checked_div(self.columns).unwrap_or(0);
+        let mut product = Self::zeros(self.all.nrows(), right.ncols(), count);
+        for n in 0..count {
+            self.part(n).mul_to(right, &mut product.part_mut(n));
+        }
+        product
+    }
+
+    /// All of them multiplied by `R*` from the left.
+    pub(super) fn onto_rows(&self, right: &DMatrix<Complex>) -> Self {
+        Self {
+            all: right.ad_mul(&self.all),
+            columns: self.columns,
+        }
+    }
+}
+
 /// A complex matrix on a box.
 #[derive(Clone, Debug)]
 pub(super) struct MatrixJet<const D: usize> {
-    pub(super) parts: Vec<DMatrix<Complex>>,
+    pub(super) parts: Parts,
     /// A bound of the norm of the difference from the polynomial.
     pub(super) rest: f64,
 }
@@ -104,63 +297,38 @@ pub(super) struct MatrixJet<const D: usize> {
 impl<const D: usize> MatrixJet<D> {
     pub(super) fn zeros(rows: usize, columns: usize) -> Self {
         Self {
-            parts: vec![DMatrix::zeros(rows, columns); parts::<D>()],
+            parts: Parts::zeros(rows, columns, parts::<D>()),
             rest: 0.0,
         }
     }
 
-    pub(super) fn identity(size: usize) -> Self {
+    /// A multiple of the identity.
+    pub(super) fn multiple(size: usize, factor: &Jet<D>) -> Self {
         let mut jet = Self::zeros(size, size);
-        jet.parts[0].fill_with_identity();
+        for (n, factor) in factor.parts.iter().take(parts::<D>()).enumerate() {
+            jet.parts
+                .part_mut(n)
+                .fill_diagonal(Complex::new(*factor, 0.0));
+        }
+        jet.rest = factor.rest;
         jet
-    }
-
-    /// Adds to the block that begins in a row and a column the product of a real block with parts.
-    #[inline(always)]
-    pub(super) fn add(
-        &mut self,
-        (row, column): (usize, usize),
-        block: &nalgebra::SMatrix<f64, D, D>,
-        phase: &[Complex; MOST],
-    ) {
-        let rows = self.parts[0].nrows();
-        for (matrix, phase) in self.parts.iter_mut().zip(phase) {
-            let entries = matrix.as_mut_slice();
-            for j in 0..D {
-                let start = (column + j) * rows + row;
-                for (entry, x) in entries[start..start + D]
-                    .iter_mut()
-                    .zip(block.column(j).iter())
-                {
-                    *entry += phase * x;
-                }
-            }
-        }
-    }
-
-    /// Adds the adjoint.
-    pub(super) fn symmetrize(&mut self) {
-        for part in &mut self.parts {
-            let adjoint = part.adjoint();
-            *part += adjoint;
-        }
     }
 
     /// The product with a real function on a box with given half sides.
     pub(super) fn times(&self, factor: &Jet<D>, half: &[f64; D]) -> Self {
-        let own = sizes::<D>(half, self.rest, |n| self.parts[n].norm());
+        let own = sizes::<D>(half, self.rest, |n| self.parts.part(n).norm());
         let other = sizes::<D>(half, factor.rest, |n| factor.parts[n].abs());
-        let (rows, columns) = self.parts[0].shape();
+        let (rows, columns) = self.parts.shape();
         let mut result = Self::zeros(rows, columns);
         result.rest = rest_of_product(own, other);
         for entry in 0..rows * columns {
             let mut own = [Complex::default(); MOST];
-            for (own, part) in own.iter_mut().zip(&self.parts) {
-                *own = part[entry];
+            for n in 0..parts::<D>() {
+                own[n] = self.parts.entries(n)[entry];
             }
             let products = product::<Complex, D>(&factor.parts, &own);
-            for (part, product) in result.parts.iter_mut().zip(products) {
-                part[entry] = product;
+            for n in 0..parts::<D>() {
+                result.parts.entries_mut(n)[entry] = products[n];
             }
         }
         result
@@ -169,16 +337,15 @@ impl<const D: usize> MatrixJet<D> {
     /// `S R` with a matrix whose columns are orthonormal.
     pub(super) fn onto(&self, basis: &DMatrix<Complex>) -> Self {
         Self {
-            parts: self.parts.iter().map(|part| part * basis).collect(),
+            parts: self.parts.times(basis),
             rest: self.rest,
         }
     }
 
     /// `R* S`.
     pub(super) fn onto_rows(&self, basis: &DMatrix<Complex>) -> Self {
-        let adjoint = basis.adjoint();
         Self {
-            parts: self.parts.iter().map(|part| &adjoint * part).collect(),
+            parts: self.parts.onto_rows(basis),
             rest: self.rest,
         }
     }

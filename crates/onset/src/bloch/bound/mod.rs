@@ -2,16 +2,18 @@
 //!
 //! A search finds a small value; a bound says that there is none smaller. Where the Hermitian part of `D(k) - mu c^2 |k|_h^2 M` is positive definite
 //! for all wave vectors, no scaled measure is below `mu`; of Hermitian equations the converse holds too. On a box this matrix is a polynomial of
-//! second order and a rest that the range of the forces bounds; coefficients in Bernstein's basis, or a sum of squares, tell whether the polynomial is
-//! positive definite. Boxes of which this is not seen are halved, until the bound is within a gap of the smallest value.
+//! third order and a rest that derivatives of the fourth order and the range of the forces bound. Soft vectors turn with the stiff ones to which they are
+//! coupled; coefficients in Bernstein's basis, or a sum of squares, tell whether the polynomial is positive definite. Boxes of which this is not seen are
+//! halved, until the bound is within a gap of the smallest value. Of boxes that symmetries of the lattice map to each other one is looked at.
 
 mod cell;
 mod cover;
+mod images;
 mod jet;
 mod local;
 mod pencil;
 mod phase;
-mod squares;
+mod polynomial;
 mod sum;
 
 pub(super) use cover::{Covered, Question};
@@ -27,8 +29,8 @@ use pencil::Pencil;
 pub(super) const GAP: f64 = 4e-7;
 /// A bound that is farther from the minimum is none.
 pub(super) const WIDEST: f64 = 0.1;
-/// Work for a bound of the scaled measure, at most, in units of its cost: a second and a half of one core.
-pub(super) const BUDGET: usize = 20_000_000;
+/// Work for a bound of the scaled measure, at most, in units of its cost: two seconds of one core.
+pub(super) const BUDGET: usize = 25_000_000;
 
 /// The same where only the Hermitian part is bounded, which may be far below: a share of the work, and no more digits than one wants.
 const PART_SHARE: usize = 4;

@@ -1,16 +1,21 @@
 //! When no wave is softer than a number: a Hermitian matrix that is positive definite for all wave vectors.
 
 use super::cell::{Cell, Chart};
-use super::jet::{Jet, MatrixJet, parts};
+use super::images::{Images, exchanges};
+use super::jet::{Jet, MatrixJet, Parts, parts};
 use super::local::Local;
 use super::sum::{Laplacian, PhaseSum};
 use crate::algebra::{Complex, hermitian_eigen};
 use crate::bloch::{BlochSum, DynamicalMatrix, Mass, WaveSystem};
-use crate::lattice::{BravaisLattice, inverse_of};
-use nalgebra::{DMatrix, SMatrix, SVector};
+use crate::lattice::{BravaisLattice, Fractional, Symmetry};
+use nalgebra::{DMatrix, DMatrixView, SMatrix, SVector};
+use std::f64::consts::TAU;
 
 /// Sums that vanish, but for rounding, over the sizes of their terms.
 const ZERO: f64 = 1e-9;
+
+/// What a phase costs in a cone beyond that in the zone.
+const CONE: usize = 3;
 
 /// What is bounded from below.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,8 +46,9 @@ impl Measure {
 /// They are smooth up to `t = 0`, where the condition is that of the limit of long waves, relaxation included.
 #[derive(Clone, Debug)]
 pub(super) struct Pencil<const D: usize> {
-    reciprocal: SMatrix<f64, D, D>,
-    sites: usize,
+    lattice: BravaisLattice<D>,
+    /// Where the sites are, in lattice coordinates.
+    places: Vec<Fractional<D>>,
     stiffness: PhaseSum<D>,
     /// The mass matrix, where it depends on the wave vector.
     mass: Option<PhaseSum<D>>,
@@ -79,7 +85,8 @@ impl<const D: usize> Pencil<D> {
             Mass::Consistent(sum) => Some(own(sum, 1.0)),
         };
         let stiffness = own(system.stiffness(), measure.unit());
-        Self::new(stiffness, mass, &masses, measure, lattice)
+        let places = system.crystal().sites();
+        Self::new(stiffness, mass, places, &masses, measure, lattice)
     }
 
     /// Of the Hermitian part of a dynamical matrix that is periodic.
@@ -89,12 +96,14 @@ impl<const D: usize> Pencil<D> {
         lattice: &BravaisLattice<D>,
     ) -> Option<Self> {
         let stiffness = PhaseSum::of_matrix(matrix, measure.unit())?;
-        Self::new(stiffness, None, &[1.0], measure, lattice)
+        let places = [Fractional::zeros()];
+        Self::new(stiffness, None, &places, &[1.0], measure, lattice)
     }
 
     fn new(
         stiffness: PhaseSum<D>,
         mass: Option<PhaseSum<D>>,
+        places: &[Fractional<D>],
         masses: &[f64],
         measure: Measure,
         lattice: &BravaisLattice<D>,
@@ -102,17 +111,16 @@ impl<const D: usize> Pencil<D> {
         if !masses.iter().all(|mass| mass.is_finite() && *mass > 0.0) {
             return None;
         }
-        let (reciprocal, sites) = (lattice.reciprocal(), masses.len());
         let (basis, laplacian) = match measure {
             Measure::Scaled(_) => (
                 Basis::at_rest(&stiffness, masses)?,
-                Some(Laplacian(lattice.measured_along(reciprocal))),
+                Some(Laplacian(lattice.measured_along(lattice.reciprocal()))),
             ),
-            _ => (Basis::whole(D * sites), None),
+            _ => (Basis::whole(D * places.len()), None),
         };
         Some(Self {
-            reciprocal: *reciprocal,
-            sites,
+            lattice: *lattice,
+            places: places.to_vec(),
             basis,
             stiffness,
             mass,
@@ -121,15 +129,51 @@ impl<const D: usize> Pencil<D> {
     }
 
     pub(super) fn reciprocal(&self) -> &SMatrix<f64, D, D> {
-        &self.reciprocal
+        self.lattice.reciprocal()
     }
 
-    /// Work for a box, in units of some 80 ns of one core: blocks that are summed up, entries, factorizations.
+    /// How many components a displacement has.
+    fn size(&self) -> usize {
+        D * self.places.len()
+    }
+
+    /// Which wave vectors have the same spectrum, by symmetries of the lattice.
+    pub(super) fn images(&self) -> Images<D> {
+        let mut group = Symmetry::all(&self.lattice);
+        group.retain(|symmetry| self.has(symmetry));
+        Images::new(&group)
+    }
+
+    /// Whether a symmetry of the lattice leaves `P` and `Q` as they are.
+    fn has(&self, symmetry: &Symmetry<D>) -> bool {
+        let sums = [Some(&self.stiffness), self.mass.as_ref()];
+        let is_kept = |exchanged: &Vec<usize>| {
+            let mut sums = sums.iter().flatten();
+            sums.all(|sum| sum.has(symmetry, &self.places, exchanged))
+        };
+        let laplacian = self.laplacian.as_ref();
+        laplacian.is_none_or(|laplacian| laplacian.has(symmetry))
+            && exchanges(symmetry, &self.places).any(|exchanged| is_kept(&exchanged))
+    }
+
+    /// Work for a box of the zone, in units of some 80 ns of one core: blocks that are summed up, entries, factorizations.
     pub(super) fn cost(&self) -> usize {
-        let size = D * self.sites;
-        let blocks = self.stiffness.len() + self.mass.as_ref().map_or(0, PhaseSum::len);
-        let in_space = 60 + blocks / 2 + 4 * size * size + size * size * size;
+        let size = self.size();
+        let in_space = 40 + self.blocks() / 2 + 3 * size * size + size * size * size;
         in_space * (D + 1) / 4
+    }
+
+    /// The same for any box: in cones phases are dearer, and with particles that relax there are three sums.
+    pub(super) fn cost_on(&self, cell: &Cell<D>) -> usize {
+        let sums = if self.basis.free.is_some() { 3 } else { 1 };
+        match cell.chart {
+            Chart::Zone => self.cost(),
+            Chart::Cone(_) => self.cost() + CONE * sums * self.blocks() * (D + 1) / 4,
+        }
+    }
+
+    fn blocks(&self) -> usize {
+        self.stiffness.len() + self.mass.as_ref().map_or(0, PhaseSum::len)
     }
 
     /// The limit of the measure for long waves along a direction.
@@ -143,11 +187,13 @@ impl<const D: usize> Pencil<D> {
     }
 
     fn value(&self, k: &SVector<f64, D>, cell: impl Fn(&SVector<f64, D>) -> Cell<D>) -> f64 {
-        let inverse = inverse_of(&self.reciprocal);
-        let value = inverse.map(|inverse| self.on(&cell(&(inverse * k))).value());
-        value
-            .filter(|value| value.is_finite())
-            .unwrap_or(f64::INFINITY)
+        let components = self.lattice.vectors().tr_mul(k) / TAU;
+        let value = self.on(&cell(&components)).value();
+        if value.is_finite() {
+            value
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// Boxes that together are half of the zone, where so many can be looked at.
@@ -164,16 +210,15 @@ impl<const D: usize> Pencil<D> {
     }
 
     fn in_zone(&self, cell: &Cell<D>) -> Local<D> {
-        let n = D * self.sites;
+        let n = self.size();
         let mut bends = [0.0; D];
         let numerator = self.stiffness.in_zone(cell, &mut bends);
-        let mut denominator = match &self.mass {
-            Some(mass) => mass.in_zone(cell, &mut [0.0; D]),
-            None => MatrixJet::identity(n),
+        let laplacian = self.laplacian.as_ref();
+        let factor = laplacian.map_or(Jet::ONE, |laplacian| laplacian.in_zone(cell));
+        let denominator = match &self.mass {
+            Some(mass) => mass.in_zone(cell, &mut [0.0; D]).times(&factor, &cell.half),
+            None => MatrixJet::multiple(n, &factor),
         };
-        if let Some(laplacian) = &self.laplacian {
-            denominator = denominator.times(&laplacian.in_zone(cell), &cell.half);
-        }
         Local {
             half: cell.half,
             free: n,
@@ -187,23 +232,23 @@ impl<const D: usize> Pencil<D> {
     /// In the basis of free displacements, over `t`, and others.
     fn in_cone(&self, cell: &Cell<D>, cone: usize) -> Local<D> {
         let mut bends = [0.0; D];
-        let wanted = [self.basis.free.is_some(), self.basis.free.is_some(), true];
-        let sums = self.stiffness.in_cone(cell, cone, wanted, &mut bends);
-        let numerator = self.basis.seen([&sums[2], &sums[1], &sums[0]]);
-        let mut denominator = match &self.mass {
-            Some(mass) => {
-                let wanted = [true, false, false];
-                let [mass, ..] = mass.in_cone(cell, cone, wanted, &mut [0.0; D]);
-                self.basis.seen([&mass; 3])
-            }
-            None => self.basis.identity(D * self.sites),
+        let mut sum = |m: usize| self.stiffness.in_cone(cell, cone, m, &mut bends);
+        let numerator = match self.basis.free {
+            None => Blocks::of_free(sum(2)),
+            Some(_) => self.basis.seen([&sum(2), &sum(1), &sum(0)]),
         };
-        if let Some(laplacian) = &self.laplacian {
-            denominator.multiply(&laplacian.in_cone(cell, cone), &cell.half);
-        }
+        let laplacian = self.laplacian.as_ref();
+        let factors = laplacian.map_or([Jet::ONE; 3], |laplacian| laplacian.in_cone(cell, cone));
+        let denominator = match &self.mass {
+            Some(mass) => {
+                let mass = mass.in_cone(cell, cone, 0, &mut [0.0; D]);
+                self.basis.seen([&mass; 3]).times(&factors, &cell.half)
+            }
+            None => self.basis.multiple(self.size(), &factors),
+        };
         Local {
             half: cell.half,
-            free: numerator.free.parts[0].nrows(),
+            free: numerator.free.parts.shape().0,
             rest: [numerator.rests(), denominator.rests()],
             numerator: numerator.joined(),
             denominator: denominator.joined(),
@@ -281,12 +326,13 @@ impl Basis {
         }
     }
 
-    fn identity<const D: usize>(&self, size: usize) -> Blocks<D> {
+    /// The identity, with a factor for free displacements and one for others.
+    fn multiple<const D: usize>(&self, size: usize, factors: &[Jet<D>; 3]) -> Blocks<D> {
         let others = self.others.ncols();
         Blocks {
-            free: MatrixJet::identity(size - others),
+            free: MatrixJet::multiple(size - others, &factors[0]),
             mixed: MatrixJet::zeros(size - others, others),
-            others: MatrixJet::identity(others),
+            others: MatrixJet::multiple(others, &factors[2]),
         }
     }
 }
@@ -300,7 +346,7 @@ struct Blocks<const D: usize> {
 
 impl<const D: usize> Blocks<D> {
     fn of_free(free: MatrixJet<D>) -> Self {
-        let size = free.parts[0].nrows();
+        let size = free.parts.shape().0;
         Self {
             free,
             mixed: MatrixJet::zeros(size, 0),
@@ -308,11 +354,12 @@ impl<const D: usize> Blocks<D> {
         }
     }
 
-    fn multiply(&mut self, factors: &[Jet<D>; 3], half: &[f64; D]) {
-        self.free = self.free.times(&factors[0], half);
-        if self.others.parts[0].nrows() > 0 {
-            self.mixed = self.mixed.times(&factors[1], half);
-            self.others = self.others.times(&factors[2], half);
+    /// With a factor for free displacements, one between these and others, and one for others.
+    fn times(&self, factors: &[Jet<D>; 3], half: &[f64; D]) -> Self {
+        Self {
+            free: self.free.times(&factors[0], half),
+            mixed: self.mixed.times(&factors[1], half),
+            others: self.others.times(&factors[2], half),
         }
     }
 
@@ -324,25 +371,19 @@ impl<const D: usize> Blocks<D> {
         ]
     }
 
-    fn joined(&self) -> Vec<DMatrix<Complex>> {
-        let (free, inner) = (self.free.parts[0].nrows(), self.others.parts[0].nrows());
-        let joined = |n: usize| {
-            let mut whole = DMatrix::zeros(free + inner, free + inner);
-            whole
-                .view_mut((0, 0), (free, free))
-                .copy_from(&self.free.parts[n]);
-            if inner > 0 {
-                let mixed = &self.mixed.parts[n];
-                whole.view_mut((0, free), (free, inner)).copy_from(mixed);
-                whole
-                    .view_mut((free, 0), (inner, free))
-                    .copy_from(&mixed.adjoint());
-                whole
-                    .view_mut((free, free), (inner, inner))
-                    .copy_from(&self.others.parts[n]);
-            }
-            whole
-        };
-        (0..parts::<D>()).map(joined).collect()
+    fn joined(&self) -> Parts {
+        let (free, inner) = self.mixed.parts.shape();
+        let mut joined = Parts::zeros(free + inner, free + inner, parts::<D>());
+        for n in 0..parts::<D>() {
+            let (mut whole, mixed) = (joined.part_mut(n), self.mixed.parts.part(n));
+            let mut set = |place, (rows, columns), part: DMatrixView<'_, Complex>| {
+                whole.view_mut(place, (rows, columns)).copy_from(&part);
+            };
+            set((0, 0), (free, free), self.free.parts.part(n));
+            set((0, free), (free, inner), mixed);
+            set((free, 0), (inner, free), mixed.adjoint().as_view());
+            set((free, free), (inner, inner), self.others.parts.part(n));
+        }
+        joined
     }
 }

@@ -1,171 +1,215 @@
 //! What is left of a plane wave once the terms that cancel in sums over a lattice are taken out.
+//!
+//! `f_m(t, p) = p^m phi_m(t p)`, where `phi_0(x) = exp(i x)` and `phi_m(x)` is what remains of `exp(i x)` beyond its first `m` Taylor terms,
+//! divided by `x^m`: `f_m = (exp(i t p) - 1 - ... ) / t^m`, smooth at `t = 0`. With `phi_m = i^m int_0^1 w_m(u) exp(i u x) du`, where the
+//! weights are `delta(u - 1)`, 1 and `1 - u`, its derivatives are moments of these.
 
-use crate::algebra::{Complex, array_of};
+use crate::algebra::Complex;
 
-/// `f_m(t, p) = p^m phi_m(t p)` with its derivatives, where `phi_0(x) = exp(i x)` and `phi_m(x)` is what remains of `exp(i x)` beyond
-/// its first `m` Taylor terms, divided by `x^m`: `f_m = (exp(i t p) - 1 - ... ) / t^m`, smooth at `t = 0`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Phase {
-    pub(super) value: Complex,
-    /// By `t` and by `p`.
-    pub(super) slope: [Complex; 2],
-    /// By `t t`, `t p` and `p p`.
-    pub(super) bend: [Complex; 3],
-}
+/// Derivatives up to this order are told.
+pub(super) const TOLD: usize = 4;
 
 /// `|x|` below which the moments are summed up as a power series.
 const SMALL: f64 = 1.5;
 /// Terms of that series, the last of which is below rounding.
 const TERMS: usize = 18;
 
-/// `int_0^1 u^n exp(i u x) du` for `n = 0 .. 4`.
-fn moments(x: f64) -> [Complex; 4] {
-    let i = Complex::i();
+/// `int_0^1 u^n exp(i u x) du`.
+fn moments(x: f64) -> [Complex; TOLD + 2] {
+    const LAST: usize = TOLD + 1;
     let (sine, cosine) = x.sin_cos();
-    let end = Complex::new(cosine, sine);
-    let mut moments = [Complex::default(); 4];
+    let mut moments = [Complex::default(); LAST + 1];
     if x.abs() < SMALL {
-        let mut power = Complex::new(1.0, 0.0);
+        // The terms (i x)^j / j! / (j + n + 1) are real and imaginary by turns.
+        let (mut power, mut sums) = (1.0, [0.0; 4]);
         for j in 0..TERMS {
-            moments[3] += power / (j + 4) as f64;
-            power *= i * (x / (j + 1) as f64);
+            sums[j % 4] += power * (1.0 / (j + LAST + 1) as f64);
+            power *= x * (1.0 / (j + 1) as f64);
         }
-        for n in (1..4).rev() {
-            moments[n - 1] = (end - i * x * moments[n]) / n as f64;
+        moments[LAST] = Complex::new(sums[0] - sums[2], sums[1] - sums[3]);
+        for n in (1..=LAST).rev() {
+            let (after, share) = (moments[n], 1.0 / n as f64);
+            let own = Complex::new(cosine + x * after.im, sine - x * after.re);
+            moments[n - 1] = own * share;
         }
     } else {
-        moments[0] = (end - 1.0) / (i * x);
-        for n in 1..4 {
-            moments[n] = (end - moments[n - 1] * n as f64) / (i * x);
+        let over = x.recip();
+        moments[0] = Complex::new(sine * over, (1.0 - cosine) * over);
+        for n in 1..=LAST {
+            let before = moments[n - 1] * n as f64;
+            moments[n] = Complex::new((sine - before.im) * over, (before.re - cosine) * over);
         }
     }
     moments
 }
 
-/// `f_0`, `f_1` and `f_2`.
-pub(super) fn phases(t: f64, p: f64) -> [Phase; 3] {
-    let x = t * p;
-    let (sine, cosine) = x.sin_cos();
-    let (end, i) = (Complex::new(cosine, sine), Complex::i());
-    let e = moments(x);
-    // phi_m and its first two derivatives: phi_m = i^m int w_m(u) exp(i u x) du with weights delta(u - 1), 1 and 1 - u.
-    let functions = [
-        [end, i * end, -end],
-        [i * e[0], -e[1], -i * e[2]],
-        [e[1] - e[0], i * (e[2] - e[1]), e[2] - e[3]],
-    ];
-    array_of(|m| {
-        let [value, first, second] = functions[m];
-        let own = p.powi(m as i32);
-        let order = m as f64;
-        let below = |n: i32| match m as i32 - n {
-            rest if rest < 0 => 0.0,
-            rest => p.powi(rest),
-        };
-        Phase {
-            value: value * own,
-            slope: [
-                first * own * p,
-                value * (order * below(1)) + first * (own * t),
-            ],
-            bend: [
-                second * own * p * p,
-                first * ((order + 1.0) * own) + second * (own * x),
-                value * (order * (order - 1.0) * below(2))
-                    + first * (2.0 * order * t * below(1))
-                    + second * (own * t * t),
-            ],
-        }
-    })
+/// `1, x, x^2, ...`
+fn powers(x: f64) -> [f64; TOLD + 3] {
+    let mut powers = [1.0; TOLD + 3];
+    for n in 1..powers.len() {
+        powers[n] = powers[n - 1] * x;
+    }
+    powers
 }
 
-/// Bounds of the derivatives of `f_m` where `|t|` and `|p|` are at most so large: the second ones by `t t` and `p p`, and the third
-/// ones by `t t t`, `t t p`, `t p p`, `p p p`.
-pub(super) fn derivative_bounds(order: usize, t: f64, p: f64) -> ([f64; 2], [f64; 4]) {
-    let m = order as f64;
-    // int w_m(u) u^n du.
-    let w = |n: usize| match order {
+/// `(b over j) (m + a)! / (m + a - j)!` for each `m`, `a`, `b` and `j`.
+const COUNTS: [[[[f64; TOLD + 1]; TOLD + 1]; TOLD + 1]; 3] = {
+    let mut counts = [[[[0.0; TOLD + 1]; TOLD + 1]; TOLD + 1]; 3];
+    let mut number = 0;
+    while number < 3 * (TOLD + 1) * (TOLD + 1) {
+        let (m, a, b) = (number % 3, number / 3 % (TOLD + 1), number / 3 / (TOLD + 1));
+        let (mut count, mut j) = (1, 0);
+        while j <= b && j <= m + a {
+            counts[m][a][b][j] = count as f64;
+            count = count * (b - j) / (j + 1) * (m + a - j);
+            j += 1;
+        }
+        number += 1;
+    }
+    counts
+};
+
+/// Derivatives of a function of `t` and `p`, by these as often as the indices tell.
+pub(super) type Derivatives = [[Complex; TOLD + 1]; TOLD + 1];
+
+/// The derivatives of `f_m` at a place: `sum_j (b over j) (m + a)! / (m + a - j)! p^(m + a - j) t^(b - j) phi^(a + b - j)`, by `t` as often as `a` and by `p`
+/// as often as `b`.
+pub(super) fn derivatives(m: usize, t: f64, p: f64) -> Derivatives {
+    let (x, i) = (t * p, Complex::i());
+    let moments = moments(x);
+    let mut phi = [Complex::default(); TOLD + 1];
+    let mut turn = [Complex::new(1.0, 0.0), i, -Complex::new(1.0, 0.0)][m];
+    for n in 0..=TOLD {
+        let moment = match m {
+            // exp(i x) again.
+            0 => i * x * moments[0] + 1.0,
+            1 => moments[n],
+            _ => moments[n] - moments[n + 1],
+        };
+        phi[n] = turn * moment;
+        turn *= i;
+    }
+    let (t, p) = (powers(t), powers(p));
+    let mut derivatives = [[Complex::default(); TOLD + 1]; TOLD + 1];
+    for a in 0..=TOLD {
+        for b in 0..=TOLD - a {
+            for j in 0..=b.min(m + a) {
+                let factor = COUNTS[m][a][b][j] * p[m + a - j] * t[b - j];
+                derivatives[a][b] += phi[a + b - j] * factor;
+            }
+        }
+    }
+    derivatives
+}
+
+/// `int w_m(u) u^n du`, by which the derivatives of `phi_m` are bounded.
+fn weight(m: usize, n: usize) -> f64 {
+    match m {
         0 => 1.0,
         1 => 1.0 / (n + 1) as f64,
         _ => 1.0 / ((n + 1) * (n + 2)) as f64,
-    };
-    let power = |n: i32| match order as i32 + n {
-        rest if rest < 0 => 0.0,
-        rest => p.powi(rest),
-    };
-    let second = [
-        w(2) * power(2),
-        m * (m - 1.0) * power(-2) * w(0) + 2.0 * m * power(-1) * w(1) * t + power(0) * w(2) * t * t,
-    ];
-    let third = [
-        w(3) * power(3),
-        w(2) * (m + 2.0) * power(1) + w(3) * t * power(2),
-        w(1) * (m + 1.0) * m * power(-1)
-            + 2.0 * (m + 1.0) * w(2) * t * power(0)
-            + w(3) * t * t * power(1),
-        3.0 * m * (m - 1.0) * power(-2) * w(1) * t
-            + 3.0 * m * power(-1) * w(2) * t * t
-            + power(0) * w(3) * t.powi(3),
-    ];
-    (second, third)
+    }
+}
+
+/// A bound of what a polynomial of the fourth order leaves out of `f_m` within distances `h` and `g` of its middle, where `|t|` and `|p|` are at
+/// most so large: of the derivative of the fifth order along `(h, g)` over `5!`.
+pub(super) fn beyond(m: usize, [t, h]: [f64; 2], [p, g]: [f64; 2]) -> f64 {
+    let w = |n: usize| weight(m, n);
+    // (t + e h)(p + e g) = x + e y + e^2 z; of phi the terms in e^3, e^4 and e^5.
+    let (y, z) = (t * g + p * h, h * g);
+    let (y2, z2) = (y * y, z * z);
+    let third = w(3) * y2 * y / 6.0 + w(2) * y * z;
+    let fourth = w(4) * y2 * y2 / 24.0 + w(3) * y2 * z / 2.0 + w(2) * z2 / 2.0;
+    let fifth = w(5) * y2 * y2 * y / 120.0 + w(4) * y2 * y * z / 6.0 + w(3) * y * z2 / 2.0;
+    match m {
+        0 => fifth,
+        1 => p * fifth + g * fourth,
+        _ => p * p * fifth + 2.0 * p * g * fourth + g * g * third,
+    }
+}
+
+/// Bounds of the second derivatives of `f_m` by `t` and by `p`.
+pub(super) fn bends(m: usize, t: f64, p: f64) -> [f64; 2] {
+    let w = |n: usize| weight(m, n);
+    match m {
+        0 => [w(2) * p * p, w(2) * t * t],
+        1 => [w(2) * p.powi(3), 2.0 * w(1) * t + w(2) * t * t * p],
+        _ => [
+            w(2) * p.powi(4),
+            2.0 * w(0) + 4.0 * w(1) * t * p + w(2) * (t * p).powi(2),
+        ],
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{derivative_bounds, phases};
+    use super::{Derivatives, TOLD, bends, beyond, derivatives};
     use crate::algebra::Complex;
 
     /// `f_m` from its definition, for arguments at which it does not cancel.
-    fn direct(order: usize, t: f64, p: f64) -> Complex {
+    fn direct(m: usize, t: f64, p: f64) -> Complex {
         let x = Complex::new(0.0, t * p);
-        let rest = match order {
+        let rest = match m {
             0 => x.exp(),
             1 => x.exp() - 1.0,
             _ => x.exp() - 1.0 - x,
         };
-        rest / t.powi(order as i32)
+        rest / t.powi(m as i32)
     }
 
     #[test]
-    fn values_and_derivatives_are_those_of_the_definition() {
+    fn derivatives_are_those_of_the_definition() {
         for (t, p) in [(0.4, 3.0), (0.5, -9.0), (0.3, 21.0), (0.45, 2.1)] {
-            for order in 0..3 {
-                let own = phases(t, p)[order];
-                let scale = 1.0 + p.abs().powi(order as i32 + 2);
-                assert!((own.value - direct(order, t, p)).norm() < 1e-13 * scale);
+            for m in 0..3 {
+                let own = derivatives(m, t, p);
+                let scale = 1.0 + p.abs().powi(m as i32 + 2);
+                assert!((own[0][0] - direct(m, t, p)).norm() < 1e-13 * scale);
                 let h = 1e-4;
-                let [tp, tm] = [h, -h].map(|h| phases(t + h, p)[order]);
-                let [pp, pm] = [h, -h].map(|h| phases(t, p + h)[order]);
-                let difference = |a: Complex, b: Complex| (a - b) / (2.0 * h);
-                let tolerance = 1e-5 * scale * (1.0 + p.abs());
-                let close = |a: Complex, b: Complex| assert!((a - b).norm() < tolerance, "{a} {b}");
-                close(own.slope[0], difference(tp.value, tm.value));
-                close(own.slope[1], difference(pp.value, pm.value));
-                close(own.bend[0], difference(tp.slope[0], tm.slope[0]));
-                close(own.bend[1], difference(pp.slope[0], pm.slope[0]));
-                close(own.bend[2], difference(pp.slope[1], pm.slope[1]));
+                let difference = |[plus, minus]: [Derivatives; 2], a: usize, b: usize| {
+                    (plus[a][b] - minus[a][b]) / (2.0 * h)
+                };
+                let by_t = [h, -h].map(|h| derivatives(m, t + h, p));
+                let by_p = [h, -h].map(|h| derivatives(m, t, p + h));
+                for (a, b) in (0..TOLD).flat_map(|a| (0..TOLD - a).map(move |b| (a, b))) {
+                    let tolerance = 1e-5 * (1.0 + p.abs()).powi((m + a + 3) as i32);
+                    let close = |x: Complex, y: Complex| {
+                        assert!((x - y).norm() < tolerance, "{m} {a} {b}: {x} {y}")
+                    };
+                    close(own[a + 1][b], difference(by_t, a, b));
+                    close(own[a][b + 1], difference(by_p, a, b));
+                }
             }
         }
     }
 
     #[test]
-    fn third_derivatives_stay_below_their_bounds() {
-        for order in 0..3 {
+    fn second_derivatives_stay_below_their_bounds() {
+        for m in 0..3 {
             for n in 0..400 {
                 let (t, p) = (0.5 * (n % 20) as f64 / 19.0, (n / 20) as f64 - 9.5);
-                let (second, third) = derivative_bounds(order, t, p.abs());
-                let own = phases(t, p)[order];
-                assert!(own.bend[0].norm() <= second[0] * (1.0 + 1e-12));
-                assert!(own.bend[2].norm() <= second[1] * (1.0 + 1e-12));
-                let h = 1e-4;
-                let [tp, tm] = [h, -h].map(|h| phases(t + h, p)[order]);
-                let [pp, pm] = [h, -h].map(|h| phases(t, p + h)[order]);
-                let by = |a: Complex, b: Complex| (a - b).norm() / (2.0 * h);
-                let slack = 1e-4 * (1.0 + p.abs().powi(order as i32 + 3));
-                assert!(by(tp.bend[0], tm.bend[0]) <= third[0] + slack);
-                assert!(by(tp.bend[1], tm.bend[1]) <= third[1] + slack);
-                assert!(by(tp.bend[2], tm.bend[2]) <= third[2] + slack);
-                assert!(by(pp.bend[2], pm.bend[2]) <= third[3] + slack);
+                let (own, [by_t, by_p]) = (derivatives(m, t, p), bends(m, t, p.abs()));
+                assert!(own[2][0].norm() <= by_t * (1.0 + 1e-12));
+                assert!(own[0][2].norm() <= by_p * (1.0 + 1e-12) + 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_polynomial_of_the_fourth_order_leaves_out_stays_below_its_bound() {
+        let factorial = |n: usize| (1..=n).product::<usize>() as f64;
+        for m in 0..3 {
+            for n in 0..200 {
+                let (t, p) = (0.05 + 0.4 * (n % 10) as f64 / 9.0, (n / 10) as f64 - 9.5);
+                let (h, g) = (0.04 * (1.0 - 0.01 * n as f64), 0.4 * (n as f64).sin());
+                let own = derivatives(m, t, p);
+                let mut sum = Complex::default();
+                for (a, b) in (0..=TOLD).flat_map(|a| (0..=TOLD - a).map(move |b| (a, b))) {
+                    let monomial = h.powi(a as i32) * g.powi(b as i32);
+                    sum += own[a][b] * (monomial / (factorial(a) * factorial(b)));
+                }
+                let bound = beyond(m, [t + h.abs(), h.abs()], [p.abs() + g.abs(), g.abs()]);
+                let left = (direct(m, t + h, p + g) - sum).norm();
+                assert!(left <= bound + 1e-10, "{m} {t} {p}: {left} {bound}");
             }
         }
     }
@@ -173,8 +217,8 @@ mod tests {
     #[test]
     fn small_arguments_do_not_cancel() {
         // f_2 -> -p^2 / 2 and f_1 -> i p.
-        let own = phases(1e-9, 3.0);
-        assert!((own[2].value - Complex::new(-4.5, 0.0)).norm() < 1e-8);
-        assert!((own[1].value - Complex::new(0.0, 3.0)).norm() < 1e-8);
+        let [first, second] = [1, 2].map(|m| derivatives(m, 1e-9, 3.0)[0][0]);
+        assert!((second - Complex::new(-4.5, 0.0)).norm() < 1e-8);
+        assert!((first - Complex::new(0.0, 3.0)).norm() < 1e-8);
     }
 }

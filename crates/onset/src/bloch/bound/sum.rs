@@ -1,13 +1,16 @@
 //! Sums over pairs of particles with the phases of waves, on boxes of wave vectors.
 
 use super::cell::Cell;
-use super::jet::{Jet, MatrixJet, bend, parts, slope};
-use super::squares::pairs;
+use super::jet::{
+    FILLED, Jet, MatrixJet, bend, derivatives, filled, mixed, monomials, parts, products, seconds,
+    slope, third, thirds,
+};
+use super::polynomial::norm_of;
 use crate::algebra::{Complex, Each, array_of};
 use crate::bloch::powers::Powers;
 use crate::bloch::{BlochSum, DynamicalMatrix};
-use crate::lattice::{Crystal, Particle};
-use nalgebra::{DMatrix, SMatrix};
+use crate::lattice::{Crystal, Fractional, Particle, Symmetry};
+use nalgebra::{DMatrix, DMatrixViewMut, SMatrix, SVector};
 use pulp::{Arch, NullaryFnOnce};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -24,13 +27,13 @@ struct Bond<const D: usize> {
     block: SMatrix<f64, D, D>,
 }
 
-/// Derivatives up to the third order in three variables.
-const MOST: usize = 20;
-
-/// How many different entries a block has with its adjoint: real ones, and imaginary ones.
-const fn entry_count<const D: usize>(is_of_one_site: bool) -> usize {
-    if is_of_one_site { D * D } else { 2 * D * D }
+/// How many different entries a block has with its adjoint at most: real ones, and imaginary ones.
+const fn most_entries<const D: usize>() -> usize {
+    2 * D * D
 }
+
+/// What is antisymmetric, or not as a symmetry wants it, by rounding: over the sizes of all blocks.
+const ROUNDING: f64 = 1e-13;
 
 impl<const D: usize> Bond<D> {
     fn times(&self, factor: f64) -> Self {
@@ -51,12 +54,16 @@ impl<const D: usize> Bond<D> {
         }
     }
 
-    fn norm(&self) -> f64 {
-        self.block.norm()
-    }
-
     fn is_of_one_site(&self) -> bool {
         self.from == self.to
+    }
+
+    /// How many different entries the block has with its adjoint, where those of one site have so many.
+    fn entries(&self, of_one_site: usize) -> usize {
+        match self.is_of_one_site() {
+            true => of_one_site,
+            false => most_entries::<D>(),
+        }
     }
 
     /// How many of the entries are multiplied with the cosine of the phase.
@@ -74,22 +81,28 @@ impl<const D: usize> Bond<D> {
         if !self.is_of_one_site() {
             return block.iter().chain(block.iter()).copied().collect();
         }
-        let sums = pairs::<D>().map(|[i, j]| block[(i, j)] + block[(j, i)]);
-        let differences = pairs::<D>().map(|[i, j]| block[(i, j)] - block[(j, i)]);
+        let sums = mixed::<D>().map(|[i, j]| block[(i, j)] + block[(j, i)]);
         let diagonal = (0..D).map(|i| 2.0 * block[(i, i)]);
-        diagonal.chain(sums).chain(differences).collect()
+        diagonal.chain(sums).chain(self.skew()).collect()
+    }
+
+    /// Twice the antisymmetric part.
+    fn skew(&self) -> impl Iterator<Item = f64> {
+        mixed::<D>().map(|[i, j]| self.block[(i, j)] - self.block[(j, i)])
     }
 }
 
 /// The Hermitian part of a sum of blocks with phases `exp(i k.R)`.
 #[derive(Clone, Debug)]
 pub(super) struct PhaseSum<const D: usize> {
-    /// One of each two that are each other's adjoints.
+    /// One of each two that are each other's adjoints, in the order of their sites and cells.
     bonds: Vec<Bond<D>>,
     /// The norms of their blocks.
     norms: Vec<f64>,
     sites: usize,
-    /// Of each pair the powers up to the third order of the components of its vector, which are derivatives of its phase.
+    /// How many entries blocks of one site have: without imaginary ones where all are symmetric.
+    entries_of_one_site: usize,
+    /// Of each pair the powers up to the fourth order of the components of its vector, which are derivatives of its phase.
     powers: Vec<f64>,
     /// Of each pair what is multiplied with the cosine of its phase, and with the sine.
     entries: Vec<f64>,
@@ -101,31 +114,18 @@ pub(super) struct PhaseSum<const D: usize> {
     bends: [f64; D],
 }
 
-/// The components of derivatives of the third order, with the number of their arrangements.
-fn thirds<const D: usize>() -> impl Iterator<Item = ([usize; 3], f64)> {
-    let ordered = |a: usize, b: usize, c: usize| match (a == b, b == c) {
-        (true, true) => 1.0,
-        (false, false) => 6.0,
-        _ => 3.0,
-    };
-    (0..D).flat_map(move |a| {
-        (0..=a).flat_map(move |b| (0..=b).map(move |c| ([a, b, c], ordered(a, b, c))))
-    })
-}
-
-/// Derivatives up to the third order.
-const fn derivatives<const D: usize>() -> usize {
-    parts::<D>() + D * (D + 1) * (D + 2) / 6
-}
-
-/// The order of a derivative.
-const fn order<const D: usize>(derivative: usize) -> usize {
-    match derivative {
-        0 => 0,
-        first if first <= D => 1,
-        second if second < parts::<D>() => 2,
-        _ => 3,
+/// What derivatives of `exp(i x)` have of its real and imaginary part, over the powers of `i`: real parts of even orders, imaginary ones of odd orders.
+const fn signs<const D: usize>() -> [[f64; FILLED]; 2] {
+    let mut signs = [[0.0; FILLED]; 2];
+    let derivatives = derivatives::<D>();
+    let mut n = 0;
+    while n < FILLED {
+        let order = derivatives[n].order;
+        let sign = if order == 1 || order == 2 { -1.0 } else { 1.0 };
+        signs[order % 2][n] = sign;
+        n += 1;
     }
+    signs
 }
 
 impl<const D: usize> PhaseSum<D> {
@@ -181,25 +181,31 @@ impl<const D: usize> PhaseSum<D> {
             }
         }
         let bonds: Vec<Bond<D>> = means.into_values().filter_map(halved).collect();
+        let norms: Vec<f64> = bonds.iter().map(|bond| bond.block.norm()).collect();
+        let of_one_site = || bonds.iter().filter(|bond| bond.is_of_one_site());
+        let skew: f64 = of_one_site().flat_map(Bond::skew).map(f64::abs).sum();
+        let entries_of_one_site = match skew <= ROUNDING * norms.iter().sum::<f64>() {
+            true => D * (D + 1) / 2,
+            false => D * D,
+        };
         let [mut powers, mut entries] = [Vec::new(), Vec::new()];
         let (mut bends, mut offsets) = ([0.0; D], vec![[0.0; D]; sites * sites]);
-        for bond in &bonds {
+        for (bond, norm) in bonds.iter().zip(&norms) {
             let r = bond.along;
-            powers.push(1.0);
-            powers.extend(r);
-            powers.extend((0..D).flat_map(|a| (0..=a).map(move |b| r[a] * r[b])));
-            powers.extend(thirds::<D>().map(|([a, b, c], _)| r[a] * r[b] * r[c]));
-            entries.extend(bond.separated());
-            (0..D).for_each(|a| bends[a] += bond.norm() * r[a] * r[a]);
+            powers.extend_from_slice(&products(&r)[..filled::<D>()]);
+            let count = bond.entries(entries_of_one_site);
+            entries.extend(bond.separated().into_iter().take(count));
+            (0..D).for_each(|a| bends[a] += norm * r[a] * r[a]);
             offsets[bond.from * sites + bond.to] =
                 array_of(|a| r[a] - TAU * f64::from(bond.cell[a]));
         }
         let cells = bonds.iter().flat_map(|bond| bond.cell);
         let reach = cells.map(|n| n.unsigned_abs() as usize).max().unwrap_or(0);
         Self {
-            norms: bonds.iter().map(Bond::norm).collect(),
+            norms,
             bonds,
             sites,
+            entries_of_one_site,
             powers,
             entries,
             reach,
@@ -212,13 +218,46 @@ impl<const D: usize> PhaseSum<D> {
         self.bonds.len()
     }
 
+    /// Whether a symmetry of the lattice, with an exchange of the sites at these places, leaves all blocks as they are: `B(R r) = R B(r) R^T`.
+    pub(super) fn has(
+        &self,
+        symmetry: &Symmetry<D>,
+        places: &[Fractional<D>],
+        exchanged: &[usize],
+    ) -> bool {
+        let equal = ROUNDING * self.norms.iter().sum::<f64>();
+        self.bonds.iter().zip(&self.norms).all(|(bond, norm)| {
+            let [from, to] = [bond.from, bond.to].each(|site| exchanged[site]);
+            let vector = symmetry.of_place(&(SVector::from(bond.along) / TAU));
+            let cell = vector - (places[to] - places[from]);
+            let turned = symmetry.map * bond.block * symmetry.map.transpose();
+            match self.block(from, to, &array_of(|a| cell[a].round() as i32)) {
+                Some(block) => (block - turned).norm() <= equal,
+                None => *norm <= equal,
+            }
+        })
+    }
+
+    /// The block from a site to another in a cell, be it the adjoint of one that is kept.
+    fn block(&self, from: usize, to: usize, cell: &[i32; D]) -> Option<SMatrix<f64, D, D>> {
+        let kept = |from: usize, to: usize, cell: [i32; D]| {
+            let key = (from, to, cell);
+            let place = self
+                .bonds
+                .binary_search_by_key(&key, |bond| (bond.from, bond.to, bond.cell));
+            place.ok().map(|place| self.bonds[place].block)
+        };
+        let back = || kept(to, from, cell.each(|n| -n)).map(|block| block.transpose());
+        kept(from, to, *cell).or_else(back)
+    }
+
     /// The sum at `k = 0` and its derivatives there, over `i`, by the components of the wave vector, with the sizes of their terms.
     pub(super) fn moments(&self) -> (DMatrix<f64>, Vec<DMatrix<f64>>, [f64; 2]) {
         let n = D * self.sites;
         let mut sum = DMatrix::<f64>::zeros(n, n);
         let mut moments = vec![sum.clone(); D];
         let mut sizes = [0.0; 2];
-        for bond in &self.bonds {
+        for (bond, norm) in self.bonds.iter().zip(&self.norms) {
             let add = |matrix: &mut DMatrix<f64>, factor: f64, back: f64| {
                 for (i, j) in (0..D).flat_map(|i| (0..D).map(move |j| (i, j))) {
                     let (row, column) = (D * bond.from + i, D * bond.to + j);
@@ -227,48 +266,80 @@ impl<const D: usize> PhaseSum<D> {
                 }
             };
             add(&mut sum, 1.0, 1.0);
-            sizes[0] += 2.0 * bond.norm();
+            sizes[0] += 2.0 * norm;
             for (moment, along) in moments.iter_mut().zip(bond.along) {
                 add(moment, along, -along);
-                sizes[1] += 2.0 * bond.norm() * along.abs();
+                sizes[1] += 2.0 * norm * along.abs();
             }
         }
         (sum, moments, sizes)
     }
 
-    /// On a box of the zone. What is left of it is below the sizes of the derivatives of the third order in the middle and of
-    /// the terms of the fourth.
+    /// On a box of the zone.
     pub(super) fn in_zone(&self, cell: &Cell<D>, bends: &mut [f64; D]) -> MatrixJet<D> {
         let sums = Arch::new().dispatch(InZone(self, cell));
-        let mut fourth = vec![0.0; self.sites];
-        for (bond, norm) in self.bonds.iter().zip(&self.norms) {
-            let spread: f64 = (0..D).map(|a| cell.half[a] * bond.along[a].abs()).sum();
-            let most = norm * (spread * spread) * (spread * spread);
-            fourth[bond.from] += most;
-            fourth[bond.to] += most;
-        }
-        let third: f64 = thirds::<D>()
-            .enumerate()
-            .map(|(number, (abc, count))| {
-                let size = norm_bound(&self.assembled(&sums, parts::<D>() + number));
-                count * size * abc.iter().map(|a| cell.half[*a]).product::<f64>()
-            })
-            .sum();
         for a in 0..D {
             bends[a] += 0.5 * self.bends[a] * cell.half[a] * cell.half[a];
         }
-        MatrixJet {
-            parts: (0..parts::<D>())
-                .map(|part| self.assembled(&sums, part))
-                .collect(),
-            rest: third / 6.0 + fourth.into_iter().fold(0.0, f64::max) / 24.0,
-        }
+        self.jet(&sums, &cell.half, |bond, _| {
+            let spread: f64 = (0..D).map(|a| cell.half[a] * bond.along[a].abs()).sum();
+            spread.powi(5) / 120.0
+        })
     }
 
-    /// The derivatives in the middle of a box, of one entry after the other, for each pair of sites as many as of different ones.
+    /// On a box of a cone, with what remains of the phases beyond their first `m` terms, over `t^m`.
+    pub(super) fn in_cone(
+        &self,
+        cell: &Cell<D>,
+        cone: usize,
+        m: usize,
+        bends: &mut [f64; D],
+    ) -> MatrixJet<D> {
+        let sums = Arch::new().dispatch(InCone(self, cell, cone, m));
+        // Sums for different `m` are told together: it only matters which variable does most.
+        self.jet(&sums, &cell.half, |bond, norm| {
+            let (rest, own) = cell.cone_rest(cone, m, &bond.along);
+            (0..D).for_each(|a| bends[a] += norm * own[a]);
+            rest
+        })
+    }
+
+    /// The polynomial of derivatives in the middle of a box. What is left of it is below the sizes of the derivatives of the fourth order
+    /// and of what the phases have beyond that.
+    fn jet(
+        &self,
+        sums: &[f64],
+        half: &[f64; D],
+        mut beyond: impl FnMut(&Bond<D>, f64) -> f64,
+    ) -> MatrixJet<D> {
+        let n = D * self.sites;
+        let mut jet = MatrixJet::zeros(n, n);
+        for part in 0..parts::<D>() {
+            self.assemble(sums, part, &mut jet.parts.part_mut(part));
+        }
+        let mut scratch = DMatrix::zeros(n, n);
+        let monomials = monomials(half).into_iter().enumerate().take(filled::<D>());
+        for (derivative, monomial) in monomials.skip(parts::<D>()) {
+            if monomial > 0.0 {
+                self.assemble(sums, derivative, &mut scratch.as_view_mut());
+                jet.rest += monomial * norm_of(&scratch.as_view());
+            }
+        }
+        let mut rests = vec![0.0; self.sites];
+        for (bond, norm) in self.bonds.iter().zip(&self.norms) {
+            let most = norm * beyond(bond, *norm);
+            rests[bond.from] += most;
+            rests[bond.to] += most;
+        }
+        // Of Hermitian matrices the sums over the rows bound the norm.
+        jet.rest += rests.into_iter().fold(0.0, f64::max);
+        jet
+    }
+
+    /// The derivatives in the middle of a box of the zone.
     #[inline(always)]
-    fn derivatives_at(&self, cell: &Cell<D>) -> Vec<f64> {
-        let each = derivatives::<D>();
+    fn derivatives_in_zone(&self, cell: &Cell<D>) -> Vec<f64> {
+        let [even, odd] = const { signs::<D>() };
         let turn = |angle: f64| {
             let (sine, cosine) = angle.sin_cos();
             Complex::new(cosine, sine)
@@ -276,24 +347,43 @@ impl<const D: usize> PhaseSum<D> {
         let powers = Powers::new(cell.middle.each(|x| turn(TAU * x)), self.reach);
         let angle = |r: &[f64; D]| (0..D).map(|a| cell.middle[a] * r[a]).sum();
         let starts: Vec<Complex> = self.offsets.iter().map(|r| turn(angle(r))).collect();
-        let mut sums = vec![0.0; self.sites * self.sites * entry_count::<D>(false) * each];
-        let mut coefficients = &self.entries[..];
-        for (bond, factors) in self.bonds.iter().zip(self.powers.chunks_exact(each)) {
-            let pair = bond.from * self.sites + bond.to;
-            let Complex { re, im } = powers.turned(starts[pair], &bond.cell);
-            let [mut cosine, mut sine] = [[0.0; MOST]; 2];
-            for n in 0..each {
-                let order = order::<D>(n);
-                cosine[n] = factors[n] * [re, -im, -re, im][order];
-                sine[n] = factors[n] * [im, re, -im, -re][order];
+        self.summed(|bond, products| {
+            let Complex { re, im } = powers.turned(starts[self.pair(bond)], &bond.cell);
+            let mut phase = [[0.0; FILLED]; 2];
+            for n in 0..filled::<D>() {
+                phase[0][n] = products[n] * (even[n] * re + odd[n] * im);
+                phase[1][n] = products[n] * (even[n] * im - odd[n] * re);
             }
-            let own = &mut sums[pair * entry_count::<D>(false) * each..];
-            let count = entry_count::<D>(bond.is_of_one_site());
+            phase
+        })
+    }
+
+    /// The same in a cone.
+    #[inline(always)]
+    fn derivatives_in_cone(&self, cell: &Cell<D>, cone: usize, m: usize) -> Vec<f64> {
+        self.summed(|bond, _| {
+            let own = cell.cone_derivatives(cone, m, &bond.along);
+            [array_of(|n| own[n].re), array_of(|n| own[n].im)]
+        })
+    }
+
+    fn pair(&self, bond: &Bond<D>) -> usize {
+        bond.from * self.sites + bond.to
+    }
+
+    /// Sums over all pairs of their entries, one after the other, times the derivatives of the real and imaginary part of a phase, for each
+    /// pair of sites as many as of different ones. A phase may ask for the products of the components of its vector.
+    #[inline(always)]
+    fn summed(&self, phase: impl Fn(&Bond<D>, &[f64]) -> [[f64; FILLED]; 2]) -> Vec<f64> {
+        let each = filled::<D>();
+        let mut sums = vec![0.0; self.sites * self.sites * most_entries::<D>() * each];
+        let mut coefficients = &self.entries[..];
+        for (bond, products) in self.bonds.iter().zip(self.powers.chunks_exact(each)) {
+            let phase = phase(bond, products);
+            let own = &mut sums[self.pair(bond) * most_entries::<D>() * each..];
+            let count = bond.entries(self.entries_of_one_site);
             for entry in 0..count {
-                let phase = match entry < bond.with_cosine() {
-                    true => &cosine,
-                    false => &sine,
-                };
+                let phase = &phase[usize::from(entry >= bond.with_cosine())];
                 let sum = &mut own[entry * each..(entry + 1) * each];
                 for n in 0..each {
                     sum[n] += coefficients[entry] * phase[n];
@@ -305,17 +395,15 @@ impl<const D: usize> PhaseSum<D> {
     }
 
     /// The Hermitian matrix of a derivative.
-    fn assembled(&self, sums: &[f64], derivative: usize) -> DMatrix<Complex> {
-        let n = D * self.sites;
-        let mut matrix = DMatrix::zeros(n, n);
+    fn assemble(&self, sums: &[f64], derivative: usize, matrix: &mut DMatrixViewMut<'_, Complex>) {
         let value = |from: usize, to: usize, entry: usize| {
             let pair = from * self.sites + to;
-            sums[(pair * entry_count::<D>(false) + entry) * derivatives::<D>() + derivative]
+            sums[(pair * most_entries::<D>() + entry) * filled::<D>() + derivative]
         };
         for site in 0..self.sites {
             let real = |entry| Complex::new(value(site, site, entry), 0.0);
             (0..D).for_each(|i| matrix[(D * site + i, D * site + i)] = real(i));
-            for (number, [i, j]) in pairs::<D>().enumerate() {
+            for (number, [i, j]) in mixed::<D>().enumerate() {
                 let imaginary = value(site, site, D * (D + 1) / 2 + number);
                 let place = (D * site + i, D * site + j);
                 matrix[place] = real(D + number) + Complex::new(0.0, imaginary);
@@ -330,44 +418,6 @@ impl<const D: usize> PhaseSum<D> {
                 }
             }
         }
-        matrix
-    }
-
-    /// On a box of a cone, as far as they are wanted with what remains of the phases beyond their first `m` terms, over `t^m`.
-    pub(super) fn in_cone(
-        &self,
-        cell: &Cell<D>,
-        cone: usize,
-        wanted: [bool; 3],
-        bends: &mut [f64; D],
-    ) -> [MatrixJet<D>; 3] {
-        let n = D * self.sites;
-        let mut sums = wanted.map(|is_wanted| {
-            let size = if is_wanted { n } else { 0 };
-            MatrixJet::<D>::zeros(size, size)
-        });
-        let mut rests = vec![[0.0; 3]; self.sites];
-        for (bond, norm) in self.bonds.iter().zip(&self.norms) {
-            let jets = cell.cone_jets(cone, &bond.along, wanted);
-            let place = (D * bond.from, D * bond.to);
-            for (order, sum) in sums
-                .iter_mut()
-                .enumerate()
-                .filter(|(order, _)| wanted[*order])
-            {
-                let (jet, rest, bent) = &jets[order];
-                sum.add(place, &bond.block, jet);
-                rests[bond.from][order] += norm * rest;
-                rests[bond.to][order] += norm * rest;
-                (0..D).for_each(|a| bends[a] += norm * bent[a]);
-            }
-        }
-        for (order, sum) in sums.iter_mut().enumerate() {
-            sum.symmetrize();
-            // Of Hermitian matrices the sums over the rows bound the norm.
-            sum.rest = rests.iter().map(|rest| rest[order]).fold(0.0, f64::max);
-        }
-        sums
     }
 }
 
@@ -379,7 +429,19 @@ impl<const D: usize> NullaryFnOnce for InZone<'_, D> {
 
     #[inline(always)]
     fn call(self) -> Vec<f64> {
-        self.0.derivatives_at(self.1)
+        self.0.derivatives_in_zone(self.1)
+    }
+}
+
+/// The same.
+struct InCone<'a, const D: usize>(&'a PhaseSum<D>, &'a Cell<D>, usize, usize);
+
+impl<const D: usize> NullaryFnOnce for InCone<'_, D> {
+    type Output = Vec<f64>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<f64> {
+        self.0.derivatives_in_cone(self.1, self.2, self.3)
     }
 }
 
@@ -388,6 +450,18 @@ impl<const D: usize> NullaryFnOnce for InZone<'_, D> {
 pub(super) struct Laplacian<const D: usize>(pub(super) Vec<([f64; D], f64)>);
 
 impl<const D: usize> Laplacian<D> {
+    /// Whether a symmetry of the lattice leaves it as it is.
+    pub(super) fn has(&self, symmetry: &Symmetry<D>) -> bool {
+        self.0.iter().all(|(along, weight)| {
+            let moved = symmetry.of_place(&SVector::from(*along));
+            self.0.iter().any(|(other, own)| {
+                let other = SVector::from(*other);
+                let apart = (moved - other).amax().min((moved + other).amax());
+                apart <= ROUNDING * other.amax() && (own - weight).abs() <= ROUNDING * weight
+            })
+        })
+    }
+
     /// `|k|_h^2` on a box of the zone.
     pub(super) fn in_zone(&self, cell: &Cell<D>) -> Jet<D> {
         let mut jet = Jet::ZERO;
@@ -403,38 +477,37 @@ impl<const D: usize> Laplacian<D> {
             jet.parts[0] += twice * (1.0 - cosine);
             for a in 0..D {
                 jet.parts[slope(a)] += twice * sine * along[a];
-                for b in 0..=a {
-                    jet.parts[bend::<D>(a, b)] += twice * cosine * along[a] * along[b];
-                }
             }
-            jet.rest += twice * (sine.abs() / 6.0 + spread / 24.0) * spread.powi(3);
+            for [a, b] in seconds::<D>() {
+                jet.parts[bend::<D>(a, b)] += twice * cosine * along[a] * along[b];
+            }
+            for [a, b, c] in thirds::<D>() {
+                jet.parts[third::<D>(a, b, c)] -= twice * sine * along[a] * along[b] * along[c];
+            }
+            jet.rest += twice * spread.powi(4) / 24.0;
         }
         jet
     }
 
     /// `|k|_h^2` over `t^2`, `t` and one on a box of a cone.
     pub(super) fn in_cone(&self, cell: &Cell<D>, cone: usize) -> [Jet<D>; 3] {
-        let mut over_square = Jet::ZERO;
+        let (mut over_square, monomials) = (Jet::ZERO, monomials(&cell.half));
         for (along, weight) in &self.0 {
             // 2 (1 - cos t p) / t^2.
-            let [_, _, (jet, rest, _)] = cell.cone_jets(cone, along, [false, false, true]);
-            for (part, own) in over_square.parts.iter_mut().zip(jet) {
-                *part -= 2.0 * weight * own.re;
+            let own = cell.cone_derivatives(cone, 2, along);
+            for n in 0..parts::<D>() {
+                over_square.parts[n] -= 2.0 * weight * own[n].re;
             }
-            over_square.rest += 2.0 * weight * rest;
+            let fourth: f64 = (parts::<D>()..filled::<D>())
+                .map(|n| monomials[n] * own[n].re.abs())
+                .sum();
+            let (beyond, _) = cell.cone_rest(cone, 2, along);
+            over_square.rest += 2.0 * weight * (fourth + beyond);
         }
         let t = Jet::variable(0, cell.middle[0]);
         let once = over_square.times(&t, &cell.half);
         [over_square, once, once.times(&t, &cell.half)]
     }
-}
-
-/// A bound of the norm of a Hermitian matrix.
-fn norm_bound(matrix: &DMatrix<Complex>) -> f64 {
-    let rows = matrix
-        .row_iter()
-        .map(|row| row.iter().map(|x| x.norm()).sum());
-    matrix.norm().min(rows.fold(0.0, f64::max))
 }
 
 /// One of each two blocks that are each other's adjoints; half of those that are their own.
@@ -456,17 +529,24 @@ mod tests {
     use super::{Bond, Laplacian, PhaseSum};
     use crate::algebra::Complex;
     use crate::bloch::bound::cell::{Cell, Chart};
-    use crate::bloch::bound::jet::{Jet, MatrixJet, bend, slope};
+    use crate::bloch::bound::jet::{Jet, MatrixJet, bend, slope, third};
     use nalgebra::{DMatrix, SMatrix};
     use proptest::prelude::*;
     use std::f64::consts::TAU;
 
-    /// The Hermitian part.
-    fn at<const D: usize>(bonds: &[Bond<D>], sites: usize, x: &[f64; D]) -> DMatrix<Complex> {
+    /// The Hermitian part, with what remains of the phases at a wave vector beyond their first terms.
+    fn at<const D: usize>(
+        bonds: &[Bond<D>],
+        sites: usize,
+        x: &[f64; D],
+        terms: usize,
+    ) -> DMatrix<Complex> {
         let mut sum = DMatrix::zeros(D * sites, D * sites);
         for bond in bonds {
             let phase: f64 = (0..D).map(|a| x[a] * bond.along[a]).sum();
-            let phase = Complex::new(0.0, phase).exp();
+            let phase = Complex::new(0.0, phase);
+            let taken = [Complex::default(), 1.0.into(), phase + 1.0][terms];
+            let phase = phase.exp() - taken;
             for i in 0..D {
                 for j in 0..D {
                     let value = phase * (0.5 * bond.block[(i, j)]);
@@ -486,6 +566,9 @@ mod tests {
             sum += parts(slope(a)) * u[a];
             for b in 0..D {
                 sum += parts(bend::<D>(a, b)) * (0.5 * u[a] * u[b]);
+                for c in 0..D {
+                    sum += parts(third::<D>(a, b, c)) * (u[a] * u[b] * u[c] / 6.0);
+                }
             }
         }
         sum
@@ -514,13 +597,27 @@ mod tests {
             let cell = Cell { chart: Chart::Zone, middle, half };
             let MatrixJet { parts, rest } = sum.in_zone(&cell, &mut [0.0; 2]);
             let u = [place[0] * half[0], place[1] * half[1]];
-            let exact = at(&bonds, 2, &[middle[0] + u[0], middle[1] + u[1]]);
+            let exact = at(&bonds, 2, &[middle[0] + u[0], middle[1] + u[1]], 0);
             let difference = DMatrix::from_fn(4, 4, |i, j| {
-                exact[(i, j)] - polynomial(|n| parts[n][(i, j)], &u)
+                exact[(i, j)] - polynomial(|n| parts.part(n)[(i, j)], &u)
             });
             prop_assert!(difference.norm() <= 2.0 * rest + 1e-12, "{} {rest}", difference.norm());
             let largest = difference.singular_values().max();
             prop_assert!(largest <= rest + 1e-12, "{largest} {rest}");
+
+            for (cone, terms) in [(0, 0), (1, 1), (0, 2), (1, 2)] {
+                let middle = [middle[0].abs().max(0.07), middle[1]];
+                let cell = Cell { chart: Chart::Cone(cone), middle, half };
+                let MatrixJet { parts, rest } = sum.in_cone(&cell, cone, terms, &mut [0.0; 2]);
+                let (t, s) = (middle[0] + u[0], middle[1] + u[1]);
+                let x = if cone == 0 { [t, t * s] } else { [t * s, t] };
+                let exact = at(&bonds, 2, &x, terms) / Complex::new(t.powi(terms as i32), 0.0);
+                let difference = DMatrix::from_fn(4, 4, |i, j| {
+                    exact[(i, j)] - polynomial(|n| parts.part(n)[(i, j)], &u)
+                });
+                let largest = difference.singular_values().max();
+                prop_assert!(largest <= rest + 1e-11, "{cone} {terms}: {largest} {rest}");
+            }
 
             let own = Laplacian(vec![([6.0, 1.0], 0.7), ([-2.0, 5.0], 1.3)]);
             let Jet { parts, rest } = own.in_zone(&cell);
