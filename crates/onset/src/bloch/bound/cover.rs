@@ -69,10 +69,11 @@ pub(super) fn cover<const D: usize>(
         is_long_wave: false,
         bound: f64::NEG_INFINITY,
     };
-    let mut open: VecDeque<Cell<D>> = pencil.boxes(most).into();
     let cost = |cells: &[Cell<D>]| cells.iter().map(|cell| pencil.cost_on(cell)).sum::<usize>();
+    let boxes = pencil.boxes(most);
     // What is open at the end is looked at once more.
-    let (mut left, mut done, mut waiting) = (Vec::new(), 0, cost(open.make_contiguous()));
+    let (mut left, mut done, mut waiting) = (Vec::new(), 0, cost(&boxes));
+    let mut open = VecDeque::from(boxes);
     let at_once = at_once(pencil);
     while !open.is_empty() && done + waiting < question.budget {
         if (question.is_ended)() {

@@ -6,7 +6,7 @@ use std::ops::{Add, Mul};
 
 /// The parts of a polynomial of third order in up to three variables: value, slopes, second derivatives by `a` and `b <= a`, and third ones by
 /// `a`, `b <= a` and `c <= b`.
-pub(super) const MOST: usize = 20;
+const MOST: usize = 20;
 
 /// Derivatives up to the fourth order in three variables, and places that fill up vectors of the machine.
 pub(super) const FILLED: usize = 40;
@@ -284,6 +284,21 @@ impl Parts {
             columns: self.columns,
         }
     }
+}
+
+/// A bound of the norm of a Hermitian matrix.
+pub(super) fn norm_of(matrix: &DMatrixView<'_, Complex>) -> f64 {
+    let (mut squares, mut most) = (0.0, 0.0_f64);
+    for row in 0..matrix.nrows() {
+        let mut sum = 0.0;
+        for column in 0..matrix.ncols() {
+            let square = matrix[(row, column)].norm_sqr();
+            squares += square;
+            sum += square.sqrt();
+        }
+        most = most.max(sum);
+    }
+    most.min(squares.sqrt())
 }
 
 /// A complex matrix on a box.

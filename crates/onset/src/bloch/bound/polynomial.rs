@@ -1,6 +1,8 @@
 //! When a matrix polynomial of third order is positive definite on a box.
 
-use super::jet::{Parts, bend, mixed, parts, quadratic_parts, seconds, slope, third, thirds};
+use super::jet::{
+    Parts, bend, mixed, norm_of, parts, quadratic_parts, seconds, slope, third, thirds,
+};
 use crate::algebra::{Complex, array_of, hermitian_eigen};
 use nalgebra::{DMatrix, DMatrixView, DVector};
 
@@ -310,21 +312,6 @@ fn slackened<const D: usize>(squares: &DMatrix<Complex>, is_mixed: bool) -> DMat
         slackened[(row % count, row % count)] -= slack;
     }
     slackened
-}
-
-/// A bound of the norm of a Hermitian matrix.
-pub(super) fn norm_of(matrix: &DMatrixView<'_, Complex>) -> f64 {
-    let (mut squares, mut most) = (0.0, 0.0_f64);
-    for row in 0..matrix.nrows() {
-        let mut sum = 0.0;
-        for column in 0..matrix.ncols() {
-            let square = matrix[(row, column)].norm_sqr();
-            squares += square;
-            sum += square.sqrt();
-        }
-        most = most.max(sum);
-    }
-    most.min(squares.sqrt())
 }
 
 fn row_sum(matrix: &DMatrixView<'_, Complex>, row: usize) -> f64 {

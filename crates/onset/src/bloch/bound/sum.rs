@@ -2,10 +2,9 @@
 
 use super::cell::Cell;
 use super::jet::{
-    FILLED, Jet, MatrixJet, bend, derivatives, filled, mixed, monomials, parts, products, seconds,
-    slope, third, thirds,
+    FILLED, Jet, MatrixJet, bend, derivatives, filled, mixed, monomials, norm_of, parts, products,
+    seconds, slope, third, thirds,
 };
-use super::polynomial::norm_of;
 use crate::algebra::{Complex, Each, array_of};
 use crate::bloch::powers::Powers;
 use crate::bloch::{BlochSum, DynamicalMatrix};
