@@ -138,46 +138,6 @@ impl<const D: usize> Taylor<f64, D> {
         quotient
     }
 
-    /// Zero.
-    pub(super) const ZERO: Self = Self::constant(0.0);
-    /// What is not to be sought.
-    pub(super) const INFINITE: Self = Self::constant(f64::INFINITY);
-
-    const fn constant(value: f64) -> Self {
-        Self {
-            value,
-            gradient: [value; D],
-            hessian: [[value; D]; D],
-        }
-    }
-
-    /// Whether all derivatives are finite.
-    #[inline]
-    pub(super) fn is_finite(&self) -> bool {
-        let mut is_finite = true;
-        for a in 0..D {
-            is_finite &= self.gradient[a].is_finite();
-            for b in 0..D {
-                is_finite &= self.hessian[a][b].is_finite();
-            }
-        }
-        is_finite
-    }
-
-    /// The function times a number.
-    #[inline]
-    pub(super) fn times_number(&self, factor: f64) -> Self {
-        let mut product = *self;
-        product.value *= factor;
-        for a in 0..D {
-            product.gradient[a] *= factor;
-            for b in 0..D {
-                product.hessian[a][b] *= factor;
-            }
-        }
-        product
-    }
-
     /// The gradient as a vector.
     #[inline]
     pub(super) fn slope(&self) -> SVector<f64, D> {
@@ -348,55 +308,18 @@ impl<const D: usize> Expansion<f64, D> {
         }
     }
 
-    /// Half of the trace and the discriminant. Planar only.
-    fn branches(&self) -> Branches<D> {
-        Branches {
-            mean: self.half_trace(),
-            discriminant: self.discriminant(),
-        }
-    }
-
-    /// The same as for complex matrices.
+    /// The same as for complex matrices; of a complex pair the real part is half of the trace.
     pub(super) fn branch(&self, sign: f64) -> Taylor<f64, D> {
         if D == 1 {
             return self.entry(0, 0);
         }
-        self.branches().branch(sign)
-    }
-}
-
-/// What the two branches `h -+ sqrt(p)` of a real matrix in the plane are made of.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Branches<const D: usize> {
-    /// `h`, half of the trace.
-    pub(super) mean: Taylor<f64, D>,
-    /// `p`, negative where `omega^2` is complex.
-    pub(super) discriminant: Taylor<f64, D>,
-}
-
-impl<const D: usize> Branches<D> {
-    /// `Re omega^2` of the lowest (`sign` -1) or the highest branch (+1).
-    #[inline]
-    pub(super) fn branch(&self, sign: f64) -> Taylor<f64, D> {
-        let p = &self.discriminant;
+        let (mean, p) = (self.half_trace(), self.discriminant());
         if p.value < 0.0 {
-            // A complex pair: the real part is half of the trace.
-            return self.mean;
+            return mean;
         }
         let root = p.value.sqrt();
         let first = 0.5 / root;
         let root = p.chain(root, first, -0.5 * first / p.value);
-        self.mean.zip(&root, |x, y| x + sign * y)
-    }
-
-    /// Minus the square of the growth rate of a complex pair, `(h - sqrt(h^2 - p)) / 2`; as smooth where branches are real, and
-    /// positive there.
-    pub(super) fn negative_square_of_growth(&self) -> Taylor<f64, D> {
-        let square = self.mean.times(&self.mean);
-        let determinant = square.zip(&self.discriminant, |x, y| x - y);
-        let root = determinant.value.sqrt();
-        let first = 0.5 / root;
-        let root = determinant.chain(root, first, -0.5 * first / determinant.value);
-        self.mean.zip(&root, |x, y| 0.5 * (x - y))
+        mean.zip(&root, |x, y| x + sign * y)
     }
 }

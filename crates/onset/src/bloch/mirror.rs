@@ -5,11 +5,10 @@
 //! `sin i u sin j v` in the phases `u`, `v` along the lines. That the force constants have the symmetry is read off them;
 //! nothing is inferred from lattice, state and law.
 
-use super::branches::{Branches, Taylor};
 use super::dynamical_matrix::Term;
-use crate::algebra::{Pack, WIDEST, sines_and_cosines};
+use crate::algebra::{Pack, WIDEST};
 use crate::lattice::{FILL, Group, HARMONICS, Mirror};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Simd;
 
 /// Wave vectors that are evaluated together at most.
 pub(super) const LANES: usize = WIDEST;
@@ -27,69 +26,12 @@ pub(super) struct MirrorSums {
     /// For each `j` the largest `i`: forces end at a circle.
     ends: Vec<usize>,
     /// Factors of `cos i u cos j v` in `D_11`, `D_22` and of `sin i u sin j v` in `D_12`, `D_21`, at `[j][i]`, in the order of
-    /// the entries.
-    factors: Vec<[f64; 4]>,
+    /// the entries: themselves, times `i`, and times `i^2`.
+    factors: Vec<[[f64; 4]; 3]>,
 }
 
 /// One number a wave vector.
 pub(super) type Lanes = [f64; LANES];
-
-/// A function of `u`, `v` at several wave vectors: value, and derivatives by `u`, `v`, `uu`, `uv`, `vv`.
-type LaneTaylor = [Lanes; 6];
-
-/// Half of the trace of `D(k)` and the discriminant `((D_11 - D_22) / 2)^2 + D_12 D_21` at several wave vectors.
-pub(super) struct LaneBranches {
-    mean: LaneTaylor,
-    discriminant: LaneTaylor,
-}
-
-impl LaneBranches {
-    /// At one of the wave vectors.
-    #[inline]
-    pub(super) fn of(&self, lane: usize) -> Branches<2> {
-        let taylor = |f: &LaneTaylor| Taylor {
-            value: f[0][lane],
-            gradient: [f[1][lane], f[2][lane]],
-            hessian: [[f[3][lane], f[4][lane]], [f[4][lane], f[5][lane]]],
-        };
-        Branches {
-            mean: taylor(&self.mean),
-            discriminant: taylor(&self.discriminant),
-        }
-    }
-
-    /// Sets a group of lanes from the entries of `D` with their derivatives, `[derivative][entry]`.
-    #[inline(always)]
-    fn set<S: Simd>(&mut self, entries: &[[Pack<S>; 4]; 6], group: usize) {
-        let number = entries[0][0].constant(0.5);
-        let mut half = [number; 6];
-        for n in 0..6 {
-            let mean = (entries[n][0] + entries[n][3]) * number;
-            mean.write(&mut self.mean[n], group);
-            half[n] = (entries[n][0] - entries[n][3]) * number;
-        }
-        let two = number.constant(2.0);
-        for n in 0..6 {
-            // The product rule for half^2 + b c: which factor is differentiated by what.
-            let [b, c] = [entries[n][1], entries[n][2]];
-            let [b0, c0] = [entries[0][1], entries[0][2]];
-            let mut p = half[0] * half[n];
-            if let Some((i, j)) = [None, None, None, Some((1, 1)), Some((1, 2)), Some((2, 2))][n] {
-                p = half[i].times_plus(half[j], p);
-            }
-            if n > 0 {
-                p = p * two;
-                p = b.times_plus(c0, p);
-            }
-            p = b0.times_plus(c, p);
-            if let Some((i, j)) = [None, None, None, Some((1, 1)), Some((1, 2)), Some((2, 2))][n] {
-                p = entries[i][1].times_plus(entries[j][2], p);
-                p = entries[j][1].times_plus(entries[i][2], p);
-            }
-            p.write(&mut self.discriminant[n], group);
-        }
-    }
-}
 
 impl MirrorSums {
     /// The sums, if force constants (those of `R` and `-R` together) of particles whose translation is free have one of the
@@ -149,7 +91,14 @@ impl MirrorSums {
             mirror: *mirror,
             reach,
             ends: ends.collect(),
-            factors,
+            factors: factors
+                .iter()
+                .enumerate()
+                .map(|(index, own)| {
+                    let i = (index % width) as f64;
+                    [1.0, i, i * i].map(|power| own.map(|factor| power * factor))
+                })
+                .collect(),
         })
     }
 
@@ -160,7 +109,9 @@ impl MirrorSums {
         let mut weights = [vec![0.0; width], vec![0.0; self.reach[1] + 1]];
         for (index, factors) in self.factors.iter().enumerate() {
             let (i, j) = (index % width, index / width);
-            let size = factors.iter().fold(0.0, |size, x| f64::max(size, x.abs()));
+            let size = factors[0]
+                .iter()
+                .fold(0.0, |size, x| f64::max(size, x.abs()));
             weights[0][i] += size * (i * i) as f64;
             weights[1][j] += size * (j * j) as f64;
         }
@@ -176,7 +127,7 @@ impl MirrorSums {
 
     /// The factors at one `j`, by `i`.
     #[inline(always)]
-    fn row(&self, j: usize) -> &[[f64; 4]] {
+    fn row(&self, j: usize) -> &[[[f64; 4]; 3]] {
         let width = self.reach[0] + 1;
         &self.factors[j * width..][..width]
     }
@@ -210,7 +161,7 @@ impl MirrorSums {
                     for i in self.indices(j) {
                         let cosine = Pack::of(simd, &cosines[i * groups + group], part);
                         let sine = Pack::of(simd, &sines[i * groups + group], part);
-                        let [f11, f12, f21, f22] = &factors[i];
+                        let [f11, f12, f21, f22] = &factors[i][0];
                         sum[0] = cosine.times_plus(cosine.constant(*f11), sum[0]);
                         sum[1] = sine.times_plus(sine.constant(*f12), sum[1]);
                         sum[2] = sine.times_plus(sine.constant(*f21), sum[2]);
@@ -224,19 +175,9 @@ impl MirrorSums {
         }
     }
 
-    /// What the branches of `D` at the first wave vectors of several are made of.
-    pub(super) fn branches(&self, count: usize, u: &Lanes, v: &Lanes) -> LaneBranches {
-        Arch::new().dispatch(BranchesAt {
-            sums: self,
-            count,
-            u,
-            v,
-        })
-    }
-
     /// `D` with its derivatives by `u` and `v`, `[derivative][entry]`, from the multiples of both.
     #[inline(always)]
-    fn entries<S: Simd, const COUNT: usize>(
+    pub(super) fn entries<S: Simd, const COUNT: usize>(
         &self,
         first: &Multiples<S, COUNT>,
         second: &Multiples<S, COUNT>,
@@ -248,20 +189,17 @@ impl MirrorSums {
             // Sums over i of value, first and second derivatives by u; signs that all terms have in common come last.
             let (mut even, mut odd) = ([[zero; 2]; 3], [[zero; 2]; 3]);
             for i in self.indices(j) {
-                let factors = &factors[i];
-                let (f11, f12) = (zero.constant(factors[0]), zero.constant(factors[1]));
-                let (f21, f22) = (zero.constant(factors[2]), zero.constant(factors[3]));
-                let cosines = weighted(first.cosines[i], i);
-                let sines = weighted(first.sines[i], i);
+                let (cosine, sine) = (first.cosines[i], first.sines[i]);
                 for n in 0..3 {
                     let (c, s) = match n {
-                        1 => (sines[1], cosines[1]),
-                        _ => (cosines[n], sines[n]),
+                        1 => (sine, cosine),
+                        _ => (cosine, sine),
                     };
-                    even[n][0] = c.times_plus(f11, even[n][0]);
-                    even[n][1] = c.times_plus(f22, even[n][1]);
-                    odd[n][0] = s.times_plus(f12, odd[n][0]);
-                    odd[n][1] = s.times_plus(f21, odd[n][1]);
+                    let [f11, f12, f21, f22] = factors[i][n];
+                    even[n][0] = c.times_plus(zero.constant(f11), even[n][0]);
+                    even[n][1] = c.times_plus(zero.constant(f22), even[n][1]);
+                    odd[n][0] = s.times_plus(zero.constant(f12), odd[n][0]);
+                    odd[n][1] = s.times_plus(zero.constant(f21), odd[n][1]);
                 }
             }
             let (c, s) = (weighted(second.cosines[j], j), weighted(second.sines[j], j));
@@ -329,57 +267,16 @@ impl Iterator for Indices {
     }
 }
 
-/// Work for the widest vectors of the machine.
-struct BranchesAt<'a> {
-    sums: &'a MirrorSums,
-    count: usize,
-    u: &'a Lanes,
-    v: &'a Lanes,
-}
-
-impl BranchesAt<'_> {
-    /// With tables of at least as many multiples as there are.
-    #[inline(always)]
-    fn with<S: Simd, const COUNT: usize>(&self, simd: S) -> LaneBranches {
-        let mut branches = LaneBranches {
-            mean: [[0.0; LANES]; 6],
-            discriminant: [[0.0; LANES]; 6],
-        };
-        let (u, v) = (sines_and_cosines(self.u), sines_and_cosines(self.v));
-        for group in 0..self.count.div_ceil(S::F64_LANES) {
-            let first = Multiples::<S, COUNT>::of(simd, &u, group, self.sums.reach[0]);
-            let second = Multiples::<S, COUNT>::of(simd, &v, group, self.sums.reach[1]);
-            branches.set(&self.sums.entries(&first, &second), group);
-        }
-        branches
-    }
-}
-
-impl WithSimd for BranchesAt<'_> {
-    type Output = LaneBranches;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> LaneBranches {
-        match self.sums.reach.into_iter().max() {
-            Some(0..=7) => self.with::<S, 8>(simd),
-            Some(8..=15) => self.with::<S, 16>(simd),
-            _ => self.with::<S, { HARMONICS + 1 }>(simd),
-        }
-    }
-}
-
 /// `cos n t` and `sin n t`.
-struct Multiples<S: Simd, const COUNT: usize> {
-    cosines: [Pack<S>; COUNT],
-    sines: [Pack<S>; COUNT],
+pub(super) struct Multiples<S: Simd, const COUNT: usize> {
+    pub(super) cosines: [Pack<S>; COUNT],
+    pub(super) sines: [Pack<S>; COUNT],
 }
 
 impl<S: Simd, const COUNT: usize> Multiples<S, COUNT> {
-    /// From the sines and cosines of a group of lanes.
+    /// Up to a reach, from the sines and cosines of `t`.
     #[inline(always)]
-    fn of(simd: S, (sines, cosines): &(Lanes, Lanes), group: usize, reach: usize) -> Self {
-        let sine = Pack::of(simd, sines, group);
-        let cosine = Pack::of(simd, cosines, group);
+    pub(super) fn of(sine: Pack<S>, cosine: Pack<S>, reach: usize) -> Self {
         let mut multiples = Self {
             cosines: [cosine.constant(1.0); COUNT],
             sines: [sine.constant(0.0); COUNT],
@@ -391,16 +288,35 @@ impl<S: Simd, const COUNT: usize> Multiples<S, COUNT> {
         }
         multiples
     }
+
+    /// The same of a group of lanes.
+    #[inline(always)]
+    pub(super) fn of_group(
+        simd: S,
+        (sines, cosines): &(Lanes, Lanes),
+        group: usize,
+        reach: usize,
+    ) -> Self {
+        let sine = Pack::of(simd, sines, group);
+        Self::of(sine, Pack::of(simd, cosines, group), reach)
+    }
+
+    /// `sin n t` and `cos n t`, also of negative `n`.
+    #[inline(always)]
+    pub(super) fn turn(&self, n: i32) -> (Pack<S>, Pack<S>) {
+        let magnitude = n.unsigned_abs() as usize;
+        let (sine, cosine) = (self.sines[magnitude], self.cosines[magnitude]);
+        (if n < 0 { -sine } else { sine }, cosine)
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{LANES, MirrorSums};
+    use super::MirrorSums;
     use crate::bloch::{DynamicalMatrix, dynamical_matrix};
     use crate::kinematics::DeformationGradient;
     use crate::material::ModifiedMooneyRivlin;
     use crate::method::{Frame, KernelMethodChoices, Method};
-    use nalgebra::Vector2;
 
     fn eulerian() -> Method<2> {
         Method::new(KernelMethodChoices {
@@ -436,39 +352,5 @@ mod tests {
             at(&method, turned).1,
         );
         assert_ne!(first.map(|sums| sums.number), other.map(|sums| sums.number));
-    }
-
-    #[test]
-    fn sums_along_the_mirror_lines_have_the_branches_of_the_matrix_with_their_derivatives() {
-        let method = eulerian();
-        let (d, sums) = at(&method, [[1.2, 0.0], [0.0, 0.7]]);
-        let sums = sums.expect("a mirror line");
-        let u = [0.3, -1.2, 2.0, 0.1, 1.7, -0.2, 0.9, 3.0];
-        let v = [1.1, 0.4, -0.7, 2.9, -1.6, 0.2, 2.2, -0.4];
-        let branches = sums.branches(LANES, &u, &v);
-        let exact = |u: f64, v: f64| {
-            let phases = Vector2::from(sums.mirror.phases([u, v])) / std::f64::consts::TAU;
-            let d = d.at(&(method.lattice().reciprocal() * phases));
-            let [a, b, c, d] = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|at| d[at].re);
-            [0.5 * (a + d), 0.25 * (a - d) * (a - d) + b * c]
-        };
-        let h = 1e-4;
-        for lane in 0..LANES {
-            let (u, v) = (u[lane], v[lane]);
-            let own = branches.of(lane);
-            for (n, known) in [own.mean, own.discriminant].iter().enumerate() {
-                let at = |a: f64, b: f64| exact(u + a * h, v + b * h)[n];
-                let scale = at(0.0, 0.0).abs().max(1.0);
-                assert!((known.value - at(0.0, 0.0)).abs() < 1e-12 * scale);
-                for (axis, [a, b]) in [[1.0, 0.0], [0.0, 1.0]].into_iter().enumerate() {
-                    let slope = (at(a, b) - at(-a, -b)) / (2.0 * h);
-                    let second = (at(a, b) + at(-a, -b) - 2.0 * at(0.0, 0.0)) / (h * h);
-                    assert!((known.gradient[axis] - slope).abs() < 1e-5 * scale);
-                    assert!((known.hessian[axis][axis] - second).abs() < 1e-4 * scale);
-                }
-                let mixed = at(1.0, 1.0) - at(1.0, -1.0) - at(-1.0, 1.0) + at(-1.0, -1.0);
-                assert!((known.hessian[0][1] - mixed / (4.0 * h * h)).abs() < 1e-4 * scale);
-            }
-        }
     }
 }

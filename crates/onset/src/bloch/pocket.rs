@@ -21,7 +21,7 @@ const HALVINGS: usize = 4;
 /// They are seen well enough where second order changes their difference by less than this part of what first order does.
 const RESOLVED: f64 = 0.5;
 /// Points between halved steps, at most.
-const FINER: usize = 256;
+pub(super) const FINER: usize = 256;
 /// Growth rates that differ by less, relative to them, are those of images of one pocket under the symmetry of the lattice.
 const SAME: f64 = 1e-9;
 /// Wave vectors that agree to this part of a step are in one pocket.
@@ -277,6 +277,8 @@ pub(super) struct Pockets<'a, const D: usize> {
     pub(super) rival: f64,
     /// How many are looked at again.
     pub(super) most: usize,
+    /// How many points between halved steps are looked at, at most.
+    pub(super) finer: usize,
 }
 
 impl<const D: usize> Pockets<'_, D> {
@@ -321,7 +323,7 @@ impl<const D: usize> Pockets<'_, D> {
                 }
             }
             sort_by_value(&mut unresolved, |item| -item.0);
-            unresolved.truncate(FINER >> D);
+            unresolved.truncate(self.finer >> D);
             for (_, k) in unresolved {
                 between.extend(self.between(&k, share));
             }
@@ -520,30 +522,37 @@ where
         }
     }
 
-    /// Whether one of two branches can grow faster than a rival within reach; it is taken for granted where they are not real. Mixed derivatives and
-    /// other branches may add as much again as is known.
+    /// Whether one of two branches can grow faster than a rival within reach. Mixed derivatives and other branches may add as much again as is known.
     fn can_beat(&self, rival: f64, (i, j): (usize, usize)) -> bool {
         let values = self.values.as_ref();
         let is_real = |i: usize, j: usize| {
             let mut all = self.first.iter().map(|m| m[(i, j)]);
             all.all(|x| x.imaginary() == 0.0)
         };
+        let within = |of: &dyn Fn(&M) -> f64| {
+            let first = self.first.iter().map(|m| REACH * of(m));
+            let second = self.second.iter().flatten();
+            let second = second.map(|m| 0.5 * REACH * REACH * of(m));
+            first.sum::<f64>() + second.sum::<f64>()
+        };
+        let coupling = within(&|m| m[(i, j)].modulus()) * within(&|m| m[(j, i)].modulus());
         let own = [i, j]
             .iter()
             .all(|n| values[*n].imaginary() == 0.0 && is_real(*n, *n));
-        if !own {
-            return true;
+        if own {
+            // The mean of a complex pair, and the square of its imaginary part.
+            let mean = 0.5 * (values[i] + values[j]).real();
+            let change = 0.5 * within(&|m| (m[(i, i)] + m[(j, j)]).modulus());
+            return can_beat(rival, mean - 2.0 * change, 4.0 * coupling);
         }
-        let within = |of: &dyn Fn(&M) -> S| {
-            let first = self.first.iter().map(|m| REACH * of(m).modulus());
-            let second = self.second.iter().flatten();
-            let second = second.map(|m| 0.5 * REACH * REACH * of(m).modulus());
-            first.sum::<f64>() + second.sum::<f64>()
-        };
-        let mean = 0.5 * (values[i] + values[j]).real();
-        let change = 0.5 * within(&|m| m[(i, i)] + m[(j, j)]);
-        let coupling = within(&|m| m[(i, j)]) * within(&|m| m[(j, i)]);
-        can_beat(rival, mean - 2.0 * change, 4.0 * coupling)
+        // `(z - a)(z - d) = b c`: one of the factors is no larger than the root of the product.
+        let coupling = coupling.sqrt();
+        [i, j].iter().any(|n| {
+            let real = coupling + within(&|m| m[(*n, *n)].real().abs());
+            let imaginary = coupling + within(&|m| m[(*n, *n)].imaginary().abs());
+            let height = values[*n].imaginary().abs() + 2.0 * imaginary;
+            can_beat(rival, values[*n].real() - 2.0 * real, height * height)
+        })
     }
 
     fn pair(&self, i: usize, j: usize) -> Pair<S, D> {

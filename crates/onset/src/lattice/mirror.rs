@@ -18,8 +18,6 @@ pub(crate) struct Mirror {
     divisor: i32,
 }
 
-/// Largest lattice coordinate at which primitive vectors along mirror lines are looked for; those of reduced bases lie below.
-const REACH: i32 = 2;
 /// Largest multiple of a phase along a mirror line whose cosines and sines are tabulated.
 pub(crate) const HARMONICS: usize = 48;
 /// Columns of a line are filled up to a multiple of this, which fills vectors.
@@ -28,6 +26,9 @@ pub(crate) const FILL: usize = 8;
 pub(crate) type Group = [f64; FILL];
 
 impl Mirror {
+    /// Largest lattice coordinate at which primitive vectors along mirror lines are looked for; those of reduced bases lie below.
+    pub(crate) const REACH: i32 = 2;
+
     /// The mirrors of a lattice; none unless it is planar.
     pub(super) fn all<const D: usize>(lattice: &BravaisLattice<D>) -> Vec<Self> {
         if D != 2 {
@@ -35,7 +36,7 @@ impl Mirror {
         }
         let place =
             |cell: [i32; 2]| lattice.vectors() * SVector::from_fn(|i, _| f64::from(cell[i]));
-        let range = || -REACH..=REACH;
+        let range = || -Self::REACH..=Self::REACH;
         let cells = || {
             range()
                 .flat_map(|m| range().map(move |n| [m, n]))
@@ -85,6 +86,11 @@ impl Mirror {
     /// Whether `i + j` is even for all lattice vectors.
     pub(crate) fn is_centered(&self) -> bool {
         self.divisor == 2
+    }
+
+    /// `i` and `j` of a primitive vector, at most [`Mirror::REACH`].
+    pub(crate) fn multiples(&self, vector: usize) -> [i32; 2] {
+        self.coordinates.each(|row| row[vector])
     }
 
     /// The phases `k.a_1`, `k.a_2` of the primitive vectors for given phases `u = k.P / d`, `v = k.Q / d`.

@@ -5,13 +5,14 @@
 //! of the grid at a time, and followed to their bottoms several at once by Newton's method with exact derivatives.
 
 use super::descent::{newton_step, principal};
+use super::steps::{Places, Stepper, Steps};
 use super::{Objective, RAY};
-use crate::algebra::{Each, Pack, WIDEST, array_of, sines_and_cosines, sort_by_value};
-use crate::bloch::branches::{Branches, Taylor};
+use crate::algebra::{Each, Pack, WIDEST, sort_by_value};
 use crate::bloch::mirror::{LANES, MirrorSums};
-use crate::lattice::{BravaisLattice, FILL, Group, Mirror, MirrorWaves};
+use crate::lattice::{BravaisLattice, FILL, Group, MirrorWaves};
 use nalgebra::{Matrix2, Vector2};
 use pulp::{Arch, Simd, WithSimd};
+use std::sync::Arc;
 
 /// Points of the grid per period of the fastest phase.
 const DENSITY: usize = 12;
@@ -27,12 +28,8 @@ const SHORT: f64 = 2e-4;
 const SHALLOW: f64 = 0.3;
 /// How far along a valley others are looked for, in phases.
 const ALONG_VALLEY: f64 = 0.4;
-/// Below these phases a wave counts as long, which the limit covers.
-const LONG_WAVE: f64 = 5e-3;
-/// Steps of the grid around the origin from which a descent towards it is not followed, and within which the discriminant,
-/// which vanishes there with the fourth power, is not sought.
+/// Steps of the grid around the origin from which a descent towards it is not followed.
 const NEAR: f64 = 1.5;
-const FLAT: f64 = 0.5;
 /// Descents from around a bottom that come as near to it, in phases, lead nowhere else.
 const SAME: f64 = 0.03;
 
@@ -45,45 +42,13 @@ const SOUGHT: [(Objective, bool); 5] = [
     (Objective::Discriminant, false),
 ];
 
-/// `|k|_h^2` in the phases along the mirror lines.
-#[derive(Clone, Copy)]
-struct Laplacian {
-    /// `1 / |a_n|^2` and the factors of `u` and `v` in `k.a_n`.
-    vectors: [(f64, [f64; 2]); 2],
-}
-
-impl Laplacian {
-    fn new<const D: usize>(lattice: &BravaisLattice<D>, mirror: &Mirror) -> Self {
-        let vector = |n: usize| {
-            let weight = 1.0 / lattice.vectors().column(n).norm_squared();
-            let factor = |uv: [f64; 2]| mirror.phases(uv)[n];
-            (weight, [factor([1.0, 0.0]), factor([0.0, 1.0])])
-        };
-        Self {
-            vectors: [vector(0), vector(1)],
-        }
-    }
-
-    fn at(&self, [u, v]: [f64; 2]) -> Taylor<f64, 2> {
-        let [(_, a), (_, b)] = &self.vectors;
-        let halves = [0.5 * (a[0] * u + a[1] * v), 0.5 * (b[0] * u + b[1] * v)];
-        let (sines, cosines) = sines_and_cosines(&halves);
-        let mut sum = Taylor::ZERO;
-        for n in 0..2 {
-            let (weight, factors) = self.vectors[n];
-            let (sine, cosine) = (sines[n], cosines[n]);
-            sum.value += 4.0 * weight * sine * sine;
-            let curvature = 2.0 * weight * (cosine * cosine - sine * sine);
-            for a in 0..2 {
-                sum.gradient[a] += 4.0 * weight * sine * cosine * factors[a];
-                for b in 0..2 {
-                    sum.hessian[a][b] += curvature * factors[a] * factors[b];
-                }
-            }
-        }
-        sum
-    }
-}
+/// The places of real branches among them.
+const LOWEST: usize = 2;
+const HIGHEST: usize = 3;
+const _: () = assert!(matches!(SOUGHT[LOWEST], (Objective::Lowest, false)));
+const _: () = assert!(matches!(SOUGHT[HIGHEST], (Objective::Highest, false)));
+/// The softest long waves are looked at together, for both objectives of the lowest branch.
+const _: () = assert!(2 * RAY.len() <= LANES);
 
 /// A search of one objective, with the value below which its minimum matters; omega^2 without the scale `c^2`.
 #[derive(Clone, Copy)]
@@ -95,6 +60,8 @@ pub(super) struct Request {
 /// A local minimum of the grid.
 struct Well {
     objective: Objective,
+    /// The square of the fastest growth of complex branches that is expected around it; of other objectives it is not limited.
+    growth_squared: f64,
     /// The lowest that it is expected to reach, and its phases after a step to the bottom of a paraboloid.
     bound: f64,
     value: f64,
@@ -136,25 +103,31 @@ pub(super) fn intervals(sums: &MirrorSums) -> [usize; 2] {
 }
 
 /// The search of one matrix.
-pub(super) struct Mirrored<'a> {
-    sums: &'a MirrorSums,
-    waves: &'a MirrorWaves,
-    laplacian: Laplacian,
+pub(super) struct Mirrored {
+    sums: MirrorSums,
+    waves: Arc<MirrorWaves>,
+    stepper: Stepper,
     wells: Vec<Well>,
+    /// The phases along the mirror lines of a step of the grid along the softest of the long waves.
+    soft: [f64; 2],
     /// Minus the largest `Re omega^2` of the grid.
-    pub(super) lowest: f64,
+    lowest: f64,
     /// Rounding error of the discriminant, negative.
     rounding: f64,
+    /// What has been followed so far.
+    pub(super) bottoms: Vec<Bottom>,
 }
 
-impl<'a> Mirrored<'a> {
-    /// Sweeps over the grid: all wells of the objectives that may reach below the floors.
+impl Mirrored {
+    /// Sweeps over the grid: all wells of the objectives that may reach below the floors. Of the softest long waves the phases of the
+    /// primitive vectors are given.
     pub(super) fn new<const D: usize>(
         lattice: &BravaisLattice<D>,
-        sums: &'a MirrorSums,
-        waves: &'a MirrorWaves,
+        sums: MirrorSums,
+        waves: Arc<MirrorWaves>,
         requests: &[Request],
         noise: f64,
+        soft: [f64; 2],
     ) -> Self {
         let floor = |objective| {
             let request = requests
@@ -163,8 +136,8 @@ impl<'a> Mirrored<'a> {
             request.map_or(f64::NEG_INFINITY, |request| request.floor)
         };
         let mut sweep = Sweep {
-            sums,
-            waves,
+            sums: &sums,
+            waves: &waves,
             floors: SOUGHT.each(|(objective, _)| floor(objective)),
             wells: Vec::with_capacity(16),
             lowest: 0.0,
@@ -174,81 +147,93 @@ impl<'a> Mirrored<'a> {
             mut wells, lowest, ..
         } = sweep;
         sort_by_value(&mut wells, |well| well.value);
+        let along = waves.mirror.along(soft);
+        let [a, b] = [0, 1].each(|axis| along[axis].abs() / waves.steps[axis]);
         Self {
+            stepper: Stepper::new(lattice, &waves),
+            soft: along.each(|x| x / a.max(b)),
             sums,
             waves,
-            laplacian: Laplacian::new(lattice, &waves.mirror),
             wells,
             lowest,
             rounding: noise * lowest,
+            bottoms: Vec::new(),
         }
     }
 
-    /// The phases along the mirror lines of a step of the grid in a direction that is given by the phases of the primitive
-    /// vectors.
-    pub(super) fn step_along(&self, phases: [f64; 2]) -> [f64; 2] {
-        let along = self.waves.mirror.along(phases);
-        let [a, b] = [0, 1].each(|axis| along[axis].abs() / self.waves.steps[axis]);
-        along.each(|x| x / a.max(b))
+    /// The largest `Re omega^2` of the grid.
+    pub(super) fn largest(&self) -> f64 {
+        -self.lowest
     }
 
-    /// Where the minima of the requested objectives are, with their values as far as fast sums tell them; none where the
-    /// floor is not reached. The last value tells whether Newton's method has done it.
-    pub(super) fn bottoms(&self, requests: &[Request], soft: [f64; 2]) -> Vec<Bottom> {
-        let mut descents = Vec::with_capacity(16);
+    /// Finds where the minima of real objectives are, with their values as far as fast sums tell them; none where the floor is not reached.
+    pub(super) fn follow(&mut self, requests: &[Request]) {
+        let mut descents = self.along_soft(requests);
         for request in requests {
-            self.start(request, soft, &mut descents);
+            self.start(request, 0.0, &mut descents);
         }
         self.descend(&mut descents, requests);
         // Near a crossing of branches, and along a shallow valley, there can be several bottoms within a step of the grid,
         // which then sees one.
         let mut others = Vec::new();
-        for request in requests {
-            if let Some(best) = lowest_of(&descents, request.objective)
-                && request.objective != Objective::Discriminant
-                && best.is_intricate
-            {
-                self.look_around(best, &mut others);
-            }
-        }
-        // Pockets of complex branches lie along the valleys of the discriminant, on which branches nearly cross.
-        let is_valley = |descent: &&Descent| {
-            let is_sought = descent.objective == Objective::Discriminant;
-            is_sought && matches!(descent.state, State::Settled(Some(_)))
-        };
-        for best in descents.iter().filter(is_valley) {
-            if let State::Settled(Some(along)) = best.state {
-                for step in [-2.0, -1.0, 1.0, 2.0] {
-                    let length = step * self.waves.steps[0].max(self.waves.steps[1]);
-                    let place = [0, 1].each(|n| best.place[n] + length * along[n]);
-                    others.push(Descent {
-                        bottom: Some(best.place),
-                        ..Descent::from(Objective::Discriminant, place)
-                    });
+        let mut bests = requests.to_vec();
+        for request in &mut bests {
+            if let Some(best) = lowest_of(&descents, request.objective) {
+                request.floor = best.value;
+                if best.is_intricate {
+                    self.look_around(best, &mut others);
                 }
             }
         }
-        let bests: Vec<Request> = requests
-            .iter()
-            .map(|request| Request {
-                floor: lowest_of(&descents, request.objective)
-                    .map_or(request.floor, |best| best.value),
-                ..*request
-            })
-            .collect();
         self.descend(&mut others, &bests);
+        self.keep(&descents);
+        self.keep(&others);
+    }
+
+    /// Finds where branches are complex and where they grow fastest; but for what grows less than half as fast as a rival.
+    pub(super) fn follow_flutter(&mut self, rival: f64) {
+        let request = Request {
+            objective: Objective::Discriminant,
+            floor: 0.0,
+        };
+        let mut descents = Vec::new();
+        self.start(&request, 0.25 * rival * rival, &mut descents);
+        self.descend(&mut descents, &[request]);
+        // Pockets of complex branches lie along the valleys of the discriminant, on which branches nearly cross.
+        let length = self.waves.steps[0].max(self.waves.steps[1]);
+        let beside = descents.iter().flat_map(|best| {
+            let along = match best.state {
+                State::Settled(along) => along,
+                _ => None,
+            };
+            let steps = [-2.0, -1.0, 1.0, 2.0].into_iter();
+            let places = along.map(|along| {
+                steps.map(move |step| [0, 1].each(|n| best.place[n] + step * length * along[n]))
+            });
+            places.into_iter().flatten().map(|place| Descent {
+                bottom: Some(best.place),
+                ..Descent::from(Objective::Discriminant, place)
+            })
+        });
+        let mut others: Vec<Descent> = beside.collect();
+        let best = lowest_of(&descents, Objective::Discriminant);
+        let floor = best.map_or(0.0, |best| best.value);
+        self.descend(&mut others, &[Request { floor, ..request }]);
         descents.append(&mut others);
         // Where branches are complex they grow fastest elsewhere than where the discriminant is lowest.
-        let is_complex = |descent: &&Descent| {
-            descent.objective == Objective::Discriminant && descent.value < self.rounding
-        };
+        let is_complex = |descent: &&Descent| descent.value < self.rounding;
         let mut growing: Vec<Descent> = descents
             .iter()
             .filter(is_complex)
             .map(|descent| Descent::from(Objective::Growth, descent.place))
             .collect();
         self.descend(&mut growing, &[]);
-        descents.append(&mut growing);
+        self.keep(&descents);
+        self.keep(&growing);
+    }
+
+    /// Notes where descents have ended.
+    fn keep(&mut self, descents: &[Descent]) {
         let bottoms = descents.iter().filter_map(|descent| match descent.state {
             State::Left | State::Running => None,
             _ => Some(Bottom {
@@ -258,7 +243,7 @@ impl<'a> Mirrored<'a> {
                 is_settled: descent.state != State::Lost,
             }),
         });
-        bottoms.collect()
+        self.bottoms.extend(bottoms);
     }
 
     /// Descents from around a bottom.
@@ -280,12 +265,13 @@ impl<'a> Mirrored<'a> {
         }
     }
 
-    /// The starts of the descents for one objective.
-    fn start(&self, request: &Request, soft: [f64; 2], descents: &mut Vec<Descent>) {
+    /// The starts of the descents for one objective: the wells of the grid, of the discriminant those in which something may grow so fast.
+    fn start(&self, request: &Request, growth_squared: f64, descents: &mut Vec<Descent>) {
         let own = || {
-            self.wells
-                .iter()
-                .filter(|well| well.objective == request.objective)
+            let wells = self.wells.iter();
+            wells.filter(|well| {
+                well.objective == request.objective && well.growth_squared >= growth_squared
+            })
         };
         let best = own()
             .next()
@@ -293,25 +279,30 @@ impl<'a> Mirrored<'a> {
         for well in own().filter(|well| well.bound <= best).take(WELLS) {
             descents.push(Descent::from(request.objective, well.place));
         }
-        if !is_of_lowest_branch(request.objective) {
-            return;
+    }
+
+    /// Starts between the origin and the first points of the grid, along the softest of the long waves, where a well may be too narrow in
+    /// angle for the grid. What falls on beyond is seen from there.
+    fn along_soft(&self, requests: &[Request]) -> Vec<Descent> {
+        let mut descents = Vec::with_capacity(16);
+        let objectives = requests.iter().map(|request| request.objective);
+        let objectives: Vec<Objective> =
+            objectives.filter(|own| is_of_lowest_branch(*own)).collect();
+        let place = |n: usize| self.soft.each(|x| x * RAY[n]);
+        let places = || (0..RAY.len()).map(place);
+        let all = objectives
+            .iter()
+            .flat_map(|own| places().map(|place| (*own, place)));
+        let steps = self.stepper.at(&self.sums, &Places::new(all));
+        for (number, objective) in objectives.iter().enumerate() {
+            let value = |n: usize| steps.value(number * RAY.len() + n);
+            let is_dip =
+                |n: &usize| (*n == 0 || value(*n - 1) >= value(*n)) && value(*n + 1) >= value(*n);
+            if let Some(n) = (0..RAY.len() - 1).find(is_dip) {
+                descents.push(Descent::from(*objective, place(n)));
+            }
         }
-        // Between the origin and the first points of the grid, along the softest of the long waves, a well may be too narrow
-        // in angle for the grid. What falls on beyond is seen from there.
-        let places = RAY.each(|step| soft.each(|x| x * step));
-        let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
-        for (lane, place) in places.iter().enumerate() {
-            [u[lane], v[lane]] = *place;
-        }
-        let branches = self.sums.branches(places.len(), &u, &v);
-        let ray: [f64; RAY.len()] = array_of(|lane| {
-            self.objective(request.objective, &branches.of(lane), places[lane])
-                .value
-        });
-        let is_dip = |n: &usize| (*n == 0 || ray[n - 1] >= ray[*n]) && ray[n + 1] >= ray[*n];
-        if let Some(n) = (0..RAY.len() - 1).find(is_dip) {
-            descents.push(Descent::from(request.objective, places[n]));
-        }
+        descents
     }
 
     /// Follows descents to their ends, several at once.
@@ -325,57 +316,22 @@ impl<'a> Mirrored<'a> {
                 return;
             }
             for chunk in running.chunks(LANES) {
-                let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
+                let places = chunk.iter().map(|n| &descents[*n]);
+                let places = Places::new(places.map(|own| (own.objective, own.place)));
+                let steps = self.stepper.at(&self.sums, &places);
                 for (lane, n) in chunk.iter().enumerate() {
-                    [u[lane], v[lane]] = descents[*n].place;
-                }
-                let branches = self.sums.branches(chunk.len(), &u, &v);
-                for (lane, n) in chunk.iter().enumerate() {
-                    let (descent, here) = (&mut descents[*n], branches.of(lane));
-                    let taylor = self.objective(descent.objective, &here, descent.place);
-                    descent.proceed(&taylor, floors.of(descent.objective), self);
+                    let descent = &mut descents[*n];
+                    descent.proceed(&steps, lane, floors.of(descent.objective), self);
                     floors.lower(descent);
-                    if let State::Settled(valley) = descent.state {
-                        descent.is_intricate =
-                            valley.is_some() || self.is_near_crossing(&here.discriminant);
-                    }
                 }
             }
         }
-    }
-
-    /// Whether the discriminant may vanish within two steps of the grid.
-    fn is_near_crossing(&self, p: &Taylor<f64, 2>) -> bool {
-        let along = |axis: usize| {
-            let step = 2.0 * self.waves.steps[axis];
-            step * p.gradient[axis].abs() + 0.5 * step * step * p.hessian[axis][axis].abs()
-        };
-        p.value < along(0) + along(1)
     }
 
     /// How many steps of the grid a place is from the origin.
     fn steps_from_origin(&self, place: [f64; 2]) -> f64 {
         let [u, v] = self.waves.steps;
         (place[0].abs() / u).max(place[1].abs() / v)
-    }
-
-    /// An objective with its derivatives by the phases; infinite for waves that are too long to be sought.
-    fn objective(&self, objective: Objective, d: &Branches<2>, place: [f64; 2]) -> Taylor<f64, 2> {
-        match objective {
-            Objective::Highest => d.branch(1.0).times_number(-1.0),
-            Objective::Lowest => d.branch(-1.0),
-            Objective::Growth => d.negative_square_of_growth(),
-            Objective::Discriminant if self.steps_from_origin(place) < FLAT => Taylor::INFINITE,
-            Objective::Discriminant => d.discriminant,
-            Objective::Scaled => {
-                let laplacian = self.laplacian.at(place);
-                if laplacian.value < LONG_WAVE * LONG_WAVE * self.laplacian.vectors[0].0 {
-                    Taylor::INFINITE
-                } else {
-                    d.branch(-1.0).over(&laplacian)
-                }
-            }
-        }
     }
 }
 
@@ -446,15 +402,16 @@ impl Descent {
     }
 
     /// A step of Newton's method with what is known of the place reached, back towards the last one if that was lower.
-    fn proceed(&mut self, here: &Taylor<f64, 2>, floor: f64, search: &Mirrored) {
+    fn proceed(&mut self, here: &Steps, lane: usize, floor: f64, search: &Mirrored) {
         let reach = search.sums.reach;
         let length =
             |step: [f64; 2]| (step[0].abs() * reach[0] as f64).max(step[1].abs() * reach[1] as f64);
-        if here.value == f64::INFINITY && search.steps_from_origin(self.last) < NEAR {
+        let value = here.value(lane);
+        if value == f64::INFINITY && search.steps_from_origin(self.last) < NEAR {
             self.state = State::Left;
             return;
         }
-        if here.value.is_nan() || here.value >= self.value {
+        if value.is_nan() || value >= self.value {
             self.step = [0.25 * self.step[0], 0.25 * self.step[1]];
             if length(self.step) < SHORT {
                 // The value is that of the last place.
@@ -465,19 +422,27 @@ impl Descent {
             }
             return;
         }
-        self.value = here.value;
+        self.value = value;
         self.last = self.place;
-        if !here.is_finite() {
-            self.state = State::Lost;
-            return;
-        }
-        let (slope, curvature) = (here.slope(), here.curvature());
-        // Steps are at most a tenth of what is given: a step of the grid.
-        let [u, v] = search.waves.steps;
-        let (step, is_convex) = newton_step(&slope, &curvature, 10.0 * u.max(v));
-        let decrease = -(slope[0] * step[0] + slope[1] * step[1]);
-        self.step = [step[0], step[1]];
-        self.place = [self.last[0] + step[0], self.last[1] + step[1]];
+        let (decrease, is_convex) = match here.newton(lane) {
+            Some((step, decrease)) => {
+                self.step = step;
+                (decrease, true)
+            }
+            None if !here.is_finite(lane) => {
+                self.state = State::Lost;
+                return;
+            }
+            None => {
+                // Steps are at most a tenth of what is given: a step of the grid.
+                let [u, v] = search.waves.steps;
+                let slope = here.slope(lane);
+                let (step, is_convex) = newton_step(&slope, &here.curvature(lane), 10.0 * u.max(v));
+                self.step = [step[0], step[1]];
+                (-slope.dot(&step), is_convex)
+            }
+        };
+        self.place = [self.last[0] + self.step[0], self.last[1] + self.step[1]];
         if !is_convex {
             return;
         }
@@ -486,7 +451,9 @@ impl Descent {
         let is_too_high = self.value - 4.0 * decrease > floor;
         if length(self.step) < SHORT || decrease <= 1e-14 * self.value.abs() {
             self.value -= 0.5 * decrease;
-            self.state = State::Settled(valley(&curvature));
+            let valley = valley(&here.curvature(lane));
+            self.state = State::Settled(valley);
+            self.is_intricate = valley.is_some() || here.is_near_crossing(lane);
         } else if is_known || is_too_high {
             self.state = State::Left;
         }
@@ -616,35 +583,35 @@ impl Sweep<'_> {
                     if objective == Objective::Highest {
                         self.lowest = self.lowest.min(lines[1][n]);
                     }
-                    self.record(objective, is_image, [n, line], lines, self.floors[number]);
+                    self.record(number, [n, line], ring);
                 }
             }
         }
     }
 
     /// Notes a well of the grid, unless it is not going to reach below the floor.
-    fn record(
-        &mut self,
-        objective: Objective,
-        is_image: bool,
-        at: [usize; 2],
-        lines: [&[f64]; 3],
-        floor: f64,
-    ) {
-        let n = at[0];
-        let three = |line: &[f64]| [line[n - 1], line[n], line[n + 1]];
-        let [a, b, c] = [three(lines[0]), three(lines[1]), three(lines[2])];
+    fn record(&mut self, number: usize, at: [usize; 2], ring: &[f64]) {
+        let around = |number: usize| {
+            let lines = [at[1] + 2, at[1], at[1] + 1];
+            let start = |line: usize| (line % 3 * SOUGHT.len() + number) * self.waves.width;
+            lines.each(|line| [0, 1, 2].each(|n| ring[start(line) + at[0] - 1 + n]))
+        };
+        let (objective, is_image) = SOUGHT[number];
+        let [a, b, c] = around(number);
         let value = b[1];
-        let mut highest = value;
-        for x in [a, b, c].as_flattened() {
-            if x.is_finite() {
-                highest = highest.max(*x);
-            }
-        }
+        let (_, highest) = range([a, b, c].as_flattened());
         let bound = value - (highest - value);
-        if bound > floor || !value.is_finite() {
+        if bound > self.floors[number] || !value.is_finite() {
             return;
         }
+        let growth_squared = match objective {
+            Objective::Discriminant => {
+                let (low, high) = (around(LOWEST), around(HIGHEST));
+                let means = [0, 1, 2].each(|i| [0, 1, 2].each(|j| 0.5 * (low[i][j] - high[i][j])));
+                fastest_growth(bound, means.as_flattened())
+            }
+            _ => f64::INFINITY,
+        };
         let steps = self.waves.steps;
         let mut place = [
             (at[0] as f64 - 1.0) * steps[0],
@@ -674,11 +641,28 @@ impl Sweep<'_> {
         }
         self.wells.push(Well {
             objective,
+            growth_squared,
             bound,
             value,
             place,
         });
     }
+}
+
+/// The least and the largest of some numbers, those left out that are not finite.
+fn range(values: &[f64]) -> (f64, f64) {
+    let finite = values.iter().filter(|value| value.is_finite());
+    finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), x| {
+        (least.min(*x), most.max(*x))
+    })
+}
+
+/// The square of the growth rate `Im omega` of a pair `omega^2 = h +- i sqrt(-p)` where the discriminant `p`, not positive, is that low and the mean
+/// `h` lower than those around by as much as these differ.
+fn fastest_growth(p: f64, means: &[f64]) -> f64 {
+    let (least, most) = range(means);
+    let mean = least - (most - least);
+    0.5 * ((mean * mean - p).sqrt() - mean)
 }
 
 /// The lowest of the eight points around each point of a group on the second of three lines, its first point left out.

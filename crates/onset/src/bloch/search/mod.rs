@@ -6,9 +6,10 @@
 mod descent;
 mod grid;
 mod mirrored;
+mod steps;
 
 use super::bound::{self, Measure, Question};
-use super::pocket::{Around, Order, Pockets};
+use super::pocket::{Around, FINER, Order, Pockets};
 use super::short_range::ShortRange;
 use super::spectrum::{Judgment, Mode, SpectrumSummary, Stability};
 use super::{DynamicalMatrix, IsEnded, growth_rate, is_shown_reversed};
@@ -20,7 +21,7 @@ use crate::lattice::{
 };
 use crate::method::Method;
 use grid::{Grid, complex_growth};
-use mirrored::{Bottom, Mirrored, Request};
+use mirrored::{Mirrored, Request};
 use nalgebra::{SMatrix, SVector};
 use std::sync::{Arc, OnceLock};
 
@@ -258,8 +259,16 @@ impl<const D: usize> ZoneSearch<D> {
     ) -> f64 {
         let growth = growing.map_or(0.0, |mode| growth_rate(mode.omega_squared));
         match sought {
-            Flutter::Fastest { .. } if growth > RIVAL * self.speed_over_spacing(sites) => growth,
-            _ => 0.0,
+            Flutter::Fastest { .. } => self.as_rival(growth, sites),
+            Flutter::All => 0.0,
+        }
+    }
+
+    /// A growth rate as one that flutter is to beat: zero for slow ones, which any flutter may.
+    pub(in crate::bloch) fn as_rival(&self, growth: f64, sites: usize) -> f64 {
+        match growth > RIVAL * self.speed_over_spacing(sites) {
+            true => growth,
+            false => 0.0,
         }
     }
 
@@ -283,7 +292,8 @@ impl<const D: usize> ZoneSearch<D> {
         let long_wave = self.long_wave_limit(matrix);
         let rest = self.rest(matrix, long_wave.scaled);
         let tolerance = self.tolerance(matrix);
-        let wells = self.wells(matrix, FINE, &long_wave, &rest);
+        let followed = [Objective::Scaled, Objective::Lowest, Objective::Highest];
+        let mut wells = self.wells(matrix, FINE, &followed, &long_wave, &rest);
         let bottom = wells.bottom(self, matrix, Objective::Scaled, long_wave.scaled);
         let softest = self.softest(matrix, bottom, long_wave);
         let (softest, bound) = match is_bounded.filter(|_| self.is_periodic) {
@@ -301,7 +311,7 @@ impl<const D: usize> ZoneSearch<D> {
             })
             .unwrap_or(rest);
         let rival = self.rival(sought, grows.then_some(lowest), 1);
-        let fluttering = self.flutter(matrix, &wells, rival);
+        let fluttering = self.flutter(matrix, &mut wells, rival);
         let fastest_growing = fluttering.map_or(lowest, |mode| {
             self.fastest(matrix, &wells, lowest, mode, rival)
         });
@@ -435,7 +445,8 @@ impl<const D: usize> ZoneSearch<D> {
         // The wells of a Hermitian matrix are followed from it.
         let is_coarse = matrix.is_hermitian() || beside.is_none();
         let points_per_period = if is_coarse { COARSE } else { FINE };
-        let mut wells = self.wells(matrix, points_per_period, &long_wave, &rest);
+        let followed = [Objective::Scaled];
+        let mut wells = self.wells(matrix, points_per_period, &followed, &long_wave, &rest);
         if let Wells::Grid(grid) = &wells {
             least = lower(least, grid.minimum(Objective::Scaled));
             if least.0 < -tolerance {
@@ -446,9 +457,10 @@ impl<const D: usize> ZoneSearch<D> {
                 wells = Wells::Grid(Box::new(self.grid(matrix, FINE, long_wave.wave_vector)));
             }
         }
-        let lowest = |floor| wells.bottom(self, matrix, Objective::Scaled, floor);
+        let lowest = |wells: &Wells<D>, floor| wells.bottom(self, matrix, Objective::Scaled, floor);
         let is_soft = least.0 <= soft;
-        let mut bottom = lowest(if is_soft { long_wave.scaled } else { ACCURATE });
+        let floor = if is_soft { long_wave.scaled } else { ACCURATE };
+        let mut bottom = lowest(&wells, floor);
         if let Some(bottom) = bottom {
             least = lower(least, bottom);
         }
@@ -456,7 +468,7 @@ impl<const D: usize> ZoneSearch<D> {
         if measure < -tolerance {
             return diverges(least);
         }
-        if self.grid_flutters(matrix, &wells) || self.flutter(matrix, &wells, 0.0).is_some() {
+        if self.grid_flutters(matrix, &wells) || self.flutter(matrix, &mut wells, 0.0).is_some() {
             return Judgment {
                 stability: Stability::Flutter,
                 measure,
@@ -465,7 +477,7 @@ impl<const D: usize> ZoneSearch<D> {
             };
         }
         if measure <= soft && !is_soft {
-            bottom = lowest(long_wave.scaled);
+            bottom = lowest(&wells, long_wave.scaled);
         }
         Judgment {
             stability: Stability::Stable,
@@ -653,11 +665,13 @@ impl<const D: usize> ZoneSearch<D> {
             .map(|k| if self.is_periodic { k } else { self.folded(&k) })
     }
 
-    /// The halves and thirds of reciprocal vectors, among which are X, M and K.
+    /// The halves and thirds of reciprocal vectors, among which are X, M and K; of `k` and `-k` one.
     fn symmetric_points(&self) -> impl Iterator<Item = SVector<f64, D>> {
         let fractions = [0.0, 1.0 / 3.0, 0.5, 2.0 / 3.0];
         (1..4_usize.pow(D as u32))
-            .map(move |index| SVector::from(grid_coordinates::<D>(index, 4).each(|n| fractions[n])))
+            .map(|index| grid_coordinates::<D>(index, 4))
+            .filter(|at| *at <= at.each(|n| (4 - n) % 4))
+            .map(move |at| SVector::from(at.each(|n| fractions[n])))
             .map(|fractional| self.reference().reciprocal() * fractional)
     }
 
@@ -747,13 +761,17 @@ impl<const D: usize> ZoneSearch<D> {
     fn flutter(
         &self,
         matrix: &DynamicalMatrix<D>,
-        wells: &Wells<D>,
+        wells: &mut Wells<D>,
         rival: f64,
     ) -> Option<Mode<D>> {
         // A Hermitian matrix has real eigenvalues.
         if matrix.is_hermitian() {
             return None;
         }
+        if let Wells::Mirrored(search) = wells {
+            search.follow_flutter(rival);
+        }
+        let wells = &*wells;
         let largest = wells.largest();
         let floor = match (D, matrix.is_centrosymmetric()) {
             (3, true) => -matrix.noise() * largest.powi(5),
@@ -811,7 +829,7 @@ impl<const D: usize> ZoneSearch<D> {
     fn long_waves_flutter(&self, matrix: &DynamicalMatrix<D>, wells: &Wells<D>) -> bool {
         match wells {
             Wells::Grid(grid) => !self.opening(matrix, grid).is_empty(),
-            Wells::Mirrored { .. } => {
+            Wells::Mirrored(_) => {
                 let opening = self.long_flutter(&matrix.long_wave_stiffness(), 1.0);
                 !opening.is_empty()
             }
@@ -858,15 +876,18 @@ impl<const D: usize> ZoneSearch<D> {
             threshold: self.flutter_threshold(1).max(rival),
             rival,
             most: POCKETS,
+            finer: FINER,
         };
         pockets.around(points.into_iter())
     }
 
-    /// The wells of the zone, with as many points of a grid per period of the fastest phase where there is no mirror.
+    /// The wells of the zone: those of a grid with as many points per period of the fastest phase, or, where there is a mirror, those of some
+    /// objectives followed to their bottoms.
     fn wells(
         &self,
         matrix: &DynamicalMatrix<D>,
         points_per_period: usize,
+        sought: &[Objective],
         long_wave: &Mode<D>,
         rest: &Mode<D>,
     ) -> Wells<D> {
@@ -880,26 +901,26 @@ impl<const D: usize> ZoneSearch<D> {
             return Wells::Grid(Box::new(grid));
         };
         let waves = self.grids.mirrored(sums.number, mirrored::intervals(&sums));
-        let request = |objective, floor| Request { objective, floor };
-        let requests = [
-            request(Objective::Scaled, long_wave.scaled * self.speed_squared),
-            request(Objective::Lowest, rest.omega_squared.re),
-            request(Objective::Highest, f64::INFINITY),
-            request(Objective::Discriminant, 0.0),
-        ];
-        let requests = if matrix.is_hermitian() {
-            &requests[..3]
-        } else {
-            &requests
+        let request = |objective| Request {
+            objective,
+            floor: match objective {
+                Objective::Scaled => long_wave.scaled * self.speed_squared,
+                Objective::Lowest => rest.omega_squared.re,
+                Objective::Highest => f64::INFINITY,
+                Objective::Discriminant | Objective::Growth => 0.0,
+            },
         };
-        let search = Mirrored::new(self.reference(), &sums, &waves, requests, matrix.noise());
-        let k = long_wave.wave_vector;
-        let phases = |n: usize| k.dot(&self.reference().vectors().column(n));
-        let soft = search.step_along([phases(0), phases(1)]);
-        Wells::Mirrored {
-            bottoms: search.bottoms(requests, soft),
-            largest: -search.lowest,
+        let mut requests: Vec<Request> = sought.iter().copied().map(request).collect();
+        let followed = requests.len();
+        if !matrix.is_hermitian() {
+            requests.push(request(Objective::Discriminant));
         }
+        let k = long_wave.wave_vector;
+        let soft = [0, 1].each(|n| k.dot(&self.reference().vectors().column(n)));
+        let noise = matrix.noise();
+        let mut search = Mirrored::new(self.reference(), sums, waves, &requests, noise, soft);
+        search.follow(&requests[..followed]);
+        Wells::Mirrored(Box::new(search))
     }
 
     /// The reference wave vector with given phases of the primitive vectors; planar.
@@ -936,7 +957,8 @@ impl<const D: usize> ZoneSearch<D> {
                 )
                 .map(|k| self.settled(matrix, Objective::Growth, k, floor))
                 .collect(),
-            Wells::Mirrored { bottoms, .. } => bottoms
+            Wells::Mirrored(search) => search
+                .bottoms
                 .iter()
                 .filter(|bottom| bottom.objective == Objective::Growth)
                 .map(|bottom| self.with_phases(bottom.phases))
@@ -998,12 +1020,8 @@ fn lower<const D: usize>(
 enum Wells<const D: usize> {
     /// Of a grid, to be followed.
     Grid(Box<Grid<D>>),
-    /// Followed to their bottoms, where the matrix has a mirror line.
-    Mirrored {
-        bottoms: Vec<Bottom>,
-        /// The largest `Re omega^2` of the grid.
-        largest: f64,
-    },
+    /// Where the matrix has a mirror line, with the bottoms that have been followed: at first those of real objectives.
+    Mirrored(Box<Mirrored>),
 }
 
 impl<const D: usize> Wells<D> {
@@ -1017,7 +1035,7 @@ impl<const D: usize> Wells<D> {
     ) -> Option<Candidate<D>> {
         let bottoms = match self {
             Self::Grid(grid) => return search.bottom(matrix, grid, objective, floor),
-            Self::Mirrored { bottoms, .. } => bottoms,
+            Self::Mirrored(search) => &search.bottoms,
         };
         let own = || {
             bottoms
@@ -1041,7 +1059,7 @@ impl<const D: usize> Wells<D> {
     fn largest(&self) -> f64 {
         match self {
             Self::Grid(grid) => grid.largest(),
-            Self::Mirrored { largest, .. } => *largest,
+            Self::Mirrored(search) => search.largest(),
         }
     }
 }

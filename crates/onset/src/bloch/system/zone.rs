@@ -11,7 +11,7 @@ use crate::algebra::{
 };
 use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, WIDEST, cover_system};
 use crate::bloch::branches::Taylor;
-use crate::bloch::pocket::{Around, Pockets};
+use crate::bloch::pocket::{Around, FINER, Pockets};
 use crate::bloch::search::{Flutter, RELAXED_RAY};
 use crate::bloch::short_range::ShortRange;
 use crate::bloch::{IsEnded, Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
@@ -556,6 +556,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             // What is foreseen of a pocket can be half of what is found from there.
             rival: 0.5 * rival,
             most: self.effort.pockets,
+            finer: FINER,
         };
         pockets.around(half(&self.waves).into_iter())
     }
