@@ -228,19 +228,35 @@ impl<const D: usize> StateWaves<D> {
         }
     }
 
-    /// Whether a mode grows, and how, with a measure whose sign it is; of an unstable state that of a witness.
-    fn stability(&self) -> Result<(Stability, f64), MethodError> {
+    /// Whether a mode grows, and how, with a measure whose sign it is, of an unstable state that of a witness; with the softest mode
+    /// of a stable state whose measure is at most `soft`. Witnesses of the states beside it are tried first.
+    ///
+    /// # Errors
+    /// [`MethodError::NotFinite`] when frequencies over- or underflow.
+    fn judgment(
+        &self,
+        soft: f64,
+        beside: Option<&[SVector<f64, D>]>,
+    ) -> Result<Judgment<D>, MethodError> {
         match self {
-            Self::Direct(waves) => Ok(waves.search.stability(&waves.matrix)),
+            Self::Direct(waves) => Ok(waves.search.judgment(&waves.matrix, soft, beside)),
             Self::System(waves) => {
                 waves.0.check_mass()?;
-                let (stability, measure) = waves.1.stability_of(&waves.0);
+                let judgment = waves.1.judgment_of(&waves.0, soft, beside);
                 // Frequencies that over- or underflow are told by the measure.
-                if measure.is_nan() {
-                    return Err(MethodError::NotFinite);
+                match judgment.measure.is_nan() {
+                    true => Err(MethodError::NotFinite),
+                    false => Ok(judgment),
                 }
-                Ok((stability, measure))
             }
+        }
+    }
+
+    /// Whether long waves of an unstable state grow as those of the material.
+    fn long_waves_grow(&self, stability: Stability, material: &AcousticMinimum<D>) -> bool {
+        match self {
+            Self::Direct(waves) => waves.search.long_waves_grow(&waves.matrix, material),
+            Self::System(waves) => waves.1.long_waves_grow_of(&waves.0, stability, material),
         }
     }
 }
@@ -500,33 +516,23 @@ impl<'a, const D: usize> Survey<'a, D> {
     ) -> Result<Judged<D>, MethodError> {
         let acoustic = Stiffness::<D>::at(self.material, f)?.minimum();
         let material_grows = acoustic.has_growing_waves();
-        let waves = match self.waves(f)? {
-            StateWaves::Direct(waves) => waves,
-            system => {
-                let state = self.surveyed(f, acoustic, &system.spectrum()?)?;
-                return Ok(Judged {
-                    verdict: state.verdict,
-                    stability: state.stability,
-                    witness: None,
-                });
-            }
-        };
-        let (search, matrix) = (&waves.search, &waves.matrix);
+        let waves = self.waves(f)?;
         // Whether a mode has no energy takes the mode itself.
-        let soft = match material_grows {
-            true => f64::NEG_INFINITY,
-            false => SOFT.max(search.tolerance(matrix)),
+        let soft = match (material_grows, &waves) {
+            (true, _) => f64::NEG_INFINITY,
+            (false, StateWaves::Direct(waves)) => SOFT.max(waves.search.tolerance(&waves.matrix)),
+            (false, StateWaves::System(_)) => f64::INFINITY,
         };
         let Judgment {
             stability,
             witness,
             softest,
             ..
-        } = search.judgment(matrix, soft, beside);
+        } = waves.judgment(soft, beside)?;
         let is_stable = stability == Stability::Stable;
         // Only where both are unstable do the long waves tell to whom it belongs.
         let long_waves_grow =
-            material_grows && !is_stable && search.long_waves_grow(matrix, &acoustic);
+            material_grows && !is_stable && waves.long_waves_grow(stability, &acoustic);
         let has_zero_mode = match softest {
             Some(softest) => self.has_zero_mode(f, &softest)?,
             None => {
@@ -547,13 +553,18 @@ impl<'a, const D: usize> Survey<'a, D> {
     /// [`MethodError`] when the state cannot be evaluated for another reason than its support or the law's domain, which are
     /// [`Phase::Undefined`].
     pub fn probe(&self, f: &DeformationGradient) -> Result<Probe, MethodError> {
-        match self.waves(f).and_then(|waves| waves.stability()) {
-            Ok((Stability::Stable, measure)) => Ok((Phase::Stable, measure)),
-            Ok((Stability::Flutter, measure)) => Ok((Phase::Flutter, measure)),
-            Ok((Stability::Divergence, measure)) => Ok((Phase::Unstable, measure)),
-            Err(error) if error.leaves_undefined() => Ok((Phase::Undefined, f64::NAN)),
-            Err(error) => Err(error),
-        }
+        let waves = self.waves(f);
+        let judgment = match waves.and_then(|waves| waves.judgment(f64::NEG_INFINITY, None)) {
+            Ok(judgment) => judgment,
+            Err(error) if error.leaves_undefined() => return Ok((Phase::Undefined, f64::NAN)),
+            Err(error) => return Err(error),
+        };
+        let phase = match judgment.stability {
+            Stability::Stable => Phase::Stable,
+            Stability::Flutter => Phase::Flutter,
+            Stability::Divergence => Phase::Unstable,
+        };
+        Ok((phase, judgment.measure))
     }
 
     /// What a map shows of a state: as [`Survey::assess`] says.

@@ -85,7 +85,8 @@ fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_says(
     assert!(wrong.is_empty(), "{} complaints", wrong.len());
 }
 
-/// Maps leave out flutter that grows more slowly than what diverges, of cells of several particles too: what they tell is the same.
+/// Maps leave out flutter that grows more slowly than what diverges, of cells of several particles too, and a verdict alone stops at the first
+/// witness, that of a state beside it too: what they tell is the same.
 #[test]
 fn a_state_of_a_map_has_the_verdict_and_the_growth_rate_of_the_state_alone() {
     let (seed, cases) = hunted(150);
@@ -119,6 +120,18 @@ fn assert_same_in_a_map<const D: usize>(random: &mut Random, seed: u64) -> bool 
     };
     let what = format!("seed {seed}: {law} at {:?}: {name}", f.leading::<D>());
     assert_eq!(of_map.verdict, alone.verdict, "{what}");
+    let beside = f.with_leading(&(f.leading::<D>() * 1.01));
+    let witness = many.judge_beside(&beside, None);
+    let witness: Vec<_> = witness
+        .ok()
+        .and_then(|own| own.witness)
+        .into_iter()
+        .collect();
+    for known in [None, Some(&*witness)] {
+        let judged = many.judge_beside(&f, known).expect("a verdict");
+        let expected = (alone.verdict, alone.spectrum.stability());
+        assert_eq!((judged.verdict, judged.stability), expected, "{what}");
+    }
     let (told, expected) = (of_map.growth_rate, alone.spectrum.growth_rate());
     let least = GROWTH * many.speed_squared().sqrt();
     assert!(

@@ -14,8 +14,8 @@ use crate::bloch::branches::Taylor;
 use crate::bloch::pocket::{Around, FINER, Pockets};
 use crate::bloch::search::{Flutter, RELAXED_RAY};
 use crate::bloch::short_range::ShortRange;
-use crate::bloch::{IsEnded, Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
-use crate::continuum::Stiffness;
+use crate::bloch::{IsEnded, Judgment, Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
+use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::cores::of_each_long;
 use crate::lattice::{WaveGrid, grid_coordinates};
 use nalgebra::{DVector, SMatrix, SVector};
@@ -43,12 +43,16 @@ const LOOSE: f64 = 1e-3;
 const PROMISING: f64 = 0.7;
 /// Waves that grow faster than the one at `k = 0` by less than this part are taken for it.
 const ALIKE: f64 = 1e-9;
+/// Steps of the grid from a known bottom within which a descent that is not lower has come to the same one.
+const AT_BOTTOM: f64 = 0.02;
 /// How often boxes are divided.
 const DIVISIONS: usize = 2;
 /// How many of the lowest branches may have a well between the points of the grid.
 const BRANCHES: usize = 3;
 /// Cells of so many degrees of freedom are large.
 const LARGE: usize = 24;
+/// The zone of those of so many is so small that a few points are as dense as many are in that of one particle.
+const HUGE: usize = 96;
 /// Within half of a step of the grid a branch changes by about this fraction of its change within a step.
 const HALF: f64 = 0.6;
 /// Wave vectors below this fraction of a reciprocal vector are long waves, which are taken to their limit.
@@ -127,21 +131,47 @@ impl<const D: usize> ZoneSearch<D> {
     }
 
     /// Whether a mode grows, and how: the same answer as that of the summary, without the largest frequency, and without more than one
-    /// witness; with a measure whose sign it is where the spectrum is real.
-    pub(crate) fn stability_of(&self, system: &WaveSystem<D>) -> (Stability, f64) {
+    /// witness; with a measure whose sign it is where the spectrum is real, and the softest mode of a stable state whose measure is at
+    /// most `soft`. Where witnesses of the states beside it are given, these are tried before any is searched for.
+    pub(crate) fn judgment_of(
+        &self,
+        system: &WaveSystem<D>,
+        soft: f64,
+        beside: Option<&[SVector<f64, D>]>,
+    ) -> Judgment<D> {
         if let Some((system, unit)) = system.in_moderate_units() {
-            return self.in_units(unit).stability_of(&system);
+            let judgment = self.in_units(unit).judgment_of(&system, soft, beside);
+            return Judgment {
+                softest: judgment.softest.map(|mode| mode.in_units(unit)),
+                ..judgment
+            };
         }
         if let Some(reduced) = system.reduced() {
-            let (stability, measure) = self.stability_of(reduced);
-            return (stability, measure.min(0.0));
+            // The modes that are left out have the measure zero: where one up to zero is asked about, the softest mode is wanted always.
+            let soft = if soft < 0.0 { soft } else { f64::INFINITY };
+            let judgment = self.judgment_of(reduced, soft, beside);
+            return Judgment {
+                // What is no number stays none.
+                measure: match judgment.measure > 0.0 {
+                    true => 0.0,
+                    false => judgment.measure,
+                },
+                softest: judgment.softest.map(|mode| self.softest_of(system, mode)),
+                ..judgment
+            };
         }
-        if let Some((_, search, system)) = self.short_ranged_system(system) {
-            return search.stability_of(&system);
+        if let Some((range, search, system)) = self.short_ranged_system(system) {
+            let judgment = search.judgment_of(&system, soft, None);
+            let back = |mode: Mode<D>| range.mode_carried_back(&mode, |k| self.folded(k));
+            return Judgment {
+                softest: judgment.softest.map(back),
+                witness: None,
+                ..judgment
+            };
         }
         match system.single() {
-            Some(matrix) => self.stability(&matrix),
-            None => Sweep::new(self, system, None).stability(),
+            Some(matrix) => self.judgment(&matrix, soft, beside),
+            None => Sweep::new(self, system, None).judgment(soft, beside.unwrap_or_default()),
         }
     }
 
@@ -151,32 +181,70 @@ impl<const D: usize> ZoneSearch<D> {
         system: &WaveSystem<D>,
         found: SpectrumSummary<D>,
     ) -> SpectrumSummary<D> {
-        let shown = |mode: Mode<D>| match mode.is_long_wave || mode.wave_vector.norm() == 0.0 {
-            true => mode,
-            false => Mode {
-                polarization: largest_of_particles(
-                    &system.mode_of(&mode.wave_vector, mode.omega_squared),
-                ),
-                ..mode
-            },
-        };
-        let softest = match found.softest.scaled > 0.0 {
-            true => Mode {
-                wave_vector: self.folded(&(self.reference().reciprocal() * SVector::repeat(0.5))),
-                is_long_wave: false,
-                omega_squared: Complex::default(),
-                scaled: 0.0,
-                ..found.softest
-            },
-            false => found.softest,
-        };
+        let shown = |mode| shown_of(system, mode);
         SpectrumSummary {
-            softest: shown(softest),
+            softest: self.softest_of(system, found.softest),
             lowest: shown(found.lowest),
             fastest_growing: shown(found.fastest_growing),
             bound: found.bound.min(0.0),
             ..found
         }
+    }
+
+    /// The softest mode of the whole system, given that of the reduced one.
+    fn softest_of(&self, system: &WaveSystem<D>, reduced: Mode<D>) -> Mode<D> {
+        let softest = match reduced.scaled > 0.0 {
+            true => Mode {
+                wave_vector: self.folded(&(self.reference().reciprocal() * SVector::repeat(0.5))),
+                is_long_wave: false,
+                omega_squared: Complex::default(),
+                scaled: 0.0,
+                ..reduced
+            },
+            false => reduced,
+        };
+        shown_of(system, softest)
+    }
+
+    /// Whether long waves of an unstable state grow, by flutter only where that is how waves of the material grow, as
+    /// [`ZoneSearch::long_waves_grow`] of a matrix.
+    pub(crate) fn long_waves_grow_of(
+        &self,
+        system: &WaveSystem<D>,
+        stability: Stability,
+        material: &AcousticMinimum<D>,
+    ) -> bool {
+        if let Some((system, unit)) = system.in_moderate_units() {
+            return self
+                .in_units(unit)
+                .long_waves_grow_of(&system, stability, material);
+        }
+        if let Some(reduced) = system.reduced() {
+            return self.long_waves_grow_of(reduced, stability, material);
+        }
+        if let Some((_, search, system)) = self.short_ranged_system(system) {
+            return search.long_waves_grow_of(&system, stability, material);
+        }
+        if let Some(matrix) = system.single() {
+            return self.long_waves_grow(&matrix, material);
+        }
+        let sweep = Sweep::new(self, system, None);
+        let long = sweep.long_waves();
+        let is_soft = stability == Stability::Divergence && long.mode.scaled < -long.tolerance;
+        is_soft || (material.only_flutters() && sweep.stiffness.flutter().is_some())
+    }
+}
+
+/// A mode of the reduced system, with the displacements of the whole one.
+fn shown_of<const D: usize>(system: &WaveSystem<D>, mode: Mode<D>) -> Mode<D> {
+    match mode.is_long_wave || mode.wave_vector.norm() == 0.0 {
+        true => mode,
+        false => Mode {
+            polarization: largest_of_particles(
+                &system.mode_of(&mode.wave_vector, mode.omega_squared),
+            ),
+            ..mode
+        },
     }
 }
 
@@ -247,6 +315,8 @@ struct Effort {
     leaves: usize,
     /// Pockets of complex `omega^2` that are foreseen and looked at again.
     pockets: usize,
+    /// Points between halved steps from which these are foreseen.
+    finer: usize,
     /// Whether each spectrum is worth a core, and only the lowest wave along a ray is followed.
     is_large: bool,
 }
@@ -264,6 +334,11 @@ impl Effort {
             boxes,
             leaves,
             pockets,
+            finer: if system.size() < HUGE {
+                FINER
+            } else {
+                FINER / 8
+            },
             is_large: system.size() >= LARGE,
         }
     }
@@ -369,8 +444,10 @@ impl<'a, const D: usize> Sweep<'a, D> {
         } = found;
         let grows = found.grows_at_rest || softest.scaled < -found.tolerance;
         let sites = self.system.sites();
-        let rival = self.search.rival(sought, grows.then_some(lowest), sites);
-        let fluttering = self.flutter(rival);
+        let growing = grows.then_some(lowest);
+        let rival = self.search.rival(sought, growing, sites);
+        let growth = growing.map_or(0.0, |mode| growth_rate(mode.omega_squared));
+        let fluttering = self.flutter(rival, growth);
         let fastest_growing = fluttering
             .filter(|mode| growth_rate(mode.omega_squared) > growth_rate(lowest.omega_squared))
             .unwrap_or(lowest);
@@ -397,22 +474,62 @@ impl<'a, const D: usize> Sweep<'a, D> {
         }
     }
 
-    fn stability(&self) -> (Stability, f64) {
+    /// As [`ZoneSearch::judgment_of`].
+    fn judgment(&self, soft: f64, beside: &[SVector<f64, D>]) -> Judgment<D> {
+        let diverges = |measure, witness| Judgment {
+            stability: Stability::Divergence,
+            measure,
+            witness,
+            softest: None,
+        };
         let long = self.long_waves();
         if long.rest.omega_squared.re < 0.0 || long.mode.scaled < -long.of_limit {
             // The limit of long waves is that of the rest, unless this grows itself.
-            return (Stability::Divergence, long.rest.scaled);
+            return diverges(long.rest.scaled, None);
+        }
+        // One witness is enough: one that is known, or one of the grid.
+        let known = beside.iter().map(|k| (*k, self.omega_squared(k)));
+        let mut known = known.filter_map(|(k, spectrum)| self.witness(&long, k, &spectrum));
+        let seen = || {
+            let grid = half(&self.waves).into_iter().zip(self.spectra());
+            let seen = grid.filter_map(|(k, spectrum)| self.witness(&long, k, spectrum));
+            seen.min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        if let Some((measure, k)) = known.next().or_else(seen) {
+            return diverges(measure, Some(k));
         }
         let found = self.softest(&long);
-        let stability =
-            if found.softest.scaled < -found.tolerance || found.lowest.omega_squared.re < 0.0 {
-                Stability::Divergence
-            } else if self.grid_flutters() || self.flutter(0.0).is_some() {
-                Stability::Flutter
-            } else {
-                Stability::Stable
-            };
-        (stability, found.softest.scaled)
+        let measure = found.softest.scaled;
+        if measure < -found.tolerance || found.lowest.omega_squared.re < 0.0 {
+            let witness = (!found.softest.is_long_wave).then_some(found.softest.wave_vector);
+            return diverges(measure, witness);
+        }
+        let flutters = self.flutters();
+        Judgment {
+            stability: match flutters {
+                true => Stability::Flutter,
+                false => Stability::Stable,
+            },
+            measure,
+            witness: None,
+            softest: (!flutters && measure <= soft).then_some(found.softest),
+        }
+    }
+
+    /// A wave vector with its scaled measure, where that is negative beyond rounding.
+    fn witness(
+        &self,
+        long: &LongWaves<D>,
+        k: SVector<f64, D>,
+        spectrum: &[Complex],
+    ) -> Option<Candidate<D>> {
+        if self.is_long(&k) {
+            return None;
+        }
+        let lowest = spectrum.iter().map(|z| z.re).fold(f64::INFINITY, f64::min);
+        let measure = self.scaled(&k, lowest);
+        let is_told = measure < -long.tolerance && lowest < -ROUNDING * self.system.noise();
+        is_told.then_some((measure, k))
     }
 
     fn long_waves(&self) -> LongWaves<D> {
@@ -556,7 +673,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             // What is foreseen of a pocket can be half of what is found from there.
             rival: 0.5 * rival,
             most: self.effort.pockets,
-            finer: FINER,
+            finer: self.effort.finer,
         };
         pockets.around(half(&self.waves).into_iter())
     }
@@ -605,7 +722,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
             true => self.along_ray(Objective::Lowest, &(k * step)),
             false => vec![(self.value(Objective::Lowest, &k), k)],
         };
-        let follow = |start| self.followed(Objective::Lowest, 0, start, f64::INFINITY);
+        let at_rest = self.at_rest.iter().map(|value| value.re);
+        let rest = (at_rest.fold(f64::INFINITY, f64::min), SVector::zeros());
+        let follow = |start| self.followed(Objective::Lowest, 0, start, f64::INFINITY, &[rest]);
         let ends = starts.into_iter().map(follow);
         let lowest = ends.min_by(|a, b| a.0.total_cmp(&b.0));
         lowest.unwrap_or((f64::INFINITY, k))
@@ -652,7 +771,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             widest: WIDEST * scale,
             budget,
             value: &|k| self.value(objective, k),
-            descended: &|start| self.followed(objective, 0, start, f64::INFINITY),
+            descended: &|start| self.followed(objective, 0, start, f64::INFINITY, &[]),
             is_ended: self.is_ended,
         };
         let mut covered = cover_system(self.system, measure, self.search.reference(), &question)?;
@@ -672,38 +791,54 @@ impl<'a, const D: usize> Sweep<'a, D> {
         Some(covered)
     }
 
-    /// Whether a wave on the grid has a complex `omega^2` and grows noticeably: where nobody asks how fast, that is enough.
-    fn grid_flutters(&self) -> bool {
-        if self.system.is_hermitian() {
-            return false;
-        }
+    /// Whether a wave with a complex `omega^2` grows noticeably: where nobody asks how fast, one on the grid is enough.
+    fn flutters(&self) -> bool {
         let threshold = self.search.flutter_threshold(self.system.sites());
-        let mut waves = half(&self.waves).into_iter().zip(self.spectra());
-        waves.any(|(k, spectrum)| {
-            !self.is_long(&k) && complex_growth(spectrum).any(|growth| -growth > threshold)
-        })
+        let is_seen = || -self.fastest_seen().0 > threshold;
+        !self.system.is_hermitian() && (is_seen() || self.flutter(0.0, 0.0).is_some())
     }
 
-    /// The fastest growing mode with a complex `omega^2`, if one grows noticeably, and faster than a rival.
-    fn flutter(&self, rival: f64) -> Option<Mode<D>> {
+    /// The fastest growth of complex `omega^2` among the points of the grid and `k = 0`.
+    fn fastest_seen(&self) -> Candidate<D> {
+        let fastest = |spectrum: &[Complex]| complex_growth(spectrum).fold(0.0, f64::min);
+        let waves = half(&self.waves).into_iter().zip(self.spectra());
+        let seen = waves.filter(|(k, _)| !self.is_long(k));
+        let seen = seen.map(|(k, spectrum)| (fastest(spectrum), k));
+        let at_rest = (fastest(&self.at_rest), SVector::zeros());
+        seen.fold(at_rest, |best, own| if own.0 < best.0 { own } else { best })
+    }
+
+    /// The fastest growing mode with a complex `omega^2`, if one grows noticeably, and faster than a rival. Where one is seen on the grid, others
+    /// are of interest only if they grow faster than it, and than what grows anyway.
+    fn flutter(&self, rival: f64, growth: f64) -> Option<Mode<D>> {
         if self.system.is_hermitian() {
             return None;
         }
+        let sites = self.system.sites();
+        let threshold = self.search.flutter_threshold(sites);
+        let seen = self.fastest_seen();
+        let is_seen = -seen.0 > threshold.max(rival);
+        // That of what is to be beaten, where the flutter that is seen is an answer.
+        let least = |growth: f64| match is_seen {
+            true => rival.max(self.search.as_rival(growth, sites)),
+            false => rival,
+        };
+        let rival = least(growth);
         let mut ends = self.bottoms(Objective::Growth, -rival);
+        let deepest = |ends: &[Candidate<D>]| ends.iter().map(|end| end.0).fold(-rival, f64::min);
         let step = 1.0 / self.waves.resolution() as f64;
         let opening = self.search.long_flutter(&self.stiffness, step);
-        for k in self.pockets(rival).into_iter().chain(opening) {
+        let fastest = least(-deepest(&ends).min(seen.0));
+        for k in self.pockets(fastest).into_iter().chain(opening) {
             let value = self.value(Objective::Growth, &k);
             if value < 0.0 {
-                let deepest = ends.iter().map(|end| end.0).fold(-rival, f64::min);
-                ends.push(self.followed(Objective::Growth, 0, (value, k), deepest));
+                let deepest = deepest(&ends);
+                ends.push(self.followed(Objective::Growth, 0, (value, k), deepest, &ends));
             }
         }
-        let at_rest = complex_growth(&self.at_rest).fold(0.0, f64::min);
-        ends.push((at_rest, SVector::zeros()));
+        ends.push(seen);
         let best = ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        let threshold = self.search.flutter_threshold(self.system.sites());
-        best.filter(|(value, _)| -value > threshold.max(rival))
+        best.filter(|(value, _)| is_seen || -value > threshold.max(rival))
             .map(|(_, k)| self.fluttering(&k))
     }
 
@@ -772,7 +907,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         for (value, relief, index) in self.wells(&branches) {
             if value - relief < to_beat(&ends) {
                 let start = (value, wave_vectors[index]);
-                ends.push(self.followed(objective, 0, start, to_beat(&ends)));
+                ends.push(self.followed(objective, 0, start, to_beat(&ends), &ends));
             }
         }
         // Wells that open at k = 0 are narrow in angle: a ray along the softest long waves, on which points of the grid need not lie.
@@ -781,7 +916,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             let reciprocal = self.search.reference().reciprocal().column(0).norm();
             let step = reciprocal / self.waves.resolution() as f64;
             for start in self.along_ray(objective, &(along * step)) {
-                ends.push(self.followed(objective, 0, start, to_beat(&ends)));
+                ends.push(self.followed(objective, 0, start, to_beat(&ends), &ends));
             }
         }
         // At points of high symmetry slopes vanish, and the lowest point near need not be that of their well.
@@ -790,14 +925,14 @@ impl<'a, const D: usize> Sweep<'a, D> {
             let beside = self.beside(&k).map(|k| (self.value(objective, &k), k));
             for start in std::iter::once((branches[index][0], k)).chain(beside) {
                 if start.0 < to_beat(&ends) {
-                    ends.push(self.followed(objective, 0, start, to_beat(&ends)));
+                    ends.push(self.followed(objective, 0, start, to_beat(&ends), &ends));
                 }
             }
         }
         for region in self.regions(objective, branches, to_beat(&ends), &ends) {
             if region.bound < to_beat(&ends) && !self.is_known(&region, &ends, 0.25) {
                 let start = (region.branches[region.branch], region.center);
-                ends.push(self.followed(objective, region.branch, start, to_beat(&ends)));
+                ends.push(self.followed(objective, region.branch, start, to_beat(&ends), &ends));
             }
         }
         ends
@@ -963,13 +1098,14 @@ impl<'a, const D: usize> Sweep<'a, D> {
     }
 
     /// Follows a branch from a start to its bottom: by Newton's method, where that does not end in a smooth minimum with a
-    /// look around. Left early where it is not going to get below a floor.
+    /// look around. Left early where it is not going to get below a floor, and at a bottom that is known.
     fn followed(
         &self,
         objective: Objective,
         branch: usize,
         start: Candidate<D>,
         floor: f64,
+        known: &[Candidate<D>],
     ) -> Candidate<D> {
         if (self.is_ended)() {
             return start;
@@ -982,7 +1118,11 @@ impl<'a, const D: usize> Sweep<'a, D> {
         };
         let (bottom, is_settled) = self.search.newton(&taylor, start, to_beat);
         let end = (self.value(objective, &bottom.1), bottom.1);
-        if (is_settled && branch == 0) || end.0 >= floor {
+        let margin = self.margin(objective);
+        let is_known = |known: &Candidate<D>| {
+            known.0 <= end.0 + margin && self.steps_between(&known.1, &end.1) < AT_BOTTOM
+        };
+        if (is_settled && branch == 0) || end.0 >= floor || known.iter().any(is_known) {
             return end;
         }
         let step = self.search.reference().reciprocal() / self.waves.resolution() as f64;
@@ -1093,7 +1233,7 @@ fn resolution<const D: usize>(system: &WaveSystem<D>) -> usize {
         (2, 0..16) => (30, 60),
         (3, 0..8) => (18, 18),
         (2, 16..64) => (18, 24),
-        (3, 16..) => (6, 6),
+        (3, 16..) | (_, HUGE..) => (6, 6),
         _ => (12, 12),
     };
     let points = POINTS_PER_PERIOD * reach;
