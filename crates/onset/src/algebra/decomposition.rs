@@ -113,18 +113,33 @@ pub(crate) fn any_eigenvalues(matrix: &DMatrix<Complex>) -> Option<Vec<Complex>>
 }
 
 /// `A = Q T Q*` with a triangular `T`. The iteration compares with entries of the diagonal, and may not end where several eigenvalues are zero: then they are
-/// moved away.
+/// moved away. Nor may it where symmetries of the matrix leave it as it is at each step: then it is reflected by a vector that has none.
 fn schur_form(matrix: &DMatrix<Complex>) -> Option<(DMatrix<Complex>, DMatrix<Complex>)> {
     let size = matrix.nrows();
     let form = |matrix| {
         let schur = Schur::try_new(matrix, f64::EPSILON, MAXIMUM_ITERATIONS * size);
         schur.map(Schur::unpack)
     };
-    form(finite(matrix.clone())?).or_else(|| {
+    let matrix = finite(matrix.clone())?;
+    let shifted = |matrix: &DMatrix<Complex>| {
         let shift = DMatrix::from_diagonal_element(size, size, Complex::from(matrix.norm()));
         let (q, t) = form(matrix + &shift)?;
         Some((q, t - shift))
-    })
+    };
+    form(matrix.clone())
+        .or_else(|| shifted(&matrix))
+        .or_else(|| {
+            let mirror = reflection(size);
+            let (q, t) = shifted(&(&mirror * &matrix * &mirror))?;
+            Some((mirror * q, t))
+        })
+}
+
+/// `1 - 2 w w*`, its own inverse, with a unit vector whose components have the same size and phases without a pattern.
+fn reflection(size: usize) -> DMatrix<Complex> {
+    let length = (size as f64).recip().sqrt();
+    let w = DVector::from_fn(size, |n, _| Complex::from_polar(length, (n * n) as f64));
+    DMatrix::identity(size, size) - &w * w.adjoint() * Complex::from(2.0)
 }
 
 /// The eigenvalues and eigenvectors of a Hermitian matrix of any size, of which the lower triangle is read. `None` where entries are not finite:
@@ -185,6 +200,13 @@ mod tests {
             let column = matrix.column(i).into_owned();
             assert!((all.onto_left(&column) - &left * column).norm() < 1e-12);
         }
+    }
+
+    #[test]
+    fn a_reflection_is_its_own_inverse() {
+        let mirror = super::reflection(18);
+        assert!((&mirror * &mirror - DMatrix::identity(18, 18)).norm() < 1e-14);
+        assert!((&mirror - mirror.adjoint()).norm() < 1e-14);
     }
 
     #[test]

@@ -262,6 +262,44 @@ fn free_of_stress_all_forms_are_one() {
     }
 }
 
+/// At rest the matrix of this state is real and as symmetric as the lattice: the iteration for its eigenvalues does not end by itself.
+#[test]
+fn a_supercell_has_at_rest_the_frequencies_of_the_waves_that_it_repeats() {
+    let choices = UpdatedSphChoices {
+        radius: 2.92,
+        corrected: true,
+        momentum: MomentumForm::Symmetric,
+        density_evolution: DensityEvolution::Continuity,
+        support_size: SupportSize::Scaled,
+        ..UpdatedSphChoices::default()
+    };
+    let law = Law::named("ogden")
+        .expect("a law")
+        .build(&[])
+        .expect("its defaults");
+    let f = stretched([1.207, 0.709, 1.0]);
+    let hexagonal = crystal::<2>(LatticeKind::Hexagonal);
+    let large = hexagonal.supercell([3, 3]).expect("a crystal");
+    let rest = updated(large.clone(), choices.clone())
+        .waves(&*law, &f)
+        .expect("waves");
+    let found = rest.omega_squared(&SVector::zeros());
+    let alone = updated(hexagonal, choices).waves(&*law, &f).expect("waves");
+    let mut expected: Vec<f64> = (0..9)
+        .flat_map(|n| {
+            let number = SVector::<f64, 2>::new(f64::from(n % 3), f64::from(n / 3));
+            let k = large.lattice().reciprocal() * number;
+            alone.omega_squared(&k).into_iter().map(|own| own.re)
+        })
+        .collect();
+    expected.sort_by(f64::total_cmp);
+    assert_eq!(found.len(), expected.len());
+    for (own, expected) in found.iter().zip(expected) {
+        assert!((own.re - expected).abs() < 1e-9, "{own} {expected}");
+        assert!(own.im.abs() < 1e-6, "{own}");
+    }
+}
+
 /// `W''` of the normalized kernel at a distance in one dimension.
 fn curvature(kernel: Kernel, radius: f64, distance: f64) -> f64 {
     let x = SVector::<f64, 1>::new(distance);
