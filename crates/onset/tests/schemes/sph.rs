@@ -21,6 +21,7 @@ use onset::scheme::sph::{
     UpdatedSphChoices,
 };
 use onset::scheme::stabilization::ArtificialStress;
+use onset::verdict::speed_squared;
 use std::f64::consts::PI;
 
 const FORMS: [MomentumForm; 3] = [
@@ -464,6 +465,45 @@ fn flutter_in_pockets_between_the_points_of_a_grid_in_space_is_found() {
     assert_eq!(summary.stability(), Stability::Flutter);
     let found = growth(&summary.fastest_growing.wave_vector);
     assert!(found > 1e-4 && (found - summary.growth_rate()).abs() < 1e-9 * found.max(1.0));
+}
+
+/// Two pockets of flutter lie half of a step of the grid apart, in a state close to the stress-free one.
+#[test]
+fn the_faster_of_two_pockets_of_flutter_side_by_side_is_found() {
+    let choices = UpdatedSphChoices {
+        radius: 2.04,
+        corrected: true,
+        corrected_forces: true,
+        momentum: MomentumForm::Mean,
+        density_evolution: DensityEvolution::Summation,
+        support_size: SupportSize::Scaled,
+        ..UpdatedSphChoices::default()
+    };
+    let particles = crystal::<2>(LatticeKind::Square)
+        .supercell([2, 2])
+        .and_then(|cell| cell.perturbed(0.05, 64))
+        .expect("a crystal");
+    let law = Law::named("ogden")
+        .expect("a law")
+        .build(&[])
+        .expect("its defaults");
+    let scheme = updated(particles, choices);
+    let speed = speed_squared(&scheme, &*law).expect("a speed");
+    let system = scheme
+        .waves(
+            &*law,
+            &stretched([1.00001, 1.0 - 0.49793e-5, 1.0 - 0.49793e-5]),
+        )
+        .expect("waves");
+    let growth = |k: &SVector<f64, 2>| {
+        let rates = system.omega_squared(k).into_iter().map(growth_rate);
+        rates.fold(0.0, f64::max)
+    };
+    let known = growth(&SVector::from([0.7078815496568147, -0.09631763122771264]));
+    assert!(known > 3.4e-6, "{known}");
+    let search = ZoneSearch::of_lattice(*system.crystal().lattice(), speed);
+    let found = search.summary_of(&system).growth_rate();
+    assert!(found > 0.99 * known, "{found} {known}");
 }
 
 #[test]

@@ -317,7 +317,7 @@ struct Effort {
     pockets: usize,
     /// Points between halved steps from which these are foreseen.
     finer: usize,
-    /// Whether each spectrum is worth a core, and only the lowest wave along a ray is followed.
+    /// Whether each spectrum is worth a core: only the lowest wave along a ray is followed, and a bottom is searched once.
     is_large: bool,
 }
 
@@ -1119,8 +1119,11 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let (bottom, is_settled) = self.search.newton(&taylor, start, to_beat);
         let end = (self.value(objective, &bottom.1), bottom.1);
         let margin = self.margin(objective);
+        // In the zone of a small cell a step of the grid is long, and within one around a known bottom there may be a lower one.
         let is_known = |known: &Candidate<D>| {
-            known.0 <= end.0 + margin && self.steps_between(&known.1, &end.1) < AT_BOTTOM
+            self.effort.is_large
+                && known.0 <= end.0 + margin
+                && self.steps_between(&known.1, &end.1) < AT_BOTTOM
         };
         if (is_settled && branch == 0) || end.0 >= floor || known.iter().any(is_known) {
             return end;
