@@ -7,6 +7,7 @@ mod jumps;
 mod kinks;
 mod known;
 mod loadings;
+mod polyconvexity;
 
 use onset::criteria::{Criterion, Lateral, Loading, LoadingPath, Mode, Range, Track, follow};
 use onset::kinematics::DeformationGradient;

@@ -1,5 +1,6 @@
 //! Discretizations by their forces: one battery that each passes, and closed forms.
 
+mod amplification;
 mod battery;
 mod chains;
 mod classical;
@@ -15,6 +16,7 @@ mod springs;
 mod stabilization;
 mod states;
 mod transfer;
+mod transferred;
 
 #[path = "../shared/random.rs"]
 mod random;

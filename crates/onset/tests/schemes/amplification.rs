@@ -1,0 +1,133 @@
+//! Time steps of damped chains and oscillators by closed forms.
+
+use nalgebra::{SMatrix, SVector};
+use onset::bloch::{BlochBlocks, Mass, WaveSystem, ZoneSearch};
+use onset::lattice::{Crystal, LatticeKind, Particle};
+use onset::time_step::{Amplification, Integrator, critical_time_step, critical_time_step_at};
+use std::f64::consts::PI;
+
+/// A chain of unit masses and springs with dashpots `c` beside them, or (`mass`) proportional to the masses.
+fn chain(between: f64, mass: f64) -> WaveSystem<1> {
+    let lattice = LatticeKind::Chain.lattice::<1>(1.0).expect("a lattice");
+    let crystal = Crystal::of_lattice(lattice);
+    let home = Particle::home(0);
+    let next = home.moved(&[1]);
+    let number = SMatrix::<f64, 1, 1>::from_element;
+    let (mut stiffness, mut damping) = (BlochBlocks::new(), BlochBlocks::new());
+    for (from, to, factor) in [(home, home, 2.0), (home, next, -1.0), (next, home, -1.0)] {
+        stiffness.add(&from, &to, &number(factor));
+        damping.add(&from, &to, &number(between * factor));
+    }
+    damping.add(&home, &home, &number(mass));
+    let stiffness = stiffness.sum(&crystal);
+    let damping = damping.sum(&crystal);
+    WaveSystem::new(crystal, stiffness, Mass::Lumped(vec![1.0])).with_damping(damping)
+}
+
+#[test]
+fn without_damping_every_integrator_is_stable_up_to_two_over_the_frequency() {
+    let system = chain(0.0, 0.0);
+    let wave = Amplification::new(&system, &SVector::from_element(PI));
+    for integrator in Integrator::ALL {
+        assert!(wave.spectral_radius(integrator, 0.999) < 1.0 + 1e-12);
+        assert!(wave.spectral_radius(integrator, 1.001) > 1.0 + 1e-3);
+        let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 1.0);
+        let step = critical_time_step(&system, integrator, &search);
+        assert!((step - 1.0).abs() < 1e-10, "{step} of {integrator:?}");
+    }
+}
+
+#[test]
+fn lagged_damping_reduces_the_step_of_central_differences_as_belytschko_says() {
+    // dt = 2/omega (sqrt(1 + xi^2) - xi) for the damping ratio xi, omega = 2 (Belytschko, Liu, Moran 2000, Nonlinear Finite
+    // Elements for Continua and Structures).
+    for ratio in [0.05, 0.3, 0.9] {
+        let system = chain(ratio, 0.0);
+        let k = SVector::from_element(PI);
+        let step = critical_time_step_at(&system, Integrator::CentralDifferences, &k);
+        let expected = (1.0 + ratio * ratio).sqrt() - ratio;
+        assert!((step - expected).abs() < 1e-4, "{step} for {expected}");
+    }
+}
+
+#[test]
+fn damping_takes_its_part_of_the_step_from_the_other_integrators_too() {
+    // From the trace and the determinant of a step, with y = omega dt, omega = 2. Predictor-corrector: y^2/4 + xi y (1 - xi y) = 1.
+    // Kick-drift-kick: y^2/4 (2 - xi y) = 1 + (1 - xi y)^2.
+    let k = SVector::from_element(PI);
+    for ratio in [0.01, 0.1, 0.3, 0.45] {
+        let system = chain(ratio, 0.0);
+        let of = |integrator| 2.0 * critical_time_step_at(&system, integrator, &k);
+        let expected =
+            2.0 * ((1.0 - 3.0 * ratio * ratio).sqrt() - ratio) / (1.0 - 4.0 * ratio * ratio);
+        let found = of(Integrator::PredictorCorrector);
+        assert!((found - expected).abs() < 1e-4, "{found} for {expected}");
+        let y = of(Integrator::KickDriftKick);
+        let damped = 1.0 - ratio * y;
+        let residual = 0.25 * y * y * (1.0 + damped) - 1.0 - damped * damped;
+        assert!(residual.abs() < 3e-4, "{residual} at {y}");
+    }
+}
+
+/// Two oscillators without neighbors on squares: stiffness and damping along the axes.
+fn held(stiffness: [f64; 2], damping: [f64; 2]) -> WaveSystem<2> {
+    let lattice = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
+    let crystal = Crystal::of_lattice(lattice);
+    let home = Particle::home(0);
+    let sum = |along: [f64; 2]| {
+        let mut blocks = BlochBlocks::new();
+        blocks.add(&home, &home, &SMatrix::from_diagonal(&along.into()));
+        blocks.sum(&crystal)
+    };
+    let (stiffness, damping) = (sum(stiffness), sum(damping));
+    WaveSystem::new(crystal, stiffness, Mass::Lumped(vec![1.0])).with_damping(damping)
+}
+
+#[test]
+fn a_growing_wave_bounds_no_step_and_a_stable_one_beside_it_does() {
+    let k = SVector::from([1.0, 2.0]);
+    // omega = 2 beside growth of any speed, with the closed form of lagged damping.
+    for ratio in [0.02, 0.3] {
+        for negative in [-1e-3, -0.5, -400.0] {
+            let system = held([negative, 4.0], [0.2, 4.0 * ratio]);
+            let expected = (1.0 + ratio * ratio).sqrt() - ratio;
+            let step = critical_time_step_at(&system, Integrator::CentralDifferences, &k);
+            assert!((step - expected).abs() < 1e-4, "{step} for {expected}");
+        }
+    }
+    // Nothing but growth: the part of it that decays is what is left.
+    let system = held([-1.0, -2.0], [0.3, 0.3]);
+    for integrator in Integrator::ALL {
+        assert!(critical_time_step_at(&system, integrator, &k) > 1.0);
+    }
+}
+
+#[test]
+fn the_damping_of_the_whole_chain_is_decided_at_its_shortest_wave() {
+    let system = chain(0.3, 0.0);
+    let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 1.0);
+    for integrator in Integrator::ALL {
+        let at_end = critical_time_step_at(&system, integrator, &SVector::from_element(PI));
+        let step = critical_time_step(&system, integrator, &search);
+        assert!((step - at_end).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_step_of_kick_drift_kick_is_that_of_the_damped_oscillator() {
+    // trace and determinant of one step of u'' = -omega^2 u - c u', by hand.
+    let (omega_squared, c, dt) = (4.0, 0.7, 0.3);
+    let system = chain(0.0, c);
+    let wave = Amplification::new(&system, &SVector::from_element(PI));
+    let g = wave.matrix(Integrator::KickDriftKick, dt);
+    let h = 0.5 * dt;
+    let damped = 1.0 - h * c;
+    let half = [-h * omega_squared, damped];
+    let u = [1.0 + dt * half[0], dt * half[1]];
+    let v = [0, 1].map(|i| damped * half[i] - h * omega_squared * u[i]);
+    for (row, expected) in [u, v].iter().enumerate() {
+        for column in 0..2 {
+            assert!((g[(row, column)].re - expected[column]).abs() < 1e-14);
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! Waves whose velocities go by a grid: factors of a step, steps and growth in closed form.
+
+use nalgebra::{Matrix2, SMatrix, SVector};
+use onset::algebra::Complex;
+use onset::bloch::{BlochBlocks, Mass, WaveSystem};
+use onset::lattice::{Crystal, LatticeKind, Particle};
+use onset::time_step::TransferredWaves;
+use std::f64::consts::PI;
+
+/// A chain of unit masses and springs whose velocities are averaged with those of the neighbors.
+fn chain(share: f64, flip: f64) -> TransferredWaves<1> {
+    chain_of(1.0, share, flip)
+}
+
+/// The same of springs with a stiffness, which push where it is negative.
+fn chain_of(stiffness: f64, share: f64, flip: f64) -> TransferredWaves<1> {
+    let lattice = LatticeKind::Chain.lattice::<1>(1.0).expect("a lattice");
+    let crystal = Crystal::of_lattice(lattice);
+    let home = Particle::home(0);
+    let number = SMatrix::<f64, 1, 1>::from_element;
+    let (mut springs, mut kept) = (BlochBlocks::new(), BlochBlocks::new());
+    for (cell, spring, part) in [
+        (0, 2.0, 1.0 - 2.0 * share),
+        (1, -1.0, share),
+        (-1, -1.0, share),
+    ] {
+        springs.add(&home, &home.moved(&[cell]), &number(stiffness * spring));
+        kept.add(&home, &home.moved(&[cell]), &number(part));
+    }
+    let kept = kept.sum(&crystal);
+    let stiffness = springs.sum(&crystal);
+    let system = WaveSystem::new(crystal, stiffness, Mass::Lumped(vec![1.0]));
+    TransferredWaves::new(system, &kept, flip)
+}
+
+#[test]
+fn factors_are_the_eigenvalues_of_a_step_written_out() {
+    for (share, flip, k, dt) in [
+        (0.1, 0.0, 1.1, 0.4),
+        (0.2, 1.0, 2.9, 0.7),
+        (0.15, 0.95, PI, 1.3),
+    ] {
+        let waves = chain(share, flip);
+        let square = 2.0 - 2.0 * f64::cos(k);
+        let t = 1.0 - 2.0 * share * (1.0 - f64::cos(k));
+        let r = flip * (1.0 - t);
+        // (u, s)' from u' = u + dt w, s' = T w + R s, w = s - dt omega^2 u.
+        let [w_u, w_s] = [-dt * square, 1.0];
+        let step = Matrix2::new(1.0 + dt * w_u, dt * w_s, t * w_u, t * w_s + r);
+        let expected = step.complex_eigenvalues();
+        let found = waves.factors(&SVector::from([k]), dt)[0];
+        for z in expected.iter() {
+            let apart = |own: &Complex| (own - z).norm();
+            assert!(found.iter().map(apart).fold(1.0, f64::min) < 1e-13);
+        }
+    }
+}
+
+#[test]
+fn a_wave_at_rest_neither_grows_nor_decays_and_a_translation_is_neutral() {
+    for flip in [0.0, 0.5, 1.0] {
+        let waves = chain(0.2, flip);
+        let factors = waves.factors(&SVector::zeros(), 0.3);
+        assert_eq!(factors[0].map(|z| (z.re, z.im)), [(1.0, 0.0); 2]);
+    }
+}
+
+#[test]
+fn the_largest_stable_step_is_where_the_spectral_radius_leaves_one() {
+    for (share, flip) in [(0.2, 0.0), (0.2, 1.0), (0.24, 0.9), (0.05, 0.0)] {
+        let waves = chain(share, flip);
+        let step = waves.critical_time_step();
+        let radius = |step: f64| {
+            let of = |n: u32| {
+                let k = SVector::from([PI * f64::from(n) / 200.0]);
+                waves.factors(&k, step)[0][0].norm()
+            };
+            (0..=200).map(of).fold(0.0, f64::max)
+        };
+        assert!(radius(step * (1.0 - 1e-6)) < 1.0 + 1e-12);
+        assert!(radius(step * (1.0 + 1e-4)) > 1.0 + 1e-6);
+        // Scanned from below nothing is lost before.
+        for n in 1..50 {
+            assert!(radius(step * f64::from(n) / 50.0) < 1.0 + 1e-12);
+        }
+        assert_eq!(waves.fastest(0.9 * step).0, Complex::new(0.0, 0.0));
+        assert!(waves.fastest(1.1 * step).0.re > 0.0);
+    }
+}
+
+#[test]
+fn growth_is_told_of_short_and_of_long_steps() {
+    // A spring that pushes: omega^2 = -4 at the edge of the zone, where half of the velocities is kept.
+    let waves = chain_of(-1.0, 0.125, 1.0);
+    // With all of their own velocities points move by a share T of those of the grid: T |omega^2| is left in short steps.
+    for step in [1e-14, 1e-10, 1e-6] {
+        let growth = waves.fastest(step).0.re;
+        assert!((growth - 2.0_f64.sqrt()).abs() < 1e-5, "{step}: {growth}");
+    }
+    for step in [1e10, 1e30, 1e100] {
+        // z = omega^2 dt^2 (1 - R/z ...): the larger factor alone grows.
+        let growth = waves.fastest(step).0.re * step;
+        let expected = 2.0 * (2.0 * step).ln();
+        assert!(
+            (growth / expected - 1.0).abs() < 1e-2,
+            "{step}: {growth} {expected}"
+        );
+    }
+}
