@@ -20,7 +20,7 @@ mod zeros;
 
 pub(crate) use array::{Each, array_of};
 pub(crate) use decomposition::{
-    Decomposition, any_eigenvalues, hermitian_eigen, hermitian_eigenvalues,
+    Decomposition, any_eigenvalues, hermitian_eigen, hermitian_eigenvalues, lower_triangle,
 };
 pub(crate) use deviator::Deviator;
 pub(crate) use directions::directions;

@@ -1,7 +1,7 @@
 //! The strain operator at a wave vector: a matrix whose kernel are the zero-energy modes.
 
 use super::{SeenForm, StrainOperator};
-use crate::algebra::{Complex, array_of};
+use crate::algebra::{Complex, array_of, lower_triangle};
 use crate::lattice::{Crystal, Particle};
 use nalgebra::{DMatrix, SVector};
 
@@ -231,15 +231,20 @@ impl<const D: usize> StrainRows<D> {
         }
     }
 
-    /// Whether there is surely no mode without strain in the box `center + sum t_i edge_i`, `|t_i| <= 1`: the smallest singular value
-    /// of `R` at its center is larger than what `R` changes within it, the first derivatives at the center and a bound on the second.
+    /// Whether there is surely no mode without strain in the box `center + sum t_i edge_i`, `|t_i| <= 1`.
+    ///
+    /// There `R = R_0 + S(t) + E`, with the derivatives `S(t) = sum t_i S_i` at the center and a bound `e` on what is left, `|E| <= e`. A
+    /// wave with `R u = 0` has `|R_0 u|^2 + Re u* R_0* (S + E) u = 0`, so that with `R_0* R_0 >= T* T` there is none if
+    /// `|H(t)| + e |T^-1| < 1`, `H` the Hermitian part of `T^-* R_0* S T^-1`. The norm is convex in `t` and largest at a corner. A wave with small
+    /// strains counts by how much these change, and strains that turn do not count.
     pub(crate) fn is_regular(
         &self,
         center: &SVector<f64, D>,
         edges: &[SVector<f64, D>; D],
     ) -> bool {
         let mut rows = self.empty();
-        let (mut squares, mut slopes, mut rest) = (0.0, [0.0; D], 0.0);
+        let mut slopes: Vec<Stack> = (0..D).map(|_| self.empty()).collect();
+        let mut rest = 0.0;
         let mut factors: Vec<(Complex, [f64; D], f64)> = Vec::new();
         let mut sums = vec![Sums::zero(); self.sites];
         for point in &self.points {
@@ -257,33 +262,86 @@ impl<const D: usize> StrainRows<D> {
                     let term = b.map(|component| *phase * component);
                     own.value += term;
                     for i in 0..D {
-                        // Times i, which no norm sees.
-                        own.slopes[i] += term * Complex::new(along[i], 0.0);
+                        own.slopes[i] += term * Complex::new(0.0, along[i]);
                     }
                     own.rest += b.norm() * second;
                 }
-                for own in &sums {
-                    squares += own.value.norm_squared();
-                    for i in 0..D {
-                        slopes[i] += own.slopes[i].norm_squared();
-                    }
-                    rest += own.rest * own.rest;
-                }
-                if !self.is_gradient {
-                    self.push(form, sums.iter().map(|own| &own.value), &mut rows);
+                rest += sums.iter().map(|own| own.rest * own.rest).sum::<f64>();
+                self.push(form, sums.iter().map(|own| &own.value), &mut rows);
+                for (i, slopes) in slopes.iter_mut().enumerate() {
+                    self.push(form, sums.iter().map(|own| &own.slopes[i]), slopes);
                 }
             }
         }
-        let change = slopes.iter().map(|s| s.sqrt()).sum::<f64>() + rest.sqrt();
-        let smallest = if self.is_gradient {
-            squares.sqrt()
-        } else if squares.sqrt() <= change {
+        let Some(resistance) = Resistance::of(rows.finish()) else {
             return false;
-        } else {
-            smallest_singular_value(&rows.finish())
         };
-        smallest > change
+        // Most boxes that are too large are so by this alone.
+        let left = 1.0 - rest.sqrt() * resistance.largest_inverse();
+        if left <= 0.0 {
+            return false;
+        }
+        let slopes: Vec<DMatrix<Complex>> = slopes.into_iter().map(Stack::finish).collect();
+        resistance.largest_change(&slopes) < left
     }
+}
+
+/// A matrix `R` of full rank with the inverse of the triangular `T` of `T* T = R* R - delta`, `delta` for rounding: no better than its square root, which is
+/// enough to exclude.
+struct Resistance {
+    rows: DMatrix<Complex>,
+    inverse: DMatrix<Complex>,
+}
+
+impl Resistance {
+    /// `None` where some wave is not resisted.
+    fn of(rows: DMatrix<Complex>) -> Option<Self> {
+        let mut gram = rows.ad_mul(&rows);
+        let noise = Complex::new(1e-14 * rows.norm_squared(), 0.0);
+        for i in 0..gram.nrows() {
+            gram[(i, i)] -= noise;
+        }
+        let identity = DMatrix::identity(gram.nrows(), gram.nrows());
+        // It is `T*`.
+        let lower = lower_triangle(gram)?;
+        let inverse = lower.solve_lower_triangular(&identity)?.adjoint();
+        Some(Self { rows, inverse })
+    }
+
+    /// The Hermitian part of `T^-* R* S T^-1`.
+    fn relative(&self, change: &DMatrix<Complex>) -> DMatrix<Complex> {
+        let product = self.rows.ad_mul(change);
+        let hermitian = (&product + product.adjoint()) * Complex::new(0.5, 0.0);
+        self.inverse.ad_mul(&(hermitian * &self.inverse))
+    }
+
+    /// What the norm of that of `sum t_i S_i` is at most for `|t_i| <= 1`.
+    fn largest_change(&self, slopes: &[DMatrix<Complex>]) -> f64 {
+        let parts: Vec<DMatrix<Complex>> = slopes.iter().map(|own| self.relative(own)).collect();
+        // Of opposite corners one.
+        let corners = 0..1_usize << (parts.len() - 1);
+        let at = |corner: usize| {
+            let mut sum = parts[0].clone();
+            for (i, part) in parts[1..].iter().enumerate() {
+                match corner >> i & 1 {
+                    0 => sum += part,
+                    _ => sum -= part,
+                }
+            }
+            largest(&sum)
+        };
+        corners.map(at).fold(0.0, f64::max)
+    }
+
+    /// What `|T^-1|` is at most.
+    fn largest_inverse(&self) -> f64 {
+        largest(&self.inverse)
+    }
+}
+
+/// What the norm of a matrix is at most: `|M|^4 <= tr (M* M)^2`.
+fn largest(matrix: &DMatrix<Complex>) -> f64 {
+    matrix.ad_mul(matrix).norm().sqrt()
 }
 
 /// The rows of a matrix one after the other.
@@ -300,14 +358,6 @@ impl Stack {
             .resize(rows * self.columns, Complex::new(0.0, 0.0));
         DMatrix::from_row_slice(rows, self.columns, &self.entries)
     }
-}
-
-/// From the eigenvalues of `R* R`: no better than the square root of rounding, which is enough to exclude.
-fn smallest_singular_value(matrix: &DMatrix<Complex>) -> f64 {
-    let gram = matrix.ad_mul(matrix);
-    let smallest = gram.symmetric_eigenvalues().min();
-    let noise = 1e-14 * matrix.norm_squared();
-    (smallest - noise).max(0.0).sqrt()
 }
 
 fn phase(angle: f64) -> Complex {

@@ -338,6 +338,92 @@ fn every_zero_energy_mode_of_random_lattices_is_listed_and_nothing_else() {
     }
 }
 
+/// All wave vectors of the zone that have zero-energy modes, the translations at `k = 0` among them, of a lattice of single particles.
+fn all_of_a_lattice<const D: usize>(scheme: &dyn Discretization<D>) -> Vec<SVector<f64, D>> {
+    let vectors = *scheme.crystal().lattice().vectors();
+    let is_equivalent = |a: &SVector<f64, D>, b: &SVector<f64, D>| {
+        let x = vectors.transpose() * (a - b) / TAU;
+        x.iter().all(|x| (x - x.round()).abs() < 1e-6)
+    };
+    let modes = found(scheme, &*laws()[0]);
+    assert!(modes.is_complete);
+    let mut all = vec![SVector::zeros()];
+    for mode in modes.modes.iter().filter(|mode| mode.is_zero()) {
+        assert_eq!((mode.nullity, mode.extent), (D, Extent::Point));
+        let k = mode.wave_vector;
+        all.push(k);
+        if !is_equivalent(&k, &-k) {
+            all.push(-k);
+        }
+    }
+    all
+}
+
+/// A supercell has the zero-energy modes of the lattice that it repeats, at the wave vectors of its own zone.
+fn assert_folded<const D: usize>(kind: LatticeKind, radius: f64, cells: [usize; D]) {
+    let name = format!("{kind:?} {radius} {cells:?}");
+    let alone = total_lagrangian(lattice::<D>(kind), radius);
+    let expected = all_of_a_lattice(&alone);
+    let crystal = Crystal::<D>::of(kind, 1.0).expect("a crystal");
+    let crystal = crystal.supercell(cells).expect("a supercell");
+    let vectors = *crystal.lattice().vectors();
+    let choices = TotalLagrangianChoices {
+        kernel: Kernel::QuarticSpline,
+        radius,
+        ..TotalLagrangianChoices::default()
+    };
+    let scheme = TotalLagrangianSph::new(crystal, choices).expect("a method");
+    let modes = found(&scheme, &*laws()[0]);
+    assert!(modes.is_complete, "{name}");
+    let place = |k: &SVector<f64, D>| vectors.transpose() * k / TAU;
+    let is_there = |k: &SVector<f64, D>, root: &SVector<f64, D>| {
+        let difference = place(&(k - root));
+        difference.iter().all(|x| (x - x.round()).abs() < 1e-6)
+    };
+    let listed: Vec<_> = modes.modes.iter().filter(|mode| mode.is_zero()).collect();
+    for mode in &listed {
+        let k = &mode.wave_vector;
+        let there = expected.iter().filter(|root| is_there(k, root)).count();
+        // The translations are no zero-energy modes.
+        let translations = if k.norm() == 0.0 { D } else { 0 };
+        assert_eq!(mode.nullity, D * there - translations, "{name}: {k:?}");
+        let own = |other: &&_| is_there(k, other) || is_there(&-k, other);
+        let times = listed.iter().map(|mode| &mode.wave_vector).filter(own);
+        assert_eq!(times.count(), 1, "{name}: {k:?}");
+    }
+    for root in &expected[1..] {
+        let is_listed = listed
+            .iter()
+            .any(|mode| is_there(&mode.wave_vector, root) || is_there(&-mode.wave_vector, root));
+        assert!(is_listed, "{name}: {root:?}");
+    }
+}
+
+#[test]
+fn supercells_have_every_zero_energy_mode_of_their_lattice() {
+    assert_folded::<1>(LatticeKind::Chain, 3.3, [4]);
+    assert_folded(LatticeKind::Square, 2.0, [2, 2]);
+    assert_folded(LatticeKind::Square, 2.0, [3, 2]);
+    assert_folded(LatticeKind::Hexagonal, 2.0, [2, 2]);
+    assert_folded(LatticeKind::Hexagonal, 2.2, [2, 1]);
+}
+
+/// Of nine particles in disorder no wave is without strain, and nothing is left open.
+#[test]
+fn disordered_particles_are_known_to_have_no_zero_energy_modes() {
+    for (kind, amplitude) in [(LatticeKind::Square, 0.2), (LatticeKind::Hexagonal, 0.05)] {
+        let crystal = Crystal::<2>::of(kind, 1.0).and_then(|c| c.supercell([3, 3]));
+        let crystal = crystal.and_then(|cell| cell.perturbed(amplitude, 1));
+        let scheme = TotalLagrangianSph::new(
+            crystal.expect("a crystal"),
+            TotalLagrangianChoices::default(),
+        );
+        let modes = found(&scheme.expect("a method"), &*laws()[0]);
+        assert!(modes.is_complete, "{kind:?} {amplitude}");
+        assert!(modes.modes.iter().all(|mode| !mode.is_zero()));
+    }
+}
+
 /// The wave vectors and nullities, in the order of the list.
 fn zeros<const D: usize>(
     scheme: &dyn Discretization<D>,

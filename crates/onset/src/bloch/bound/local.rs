@@ -2,7 +2,7 @@
 
 use super::jet::{Parts, monomials, parts};
 use super::polynomial::{Polynomial, is_positive_definite};
-use crate::algebra::{Complex, Each, hermitian_eigen};
+use crate::algebra::{Complex, Each, hermitian_eigen, lower_triangle};
 
 /// `P` and `Q` on a box.
 pub(super) struct Local<const D: usize> {
@@ -85,11 +85,7 @@ impl<const D: usize> Local<D> {
             if inner > 0 {
                 own -= mixed.adjoint() * stiff.lu().solve(&mixed)?;
             }
-            let lower = q
-                .view((0, 0), (free, free))
-                .into_owned()
-                .cholesky()?
-                .unpack();
+            let lower = lower_triangle(q.view((0, 0), (free, free)).into_owned())?;
             let half = lower.solve_lower_triangular(&own)?;
             let own = lower.solve_lower_triangular(&half.adjoint())?;
             Some(hermitian_eigen(own)?.eigenvalues.min())
