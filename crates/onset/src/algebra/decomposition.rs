@@ -162,18 +162,6 @@ pub(crate) fn hermitian_eigenvalues(matrix: DMatrix<Complex>) -> Vec<Complex> {
         .collect()
 }
 
-/// The lower triangle `L` of a positive definite matrix `L L*`; `None` of others. The library refuses negative numbers on the diagonal where entries are real only: complex
-/// ones have square roots.
-pub(crate) fn lower_triangle<T: ComplexField<RealField = f64>>(
-    matrix: DMatrix<T>,
-) -> Option<DMatrix<T>> {
-    let lower = matrix.cholesky()?.unpack();
-    let diagonal = lower.diagonal();
-    let mut roots = diagonal.iter().cloned();
-    let is_positive = roots.all(|root| root.clone().real() > root.imaginary().abs());
-    is_positive.then_some(lower)
-}
-
 /// A matrix all of whose entries are finite.
 fn finite<T: ComplexField<RealField = f64>>(matrix: DMatrix<T>) -> Option<DMatrix<T>> {
     let is_finite = matrix.iter().all(|entry| entry.is_finite());
@@ -182,7 +170,7 @@ fn finite<T: ComplexField<RealField = f64>>(matrix: DMatrix<T>) -> Option<DMatri
 
 #[cfg(test)]
 mod tests {
-    use super::{Decomposition, lower_triangle};
+    use super::Decomposition;
     use crate::algebra::{Complex, uniform};
     use nalgebra::DMatrix;
 
@@ -190,16 +178,6 @@ mod tests {
         let mut random = 5;
         let mut number = || 2.0 * uniform(&mut random) - 1.0;
         DMatrix::from_fn(size, size, |_, _| Complex::new(number(), number()))
-    }
-
-    #[test]
-    fn a_matrix_has_a_triangle_where_it_is_positive_definite() {
-        let gram = random(5).ad_mul(&random(5));
-        let lower = lower_triangle(gram.clone()).expect("a positive definite matrix");
-        assert!((&lower * lower.adjoint() - &gram).norm() < 1e-14 * gram.norm());
-        let largest = gram.symmetric_eigenvalues().max();
-        let smaller = DMatrix::identity(5, 5) * Complex::from(0.5 * largest);
-        assert!(lower_triangle(gram - smaller).is_none());
     }
 
     fn assert_decomposed(matrix: &DMatrix<Complex>, all: &Decomposition) {

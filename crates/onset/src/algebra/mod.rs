@@ -1,6 +1,7 @@
 //! Eigenvalues of small matrices and minima of trigonometric polynomials, with bounded loops.
 
 mod array;
+mod cholesky;
 mod decomposition;
 mod deviator;
 mod directions;
@@ -19,8 +20,9 @@ mod well;
 mod zeros;
 
 pub(crate) use array::{Each, array_of};
+pub(crate) use cholesky::{cholesky_factor, factorize};
 pub(crate) use decomposition::{
-    Decomposition, any_eigenvalues, hermitian_eigen, hermitian_eigenvalues, lower_triangle,
+    Decomposition, any_eigenvalues, hermitian_eigen, hermitian_eigenvalues,
 };
 pub(crate) use deviator::Deviator;
 pub(crate) use directions::directions;

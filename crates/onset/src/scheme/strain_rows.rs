@@ -1,9 +1,14 @@
 //! The strain operator at a wave vector: a matrix whose kernel are the zero-energy modes.
 
 use super::{SeenForm, StrainOperator};
-use crate::algebra::{Complex, array_of, lower_triangle};
+use crate::algebra::{Complex, array_of, cholesky_factor};
 use crate::lattice::{Crystal, Particle};
 use nalgebra::{DMatrix, SVector};
+
+/// Rounding of an entry of `R`, relative to the sum of its terms.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Relative errors of `T^-1` where `R` is as near to singular as is resolved.
+const INEXACT: f64 = 1e-6;
 
 /// `R(k)`: what is seen of the wave `u_K = g_K exp(i k.X_K)`, as a matrix that acts on the `g` of the particles of a cell.
 ///
@@ -231,12 +236,13 @@ impl<const D: usize> StrainRows<D> {
         }
     }
 
-    /// Whether there is surely no mode without strain in the box `center + sum t_i edge_i`, `|t_i| <= 1`.
+    /// Whether the box `center + sum t_i edge_i`, `|t_i| <= 1`, certainly contains no mode without strain.
     ///
     /// There `R = R_0 + S(t) + E`, with the derivatives `S(t) = sum t_i S_i` at the center and a bound `e` on what is left, `|E| <= e`. A
-    /// wave with `R u = 0` has `|R_0 u|^2 + Re u* R_0* (S + E) u = 0`, so that with `R_0* R_0 >= T* T` there is none if
-    /// `|H(t)| + e |T^-1| < 1`, `H` the Hermitian part of `T^-* R_0* S T^-1`. The norm is convex in `t` and largest at a corner. A wave with small
-    /// strains counts by how much these change, and strains that turn do not count.
+    /// mode with `R u = 0` has `|R_0 u|^2 + Re u* R_0* (S + E) u = 0`, so that with `R_0* R_0 >= T* T` there is none if
+    /// `|H(t)| + e |T^-1| < 1`, `H` the Hermitian part of `T^-* R_0* S T^-1`: `|Re u* R_0* E u| <= e |T^-1| |R_0 u|^2`. The norm is convex in `t`
+    /// and largest at a corner. Strains are measured relative to themselves, so that a wave with small strains matters only by their own
+    /// change, and rotations of a strain do not count.
     pub(crate) fn is_regular(
         &self,
         center: &SVector<f64, D>,
@@ -244,7 +250,7 @@ impl<const D: usize> StrainRows<D> {
     ) -> bool {
         let mut rows = self.empty();
         let mut slopes: Vec<Stack> = (0..D).map(|_| self.empty()).collect();
-        let mut rest = 0.0;
+        let (mut rest, mut rounding) = (0.0, 0.0);
         let mut factors: Vec<(Complex, [f64; D], f64)> = Vec::new();
         let mut sums = vec![Sums::zero(); self.sites];
         for point in &self.points {
@@ -264,7 +270,9 @@ impl<const D: usize> StrainRows<D> {
                     for i in 0..D {
                         own.slopes[i] += term * Complex::new(0.0, along[i]);
                     }
-                    own.rest += b.norm() * second;
+                    let size = b.norm();
+                    own.rest += size * second;
+                    rounding += size;
                 }
                 rest += sums.iter().map(|own| own.rest * own.rest).sum::<f64>();
                 self.push(form, sums.iter().map(|own| &own.value), &mut rows);
@@ -276,18 +284,15 @@ impl<const D: usize> StrainRows<D> {
         let Some(resistance) = Resistance::of(rows.finish()) else {
             return false;
         };
-        // Most boxes that are too large are so by this alone.
-        let left = 1.0 - rest.sqrt() * resistance.largest_inverse();
-        if left <= 0.0 {
-            return false;
-        }
-        let slopes: Vec<DMatrix<Complex>> = slopes.into_iter().map(Stack::finish).collect();
-        resistance.largest_change(&slopes) < left
+        // Entries are known to the rounding of their terms and phases. Most boxes that are too large are so by this alone.
+        let e = rest.sqrt() + ROUNDING * rounding;
+        let left = 1.0 - INEXACT - e * largest(&resistance.inverse);
+        left > 0.0 && resistance.changes_less_than(left, slopes)
     }
 }
 
-/// A matrix `R` of full rank with the inverse of the triangular `T` of `T* T = R* R - delta`, `delta` for rounding: no better than its square root, which is
-/// enough to exclude.
+/// A matrix `R` of full column rank and `T^-1`, where `T* T = R* R - delta` and `delta` covers rounding. Singular values below about 1e-7 of the norm are not
+/// resolved; to exclude that is enough.
 struct Resistance {
     rows: DMatrix<Complex>,
     inverse: DMatrix<Complex>,
@@ -296,14 +301,15 @@ struct Resistance {
 impl Resistance {
     /// `None` where some wave is not resisted.
     fn of(rows: DMatrix<Complex>) -> Option<Self> {
+        let (count, size) = rows.shape();
+        let delta = f64::EPSILON * (count + 2 * size) as f64 * rows.norm_squared();
         let mut gram = rows.ad_mul(&rows);
-        let noise = Complex::new(1e-14 * rows.norm_squared(), 0.0);
-        for i in 0..gram.nrows() {
-            gram[(i, i)] -= noise;
+        for i in 0..size {
+            gram[(i, i)] -= Complex::from(delta);
         }
-        let identity = DMatrix::identity(gram.nrows(), gram.nrows());
         // It is `T*`.
-        let lower = lower_triangle(gram)?;
+        let lower = cholesky_factor(gram)?;
+        let identity = DMatrix::identity(size, size);
         let inverse = lower.solve_lower_triangular(&identity)?.adjoint();
         Some(Self { rows, inverse })
     }
@@ -315,12 +321,13 @@ impl Resistance {
         self.inverse.ad_mul(&(hermitian * &self.inverse))
     }
 
-    /// What the norm of that of `sum t_i S_i` is at most for `|t_i| <= 1`.
-    fn largest_change(&self, slopes: &[DMatrix<Complex>]) -> f64 {
-        let parts: Vec<DMatrix<Complex>> = slopes.iter().map(|own| self.relative(own)).collect();
-        // Of opposite corners one.
-        let corners = 0..1_usize << (parts.len() - 1);
-        let at = |corner: usize| {
+    /// Whether the norm of that of `sum t_i S_i` is less than a number for `|t_i| <= 1`.
+    fn changes_less_than(&self, most: f64, slopes: Vec<Stack>) -> bool {
+        let parts = slopes.into_iter().map(|own| self.relative(&own.finish()));
+        let parts: Vec<DMatrix<Complex>> = parts.collect();
+        // One of each pair of opposite corners.
+        let mut corners = 0..1_usize << (parts.len() - 1);
+        corners.all(|corner| {
             let mut sum = parts[0].clone();
             for (i, part) in parts[1..].iter().enumerate() {
                 match corner >> i & 1 {
@@ -328,18 +335,12 @@ impl Resistance {
                     _ => sum -= part,
                 }
             }
-            largest(&sum)
-        };
-        corners.map(at).fold(0.0, f64::max)
-    }
-
-    /// What `|T^-1|` is at most.
-    fn largest_inverse(&self) -> f64 {
-        largest(&self.inverse)
+            largest(&sum) < most
+        })
     }
 }
 
-/// What the norm of a matrix is at most: `|M|^4 <= tr (M* M)^2`.
+/// An upper bound of the spectral norm: `|M|^4 <= tr (M* M)^2`.
 fn largest(matrix: &DMatrix<Complex>) -> f64 {
     matrix.ad_mul(matrix).norm().sqrt()
 }
@@ -363,4 +364,72 @@ impl Stack {
 fn phase(angle: f64) -> Complex {
     let (sine, cosine) = angle.sin_cos();
     Complex::new(cosine, sine)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::StrainRows;
+    use crate::algebra::{array_of, uniform};
+    use crate::kernel::Kernel;
+    use crate::lattice::{Crystal, LatticeKind};
+    use crate::scheme::Discretization;
+    use crate::scheme::sph::{TotalLagrangianChoices, TotalLagrangianSph};
+    use nalgebra::SVector;
+    use std::f64::consts::PI;
+
+    fn rows(cells: [usize; 2], disorder: f64) -> StrainRows<2> {
+        let crystal = Crystal::of(LatticeKind::Square, 1.0)
+            .and_then(|one| one.supercell(cells))
+            .and_then(|cell| cell.perturbed(disorder, 7))
+            .expect("a crystal");
+        let choices = TotalLagrangianChoices {
+            kernel: Kernel::QuarticSpline,
+            radius: 2.0,
+            ..TotalLagrangianChoices::default()
+        };
+        let scheme = TotalLagrangianSph::new(crystal, choices).expect("a method");
+        StrainRows::new(scheme.crystal(), &scheme.strain().expect("strains"))
+    }
+
+    /// Alternating particles of squares have no strain, in cells of two at `(0, pi)` and in disorder nowhere.
+    #[test]
+    fn boxes_are_excluded_where_no_wave_is_without_strain_and_not_around_one() {
+        let mut state = 3;
+        let mut number = || 2.0 * uniform(&mut state) - 1.0;
+        let root = SVector::from([0.0, PI]);
+        let known = [
+            ([1, 1], [PI, 0.0]),
+            ([2, 1], [0.0, PI]),
+            ([2, 1], [0.0, 0.0]),
+        ];
+        for (cells, root) in known {
+            let rows = rows(cells, 0.0);
+            let root = SVector::from(root);
+            assert!(rows.smallest(&root) < 1e-14);
+            for n in 0..300 {
+                let size = 10.0_f64.powf(-f64::from(n) / 25.0);
+                let edges = array_of(|_| SVector::from([number(), number()]) * size);
+                let center = root + edges[0] * number() + edges[1] * number();
+                assert!(
+                    !rows.is_regular(&center, &edges),
+                    "{cells:?} {center} {edges:?}"
+                );
+            }
+        }
+        let rows = rows([3, 2], 0.1);
+        let mut excluded = 0;
+        for n in 0..300 {
+            let size = 0.3 * 10.0_f64.powf(-f64::from(n) / 150.0);
+            let edges = array_of(|_| SVector::from([number(), number()]) * size);
+            let center = root + SVector::from([number(), number()]);
+            if rows.is_regular(&center, &edges) {
+                excluded += 1;
+                for _ in 0..8 {
+                    let k = center + edges[0] * number() + edges[1] * number();
+                    assert!(rows.smallest(&k) > 1e-6, "{k}");
+                }
+            }
+        }
+        assert!(excluded > 50, "{excluded}");
+    }
 }

@@ -1,8 +1,8 @@
 //! What is known of `P - mu Q` on a box.
 
 use super::jet::{Parts, monomials, parts};
-use super::polynomial::{Polynomial, is_positive_definite};
-use crate::algebra::{Complex, Each, hermitian_eigen, lower_triangle};
+use super::polynomial::Polynomial;
+use crate::algebra::{Complex, Each, cholesky_factor, factorize, hermitian_eigen};
 
 /// `P` and `Q` on a box.
 pub(super) struct Local<const D: usize> {
@@ -36,7 +36,7 @@ impl<const D: usize> Local<D> {
     pub(super) fn sign(&self, mu: f64) -> Sign {
         let (p, q) = (self.numerator.part(0), self.denominator.part(0));
         let middle = p.zip_map(&q, |p, q| p - q * mu);
-        if !is_positive_definite(&mut middle.clone()) {
+        if !factorize(&mut middle.clone()) {
             return Sign::Lost;
         }
         let rest = [0, 1].each(|n| self.rest[0][n] + mu.abs() * self.rest[1][n]);
@@ -48,11 +48,11 @@ impl<const D: usize> Local<D> {
             least
         };
         let least = without_rest(1.0);
-        if !is_positive_definite(&mut least.clone()) {
+        if !factorize(&mut least.clone()) {
             // What is left out of polynomials is of the fourth order in the half sides.
             let is_enough = |divisions: &usize| {
                 let share = 0.5_f64.powf((4 * divisions) as f64 / D as f64);
-                is_positive_definite(&mut without_rest(share))
+                factorize(&mut without_rest(share))
             };
             let divisions = (1..MOST_DIVISIONS).find(is_enough);
             return Sign::Open {
@@ -85,7 +85,7 @@ impl<const D: usize> Local<D> {
             if inner > 0 {
                 own -= mixed.adjoint() * stiff.lu().solve(&mixed)?;
             }
-            let lower = lower_triangle(q.view((0, 0), (free, free)).into_owned())?;
+            let lower = cholesky_factor(q.view((0, 0), (free, free)).into_owned())?;
             let half = lower.solve_lower_triangular(&own)?;
             let own = lower.solve_lower_triangular(&half.adjoint())?;
             Some(hermitian_eigen(own)?.eigenvalues.min())

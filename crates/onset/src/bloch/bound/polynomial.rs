@@ -3,7 +3,7 @@
 use super::jet::{
     Parts, bend, mixed, norm_of, parts, quadratic_parts, seconds, slope, third, thirds,
 };
-use crate::algebra::{Complex, array_of, hermitian_eigen};
+use crate::algebra::{Complex, array_of, factorize, hermitian_eigen};
 use nalgebra::{DMatrix, DMatrixView, DVector};
 
 /// `G(u) = sum_m G_m u^m` for `|u_a| <= 1`, with Hermitian coefficients in the order of the parts of a jet.
@@ -66,7 +66,7 @@ impl<const D: usize> Polynomial<D> {
             .sum();
         let mut least = self.0.part(0).into_owned();
         (0..self.size()).for_each(|i| least[(i, i)] -= Complex::new(change, 0.0));
-        is_positive_definite(&mut least)
+        factorize(&mut least)
     }
 
     /// Of second order: whether all coefficients in Bernstein's basis, of which the polynomial is a mean, are positive definite. Nothing is lost
@@ -81,7 +81,7 @@ impl<const D: usize> Polynomial<D> {
                 place
             });
             self.set_coefficient(&mut coefficient, &point);
-            is_positive_definite(&mut coefficient)
+            factorize(&mut coefficient)
         })
     }
 
@@ -133,7 +133,7 @@ impl<const D: usize> Polynomial<D> {
         }
         [false, true]
             .into_iter()
-            .any(|is_mixed| is_positive_definite(&mut slackened::<D>(&squares, is_mixed)))
+            .any(|is_mixed| factorize(&mut slackened::<D>(&squares, is_mixed)))
     }
 
     /// A polynomial of the soft vectors alone that is positive definite only where the whole is; `None` where none is seen.
@@ -318,33 +318,10 @@ fn row_sum(matrix: &DMatrixView<'_, Complex>, row: usize) -> f64 {
     matrix.row(row).iter().map(|entry| entry.norm()).sum()
 }
 
-/// Whether a Hermitian matrix, of which the lower triangle is read and overwritten, has a factor of Cholesky's.
-pub(super) fn is_positive_definite(matrix: &mut DMatrix<Complex>) -> bool {
-    let size = matrix.nrows();
-    for j in 0..size {
-        let mut pivot = matrix[(j, j)].re;
-        for k in 0..j {
-            pivot -= matrix[(j, k)].norm_sqr();
-        }
-        if pivot.is_nan() || pivot <= 0.0 {
-            return false;
-        }
-        let root = pivot.sqrt();
-        for i in j + 1..size {
-            let mut entry = matrix[(i, j)];
-            for k in 0..j {
-                entry -= matrix[(i, k)] * matrix[(j, k)].conj();
-            }
-            matrix[(i, j)] = entry / root;
-        }
-    }
-    true
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Parts, Polynomial, is_positive_definite};
-    use crate::algebra::{Complex, array_of};
+    use super::{Parts, Polynomial};
+    use crate::algebra::{Complex, array_of, factorize};
     use crate::bloch::bound::jet::{derivatives, parts, products};
     use nalgebra::{DMatrix, SVector};
     use proptest::prelude::*;
@@ -400,15 +377,14 @@ mod tests {
             coefficients[0][(i, i)] += Complex::new(own, 0.0);
         }
         let polynomial = Polynomial::<D>::of(&coefficients);
-        let is_seen =
-            is_positive_definite(&mut coefficients[0].clone()) && polynomial.is_positive_definite();
+        let is_seen = factorize(&mut coefficients[0].clone()) && polynomial.is_positive_definite();
         if is_seen {
             for number in 0..points.pow(D as u32) {
                 let u = array_of(|a| {
                     let place = number / points.pow(a as u32) % points;
                     2.0 * place as f64 / (points - 1) as f64 - 1.0
                 });
-                prop_assert!(is_positive_definite(&mut polynomial.at(u)), "{u:?}");
+                prop_assert!(factorize(&mut polynomial.at(u)), "{u:?}");
             }
         }
         Ok(is_seen)

@@ -2,8 +2,8 @@
 
 use super::{Mass, WaveSystem};
 use crate::algebra::{
-    Complex, MAXIMUM_ITERATIONS, any_eigenvalues, hermitian_eigen, hermitian_eigenvalues,
-    lower_triangle, sort_by_value, without_rounding,
+    Complex, MAXIMUM_ITERATIONS, any_eigenvalues, cholesky_factor, hermitian_eigen,
+    hermitian_eigenvalues, sort_by_value, without_rounding,
 };
 use nalgebra::{DMatrix, DVector, SVector};
 
@@ -190,7 +190,7 @@ impl<const D: usize> WaveSystem<D> {
                 stiffness
             }
             Mass::Consistent(mass) => {
-                let lower = lower_triangle(mass.at(k))?;
+                let lower = cholesky_factor(mass.at(k))?;
                 let half = lower.solve_lower_triangular(&stiffness)?;
                 lower.solve_lower_triangular(&half.adjoint())?
             }
@@ -205,7 +205,7 @@ impl<const D: usize> WaveSystem<D> {
             Mass::Lumped(masses) => Some(DVector::from_fn(vector.len(), |i, _| {
                 vector[i] / masses[i / D].sqrt()
             })),
-            Mass::Consistent(mass) => lower_triangle(mass.at(k))?
+            Mass::Consistent(mass) => cholesky_factor(mass.at(k))?
                 .adjoint()
                 .solve_upper_triangular(&vector),
         };
