@@ -185,7 +185,7 @@ impl Table {
         for column in &columns {
             text.push_str(&format!(",{}", column.name));
         }
-        text.push_str(",note\n");
+        text.push_str(",zero_modes_complete,note\n");
         for row in &self.rows {
             text.push_str(&csv::text(&row.name));
             for column in &columns {
@@ -195,11 +195,11 @@ impl Table {
                     _ => text.push(','),
                 }
             }
-            let note = row.measured.as_ref().err();
-            text.push_str(&format!(
-                ",{}\n",
-                csv::text(note.map_or("", String::as_str))
-            ));
+            let (is_complete, note) = match &row.measured {
+                Ok(measured) => (measured.zero_modes_complete.to_string(), ""),
+                Err(error) => (String::new(), error.as_str()),
+            };
+            text.push_str(&format!(",{is_complete},{}\n", csv::text(note)));
         }
         text
     }

@@ -243,7 +243,7 @@ impl TuneAnswer {
     /// All values as CSV.
     pub fn csv(&self) -> String {
         let mut text = String::from(
-            "value,zero_modes,weakest,false_instability,suppressed_instability,courant,dispersion_8,sufficient,masks,note\n",
+            "value,zero_modes,zero_modes_complete,weakest,false_instability,suppressed_instability,courant,dispersion_8,sufficient,masks,note\n",
         );
         for one in &self.tried {
             let (sufficient, masks) = (
@@ -252,15 +252,16 @@ impl TuneAnswer {
             );
             let cells = match &one.measured {
                 Ok(m) => format!(
-                    "{},{:.16e},{:.16e},{:.16e},{:.16e},{:.16e},{sufficient},{masks},",
+                    "{},{},{:.16e},{:.16e},{:.16e},{:.16e},{:.16e},{sufficient},{masks},",
                     m.zero_modes,
+                    m.zero_modes_complete,
                     m.weakest,
                     m.fidelity.false_instability,
                     m.fidelity.suppressed_instability,
                     m.courant,
                     m.dispersion_at(8.0)
                 ),
-                Err(why) => format!(",,,,,,,,{}", csv::text(why)),
+                Err(why) => format!(",,,,,,,,,{}", csv::text(why)),
             };
             text.push_str(&format!("{:.16e},{cells}\n", one.value));
         }
