@@ -212,11 +212,7 @@ impl<const D: usize> StrainRows<D> {
         sums: impl Iterator<Item = &'s SVector<Complex, D>> + Clone,
         rows: &mut Stack,
     ) {
-        if self.is_gradient {
-            sums.for_each(|b| rows.entries.extend(b.iter()));
-            return;
-        }
-        if !form.is_strain {
+        if self.is_gradient || !form.is_strain {
             sums.for_each(|b| rows.entries.extend(b.iter()));
             return;
         }

@@ -82,16 +82,13 @@ fn correspondence<const D: usize>(
     Peridynamics::new(Crystal::of_lattice(lattice), choices).expect("peridynamics")
 }
 
-fn total_lagrangian<const D: usize>(
-    lattice: BravaisLattice<D>,
-    radius: f64,
-) -> TotalLagrangianSph<D> {
+fn total_lagrangian<const D: usize>(crystal: Crystal<D>, radius: f64) -> TotalLagrangianSph<D> {
     let choices = TotalLagrangianChoices {
         kernel: Kernel::QuarticSpline,
         radius,
         ..TotalLagrangianChoices::default()
     };
-    TotalLagrangianSph::new(Crystal::of_lattice(lattice), choices).expect("a method")
+    TotalLagrangianSph::new(crystal, choices).expect("a method")
 }
 
 fn lattice<const D: usize>(kind: LatticeKind) -> BravaisLattice<D> {
@@ -257,7 +254,7 @@ fn total_lagrangian_particles_have_every_zero_energy_mode_of_a_dense_search() {
     ] {
         let lattice = lattice::<3>(kind);
         let gradient = Gradient::new(*lattice.vectors(), radius, quartic);
-        let scheme = total_lagrangian(lattice, radius);
+        let scheme = total_lagrangian(Crystal::of_lattice(lattice), radius);
         let name = format!("{kind:?} {radius}");
         let count = assert_all(&scheme, &gradient, 14, &name);
         assert_eq!(count, expected, "{name}");
@@ -318,7 +315,8 @@ fn a_random_lattice<const D: usize>(random: &mut Random, starts: usize, name: &s
         }
         _ => {
             let gradient = gradient(&quartic);
-            assert_all(&total_lagrangian(lattice, radius), &gradient, starts, &name);
+            let scheme = total_lagrangian(Crystal::of_lattice(lattice), radius);
+            assert_all(&scheme, &gradient, starts, &name);
         }
     }
 }
@@ -362,17 +360,11 @@ fn all_of_a_lattice<const D: usize>(scheme: &dyn Discretization<D>) -> Vec<SVect
 /// A supercell has the zero-energy modes of the lattice that it repeats, at the wave vectors of its own zone.
 fn assert_folded<const D: usize>(kind: LatticeKind, radius: f64, cells: [usize; D]) {
     let name = format!("{kind:?} {radius} {cells:?}");
-    let alone = total_lagrangian(lattice::<D>(kind), radius);
-    let expected = all_of_a_lattice(&alone);
-    let crystal = Crystal::<D>::of(kind, 1.0).expect("a crystal");
-    let crystal = crystal.supercell(cells).expect("a supercell");
+    let single = Crystal::<D>::of(kind, 1.0).expect("a crystal");
+    let crystal = single.supercell(cells).expect("a supercell");
     let vectors = *crystal.lattice().vectors();
-    let choices = TotalLagrangianChoices {
-        kernel: Kernel::QuarticSpline,
-        radius,
-        ..TotalLagrangianChoices::default()
-    };
-    let scheme = TotalLagrangianSph::new(crystal, choices).expect("a method");
+    let expected = all_of_a_lattice(&total_lagrangian(single, radius));
+    let scheme = total_lagrangian(crystal, radius);
     let modes = found(&scheme, &*laws()[0]);
     assert!(modes.is_complete, "{name}");
     let place = |k: &SVector<f64, D>| vectors.transpose() * k / TAU;
@@ -473,7 +465,7 @@ fn zero_energy_modes_are_geometry_and_the_same_for_three_laws() {
     assert_geometry(&family, "correspondence on squares");
     let cubic = lattice::<3>(LatticeKind::SimpleCubic);
     assert_geometry(
-        &total_lagrangian(cubic, 1.9),
+        &total_lagrangian(Crystal::of_lattice(cubic), 1.9),
         "total-Lagrangian particles on cubes",
     );
     let honeycomb = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
