@@ -47,8 +47,8 @@ struct Sums<const D: usize> {
     value: SVector<Complex, D>,
     /// The change along each edge of a box.
     slopes: [SVector<Complex, D>; D],
-    /// What is left of the change anywhere in it, at most.
-    rest: f64,
+    /// What is left of the change anywhere in it, at most, and what is left without the second derivatives too.
+    rests: [f64; 2],
 }
 
 impl<const D: usize> Sums<D> {
@@ -56,7 +56,7 @@ impl<const D: usize> Sums<D> {
         Self {
             value: SVector::zeros(),
             slopes: [SVector::zeros(); D],
-            rest: 0.0,
+            rests: [0.0; 2],
         }
     }
 }
@@ -239,6 +239,9 @@ impl<const D: usize> StrainRows<D> {
     /// `|H(t)| + e |T^-1| < 1`, `H` the Hermitian part of `T^-* R_0* S T^-1`: `|Re u* R_0* E u| <= e |T^-1| |R_0 u|^2`. The norm is convex in `t`
     /// and largest at a corner. Strains are measured relative to themselves, so that a wave with small strains matters only by their own
     /// change, and rotations of a strain do not count.
+    ///
+    /// Where that does not suffice, `E` has the second derivatives along the edges, of which each is measured likewise, and what is left is of third
+    /// order: strains of soft waves have small second derivatives too.
     pub(crate) fn is_regular(
         &self,
         center: &SVector<f64, D>,
@@ -246,20 +249,25 @@ impl<const D: usize> StrainRows<D> {
     ) -> bool {
         let mut rows = self.empty();
         let mut slopes: Vec<Stack> = (0..D).map(|_| self.empty()).collect();
-        let (mut rest, mut rounding) = (0.0, 0.0);
-        let mut factors: Vec<(Complex, [f64; D], f64)> = Vec::new();
+        let (mut rests, mut rounding) = ([0.0; 2], 0.0);
+        let mut factors: Vec<(Complex, [f64; D], [f64; 2])> = Vec::new();
         let mut sums = vec![Sums::zero(); self.sites];
         for point in &self.points {
             factors.clear();
             factors.extend(point.vectors.iter().map(|x| {
                 let along: [f64; D] = array_of(|i| edges[i].dot(x));
                 let farthest: f64 = along.iter().map(|a| a.abs()).sum();
-                (phase(center.dot(x)), along, 0.5 * farthest * farthest)
+                let second = 0.5 * farthest * farthest;
+                (
+                    phase(center.dot(x)),
+                    along,
+                    [second, second * farthest / 3.0],
+                )
             }));
             for form in &point.forms {
                 sums.fill(Sums::zero());
                 let terms = point.sites.iter().zip(&factors).zip(&form.vectors);
-                for ((site, (phase, along, second)), b) in terms {
+                for ((site, (phase, along, left)), b) in terms {
                     let own = &mut sums[*site];
                     let term = b.map(|component| *phase * component);
                     own.value += term;
@@ -267,10 +275,14 @@ impl<const D: usize> StrainRows<D> {
                         own.slopes[i] += term * Complex::new(0.0, along[i]);
                     }
                     let size = b.norm();
-                    own.rest += size * second;
+                    for n in 0..2 {
+                        own.rests[n] += size * left[n];
+                    }
                     rounding += size;
                 }
-                rest += sums.iter().map(|own| own.rest * own.rest).sum::<f64>();
+                for n in 0..2 {
+                    rests[n] += sums.iter().map(|own| own.rests[n].powi(2)).sum::<f64>();
+                }
                 self.push(form, sums.iter().map(|own| &own.value), &mut rows);
                 for (i, slopes) in slopes.iter_mut().enumerate() {
                     self.push(form, sums.iter().map(|own| &own.slopes[i]), slopes);
@@ -280,10 +292,32 @@ impl<const D: usize> StrainRows<D> {
         let Some(resistance) = Resistance::of(rows.finish()) else {
             return false;
         };
-        // Entries are known to the rounding of their terms and phases. Most boxes that are too large are so by this alone.
-        let e = rest.sqrt() + ROUNDING * rounding;
-        let left = 1.0 - INEXACT - e * largest(&resistance.inverse);
-        left > 0.0 && resistance.changes_less_than(left, slopes)
+        // Entries are known to the rounding of their terms and phases. Most boxes that are too large are so by what is left alone.
+        let softness = largest(&resistance.inverse);
+        let [second, third] =
+            rests.map(|rest| 1.0 - INEXACT - (rest.sqrt() + ROUNDING * rounding) * softness);
+        if third.is_nan() || third <= 0.0 {
+            return false;
+        }
+        let first = resistance.largest_change(slopes);
+        first < second || first < third && first + self.bent(center, edges, &resistance) < third
+    }
+
+    /// What the second derivatives along the edges of a box are at most, relative to strains as the first are.
+    fn bent(
+        &self,
+        center: &SVector<f64, D>,
+        edges: &[SVector<f64, D>; D],
+        resistance: &Resistance,
+    ) -> f64 {
+        let pairs = (0..D).flat_map(|i| (0..=i).map(move |j| (i, j)));
+        let bend = |(i, j): (usize, usize)| {
+            let along = |x: &SVector<f64, D>| edges[i].dot(x) * edges[j].dot(x);
+            let second = self.summed(|x| phase(center.dot(x)) * Complex::from(-along(x)));
+            let share = if i == j { 0.5 } else { 1.0 };
+            share * largest(&resistance.relative(&second))
+        };
+        pairs.map(bend).sum()
     }
 }
 
@@ -317,13 +351,13 @@ impl Resistance {
         self.inverse.ad_mul(&(hermitian * &self.inverse))
     }
 
-    /// Whether the norm of that of `sum t_i S_i` is less than a number for `|t_i| <= 1`.
-    fn changes_less_than(&self, most: f64, slopes: Vec<Stack>) -> bool {
+    /// What the norm of that of `sum t_i S_i` is at most for `|t_i| <= 1`.
+    fn largest_change(&self, slopes: Vec<Stack>) -> f64 {
         let parts = slopes.into_iter().map(|own| self.relative(&own.finish()));
         let parts: Vec<DMatrix<Complex>> = parts.collect();
         // One of each pair of opposite corners.
-        let mut corners = 0..1_usize << (parts.len() - 1);
-        corners.all(|corner| {
+        let corners = 0..1_usize << (parts.len() - 1);
+        let at = |corner: usize| {
             let mut sum = parts[0].clone();
             for (i, part) in parts[1..].iter().enumerate() {
                 match corner >> i & 1 {
@@ -331,14 +365,23 @@ impl Resistance {
                     _ => sum -= part,
                 }
             }
-            largest(&sum) < most
+            largest(&sum)
+        };
+        // A corner that is not a number leaves the box as it is.
+        corners.map(at).fold(0.0, |most, own| {
+            if own > most || own.is_nan() {
+                own
+            } else {
+                most
+            }
         })
     }
 }
 
-/// An upper bound of the spectral norm: `|M|^4 <= tr (M* M)^2`.
+/// An upper bound of the spectral norm: `|M|^8 <= tr (M* M)^4`.
 fn largest(matrix: &DMatrix<Complex>) -> f64 {
-    matrix.ad_mul(matrix).norm().sqrt()
+    let square = matrix.ad_mul(matrix);
+    (&square * &square).norm().sqrt().sqrt()
 }
 
 /// The rows of a matrix one after the other.

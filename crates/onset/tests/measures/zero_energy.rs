@@ -397,23 +397,31 @@ fn supercells_have_every_zero_energy_mode_of_their_lattice() {
     assert_folded(LatticeKind::Square, 2.0, [2, 2]);
     assert_folded(LatticeKind::Square, 2.0, [3, 2]);
     assert_folded(LatticeKind::Hexagonal, 2.0, [2, 2]);
+    assert_folded(LatticeKind::Square, 2.6, [3, 3]);
     assert_folded(LatticeKind::Hexagonal, 2.2, [2, 1]);
+    assert_folded(LatticeKind::SimpleCubic, 1.9, [2, 1, 1]);
 }
 
-/// Of nine particles in disorder no wave is without strain, and nothing is left open.
+/// Of particles in disorder no wave is without strain, and nothing is left open.
 #[test]
 fn disordered_particles_are_known_to_have_no_zero_energy_modes() {
-    for (kind, amplitude) in [(LatticeKind::Square, 0.2), (LatticeKind::Hexagonal, 0.05)] {
-        let crystal = Crystal::<2>::of(kind, 1.0).and_then(|c| c.supercell([3, 3]));
+    fn assert_none<const D: usize>(
+        kind: LatticeKind,
+        radius: f64,
+        cells: [usize; D],
+        amplitude: f64,
+    ) {
+        let crystal = Crystal::<D>::of(kind, 1.0).and_then(|one| one.supercell(cells));
         let crystal = crystal.and_then(|cell| cell.perturbed(amplitude, 1));
-        let scheme = TotalLagrangianSph::new(
-            crystal.expect("a crystal"),
-            TotalLagrangianChoices::default(),
-        );
-        let modes = found(&scheme.expect("a method"), &*laws()[0]);
-        assert!(modes.is_complete, "{kind:?} {amplitude}");
+        let scheme = total_lagrangian(crystal.expect("a crystal"), radius);
+        let modes = found(&scheme, &*laws()[0]);
+        assert!(modes.is_complete, "{kind:?} {radius} {amplitude}");
         assert!(modes.modes.iter().all(|mode| !mode.is_zero()));
     }
+    assert_none(LatticeKind::Square, 2.0, [3, 3], 0.2);
+    assert_none(LatticeKind::Square, 2.6, [2, 2], 0.02);
+    assert_none(LatticeKind::Hexagonal, 2.0, [3, 3], 0.05);
+    assert_none(LatticeKind::SimpleCubic, 1.9, [2, 2, 1], 0.1);
 }
 
 /// The wave vectors and nullities, in the order of the list.

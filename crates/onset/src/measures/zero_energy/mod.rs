@@ -38,7 +38,7 @@ const BUDGET: f64 = 2e8;
 /// What roots may be sought for in what is left then, in units of the budget.
 const LAST: f64 = 0.1;
 /// What Newton's method and its root cost, in units of one matrix.
-const SOUGHT: f64 = 10.0;
+const SOUGHT: f64 = 6.0;
 /// Wave vectors of no symmetry, in units of the reciprocal vectors.
 const GENERIC: [[f64; 3]; 3] = [
     [0.237_068_1, 0.396_871_4, 0.141_592_7],

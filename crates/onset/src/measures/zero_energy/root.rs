@@ -2,7 +2,8 @@
 
 use crate::algebra::{Complex, MAXIMUM_ITERATIONS, sort_by_value};
 use crate::scheme::StrainRows;
-use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use nalgebra::{DMatrix, DMatrixView, DVector, SMatrix, SVector};
+use std::borrow::Cow;
 use std::f64::consts::PI;
 
 /// Singular values below this are zero at a root, to rounding: slopes of `R` are one at most.
@@ -13,6 +14,8 @@ const KERNEL: f64 = 1e-7;
 const STEPS: usize = 60;
 /// Slopes below this fraction of the largest leave a direction in which a root may go on.
 const FLAT: f64 = 1e-5;
+/// Halvings of an interval in which a distance is sought, which is a lower bound.
+const HALVINGS: usize = 40;
 /// Directions that are looked at, of which opposite ones are the same.
 const DIRECTIONS: [usize; 3] = [1, 90, 240];
 
@@ -31,6 +34,7 @@ pub(super) struct Root<const D: usize> {
 }
 
 /// A singular value decomposition, largest values first.
+#[derive(Clone)]
 struct Singular {
     values: Vec<f64>,
     left: DMatrix<Complex>,
@@ -65,11 +69,26 @@ impl Singular {
         self.right.columns(n - count, count).into_owned()
     }
 
-    /// What of a matrix is orthogonal to the range of the other vectors: changes of the soft vectors answer the rest.
+    /// An orthonormal basis of the range of the other vectors.
+    fn range(&self, count: usize) -> DMatrixView<'_, Complex> {
+        self.left.columns(0, self.left.ncols() - count)
+    }
+
+    /// What of a matrix is orthogonal to that range: changes of the soft vectors answer the rest.
     fn unanswered(&self, count: usize, matrix: DMatrix<Complex>) -> DMatrix<Complex> {
-        let range = self.left.columns(0, self.left.ncols() - count);
+        let range = self.range(count);
         let answered = range * range.ad_mul(&matrix);
         matrix - answered
+    }
+
+    /// What the matrix maps to that basis, a column each: the other right vectors over their singular values.
+    fn origins(&self, count: usize) -> DMatrix<Complex> {
+        let n = self.right.ncols() - count;
+        let mut origins = self.right.columns(0, n).into_owned();
+        for (mut column, value) in origins.column_iter_mut().zip(&self.values) {
+            column /= Complex::from(*value);
+        }
+        origins
     }
 }
 
@@ -83,20 +102,20 @@ impl<const D: usize> StrainRows<D> {
         counts.dedup();
         counts
             .into_iter()
-            .find_map(|count| self.followed(start, reach, count))
+            .find_map(|count| self.followed(start, &first, reach, count))
     }
 
     fn followed(
         &self,
         start: &SVector<f64, D>,
+        first: &Singular,
         reach: f64,
         count: usize,
     ) -> Option<SVector<f64, D>> {
-        let mut k = *start;
+        let (mut k, mut singular) = (*start, Cow::Borrowed(first));
         let mut best = (f64::INFINITY, k);
         let mut idle = 0;
         for _ in 0..STEPS {
-            let singular = Singular::of(self.at(&k))?;
             let smallest = singular.smallest();
             if smallest < 0.9 * best.0 {
                 idle = 0;
@@ -118,6 +137,7 @@ impl<const D: usize> StrainRows<D> {
             if has_strayed || !k.iter().all(|x| x.is_finite()) {
                 break;
             }
+            singular = Cow::Owned(Singular::of(self.at(&k))?);
         }
         (best.0 <= ZERO).then_some(best.1)
     }
@@ -145,10 +165,6 @@ impl<const D: usize> StrainRows<D> {
     }
 
     /// What is known of the neighborhood of a root; `None` where there is no kernel.
-    ///
-    /// With the kernel `U`, the complement `W` of the range of `R`, its smallest singular value `r` other than zero, and bounds `L`,
-    /// `M` on the first and second derivatives, a kernel at the distance `d` needs `s <= d (M/2 + 2 L^2/r)`, if `d <= r/(2 L)`, where
-    /// `s` is the smallest of `|W* (n.dR) U a|` over unit `n` and `a`.
     pub(super) fn root(&self, k: &SVector<f64, D>) -> Option<Root<D>> {
         let singular = Singular::of(self.at(k))?;
         let count = singular.below(KERNEL * self.slope.max(1.0));
@@ -156,8 +172,11 @@ impl<const D: usize> StrainRows<D> {
             return None;
         }
         let kernel = singular.softest(count);
-        let turned: Vec<DMatrix<Complex>> = (0..D)
-            .map(|i| singular.unanswered(count, self.derivative(k, i) * &kernel))
+        let slopes: Vec<DMatrix<Complex>> = (0..D).map(|i| self.derivative(k, i)).collect();
+        let surroundings = Surroundings::of(&singular, &kernel, &slopes);
+        let turned: Vec<DMatrix<Complex>> = slopes
+            .iter()
+            .map(|slope| singular.unanswered(count, slope * &kernel))
             .collect();
         let products: Vec<Vec<DMatrix<Complex>>> = turned
             .iter()
@@ -169,31 +188,100 @@ impl<const D: usize> StrainRows<D> {
             .into_iter()
             .filter(|(value, _)| *value <= flat_square)
             .count();
-        let slopes = directional(&products, count);
-        let least = slopes
+        let found = directional(&products, count);
+        let least = found
             .first()
             .map_or(0.0, |(square, _)| square.max(0.0).sqrt());
-        let flat = slopes
+        let flat = found
             .into_iter()
             .filter(|(square, _)| *square <= flat_square);
-        let rank = singular.values.len() - count;
-        let range = if rank == 0 {
-            f64::INFINITY
-        } else {
-            singular.values[rank - 1]
-        };
-        let (slope, curvature) = (self.slope, self.curvature);
-        let curved = 0.5 * curvature + 2.0 * slope * slope / range;
-        // Directions are sampled: a little less.
-        let alone_within = (0.5 * range / slope).min(0.9 * least / curved);
         Some(Root {
             wave_vector: *k,
             kernel,
-            alone_within,
+            // Directions are sampled: a little less.
+            alone_within: surroundings.alone_within(0.9 * least, self.curvature),
             flat: flat.map(|(_, direction)| direction).collect(),
             tangents,
         })
     }
+}
+
+/// How `R` changes around a root, bounds for any unit direction `n`.
+///
+/// There `R = R_0 + d S + E` at the distance `d`, with `S = n.dR` and `|E| <= e = M d^2 / 2`, `M` a bound on the second derivative. With the kernel `U`, an
+/// orthonormal basis `Q` of the range of `R_0`, its complement `W`, and `R_0 O = Q`, any vector is `U a + O y`. In a kernel at that distance
+///
+/// `y + Q* (d S + E) (U a + O y) = 0` and `W* (d S + E) (U a + O y) = 0`;
+///
+/// the first gives `|y| <= (b d + e) |a| / (1 - h d - e |O|)`, and with it the second
+///
+/// `s d <= e + (c d + e |O|) (b d + e) / (1 - h d - e |O|)`,
+///
+/// where `s` is the smallest of `|W* S U a|` over unit `n` and `a`.
+struct Surroundings {
+    /// `b`, of `|Q* S U|`.
+    answer: f64,
+    /// `h`, of the Hermitian part of `Q* S O`.
+    relative: f64,
+    /// `c`, of `|W* S O|`.
+    turned: f64,
+    /// `|O|`, the inverse of the smallest singular value other than zero.
+    softness: f64,
+}
+
+impl Surroundings {
+    fn of(singular: &Singular, kernel: &DMatrix<Complex>, slopes: &[DMatrix<Complex>]) -> Self {
+        let count = kernel.ncols();
+        let rank = singular.values.len() - count;
+        if rank == 0 {
+            return Self {
+                answer: 0.0,
+                relative: 0.0,
+                turned: 0.0,
+                softness: 0.0,
+            };
+        }
+        let (range, origins) = (singular.range(count), singular.origins(count));
+        let relative = |slope: &DMatrix<Complex>| {
+            let product = range.ad_mul(&(slope * &origins));
+            (&product + product.adjoint()) * Complex::from(0.5)
+        };
+        // Of a sum over the components of a unit vector the norm is at most the root of the sum of the squares.
+        let of_any = |part: &dyn Fn(&DMatrix<Complex>) -> DMatrix<Complex>| -> f64 {
+            let squares = slopes.iter().map(|slope| norm(&part(slope)).powi(2));
+            squares.sum::<f64>().sqrt()
+        };
+        Self {
+            answer: of_any(&|slope| range.ad_mul(&(slope * kernel))),
+            relative: of_any(&relative),
+            turned: of_any(&|slope| singular.unanswered(count, slope * &origins)),
+            softness: singular.values[rank - 1].recip(),
+        }
+    }
+
+    /// The distance within which there is no other root, for `s` and `M`: what is left of `s d` grows with the distance.
+    fn alone_within(&self, s: f64, curvature: f64) -> f64 {
+        let is_alone = |d: f64| {
+            let e = 0.5 * curvature * d;
+            let soft = e * self.softness;
+            let share = 1.0 - (self.relative + soft) * d;
+            share > 0.0 && e + (self.turned + soft) * (self.answer + e) * d / share < s
+        };
+        let (mut least, mut most) = (0.0, 2.0 * s / curvature);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (least + most);
+            match is_alone(middle) {
+                true => least = middle,
+                false => most = middle,
+            }
+        }
+        least
+    }
+}
+
+/// The spectral norm.
+fn norm(matrix: &DMatrix<Complex>) -> f64 {
+    matrix.singular_values().max()
 }
 
 /// The smallest `|n.T a|^2` over unit `a` for directions `n`, from the products `T_i* T_j`: stationary directions, the least first.
@@ -293,4 +381,68 @@ fn eigen<const D: usize>(matrix: &SMatrix<f64, D, D>) -> Vec<(f64, SVector<f64, 
         .collect();
     sort_by_value(&mut pairs, |item| item.0);
     pairs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Root;
+    use crate::algebra::{array_of, uniform};
+    use crate::kernel::Kernel;
+    use crate::lattice::{Crystal, LatticeKind};
+    use crate::scheme::sph::{TotalLagrangianChoices, TotalLagrangianSph};
+    use crate::scheme::{Discretization, StrainRows};
+    use nalgebra::SVector;
+    use std::f64::consts::PI;
+
+    /// No wave as near to a root as is said is without strain, and no other root is.
+    fn assert_alone<const D: usize>(
+        kind: LatticeKind,
+        (radius, cells, disorder): (f64, [usize; D], f64),
+        (root, other): ([f64; D], Option<[f64; D]>),
+        least: f64,
+    ) {
+        let crystal = Crystal::of(kind, 1.0)
+            .and_then(|one| one.supercell(cells))
+            .and_then(|cell| cell.perturbed(disorder, 7));
+        let choices = TotalLagrangianChoices {
+            kernel: Kernel::QuarticSpline,
+            radius,
+            ..TotalLagrangianChoices::default()
+        };
+        let scheme = TotalLagrangianSph::new(crystal.expect("a crystal"), choices);
+        let scheme = scheme.expect("a method");
+        let rows = StrainRows::new(scheme.crystal(), &scheme.strain().expect("strains"));
+        let root = SVector::from(root);
+        let found: Root<D> = rows.root(&root).expect("a root");
+        let alone = found.alone_within;
+        assert!(alone > least, "{kind:?} {alone}");
+        if let Some(other) = other.map(SVector::from) {
+            assert!(rows.smallest(&other) < 1e-14);
+            assert!((other - root).norm() > alone);
+        }
+        let mut state = 11;
+        for n in 0..200 {
+            let direction = SVector::from(array_of::<f64, D>(|_| uniform(&mut state) - 0.5));
+            let distance = alone * 10.0_f64.powf(-f64::from(n) / 50.0);
+            let k = root + direction.normalize() * distance;
+            assert!(rows.smallest(&k) > 1e-4 * distance, "{kind:?} {distance}");
+        }
+    }
+
+    #[test]
+    fn roots_are_alone_in_their_neighborhoods() {
+        let rest = [0.0; 2];
+        let edge = [0.0, PI];
+        for (cells, of) in [
+            ([1, 1], ([PI, 0.0], Some([PI, PI]))),
+            ([2, 1], (edge, Some(rest))),
+            ([2, 1], (rest, Some(edge))),
+        ] {
+            assert_alone(LatticeKind::Square, (2.0, cells, 0.0), of, 0.05);
+        }
+        let disordered = (2.2, [3, 3], 0.1);
+        assert_alone(LatticeKind::Hexagonal, disordered, (rest, None), 0.03);
+        let disordered = (1.9, [2, 1, 1], 0.1);
+        assert_alone(LatticeKind::SimpleCubic, disordered, ([0.0; 3], None), 0.01);
+    }
 }
