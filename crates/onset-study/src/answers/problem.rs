@@ -135,6 +135,16 @@ impl From<MethodError> for ProblemError {
     }
 }
 
+impl ProblemError {
+    /// The error of a method with these settings, at the place of the setting that it is about.
+    pub(crate) fn of(settings: &Settings, error: MethodError) -> Self {
+        match settings.blamed(&error) {
+            Some(setting) => setting.into(),
+            None => error.into(),
+        }
+    }
+}
+
 /// A hint as it follows a message.
 fn hint_lines(hint: &str) -> String {
     match hint {
@@ -375,9 +385,14 @@ impl Problem {
     /// # Errors
     /// [`ProblemError`] when one of them is not admissible.
     pub fn new(settings: Settings) -> Result<Self, ProblemError> {
-        let material = settings.law().map_err(MethodError::from)?;
+        let built = || -> Result<_, MethodError> {
+            let material = settings.law()?;
+            let analysis = analysis(&method(&settings)?, Arc::clone(&material))?;
+            Ok((analysis, material))
+        };
+        let (analysis, material) = built().map_err(|error| ProblemError::of(&settings, error))?;
         Ok(Self {
-            analysis: analysis(&method(&settings)?, Arc::clone(&material))?,
+            analysis,
             settings,
             material,
         })

@@ -53,7 +53,7 @@ impl Table {
             .common
             .material
             .law_in(comparison.dimension())
-            .map_err(MethodError::from)?;
+            .map_err(|error| ProblemError::of(&comparison.common, error.into()))?;
         let row = |candidate: &Candidate| {
             let measured = Measured::of(
                 &candidate.settings,

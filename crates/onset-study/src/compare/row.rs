@@ -80,7 +80,9 @@ impl Measured {
         material: Arc<dyn Hyperelastic>,
         options: &CompareSettings,
     ) -> Result<Self, ProblemError> {
-        let analysis = analysis(&method(settings)?, material)?;
+        let analysis = method(settings)
+            .and_then(|method| analysis(&method, material))
+            .map_err(|error| ProblemError::of(settings, error))?;
         let spurious = analysis.spurious_modes(options.weak)?;
         let zero_modes = spurious.modes.iter().filter(|mode| mode.is_zero()).count();
         let onsets = Load::ALL

@@ -5,6 +5,7 @@
 
 mod aliases;
 mod axis;
+mod blame;
 mod body;
 mod comparison;
 mod effective;

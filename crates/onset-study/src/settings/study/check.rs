@@ -1,5 +1,6 @@
 //! Whether the parts of a study fit together: what one key alone cannot tell.
 
+use super::super::blame::keys_of;
 use super::super::{
     Axis, Family, MAP_KEYS, Origin, Quantity, STATE_KEYS, SettingError, Settings, StateSettings,
     aliases,
@@ -8,8 +9,6 @@ use super::Study;
 use crate::methods::{hint, method};
 use onset::analysis::check_method;
 use onset::kinematics::KinematicsError;
-use onset::lattice::LatticeError;
-use onset::material::MaterialError;
 use onset::method::MethodError;
 
 impl Study {
@@ -269,42 +268,10 @@ impl Study {
 
     /// Where the setting that an error is about was made.
     fn origin_of_method_error(&self, error: &MethodError) -> Origin {
-        match error {
-            MethodError::Setting { name, .. } => self.origin_of(&format!("discretization.{name}")),
-            MethodError::Lattice(LatticeError::Aspect { .. }) => {
-                self.origin_of("discretization.aspect")
-            }
-            MethodError::Lattice(LatticeError::Vectors { .. }) => {
-                let set = self.origin("discretization.vectors");
-                set.cloned()
-                    .unwrap_or_else(|| self.origin_of("discretization.lattice"))
-            }
-            MethodError::Lattice(LatticeError::Dependent { .. }) => {
-                self.origin_of("discretization.vectors")
-            }
-            MethodError::Lattice(LatticeError::Spacing { .. }) => {
-                self.origin_of("discretization.spacing")
-            }
-            MethodError::Material(MaterialError::NoPlaneStress { .. }) => {
-                self.origin_of("material.plane")
-            }
-            MethodError::Material(MaterialError::External { .. }) => {
-                let origins = ["material.energy", "material.model"];
-                let mut origins = origins.map(|name| self.origin_of(name)).into_iter();
-                let set = origins.find(|origin| *origin != self.origins.file);
-                set.unwrap_or_else(|| self.origins.file.clone())
-            }
-            MethodError::Material(MaterialError::Parameter { name, .. }) => {
-                // A condition on several parameters is named by their sum.
-                let origins = name
-                    .split(" + ")
-                    .map(|name| self.origin_of(&format!("material.{name}")));
-                let mut set = origins.filter(|origin| *origin != self.origins.file);
-                set.next()
-                    .unwrap_or_else(|| self.origin_of("material.model"))
-            }
-            _ => self.origins.file.clone(),
-        }
+        let keys = keys_of(error);
+        let mut origins = keys.iter().map(|name| self.origin_of(name));
+        let set = origins.find(|origin| *origin != self.origins.file);
+        set.unwrap_or_else(|| self.origins.file.clone())
     }
 
     /// Where a key was set or varied; the beginning of the file when nowhere.
