@@ -21,7 +21,6 @@ use crate::answers::{ProblemError, notes_on_law, notes_on_method};
 use crate::figure::FigureError;
 use crate::output::{Files, text};
 use crate::settings::{Candidate, Comparison};
-use onset::method::MethodError;
 use rayon::prelude::*;
 use std::sync::Arc;
 

@@ -172,6 +172,14 @@ impl<const D: usize> StrainRows<D> {
         self.smallest(k) <= fraction * self.slope * k.norm()
     }
 
+    /// How many independent displacements at `k = 0`, the translations among them, are not seen, to a fraction of the strains of waves with a wave number.
+    pub(crate) fn nullity_at_rest(&self, wave_number: f64, fraction: f64) -> usize {
+        let values = self.at(&SVector::zeros()).singular_values();
+        let least = fraction * self.slope * wave_number;
+        let unseen = values.iter().filter(|value| **value <= least).count();
+        unseen * self.modes_per_column()
+    }
+
     /// The smallest singular value of `R(k)`.
     pub(crate) fn smallest(&self, k: &SVector<f64, D>) -> f64 {
         self.at(k).singular_values().min()

@@ -672,10 +672,13 @@ impl<'a, const D: usize> Survey<'a, D> {
             let lowest = reference.omega_squared(&k)[0].re;
             (lowest / (self.speed_squared() * lattice.laplacian(&k))).abs() <= ZERO
         };
-        Ok(softest
-            .into_iter()
-            .chain(lattice.alternating())
-            .any(is_zero))
+        // Where the neighbors that alternate lie in one cell, the wave of the cells is infinitely long.
+        let shortest = lattice.alternating().map(|k| lattice.laplacian(&k));
+        let unit = self.speed_squared() * shortest.fold(0.0, f64::max);
+        let at_rest = reference.omega_squared(&SVector::zeros()).into_iter();
+        let free = at_rest.filter(|omega_squared| omega_squared.norm() <= ZERO * unit);
+        let mut others = softest.into_iter().chain(lattice.alternating());
+        Ok(free.count() > D || others.any(is_zero))
     }
 
     fn misses_alternating(&self) -> Result<bool, MethodError> {
@@ -683,7 +686,9 @@ impl<'a, const D: usize> Survey<'a, D> {
             let crystal = self.discretization.crystal();
             let rows = StrainRows::new(crystal, &self.discretization.strain()?);
             let mut alternating = crystal.lattice().alternating();
-            Ok(alternating.any(|k| rows.misses(&k, ZERO)))
+            let shortest = crystal.lattice().alternating().map(|k| k.norm());
+            let is_free = rows.nullity_at_rest(shortest.fold(0.0, f64::max), ZERO) > D;
+            Ok(is_free || alternating.any(|k| rows.misses(&k, ZERO)))
         };
         let known = self.ground.misses_alternating.get_or_init(misses);
         known.clone()
