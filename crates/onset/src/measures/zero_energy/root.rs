@@ -442,7 +442,7 @@ mod tests {
         }
         let disordered = (2.2, [3, 3], 0.1);
         assert_alone(LatticeKind::Hexagonal, disordered, (rest, None), 0.03);
-        let disordered = (1.9, [2, 1, 1], 0.1);
+        let disordered = (1.9, [2, 2, 2], 0.1);
         assert_alone(LatticeKind::SimpleCubic, disordered, ([0.0; 3], None), 0.01);
     }
 }
