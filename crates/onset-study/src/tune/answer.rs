@@ -9,7 +9,6 @@ use crate::output::{Files, text};
 use crate::range::middle;
 use crate::settings::{CompareSettings, Effective, Settings};
 use onset::measures::StretchOnset;
-use onset::method::MethodError;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;
@@ -95,7 +94,8 @@ impl TuneAnswer {
     ) -> Result<Self, ProblemError> {
         question.check(settings)?;
         let limits = question.thresholds;
-        let material = settings.law().map_err(MethodError::from)?;
+        let law = settings.law();
+        let material = law.map_err(|error| ProblemError::of(settings, error.into()))?;
         // Fewer states than a comparison takes.
         let options = CompareSettings {
             stretches: question.stretches,

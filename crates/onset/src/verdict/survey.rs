@@ -19,6 +19,8 @@ use std::sync::{Arc, OnceLock};
 
 /// Modes whose scaled measure at rest is below this have no energy.
 const ZERO: f64 = 1e-9;
+/// The fraction of the strains of short waves below which displacements at `k = 0` strain nothing.
+const UNSEEN: f64 = 1e-7;
 /// Scaled measures of stable states up to which stress alone may hold the softest mode.
 const SOFT: f64 = 0.05;
 
@@ -108,6 +110,8 @@ pub struct Ground<const D: usize> {
     reference: OnceLock<Result<WaveSystem<D>, MethodError>>,
     /// Whether some wave of alternating neighbors strains nothing.
     misses_alternating: OnceLock<Result<bool, MethodError>>,
+    /// Whether particles of a cell move against each other without strain.
+    is_free_at_rest: OnceLock<Result<bool, MethodError>>,
 }
 
 /// The plane waves of a state, ready to be searched.
@@ -281,6 +285,7 @@ impl<'a, const D: usize> Survey<'a, D> {
                 moments: None,
                 reference: OnceLock::new(),
                 misses_alternating: OnceLock::new(),
+                is_free_at_rest: OnceLock::new(),
             }),
         })
     }
@@ -661,6 +666,9 @@ impl<'a, const D: usize> Survey<'a, D> {
         if let Some(norm) = self.gradient_norm(f, softest)? {
             return Ok(norm <= ZERO_ENERGY || self.discretization.has_alternating_zero_mode(f)?);
         }
+        if self.is_free_at_rest()? {
+            return Ok(true);
+        }
         if !self.stiffness_at_rest()?.is_strongly_elliptic() {
             // Waves in which the material itself has no energy do not tell.
             return self.misses_alternating();
@@ -672,13 +680,24 @@ impl<'a, const D: usize> Survey<'a, D> {
             let lowest = reference.omega_squared(&k)[0].re;
             (lowest / (self.speed_squared() * lattice.laplacian(&k))).abs() <= ZERO
         };
-        // Where the neighbors that alternate lie in one cell, the wave of the cells is infinitely long.
-        let shortest = lattice.alternating().map(|k| lattice.laplacian(&k));
-        let unit = self.speed_squared() * shortest.fold(0.0, f64::max);
-        let at_rest = reference.omega_squared(&SVector::zeros()).into_iter();
-        let free = at_rest.filter(|omega_squared| omega_squared.norm() <= ZERO * unit);
-        let mut others = softest.into_iter().chain(lattice.alternating());
-        Ok(free.count() > D || others.any(is_zero))
+        Ok(softest
+            .into_iter()
+            .chain(lattice.alternating())
+            .any(is_zero))
+    }
+
+    /// Whether more than the translations strain nothing at `k = 0`: where the neighbors that alternate lie in one cell, the wave of the cells is
+    /// infinitely long.
+    fn is_free_at_rest(&self) -> Result<bool, MethodError> {
+        let is_free = || {
+            let crystal = self.discretization.crystal();
+            let rows = StrainRows::new(crystal, &self.discretization.strain()?);
+            let alternating = crystal.lattice().alternating().map(|k| k.norm());
+            let wave_number = alternating.fold(0.0, f64::max);
+            Ok(crystal.sites().len() > 1 && rows.nullity_at_rest(wave_number, UNSEEN) > D)
+        };
+        let known = self.ground.is_free_at_rest.get_or_init(is_free);
+        known.clone()
     }
 
     fn misses_alternating(&self) -> Result<bool, MethodError> {
@@ -686,9 +705,7 @@ impl<'a, const D: usize> Survey<'a, D> {
             let crystal = self.discretization.crystal();
             let rows = StrainRows::new(crystal, &self.discretization.strain()?);
             let mut alternating = crystal.lattice().alternating();
-            let shortest = crystal.lattice().alternating().map(|k| k.norm());
-            let is_free = rows.nullity_at_rest(shortest.fold(0.0, f64::max), ZERO) > D;
-            Ok(is_free || alternating.any(|k| rows.misses(&k, ZERO)))
+            Ok(alternating.any(|k| rows.misses(&k, ZERO)))
         };
         let known = self.ground.misses_alternating.get_or_init(misses);
         known.clone()

@@ -98,11 +98,21 @@ fn the_verdict_does_not_depend_on_how_many_particles_a_cell_has() {
             }
         }
     }
+    // Little strain is not none, however stiff the law is against volume changes.
+    let stiff = Law::named("saint-venant-kirchhoff").expect("a law of the library");
+    let stiff = stiff.build(&[("lambda", 1e6), ("mu", 1.0)]);
+    let stiff = stiff.expect("admissible parameters");
+    let disordered = square
+        .supercell([2, 2])
+        .and_then(|cell| cell.perturbed(0.01, 1));
+    let disordered = scheme(disordered.expect("a crystal"), 0.0);
+    let survey = Survey::new(&disordered, &*stiff).expect("a survey");
+    let rest = DeformationGradient::identity();
+    assert_eq!(survey.judge(&rest).expect("a verdict").0, Verdict::Stable);
     // Its two particles move freely against each other.
     let honeycomb = Crystal::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
     let scheme = scheme(honeycomb, 0.0);
     let survey = Survey::new(&scheme, &*solid).expect("a survey");
-    let rest = DeformationGradient::identity();
     assert_eq!(
         survey.judge(&rest).expect("a verdict").0,
         Verdict::ZeroEnergy
