@@ -23,7 +23,7 @@ of types are [explained at the end](#types).\
 """
 SETTINGS = """\
 Materials and methods are frozen, equal where they say the same, and can be keys of dictionaries. Earlier names of keys and values are read with a
-`FutureWarning`.\
+`UserWarning`, and so is the state of a study where a question has one of its own.\
 """
 QUESTIONS = """\
 `material` is a `Material`, the name of a law or a formula, `method` a `Method` or the name of a family; left out they are those that the command takes by

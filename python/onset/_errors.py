@@ -99,7 +99,7 @@ def asks(function: Callable[P, T]) -> Callable[P, T]:
         finally:
             _asked.depth -= 1
         for note in _onset.notes() if is_outermost else ():
-            warnings.warn(note, FutureWarning, stacklevel=2)
+            warnings.warn(note, UserWarning, stacklevel=2)
         return answer
 
     return asking

@@ -59,7 +59,7 @@ def test_messages_of_files_have_line_and_column(tmp_path: Path) -> None:
 
 
 def test_earlier_names_are_read_with_a_warning() -> None:
-    with pytest.warns(FutureWarning, match="lattice"):
+    with pytest.warns(UserWarning, match="lattice"):
         onset.state(method=onset.Method(arrangement="square"), stretch=(1, 1))
 
 
@@ -68,7 +68,7 @@ def test_warnings_are_told_where_we_were_asked() -> None:
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         onset.Study.of("neo-hooke", onset.Method(arrangement="square"), axes)
-    assert [(Path(one.filename).name, one.category) for one in told] == [("test_errors.py", FutureWarning)]
+    assert [(Path(one.filename).name, one.category) for one in told] == [("test_errors.py", UserWarning)]
 
 
 def test_a_warning_takes_no_exception_s_place() -> None:

@@ -258,6 +258,7 @@ pub enum Command {
             value_name = "T",
             default_value_t = 1e-3,
             value_parser = tolerance,
+            allow_negative_numbers = true,
             requires = "certify",
             help_heading = "Proof"
         )]
@@ -549,7 +550,7 @@ pub struct DeckArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(32..=1_000_000))]
     pub steps: Option<u32>,
     /// The relative difference of rates that counts as agreement [default: what the code has been seen to keep].
-    #[arg(long, value_name = "SHARE", value_parser = share)]
+    #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
     /// How the code takes a time step, with --code plain: velocity-verlet, extrapolated-stress, late-density or late-acceleration
     /// [default: velocity-verlet].
@@ -602,9 +603,9 @@ pub struct SimulateArguments {
     /// The largest displacement at the start, in particle spacings; of a body at random [default: 1e-6, of a body 0].
     #[arg(long, value_name = "A", value_parser = share, allow_negative_numbers = true, help_heading = "Patch")]
     pub amplitude: Option<f64>,
-    /// The seed of the noise.
-    #[arg(long, value_name = "S", default_value_t = 1, help_heading = "Patch")]
-    pub seed: u64,
+    /// The seed of the noise [default: 1].
+    #[arg(long, value_name = "S", help_heading = "Patch")]
+    pub seed: Option<u64>,
     /// Steps [default: about a period of the wave, four e-folding times of growth or one of decay; a body must be told].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Time")]
     pub steps: Option<u64>,
@@ -625,7 +626,7 @@ pub struct SimulateArguments {
     #[arg(long, value_name = "NAME", value_parser = stepper, help_heading = "Time")]
     pub integrator: Option<Stepper>,
     /// The relative difference of rates that counts as agreement [default: 1e-6].
-    #[arg(long, value_name = "SHARE", value_parser = share)]
+    #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
     /// Folder for history.csv, fields and checkpoints; nothing is written without it.
     #[arg(long, value_name = "DIR", help_heading = "Files")]
@@ -633,13 +634,13 @@ pub struct SimulateArguments {
     /// Steps between lines of the history [default: about 400 lines].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Files")]
     pub every: Option<u64>,
-    /// How many fields are written (field-0000.vtu, ... and fields.pvd), from the start to the end.
-    #[arg(long, value_name = "N", default_value_t = 11, value_parser = clap::value_parser!(u64).range(0..=10_000), help_heading = "Files")]
-    pub fields: u64,
+    /// How many fields are written (field-0000.vtu, ... and fields.pvd), from the start to the end [default: 11].
+    #[arg(long, requires = "out", value_name = "N", value_parser = clap::value_parser!(u64).range(0..=10_000), help_heading = "Files")]
+    pub fields: Option<u64>,
     /// Steps between checkpoints [default: every five seconds].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Files")]
+    #[arg(long, requires = "out", value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Files")]
     pub checkpoint: Option<u64>,
-    /// Go on from the checkpoint in the folder; the files become those of a run that never ended.
+    /// Go on from the checkpoint in the folder, begin where there is none; the files become those of a run that never ended.
     #[arg(
         long,
         requires = "out",

@@ -98,10 +98,16 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             }
             let problem = problem.build()?;
             let strain = strain.build(&problem)?;
-            let answer = if certify {
-                StateAnswer::certified(&problem, &strain, tolerance)?
-            } else {
-                StateAnswer::new(&problem, &strain)?
+            let found = match certify {
+                true => StateAnswer::certified(&problem, &strain, tolerance),
+                false => StateAnswer::new(&problem, &strain),
+            };
+            let answer = match (found, &failing.fail_on) {
+                (Err(error), Some(fail_on)) if fail_on.has_undefined() => {
+                    printing::tell(format_args!("error: {}", Failure::from(error).message));
+                    return Ok(fail_on.code([(None, 1)]));
+                }
+                (found, _) => found?,
             };
             let printed = printing::print(&answer, answer.to_string().trim_end(), None)?;
             Ok(match failing.fail_on {
@@ -213,10 +219,14 @@ const MOST: u64 = 16 << 20;
 /// Name and text of a file; of standard input where the file is `-`.
 pub fn source(file: &Path) -> Result<(String, String), Failure> {
     if file == Path::new("-") {
-        return Ok((
-            "standard input".to_owned(),
-            read("standard input", std::io::stdin())?,
-        ));
+        let name = "standard input".to_owned();
+        let text = read(&name, std::io::stdin())?;
+        return match text.trim().is_empty() {
+            true => Err(Failure::input(
+                "standard input is empty\n  hint: expected a study; leave - out for the defaults",
+            )),
+            false => Ok((name, text)),
+        };
     }
     let name = file.display().to_string();
     let text = match File::open(file) {
@@ -302,7 +312,9 @@ fn law(
         None => Default::default(),
     };
     let law = MaterialSettings::of_file(&name, &text, assignments);
-    permitted(law.map_err(Failure::input)?, trust)
+    let law = permitted(law.map_err(Failure::input)?, trust)?;
+    law.check_parameters().map_err(Failure::input)?;
+    Ok(law)
 }
 
 /// A material of which the user allows what it loads.

@@ -65,6 +65,11 @@ impl FailOn {
         Ok(Self(names))
     }
 
+    /// Whether states are among them at which the method cannot be evaluated.
+    pub fn has_undefined(&self) -> bool {
+        self.0.contains(&UNDEFINED)
+    }
+
     /// The exit code after verdicts by name, with how many states have each; none without a word stands for states that have none.
     pub fn code<'v>(&self, found: impl IntoIterator<Item = (Option<&'v str>, u64)>) -> ExitCode {
         let mut counts: Vec<(&str, u64)> = Vec::new();

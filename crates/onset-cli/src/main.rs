@@ -16,7 +16,7 @@ mod patience;
 mod printing;
 mod threads;
 
-use onset_study::settings::notes_on_names;
+use onset_study::settings::notes_on_settings;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -31,7 +31,7 @@ fn main() -> ExitCode {
         return ExitCode::from(1);
     }
     let outcome = threads::check().and_then(|()| commands::run(arguments));
-    for note in notes_on_names() {
+    for note in notes_on_settings() {
         printing::tell(format_args!("note: {note}"));
     }
     let ended = match outcome {

@@ -108,7 +108,10 @@ fn default_place(file: &Path) -> PathBuf {
 fn resuming(arguments: &MapArguments, path: &Path) -> String {
     let mut command = format!(
         "onset map {} --out {} --resume",
-        quoted_file(&arguments.file),
+        match arguments.file.as_os_str() == "-" {
+            true => "- < STUDY".to_owned(),
+            false => quoted_file(&arguments.file),
+        },
         quoted_file(path)
     );
     if let Some(tiles) = &arguments.tiles {

@@ -23,10 +23,10 @@ pub fn models() -> Vec<&'static str> {
     Model::all().map(Model::name).collect()
 }
 
-/// What is to be told of earlier names that have been read since this was asked last.
+/// What is to be told of the settings that have been read since this was asked last.
 #[pyfunction]
 pub fn notes() -> Vec<String> {
-    settings::notes_on_names()
+    settings::notes_on_settings()
 }
 
 /// The words of verdicts in the order of their numbers; the last is where the method cannot be evaluated.

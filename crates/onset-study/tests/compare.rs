@@ -172,7 +172,7 @@ fn wave_vectors_are_told_as_fractions_where_they_are() {
         let mode = ShownMode {
             wave_vector: fractional.to_vec(),
             fractional: fractional.to_vec(),
-            relative_frequency: Some(0.25),
+            relative_frequency: 0.25,
             nullity: 0,
             extent: Extent::Point,
             positions: Vec::new(),

@@ -14,9 +14,14 @@ pub fn localize(arguments: &LocalizeArguments) -> Result<ExitCode, Failure> {
         ("path", &arguments.path),
         ("load", &arguments.load),
     ];
-    let assignments: Vec<String> = shortcuts
+    let given = shortcuts
         .into_iter()
-        .filter_map(|(name, word)| Some(format!("plasticity.{name}={}", word.as_ref()?)))
+        .filter_map(|(name, word)| Some((name, word.as_ref()?)));
+    for (name, word) in given.clone() {
+        refuse_another(name, word, &arguments.assignments)?;
+    }
+    let assignments: Vec<String> = given
+        .map(|(name, word)| format!("plasticity.{name}={word}"))
         .chain(arguments.assignments.iter().cloned())
         .collect();
     let settings = PlasticSettings::from_assignments(&assignments).map_err(Failure::input)?;
@@ -40,4 +45,18 @@ pub fn localize(arguments: &LocalizeArguments) -> Result<ExitCode, Failure> {
         None => Vec::new(),
     };
     print(&answer, &with_files(&answer, &written), Some(answer.csv()))
+}
+
+/// Refuses an assignment of what an option sets otherwise.
+fn refuse_another(name: &str, word: &str, assignments: &[String]) -> Result<(), Failure> {
+    let another = assignments.iter().find(|assignment| {
+        let (key, value) = assignment.split_once('=').unwrap_or((assignment, ""));
+        key.trim() == format!("plasticity.{name}") && value.trim().trim_matches('"') != word
+    });
+    match another {
+        Some(another) => Err(Failure::input(format!(
+            "--{name} {word} and --set {another} are two values of plasticity.{name}\n  hint: leave out one of them"
+        ))),
+        None => Ok(()),
+    }
 }

@@ -75,7 +75,17 @@ fn pace(arguments: &SimulateArguments) -> Pace {
         time_step: arguments.time_step,
         is_supercritical: arguments.supercritical,
         every: arguments.every,
-        fields: arguments.fields,
+        fields: arguments.fields.unwrap_or(11),
+    }
+}
+
+/// The seed of noise; refused where nothing moves at random.
+fn seed(arguments: &SimulateArguments, is_random: bool, hint: &str) -> Result<u64, Failure> {
+    match arguments.seed {
+        Some(_) if !is_random => Err(Failure::input(format!(
+            "--seed has no effect: nothing moves at random at the start\n  hint: {hint}, or leave --seed out"
+        ))),
+        given => Ok(given.unwrap_or(1)),
     }
 }
 
@@ -90,13 +100,14 @@ fn patch(arguments: &SimulateArguments, problem: &Problem) -> Result<Question, F
         (None, None, Some("noise")) => Seeded::Noise,
         (None, None, _) => Seeded::Critical,
     };
+    let is_noise = matches!(seeded, Seeded::Noise);
     Ok(Question {
         f: arguments.strain.build(problem)?.0,
         cells: whole("--cells", arguments.cells.as_deref().unwrap_or("8"))?,
         seeded,
         branch: arguments.branch.unwrap_or(1),
         amplitude: arguments.amplitude.unwrap_or(1e-6),
-        seed: arguments.seed,
+        seed: seed(arguments, is_noise, "give --mode noise")?,
         pace: pace(arguments),
         stepper: arguments.integrator,
         tolerance: arguments.tolerance.unwrap_or(1e-6),
@@ -128,14 +139,15 @@ fn body_question(
             "{option} has no effect on a body, which moves by central differences and has no waves of its own\n  hint: leave it out, or [body] of the study"
         )));
     }
+    let amplitude = arguments.amplitude.unwrap_or(0.0);
     Ok(BodyQuestion {
         body,
         f: match arguments.strain.is_given() {
             true => Some(arguments.strain.build(problem)?.0),
             false => None,
         },
-        amplitude: arguments.amplitude.unwrap_or(0.0),
-        seed: arguments.seed,
+        amplitude,
+        seed: seed(arguments, amplitude != 0.0, "give --amplitude")?,
         pace: pace(arguments),
     })
 }

@@ -166,11 +166,19 @@ fn what_is_known_beside_a_limit_is_said() {
         "limit --vary material.poisson --range 0.1,0.9 --time-step 1e-9 {law} {BARS}"
     ));
     assert!(
-        ratio.stdout.contains("with material.poisson up to 0.")
-            && ratio.stdout.contains("Beyond 0.4"),
+        ratio.stdout.contains("with material.poisson up to 0.") && ratio.stdout.contains("At 0.5"),
         "{}{}",
         ratio.stdout,
         ratio.stderr
+    );
+    // A modulus has no least value, though none is not admitted.
+    let modulus = format!("limit --vary material.mu --range 0,1 --time-step 0.01 {LAW} {BARS}");
+    let ends = document(&modulus);
+    assert_eq!(ends["admitted"][0]["from"]["undefined_at"], 0.0, "{ends}");
+    let told = onset_line(&modulus).stdout;
+    assert!(
+        told.contains("At 0: ") && told.contains("no value was looked at"),
+        "{told}"
     );
     // A grid that the waves of a body admit, and an isolated material point does not.
     let fluid = "--energy stiffness*(sqrt(I3)-1-ln(sqrt(I3))) --set material.stiffness=400 set method=mls-mpm set lattice=square set grid=regular set spacing=0.005";
@@ -242,6 +250,16 @@ fn settings_and_steps_that_are_none_are_refused() {
         assert_eq!(answer.code, Some(2), "{line}: {}", answer.stdout);
         assert!(answer.stderr.contains(fact), "{line}: {}", answer.stderr);
     }
+}
+
+/// With a viscosity of zero its switch would have no effect; with others it has.
+#[test]
+fn what_the_setting_itself_makes_effective_may_be_set() {
+    let sph = "set method=updated-sph set viscosity-switch=averaged";
+    let answer = document(&format!(
+        "limit --vary discretization.viscosity --range 0,1 --time-step 0.01 {sph}"
+    ));
+    assert!(number(&answer, "/admitted/0/to/value") > 0.0, "{answer}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Wrong input ends with exit code 2, nothing on standard output, and a message that says what is wrong.
 
-use crate::{onset, onset_line};
+use crate::{Written, onset, onset_line};
 
 #[track_caller]
 fn assert_refused(arguments: &[&str], facts: &[&str]) {
@@ -521,4 +521,82 @@ fn a_wrong_modulus_is_blamed_where_it_is_set() {
         "state --stretch 1,1 --set material.model=neo-hooke --set material.young=-2 --set material.poisson=0.3",
         &["--set material.young=-2: material.young is -2"],
     );
+}
+
+#[test]
+fn what_is_wrong_with_a_law_is_said_at_its_place() {
+    let negative = "--set material.model=neo-hooke --set material.mu=-1";
+    for command in ["criteria", "card", "audit"] {
+        assert_line_refused(&format!("{command} {negative}"), &["--set material.mu=-1"]);
+    }
+    let study = Written::new("law.toml", "[material]\nmodel = \"neo-hooke\"\nmu = -1\n");
+    assert_line_refused(&format!("criteria {}", &*study), &["law.toml:3:"]);
+    let line = "limit --vary material.c1 --time-step 0.1 --set material.model=neo-hooke";
+    assert_line_refused(line, &["neo-hooke has no parameter `c1`"]);
+}
+
+#[test]
+fn a_value_that_no_method_admits_is_not_compared() {
+    let text = "[[methods]]\nname = \"one\"\nmethod = \"total-lagrangian-sph\"\npenalty = -1\n";
+    let study = Written::new("methods.toml", text);
+    assert_line_refused(
+        &format!("compare {}", &*study),
+        &["methods.toml:4:", "discretization.penalty is -1"],
+    );
+}
+
+#[test]
+fn an_option_without_effect_is_refused() {
+    let patch = "simulate --stretch 1.2,0.9 --cells 4 --steps 10";
+    assert_line_refused(
+        &format!("{patch} --seed 3"),
+        &["--seed has no effect", "--mode noise"],
+    );
+    assert_line_refused(&format!("{patch} --fields 3"), &["--out"]);
+    assert_line_refused(
+        "localize --model j2 --set plasticity.model=gurson",
+        &["two values of plasticity.model"],
+    );
+    assert_line_refused(
+        "localize --path triaxial-compression --load tension",
+        &["plasticity.load"],
+    );
+    // Tests have nothing on standard input.
+    assert_line_refused(
+        "state --stretch 1.1,1 -",
+        &["standard input is empty", "expected a study"],
+    );
+}
+
+/// Maps say so with a word; what fails on that word fails in the same way.
+#[test]
+fn an_undefined_state_fails_where_that_is_asked_for() {
+    let line = "state --stretch 4,4 --set discretization.frame=eulerian";
+    assert_line_refused(line, &["within the support radius"]);
+    let failed = onset_line(&format!("{line} --fail-on undefined"));
+    assert_eq!(failed.code, Some(3), "{}", failed.stderr);
+    assert!(
+        failed.stderr.contains("1 state is undefined"),
+        "{}",
+        failed.stderr
+    );
+}
+
+/// A study for maps has a state of its own, which other questions do not have.
+#[test]
+fn a_state_that_is_not_read_is_told() {
+    let study = Written::new("study.toml", "[state]\nstretch-3 = 1.3\n");
+    for line in [
+        "state --stretch 1.1,1",
+        "path --mode equibiaxial --to 1.1,1.1",
+        "dispersion --stretch 1.1,1",
+    ] {
+        let answer = onset_line(&format!("{line} {}", &*study));
+        assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+        assert!(
+            answer.stderr.contains("study.toml:2:") && answer.stderr.contains("`state.stretch-3`"),
+            "{line}: {}",
+            answer.stderr
+        );
+    }
 }

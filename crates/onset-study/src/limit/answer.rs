@@ -80,6 +80,9 @@ pub struct End {
     pub value: f64,
     /// What is beyond.
     pub kind: EndKind,
+    /// The nearest value found with which nothing can be evaluated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub undefined_at: Option<f64>,
     /// Why nothing can be evaluated there.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
@@ -203,6 +206,7 @@ impl Search<'_> {
                 Some(_) => EndKind::Undefined,
                 None => EndKind::Limit,
             },
+            undefined_at: outside.note.as_ref().map(|_| outside.value),
             note: outside.note,
         }
     }
@@ -271,6 +275,7 @@ impl LimitAnswer {
                     None => End {
                         value: own.value,
                         kind: EndKind::Range,
+                        undefined_at: None,
                         note: None,
                     },
                 };
@@ -360,7 +365,10 @@ impl LimitAnswer {
         let ends = self.admitted.iter().flat_map(|own| [&own.from, &own.to]);
         ends.filter_map(|end| {
             let note = end.note.as_deref()?.lines().next()?;
-            Some(format!("Beyond {}: {note}.", self.value(told(end.value))))
+            let [from, to] = [end.value, end.undefined_at?].map(|value| self.value(told(value)));
+            Some(format!(
+                "At {to}: {note}; between {from} and {to} no value was looked at."
+            ))
         })
     }
 

@@ -97,14 +97,9 @@ impl LimitQuestion {
         VALUES
     }
 
-    /// Refuses a key that the method does not read.
+    /// Refuses a key that method and law do not read.
     fn check(&self, settings: &Settings) -> Result<(), SettingError> {
-        match self.key.parts().0 {
-            "discretization" => {
-                settings.check_read(self.key, Origin::CommandLine(self.key.name.to_owned()), &[])
-            }
-            _ => Ok(()),
-        }
+        settings.check_read(self.key, Origin::CommandLine(self.key.name.to_owned()), &[])
     }
 
     /// The time step in the units of the settings.
@@ -156,7 +151,8 @@ impl LimitQuestion {
             Value::Word(format!("{value:e} {unit}"))
         });
         changed.set(self.key.name, &value, origin)?;
-        changed.check(&[])?;
+        // What is read with some values of the setting is not without effect.
+        changed.check(&[self.key.name])?;
         Ok(changed)
     }
 }

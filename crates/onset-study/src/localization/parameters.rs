@@ -322,7 +322,17 @@ pub const PARAMETERS: &[Parameter] = &[
         "plasticity.load",
         Kind::Words(&["tension", "compression"]),
         "compression",
-        "sense of the strain along axis 1 (triaxial-compression is always compression)",
+        "sense of the strain along axis 1",
+    )
+    .only_with(
+        "plasticity.path",
+        &[
+            "uniaxial-stress",
+            "uniaxial-strain",
+            "plane-strain",
+            "pure-shear",
+            "sheet-stretch",
+        ],
     ),
     parameter(
         "plasticity.strains",

@@ -70,8 +70,8 @@ pub struct ShownMode {
     pub wave_vector: Vec<f64>,
     /// The same in units of the reciprocal vectors.
     pub fractional: Vec<f64>,
-    /// Its frequency over that of the material's slowest wave; `None` at `k = 0`.
-    pub relative_frequency: Option<f64>,
+    /// Its frequency over that of the material's slowest wave.
+    pub relative_frequency: f64,
     /// How many independent zero-energy modes there are.
     pub nullity: usize,
     /// How far zero-energy modes extend from it.
@@ -162,10 +162,7 @@ impl ShownMode {
         Self {
             wave_vector: k.iter().take(analysis.dimension()).copied().collect(),
             fractional: analysis.fractional(&k),
-            relative_frequency: mode
-                .relative_frequency
-                .is_finite()
-                .then_some(mode.relative_frequency),
+            relative_frequency: mode.relative_frequency,
             nullity: mode.nullity,
             extent: mode.extent,
             positions: patch
@@ -206,16 +203,15 @@ impl ShownMode {
 
     /// What it is, in words.
     pub fn kind(&self) -> String {
-        let of_zero = match (self.nullity, self.relative_frequency) {
-            (0, Some(share)) => {
+        let of_zero = match self.nullity {
+            0 => {
                 return format!(
                     "weakly controlled, {:.1} % of the material's frequency",
-                    100.0 * share
+                    100.0 * self.relative_frequency
                 );
             }
-            (0, None) => return "weakly controlled".to_owned(),
-            (1, _) => "zero energy".to_owned(),
-            (count, _) => format!("zero energy, {count} independent modes"),
+            1 => "zero energy".to_owned(),
+            count => format!("zero energy, {count} independent modes"),
         };
         match self.extent {
             Extent::Point => of_zero,
@@ -286,7 +282,7 @@ mod tests {
             let mode = ShownMode {
                 wave_vector: Vec::new(),
                 fractional: fractional.to_vec(),
-                relative_frequency: None,
+                relative_frequency: 0.0,
                 nullity: 1,
                 extent: Extent::Point,
                 positions: Vec::new(),

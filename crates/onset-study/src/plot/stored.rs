@@ -55,7 +55,7 @@ impl StoredMap {
             source,
         })?;
         // A store of the format before has earlier names, which are not the user's.
-        drop(crate::settings::notes_on_names());
+        drop(crate::settings::notes_on_settings());
         let mut study = study.allowing(trust);
         if study.settings.material.permitted().is_ok() {
             study

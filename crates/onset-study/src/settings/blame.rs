@@ -1,32 +1,72 @@
 //! Which settings an error of a method or law is about.
 
-use super::{Origin, SettingError, Settings};
-use crate::methods::hint;
+use super::{MaterialSettings, Origin, SettingError, Settings};
+use crate::methods::{hint, method};
+use onset::analysis::check_method;
 use onset::lattice::LatticeError;
-use onset::material::MaterialError;
+use onset::material::{MaterialError, library};
 use onset::method::MethodError;
+use onset::quadrature::QuadratureError;
 
 /// The keys that an error is about, the first one that was set being to blame; none for what several settings make together.
-pub(super) fn keys_of(error: &MethodError) -> Vec<String> {
-    let keys = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
+fn keys_of(error: &MethodError) -> Vec<String> {
+    let keys = |names: &[&str]| {
+        let full = names.iter().map(|name| format!("discretization.{name}"));
+        full.collect()
+    };
     match error {
-        MethodError::Setting { name, .. } => vec![format!("discretization.{name}")],
-        MethodError::Lattice(LatticeError::Aspect { .. }) => keys(&["discretization.aspect"]),
-        MethodError::Lattice(LatticeError::Vectors { .. }) => {
-            keys(&["discretization.vectors", "discretization.lattice"])
+        MethodError::Setting { name, .. } => keys(&[name]),
+        MethodError::Lattice(error) | MethodError::Quadrature(QuadratureError::Lattice(error)) => {
+            keys(of_lattice(error))
         }
-        MethodError::Lattice(LatticeError::Dependent { .. }) => keys(&["discretization.vectors"]),
-        MethodError::Lattice(LatticeError::Spacing { .. }) => keys(&["discretization.spacing"]),
-        MethodError::Material(MaterialError::NoPlaneStress { .. }) => keys(&["material.plane"]),
-        MethodError::Material(MaterialError::External { .. }) => {
-            keys(&["material.energy", "material.model"])
-        }
+        MethodError::Quadrature(error) => keys(of_quadrature(error)),
+        MethodError::Material(error) => of_material(error),
+        // How many neighbors there are is made by the support, and how they lie by the lattice.
+        MethodError::SupportTooSmall { .. }
+        | MethodError::SupportTooLarge { .. }
+        | MethodError::SingularMoment { .. } => keys(&[
+            "support", "horizon", "points", "basis", "vectors", "aspect", "lattice",
+        ]),
+        MethodError::NotOfForces { .. } => keys(&["linearization"]),
+        MethodError::StabilizedEulerian => keys(&["quadrature", "frame"]),
+        MethodError::SingularMass { .. } => keys(&["grid-mass", "points"]),
+        MethodError::Mesh(_) => keys(&["mesh"]),
+        _ => Vec::new(),
+    }
+}
+
+fn of_lattice(error: &LatticeError) -> &'static [&'static str] {
+    match error {
+        LatticeError::Aspect { .. } => &["aspect"],
+        LatticeError::Vectors { .. } => &["vectors", "lattice"],
+        LatticeError::Dependent { .. } => &["vectors"],
+        LatticeError::Sheared { .. } | LatticeError::Elongated { .. } => &["vectors", "aspect"],
+        LatticeError::Spacing { .. } => &["spacing"],
+        LatticeError::NoSites => &["basis"],
+        LatticeError::CoincidentPoints { .. } => &["points", "basis"],
+        LatticeError::Dimension { .. } | LatticeError::VoronoiDimension { .. } => &["lattice"],
+    }
+}
+
+fn of_quadrature(error: &QuadratureError) -> &'static [&'static str] {
+    match error {
+        QuadratureError::StressPointWeight { .. } => &["stress-point-weight"],
+        QuadratureError::GaussPoints { .. } => &["gauss-points"],
+        _ => &["points"],
+    }
+}
+
+fn of_material(error: &MaterialError) -> Vec<String> {
+    let key = |name: &str| format!("material.{name}");
+    match error {
+        MaterialError::NoPlaneStress { .. } => vec![key("plane")],
+        MaterialError::External { .. } => vec![key("energy"), key("model")],
         // A condition on several parameters is named by a formula of theirs.
-        MethodError::Material(MaterialError::Parameter { name, .. }) => {
+        MaterialError::Parameter { name, .. } => {
             let is_apart = |c: char| !c.is_alphanumeric() && c != '_';
             let words = name.split(is_apart).filter(|word| !word.is_empty());
             let own = words.flat_map(parameters);
-            own.chain(keys(&["material.model"])).collect()
+            own.chain([key("model")]).collect()
         }
         _ => Vec::new(),
     }
@@ -34,28 +74,70 @@ pub(super) fn keys_of(error: &MethodError) -> Vec<String> {
 
 /// The keys of a parameter in a formula, in which `mu_p` stands for `mu1`, `mu2`, ...
 fn parameters(word: &str) -> Vec<String> {
-    match word.strip_suffix("_p") {
-        Some(series) => (1..=TERMS)
-            .map(|p| format!("material.{series}{p}"))
-            .collect(),
-        None => vec![format!("material.{word}")],
-    }
+    let Some(series) = word.strip_suffix("_p") else {
+        return vec![format!("material.{word}")];
+    };
+    let is_term = |name: &str| {
+        let number = name.strip_prefix(series);
+        number.is_some_and(|number| number.parse::<usize>().is_ok())
+    };
+    let all = library().iter().flat_map(|law| law.parameters);
+    let mut terms: Vec<String> = all
+        .filter(|parameter| is_term(parameter.name))
+        .map(|parameter| format!("material.{}", parameter.name))
+        .collect();
+    terms.sort();
+    terms.dedup();
+    terms
 }
 
-/// The terms of the longest series that a law has.
-const TERMS: usize = 6;
+/// An error with the place of the setting that it is about; `None` where it is about none that was made. `origin` is where a key was set.
+pub(super) fn blamed<'o>(
+    error: &MethodError,
+    origin: impl Fn(&str) -> Option<&'o Origin>,
+) -> Option<SettingError> {
+    let keys = keys_of(error);
+    let origins = || keys.iter().filter_map(|key| origin(key));
+    // What is varied has been set by nobody, and others are not to blame for it.
+    if origins().any(|origin| *origin == Origin::Combination) {
+        return None;
+    }
+    let message = format!("{error}{}", hint(error));
+    Some(SettingError::new(origins().next()?.clone(), message))
+}
 
 impl Settings {
     /// An error of the method or law with the place of the setting that it is about; `None` where it is about none that was made.
     pub(crate) fn blamed(&self, error: &MethodError) -> Option<SettingError> {
-        let keys = keys_of(error);
-        // What is varied has been set by nobody, and others are not to blame for it.
-        let is_varied = |key: &String| self.origin(key) == Some(&Origin::Combination);
-        if keys.iter().any(is_varied) {
-            return None;
+        blamed(error, |key| self.origin(key))
+    }
+
+    /// That no value that was set is one that no method admits. A support that is too small for this one is none of these.
+    pub(super) fn check_admitted(&self) -> Result<(), SettingError> {
+        let checked = method(self).and_then(|method| check_method(&method));
+        let error = checked.err().filter(|error| {
+            matches!(
+                error,
+                MethodError::Setting { .. } | MethodError::Lattice(_) | MethodError::Quadrature(_)
+            )
+        });
+        let blamed = error.and_then(|error| self.blamed(&error));
+        blamed.map_or(Ok(()), Err)
+    }
+}
+
+impl MaterialSettings {
+    /// That the law has no parameter that it does not admit. What is loaded is not loaded for that.
+    ///
+    /// # Errors
+    /// [`SettingError`] with the place of the setting that is to blame.
+    pub fn check_parameters(&self) -> Result<(), SettingError> {
+        if self.is_library() {
+            return Ok(());
         }
-        let origin = keys.iter().find_map(|key| self.origin(key))?;
-        let message = format!("{error}{}", hint(error));
-        Some(SettingError::new(origin.clone(), message))
+        let origin = |key: &str| self.origin(key.strip_prefix("material.")?);
+        let error = self.build().err();
+        let blamed = error.and_then(|error| blamed(&error.into(), origin));
+        blamed.map_or(Ok(()), Err)
     }
 }

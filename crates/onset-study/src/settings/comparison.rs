@@ -205,6 +205,9 @@ impl Comparison {
             let common = &comparison.common;
             study
                 .check_nothing_is_left_open(|key| !settled || common.origin(key.name).is_some())?;
+            if settled {
+                study.note_unread_state();
+            }
         }
         let methods = methods.filter(|(_, items): &(_, &DeArray<'_>)| !items.is_empty());
         if is_study && methods.is_none() {
@@ -242,6 +245,7 @@ impl Comparison {
     /// The method of a study beside those that the program knows, with the study's material and particles.
     fn with_known_methods(&mut self) -> Result<(), SettingError> {
         self.common.check(&[])?;
+        self.common.check_admitted()?;
         let dimension = self.common.dimension();
         let (name, text) = PANELS[dimension - 1];
         let panel = Self::parse::<&str>(name, text, &[])?;
@@ -387,6 +391,7 @@ impl Comparison {
         }
         settings.check_values(&[])?;
         settings.check_units()?;
+        settings.check_admitted()?;
         let name = name.ok_or_else(|| {
             SettingError::new(origin.clone(), "the method has no `name`").hint(EXAMPLE)
         })?;

@@ -54,7 +54,7 @@ impl Kind {
             Self::Switch => "true | false".to_owned(),
             Self::Text => "a text".to_owned(),
             Self::Numbers => "a list of numbers".to_owned(),
-            Self::Subset(words) => format!("a list of some of {}", words.join(", ")),
+            Self::Subset(words) => format!("a list of some of {}, each once", words.join(", ")),
         }
     }
 
@@ -93,7 +93,9 @@ impl Kind {
                 true
             }
             (Self::Subset(words), Value::Words(chosen)) => {
-                chosen.iter().all(|word| words.contains(&word.as_str()))
+                let is_new = |n: usize| !chosen[..n].contains(&chosen[n]);
+                let is_known = |n: usize| words.contains(&chosen[n].as_str());
+                (0..chosen.len()).all(|n| is_known(n) && is_new(n))
             }
             (Self::Numbers, Value::Numbers(numbers)) => numbers.iter().all(|n| n.is_finite()),
             (kind, Value::Number(number)) if number.is_finite() => match kind {

@@ -198,10 +198,8 @@ impl MaterialSettings {
     ///
     /// Moduli that are `open` are about to be varied: the parameters that follow from them are checked there.
     pub(super) fn check(&self, open: &[&str]) -> Result<(), SettingError> {
-        let is_stray = |name: &str| !self.model.takes(name) && !self.reads_modulus(name);
-        let stray = self.set.iter().find(|(name, _)| is_stray(name));
-        if let Some((name, (_, origin))) = stray {
-            return Err(self.stray(name, origin.clone()));
+        for (name, (_, origin)) in &self.set {
+            self.check_taken(name, origin)?;
         }
         let is_open = open
             .iter()
@@ -223,6 +221,14 @@ impl MaterialSettings {
         match self.model {
             Model::Law(_) => Ok(()),
             Model::Own(model) => (model.check)(self),
+        }
+    }
+
+    /// That the model has a parameter, or follows from a modulus.
+    pub(super) fn check_taken(&self, name: &str, origin: &Origin) -> Result<(), SettingError> {
+        match self.model.takes(name) || self.reads_modulus(name) {
+            true => Ok(()),
+            false => Err(self.stray(name, origin.clone())),
         }
     }
 

@@ -18,6 +18,7 @@ mod method;
 mod model;
 mod moduli;
 mod needs;
+mod notes;
 #[cfg(test)]
 mod readers;
 mod renamed;
@@ -42,8 +43,9 @@ pub(crate) use method::STEP_OF_RATES;
 pub use method::{Bonds, Control, Family, MethodSettings, Unknowns, Velocities};
 pub use model::{HandedLaw, Model, OwnModel};
 pub use needs::{Cases, Need, Unmet};
+pub use notes::notes_on_settings;
 pub(crate) use renamed::topic as renamed_topic;
-pub use renamed::{notes_on_names, renamed_command, verdict as verdict_named};
+pub use renamed::{renamed_command, verdict as verdict_named};
 pub use schema::schema;
 pub use state::StateSettings;
 pub use study::Study;
@@ -465,6 +467,11 @@ impl Settings {
     /// # Errors
     /// [`SettingError`] with what the key needs.
     pub fn check_read(&self, key: &Key, origin: Origin, open: &[&str]) -> Result<(), SettingError> {
+        if let ("material", name) = key.parts()
+            && key.is_parameter()
+        {
+            return self.material.check_taken(name, &origin);
+        }
         let value = |name: &str| self.value(name).filter(|_| !open.contains(&name));
         match key.unmet(&value) {
             None => Ok(()),

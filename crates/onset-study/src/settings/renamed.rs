@@ -1,8 +1,7 @@
 //! Names that keys, values, commands and topics had in earlier versions: still read, with a note that names the new one.
 
+use super::notes::note;
 use super::{Key, Value};
-use std::collections::BTreeSet;
-use std::sync::{Mutex, PoisonError};
 
 /// Keys with their earlier names first.
 const KEYS: &[(&str, &str)] = &[("discretization.arrangement", "discretization.lattice")];
@@ -27,20 +26,6 @@ const VERDICTS: &[(&str, &str)] = &[
 
 /// Topics of `onset list` with their earlier names first.
 const TOPICS: &[(&str, &str)] = &[("arrangements", "lattices")];
-
-/// What is to be told.
-static NOTES: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
-
-/// What is to be told of earlier names that have been read since this was asked last, each once.
-pub fn notes_on_names() -> Vec<String> {
-    let mut notes = NOTES.lock().unwrap_or_else(PoisonError::into_inner);
-    std::mem::take(&mut *notes).into_iter().collect()
-}
-
-fn note(note: String) {
-    let mut notes = NOTES.lock().unwrap_or_else(PoisonError::into_inner);
-    notes.insert(note);
-}
 
 /// The name that a key has now.
 pub(super) fn key(name: &str) -> &str {

@@ -6,6 +6,7 @@ use crate::output::{Files, Output, text, write};
 use onset::method::MethodError;
 use onset::motion::{Fault, Ground, PatchState};
 use std::fmt::Write;
+use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -263,13 +264,18 @@ fn begun(course: &Course, place: Option<&Place>) -> Result<Progress, SimulateErr
         Output::at(&place.folder, &[CHECKPOINT, "history.csv"]).map_err(failed)?;
         return Ok(anew);
     }
-    let bytes = std::fs::read(&path).map_err(|error| {
-        wrong(
+    match std::fs::read(&path) {
+        Ok(bytes) => Progress::of_bytes(&path, &bytes, &course.mark, &course.start),
+        // A run that was ended before its first checkpoint begins anew.
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            Output::at(&place.folder, &[CHECKPOINT, "history.csv"]).map_err(failed)?;
+            Ok(anew)
+        }
+        Err(error) => Err(wrong(
             format!("cannot read the checkpoint: {error}"),
             "leave --resume out to begin",
-        )
-    })?;
-    Progress::of_bytes(&path, &bytes, &course.mark, &course.start)
+        )),
+    }
 }
 
 /// The history as a table.

@@ -33,19 +33,14 @@ impl TuneQuestion {
     pub fn new(name: &str, range: (f64, f64), stretches: (f64, f64)) -> Result<Self, SettingError> {
         let origin = || Origin::CommandLine(name.to_owned());
         let is_coefficient = |key: &&Key| key.parts().0 == "discretization" && key.unit().is_some();
-        let known = KEYS.iter().find(|key| key.name == name);
-        let Some(found) = known else {
+        let Some(key) = Key::named(name) else {
             let names = KEYS.iter().filter(is_coefficient).map(|key| key.name);
             return Err(unknown_key(name, names, origin()));
         };
-        let Some(key) = KEYS
-            .iter()
-            .filter(is_coefficient)
-            .find(|key| key.name == name)
-        else {
-            let message = match found.parts().0 {
+        if !is_coefficient(&key) {
+            let message = match key.parts().0 {
                 "discretization" => {
-                    format!("`{name}` is no coefficient: it takes {}", found.expects())
+                    format!("`{name}` is no coefficient: it takes {}", key.expects())
                 }
                 section => {
                     format!("`{name}` is no coefficient of the method: it is one of the {section}")
@@ -53,7 +48,7 @@ impl TuneQuestion {
             };
             return Err(SettingError::new(origin(), message)
                 .hint("give a key of [discretization] that takes a number, for example discretization.penalty"));
-        };
+        }
         if key.name == STEP_OF_RATES {
             let message =
                 format!("`{name}` is no coefficient: it says at which time step rates are told");

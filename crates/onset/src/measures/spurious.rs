@@ -17,6 +17,8 @@ use std::f64::consts::TAU;
 const GRID: [usize; 3] = [96, 24, 12];
 /// Waves longer than this, in units of the reciprocal vectors, are as good as infinitely long.
 const LONG: f64 = 1e-3;
+/// Wave vectors nearer than this, in units of the reciprocal vectors, are the same.
+const SAME: f64 = 1e-4;
 /// How many of the deepest wells are followed to their bottom, weak or not.
 const DEEPEST: usize = 4;
 /// Distance from a face, in steps of the grid, at which a descent may be stuck.
@@ -29,9 +31,9 @@ const ON_FACE: f64 = 1e-9;
 pub struct SpuriousMode<const D: usize> {
     /// Its wave vector; 1/length.
     pub wave_vector: SVector<f64, D>,
-    /// Its frequency over that of the slowest wave of the material with the same wave vector: zero for a zero-energy mode.
-    /// Not a number at `k = 0`, where the material has no wave. With several particles in a cell the wave vector is known up to
-    /// reciprocal vectors only, and the longest wave is taken: a shorter one is weaker than told.
+    /// Its frequency over that of the slowest wave of the material with the same wave vector: zero for a zero-energy mode. With several
+    /// particles in a cell the wave vector is known up to reciprocal vectors only, and the longest wave is taken, at `k = 0` one of the shortest
+    /// reciprocal vectors: a shorter wave is weaker than told.
     pub relative_frequency: f64,
     /// How many independent zero-energy modes there are at this wave vector, translations not counted: displacements that strain no
     /// point, whatever the law.
@@ -104,10 +106,9 @@ pub fn spurious_modes<const D: usize>(
 
 /// A zero-energy mode with a wave vector of the first zone.
 fn shown<const D: usize>(mode: &ZeroMode<D>, zone: &BrillouinZone<D>) -> SpuriousMode<D> {
-    let is_at_rest = mode.wave_vector.norm() == 0.0;
     SpuriousMode {
         wave_vector: zone.folded(&mode.wave_vector),
-        relative_frequency: if is_at_rest { f64::NAN } else { 0.0 },
+        relative_frequency: 0.0,
         nullity: mode.nullity,
         extent: mode.extent,
         displacements: most_symmetric(&mode.span, &zone.folded(&mode.wave_vector)),
@@ -125,30 +126,63 @@ struct Weak<'a, const D: usize> {
 }
 
 impl<const D: usize> Weak<'_, D> {
-    /// The lowest squared frequency over that of the material's slowest wave. On the boundary of the zone there are several waves with
-    /// the same length: the fastest of them is taken, for which the ratio is least.
-    fn ratio(&self, k: &SVector<f64, D>) -> f64 {
+    /// The least ratio of a squared frequency to that of the material, and the number of its band.
+    ///
+    /// The waves of a cell with a wave vector `k` are those of the material with all `k + G`. `D` of them have the longest wavelength, the lowest band is not below the
+    /// slowest of these, and the band after `D` others not below the slowest of all the shorter ones. The former is compared for waves of any length but very long
+    /// ones, the latter also at `k = 0`, where particles of a cell move against each other.
+    fn least(&self, k: &SVector<f64, D>) -> (f64, usize) {
         let k = self.zone.folded(k);
-        if self.fractional(&k).amax() < LONG {
-            return f64::INFINITY;
+        let found = self.system.omega_squared(&k);
+        let ratio = |band: usize, exact: f64| match exact > 0.0 {
+            true => (found[band].re / exact, band),
+            false => (f64::INFINITY, band),
+        };
+        let longest = match self.fractional(&k).amax() < LONG {
+            true => (f64::INFINITY, 0),
+            false => ratio(0, self.longest(&k)),
+        };
+        if found.len() == D {
+            return longest;
         }
-        let slowest = |k: &SVector<f64, D>| continuum(&self.stiffness, self.density, k)[0];
+        let others = self.zone.bounding_vectors().iter();
+        let slowest = others.map(|g| self.slowest(&(k - g)));
+        let shorter = ratio(D, slowest.fold(f64::INFINITY, f64::min));
+        if shorter.0 < longest.0 {
+            shorter
+        } else {
+            longest
+        }
+    }
+
+    /// The squared frequency of the material's slowest wave.
+    fn slowest(&self, k: &SVector<f64, D>) -> f64 {
+        continuum(&self.stiffness, self.density, k)[0]
+    }
+
+    /// That of the longest wave of a wave vector in the zone. On the boundary there are several with the same length: the fastest of them is taken, for which the
+    /// ratio is least.
+    fn longest(&self, k: &SVector<f64, D>) -> f64 {
         let on_face = |g: &&SVector<f64, D>| k.dot(g) >= (0.5 - ON_FACE) * g.norm_squared();
         let images = self.zone.bounding_vectors().iter().filter(on_face);
-        let exact = images
-            .map(|g| slowest(&(k - g)))
-            .fold(slowest(&k), f64::max);
-        let found = self.system.omega_squared(&k)[0].re;
-        if exact > 0.0 {
-            found / exact
-        } else {
-            f64::INFINITY
-        }
+        images
+            .map(|g| self.slowest(&(k - g)))
+            .fold(self.slowest(k), f64::max)
+    }
+
+    fn ratio(&self, k: &SVector<f64, D>) -> f64 {
+        self.least(k).0
     }
 
     /// In units of the reciprocal vectors.
     fn fractional(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
         self.zone.lattice().vectors().transpose() * k / TAU
+    }
+
+    /// The distance from the nearest reciprocal vector, in units of these.
+    fn distance_to_zero(&self, k: &SVector<f64, D>) -> f64 {
+        let fractional = self.fractional(k);
+        (fractional - fractional.map(f64::round)).amax()
     }
 
     /// The weakly controlled modes, and the lowest ratio anywhere.
@@ -171,9 +205,9 @@ impl<const D: usize> Weak<'_, D> {
             .map(|index| self.ratio(&wave_vector(index)))
             .collect();
         let steps = reciprocal / n as f64;
-        let mut wells: Vec<usize> = (1..half)
+        let mut wells: Vec<usize> = (0..half)
             .filter(|index| is_well::<D>(&values, *index, n))
-            .filter(|index| !zero.has(&wave_vector(*index)))
+            .filter(|index| !self.is_zero(&wave_vector(*index), zero))
             .collect();
         sort_by_value(&mut wells, |n| values[*n]);
         let limit = threshold * threshold;
@@ -189,17 +223,17 @@ impl<const D: usize> Weak<'_, D> {
 
         let mut modes: Vec<SpuriousMode<D>> = Vec::new();
         for (ratio, k) in bottoms {
-            // A well whose bottom is at k = 0 is no wave: the stiffness of all long waves is too low.
-            let fractional = self.fractional(&k);
-            let from_zero = fractional - fractional.map(f64::round);
-            let is_long = from_zero.amax() < 1.0 / n as f64;
+            let k = self.zone.folded(&k);
+            let band = self.least(&k).1;
+            // A well of the lowest band whose bottom is at k = 0 is no wave: the stiffness of all long waves is too low.
+            let is_long = band == 0 && self.distance_to_zero(&k) < 1.0 / n as f64;
             let is_known = || {
                 modes
                     .iter()
                     .any(|known| self.is_same(&known.wave_vector, &k))
             };
-            if ratio < limit && !is_long && !zero.has(&k) && !is_known() {
-                modes.push(self.mode(&self.zone.folded(&k), ratio));
+            if ratio < limit && !is_long && !self.is_zero(&k, zero) && !is_known() {
+                modes.push(self.mode(&k, ratio, band));
             }
         }
         (modes, lowest)
@@ -239,8 +273,8 @@ impl<const D: usize> Weak<'_, D> {
         best
     }
 
-    fn mode(&self, k: &SVector<f64, D>, ratio: f64) -> SpuriousMode<D> {
-        let modes = self.system.modes(k);
+    fn mode(&self, k: &SVector<f64, D>, ratio: f64, band: usize) -> SpuriousMode<D> {
+        let modes = &self.system.modes(k)[band..];
         let size = modes
             .iter()
             .map(|(value, _)| value.norm())
@@ -260,13 +294,17 @@ impl<const D: usize> Weak<'_, D> {
         }
     }
 
+    /// Whether a wave vector has a zero-energy mode; at `k = 0` the translations are none.
+    fn is_zero(&self, k: &SVector<f64, D>, zero: &ZeroModes<D>) -> bool {
+        match self.distance_to_zero(k) < SAME {
+            true => zero.are_at_rest(),
+            false => zero.has(k),
+        }
+    }
+
     /// Whether two wave vectors are the same, or opposite, up to reciprocal vectors.
     fn is_same(&self, a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
-        let is_zero = |k: SVector<f64, D>| {
-            let fractional = self.fractional(&k);
-            (fractional - fractional.map(f64::round)).amax() < 1e-4
-        };
-        is_zero(a - b) || is_zero(a + b)
+        self.distance_to_zero(&(a - b)) < SAME || self.distance_to_zero(&(a + b)) < SAME
     }
 }
 

@@ -17,11 +17,14 @@ const INEXACT: f64 = 1e-6;
 ///
 /// A form enters with the phases relative to its middle, and with a factor that makes its slope one at most: neither changes the
 /// kernel.
+#[derive(Clone, Debug)]
 pub(crate) struct StrainRows<const D: usize> {
     sites: usize,
     /// Whether the gradients stand for the strains.
     is_gradient: bool,
     points: Vec<Point<D>>,
+    /// The largest wave number of alternating neighbors; 1/length.
+    wave_number: f64,
     /// What the norm of a derivative of `R` along a unit direction is at most; length.
     pub(crate) slope: f64,
     /// The same of a second derivative; length^2.
@@ -29,6 +32,7 @@ pub(crate) struct StrainRows<const D: usize> {
 }
 
 /// The forms of one place.
+#[derive(Clone, Debug)]
 struct Point<const D: usize> {
     sites: Vec<usize>,
     /// `X_K` from the middle.
@@ -36,6 +40,7 @@ struct Point<const D: usize> {
     forms: Vec<Form<D>>,
 }
 
+#[derive(Clone, Debug)]
 struct Form<const D: usize> {
     is_strain: bool,
     vectors: Vec<SVector<f64, D>>,
@@ -72,6 +77,11 @@ impl<const D: usize> StrainRows<D> {
             sites,
             is_gradient: sites == 1 && controls == 0,
             points: Vec::new(),
+            wave_number: crystal
+                .lattice()
+                .alternating()
+                .map(|k| k.norm())
+                .fold(0.0, f64::max),
             slope: 0.0,
             curvature: 0.0,
         };
@@ -172,12 +182,14 @@ impl<const D: usize> StrainRows<D> {
         self.smallest(k) <= fraction * self.slope * k.norm()
     }
 
-    /// How many independent displacements at `k = 0`, the translations among them, are not seen, to a fraction of the strains of waves with a wave number.
-    pub(crate) fn nullity_at_rest(&self, wave_number: f64, fraction: f64) -> usize {
+    /// Whether particles of a cell move against each other, `k = 0`, and that is not seen, to a fraction of the strains of waves of alternating neighbors.
+    pub(crate) fn misses_at_rest(&self, fraction: f64) -> bool {
+        if self.sites == 1 {
+            return false;
+        }
         let values = self.at(&SVector::zeros()).singular_values();
-        let least = fraction * self.slope * wave_number;
-        let unseen = values.iter().filter(|value| **value <= least).count();
-        unseen * self.modes_per_column()
+        let least = fraction * self.slope * self.wave_number;
+        values.iter().filter(|value| **value <= least).count() > D
     }
 
     /// The smallest singular value of `R(k)`.

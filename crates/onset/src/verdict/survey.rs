@@ -17,10 +17,10 @@ use crate::time_step::{
 use nalgebra::{DMatrix, SVector};
 use std::sync::{Arc, OnceLock};
 
-/// Modes whose scaled measure at rest is below this have no energy.
-const ZERO: f64 = 1e-9;
-/// The fraction of the strains of short waves below which displacements at `k = 0` strain nothing.
+/// Relative strains below which a wave strains nothing, of a wave vector that is known but for rounding.
 const UNSEEN: f64 = 1e-7;
+/// The same of a wave vector that a search has found: it is known to the square root of rounding.
+const UNSEEN_WHERE_FOUND: f64 = 3e-5;
 /// Scaled measures of stable states up to which stress alone may hold the softest mode.
 const SOFT: f64 = 0.05;
 
@@ -108,10 +108,16 @@ pub struct Ground<const D: usize> {
     moments: Option<Arc<GradientMoments<D>>>,
     /// The reference state, in which zero-energy modes are told from unstable ones.
     reference: OnceLock<Result<WaveSystem<D>, MethodError>>,
-    /// Whether some wave of alternating neighbors strains nothing.
-    misses_alternating: OnceLock<Result<bool, MethodError>>,
-    /// Whether particles of a cell move against each other without strain.
-    is_free_at_rest: OnceLock<Result<bool, MethodError>>,
+    /// What the discretization sees of waves, whatever the law.
+    strains: OnceLock<Result<Strains<D>, MethodError>>,
+}
+
+/// What a discretization sees of waves at rest.
+#[derive(Clone, Debug)]
+struct Strains<const D: usize> {
+    rows: StrainRows<D>,
+    /// Whether alternating neighbors, of different cells or of one, move without strain.
+    misses_alternating: bool,
 }
 
 /// The plane waves of a state, ready to be searched.
@@ -284,8 +290,7 @@ impl<'a, const D: usize> Survey<'a, D> {
                 search: ZoneSearch::of_lattice(lattice, speed_squared),
                 moments: None,
                 reference: OnceLock::new(),
-                misses_alternating: OnceLock::new(),
-                is_free_at_rest: OnceLock::new(),
+                strains: OnceLock::new(),
             }),
         })
     }
@@ -654,10 +659,8 @@ impl<'a, const D: usize> Survey<'a, D> {
         ))
     }
 
-    /// Whether the softest mode of a stable state, or a wave of alternating neighbors, is a zero-energy mode: it strains no point, where the
-    /// discretization has a gradient that tells that; otherwise it has no energy at rest, where all waves of the material have, or, where some
-    /// have none, it is one of alternating neighbors that nothing sees. What resists it at the state, if anything does, is its stress,
-    /// which can make another wave near it the softest.
+    /// Whether the softest mode of a stable state, or a wave of alternating neighbors, is a zero-energy mode: it strains nothing, whatever the law. What
+    /// resists it at the state, if anything does, is its stress, which can make another wave near it the softest.
     fn has_zero_mode(
         &self,
         f: &DeformationGradient,
@@ -666,49 +669,25 @@ impl<'a, const D: usize> Survey<'a, D> {
         if let Some(norm) = self.gradient_norm(f, softest)? {
             return Ok(norm <= ZERO_ENERGY || self.discretization.has_alternating_zero_mode(f)?);
         }
-        if self.is_free_at_rest()? {
-            return Ok(true);
-        }
-        if !self.stiffness_at_rest()?.is_strongly_elliptic() {
-            // Waves in which the material itself has no energy do not tell.
-            return self.misses_alternating();
-        }
-        let lattice = self.discretization.crystal().lattice();
-        let softest = (!softest.is_long_wave).then_some(softest.wave_vector);
-        let reference = self.reference()?;
-        let is_zero = |k: SVector<f64, D>| {
-            let lowest = reference.omega_squared(&k)[0].re;
-            (lowest / (self.speed_squared() * lattice.laplacian(&k))).abs() <= ZERO
-        };
-        Ok(softest
-            .into_iter()
-            .chain(lattice.alternating())
-            .any(is_zero))
+        let strains = self.strains()?;
+        let misses = |k: &SVector<f64, D>| strains.rows.misses(k, UNSEEN_WHERE_FOUND);
+        Ok(strains.misses_alternating || !softest.is_long_wave && misses(&softest.wave_vector))
     }
 
-    /// Whether more than the translations strain nothing at `k = 0`: where the neighbors that alternate lie in one cell, the wave of the cells is
-    /// infinitely long.
-    fn is_free_at_rest(&self) -> Result<bool, MethodError> {
-        let is_free = || {
-            let crystal = self.discretization.crystal();
-            let rows = StrainRows::new(crystal, &self.discretization.strain()?);
-            let alternating = crystal.lattice().alternating().map(|k| k.norm());
-            let wave_number = alternating.fold(0.0, f64::max);
-            Ok(crystal.sites().len() > 1 && rows.nullity_at_rest(wave_number, UNSEEN) > D)
-        };
-        let known = self.ground.is_free_at_rest.get_or_init(is_free);
-        known.clone()
-    }
-
-    fn misses_alternating(&self) -> Result<bool, MethodError> {
-        let misses = || {
+    fn strains(&self) -> Result<&Strains<D>, MethodError> {
+        let evaluated = || {
             let crystal = self.discretization.crystal();
             let rows = StrainRows::new(crystal, &self.discretization.strain()?);
             let mut alternating = crystal.lattice().alternating();
-            Ok(alternating.any(|k| rows.misses(&k, ZERO)))
+            let misses_alternating =
+                rows.misses_at_rest(UNSEEN) || alternating.any(|k| rows.misses(&k, UNSEEN));
+            Ok(Strains {
+                rows,
+                misses_alternating,
+            })
         };
-        let known = self.ground.misses_alternating.get_or_init(misses);
-        known.clone()
+        let strains = self.ground.strains.get_or_init(evaluated);
+        strains.as_ref().map_err(Clone::clone)
     }
 
     fn gradient_norm(

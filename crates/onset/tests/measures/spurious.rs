@@ -5,12 +5,13 @@ use nalgebra::SVector;
 use onset::approximation::Approximation;
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{BrillouinZone, LatticeKind};
+use onset::lattice::{BrillouinZone, Crystal, LatticeKind};
 use onset::material::{Hyperelastic, Law, ModifiedMooneyRivlin};
 use onset::measures::{Extent, SpuriousMode, SpuriousModes, spurious_modes};
 use onset::method::KernelMethodChoices;
 use onset::quadrature::Quadrature;
 use onset::scheme::Discretization;
+use onset::scheme::sph::{TotalLagrangianChoices, TotalLagrangianSph};
 use onset::verdict::Survey;
 use std::f64::consts::TAU;
 
@@ -160,9 +161,47 @@ fn a_larger_cell_has_the_same_modes_at_rest() {
     assert_eq!(modes.len(), 1);
     assert_eq!(modes[0].wave_vector.norm(), 0.0);
     assert_eq!(modes[0].nullity, 6);
-    assert!(modes[0].relative_frequency.is_nan());
+    assert_eq!(modes[0].relative_frequency, 0.0);
     let total: SVector<_, 2> = modes[0].displacements.iter().sum();
     assert!(total.iter().all(|z| z.norm() < 1e-9), "no translation");
+}
+
+/// The wave of alternating neighbors is one of `k = 0` where they lie in one cell. There the lowest frequencies are those of translations.
+#[test]
+fn weakly_controlled_modes_are_found_at_rest_too() {
+    let material = ModifiedMooneyRivlin::default();
+    let of_cell = |penalty: f64, cells: usize| {
+        let square = Crystal::of(LatticeKind::Square, 1.0).expect("a crystal");
+        let crystal = square.supercell([cells; 2]).expect("a supercell");
+        let choices = TotalLagrangianChoices {
+            penalty,
+            ..TotalLagrangianChoices::default()
+        };
+        let scheme = TotalLagrangianSph::<2>::new(crystal, choices).expect("a method");
+        let survey = Survey::new(&scheme, &material).expect("a survey");
+        spurious_modes(&survey, 0.05).expect("modes")
+    };
+    // Waves of 1/2 along each axis, whose wave numbers are those of the shortest reciprocal vectors of two by two cells.
+    for penalty in [1e-6, 1e-4] {
+        let (one, four) = (of_cell(penalty, 1), of_cell(penalty, 2));
+        let along = one.modes.iter().filter(|mode| {
+            let k = mode.wave_vector.map(f64::abs);
+            (k.norm() - 0.5 * TAU).abs() < 1e-6
+        });
+        let along = along.map(|mode| mode.relative_frequency);
+        let expected = along.fold(f64::INFINITY, f64::min);
+        assert!(0.0 < expected && expected < 0.05, "{expected}");
+        assert!((four.weakest / expected - 1.0).abs() < 1e-6, "{four:?}");
+        let at_rest = &four.modes[0];
+        assert!(at_rest.wave_vector.norm() < 1e-9 && !at_rest.is_zero());
+        assert_eq!(at_rest.relative_frequency, four.weakest);
+        let total: SVector<_, 2> = at_rest.displacements.iter().sum();
+        assert!(total.iter().all(|z| z.norm() < 1e-6), "no translation");
+        // With three cells along an axis they are no waves of k = 0, and as weak.
+        assert!(of_cell(penalty, 3).weakest < 0.05);
+    }
+    // Where they are controlled nothing else of a larger cell counts as weak.
+    assert!(of_cell(0.3, 1).modes.is_empty() && of_cell(0.3, 2).modes.is_empty());
 }
 
 #[test]

@@ -109,6 +109,15 @@ fn the_verdict_does_not_depend_on_how_many_particles_a_cell_has() {
     let survey = Survey::new(&disordered, &*stiff).expect("a survey");
     let rest = DeformationGradient::identity();
     assert_eq!(survey.judge(&rest).expect("a verdict").0, Verdict::Stable);
+    for (penalty, expected) in [(0.0, Verdict::ZeroEnergy), (0.003, Verdict::Stable)] {
+        let controlled = scheme(square.clone(), penalty);
+        let survey = Survey::new(&controlled, &*stiff).expect("a survey");
+        assert_eq!(
+            survey.judge(&rest).expect("a verdict").0,
+            expected,
+            "{penalty}"
+        );
+    }
     // Its two particles move freely against each other.
     let honeycomb = Crystal::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
     let scheme = scheme(honeycomb, 0.0);

@@ -1,6 +1,6 @@
 //! Whether the parts of a study fit together: what one key alone cannot tell.
 
-use super::super::blame::keys_of;
+use super::super::blame::blamed;
 use super::super::{
     Axis, Family, MAP_KEYS, Origin, Quantity, STATE_KEYS, SettingError, Settings, StateSettings,
     aliases,
@@ -226,8 +226,11 @@ impl Study {
     fn check_corner(&self, corner: &[f64]) -> Result<(), SettingError> {
         let settings = self.settings_at(corner)?;
         built(&settings).map_err(|error| {
-            let origin = self.origin_of_method_error(&error);
-            SettingError::new(origin, format!("{error}{}", hint(&error)))
+            let anywhere = || {
+                let message = format!("{error}{}", hint(&error));
+                SettingError::new(self.origins.file.clone(), message)
+            };
+            blamed(&error, |key| self.made(key)).unwrap_or_else(anywhere)
         })?;
         self.deformation_at(corner)
             .map(drop)
@@ -266,26 +269,16 @@ impl Study {
         .hint("narrow the ranges, or change [state]")
     }
 
-    /// Where the setting that an error is about was made.
-    fn origin_of_method_error(&self, error: &MethodError) -> Origin {
-        let keys = keys_of(error);
-        let mut origins = keys.iter().map(|name| self.origin_of(name));
-        let set = origins.find(|origin| *origin != self.origins.file);
-        set.unwrap_or_else(|| self.origins.file.clone())
+    /// Where a key was set or varied.
+    fn made(&self, name: &str) -> Option<&Origin> {
+        let mut axes = self.axes.iter().zip(&self.origins.axes);
+        let axis = axes.find(|(axis, _)| axis.quantity.key_name() == name);
+        self.origin(name).or(axis.map(|(_, origin)| &origin.range))
     }
 
-    /// Where a key was set or varied; the beginning of the file when nowhere.
+    /// The same; the beginning of the file when nowhere.
     fn origin_of(&self, name: &str) -> Origin {
-        let axis = self
-            .axes
-            .iter()
-            .zip(&self.origins.axes)
-            .find(|(axis, _)| axis.quantity.key_name() == name)
-            .map(|(_, origin)| &origin.range);
-        self.origin(name)
-            .or(axis)
-            .unwrap_or(&self.origins.file)
-            .clone()
+        self.made(name).unwrap_or(&self.origins.file).clone()
     }
 }
 

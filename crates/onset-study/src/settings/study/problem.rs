@@ -1,5 +1,6 @@
 //! One material and one discretization out of a study, for questions about single states.
 
+use super::super::notes::note;
 use super::super::{
     Key, MaterialSettings, Origin, Quantity, SettingError, Settings, StateSettings, Value, units,
 };
@@ -27,7 +28,24 @@ impl Settings {
             open.contains(&key.name) || settings.origin(key.name).is_some()
         })?;
         settings.check(open)?;
+        study.note_unread_state();
         Ok(settings)
+    }
+}
+
+impl Study {
+    /// Tells that the state of a study is that of its maps, where the question has a state of its own.
+    pub(in crate::settings) fn note_unread_state(&self) {
+        let mut set = self
+            .origins
+            .keys
+            .iter()
+            .filter(|(name, _)| name.starts_with("state."));
+        if let Some((name, origin)) = set.next() {
+            note(format!(
+                "{origin}`{name}` is of the states of a map and has no effect here"
+            ));
+        }
     }
 }
 

@@ -123,9 +123,14 @@ impl<const D: usize> ZeroModes<D> {
         self.modes.iter().map(|mode| mode.extent).max()
     }
 
-    /// Whether a wave vector that is known to the square root of rounding has a zero-energy mode.
+    /// Whether a wave vector of the first zone that is known to the square root of rounding has a zero-energy mode.
     pub(super) fn has(&self, k: &SVector<f64, D>) -> bool {
         self.rows.misses(k, KNOWN)
+    }
+
+    /// Whether there is one at `k = 0`.
+    pub(super) fn are_at_rest(&self) -> bool {
+        self.modes.iter().any(|mode| mode.wave_vector.norm() == 0.0)
     }
 }
 
