@@ -588,7 +588,7 @@ fn a_state_that_is_not_read_is_told() {
     let study = Written::new("study.toml", "[state]\nstretch-3 = 1.3\n");
     for line in [
         "state --stretch 1.1,1",
-        "path --mode equibiaxial --to 1.1,1.1",
+        "path --mode equibiaxial --to 1.1",
         "dispersion --stretch 1.1,1",
     ] {
         let answer = onset_line(&format!("{line} {}", &*study));
@@ -599,4 +599,22 @@ fn a_state_that_is_not_read_is_told() {
             answer.stderr
         );
     }
+}
+
+/// What is not defined is not stable.
+#[test]
+fn a_path_along_which_nothing_is_defined_is_not_called_stable() {
+    let law = "--set material.model=gent --set material.jm=1 set method=tlsph set lattice=square set penalty=0.5";
+    let told = onset_line(&format!("path --from 2.6,2.6 --to 3,3 {law}")).stdout;
+    for fact in [
+        "The law is not defined at any state of the path.",
+        "The discretization cannot be evaluated at any state of the path.",
+    ] {
+        assert!(told.contains(fact), "{told}");
+    }
+    let partly = onset_line(&format!("path --from 1,1 --to 3,3 {law}")).stdout;
+    assert!(
+        partly.contains("stable along the whole path, where it is defined."),
+        "{partly}"
+    );
 }

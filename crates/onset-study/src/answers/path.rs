@@ -18,6 +18,9 @@ use serde::Serialize;
 /// Everything about a straight path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PathAnswer {
+    /// Where material and discretization can be evaluated.
+    #[serde(skip)]
+    defined: [Defined; 2],
     /// Number of space dimensions of the particles.
     #[serde(skip)]
     pub dimension: usize,
@@ -223,6 +226,7 @@ fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, P
     };
     Ok(PathAnswer {
         dimension,
+        defined: [&continuum, &particles].map(Defined::of),
         is_marginal: is_marginal(from) || is_marginal(to),
         is_fluid: is_fluid(&*problem.material) && is_marginal(from) && is_marginal(to),
         is_symmetric: is_symmetric(from) && is_symmetric(to),
@@ -236,6 +240,35 @@ fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, P
         material_crossings: crossings(dimension, path, &continuum)?,
         discretization_crossings: crossings(dimension, path, &particles)?,
     })
+}
+
+/// Where along a path something can be evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Defined {
+    Everywhere,
+    Somewhere,
+    Nowhere,
+}
+
+impl Defined {
+    fn of(scan: &PathScan) -> Self {
+        let behind = scan.crossings.iter().map(|crossing| crossing.to);
+        let phases: Vec<Phase> = std::iter::once(scan.start).chain(behind).collect();
+        let undefined = phases.iter().filter(|phase| **phase == Phase::Undefined);
+        match undefined.count() {
+            0 => Self::Everywhere,
+            count if count == phases.len() => Self::Nowhere,
+            _ => Self::Somewhere,
+        }
+    }
+
+    /// What is to be said where it does not hold of all states.
+    fn limits(self) -> &'static str {
+        match self {
+            Self::Somewhere => ", where it is defined",
+            Self::Everywhere | Self::Nowhere => "",
+        }
+    }
 }
 
 /// Parameter, witness and tolerance of the first instability, and the phase behind it.
@@ -320,6 +353,7 @@ impl std::fmt::Display for PathAnswer {
         if let Some(loading) = &self.loading {
             writeln!(formatter, "{loading}\n")?;
         }
+        let [law, discretization] = self.defined;
         // Nothing is known of the part of a path that was not followed.
         let early = self.loading.as_ref();
         let way = match early.filter(|loading| loading.ends_early.is_some()) {
@@ -327,6 +361,12 @@ impl std::fmt::Display for PathAnswer {
             None => "along the whole path".to_owned(),
         };
         match &self.material_onset {
+            None if law == Defined::Nowhere => {
+                writeln!(
+                    formatter,
+                    "The law is not defined at any state of the path."
+                )?;
+            }
             Some(onset) if onset.phase == Phase::Flutter => writeln!(
                 formatter,
                 "The material begins to flutter at {}: acoustic eigenvalues are complex for waves along N = {}.",
@@ -349,7 +389,7 @@ impl std::fmt::Display for PathAnswer {
             )?,
             None => writeln!(
                 formatter,
-                "{} {way}{}.",
+                "{} {way}{}{}.",
                 match self.is_symmetric {
                     true => "The material stays strongly elliptic",
                     false => "No plane wave of the material grows",
@@ -358,7 +398,8 @@ impl std::fmt::Display for PathAnswer {
                     1 => ", for waves along the chain of particles",
                     2 => ", for in-plane perturbations",
                     _ => "",
-                }
+                },
+                law.limits()
             )?,
         }
         match &self.discretization_onset {
@@ -379,7 +420,15 @@ impl std::fmt::Display for PathAnswer {
                 at(&onset.place, units),
                 units.of(vector(&onset.wave_vector), "1/m")
             )?,
-            None => writeln!(formatter, "The discretization is stable {way}.")?,
+            None if discretization == Defined::Nowhere => writeln!(
+                formatter,
+                "The discretization cannot be evaluated at any state of the path."
+            )?,
+            None => writeln!(
+                formatter,
+                "The discretization is stable {way}{}.",
+                discretization.limits()
+            )?,
         }
         for (name, crossings) in [
             ("material", &self.material_crossings),

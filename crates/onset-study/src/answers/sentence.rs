@@ -50,7 +50,11 @@ pub(super) fn of(
     let spectrum = &assessment.spectrum;
     let mode = critical_mode(assessment);
     let k = analysis.spatial(f, &finite_wave_vector(mode));
-    let wave = wave(&k, along, units);
+    let wave = match mode.is_long_wave || k.norm() > 0.0 {
+        true => wave(&k, along, units),
+        // Of cells with several particles.
+        false => "particles of a cell moving against each other (k = 0)".to_owned(),
+    };
     let growth = growth(spectrum.growth_rate(), units);
     let minimum = &assessment.material.minimum;
     match assessment.verdict {
@@ -126,7 +130,8 @@ pub(super) fn of(
             )
         }
         Verdict::Numerical => {
-            let instability = instability(assessment, culprit(family));
+            let is_unstressed = is_unstressed(&*problem.material, f);
+            let instability = instability(assessment, culprit(family), is_unstressed);
             match minimum.has_growing_waves() {
                 true => format!(
                     "Unstable, but not as the material is: {}, while the discretization is stable at \
@@ -155,14 +160,18 @@ fn lost(minimum: &AcousticMinimum<3>) -> &'static str {
 }
 
 /// A numerical instability by its mechanism, and what it originates from.
-fn instability(assessment: &Assessment<3>, culprit: &str) -> String {
+fn instability(assessment: &Assessment<3>, culprit: &str, is_unstressed: bool) -> String {
     let sign = Mechanism::of(
         Stability::Divergence,
         false,
         assessment.material.mean_stress,
     );
     match assessment.mechanism().unwrap_or(sign) {
+        Mechanism::Flutter if is_unstressed => format!("flutter of the {culprit} (without stress)"),
         Mechanism::Flutter => format!("flutter of the {culprit} ({} mean stress)", sign.name()),
+        Mechanism::Tensile | Mechanism::Compressive if is_unstressed => {
+            format!("instability of the {culprit} without stress")
+        }
         mechanism => format!("{} instability of the {culprit}", mechanism.name()),
     }
 }

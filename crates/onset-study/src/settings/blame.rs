@@ -60,6 +60,10 @@ fn of_material(error: &MaterialError) -> Vec<String> {
     let key = |name: &str| format!("material.{name}");
     match error {
         MaterialError::NoPlaneStress { .. } => vec![key("plane")],
+        // What is wrong with moduli begins with one of them.
+        MaterialError::External { message } if message.starts_with("material.") => {
+            message.split(' ').take(1).map(str::to_owned).collect()
+        }
         MaterialError::External { .. } => vec![key("energy"), key("model")],
         // A condition on several parameters is named by a formula of theirs.
         MaterialError::Parameter { name, .. } => {

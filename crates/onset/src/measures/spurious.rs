@@ -3,20 +3,24 @@
 use super::degenerate::{DEGENERATE, Displacements, most_symmetric};
 use super::dispersion::continuum;
 use super::zero_energy::{Extent, ZeroMode, ZeroModes};
-use crate::algebra::{Complex, is_well, settled, settled_along, sort_by_value};
+use crate::algebra::{Complex, Each, is_well, settled, settled_along, sort_by_value};
 use crate::bloch::WaveSystem;
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
-use crate::lattice::BrillouinZone;
+use crate::lattice::{BrillouinZone, Particle};
 use crate::method::MethodError;
 use crate::verdict::Survey;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// Points of the grid of wave vectors along a reciprocal vector: halves, thirds, quarters and their parts are among them.
 const GRID: [usize; 3] = [96, 24, 12];
+/// The fewest of them with several particles in a cell.
+const FEWEST: usize = 6;
 /// Waves longer than this, in units of the reciprocal vectors, are as good as infinitely long.
 const LONG: f64 = 1e-3;
+/// The part of the largest share of a wave in a mode from which the mode is one of it.
+const HELD: f64 = 0.5;
 /// Wave vectors nearer than this, in units of the reciprocal vectors, are the same.
 const SAME: f64 = 1e-4;
 /// How many of the deepest wells are followed to their bottom, weak or not.
@@ -32,8 +36,7 @@ pub struct SpuriousMode<const D: usize> {
     /// Its wave vector; 1/length.
     pub wave_vector: SVector<f64, D>,
     /// Its frequency over that of the slowest wave of the material with the same wave vector: zero for a zero-energy mode. With several
-    /// particles in a cell the wave vector is known up to reciprocal vectors only, and the longest wave is taken, at `k = 0` one of the shortest
-    /// reciprocal vectors: a shorter wave is weaker than told.
+    /// particles in a cell the wave vector is known up to reciprocal vectors only, and the wave is taken that the mode holds most of.
     pub relative_frequency: f64,
     /// How many independent zero-energy modes there are at this wave vector, translations not counted: displacements that strain no
     /// point, whatever the law.
@@ -81,7 +84,9 @@ pub fn spurious_modes<const D: usize>(
     let zone = BrillouinZone::new(*crystal.lattice());
     let strain = survey.discretization().strain()?;
     let zero = ZeroModes::new(crystal, &strain, |k| zone.folded(k));
+    let position = |site| crystal.position(&Particle::home(site));
     let weak = Weak {
+        positions: (0..crystal.sites().len()).map(position).collect(),
         system: survey.reference()?,
         density: survey.discretization().density(),
         zone: &zone,
@@ -117,6 +122,8 @@ fn shown<const D: usize>(mode: &ZeroMode<D>, zone: &BrillouinZone<D>) -> Spuriou
 
 /// The search for weakly controlled modes.
 struct Weak<'a, const D: usize> {
+    /// The places of the particles of a cell; length.
+    positions: Vec<SVector<f64, D>>,
     system: &'a WaveSystem<D>,
     density: f64,
     zone: &'a BrillouinZone<D>,
@@ -125,34 +132,113 @@ struct Weak<'a, const D: usize> {
     stiffness: Stiffness<D>,
 }
 
+/// The mode of a wave vector with the least ratio.
+struct Least<const D: usize> {
+    /// Its squared frequency over that of the material.
+    ratio: f64,
+    /// The number of its branch.
+    branch: usize,
+    /// Which wave of the material it is.
+    wave: SVector<f64, D>,
+}
+
+impl<const D: usize> Least<D> {
+    /// Where nothing is compared.
+    fn none(wave: SVector<f64, D>) -> Self {
+        Self {
+            ratio: f64::INFINITY,
+            branch: 0,
+            wave,
+        }
+    }
+}
+
 impl<const D: usize> Weak<'_, D> {
-    /// The least ratio of a squared frequency to that of the material, and the number of its band.
-    ///
-    /// The waves of a cell with a wave vector `k` are those of the material with all `k + G`. `D` of them have the longest wavelength, the lowest band is not below the
-    /// slowest of these, and the band after `D` others not below the slowest of all the shorter ones. The former is compared for waves of any length but very long
-    /// ones, the latter also at `k = 0`, where particles of a cell move against each other.
-    fn least(&self, k: &SVector<f64, D>) -> (f64, usize) {
+    /// The least ratio of a squared frequency to that of the material, and the number of its branch. The modes of a cell with several particles are
+    /// compared with the waves of the material that they hold.
+    fn least(&self, k: &SVector<f64, D>) -> Least<D> {
         let k = self.zone.folded(k);
-        let found = self.system.omega_squared(&k);
-        let ratio = |band: usize, exact: f64| match exact > 0.0 {
-            true => (found[band].re / exact, band),
-            false => (f64::INFINITY, band),
-        };
-        let longest = match self.fractional(&k).amax() < LONG {
-            true => (f64::INFINITY, 0),
-            false => ratio(0, self.longest(&k)),
-        };
-        if found.len() == D {
-            return longest;
+        if self.positions.len() > 1 {
+            return self.unfolded(&k);
         }
-        let others = self.zone.bounding_vectors().iter();
-        let slowest = others.map(|g| self.slowest(&(k - g)));
-        let shorter = ratio(D, slowest.fold(f64::INFINITY, f64::min));
-        if shorter.0 < longest.0 {
-            shorter
-        } else {
-            longest
+        match self.fractional(&k).amax() < LONG {
+            true => Least::none(k),
+            false => Least {
+                ratio: over(self.system.omega_squared(&k)[0].re, self.longest(&k)),
+                branch: 0,
+                wave: k,
+            },
         }
+    }
+
+    /// The same of a cell with several particles: of the waves `k + G` that as many particles can have, a mode is the longest one of which it has at
+    /// least half as much as of any.
+    fn unfolded(&self, k: &SVector<f64, D>) -> Least<D> {
+        let images = self.images(k);
+        let exact: Vec<f64> = images.iter().map(|g| self.slowest(&(k + g))).collect();
+        let largest = exact.iter().copied().fold(0.0, f64::max);
+        let modes = self
+            .system
+            .modes_of(k, |values| match self.system.is_hermitian() {
+                true => (0..values.len()).collect(),
+                // Each mode takes as long as all values: the lowest branch, and the lowest one above the longest waves.
+                false => vec![0, D],
+            });
+        let mut least = Least::none(*k);
+        for (branch, (value, displacements)) in modes.iter().enumerate() {
+            // No faster mode, which all others are, is slower beside the material.
+            if value.re >= least.ratio * largest {
+                break;
+            }
+            let number = self.held(&images, &per_particle(displacements));
+            let (wave, ratio) = (k + images[number], over(value.re, exact[number]));
+            if ratio < least.ratio && self.fractional(&wave).amax() >= LONG {
+                let branch = if self.system.is_hermitian() {
+                    branch
+                } else {
+                    D * branch
+                };
+                least = Least {
+                    ratio,
+                    branch,
+                    wave,
+                };
+            }
+        }
+        least
+    }
+
+    /// Which of some waves a mode is, in the order of their wavelengths, the longest first.
+    fn held(&self, images: &[SVector<f64, D>], displacements: &[SVector<Complex, D>]) -> usize {
+        let share = |g: &SVector<f64, D>| -> f64 {
+            let terms = self.positions.iter().zip(displacements);
+            let held = terms.map(|(x, own)| own * Complex::from_polar(1.0, -g.dot(x)));
+            held.sum::<SVector<Complex, D>>().norm_squared()
+        };
+        let shares: Vec<f64> = images.iter().map(share).collect();
+        let most = shares.iter().copied().fold(0.0, f64::max);
+        let first = shares.iter().position(|share| *share >= HELD * most);
+        first.unwrap_or(0)
+    }
+
+    /// The reciprocal vectors that lead from a wave vector to the waves that are no shorter than the shortest ones of a lattice with as much space for
+    /// each particle, those to the longest waves first.
+    fn images(&self, k: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
+        let lattice = self.zone.lattice();
+        let space = lattice.cell_volume() / self.positions.len() as f64;
+        let shortest = PI * (D as f64).sqrt() / space.powf(1.0 / D as f64);
+        // Along a lattice vector `a` a reciprocal vector has the coordinate `a.G / 2 pi`.
+        let reach =
+            |i: usize| (lattice.vectors().column(i).norm() * 2.0 * shortest / TAU) as i64 + 1;
+        let mut images = vec![SVector::zeros()];
+        for i in 0..D {
+            let b = lattice.reciprocal().column(i).into_owned();
+            let along = |g: SVector<f64, D>| (-reach(i)..=reach(i)).map(move |n| g + b * n as f64);
+            images = images.into_iter().flat_map(along).collect();
+        }
+        images.retain(|g| (k + g).norm() <= shortest * (1.0 + ON_FACE));
+        images.sort_by(|a, b| (k + a).norm().total_cmp(&(k + b).norm()));
+        images
     }
 
     /// The squared frequency of the material's slowest wave.
@@ -171,7 +257,7 @@ impl<const D: usize> Weak<'_, D> {
     }
 
     fn ratio(&self, k: &SVector<f64, D>) -> f64 {
-        self.least(k).0
+        self.least(k).ratio
     }
 
     /// In units of the reciprocal vectors.
@@ -185,9 +271,20 @@ impl<const D: usize> Weak<'_, D> {
         (fractional - fractional.map(f64::round)).amax()
     }
 
+    /// Points of the grid along a reciprocal vector, about as dense with several particles in a cell, whose zone is smaller.
+    fn points(&self) -> usize {
+        let mut points = GRID[D - 1];
+        let mut sites = self.positions.len();
+        while points > FEWEST && sites >= 1 << D {
+            points /= 2;
+            sites >>= D;
+        }
+        points
+    }
+
     /// The weakly controlled modes, and the lowest ratio anywhere.
     fn modes(&self, threshold: f64, zero: &ZeroModes<D>) -> (Vec<SpuriousMode<D>>, f64) {
-        let n = GRID[D - 1];
+        let n = self.points();
         let reciprocal = self.zone.lattice().reciprocal();
         let count = n.pow(D as u32);
         // Of k and -k one is enough.
@@ -224,16 +321,16 @@ impl<const D: usize> Weak<'_, D> {
         let mut modes: Vec<SpuriousMode<D>> = Vec::new();
         for (ratio, k) in bottoms {
             let k = self.zone.folded(&k);
-            let band = self.least(&k).1;
-            // A well of the lowest band whose bottom is at k = 0 is no wave: the stiffness of all long waves is too low.
-            let is_long = band == 0 && self.distance_to_zero(&k) < 1.0 / n as f64;
+            let Least { branch, wave, .. } = self.least(&k);
+            // A well at k = 0 is no wave: the stiffness of all long waves is too low.
+            let is_long = self.fractional(&wave).amax() < 1.0 / n as f64;
             let is_known = || {
                 modes
                     .iter()
                     .any(|known| self.is_same(&known.wave_vector, &k))
             };
             if ratio < limit && !is_long && !self.is_zero(&k, zero) && !is_known() {
-                modes.push(self.mode(&k, ratio, band));
+                modes.push(self.mode(&k, ratio, branch));
             }
         }
         (modes, lowest)
@@ -273,8 +370,8 @@ impl<const D: usize> Weak<'_, D> {
         best
     }
 
-    fn mode(&self, k: &SVector<f64, D>, ratio: f64, band: usize) -> SpuriousMode<D> {
-        let modes = &self.system.modes(k)[band..];
+    fn mode(&self, k: &SVector<f64, D>, ratio: f64, branch: usize) -> SpuriousMode<D> {
+        let modes = &self.system.modes(k)[branch..];
         let size = modes
             .iter()
             .map(|(value, _)| value.norm())
@@ -294,17 +391,26 @@ impl<const D: usize> Weak<'_, D> {
         }
     }
 
-    /// Whether a wave vector has a zero-energy mode; at `k = 0` the translations are none.
+    /// Whether a wave vector has a zero-energy mode.
     fn is_zero(&self, k: &SVector<f64, D>, zero: &ZeroModes<D>) -> bool {
-        match self.distance_to_zero(k) < SAME {
-            true => zero.are_at_rest(),
-            false => zero.has(k),
-        }
+        zero.has(k, |other| {
+            let either = [k - other, k + other];
+            let distances = either.each(|way| self.distance_to_zero(&way));
+            distances[0].min(distances[1])
+        })
     }
 
     /// Whether two wave vectors are the same, or opposite, up to reciprocal vectors.
     fn is_same(&self, a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
         self.distance_to_zero(&(a - b)) < SAME || self.distance_to_zero(&(a + b)) < SAME
+    }
+}
+
+/// A squared frequency over that of the material, where that has one.
+fn over(found: f64, exact: f64) -> f64 {
+    match exact > 0.0 {
+        true => found / exact,
+        false => f64::INFINITY,
     }
 }
 

@@ -8,9 +8,12 @@ use super::{
     Discretization, MaterialPointChoices, MaterialPoints, Peridynamics, PeridynamicsChoices,
 };
 use crate::approximation::Approximation;
-use crate::lattice::{Crystal, delaunay_centers, voronoi_volumes};
+use crate::lattice::{
+    BravaisLattice, Crystal, LatticeError, cells_between, delaunay_centers, voronoi_volumes,
+};
 use crate::method::{Background, Frame, KernelMethodChoices, Linearization, Method, MethodError};
 use crate::quadrature::{CellRule, Quadrature};
+use nalgebra::SVector;
 
 /// A method of any family. Where a family has particles on a lattice, the first entry says where they are; its other choices are those of
 /// kernel methods.
@@ -154,9 +157,22 @@ fn quadrature<const D: usize>(
                 stress_point_weight: None,
                 ..choices.cell_rule::<D>()?
             };
-            let points = choices.quadrature.points(lattice, &rule)?;
-            let points = points.iter().map(|point| (point.place, point.volume));
-            return Ok(CrystalQuadrature::Points(points.collect()));
+            // The rule is that of a cell of the lattice, of which this one has as many along each vector.
+            let count = choices.cells.max(1);
+            let one = BravaisLattice::new(lattice.vectors() / f64::from(count));
+            let one = one.ok_or(LatticeError::NoSites)?;
+            let points = choices.quadrature.points(&one, &rule)?;
+            let last = count as i32 - 1;
+            let cells = cells_between(&[0; D], &[last; D]);
+            let repeated = cells.into_iter().flat_map(|cell| {
+                let cell = SVector::from(cell.map(f64::from));
+                let moved = |place: &SVector<f64, D>| (place + cell) / f64::from(count);
+                let points = points
+                    .iter()
+                    .map(move |point| (moved(&point.place), point.volume));
+                points.collect::<Vec<_>>()
+            });
+            return Ok(CrystalQuadrature::Points(repeated.collect()));
         }
         Quadrature::StressPoints | Quadrature::NodalStabilized => {
             return Err(MethodError::Incompatible {

@@ -124,10 +124,6 @@ impl<const D: usize> Discretization<D> for Method<D> {
     }
 
     fn has_alternating_zero_mode(&self, f: &DeformationGradient) -> Result<bool, MethodError> {
-        // In a Lagrangian frame stress acts through the discrete gradient too, and the softest wave tells.
-        if self.choices().frame == Frame::Lagrangian {
-            return Ok(false);
-        }
         let norm = gradient_norm(self, f)?;
         let search = ZoneSearch::new(self, f, 1.0).ok_or(MethodError::NotFinite)?;
         let share = |k: SVector<f64, D>| {

@@ -23,6 +23,7 @@ mod response;
 pub mod sph;
 pub mod stabilization;
 mod strain;
+mod strain_roots;
 mod strain_rows;
 
 pub use choices::MethodChoices;
@@ -42,6 +43,7 @@ pub use peridynamics::{
 pub use response::PointResponse;
 pub(crate) use response::{determinant, inverse};
 pub use strain::{SeenForm, SeenPoint, StrainOperator};
+pub(crate) use strain_roots::Singular;
 pub(crate) use strain_rows::StrainRows;
 
 use self::sph::CurrentPairs;

@@ -15,7 +15,7 @@ const INEXACT: f64 = 1e-6;
 /// With one particle in a cell `sym(g (x) B)` vanishes with `B` alone, whatever `g` is: where nothing but strains is seen, the
 /// gradients `B` themselves are the matrix, of a single column.
 ///
-/// A form enters with the phases relative to its middle, and with a factor that makes its slope one at most: neither changes the
+/// A form enters with the phases relative to its middle, and with a factor that makes its slope a spacing at most: neither changes the
 /// kernel.
 #[derive(Clone, Debug)]
 pub(crate) struct StrainRows<const D: usize> {
@@ -23,8 +23,8 @@ pub(crate) struct StrainRows<const D: usize> {
     /// Whether the gradients stand for the strains.
     is_gradient: bool,
     points: Vec<Point<D>>,
-    /// The largest wave number of alternating neighbors; 1/length.
-    wave_number: f64,
+    /// The distance of the nearest particles; length.
+    pub(crate) spacing: f64,
     /// What the norm of a derivative of `R` along a unit direction is at most; length.
     pub(crate) slope: f64,
     /// The same of a second derivative; length^2.
@@ -77,11 +77,7 @@ impl<const D: usize> StrainRows<D> {
             sites,
             is_gradient: sites == 1 && controls == 0,
             points: Vec::new(),
-            wave_number: crystal
-                .lattice()
-                .alternating()
-                .map(|k| k.norm())
-                .fold(0.0, f64::max),
+            spacing: crystal.nearest_distance(),
             slope: 0.0,
             curvature: 0.0,
         };
@@ -120,13 +116,13 @@ impl<const D: usize> StrainRows<D> {
                         .sum()
                 };
                 let size = match moment(1, None) {
-                    0.0 => moment(0, None) * crystal.nearest_distance(),
+                    0.0 => moment(0, None) * rows.spacing,
                     size => size,
                 };
                 if size == 0.0 {
                     continue;
                 }
-                let factor = (size * (count as f64).sqrt()).recip();
+                let factor = rows.spacing / (size * (count as f64).sqrt());
                 for site in 0..sites {
                     rows.slope += (factor * moment(1, Some(site))).powi(2);
                     rows.curvature += (factor * moment(2, Some(site))).powi(2);
@@ -138,7 +134,6 @@ impl<const D: usize> StrainRows<D> {
             }
             rows.points.push(placed);
         }
-        // Slopes are lengths: of a form whose moments add up to one spacing.
         rows.slope = rows.slope.sqrt();
         rows.curvature = rows.curvature.sqrt();
         rows
@@ -180,16 +175,6 @@ impl<const D: usize> StrainRows<D> {
     /// Whether some wave is not seen, to a fraction of the size of its strains.
     pub(crate) fn misses(&self, k: &SVector<f64, D>, fraction: f64) -> bool {
         self.smallest(k) <= fraction * self.slope * k.norm()
-    }
-
-    /// Whether particles of a cell move against each other, `k = 0`, and that is not seen, to a fraction of the strains of waves of alternating neighbors.
-    pub(crate) fn misses_at_rest(&self, fraction: f64) -> bool {
-        if self.sites == 1 {
-            return false;
-        }
-        let values = self.at(&SVector::zeros()).singular_values();
-        let least = fraction * self.slope * self.wave_number;
-        values.iter().filter(|value| **value <= least).count() > D
     }
 
     /// The smallest singular value of `R(k)`.

@@ -17,10 +17,6 @@ use crate::time_step::{
 use nalgebra::{DMatrix, SVector};
 use std::sync::{Arc, OnceLock};
 
-/// Relative strains below which a wave strains nothing, of a wave vector that is known but for rounding.
-const UNSEEN: f64 = 1e-7;
-/// The same of a wave vector that a search has found: it is known to the square root of rounding.
-const UNSEEN_WHERE_FOUND: f64 = 3e-5;
 /// Scaled measures of stable states up to which stress alone may hold the softest mode.
 const SOFT: f64 = 0.05;
 
@@ -670,17 +666,18 @@ impl<'a, const D: usize> Survey<'a, D> {
             return Ok(norm <= ZERO_ENERGY || self.discretization.has_alternating_zero_mode(f)?);
         }
         let strains = self.strains()?;
-        let misses = |k: &SVector<f64, D>| strains.rows.misses(k, UNSEEN_WHERE_FOUND);
-        Ok(strains.misses_alternating || !softest.is_long_wave && misses(&softest.wave_vector))
+        let is_near = |k: &SVector<f64, D>| strains.rows.has_zero_mode_near(k);
+        Ok(strains.misses_alternating || !softest.is_long_wave && is_near(&softest.wave_vector))
     }
 
     fn strains(&self) -> Result<&Strains<D>, MethodError> {
         let evaluated = || {
             let crystal = self.discretization.crystal();
             let rows = StrainRows::new(crystal, &self.discretization.strain()?);
-            let mut alternating = crystal.lattice().alternating();
-            let misses_alternating =
-                rows.misses_at_rest(UNSEEN) || alternating.any(|k| rows.misses(&k, UNSEEN));
+            let alternating = crystal.lattice().alternating();
+            let misses_alternating = alternating
+                .chain([SVector::zeros()])
+                .any(|k| rows.has_zero_mode_at(&k));
             Ok(Strains {
                 rows,
                 misses_alternating,

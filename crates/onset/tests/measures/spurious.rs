@@ -10,8 +10,8 @@ use onset::material::{Hyperelastic, Law, ModifiedMooneyRivlin};
 use onset::measures::{Extent, SpuriousMode, SpuriousModes, spurious_modes};
 use onset::method::KernelMethodChoices;
 use onset::quadrature::Quadrature;
-use onset::scheme::Discretization;
 use onset::scheme::sph::{TotalLagrangianChoices, TotalLagrangianSph};
+use onset::scheme::{Discretization, MethodChoices};
 use onset::verdict::Survey;
 use std::f64::consts::TAU;
 
@@ -181,27 +181,44 @@ fn weakly_controlled_modes_are_found_at_rest_too() {
         let survey = Survey::new(&scheme, &material).expect("a survey");
         spurious_modes(&survey, 0.05).expect("modes")
     };
-    // Waves of 1/2 along each axis, whose wave numbers are those of the shortest reciprocal vectors of two by two cells.
-    for penalty in [1e-6, 1e-4] {
-        let (one, four) = (of_cell(penalty, 1), of_cell(penalty, 2));
-        let along = one.modes.iter().filter(|mode| {
-            let k = mode.wave_vector.map(f64::abs);
-            (k.norm() - 0.5 * TAU).abs() < 1e-6
-        });
-        let along = along.map(|mode| mode.relative_frequency);
-        let expected = along.fold(f64::INFINITY, f64::min);
-        assert!(0.0 < expected && expected < 0.05, "{expected}");
-        assert!((four.weakest / expected - 1.0).abs() < 1e-6, "{four:?}");
+    for penalty in [1e-6, 1e-4, 0.02] {
+        let one = of_cell(penalty, 1).weakest;
+        assert!(0.0 < one && one < 0.05, "{one}");
+        // Of more cells the wave has another wave vector, and is the same.
+        for cells in [2, 3, 4] {
+            let found = of_cell(penalty, cells);
+            let difference = found.weakest / one - 1.0;
+            assert!(difference.abs() < 1e-6, "{penalty} {cells} {difference}");
+        }
+        let four = of_cell(penalty, 2);
         let at_rest = &four.modes[0];
         assert!(at_rest.wave_vector.norm() < 1e-9 && !at_rest.is_zero());
         assert_eq!(at_rest.relative_frequency, four.weakest);
         let total: SVector<_, 2> = at_rest.displacements.iter().sum();
         assert!(total.iter().all(|z| z.norm() < 1e-6), "no translation");
-        // With three cells along an axis they are no waves of k = 0, and as weak.
-        assert!(of_cell(penalty, 3).weakest < 0.05);
     }
     // Where they are controlled nothing else of a larger cell counts as weak.
     assert!(of_cell(0.3, 1).modes.is_empty() && of_cell(0.3, 2).modes.is_empty());
+}
+
+/// Gauss points are those of the cells between particles, however many cells are taken together.
+#[test]
+fn a_rule_of_points_is_the_same_in_a_larger_cell() {
+    let of_cells = |cells: u32| KernelMethodChoices {
+        quadrature: Quadrature::Gauss,
+        approximation: Approximation::Mls,
+        cells,
+        ..nodal(LatticeKind::Square)
+    };
+    let one = found(&method::<2>(of_cells(1)), 0.5);
+    for cells in [2, 3] {
+        let several = MethodChoices::Kernel(Box::new(of_cells(cells)));
+        let several = several.discretization::<2>().expect("a method");
+        let several = found(&*several, 0.5);
+        assert_eq!(several.zero_extent, one.zero_extent);
+        let difference = several.weakest / one.weakest - 1.0;
+        assert!(difference.abs() < 1e-6, "{cells}: {difference}");
+    }
 }
 
 #[test]

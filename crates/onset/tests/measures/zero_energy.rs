@@ -1,6 +1,7 @@
 //! All zero-energy modes: against dense Newton searches in an algebra of their own, and against the stiffness of three laws.
 
 use crate::hunt::hunted;
+use crate::method;
 use nalgebra::{DMatrix, SMatrix, SVector};
 use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
@@ -45,6 +46,10 @@ fn a_fluid_is_not_stable_where_its_discretization_has_zero_energy_modes() {
             let searched = survey.state(&f).expect("a verdict").verdict;
             assert_eq!(survey.judge(&f).expect("a verdict").0, searched);
             assert_eq!(survey.assess(&f).expect("a verdict").verdict, searched);
+            let survey = Survey::new(scheme, &*law).expect("a survey");
+            let many = survey.for_many_states().expect("a survey");
+            let [of_map] = many.states(&[f]).try_into().expect("one");
+            assert_eq!(of_map.expect("a verdict").verdict, searched);
             searched
         })
     };
@@ -52,7 +57,9 @@ fn a_fluid_is_not_stable_where_its_discretization_has_zero_energy_modes() {
     let nodal = TotalLagrangianSph::<2>::new(square, TotalLagrangianChoices::default());
     let nodal = nodal.expect("a scheme");
     let whole = FiniteElements::<2>::new(&ElementChoices::default()).expect("elements");
-    for mu in [0.0, 0.2] {
+    let kernel = method::<2>(crate::nodal(LatticeKind::Square));
+    for mu in [0.0, 1e-9, 0.2] {
+        assert_eq!(verdicts(&kernel, mu), [Verdict::ZeroEnergy; 2], "{mu}");
         assert_eq!(verdicts(&nodal, mu), [Verdict::ZeroEnergy; 2], "{mu}");
         assert_eq!(verdicts(&whole, mu), [Verdict::Stable; 2], "{mu}");
     }

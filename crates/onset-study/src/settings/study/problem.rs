@@ -36,12 +36,8 @@ impl Settings {
 impl Study {
     /// Tells that the state of a study is that of its maps, where the question has a state of its own.
     pub(in crate::settings) fn note_unread_state(&self) {
-        let mut set = self
-            .origins
-            .keys
-            .iter()
-            .filter(|(name, _)| name.starts_with("state."));
-        if let Some((name, origin)) = set.next() {
+        let keys = self.origins.keys.iter();
+        for (name, origin) in keys.filter(|(name, _)| name.starts_with("state.")) {
             note(format!(
                 "{origin}`{name}` is of the states of a map and has no effect here"
             ));

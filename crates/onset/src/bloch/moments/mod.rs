@@ -61,6 +61,8 @@ pub struct GradientMoments<const D: usize> {
     long: LongMoments,
     /// Rounding error to expect in the scaled moments of long waves.
     long_noise: f64,
+    /// Whether a wave of alternating neighbors strains nothing, so that it has no energy at any state.
+    misses_alternating: bool,
     /// The unit of the moments, and that of `D` and `c^2`.
     moment_unit: f64,
     unit: f64,
@@ -110,7 +112,7 @@ pub struct MomentExtremes<const D: usize> {
     pub wave_vector: SVector<f64, D>,
     /// Whether it is the limit of long waves.
     pub is_long_wave: bool,
-    /// Whether the softest mode is a zero-energy mode at any state.
+    /// Whether the softest mode, or a wave of alternating neighbors, is a zero-energy mode at any state.
     pub has_zero_mode: bool,
     /// The smallest limit of long waves.
     pub long_wave_minimum: f64,
@@ -124,6 +126,18 @@ pub struct MomentExtremes<const D: usize> {
 
 /// A bottom: the objective and its wave vector.
 type Bottom<const D: usize> = (f64, SVector<f64, D>);
+
+/// Whether a wave strains nothing: its gradient moments vanish beside those of long waves.
+fn is_unseen<const D: usize>(
+    matrix: &DynamicalMatrix<D>,
+    search: &ZoneSearch<D>,
+    long: &LongMoments,
+    k: &SVector<f64, D>,
+) -> bool {
+    let h = matrix.at(k);
+    let trace = (h[(0, 0)] + h[(1, 1)]).re / search.reference().laplacian(k);
+    trace <= ZERO_ENERGY * long.iter().map(|h| h[0].abs()).sum::<f64>()
+}
 
 impl<const D: usize> GradientMoments<D> {
     /// The moments of a method; `None` where `D(k)` is no contraction with one tangent, or not planar and real: Eulerian
@@ -170,6 +184,9 @@ impl<const D: usize> GradientMoments<D> {
         let (scaled, plain) = (Wells::new(&grid, scaled), Wells::new(&grid, moments));
         let long = long_moments(method, &matrix);
         let long_noise = matrix.long_wave_noise();
+        let misses_alternating = lattice
+            .alternating()
+            .any(|k| is_unseen(&matrix, &search, &long, &k));
         Ok(Some(Self {
             matrix,
             sums,
@@ -178,6 +195,7 @@ impl<const D: usize> GradientMoments<D> {
             plain,
             long,
             long_noise,
+            misses_alternating,
             search,
             moment_unit,
             unit,
@@ -257,12 +275,9 @@ impl<const D: usize> GradientMoments<D> {
             if scaled_minimum < -tolerance {
                 growing.push(n);
             }
-            let has_zero_mode = !is_long_wave && scaled_minimum.abs() <= tolerance && {
-                let h = self.matrix.at(&wave_vector);
-                let trace =
-                    (h[(0, 0)] + h[(1, 1)]).re / self.search.reference().laplacian(&wave_vector);
-                trace <= ZERO_ENERGY * self.long.iter().map(|h| h[0].abs()).sum::<f64>()
-            };
+            let is_unseen = |k| is_unseen(&self.matrix, &self.search, &self.long, k);
+            let is_zero = !is_long_wave && scaled_minimum.abs() <= tolerance;
+            let has_zero_mode = self.misses_alternating || is_zero && is_unseen(&wave_vector);
             extremes.push(MomentExtremes {
                 scaled_minimum,
                 wave_vector,

@@ -80,7 +80,7 @@ impl<const D: usize> WaveSystem<D> {
     }
 
     /// Those of the modes whose numbers are chosen from the values of `omega^2`.
-    pub(super) fn modes_of(
+    pub(crate) fn modes_of(
         &self,
         k: &SVector<f64, D>,
         chosen: impl Fn(&[Complex]) -> Vec<usize>,

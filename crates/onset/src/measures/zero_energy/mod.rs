@@ -31,6 +31,8 @@ const NEAR: f64 = 1e-4;
 const FRACTION: f64 = 1.0 / 24.0;
 /// The distance at which it is tried whether a root goes on.
 const CONTINUED: f64 = 0.02;
+/// Distances, in units of the reciprocal vectors, within which a wave vector is that of a zero-energy mode.
+const POINT: f64 = 1e-3;
 /// What is seen of a wave, over its size, where its wave vector is known to the square root of rounding.
 const KNOWN: f64 = 1e-4;
 /// What is spent on the division, terms of sums: some seconds.
@@ -123,14 +125,18 @@ impl<const D: usize> ZeroModes<D> {
         self.modes.iter().map(|mode| mode.extent).max()
     }
 
-    /// Whether a wave vector of the first zone that is known to the square root of rounding has a zero-energy mode.
-    pub(super) fn has(&self, k: &SVector<f64, D>) -> bool {
-        self.rows.misses(k, KNOWN)
-    }
-
-    /// Whether there is one at `k = 0`.
-    pub(super) fn are_at_rest(&self) -> bool {
-        self.modes.iter().any(|mode| mode.wave_vector.norm() == 0.0)
+    /// Whether a wave vector of the first zone that is known to the square root of rounding has one of them: it is near to that of a point, or
+    /// strains little beside others. Waves that strain little without any such neighbor are weakly controlled.
+    pub(super) fn has(
+        &self,
+        k: &SVector<f64, D>,
+        distance: impl Fn(&SVector<f64, D>) -> f64,
+    ) -> bool {
+        let is_near = |mode: &ZeroMode<D>| match mode.extent {
+            Extent::Point => distance(&mode.wave_vector) <= POINT,
+            _ => self.rows.misses(k, KNOWN),
+        };
+        self.modes.iter().any(is_near) || !self.is_complete && self.rows.misses(k, KNOWN)
     }
 }
 

@@ -1,21 +1,17 @@
-//! Roots of the strain operator: Newton's method, and what lies next to a root.
+//! What lies next to a root of the strain operator.
 
-use crate::algebra::{Complex, MAXIMUM_ITERATIONS, sort_by_value};
-use crate::scheme::StrainRows;
-use nalgebra::{DMatrix, DMatrixView, DVector, SMatrix, SVector};
-use std::borrow::Cow;
+use crate::algebra::{Complex, sort_by_value};
+use crate::scheme::{Singular, StrainRows};
+use nalgebra::{DMatrix, SMatrix, SVector};
 use std::f64::consts::PI;
 
-/// Singular values below this are zero at a root, to rounding: slopes of `R` are one at most.
-const ZERO: f64 = 1e-11;
-/// The same of singular values at a root whose place is known to the square root of rounding only.
-const KERNEL: f64 = 1e-7;
-/// Steps of Newton's method. A double root takes the most: each halves the distance.
-const STEPS: usize = 60;
 /// Slopes below this fraction of the largest leave a direction in which a root may go on.
 const FLAT: f64 = 1e-5;
 /// Halvings of an interval in which a distance is sought, which is a lower bound.
 const HALVINGS: usize = 40;
+/// Turns in which a stationary direction is sought, and the part by which one must be lower than that before.
+const TURNS: usize = 60;
+const SETTLED: f64 = 1e-6;
 /// Directions that are looked at, of which opposite ones are the same.
 const DIRECTIONS: [usize; 3] = [1, 90, 240];
 
@@ -33,141 +29,11 @@ pub(super) struct Root<const D: usize> {
     pub(super) tangents: usize,
 }
 
-/// A singular value decomposition, largest values first.
-#[derive(Clone)]
-struct Singular {
-    values: Vec<f64>,
-    left: DMatrix<Complex>,
-    right: DMatrix<Complex>,
-}
-
-impl Singular {
-    fn of(matrix: DMatrix<Complex>) -> Option<Self> {
-        let bound = MAXIMUM_ITERATIONS * matrix.ncols();
-        let svd = matrix.try_svd(true, true, f64::EPSILON, bound)?;
-        let (left, adjoint) = (svd.u?, svd.v_t?);
-        let mut order: Vec<usize> = (0..svd.singular_values.len()).collect();
-        sort_by_value(&mut order, |n| -svd.singular_values[*n]);
-        Some(Self {
-            values: order.iter().map(|n| svd.singular_values[*n]).collect(),
-            left: left.select_columns(&order),
-            right: adjoint.adjoint().select_columns(&order),
-        })
-    }
-
-    fn smallest(&self) -> f64 {
-        self.values.last().copied().unwrap_or(0.0)
-    }
-
-    fn below(&self, bound: f64) -> usize {
-        self.values.iter().filter(|value| **value <= bound).count()
-    }
-
-    /// The right vectors of the `count` smallest values.
-    fn softest(&self, count: usize) -> DMatrix<Complex> {
-        let n = self.right.ncols();
-        self.right.columns(n - count, count).into_owned()
-    }
-
-    /// An orthonormal basis of the range of the other vectors.
-    fn range(&self, count: usize) -> DMatrixView<'_, Complex> {
-        self.left.columns(0, self.left.ncols() - count)
-    }
-
-    /// What of a matrix is orthogonal to that range: changes of the soft vectors answer the rest.
-    fn unanswered(&self, count: usize, matrix: DMatrix<Complex>) -> DMatrix<Complex> {
-        let range = self.range(count);
-        let answered = range * range.ad_mul(&matrix);
-        matrix - answered
-    }
-
-    /// What the matrix maps to that basis, a column each: the other right vectors over their singular values.
-    fn origins(&self, count: usize) -> DMatrix<Complex> {
-        let n = self.right.ncols() - count;
-        let mut origins = self.right.columns(0, n).into_owned();
-        for (mut column, value) in origins.column_iter_mut().zip(&self.values) {
-            column /= Complex::from(*value);
-        }
-        origins
-    }
-}
-
 impl<const D: usize> StrainRows<D> {
-    /// Newton's method, as far as `reach` from where it starts: a wave vector at which `R` has a kernel.
-    pub(super) fn polished(&self, start: &SVector<f64, D>, reach: f64) -> Option<SVector<f64, D>> {
-        let first = Singular::of(self.at(start))?;
-        // The nullity of the root is not known: all that is small, or one.
-        let small = first.below(3.0 * first.smallest() + ZERO);
-        let mut counts = vec![small, 1];
-        counts.dedup();
-        counts
-            .into_iter()
-            .find_map(|count| self.followed(start, &first, reach, count))
-    }
-
-    fn followed(
-        &self,
-        start: &SVector<f64, D>,
-        first: &Singular,
-        reach: f64,
-        count: usize,
-    ) -> Option<SVector<f64, D>> {
-        let (mut k, mut singular) = (*start, Cow::Borrowed(first));
-        let mut best = (f64::INFINITY, k);
-        let mut idle = 0;
-        for _ in 0..STEPS {
-            let smallest = singular.smallest();
-            if smallest < 0.9 * best.0 {
-                idle = 0;
-            } else {
-                idle += 1;
-            }
-            if smallest < best.0 {
-                best = (smallest, k);
-            }
-            if idle > 3 || smallest == 0.0 {
-                break;
-            }
-            let step = self.newton_step(&k, &singular, count)?;
-            if step.norm() <= 1e-15 * (1.0 + k.norm()) {
-                break;
-            }
-            k += step;
-            let has_strayed = (k - start).norm() > reach;
-            if has_strayed || !k.iter().all(|x| x.is_finite()) {
-                break;
-            }
-            singular = Cow::Owned(Singular::of(self.at(&k))?);
-        }
-        (best.0 <= ZERO).then_some(best.1)
-    }
-
-    /// The least change of `k` with which what is left of `R(k) V` is smallest, `V` the vectors of the smallest singular values.
-    fn newton_step(
-        &self,
-        k: &SVector<f64, D>,
-        singular: &Singular,
-        count: usize,
-    ) -> Option<SVector<f64, D>> {
-        let soft = singular.softest(count);
-        let stacked = |matrix: DMatrix<Complex>| -> Vec<f64> {
-            let left = singular.unanswered(count, matrix);
-            left.iter().flat_map(|z| [z.re, z.im]).collect()
-        };
-        let residual = DVector::from_vec(stacked(self.at(k) * &soft));
-        let columns: Vec<DVector<f64>> = (0..D)
-            .map(|i| DVector::from_vec(stacked(self.derivative(k, i) * &soft)))
-            .collect();
-        let jacobian = DMatrix::from_columns(&columns);
-        let svd = jacobian.try_svd(true, true, f64::EPSILON, 10 * MAXIMUM_ITERATIONS)?;
-        let step = svd.solve(&-residual, 1e-9 * self.slope).ok()?;
-        Some(SVector::from_fn(|i, _| step[i]))
-    }
-
     /// What is known of the neighborhood of a root; `None` where there is no kernel.
     pub(super) fn root(&self, k: &SVector<f64, D>) -> Option<Root<D>> {
         let singular = Singular::of(self.at(k))?;
-        let count = singular.below(KERNEL * self.slope.max(1.0));
+        let count = self.nullity(&singular);
         if count == 0 {
             return None;
         }
@@ -293,15 +159,7 @@ fn directional<const D: usize>(
         let real = SMatrix::<f64, D, D>::from_fn(|i, j| products[i][j][(0, 0)].re);
         return eigen(&real);
     }
-    let square = |n: &SVector<f64, D>| {
-        let mut sum = DMatrix::zeros(count, count);
-        for i in 0..D {
-            for j in 0..D {
-                sum += &products[i][j] * Complex::new(n[i] * n[j], 0.0);
-            }
-        }
-        sum.symmetric_eigenvalues().min()
-    };
+    let square = |n: &SVector<f64, D>| along(products, n).symmetric_eigenvalues().min();
     let mut sampled: Vec<(f64, SVector<f64, D>)> = directions::<D>()
         .into_iter()
         .map(|n| (square(&n), n))
@@ -315,38 +173,54 @@ fn directional<const D: usize>(
             .iter()
             .all(|(_, other)| (n - other).norm().min((n + other).norm()) > apart);
         if is_new && found.len() < 8 {
-            found.push(refined(&square, (value, n), apart));
+            found.push(refined(products, (value, n)));
         }
     }
     sort_by_value(&mut found, |item| item.0);
     found
 }
 
-/// The bottom of a function of directions near one, by smaller and smaller turns.
+/// A stationary direction downhill from one: for a vector `a` of the kernel the best direction is an eigenvector of the `a* T_i* T_j a`, and for a
+/// direction the best vector one of `sum n_i n_j T_i* T_j`, in turns.
 fn refined<const D: usize>(
-    at: &impl Fn(&SVector<f64, D>) -> f64,
-    start: (f64, SVector<f64, D>),
-    size: f64,
+    products: &[Vec<DMatrix<Complex>>],
+    (mut value, mut n): (f64, SVector<f64, D>),
 ) -> (f64, SVector<f64, D>) {
-    let (mut best, mut size) = (start, 0.5 * size);
-    while size > 1e-9 {
-        let before = best.0;
-        for i in 0..D {
-            for sign in [-1.0, 1.0] {
-                let mut tried = best.1;
-                tried[i] += sign * size;
-                let tried = tried.normalize();
-                let value = at(&tried);
-                if value < best.0 {
-                    best = (value, tried);
-                }
-            }
+    for _ in 0..TURNS {
+        let soft = along(products, &n).symmetric_eigen();
+        let a = soft
+            .eigenvectors
+            .column(soft.eigenvalues.imin())
+            .into_owned();
+        let form = SMatrix::<f64, D, D>::from_fn(|i, j| a.dotc(&(&products[i][j] * &a)).re);
+        let Some((lower, better)) = eigen(&form).into_iter().next() else {
+            break;
+        };
+        let has_settled = lower >= value * (1.0 - SETTLED);
+        if lower < value {
+            (value, n) = (lower, better);
         }
-        if best.0 >= before {
-            size *= 0.5;
+        if has_settled {
+            break;
         }
     }
-    best
+    (value, n)
+}
+
+/// `sum n_i n_j T_i* T_j`.
+fn along<const D: usize>(
+    products: &[Vec<DMatrix<Complex>>],
+    n: &SVector<f64, D>,
+) -> DMatrix<Complex> {
+    let mut sum = &products[0][0] * Complex::from(n[0] * n[0]);
+    for i in 0..D {
+        for j in 0..D {
+            if i + j > 0 {
+                sum += &products[i][j] * Complex::from(n[i] * n[j]);
+            }
+        }
+    }
+    sum
 }
 
 /// Directions all over the half sphere.

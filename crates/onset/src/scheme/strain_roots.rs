@@ -1,0 +1,169 @@
+//! Roots of the strain operator: wave vectors with zero-energy modes, by Newton's method.
+
+use super::StrainRows;
+use crate::algebra::{Complex, MAXIMUM_ITERATIONS, sort_by_value};
+use nalgebra::{DMatrix, DMatrixView, DVector, SVector};
+use std::borrow::Cow;
+
+/// Singular values below this are zero at a root, to rounding: slopes of `R` are a spacing at most.
+const ZERO: f64 = 1e-11;
+/// The same of singular values at a root whose place is known to the square root of rounding only.
+const KERNEL: f64 = 1e-7;
+/// Strains of a wave over its size beside a root that a search has found, and how far from there the root is sought, over the wave number.
+const SMALL: f64 = 1e-3;
+const NEAR: f64 = 1e-2;
+/// Steps of Newton's method. A double root takes the most: each halves the distance.
+const STEPS: usize = 60;
+
+/// A singular value decomposition, largest values first.
+#[derive(Clone)]
+pub(crate) struct Singular {
+    pub(crate) values: Vec<f64>,
+    left: DMatrix<Complex>,
+    right: DMatrix<Complex>,
+}
+
+impl Singular {
+    pub(crate) fn of(matrix: DMatrix<Complex>) -> Option<Self> {
+        let bound = MAXIMUM_ITERATIONS * matrix.ncols();
+        let svd = matrix.try_svd(true, true, f64::EPSILON, bound)?;
+        let (left, adjoint) = (svd.u?, svd.v_t?);
+        let mut order: Vec<usize> = (0..svd.singular_values.len()).collect();
+        sort_by_value(&mut order, |n| -svd.singular_values[*n]);
+        Some(Self {
+            values: order.iter().map(|n| svd.singular_values[*n]).collect(),
+            left: left.select_columns(&order),
+            right: adjoint.adjoint().select_columns(&order),
+        })
+    }
+
+    fn smallest(&self) -> f64 {
+        self.values.last().copied().unwrap_or(0.0)
+    }
+
+    fn below(&self, bound: f64) -> usize {
+        self.values.iter().filter(|value| **value <= bound).count()
+    }
+
+    /// The right vectors of the `count` smallest values.
+    pub(crate) fn softest(&self, count: usize) -> DMatrix<Complex> {
+        let n = self.right.ncols();
+        self.right.columns(n - count, count).into_owned()
+    }
+
+    /// An orthonormal basis of the range of the other vectors.
+    pub(crate) fn range(&self, count: usize) -> DMatrixView<'_, Complex> {
+        self.left.columns(0, self.left.ncols() - count)
+    }
+
+    /// What of a matrix is orthogonal to that range: changes of the soft vectors answer the rest.
+    pub(crate) fn unanswered(&self, count: usize, matrix: DMatrix<Complex>) -> DMatrix<Complex> {
+        let range = self.range(count);
+        let answered = range * range.ad_mul(&matrix);
+        matrix - answered
+    }
+
+    /// What the matrix maps to that basis, a column each: the other right vectors over their singular values.
+    pub(crate) fn origins(&self, count: usize) -> DMatrix<Complex> {
+        let n = self.right.ncols() - count;
+        let mut origins = self.right.columns(0, n).into_owned();
+        for (mut column, value) in origins.column_iter_mut().zip(&self.values) {
+            column /= Complex::from(*value);
+        }
+        origins
+    }
+}
+
+impl<const D: usize> StrainRows<D> {
+    /// How many singular values are zero at a root.
+    pub(crate) fn nullity(&self, singular: &Singular) -> usize {
+        singular.below(KERNEL)
+    }
+
+    /// Whether a wave vector that is known exactly has a zero-energy mode; at `k = 0` translations are none.
+    pub(crate) fn has_zero_mode_at(&self, k: &SVector<f64, D>) -> bool {
+        let nullity = Singular::of(self.at(k)).map_or(0, |singular| match k.norm() > 0.0 {
+            true => singular.below(ZERO),
+            false => self.nullity(&singular),
+        });
+        let translations = if k.norm() > 0.0 { 0 } else { D };
+        nullity * self.modes_per_column() > translations
+    }
+
+    /// Whether there is a zero-energy mode so near to a wave vector as a search knows it, where strains are small.
+    pub(crate) fn has_zero_mode_near(&self, k: &SVector<f64, D>) -> bool {
+        let is_small = self.smallest(k) <= SMALL * self.slope * k.norm();
+        is_small && self.polished(k, NEAR * k.norm()).is_some()
+    }
+
+    /// Newton's method, as far as `reach` from where it starts: a wave vector at which `R` has a kernel.
+    pub(crate) fn polished(&self, start: &SVector<f64, D>, reach: f64) -> Option<SVector<f64, D>> {
+        let first = Singular::of(self.at(start))?;
+        // The nullity of the root is not known: all that is small, or one.
+        let small = first.below(3.0 * first.smallest() + ZERO);
+        let mut counts = vec![small, 1];
+        counts.dedup();
+        counts
+            .into_iter()
+            .find_map(|count| self.followed(start, &first, reach, count))
+    }
+
+    fn followed(
+        &self,
+        start: &SVector<f64, D>,
+        first: &Singular,
+        reach: f64,
+        count: usize,
+    ) -> Option<SVector<f64, D>> {
+        let (mut k, mut singular) = (*start, Cow::Borrowed(first));
+        let mut best = (f64::INFINITY, k);
+        let mut idle = 0;
+        for _ in 0..STEPS {
+            let smallest = singular.smallest();
+            if smallest < 0.9 * best.0 {
+                idle = 0;
+            } else {
+                idle += 1;
+            }
+            if smallest < best.0 {
+                best = (smallest, k);
+            }
+            if idle > 3 || smallest == 0.0 {
+                break;
+            }
+            let step = self.newton_step(&k, &singular, count)?;
+            if step.norm() <= 1e-15 * (1.0 / self.spacing + k.norm()) {
+                break;
+            }
+            k += step;
+            let has_strayed = (k - start).norm() > reach;
+            if has_strayed || !k.iter().all(|x| x.is_finite()) {
+                break;
+            }
+            singular = Cow::Owned(Singular::of(self.at(&k))?);
+        }
+        (best.0 <= ZERO).then_some(best.1)
+    }
+
+    /// The least change of `k` with which what is left of `R(k) V` is smallest, `V` the vectors of the smallest singular values.
+    fn newton_step(
+        &self,
+        k: &SVector<f64, D>,
+        singular: &Singular,
+        count: usize,
+    ) -> Option<SVector<f64, D>> {
+        let soft = singular.softest(count);
+        let stacked = |matrix: DMatrix<Complex>| -> Vec<f64> {
+            let left = singular.unanswered(count, matrix);
+            left.iter().flat_map(|z| [z.re, z.im]).collect()
+        };
+        let residual = DVector::from_vec(stacked(self.at(k) * &soft));
+        let columns: Vec<DVector<f64>> = (0..D)
+            .map(|i| DVector::from_vec(stacked(self.derivative(k, i) * &soft)))
+            .collect();
+        let jacobian = DMatrix::from_columns(&columns);
+        let svd = jacobian.try_svd(true, true, f64::EPSILON, 10 * MAXIMUM_ITERATIONS)?;
+        let step = svd.solve(&-residual, 1e-9 * self.slope).ok()?;
+        Some(SVector::from_fn(|i, _| step[i]))
+    }
+}
