@@ -13,13 +13,13 @@ use crate::verdict::Survey;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use std::f64::consts::{PI, TAU};
 
-/// Points of the grid of wave vectors along a reciprocal vector: halves, thirds, quarters and their parts are among them.
+/// Points of the grid of wave vectors along a reciprocal vector: halves, thirds, quarters and their parts are among them, but for the largest cells.
 const GRID: [usize; 3] = [96, 24, 12];
 /// The fewest of them with several particles in a cell.
 const FEWEST: usize = 6;
 /// Waves longer than this, in units of the reciprocal vectors, are as good as infinitely long.
 const LONG: f64 = 1e-3;
-/// The part of the largest share of a wave in a mode from which the mode is one of it.
+/// A mode counts as a wave if it holds at least this part of what it holds most of.
 const HELD: f64 = 0.5;
 /// Wave vectors nearer than this, in units of the reciprocal vectors, are the same.
 const SAME: f64 = 1e-4;
@@ -27,6 +27,8 @@ const SAME: f64 = 1e-4;
 const DEEPEST: usize = 4;
 /// Distance from a face, in steps of the grid, at which a descent may be stuck.
 const STUCK: f64 = 0.1;
+/// Faces that are told from each other there, at most.
+const MOST_FACES: usize = 8;
 /// What a wave vector may be short of a face of the zone, relative to it, and be on it.
 const ON_FACE: f64 = 1e-9;
 
@@ -87,6 +89,7 @@ pub fn spurious_modes<const D: usize>(
     let position = |site| crystal.position(&Particle::home(site));
     let weak = Weak {
         positions: (0..crystal.sites().len()).map(position).collect(),
+        spacing: crystal.nearest_distance(),
         system: survey.reference()?,
         density: survey.discretization().density(),
         zone: &zone,
@@ -124,6 +127,8 @@ fn shown<const D: usize>(mode: &ZeroMode<D>, zone: &BrillouinZone<D>) -> Spuriou
 struct Weak<'a, const D: usize> {
     /// The places of the particles of a cell; length.
     positions: Vec<SVector<f64, D>>,
+    /// The distance of the nearest particles; length.
+    spacing: f64,
     system: &'a WaveSystem<D>,
     density: f64,
     zone: &'a BrillouinZone<D>,
@@ -140,6 +145,8 @@ struct Least<const D: usize> {
     branch: usize,
     /// Which wave of the material it is.
     wave: SVector<f64, D>,
+    /// What leads to it from others that it is as well, and shorter: the normals of planes across which another one is the longest.
+    from_others: Vec<SVector<f64, D>>,
 }
 
 impl<const D: usize> Least<D> {
@@ -149,6 +156,7 @@ impl<const D: usize> Least<D> {
             ratio: f64::INFINITY,
             branch: 0,
             wave,
+            from_others: Vec::new(),
         }
     }
 }
@@ -167,6 +175,7 @@ impl<const D: usize> Weak<'_, D> {
                 ratio: over(self.system.omega_squared(&k)[0].re, self.longest(&k)),
                 branch: 0,
                 wave: k,
+                from_others: self.faces.clone(),
             },
         }
     }
@@ -186,30 +195,41 @@ impl<const D: usize> Weak<'_, D> {
             });
         let mut least = Least::none(*k);
         for (branch, (value, displacements)) in modes.iter().enumerate() {
-            // No faster mode, which all others are, is slower beside the material.
+            // All others are faster, too fast to be slower beside the material.
             if value.re >= least.ratio * largest {
                 break;
             }
-            let number = self.held(&images, &per_particle(displacements));
-            let (wave, ratio) = (k + images[number], over(value.re, exact[number]));
+            let held = self.held(&images, &per_particle(displacements));
+            let [first, others @ ..] = &held[..] else {
+                continue;
+            };
+            let wave = k + images[*first];
+            let is_as_long = |n: &&usize| (k + images[**n]).norm() <= wave.norm() * (1.0 + ON_FACE);
+            let fastest = held.iter().filter(is_as_long).map(|n| exact[*n]);
+            let ratio = over(value.re, fastest.fold(0.0, f64::max));
             if ratio < least.ratio && self.fractional(&wave).amax() >= LONG {
-                let branch = if self.system.is_hermitian() {
-                    branch
-                } else {
-                    D * branch
+                let branch = match self.system.is_hermitian() {
+                    true => branch,
+                    false => D * branch,
                 };
+                let apart = others.iter().map(|n| images[*first] - images[*n]);
                 least = Least {
                     ratio,
                     branch,
                     wave,
+                    from_others: apart.collect(),
                 };
             }
         }
         least
     }
 
-    /// Which of some waves a mode is, in the order of their wavelengths, the longest first.
-    fn held(&self, images: &[SVector<f64, D>], displacements: &[SVector<Complex, D>]) -> usize {
+    /// Which of some waves a mode is.
+    fn held(
+        &self,
+        images: &[SVector<f64, D>],
+        displacements: &[SVector<Complex, D>],
+    ) -> Vec<usize> {
         let share = |g: &SVector<f64, D>| -> f64 {
             let terms = self.positions.iter().zip(displacements);
             let held = terms.map(|(x, own)| own * Complex::from_polar(1.0, -g.dot(x)));
@@ -217,16 +237,15 @@ impl<const D: usize> Weak<'_, D> {
         };
         let shares: Vec<f64> = images.iter().map(share).collect();
         let most = shares.iter().copied().fold(0.0, f64::max);
-        let first = shares.iter().position(|share| *share >= HELD * most);
-        first.unwrap_or(0)
+        let is_held = |n: &usize| shares[*n] >= HELD * most;
+        (0..images.len()).filter(is_held).collect()
     }
 
-    /// The reciprocal vectors that lead from a wave vector to the waves that are no shorter than the shortest ones of a lattice with as much space for
-    /// each particle, those to the longest waves first.
+    /// The reciprocal vectors that lead from a wave vector to the waves that particles so far apart can have, those to the longest waves first: the zone of
+    /// a lattice with a nearest distance `h` lies within `pi sqrt(D) / h`, that of squares and cubes with its corners.
     fn images(&self, k: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
         let lattice = self.zone.lattice();
-        let space = lattice.cell_volume() / self.positions.len() as f64;
-        let shortest = PI * (D as f64).sqrt() / space.powf(1.0 / D as f64);
+        let shortest = PI * (D as f64).sqrt() / self.spacing;
         // Along a lattice vector `a` a reciprocal vector has the coordinate `a.G / 2 pi`.
         let reach =
             |i: usize| (lattice.vectors().column(i).norm() * 2.0 * shortest / TAU) as i64 + 1;
@@ -236,7 +255,7 @@ impl<const D: usize> Weak<'_, D> {
             let along = |g: SVector<f64, D>| (-reach(i)..=reach(i)).map(move |n| g + b * n as f64);
             images = images.into_iter().flat_map(along).collect();
         }
-        images.retain(|g| (k + g).norm() <= shortest * (1.0 + ON_FACE));
+        images.retain(|g| (k + g).norm() <= shortest * (1.0 + ON_FACE) || g.norm() == 0.0);
         images.sort_by(|a, b| (k + a).norm().total_cmp(&(k + b).norm()));
         images
     }
@@ -347,18 +366,20 @@ impl<const D: usize> Weak<'_, D> {
         let size = steps.column_iter().map(|step| step.norm());
         let size = size.fold(0.0, f64::max);
         let inside = settled(&at, start, steps);
-        let folded = self.zone.folded(&inside.1);
-        let distance = |g: &SVector<f64, D>| 0.5 * g.norm() - folded.dot(g) / g.norm();
+        let least = self.least(&inside.1);
+        let wave = least.wave;
+        let distance = |g: &SVector<f64, D>| 0.5 * g.norm() - wave.dot(g) / g.norm();
         // A descent that is stuck at a kink is on it.
         let is_near = |g: &&SVector<f64, D>| distance(g) < STUCK * size;
-        let near: Vec<SVector<f64, D>> = self.faces.iter().filter(is_near).copied().collect();
+        let near = least.from_others.iter().filter(is_near);
+        let near: Vec<SVector<f64, D>> = near.take(MOST_FACES).copied().collect();
         let mut best = inside;
         for which in 1_usize..1 << near.len() {
             let chosen: Vec<SVector<f64, D>> = (0..near.len())
                 .filter(|i| which >> i & 1 == 1)
                 .map(|i| near[i])
                 .collect();
-            let Some((place, tangents)) = stratum(&folded, &chosen) else {
+            let Some((place, tangents)) = stratum(&wave, &chosen) else {
                 continue;
             };
             let tangents: Vec<SVector<f64, D>> = tangents.iter().map(|t| t * size).collect();
@@ -393,7 +414,7 @@ impl<const D: usize> Weak<'_, D> {
 
     /// Whether a wave vector has a zero-energy mode.
     fn is_zero(&self, k: &SVector<f64, D>, zero: &ZeroModes<D>) -> bool {
-        zero.has(k, |other| {
+        zero.has(&self.zone.folded(k), |other| {
             let either = [k - other, k + other];
             let distances = either.each(|way| self.distance_to_zero(&way));
             distances[0].min(distances[1])

@@ -8,9 +8,7 @@ use super::{
     Discretization, MaterialPointChoices, MaterialPoints, Peridynamics, PeridynamicsChoices,
 };
 use crate::approximation::Approximation;
-use crate::lattice::{
-    BravaisLattice, Crystal, LatticeError, cells_between, delaunay_centers, voronoi_volumes,
-};
+use crate::lattice::{BravaisLattice, Crystal, cells_between, delaunay_centers, voronoi_volumes};
 use crate::method::{Background, Frame, KernelMethodChoices, Linearization, Method, MethodError};
 use crate::quadrature::{CellRule, Quadrature};
 use nalgebra::SVector;
@@ -160,7 +158,7 @@ fn quadrature<const D: usize>(
             // The rule is that of a cell of the lattice, of which this one has as many along each vector.
             let count = choices.cells.max(1);
             let one = BravaisLattice::new(lattice.vectors() / f64::from(count));
-            let one = one.ok_or(LatticeError::NoSites)?;
+            let one = one.ok_or(MethodError::NotFinite)?;
             let points = choices.quadrature.points(&one, &rule)?;
             let last = count as i32 - 1;
             let cells = cells_between(&[0; D], &[last; D]);

@@ -201,6 +201,34 @@ fn weakly_controlled_modes_are_found_at_rest_too() {
     assert!(of_cell(0.3, 1).modes.is_empty() && of_cell(0.3, 2).modes.is_empty());
 }
 
+/// Waves along the short side of a long cell are much shorter than those across it.
+#[test]
+fn elongated_cells_have_their_short_waves() {
+    let of_cell = |aspect: f64, cells: u32| {
+        let choices = KernelMethodChoices {
+            lattice: LatticeKind::Rectangular,
+            aspect,
+            cells,
+            ..KernelMethodChoices::default()
+        };
+        let crystal = choices.crystal::<2>().expect("a crystal");
+        let choices = TotalLagrangianChoices {
+            radius: 1.2 * aspect.max(1.0),
+            penalty: 0.01,
+            ..TotalLagrangianChoices::default()
+        };
+        let scheme = TotalLagrangianSph::new(crystal, choices).expect("a method");
+        found(&scheme, 0.5).weakest
+    };
+    for (aspect, largest) in [(3.0, 3), (10.0, 2), (0.4, 2)] {
+        let one = of_cell(aspect, 1);
+        for cells in 2..=largest {
+            let difference = of_cell(aspect, cells) / one - 1.0;
+            assert!(difference.abs() < 1e-4, "{aspect} {cells}: {difference}");
+        }
+    }
+}
+
 /// Gauss points are those of the cells between particles, however many cells are taken together.
 #[test]
 fn a_rule_of_points_is_the_same_in_a_larger_cell() {

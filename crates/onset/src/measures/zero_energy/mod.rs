@@ -125,6 +125,13 @@ impl<const D: usize> ZeroModes<D> {
         self.modes.iter().map(|mode| mode.extent).max()
     }
 
+    fn misses(&self, k: &SVector<f64, D>) -> bool {
+        match k.norm() * self.rows.spacing < KNOWN {
+            true => self.rows.has_zero_mode_at(&SVector::zeros()),
+            false => self.rows.misses(k, KNOWN),
+        }
+    }
+
     /// Whether a wave vector of the first zone that is known to the square root of rounding has one of them: it is near to that of a point, or
     /// strains little beside others. Waves that strain little without any such neighbor are weakly controlled.
     pub(super) fn has(
@@ -134,9 +141,9 @@ impl<const D: usize> ZeroModes<D> {
     ) -> bool {
         let is_near = |mode: &ZeroMode<D>| match mode.extent {
             Extent::Point => distance(&mode.wave_vector) <= POINT,
-            _ => self.rows.misses(k, KNOWN),
+            _ => self.misses(k),
         };
-        self.modes.iter().any(is_near) || !self.is_complete && self.rows.misses(k, KNOWN)
+        self.modes.iter().any(is_near) || !self.is_complete && self.misses(k)
     }
 }
 
