@@ -589,7 +589,7 @@ fn a_state_that_is_not_read_is_told() {
     for line in [
         "state --stretch 1.1,1",
         "path --mode equibiaxial --to 1.1",
-        "dispersion --stretch 1.1,1",
+        "dispersion --stretch 1.1,1 --wave-vector 1,1",
     ] {
         let answer = onset_line(&format!("{line} {}", &*study));
         assert_eq!(answer.code, Some(0), "{}", answer.stderr);
