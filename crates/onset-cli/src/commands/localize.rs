@@ -21,19 +21,10 @@ pub fn localize(arguments: &LocalizeArguments) -> Result<ExitCode, Failure> {
         refuse_another(name, word, &arguments.assignments)?;
     }
     let assignments: Vec<String> = given
-        .clone()
         .map(|(name, word)| format!("plasticity.{name}={word}"))
         .chain(arguments.assignments.iter().cloned())
         .collect();
-    // What was typed is told, not what it is short for.
-    let as_typed = |told: String| {
-        given.clone().fold(told, |told, (name, word)| {
-            let meant = format!("--set plasticity.{name}={word}");
-            told.replace(&meant, &format!("--{name} {word}"))
-        })
-    };
-    let settings = PlasticSettings::from_assignments(&assignments);
-    let settings = settings.map_err(|error| Failure::input(as_typed(error.to_string())))?;
+    let settings = PlasticSettings::from_assignments(&assignments).map_err(Failure::input)?;
     let names = [
         "localize.svg",
         "localize.png",
