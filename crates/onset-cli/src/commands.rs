@@ -330,13 +330,8 @@ fn with_energy(assignments: &[String], energy: Option<&str>) -> Result<Vec<Strin
         return Ok(assignments.to_vec());
     };
     let meant = [("material.model", "formula"), ("material.energy", energy)];
-    for assignment in assignments {
-        let (name, value) = assignment.split_once('=').unwrap_or((assignment, ""));
-        let value = value.trim().trim_matches('"');
-        let other = meant
-            .iter()
-            .find(|(key, meant)| *key == name.trim() && *meant != value);
-        if let Some((key, meant)) = other {
+    for (key, meant) in meant {
+        if let Some(assignment) = another(assignments, key, meant) {
             return Err(Failure::input(format!(
                 "--energy and --set {assignment} name two laws: --energy sets {key}={meant}\n  hint: leave out one of them"
             )));
@@ -344,6 +339,14 @@ fn with_energy(assignments: &[String], energy: Option<&str>) -> Result<Vec<Strin
     }
     let short_for = meant.map(|(key, value)| format!("{key}={value}"));
     Ok(assignments.iter().cloned().chain(short_for).collect())
+}
+
+/// The assignment that gives a key another value, where there is one.
+fn another<'a>(assignments: &'a [String], key: &str, meant: &str) -> Option<&'a String> {
+    assignments.iter().find(|assignment| {
+        let (name, value) = assignment.split_once('=').unwrap_or((assignment, ""));
+        name.trim() == key && value.trim().trim_matches('"') != meant
+    })
 }
 
 impl ProblemArguments {

@@ -1,6 +1,6 @@
 //! `onset localize`: where along a loading path a plastic material localizes.
 
-use super::{Failure, with_files};
+use super::{Failure, another, with_files};
 use crate::arguments::LocalizeArguments;
 use crate::printing::print;
 use onset_study::localization::{LocalizationAnswer, PlasticSettings};
@@ -49,11 +49,7 @@ pub fn localize(arguments: &LocalizeArguments) -> Result<ExitCode, Failure> {
 
 /// Refuses an assignment of what an option sets otherwise.
 fn refuse_another(name: &str, word: &str, assignments: &[String]) -> Result<(), Failure> {
-    let another = assignments.iter().find(|assignment| {
-        let (key, value) = assignment.split_once('=').unwrap_or((assignment, ""));
-        key.trim() == format!("plasticity.{name}") && value.trim().trim_matches('"') != word
-    });
-    match another {
+    match another(assignments, &format!("plasticity.{name}"), word) {
         Some(another) => Err(Failure::input(format!(
             "--{name} {word} and --set {another} are two values of plasticity.{name}\n  hint: leave out one of them"
         ))),

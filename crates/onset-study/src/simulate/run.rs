@@ -6,7 +6,6 @@ use crate::output::{Files, Output, text, write};
 use onset::method::MethodError;
 use onset::motion::{Fault, Ground, PatchState};
 use std::fmt::Write;
-use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -253,29 +252,25 @@ fn begun(course: &Course, place: Option<&Place>) -> Result<Progress, SimulateErr
         what,
         hint,
     };
-    if !place.is_resumed {
-        if path.exists() && !place.is_overwritten {
-            return Err(wrong(
-                "there is a checkpoint already".to_owned(),
-                "go on with --resume, begin anew with --overwrite, or choose another folder",
-            ));
-        }
+    if !place.is_resumed && path.exists() && !place.is_overwritten {
+        return Err(wrong(
+            "there is a checkpoint already".to_owned(),
+            "go on with --resume, begin anew with --overwrite, or choose another folder",
+        ));
+    }
+    // A run that was ended before its first checkpoint begins anew.
+    if !place.is_resumed || !path.exists() {
         // That files can be written is tried before the work.
         Output::at(&place.folder, &[CHECKPOINT, "history.csv"]).map_err(failed)?;
         return Ok(anew);
     }
-    match std::fs::read(&path) {
-        Ok(bytes) => Progress::of_bytes(&path, &bytes, &course.mark, &course.start),
-        // A run that was ended before its first checkpoint begins anew.
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            Output::at(&place.folder, &[CHECKPOINT, "history.csv"]).map_err(failed)?;
-            Ok(anew)
-        }
-        Err(error) => Err(wrong(
+    let bytes = std::fs::read(&path).map_err(|error| {
+        wrong(
             format!("cannot read the checkpoint: {error}"),
             "leave --resume out to begin",
-        )),
-    }
+        )
+    })?;
+    Progress::of_bytes(&path, &bytes, &course.mark, &course.start)
 }
 
 /// The history as a table.

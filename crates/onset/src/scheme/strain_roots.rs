@@ -45,6 +45,11 @@ impl Singular {
         self.values.iter().filter(|value| **value <= bound).count()
     }
 
+    /// How many values are zero at a root.
+    pub(crate) fn nullity(&self) -> usize {
+        self.below(KERNEL)
+    }
+
     /// The right vectors of the `count` smallest values.
     pub(crate) fn softest(&self, count: usize) -> DMatrix<Complex> {
         let n = self.right.ncols();
@@ -75,16 +80,11 @@ impl Singular {
 }
 
 impl<const D: usize> StrainRows<D> {
-    /// How many singular values are zero at a root.
-    pub(crate) fn nullity(&self, singular: &Singular) -> usize {
-        singular.below(KERNEL)
-    }
-
     /// Whether a wave vector that is known exactly has a zero-energy mode; at `k = 0` translations are none.
     pub(crate) fn has_zero_mode_at(&self, k: &SVector<f64, D>) -> bool {
         let nullity = Singular::of(self.at(k)).map_or(0, |singular| match k.norm() > 0.0 {
             true => singular.below(ZERO),
-            false => self.nullity(&singular),
+            false => singular.nullity(),
         });
         let translations = if k.norm() > 0.0 { 0 } else { D };
         nullity * self.modes_per_column() > translations

@@ -33,7 +33,7 @@ impl<const D: usize> StrainRows<D> {
     /// What is known of the neighborhood of a root; `None` where there is no kernel.
     pub(super) fn root(&self, k: &SVector<f64, D>) -> Option<Root<D>> {
         let singular = Singular::of(self.at(k))?;
-        let count = self.nullity(&singular);
+        let count = singular.nullity();
         if count == 0 {
             return None;
         }
