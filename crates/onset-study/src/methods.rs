@@ -45,12 +45,16 @@ pub fn method(settings: &Settings) -> Result<MethodChoices, MethodError> {
 pub fn hint(error: &MethodError) -> &'static str {
     match error {
         MethodError::SupportTooSmall { .. } | MethodError::SingularMoment { .. } => {
-            "\n  hint: enlarge discretization.support, in peridynamics discretization.horizon; the support of an Eulerian kernel can also follow the particles, \
+            "\n  hint: enlarge discretization.support; the support of an Eulerian kernel can also follow the particles, \
              discretization.support-size=scaled or convected"
         }
         MethodError::SupportTooLarge { .. } => {
-            "\n  hint: reduce discretization.support (1.2 to 4 spacings are usual), in peridynamics discretization.horizon; the support of an Eulerian kernel can \
+            "\n  hint: reduce discretization.support (1.2 to 4 spacings are usual); the support of an Eulerian kernel can \
              also follow the particles, discretization.support-size=scaled or convected"
+        }
+        MethodError::HorizonTooSmall { .. } => "\n  hint: enlarge discretization.horizon",
+        MethodError::HorizonTooLarge { .. } => {
+            "\n  hint: reduce discretization.horizon (3 spacings are usual)"
         }
         MethodError::NotPlanar { .. } => {
             "\n  hint: give in-plane components only, or choose a three-dimensional lattice, for example \

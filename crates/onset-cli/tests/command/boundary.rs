@@ -44,6 +44,25 @@ fn a_long_smooth_boundary_is_followed_to_its_ends() {
 }
 
 #[test]
+fn the_phases_of_a_window_without_boundaries_are_told() {
+    // Kernels that keep their support lose all neighbors.
+    let wide = LAGRANGIAN.replace("[0.6, 2.4]", "[3.0, 3.2]");
+    let lost = "--set=discretization.frame=eulerian";
+    let (answer, _folder) = traced(&wide, &[lost]);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    for line in [
+        "material       no boundary: unstable throughout the window",
+        "discretization no boundary: undefined throughout the window",
+    ] {
+        assert!(answer.stdout.contains(line), "{}", answer.stdout);
+    }
+    let (answer, _folder) = traced(&wide.replace("3.0, 3.2", "1.0, 1.1"), &["--json"]);
+    let summary: Value = serde_json::from_str(&answer.stdout).expect("one JSON document");
+    let stable = serde_json::json!({ "material": "stable", "discretization": "stable" });
+    assert_eq!(summary["throughout"], stable);
+}
+
+#[test]
 fn a_lagrangian_kernel_is_as_faithful_as_bracketing_can_tell() {
     let (answer, folder) = traced(LAGRANGIAN, &["--json"]);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);

@@ -171,6 +171,12 @@ fn what_is_known_beside_a_limit_is_said() {
         ratio.stdout,
         ratio.stderr
     );
+    // The value stands in the column before it.
+    assert!(
+        !ratio.stdout.contains("material.poisson = "),
+        "{}",
+        ratio.stdout
+    );
     // A modulus has no least value, though none is not admitted.
     let modulus = format!("limit --vary material.mu --range 0,1 --time-step 0.01 {LAW} {BARS}");
     let ends = document(&modulus);

@@ -160,6 +160,30 @@ fn methods_for_a_fluid_are_in_the_order_of_their_cost() {
 }
 
 #[test]
+fn the_audit_of_a_fluid_does_not_take_its_missing_shear_modulus_for_a_fault() {
+    for law in [
+        "--energy (J-1)^2",
+        "--set material.model=tait --set material.mu=0",
+    ] {
+        let answer = onset_line(&format!("audit {law}"));
+        assert_eq!(answer.code, Some(0), "{}{}", answer.stdout, answer.stderr);
+        assert!(
+            answer.stdout.contains("shear modulus 0,")
+                && answer.stdout.contains("as the shear modulus of a fluid"),
+            "{}",
+            answer.stdout
+        );
+    }
+    // Less than none is one.
+    let negative = onset_line("audit --energy (J-1)^2-(I1-3)");
+    assert!(
+        negative.stdout.contains("not positive definite"),
+        "{}",
+        negative.stdout
+    );
+}
+
+#[test]
 fn the_path_of_a_fluid_does_not_contradict_its_note() {
     let fluid = "--set material.model=tait --set material.mu=0";
     let answer = onset_line(&format!(

@@ -76,7 +76,11 @@ fn questions_that_are_wrong_are_refused() {
         ),
         (
             "modes set method=peridynamics set horizon=0.5",
-            "discretization.horizon",
+            "a particle has 0 bond(s) within the horizon 0.5",
+        ),
+        (
+            "modes set method=peridynamics set horizon=400",
+            "reduce discretization.horizon",
         ),
         (
             "modes set method=total-lagrangian-sph set penalty=-1",

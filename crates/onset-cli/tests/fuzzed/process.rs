@@ -8,11 +8,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus};
 use std::time::{Duration, Instant};
 
-/// Seconds of processor time; without all optimization three times as many.
-const SECONDS: u64 = if cfg!(debug_assertions) { 30 } else { 10 };
+/// Seconds of processor time, without all optimization.
+const SECONDS: u64 = 30;
+/// Seconds after which a command that shows that it works is interrupted.
+const ENOUGH: u64 = 10;
 /// Seconds after which a process that needs no processor time waits for something that never comes.
 const WAITING: Duration = Duration::from_secs(300);
-/// Commands that ask thousands of states, or try method after method, and show that they work: where these take longer than [`SECONDS`] they are
+/// Commands that ask thousands of states, or try method after method, and show that they work: where these take longer than [`ENOUGH`] they are
 /// interrupted, and must end at once.
 const LONG: [&str; 5] = ["path", "boundary", "tune", "recommend", "compare"];
 /// Exit code of a command that was interrupted.
@@ -127,7 +129,7 @@ impl Place {
             .first()
             .is_some_and(|word| LONG.contains(&word.as_str()));
         // An interrupted command has a second to end.
-        let seconds = SECONDS + u64::from(is_long);
+        let seconds = if is_long { ENOUGH + 1 } else { SECONDS };
         let script =
             format!("ulimit -t {seconds}; ulimit -v {KIBIBYTES}; ulimit -f {BLOCKS}; exec \"$@\"");
         let begin = Instant::now();
@@ -146,7 +148,7 @@ impl Place {
             if let Some(status) = child.try_wait().expect("a child") {
                 break status;
             }
-            if is_long && !is_interrupted && begin.elapsed() > Duration::from_secs(SECONDS) {
+            if is_long && !is_interrupted && begin.elapsed() > Duration::from_secs(ENOUGH) {
                 is_interrupted = true;
                 let words = ["-TERM".to_owned(), child.id().to_string()];
                 let _ = Command::new("kill").args(words).status();

@@ -59,20 +59,21 @@ pub(super) fn of(
     let minimum = &assessment.material.minimum;
     match assessment.verdict {
         Verdict::Stable => {
-            let weak = if !spectrum.softest.is_long_wave && assessment.gradient_norm < WEAK {
-                let share = assessment.gradient_norm.max(0.0).sqrt();
-                match assessment.is_gradient {
-                    true => format!(
+            let told_root = |squared: f64| told(squared.max(0.0).sqrt());
+            let norm = assessment.gradient_norm;
+            let weak = match &assessment.weakest {
+                Some(mode) if mode.relative_frequency_squared < WEAK => format!(
+                    " A mode, {}, is weakly controlled: in the reference configuration the ratio of its frequency to that of the material's slowest wave is {}.",
+                    self::wave(&analysis.spatial(f, &mode.wave_vector), along, units),
+                    told_root(mode.relative_frequency_squared)
+                ),
+                None if assessment.is_gradient && !spectrum.softest.is_long_wave && norm < WEAK => {
+                    format!(
                         " The softest mode, {wave}, is weakly controlled: the ratio of the discrete to the exact gradient norm is {}.",
-                        told(share)
-                    ),
-                    false => format!(
-                        " The softest mode, {wave}, is weakly controlled: in the reference configuration the ratio of its frequency to that of the material's slowest wave is {}.",
-                        told(share)
-                    ),
+                        told_root(norm)
+                    )
                 }
-            } else {
-                String::new()
+                _ => String::new(),
             };
             match assessment.material.ellipticity {
                 Ellipticity::Undecided => format!(

@@ -230,6 +230,17 @@ pub struct DiscretizationAnswer {
     pub long_wave_direction: Vec<f64>,
     /// Squared norm of the discrete gradient of the softest mode over that of the exact one; zero for a zero-energy mode.
     pub gradient_norm: f64,
+    /// The mode that is controlled least, of the softest one and those of alternating neighbors, where the discretization has no such gradient.
+    pub weakest_mode: Option<WeakestModeAnswer>,
+}
+
+/// A mode of the reference configuration beside the material's wave that it is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WeakestModeAnswer {
+    /// The reference wave vector of that wave.
+    pub wave_vector: Vec<f64>,
+    /// Its frequency over that of the material's slowest wave.
+    pub relative_frequency: f64,
 }
 
 impl StateAnswer {
@@ -425,6 +436,10 @@ fn discretization_answer(
         long_wave_minimum_scaled: spectrum.long_wave.scaled,
         long_wave_direction: list(&spectrum.long_wave.wave_vector),
         gradient_norm: assessment.gradient_norm,
+        weakest_mode: assessment.weakest.map(|mode| WeakestModeAnswer {
+            wave_vector: list(&mode.wave_vector),
+            relative_frequency: mode.relative_frequency_squared.max(0.0).sqrt(),
+        }),
     })
 }
 

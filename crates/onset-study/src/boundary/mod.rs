@@ -114,6 +114,8 @@ pub struct Boundaries {
     pub material: Boundary,
     /// Where the stability of the particles is lost or regained, or they are not defined.
     pub discretization: Boundary,
+    /// What fills the window where there is no boundary.
+    pub throughout: Throughout,
     /// How faithful the discretization is, where that was asked for.
     pub fidelity: Option<Fidelity>,
 }
@@ -147,15 +149,14 @@ impl Boundaries {
             watch.asked(1);
             probes.material(at)
         };
+        let seen = |probe: Probe| match tracing.flutter {
+            true => probe,
+            false => merged(probe),
+        };
         let particles = |at: [f64; 2]| {
             tracing.in_time(watch)?;
             watch.asked(1);
-            let (phase, measure) = probes.discretization(at)?;
-            Ok(if tracing.flutter {
-                (phase, measure)
-            } else {
-                merged((phase, measure))
-            })
+            Ok(seen(probes.discretization(at)?))
         };
         let (of_material, of_particles) = rayon::join(
             || trace(window, cells(SEEDS_OF_MATERIAL), MATERIAL_BUDGET, &material),
@@ -170,6 +171,12 @@ impl Boundaries {
         );
         let (of_material, of_particles) = (of_material?, of_particles?);
         let merged_particles = |at: [f64; 2]| Ok(merged(particles(at)?));
+        let throughout = Throughout {
+            material: filling(&of_material, || probes.material(window.low))?,
+            discretization: filling(&of_particles, || {
+                Ok(seen(probes.discretization(window.low)?))
+            })?,
+        };
         let boundaries = [&of_material, &of_particles];
         let measure = || {
             let traced = fidelity::Traced {
@@ -186,6 +193,7 @@ impl Boundaries {
             window,
             material: of_material,
             discretization: of_particles,
+            throughout,
             fidelity,
         })
     }
@@ -208,6 +216,7 @@ impl Boundaries {
                 .curves()
                 .map(|(of, curve)| CurveSummary::new(of, curve))
                 .collect(),
+            throughout: self.throughout,
             is_complete: self.material.is_complete() && self.discretization.is_complete(),
             unresolved: [&self.material, &self.discretization]
                 .into_iter()
@@ -227,6 +236,15 @@ fn plane(study: &Study) -> Result<[Axis; 2], BoundaryError> {
         axes: names.len(),
         names: names.join(", "),
     })
+}
+
+/// The phase of a window in which no boundary has been seen.
+fn filling(
+    boundary: &Boundary,
+    probe: impl Fn() -> Result<Probe, ProblemError>,
+) -> Result<Option<Phase>, ProblemError> {
+    let is_one_phase = boundary.curves.is_empty() && boundary.unresolved.is_empty();
+    is_one_phase.then(|| Ok(probe()?.0)).transpose()
 }
 
 /// Stable or not, whatever kind of instability it is.
@@ -265,12 +283,23 @@ pub struct Summary {
     pub axes: [String; 2],
     /// The curves.
     pub curves: Vec<CurveSummary>,
+    /// What fills the window where there is no boundary.
+    pub throughout: Throughout,
     /// Whether every change of phase that was seen lies on a curve that was followed to its end.
     pub is_complete: bool,
     /// Places where the phase changes, but no curve could be followed.
     pub unresolved: Vec<[f64; 2]>,
     /// How faithful the discretization is.
     pub fidelity: Option<Fidelity>,
+}
+
+/// The phases that fill a window without boundaries; `None` where there are some.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Throughout {
+    /// That of the material.
+    pub material: Option<Phase>,
+    /// That of the discretization.
+    pub discretization: Option<Phase>,
 }
 
 /// A curve without its vertices.
@@ -343,8 +372,18 @@ impl std::fmt::Display for Summary {
                 counted(curve.corners.len(), "corner"),
             )?;
         }
-        if self.curves.is_empty() {
-            writeln!(formatter, "No boundary: one phase fills the window.")?;
+        let throughout = [
+            (Owner::Material, self.throughout.material),
+            (Owner::Discretization, self.throughout.discretization),
+        ];
+        for (of, phase) in throughout {
+            if let Some(phase) = phase {
+                let (of, phase) = (of.name(), phase.name());
+                writeln!(
+                    formatter,
+                    "{of:<14} no boundary: {phase} throughout the window"
+                )?;
+            }
         }
         if !self.is_complete {
             let is_cut = |curve: &&CurveSummary| {

@@ -145,12 +145,11 @@ impl LimitQuestion {
     /// The settings with another value, which is measured as the others are.
     fn settings(&self, settings: &Settings, value: f64) -> Result<Settings, ProblemError> {
         let mut changed = settings.clone();
-        let origin = Origin::CommandLine(format!("{} = {value}", self.key.name));
         let unit = settings.unit(self.key);
         let value = unit.map_or(Value::Number(value), |unit| {
             Value::Word(format!("{value:e} {unit}"))
         });
-        changed.set(self.key.name, &value, origin)?;
+        changed.set(self.key.name, &value, Origin::Combination)?;
         // What is read with some values of the setting is not without effect.
         changed.check(&[self.key.name])?;
         Ok(changed)

@@ -24,9 +24,12 @@ fn keys_of(error: &MethodError) -> Vec<String> {
         // How many neighbors there are is made by the support, and how they lie by the lattice.
         MethodError::SupportTooSmall { .. }
         | MethodError::SupportTooLarge { .. }
-        | MethodError::SingularMoment { .. } => keys(&[
-            "support", "horizon", "points", "basis", "vectors", "aspect", "lattice",
-        ]),
+        | MethodError::SingularMoment { .. } => {
+            keys(&["support", "points", "basis", "vectors", "aspect", "lattice"])
+        }
+        MethodError::HorizonTooSmall { .. } | MethodError::HorizonTooLarge { .. } => {
+            keys(&["horizon", "basis", "vectors", "aspect", "lattice"])
+        }
         MethodError::NotOfForces { .. } => keys(&["linearization"]),
         MethodError::StabilizedEulerian => keys(&["quadrature", "frame"]),
         MethodError::SingularMass { .. } => keys(&["grid-mass", "points"]),

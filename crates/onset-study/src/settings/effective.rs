@@ -196,10 +196,9 @@ impl Effective {
     fn lines(&self, section: &str, head: &str) -> (String, String) {
         let (mut first, mut chosen, mut defaults) = (String::new(), Vec::new(), Vec::new());
         for (name, choice) in &self.0 {
-            let Some((own, name)) = name.split_once('.').filter(|(own, _)| *own == section) else {
+            let Some((_, name)) = name.split_once('.').filter(|(own, _)| *own == section) else {
                 continue;
             };
-            debug_assert_eq!(own, section);
             // A list without numbers says nothing.
             if matches!(&choice.value, Value::Numbers(numbers) if numbers.is_empty()) {
                 continue;

@@ -99,8 +99,7 @@ impl TuneQuestion {
     /// The settings with a value of the coefficient.
     fn settings(&self, settings: &Settings, value: f64) -> Result<Settings, SettingError> {
         let mut changed = settings.clone();
-        let origin = Origin::CommandLine(format!("{} = {value}", self.key.name));
-        changed.set(self.key.name, &Value::Number(value), origin)?;
+        changed.set(self.key.name, &Value::Number(value), Origin::Combination)?;
         Ok(changed)
     }
 }

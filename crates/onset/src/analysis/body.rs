@@ -24,7 +24,6 @@ use crate::verdict::{
     scan_discretization,
 };
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
-use std::f64::consts::TAU;
 use std::sync::{Arc, OnceLock};
 
 /// The eigenvalues of the acoustic tensor in some directions, the smallest first.
@@ -277,8 +276,8 @@ impl<const D: usize> Analysis for Body<D> {
     }
 
     fn fractional(&self, k: &SVector<f64, 3>) -> Vec<f64> {
-        let vectors = self.discretization.crystal().lattice().vectors();
-        let fractional = vectors.transpose() * vector::<D>(k.as_slice()) / TAU;
+        let lattice = self.discretization.crystal().lattice();
+        let fractional = lattice.fractional(&vector::<D>(k.as_slice()));
         fractional.iter().copied().collect()
     }
 

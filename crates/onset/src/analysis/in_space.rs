@@ -4,7 +4,7 @@ use crate::bloch::{Mode, SpectrumSummary};
 use crate::certificate::Certificate;
 use crate::continuum::{AcousticFlutter, AcousticMinimum};
 use crate::measures::{SpuriousMode, SpuriousModes};
-use crate::verdict::{Assessment, MaterialAssessment, SurveyedState};
+use crate::verdict::{Assessment, MaterialAssessment, SurveyedState, WeakestMode};
 use nalgebra::{SVector, Scalar};
 
 /// What has a counterpart in space.
@@ -90,6 +90,10 @@ impl<const D: usize> InSpace for Assessment<D> {
             spectrum: self.spectrum.in_3d(),
             gradient_norm: self.gradient_norm,
             is_gradient: self.is_gradient,
+            weakest: self.weakest.map(|mode| WeakestMode {
+                wave_vector: mode.wave_vector.in_3d(),
+                relative_frequency_squared: mode.relative_frequency_squared,
+            }),
         }
     }
 }

@@ -179,6 +179,11 @@ impl<const D: usize> BravaisLattice<D> {
         &self.reciprocal
     }
 
+    /// A wave vector in units of the reciprocal vectors, `a_i . k / 2 pi`.
+    pub(crate) fn fractional(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
+        self.vectors.transpose() * k / std::f64::consts::TAU
+    }
+
     /// The volume of the primitive cell, `V0`; length^D.
     pub fn cell_volume(&self) -> f64 {
         determinant(&self.vectors).abs()

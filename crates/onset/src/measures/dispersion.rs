@@ -5,7 +5,7 @@ use crate::bloch::WaveSystem;
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
 use crate::method::MethodError;
-use crate::verdict::Survey;
+use crate::verdict::{Survey, continuum};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use std::f64::consts::TAU;
 
@@ -74,19 +74,6 @@ fn at_rest<const D: usize>(survey: &Survey<'_, D>) -> Result<Stiffness<D>, Metho
         survey.material(),
         &DeformationGradient::identity(),
     )?)
-}
-
-/// The frequencies squared of the continuum at a wave vector, in increasing order.
-pub(super) fn continuum<const D: usize>(
-    stiffness: &Stiffness<D>,
-    density: f64,
-    k: &SVector<f64, D>,
-) -> Vec<f64> {
-    let tensor = stiffness.acoustic_tensor(k) / density;
-    let symmetric = DMatrix::from_fn(D, D, |i, j| 0.5 * (tensor[(i, j)] + tensor[(j, i)]));
-    let mut values: Vec<f64> = symmetric.symmetric_eigenvalues().iter().copied().collect();
-    values.sort_by(f64::total_cmp);
-    values
 }
 
 fn frequency_error<const D: usize>(

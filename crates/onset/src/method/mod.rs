@@ -257,8 +257,9 @@ pub enum MethodError {
     },
     /// A quadrature point sees too few particles to determine a gradient.
     #[error(
-        "a {point} has {neighbors} particle(s) within the support radius {radius:?} (in units of length); \
-         its shape functions in {dimension}D need at least {needed}"
+        "a {point} has {neighbors} particle(s) within the support radius {} (in units of length); \
+         its shape functions in {dimension}D need at least {needed}",
+        length(*radius)
     )]
     SupportTooSmall {
         /// `particle` or `stress point`.
@@ -274,13 +275,41 @@ pub enum MethodError {
     },
     /// The support holds more particles than the program admits.
     #[error(
-        "the support radius {radius:?} holds about {neighbors:.1e} particles; at most {limit} are admitted"
+        "the support radius {} holds about {neighbors:.1e} particles; at most {limit} are admitted",
+        length(*radius)
     )]
     SupportTooLarge {
         /// The support radius; length.
         radius: f64,
         /// How many particles it would hold.
         neighbors: f64,
+        /// How many are admitted.
+        limit: usize,
+    },
+    /// The bonds of a particle do not determine a deformation gradient.
+    #[error(
+        "a particle has {bonds} bond(s) within the horizon {} (in units of length); \
+         its shape tensor in {dimension}D needs at least {dimension} that are linearly independent",
+        length(*horizon)
+    )]
+    HorizonTooSmall {
+        /// The horizon; length.
+        horizon: f64,
+        /// How many bonds there are.
+        bonds: usize,
+        /// Number of space dimensions.
+        dimension: usize,
+    },
+    /// The horizon holds more particles than the program admits.
+    #[error(
+        "the horizon {} holds about {bonds:.1e} particles; at most {limit} are admitted",
+        length(*horizon)
+    )]
+    HorizonTooLarge {
+        /// The horizon; length.
+        horizon: f64,
+        /// How many particles it would hold.
+        bonds: f64,
         /// How many are admitted.
         limit: usize,
     },
@@ -364,6 +393,12 @@ pub enum MethodError {
     Material(#[from] MaterialError),
 }
 
+/// A length without what the spacing of nearest particles has by rounding.
+fn length(value: f64) -> String {
+    let rounded = format!("{value:.12e}").parse().unwrap_or(value);
+    format!("{rounded:?}")
+}
+
 impl MethodError {
     /// A number that must be positive and finite.
     pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), Self> {
@@ -425,13 +460,15 @@ impl MethodError {
         })
     }
 
-    /// Whether the support holds too few or too many particles: the state has no discretization, rather than a wrong
+    /// Whether the support, or the horizon, holds too few or too many particles: the state has no discretization, rather than a wrong
     /// one.
     pub fn is_about_support(&self) -> bool {
         matches!(
             self,
             Self::SupportTooSmall { .. }
                 | Self::SupportTooLarge { .. }
+                | Self::HorizonTooSmall { .. }
+                | Self::HorizonTooLarge { .. }
                 | Self::SingularMoment { .. }
                 | Self::Lattice(LatticeError::Sheared { .. })
         )

@@ -6,12 +6,14 @@
 pub mod boundary;
 pub mod fidelity;
 
+mod beside_material;
 pub(crate) mod change;
 mod mechanism;
 mod path;
 mod probe;
 mod survey;
 
+pub(crate) use beside_material::{BesideMaterial, Slowest, continuum, per_particle};
 pub use mechanism::Mechanism;
 pub use path::{Crossing, Onset, PathError, PathScan, scan_discretization, scan_material};
 pub use probe::{Phase, Probe, probe_material};
@@ -23,6 +25,7 @@ use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError, Response};
 use crate::method::MethodError;
 use crate::scheme::Discretization;
+use nalgebra::SVector;
 
 /// The origin of the first instability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -137,6 +140,18 @@ pub struct Assessment<const D: usize> {
     pub gradient_norm: f64,
     /// Whether it is the norm of a gradient, not a squared frequency.
     pub is_gradient: bool,
+    /// Where it is none: the mode that is controlled least, of the softest one and those of alternating neighbors. `None` also for laws with waves
+    /// without energy.
+    pub weakest: Option<WeakestMode<D>>,
+}
+
+/// A mode of the reference configuration that is slow beside the material's wave that it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WeakestMode<const D: usize> {
+    /// The wave vector of that wave; 1/length. The discretization knows it up to reciprocal vectors.
+    pub wave_vector: SVector<f64, D>,
+    /// Its squared frequency over that of the material.
+    pub relative_frequency_squared: f64,
 }
 
 /// The scale `c^2` of wave speeds: the largest acoustic eigenvalue of the material in the reference state over the

@@ -1,7 +1,11 @@
 //! A discretization and a material, asked about states: what the states share is computed once.
 
-use super::{Assessment, MaterialAssessment, Phase, Probe, Verdict, decided, finite};
-use crate::algebra::{Complex, eigenvalues};
+use super::beside_material::slower;
+use super::{
+    Assessment, BesideMaterial, MaterialAssessment, Phase, Probe, Verdict, WeakestMode, decided,
+    finite,
+};
+use crate::algebra::Complex;
 use crate::bloch::{
     GradientMoments, IsEnded, Judgment, Local, Mode, MomentExtremes, SpectrumSummary, Stability,
     WaveSystem, ZERO_ENERGY, ZoneSearch,
@@ -106,6 +110,8 @@ pub struct Ground<const D: usize> {
     reference: OnceLock<Result<WaveSystem<D>, MethodError>>,
     /// What the discretization sees of waves, whatever the law.
     strains: OnceLock<Result<Strains<D>, MethodError>>,
+    /// The wave of alternating neighbors that is slowest at rest beside the material.
+    alternating: OnceLock<Result<Option<WeakestMode<D>>, MethodError>>,
 }
 
 /// What a discretization sees of waves at rest.
@@ -287,6 +293,7 @@ impl<'a, const D: usize> Survey<'a, D> {
                 moments: None,
                 reference: OnceLock::new(),
                 strains: OnceLock::new(),
+                alternating: OnceLock::new(),
             }),
         })
     }
@@ -486,16 +493,22 @@ impl<'a, const D: usize> Survey<'a, D> {
             spectrum.is_stable() && self.has_zero_mode(f, &spectrum.softest)?,
             spectrum.long_waves_grow(&material.minimum),
         );
-        let softest = &spectrum.softest;
-        let norm = self.gradient_norm(f, softest)?;
+        let norm = self.gradient_norm(f, &spectrum.softest)?;
+        let softest = match norm {
+            Some(_) => None,
+            None => self.softest_beside_material(&spectrum.softest)?,
+        };
         Ok(Assessment {
             verdict,
             material,
-            gradient_norm: match norm {
-                Some(norm) => norm,
-                None => self.relative_frequency_squared(softest)?,
-            },
+            // What is no wave of the material has nothing to be slower than.
+            gradient_norm: norm
+                .unwrap_or(softest.map_or(1.0, |mode| mode.relative_frequency_squared)),
             is_gradient: norm.is_some(),
+            weakest: match norm {
+                Some(_) => None,
+                None => slower(softest, *self.alternating_beside_material()?),
+            },
             spectrum,
         })
     }
@@ -674,10 +687,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         let evaluated = || {
             let crystal = self.discretization.crystal();
             let rows = StrainRows::new(crystal, &self.discretization.strain()?);
-            let alternating = crystal.lattice().alternating();
-            let misses_alternating = alternating
-                .chain([SVector::zeros()])
-                .any(|k| rows.has_zero_mode_at(&k));
+            let misses_alternating = self.alternating().any(|k| rows.has_zero_mode_at(&k));
             Ok(Strains {
                 rows,
                 misses_alternating,
@@ -696,19 +706,43 @@ impl<'a, const D: usize> Survey<'a, D> {
         self.discretization.gradient_norm(f, k, mode.is_long_wave)
     }
 
-    /// The squared frequency of the slowest wave at rest over that of the material, with the wave vector of a mode; one where the material
-    /// has waves without energy.
-    fn relative_frequency_squared(&self, mode: &Mode<D>) -> Result<f64, MethodError> {
-        if mode.is_long_wave {
-            return Ok(1.0);
+    /// The slowest mode at rest beside the material, of those with the wave vector of one.
+    fn softest_beside_material(
+        &self,
+        mode: &Mode<D>,
+    ) -> Result<Option<WeakestMode<D>>, MethodError> {
+        match !mode.is_long_wave && self.stiffness_at_rest()?.is_strongly_elliptic() {
+            true => Ok(self.beside_material()?.slowest(&mode.wave_vector).known()),
+            false => Ok(None),
         }
-        let stiffness = self.stiffness_at_rest()?;
-        if !stiffness.is_strongly_elliptic() {
-            return Ok(1.0);
-        }
-        let tensor = stiffness.acoustic_tensor(&mode.wave_vector) / self.discretization.density();
-        let exact = eigenvalues(&tensor.map(|entry| Complex::new(entry, 0.0)), 0.0)[0].re;
-        Ok(self.reference()?.omega_squared(&mode.wave_vector)[0].re / exact)
+    }
+
+    /// That of alternating neighbors, of different cells or of one.
+    fn alternating_beside_material(&self) -> Result<&Option<WeakestMode<D>>, MethodError> {
+        let evaluated = || {
+            if !self.stiffness_at_rest()?.is_strongly_elliptic() {
+                return Ok(None);
+            }
+            let beside = self.beside_material()?;
+            let modes = self.alternating().map(|k| beside.slowest(&k).known());
+            Ok(modes.fold(None, slower))
+        };
+        let weakest = self.ground.alternating.get_or_init(evaluated);
+        weakest.as_ref().map_err(Clone::clone)
+    }
+
+    /// The wave vectors of alternating neighbors, of different cells or of one.
+    fn alternating(&self) -> impl Iterator<Item = SVector<f64, D>> {
+        let lattice = self.discretization.crystal().lattice();
+        lattice.alternating().chain([SVector::zeros()])
+    }
+
+    /// The modes at rest beside the plane waves of the material.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the material or the discretization cannot be evaluated.
+    pub(crate) fn beside_material(&self) -> Result<BesideMaterial<'_, D>, MethodError> {
+        BesideMaterial::new(self.discretization, self.material, self.reference()?)
     }
 
     fn stiffness_at_rest(&self) -> Result<Stiffness<D>, MethodError> {

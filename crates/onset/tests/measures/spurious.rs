@@ -201,6 +201,33 @@ fn weakly_controlled_modes_are_found_at_rest_too() {
     assert!(of_cell(0.3, 1).modes.is_empty() && of_cell(0.3, 2).modes.is_empty());
 }
 
+/// The evidence of a verdict tells the same, whatever mode is the softest: of a cell of two by two that is a long wave.
+#[test]
+fn the_weakest_mode_of_an_assessment_is_that_of_the_search_in_all_cells() {
+    let material = ModifiedMooneyRivlin::default();
+    for cells in [1, 2, 3, 4] {
+        let square = Crystal::of(LatticeKind::Square, 1.0).expect("a crystal");
+        let crystal = square.supercell([cells; 2]).expect("a supercell");
+        let choices = TotalLagrangianChoices {
+            penalty: 0.02,
+            ..TotalLagrangianChoices::default()
+        };
+        let scheme = TotalLagrangianSph::<2>::new(crystal, choices).expect("a method");
+        let survey = Survey::new(&scheme, &material).expect("a survey");
+        let assessment = survey
+            .assess(&DeformationGradient::identity())
+            .expect("an assessment");
+        let weakest = assessment.weakest.expect("a mode");
+        let searched = spurious_modes(&survey, 0.05).expect("modes").weakest;
+        let ratio = weakest.relative_frequency_squared.sqrt() / searched;
+        assert!((ratio - 1.0).abs() < 1e-6, "{cells}: {ratio}");
+        // Neighbors alternate along one axis.
+        let shape = weakest.wave_vector.map(|k| k.abs() / TAU);
+        assert!((shape.max() - 0.5).abs() < 1e-9, "{cells}: {shape}");
+        assert!(shape.min() < 1e-9, "{cells}: {shape}");
+    }
+}
+
 /// Waves along the short side of a long cell are much shorter than those across it.
 #[test]
 fn elongated_cells_have_their_short_waves() {

@@ -429,12 +429,12 @@ fn a_horizon_that_sees_no_plane_is_refused_with_what_it_sees() {
     let model = correspondence(ZeroEnergyControl::None);
     let error = Peridynamics::new(crystal.clone(), choices(1.5, model)).expect_err("a line");
     assert!(
-        matches!(error, MethodError::SupportTooSmall { neighbors: 3, .. }),
+        matches!(error, MethodError::HorizonTooSmall { bonds: 2, .. }),
         "{error}"
     );
     let error = Peridynamics::new(crystal.clone(), choices(40.0, model)).expect_err("too many");
     assert!(
-        matches!(error, MethodError::SupportTooLarge { .. }),
+        matches!(error, MethodError::HorizonTooLarge { .. }),
         "{error}"
     );
     let error =

@@ -20,7 +20,6 @@ use crate::cores::of_each_long;
 use crate::lattice::{WaveGrid, grid_coordinates};
 use nalgebra::{DVector, SMatrix, SVector};
 use std::convert::Infallible;
-use std::f64::consts::TAU;
 use std::sync::{Arc, OnceLock};
 
 /// Points of the grid per period of the fastest phase.
@@ -1092,7 +1091,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
 
     /// How many steps of the grid two wave vectors are apart, equivalent ones being the same.
     fn steps_between(&self, a: &SVector<f64, D>, b: &SVector<f64, D>) -> f64 {
-        let periods = self.search.reference().vectors().transpose() * (a - b) / TAU;
+        let periods = self.search.reference().fractional(&(a - b));
         let apart = periods.map(|x| (x - x.round()).abs()).max();
         apart * self.waves.resolution() as f64
     }

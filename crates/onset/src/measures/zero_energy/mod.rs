@@ -15,7 +15,6 @@ use nalgebra::{DMatrix, SVector};
 use places::Places;
 use root::Root;
 use std::collections::VecDeque;
-use std::f64::consts::TAU;
 
 /// Parts of the zone, in units of the reciprocal vectors: the first ones, those from which Newton's method starts, those at which a
 /// line or surface is followed no further, and the smallest.
@@ -184,15 +183,10 @@ impl<'a, const D: usize> Search<'a, D> {
         self.crystal.lattice().reciprocal() * fractional
     }
 
-    /// In units of the reciprocal vectors.
-    fn fractional(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
-        self.crystal.lattice().vectors().transpose() * k / TAU
-    }
-
     /// The way from one wave vector to another, of which opposite ones and those that differ by a reciprocal vector are the same.
     fn way(&self, from: &SVector<f64, D>, to: &SVector<f64, D>) -> SVector<f64, D> {
         let nearest = |difference: SVector<f64, D>| {
-            let x = self.fractional(&difference);
+            let x = self.crystal.lattice().fractional(&difference);
             self.wave_vector(&x.map(|x| x - x.round()))
         };
         let [ahead, opposite] = [nearest(to - from), nearest(-to - from)];
@@ -342,7 +336,7 @@ impl<'a, const D: usize> Search<'a, D> {
 
     /// The multiple of a simple fraction next to a root, where that is one no less.
     fn rounded(&self, k: SVector<f64, D>) -> SVector<f64, D> {
-        let place = self.fractional(&k);
+        let place = self.crystal.lattice().fractional(&k);
         let simple = place.map(|x| (x / FRACTION).round() * FRACTION);
         let tried = self.wave_vector(&simple);
         let is_root = (place - simple).amax() < NEAR
@@ -448,7 +442,7 @@ impl<'a, const D: usize> Search<'a, D> {
         let near = 6.0 * FOLLOWED[D - 1];
         let beside = |a: &Root<D>, b: &Root<D>| {
             let is_near = |difference: SVector<f64, D>| {
-                let x = self.fractional(&difference);
+                let x = self.crystal.lattice().fractional(&difference);
                 x.map(|x| x - x.round()).amax() <= near
             };
             is_near(a.wave_vector - b.wave_vector) || is_near(a.wave_vector + b.wave_vector)

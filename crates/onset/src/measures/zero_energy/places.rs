@@ -26,7 +26,7 @@ impl<const D: usize> Places<D> {
     }
 
     pub(super) fn add(&mut self, k: &SVector<f64, D>) {
-        for place in [self.place(k), self.place(&-k)] {
+        for place in [self.lattice.fractional(k), self.lattice.fractional(&-k)] {
             let cell = array_of(|i| cell_of(place[i]));
             self.cells.entry(cell).or_default().push(place);
         }
@@ -35,7 +35,7 @@ impl<const D: usize> Places<D> {
 
     /// Whether one of them is no farther from a wave vector than this.
     pub(super) fn has_within(&self, radius: f64, k: &SVector<f64, D>) -> bool {
-        let place = self.place(k);
+        let place = self.lattice.fractional(k);
         let is_near = |other: &SVector<f64, D>| {
             let way = (other - place).map(|x| x - x.round());
             (self.lattice.reciprocal() * way).norm() <= radius
@@ -61,11 +61,6 @@ impl<const D: usize> Places<D> {
                 .get(&cell)
                 .is_some_and(|own| own.iter().any(is_near))
         })
-    }
-
-    /// In units of the reciprocal vectors.
-    fn place(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
-        self.lattice.vectors().transpose() * k / TAU
     }
 }
 
@@ -93,8 +88,7 @@ mod tests {
             let ways = known.iter().flat_map(|own| {
                 (0..18).map(move |n| {
                     let sign = if n < 9 { 1.0 } else { -1.0 };
-                    let place =
-                        lattice.vectors().transpose() * (own * sign - k) / std::f64::consts::TAU;
+                    let place = lattice.fractional(&(own * sign - k));
                     let place = place.map(|x| x - x.round());
                     let side = Vector2::new((n % 3) as f64 - 1.0, (n / 3 % 3) as f64 - 1.0);
                     (reciprocal * (place + side)).norm()

@@ -63,9 +63,9 @@ impl<const D: usize> Family<D> {
         let expected = unit_ball * radius.powi(D as i32) * density;
         let is_small = expected <= MAXIMUM_NEIGHBORS as f64;
         if !is_small {
-            return Err(MethodError::SupportTooLarge {
-                radius: horizon,
-                neighbors: expected.min(f64::MAX),
+            return Err(MethodError::HorizonTooLarge {
+                horizon,
+                bonds: expected.min(f64::MAX),
                 limit: MAXIMUM_NEIGHBORS,
             });
         }
@@ -93,11 +93,9 @@ impl<const D: usize> Family<D> {
             .iter()
             .map(|n| n.vector * n.vector.transpose() * (n.influence * n.volume))
             .sum();
-        let too_small = MethodError::SupportTooSmall {
-            point: "particle",
-            radius: horizon,
-            neighbors: neighbors.len() + 1,
-            needed: D + 1,
+        let too_small = MethodError::HorizonTooSmall {
+            horizon,
+            bonds: neighbors.len(),
             dimension: D,
         };
         let inverse_shape = inverted(&shape).ok_or(too_small)?;
