@@ -172,6 +172,8 @@ fn wave_vectors_are_told_as_fractions_where_they_are() {
         let mode = ShownMode {
             wave_vector: fractional.to_vec(),
             fractional: fractional.to_vec(),
+            wave: fractional.to_vec(),
+            unfolded: None,
             relative_frequency: 0.25,
             nullity: 0,
             extent: Extent::Point,

@@ -51,8 +51,8 @@ fn the_phases_of_a_window_without_boundaries_are_told() {
     let (answer, _folder) = traced(&wide, &[lost]);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     for line in [
-        "material       no boundary: unstable throughout the window",
-        "discretization no boundary: undefined throughout the window",
+        "material       no boundary seen: unstable throughout the window",
+        "discretization no boundary seen: undefined throughout the window",
     ] {
         assert!(answer.stdout.contains(line), "{}", answer.stdout);
     }
@@ -60,6 +60,25 @@ fn the_phases_of_a_window_without_boundaries_are_told() {
     let summary: Value = serde_json::from_str(&answer.stdout).expect("one JSON document");
     let stable = serde_json::json!({ "material": "stable", "discretization": "stable" });
     assert_eq!(summary["throughout"], stable);
+    assert_eq!(summary["notes"], serde_json::json!([]));
+    // What `stable` does not say.
+    let nodal = "--set=discretization.quadrature=nodal";
+    let narrow = wide.replace("3.0, 3.2", "1.0, 1.1");
+    let (answer, _folder) = traced(&narrow, &[nodal]);
+    assert!(
+        answer
+            .stdout
+            .contains("note: the particles have zero-energy modes"),
+        "{}",
+        answer.stdout
+    );
+    let fluid = ["--set=material.model=tait", "--set=material.mu=0"];
+    let (answer, _folder) = traced(&narrow, &fluid);
+    assert!(
+        answer.stdout.contains("no stiffness against shear"),
+        "{}",
+        answer.stdout
+    );
 }
 
 #[test]

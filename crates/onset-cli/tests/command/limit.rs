@@ -40,7 +40,9 @@ fn the_smallest_spacing_and_density_are_those_of_the_wave_speed() {
     assert!((density / (4.0 * 0.01) - 1.0).abs() < 1e-8, "{density}");
     let text = onset_line(&line("spacing")).stdout;
     assert!(
-        text.contains("is below the critical one with discretization.spacing from 0.2 on."),
+        text.contains(
+            "is below the critical one with discretization.spacing from 0.2 on, as far as "
+        ),
         "{text}"
     );
     assert!(text.contains("It is 1 now"), "{text}");

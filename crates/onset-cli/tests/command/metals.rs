@@ -169,12 +169,21 @@ fn the_audit_of_a_fluid_does_not_take_its_missing_shear_modulus_for_a_fault() {
         assert_eq!(answer.code, Some(0), "{}{}", answer.stdout, answer.stderr);
         assert!(
             answer.stdout.contains("shear modulus 0,")
-                && answer.stdout.contains("as the shear modulus of a fluid"),
+                && answer.stdout.contains("as that of a fluid"),
             "{}",
             answer.stdout
         );
     }
-    // Less than none is one.
+    // A law that is nearly incompressible is no fluid, and none that has no bulk modulus.
+    let stiff = "--set material.model=neo-hooke --set material.mu=1 --set material.lambda=1e9";
+    for question in ["audit", "state --stretch 1.1,0.95"] {
+        let told = onset_line(&format!("{question} {stiff}")).stdout;
+        assert!(!told.contains("fluid"), "{told}");
+    }
+    let soft = onset_line("audit --energy 0.5*(I1/J^(2/3)-3)+0*J");
+    assert!(soft.stdout.contains("semidefinite"), "{}", soft.stdout);
+    assert!(!soft.stdout.contains("fluid"), "{}", soft.stdout);
+    // Less than none is a fault.
     let negative = onset_line("audit --energy (J-1)^2-(I1-3)");
     assert!(
         negative.stdout.contains("not positive definite"),

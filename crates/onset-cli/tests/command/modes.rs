@@ -64,6 +64,56 @@ fn modes_are_exported_to_seed_a_simulation() {
 }
 
 #[test]
+fn states_say_what_resists_alternating_neighbors_whatever_cell_they_are_told_of() {
+    let lagrangian = "state --stretch 1.4,0.8 set method=tlsph set lattice=square";
+    for cells in [2, 4] {
+        let text = onset_line(&format!("{lagrangian} set cells={cells}")).stdout;
+        assert!(
+            text.contains("where neighbors alternate. Nothing resists that"),
+            "{text}"
+        );
+    }
+    // Bonds along one axis are stretched, those along the other are not.
+    let bonds = "state --stretch 1.05,1 set method=pd set lattice=square set horizon=1";
+    let text = onset_line(bonds).stdout;
+    assert!(text.contains("Nothing resists that"), "{text}");
+    let text = onset_line(&bonds.replace("1.05,1 ", "1.05,1.02 ")).stdout;
+    assert!(
+        text.contains("Only the stress of this state resists"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_weak_mode_of_a_larger_cell_is_told_as_the_wave_that_it_is() {
+    let line = "set method=tlsph set lattice=square set penalty=0.02";
+    let text = onset_line(&format!("modes {line} set cells=2")).stdout;
+    assert!(
+        text.contains("1.9 % of the material's frequency, as the wave (1, 0)"),
+        "{text}"
+    );
+    let one = onset_line(&format!("modes {line}")).stdout;
+    assert!(
+        one.contains("1.9 %") && !one.contains("as the wave"),
+        "{one}"
+    );
+    // States tell the same, of all cells and at all stretches.
+    for stretch in ["1,1", "1.1,0.95"] {
+        for cells in 1..=3 {
+            let text = onset_line(&format!(
+                "state --stretch {stretch} {line} set cells={cells}"
+            ))
+            .stdout;
+            let told = "a wave, wavelength 2 along (1, 0), has 0.0194567 times the frequency";
+            assert!(text.contains(told), "{text}");
+        }
+    }
+    // What cannot be tuned is not recommended to be.
+    let next = onset_line("state --stretch 0.9,1.1 set frame=eulerian set cells=2").stdout;
+    assert!(!next.contains("onset tune"), "{next}");
+}
+
+#[test]
 fn questions_that_are_wrong_are_refused() {
     for (line, fact) in [
         ("modes --weak 0", "above 0 and at most 1"),

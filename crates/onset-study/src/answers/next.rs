@@ -5,11 +5,11 @@ use crate::shell::quoted;
 use onset::verdict::Verdict;
 
 /// Commands to run after a verdict; none of a law that the calling program has handed over, which no command can name.
-pub(super) fn next(settings: &Settings, verdict: Verdict) -> Vec<String> {
+pub(super) fn next(settings: &Settings, verdict: Verdict, has_one_particle: bool) -> Vec<String> {
     if settings.material.is_handed() {
         return Vec::new();
     }
-    let coefficient = coefficient(settings);
+    let coefficient = coefficient(settings, has_one_particle);
     let modes = format!("onset modes{}", assignments(settings, None));
     let tune =
         coefficient.map(|key| format!("onset tune {key}{}", assignments(settings, Some(key))));
@@ -23,7 +23,7 @@ pub(super) fn next(settings: &Settings, verdict: Verdict) -> Vec<String> {
 }
 
 /// The coefficient of a stabilization that the method reads.
-fn coefficient(settings: &Settings) -> Option<&'static str> {
+fn coefficient(settings: &Settings, has_one_particle: bool) -> Option<&'static str> {
     let candidates = match settings.method.method {
         Family::TotalLagrangianSph => ["discretization.penalty"].as_slice(),
         Family::UpdatedSph => &["discretization.artificial-stress"],
@@ -33,6 +33,10 @@ fn coefficient(settings: &Settings) -> Option<&'static str> {
         Family::Kernel => &["discretization.stress-point-weight"],
         Family::MaterialPoints => &[],
     };
+    // With several particles in a cell stress points have the weight that they have.
+    if settings.method.method == Family::Kernel && !has_one_particle {
+        return None;
+    }
     let is_read = |name: &&&str| Key::named(name).is_some_and(|key| settings.unmet(key).is_none());
     candidates.iter().find(is_read).copied()
 }

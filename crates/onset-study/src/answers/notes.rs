@@ -60,6 +60,9 @@ pub(super) fn buckling(
     })
 }
 
+/// Stiffness against shear over the largest one up to which it is rounding.
+const NO_SHEAR: f64 = 1e-12;
+
 /// Whether a law has no stiffness against shear, neither at `F = 1` nor under stretches, but some against a change of volume.
 pub(super) fn is_fluid(material: &dyn Hyperelastic) -> bool {
     let yields = |f: DeformationGradient| {
@@ -67,7 +70,7 @@ pub(super) fn is_fluid(material: &dyn Hyperelastic) -> bool {
         let stiffness = response.tangent.largest();
         let mut shears = [(0, 1), (0, 2), (1, 2)].into_iter();
         let are_free =
-            shears.all(|(i, j)| response.tangent[(i, j, i, j)].abs() <= UNSTRESSED * stiffness);
+            shears.all(|(i, j)| response.tangent[(i, j, i, j)].abs() <= NO_SHEAR * stiffness);
         Some(stiffness > 0.0 && are_free)
     };
     // A fluid has no plane stress, and a bar in uniaxial stress no shear.
@@ -156,6 +159,13 @@ pub fn notes(settings: &Settings, material: &dyn Hyperelastic) -> Vec<String> {
     let mut notes = notes_on_law(&settings.material, material);
     notes.extend(notes_on_method(settings));
     notes
+}
+
+/// That zero-energy modes are stable where only growing waves count.
+pub(crate) fn zero_energy(who_has: &str, place: &str) -> String {
+    format!(
+        "{who_has} zero-energy modes (verdict zero-energy), which do not grow by themselves and count as stable {place}; `onset modes` shows them"
+    )
 }
 
 /// What a reader of an answer must know of the method: that bonds take of the law its modulus only.

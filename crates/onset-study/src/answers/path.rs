@@ -2,7 +2,7 @@
 
 use super::course::{Course, LoadingOfPath};
 use super::mode::{critical_mode, finite_wave_vector};
-use super::notes::{is_fluid, notes};
+use super::notes::{is_fluid, notes, zero_energy};
 use super::problem::{Problem, ProblemError, Strain};
 use super::state::{ComplexNumber, list, rows};
 use crate::number::{told, told_of, vector};
@@ -156,11 +156,10 @@ fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, P
         Err(error) if error.is_outside_domain() => {}
         other => {
             if other?.verdict == Verdict::ZeroEnergy {
-                notes.push(
-                    "at the start the particles have zero-energy modes (verdict zero-energy), which do not grow by themselves and count as \
-                     stable along a path; `onset modes` shows them"
-                        .to_owned(),
-                );
+                notes.push(zero_energy(
+                    "at the start the particles have",
+                    "along a path",
+                ));
             }
         }
     }

@@ -11,13 +11,10 @@ use onset::bloch::Stability;
 use onset::continuum::{AcousticMinimum, Ellipticity};
 use onset::kinematics::DeformationGradient;
 use onset::method::Frame;
-use onset::verdict::{Assessment, Mechanism, Verdict};
+use onset::verdict::{Assessment, Mechanism, Verdict, ZeroEnergyWave};
 
-/// The squared ratio of gradient norms below which a mode is called weakly controlled.
+/// The squared ratio of frequencies below which a mode is called weakly controlled.
 const WEAK: f64 = 0.05;
-
-/// A gradient norm, or a squared relative frequency, that is zero to rounding.
-const NO_STRAIN: f64 = 1e-9;
 
 /// The sentence of a state of which a proof says another thing than the search.
 pub(super) fn of_correction(
@@ -59,19 +56,18 @@ pub(super) fn of(
     let minimum = &assessment.material.minimum;
     match assessment.verdict {
         Verdict::Stable => {
-            let told_root = |squared: f64| told(squared.max(0.0).sqrt());
-            let norm = assessment.gradient_norm;
             let weak = match &assessment.weakest {
-                Some(mode) if mode.relative_frequency_squared < WEAK => format!(
-                    " A mode, {}, is weakly controlled: in the reference configuration the ratio of its frequency to that of the material's slowest wave is {}.",
-                    self::wave(&analysis.spatial(f, &mode.wave_vector), along, units),
-                    told_root(mode.relative_frequency_squared)
-                ),
-                None if assessment.is_gradient && !spectrum.softest.is_long_wave && norm < WEAK => {
-                    format!(
-                        " The softest mode, {wave}, is weakly controlled: the ratio of the discrete to the exact gradient norm is {}.",
-                        told_root(norm)
-                    )
+                Some(mode) if mode.relative_frequency_squared < WEAK => {
+                    let wave = self::wave(&mode.wave_vector, along, units);
+                    match mode.relative_frequency_squared {
+                        square if square < 0.0 => {
+                            format!(" In the reference configuration a mode grows, though: {wave}.")
+                        }
+                        square => format!(
+                            " A mode is weakly controlled: in the reference configuration a wave, {wave}, has {} times the frequency of the material's slowest.",
+                            told(square.sqrt())
+                        ),
+                    }
                 }
                 _ => String::new(),
             };
@@ -107,15 +103,17 @@ pub(super) fn of(
                 Family::Kernel | Family::FiniteElements => "quadrature",
                 _ => "discretization",
             };
-            let is_lagrangian =
-                assessment.is_gradient && settings.discretization.frame == Frame::Lagrangian;
-            let unseen = if assessment.gradient_norm > NO_STRAIN {
-                let resisted = match is_unstressed(&*problem.material, f) {
-                    true => "This state has no stress that could resist it",
-                    false => "Only the stress of this state resists that",
+            let is_lagrangian = assessment.gradient_norm.is_some()
+                && settings.discretization.frame == Frame::Lagrangian;
+            let unseen = if let Some(ZeroEnergyWave::Alternating { is_resisted }) =
+                assessment.zero_energy
+            {
+                let resisted = match is_resisted {
+                    true => "Only the stress of this state resists that",
+                    false => "Nothing resists that",
                 };
                 format!(
-                    "The {whose} sees no strain where neighbors alternate. {resisted}, and the softest wave is one beside it ({which})."
+                    "The {whose} sees no strain where neighbors alternate. {resisted}; the softest other wave: {which}."
                 )
             } else if is_lagrangian {
                 format!("The {whose} sees no strain in a wave ({which}), at any state.")

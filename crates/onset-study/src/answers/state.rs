@@ -228,9 +228,10 @@ pub struct DiscretizationAnswer {
     pub long_wave_minimum_scaled: f64,
     /// Its reference direction.
     pub long_wave_direction: Vec<f64>,
-    /// Squared norm of the discrete gradient of the softest mode over that of the exact one; zero for a zero-energy mode.
-    pub gradient_norm: f64,
-    /// The mode that is controlled least, of the softest one and those of alternating neighbors, where the discretization has no such gradient.
+    /// Squared norm of the discrete gradient of the softest mode over that of the exact one; zero for a zero-energy mode. None where the discretization
+    /// has no such gradient.
+    pub gradient_norm: Option<f64>,
+    /// The mode that is controlled least, of the softest one and those of alternating neighbors.
     pub weakest_mode: Option<WeakestModeAnswer>,
 }
 
@@ -337,7 +338,7 @@ fn answer(
         mechanism,
         sentence,
         notes,
-        next: next(&problem.settings, verdict),
+        next: next(&problem.settings, verdict, problem.analysis.sites() == 1),
         settings: problem.settings.effective(),
         certificate,
         deformation_gradient: *response.deformation.components(),

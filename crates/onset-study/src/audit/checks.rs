@@ -5,7 +5,7 @@ use super::difference::{derivative, steps};
 use super::reading::{Delivery, ratio, relative_to};
 use super::subject::{Sample, Subject, deformation};
 use super::{AuditError, TOLERANCE, TangentFinding, UNKNOWN, tolerance};
-use crate::number::{told, told_of};
+use crate::number::told_of;
 use nalgebra::{Matrix3, Matrix6, Rotation3};
 use onset::kinematics::DeformationGradient;
 use onset::material::FourthOrder;
@@ -253,6 +253,9 @@ fn reference_stress(reference: &Measured) -> Check {
     )
 }
 
+/// What rounding makes of a modulus that is zero, over the largest one.
+const ROUNDING_OF_MODULI: f64 = 1e-11;
+
 /// Eigenvalues of the elasticity of the reference state, in an orthonormal basis of symmetric tensors, and what they mean.
 fn moduli(reference: &Measured) -> Check {
     let c = Convention::JaumannKirchhoff.tangent(&reference.change, &reference.change.gradient);
@@ -265,8 +268,7 @@ fn moduli(reference: &Measured) -> Check {
         .map_or([f64::NAN; 2], |eigen| {
             [eigen.eigenvalues.min(), eigen.eigenvalues.amax()]
         });
-    // What the differences of the stress leave open.
-    let rounding = largest * (10.0 * reference.uncertainty).max(1e-12);
+    let rounding = ROUNDING_OF_MODULI * largest;
     let (mut volumetric, mut whole) = (0.0, 0.0);
     for i in 0..3 {
         for j in 0..3 {
@@ -280,22 +282,24 @@ fn moduli(reference: &Measured) -> Check {
     let poisson = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
     let values = format!(
         "bulk modulus {}, shear modulus {}, Young's modulus {}, Poisson's ratio {} (averages over directions)",
-        told(bulk),
+        told_of(bulk, largest),
         told_of(shear, largest),
         told_of(young, largest),
         told_of(poisson, 1.0)
     );
     let (outcome, finding) = match least {
         _ if least > rounding => (Outcome::Passed, values),
-        _ if least >= -rounding => (
+        _ if least < -rounding => (
+            Outcome::Failed,
+            format!("{values}; not positive definite: least modulus {least:.3e}"),
+        ),
+        _ if shear.abs() <= rounding && bulk > rounding => (
             Outcome::Noted,
-            format!(
-                "{values}; the least modulus is zero to rounding, as the shear modulus of a fluid"
-            ),
+            format!("{values}; the shear modulus is zero to rounding, as that of a fluid"),
         ),
         _ => (
             Outcome::Failed,
-            format!("{values}; not positive definite: least modulus {least:.3e}"),
+            format!("{values}; semidefinite: the least modulus is zero to rounding"),
         ),
     };
     Check {
@@ -304,6 +308,7 @@ fn moduli(reference: &Measured) -> Check {
         error: None,
         finding,
     }
+    .unless_unknown(reference.uncertainty)
 }
 
 fn stress_symmetry(measured: &[Measured]) -> Check {

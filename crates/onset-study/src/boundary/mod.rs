@@ -118,6 +118,8 @@ pub struct Boundaries {
     pub throughout: Throughout,
     /// How faithful the discretization is, where that was asked for.
     pub fidelity: Option<Fidelity>,
+    /// What a reader must know of law and method.
+    pub notes: Vec<String>,
 }
 
 impl Boundaries {
@@ -195,6 +197,7 @@ impl Boundaries {
             discretization: of_particles,
             throughout,
             fidelity,
+            notes: probes.notes(window.low)?,
         })
     }
 
@@ -223,6 +226,7 @@ impl Boundaries {
                 .flat_map(|boundary| boundary.unresolved.clone())
                 .collect(),
             fidelity: self.fidelity.clone(),
+            notes: self.notes.clone(),
         }
     }
 }
@@ -291,9 +295,11 @@ pub struct Summary {
     pub unresolved: Vec<[f64; 2]>,
     /// How faithful the discretization is.
     pub fidelity: Option<Fidelity>,
+    /// What a reader must know of law and method.
+    pub notes: Vec<String>,
 }
 
-/// The phases that fill a window without boundaries; `None` where there are some.
+/// The phases of windows in which no boundary, and no place of changing phase, was seen; `None` where there was one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Throughout {
     /// That of the material.
@@ -381,7 +387,7 @@ impl std::fmt::Display for Summary {
                 let (of, phase) = (of.name(), phase.name());
                 writeln!(
                     formatter,
-                    "{of:<14} no boundary: {phase} throughout the window"
+                    "{of:<14} no boundary seen: {phase} throughout the window"
                 )?;
             }
         }
@@ -392,15 +398,18 @@ impl std::fmt::Display for Summary {
             };
             writeln!(
                 formatter,
-                "The boundary is incomplete: {} cut short, {} of changing phase unresolved. A ragged boundary is resolved in a smaller \
+                "The boundary is incomplete: {} cut short, {} of changing phase unresolved. Areas are those within the curves that were followed. A ragged boundary is resolved in a smaller \
                  window.",
                 counted(self.curves.iter().filter(is_cut).count(), "curve"),
                 counted(self.unresolved.len(), "place")
             )?;
         }
-        match &self.fidelity {
-            Some(fidelity) => write!(formatter, "{fidelity}"),
-            None => Ok(()),
+        if let Some(fidelity) = &self.fidelity {
+            write!(formatter, "{fidelity}")?;
         }
+        for note in &self.notes {
+            writeln!(formatter, "\nnote: {note}")?;
+        }
+        Ok(())
     }
 }

@@ -1,12 +1,12 @@
 //! The states of a study, asked one by one.
 
-use crate::answers::{Problem, ProblemError};
+use crate::answers::{Problem, ProblemError, notes, zero_energy};
 use crate::settings::Study;
 use nalgebra::Matrix3;
 use onset::analysis::probe_material_in;
 use onset::kinematics::DeformationGradient;
 use onset::method::MethodError;
-use onset::verdict::Probe;
+use onset::verdict::{Probe, Verdict};
 
 /// The questions, with what all states of a study share: nothing when an axis varies material or discretization.
 pub(super) struct Probes<'s> {
@@ -33,6 +33,19 @@ impl<'s> Probes<'s> {
         Ok(match &self.shared {
             Some(problem) => ask(problem, &f)?,
             None => ask(&Problem::new(self.study.settings_at(&at)?)?, &f)?,
+        })
+    }
+
+    /// What a reader must know of law and method, with what the method is at a state.
+    pub(super) fn notes(&self, at: [f64; 2]) -> Result<Vec<String>, ProblemError> {
+        self.asked(at, |problem, f| {
+            let mut notes = notes(&problem.settings, &*problem.material);
+            // A state without an answer is no news here.
+            let judged = problem.analysis.judge(f, None);
+            if judged.is_ok_and(|judged| judged.verdict == Verdict::ZeroEnergy) {
+                notes.push(zero_energy("the particles have", "here"));
+            }
+            Ok(notes)
         })
     }
 

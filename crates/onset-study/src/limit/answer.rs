@@ -507,7 +507,11 @@ impl LimitAnswer {
                 format!("{below} {} up to {}.", self.key, to(only))
             }
             [only] if is_open(&only.to) => {
-                format!("{below} {} from {} on.", self.key, from(only))
+                format!(
+                    "{below} {} from {} on, as far as {last}.",
+                    self.key,
+                    from(only)
+                )
             }
             several => {
                 let ranges: Vec<String> = several

@@ -70,6 +70,11 @@ pub struct ShownMode {
     pub wave_vector: Vec<f64>,
     /// The same in units of the reciprocal vectors.
     pub fractional: Vec<f64>,
+    /// The wave vector of the material's wave that it is, which that of a cell with several particles tells up to reciprocal vectors; 1/length.
+    pub wave: Vec<f64>,
+    /// The same in units of the reciprocal vectors, where that is another one.
+    #[serde(skip)]
+    pub unfolded: Option<Vec<f64>>,
     /// Its frequency over that of the material's slowest wave.
     pub relative_frequency: f64,
     /// How many independent zero-energy modes there are.
@@ -134,6 +139,8 @@ impl ShownMode {
         amplitude: f64,
     ) -> Self {
         let k = mode.wave_vector;
+        let apart = (mode.wave - k).norm().min((mode.wave + k).norm());
+        let is_folded = analysis.sites() > 1 && apart > 1e-6 * mode.wave.norm();
         // The time at which the particle that moves most is farthest out: its g is turned until g.g is real and positive.
         let square = |own: &SVector<Complex, 3>| own.iter().map(|z| z * z).sum::<Complex>();
         let most = mode
@@ -162,6 +169,13 @@ impl ShownMode {
         Self {
             wave_vector: k.iter().take(analysis.dimension()).copied().collect(),
             fractional: analysis.fractional(&k),
+            wave: mode
+                .wave
+                .iter()
+                .take(analysis.dimension())
+                .copied()
+                .collect(),
+            unfolded: is_folded.then(|| analysis.fractional(&mode.wave)),
             relative_frequency: mode.relative_frequency,
             nullity: mode.nullity,
             extent: mode.extent,
@@ -184,20 +198,8 @@ impl ShownMode {
             .find(|x| x.abs() > 1e-6 && !is_half(**x));
         // Of k and -k the one whose first component is positive.
         let sign = first.map_or(1.0, |x| x.signum());
-        let fraction = |x: &f64| {
-            let x = if is_half(*x) { 0.5 } else { sign * x };
-            for denominator in 1..=12_u32 {
-                let numerator = x * f64::from(denominator);
-                if (numerator - numerator.round()).abs() < 1e-6 {
-                    return match (numerator.round() as i64, denominator) {
-                        (n, 1) => n.to_string(),
-                        (n, d) => format!("{n}/{d}"),
-                    };
-                }
-            }
-            format!("{x:.4}")
-        };
-        let parts: Vec<String> = self.fractional.iter().map(fraction).collect();
+        let normal = |x: &f64| fraction(&if is_half(*x) { 0.5 } else { sign * x });
+        let parts: Vec<String> = self.fractional.iter().map(normal).collect();
         format!("({})", parts.join(", "))
     }
 
@@ -205,10 +207,15 @@ impl ShownMode {
     pub fn kind(&self) -> String {
         let of_zero = match self.nullity {
             0 => {
-                return format!(
-                    "weakly controlled, {:.1} % of the material's frequency",
-                    100.0 * self.relative_frequency
-                );
+                let share = 100.0 * self.relative_frequency;
+                let weak = format!("weakly controlled, {share:.1} % of the material's frequency");
+                return match &self.unfolded {
+                    None => weak,
+                    Some(wave) => {
+                        let parts: Vec<String> = wave.iter().map(fraction).collect();
+                        format!("{weak}, as the wave ({})", parts.join(", "))
+                    }
+                };
             }
             1 => "zero energy".to_owned(),
             count => format!("zero energy, {count} independent modes"),
@@ -220,6 +227,20 @@ impl ShownMode {
             Extent::Zone => format!("{of_zero}, and so at every wave vector"),
         }
     }
+}
+
+/// A number as a fraction where it is one.
+fn fraction(x: &f64) -> String {
+    for denominator in 1..=12_u32 {
+        let numerator = x * f64::from(denominator);
+        if (numerator - numerator.round()).abs() < 1e-6 {
+            return match (numerator.round() as i64, denominator) {
+                (n, 1) => n.to_string(),
+                (n, d) => format!("{n}/{d}"),
+            };
+        }
+    }
+    format!("{x:.4}")
 }
 
 impl fmt::Display for ModesAnswer {
@@ -282,6 +303,8 @@ mod tests {
             let mode = ShownMode {
                 wave_vector: Vec::new(),
                 fractional: fractional.to_vec(),
+                wave: Vec::new(),
+                unfolded: None,
                 relative_frequency: 0.0,
                 nullity: 1,
                 extent: Extent::Point,

@@ -27,9 +27,14 @@ fn keys_of(error: &MethodError) -> Vec<String> {
         | MethodError::SingularMoment { .. } => {
             keys(&["support", "points", "basis", "vectors", "aspect", "lattice"])
         }
-        MethodError::HorizonTooSmall { .. } | MethodError::HorizonTooLarge { .. } => {
-            keys(&["horizon", "basis", "vectors", "aspect", "lattice"])
-        }
+        MethodError::HorizonTooSmall { .. } | MethodError::HorizonTooLarge { .. } => keys(&[
+            "horizon",
+            "perturbation",
+            "basis",
+            "vectors",
+            "aspect",
+            "lattice",
+        ]),
         MethodError::NotOfForces { .. } => keys(&["linearization"]),
         MethodError::StabilizedEulerian => keys(&["quadrature", "frame"]),
         MethodError::SingularMass { .. } => keys(&["grid-mass", "points"]),

@@ -255,7 +255,10 @@ impl<const D: usize> Analysis for Body<D> {
         f: &DeformationGradient,
         k: &[f64],
     ) -> Result<Option<f64>, MethodError> {
-        self.discretization.gradient_norm(f, &vector(k), false)
+        let norms = self
+            .discretization
+            .gradient_norms(f, &[(vector(k), false)])?;
+        Ok(norms.and_then(|norms| norms.first().copied()))
     }
 
     fn spatial(&self, f: &DeformationGradient, k: &SVector<f64, 3>) -> SVector<f64, 3> {

@@ -88,8 +88,8 @@ impl<const D: usize> InSpace for Assessment<D> {
                 mean_stress: material.mean_stress,
             },
             spectrum: self.spectrum.in_3d(),
+            zero_energy: self.zero_energy,
             gradient_norm: self.gradient_norm,
-            is_gradient: self.is_gradient,
             weakest: self.weakest.map(|mode| WeakestMode {
                 wave_vector: mode.wave_vector.in_3d(),
                 relative_frequency_squared: mode.relative_frequency_squared,
@@ -135,6 +135,7 @@ impl<const D: usize> InSpace for SpuriousModes<D> {
     fn in_3d(&self) -> SpuriousModes<3> {
         let mode = |mode: &SpuriousMode<D>| SpuriousMode {
             wave_vector: mode.wave_vector.in_3d(),
+            wave: mode.wave.in_3d(),
             relative_frequency: mode.relative_frequency,
             nullity: mode.nullity,
             extent: mode.extent,

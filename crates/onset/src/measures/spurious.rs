@@ -6,7 +6,7 @@ use crate::algebra::{Complex, Each, is_well, settled, settled_along, sort_by_val
 use crate::bloch::WaveSystem;
 use crate::lattice::BrillouinZone;
 use crate::method::MethodError;
-use crate::verdict::{BesideMaterial, Slowest, Survey, per_particle};
+use crate::verdict::{Slowest, Survey, Unfolding, per_particle};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 /// Points of the grid of wave vectors along a reciprocal vector: halves, thirds, quarters and their parts are among them, but for the largest cells.
@@ -26,8 +26,10 @@ const MOST_FACES: usize = 8;
 pub struct SpuriousMode<const D: usize> {
     /// Its wave vector; 1/length.
     pub wave_vector: SVector<f64, D>,
-    /// Its frequency over that of the slowest wave of the material with the same wave vector: zero for a zero-energy mode. With several
-    /// particles in a cell the wave vector is known up to reciprocal vectors only, and the wave is taken that the mode holds most of.
+    /// The wave vector of the material's wave that it is; 1/length. With several particles in a cell that is known up to reciprocal vectors only, and the
+    /// wave is taken that the mode holds most of. For a zero-energy mode `wave_vector` itself.
+    pub wave: SVector<f64, D>,
+    /// Its frequency over that of the material's slowest wave with that wave vector: zero for a zero-energy mode.
     pub relative_frequency: f64,
     /// How many independent zero-energy modes there are at this wave vector, translations not counted: displacements that strain no
     /// point, whatever the law.
@@ -78,7 +80,7 @@ pub fn spurious_modes<const D: usize>(
     let weak = Weak {
         system: survey.reference()?,
         zone: &zone,
-        beside: survey.beside_material()?,
+        unfolding: survey.unfolding()?,
     };
     let (weak_modes, slowest) = weak.modes(threshold, &zero);
     let mut modes: Vec<SpuriousMode<D>> = zero.modes.iter().map(|m| shown(m, &zone)).collect();
@@ -100,6 +102,7 @@ pub fn spurious_modes<const D: usize>(
 fn shown<const D: usize>(mode: &ZeroMode<D>, zone: &BrillouinZone<D>) -> SpuriousMode<D> {
     SpuriousMode {
         wave_vector: zone.folded(&mode.wave_vector),
+        wave: zone.folded(&mode.wave_vector),
         relative_frequency: 0.0,
         nullity: mode.nullity,
         extent: mode.extent,
@@ -111,12 +114,12 @@ fn shown<const D: usize>(mode: &ZeroMode<D>, zone: &BrillouinZone<D>) -> Spuriou
 struct Weak<'a, const D: usize> {
     system: &'a WaveSystem<D>,
     zone: &'a BrillouinZone<D>,
-    beside: BesideMaterial<'a, D>,
+    unfolding: Unfolding<'a, D>,
 }
 
 impl<const D: usize> Weak<'_, D> {
     fn ratio(&self, k: &SVector<f64, D>) -> f64 {
-        self.beside.slowest(k).ratio
+        self.unfolding.slowest(k).ratio
     }
 
     /// The distance from the nearest reciprocal vector, in units of these.
@@ -175,16 +178,16 @@ impl<const D: usize> Weak<'_, D> {
         let mut modes: Vec<SpuriousMode<D>> = Vec::new();
         for (ratio, k) in bottoms {
             let k = self.zone.folded(&k);
-            let Slowest { branch, wave, .. } = self.beside.slowest(&k);
+            let slowest = self.unfolding.slowest(&k);
             // A well at k = 0 is no wave: the stiffness of all long waves is too low.
-            let is_long = self.zone.lattice().fractional(&wave).amax() < 1.0 / n as f64;
+            let is_long = self.zone.lattice().fractional(&slowest.wave).amax() < 1.0 / n as f64;
             let is_known = || {
                 modes
                     .iter()
                     .any(|known| self.is_same(&known.wave_vector, &k))
             };
             if ratio < limit && !is_long && !self.is_zero(&k, zero) && !is_known() {
-                modes.push(self.mode(&k, ratio, branch));
+                modes.push(self.mode(&k, ratio, &slowest));
             }
         }
         (modes, lowest)
@@ -201,7 +204,7 @@ impl<const D: usize> Weak<'_, D> {
         let size = steps.column_iter().map(|step| step.norm());
         let size = size.fold(0.0, f64::max);
         let inside = settled(&at, start, steps);
-        let least = self.beside.slowest(&inside.1);
+        let least = self.unfolding.slowest(&inside.1);
         let wave = least.wave;
         let distance = |g: &SVector<f64, D>| 0.5 * g.norm() - wave.dot(g) / g.norm();
         // A descent that is stuck at a kink is on it.
@@ -226,8 +229,8 @@ impl<const D: usize> Weak<'_, D> {
         best
     }
 
-    fn mode(&self, k: &SVector<f64, D>, ratio: f64, branch: usize) -> SpuriousMode<D> {
-        let modes = &self.system.modes(k)[branch..];
+    fn mode(&self, k: &SVector<f64, D>, ratio: f64, slowest: &Slowest<D>) -> SpuriousMode<D> {
+        let modes = &self.system.modes(k)[slowest.branch..];
         let size = modes
             .iter()
             .map(|(value, _)| value.norm())
@@ -240,6 +243,7 @@ impl<const D: usize> Weak<'_, D> {
             .collect();
         SpuriousMode {
             wave_vector: *k,
+            wave: slowest.wave,
             relative_frequency: ratio.max(0.0).sqrt(),
             nullity: 0,
             extent: Extent::Point,

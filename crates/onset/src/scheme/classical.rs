@@ -3,8 +3,7 @@
 use super::{DirectWaves, Discretization, PatchForces, PeriodicPatch, SeenForm, StrainOperator};
 use crate::approximation::Order;
 use crate::bloch::{
-    BlochBlocks, GradientMoments, Mass, WaveSystem, ZERO_ENERGY, ZoneSearch, dynamical_matrix,
-    gradient_norm,
+    BlochBlocks, GradientMoments, Mass, WaveSystem, ZoneSearch, dynamical_matrix, gradient_norm,
 };
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
@@ -107,30 +106,21 @@ impl<const D: usize> Discretization<D> for Method<D> {
         GradientMoments::new(self, speed_squared)
     }
 
-    fn gradient_norm(
+    fn gradient_norms(
         &self,
         f: &DeformationGradient,
-        k: &SVector<f64, D>,
-        is_long: bool,
-    ) -> Result<Option<f64>, MethodError> {
-        let norm = gradient_norm(self, f)?;
-        let discrete = if is_long {
-            norm.long_wave_stiffness().acoustic_tensor(k)[(0, 0)]
-        } else {
-            norm.at(k)[(0, 0)].re
-        };
-        let search = ZoneSearch::new(self, f, 1.0).ok_or(MethodError::NotFinite)?;
-        Ok(Some(discrete / search.kernel_wave_vector(k).norm_squared()))
-    }
-
-    fn has_alternating_zero_mode(&self, f: &DeformationGradient) -> Result<bool, MethodError> {
+        waves: &[(SVector<f64, D>, bool)],
+    ) -> Result<Option<Vec<f64>>, MethodError> {
         let norm = gradient_norm(self, f)?;
         let search = ZoneSearch::new(self, f, 1.0).ok_or(MethodError::NotFinite)?;
-        let share = |k: SVector<f64, D>| {
-            norm.at(&k)[(0, 0)].re / search.kernel_wave_vector(&k).norm_squared()
+        let of_wave = |(k, is_long): &(SVector<f64, D>, bool)| {
+            let discrete = match is_long {
+                true => norm.long_wave_stiffness().acoustic_tensor(k)[(0, 0)],
+                false => norm.at(k)[(0, 0)].re,
+            };
+            discrete / search.kernel_wave_vector(k).norm_squared()
         };
-        let mut waves = self.lattice().alternating();
-        Ok(waves.any(|k| share(k) <= ZERO_ENERGY))
+        Ok(Some(waves.iter().map(of_wave).collect()))
     }
 
     fn is_undamped(&self) -> bool {

@@ -187,27 +187,17 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         Ok(None)
     }
 
-    /// The squared norm of the discrete gradient of a wave over that of the exact gradient, `sum_q V_q |B_q|^2 / (V0 |k|^2)` with `k` in
-    /// the coordinates of the kernel, where that is defined; `is_long` asks for the limit of long waves along `k`.
+    /// The squared norm of the discrete gradient of each wave over that of the exact gradient, `sum_q V_q |B_q|^2 / (V0 |k|^2)` with `k` in
+    /// the coordinates of the kernel, where that is defined. A wave is a wave vector, or the limit of long waves along one.
     ///
     /// # Errors
     /// [`MethodError`] when the discretization cannot be evaluated there.
-    fn gradient_norm(
+    fn gradient_norms(
         &self,
         _f: &DeformationGradient,
-        _k: &SVector<f64, D>,
-        _is_long: bool,
-    ) -> Result<Option<f64>, MethodError> {
+        _waves: &[(SVector<f64, D>, bool)],
+    ) -> Result<Option<Vec<f64>>, MethodError> {
         Ok(None)
-    }
-
-    /// Whether a wave of alternating neighbors, one with half of a reciprocal vector, strains no point of a state although stress can make
-    /// another wave the softest one; where the discretization has a discrete gradient.
-    ///
-    /// # Errors
-    /// [`MethodError`] when the discretization cannot be evaluated there.
-    fn has_alternating_zero_mode(&self, _f: &DeformationGradient) -> Result<bool, MethodError> {
-        Ok(false)
     }
 
     /// The part of the waves at a state by what particles carry along with them: deformation gradients and densities follow the wave,

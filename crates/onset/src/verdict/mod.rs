@@ -6,18 +6,18 @@
 pub mod boundary;
 pub mod fidelity;
 
-mod beside_material;
 pub(crate) mod change;
 mod mechanism;
 mod path;
 mod probe;
 mod survey;
+mod unfolding;
 
-pub(crate) use beside_material::{BesideMaterial, Slowest, continuum, per_particle};
 pub use mechanism::Mechanism;
 pub use path::{Crossing, Onset, PathError, PathScan, scan_discretization, scan_material};
 pub use probe::{Phase, Probe, probe_material};
 pub use survey::{Ground, Judged, StateWaves, Survey, SurveyedState};
+pub(crate) use unfolding::{Slowest, Unfolding, continuum, per_particle};
 
 use crate::bloch::{SpectrumSummary, Stability};
 use crate::continuum::{AcousticMinimum, Ellipticity, Stiffness};
@@ -133,16 +133,27 @@ pub struct Assessment<const D: usize> {
     pub material: MaterialAssessment<D>,
     /// The discretization.
     pub spectrum: SpectrumSummary<D>,
+    /// Of the verdict [`Verdict::ZeroEnergy`]: which wave it is that strains nothing.
+    pub zero_energy: Option<ZeroEnergyWave>,
     /// The squared norm of the discrete gradient of the softest mode over that of the exact gradient,
     /// `sum_q V_q |B_q|^2 / (V0 |k|^2)` with `k` in the coordinates of the kernel: near one for long waves, zero for a
-    /// zero-energy mode. Where the discretization has no such gradient: the squared frequency of the softest mode in the reference configuration
-    /// over that of the material's slowest wave.
-    pub gradient_norm: f64,
-    /// Whether it is the norm of a gradient, not a squared frequency.
-    pub is_gradient: bool,
-    /// Where it is none: the mode that is controlled least, of the softest one and those of alternating neighbors. `None` also for laws with waves
-    /// without energy.
+    /// zero-energy mode. `None` where the discretization has no such gradient.
+    pub gradient_norm: Option<f64>,
+    /// The mode that is controlled least, of the softest one and those of alternating neighbors. `None` where none of them can be compared with a wave of the
+    /// material, and of laws and linearizations without an answer at rest.
     pub weakest: Option<WeakestMode<D>>,
+}
+
+/// The wave of a stable state that strains nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ZeroEnergyWave {
+    /// The softest one.
+    Softest,
+    /// One of alternating neighbors, another than the softest.
+    Alternating {
+        /// Whether the stress of the state resists all of these.
+        is_resisted: bool,
+    },
 }
 
 /// A mode of the reference configuration that is slow beside the material's wave that it is.

@@ -1,9 +1,9 @@
 //! A discretization and a material, asked about states: what the states share is computed once.
 
-use super::beside_material::slower;
+use super::unfolding::slower;
 use super::{
-    Assessment, BesideMaterial, MaterialAssessment, Phase, Probe, Verdict, WeakestMode, decided,
-    finite,
+    Assessment, MaterialAssessment, Phase, Probe, Unfolding, Verdict, WeakestMode, ZeroEnergyWave,
+    decided, finite,
 };
 use crate::algebra::Complex;
 use crate::bloch::{
@@ -23,6 +23,9 @@ use std::sync::{Arc, OnceLock};
 
 /// Scaled measures of stable states up to which stress alone may hold the softest mode.
 const SOFT: f64 = 0.05;
+
+/// Squared frequencies that are smaller, over the largest one, are zero to rounding.
+const UNRESISTED: f64 = 1e-9;
 
 /// Nothing, where somebody waits.
 fn unless(is_ended: IsEnded<'_>) -> Result<(), MethodError> {
@@ -111,7 +114,7 @@ pub struct Ground<const D: usize> {
     /// What the discretization sees of waves, whatever the law.
     strains: OnceLock<Result<Strains<D>, MethodError>>,
     /// The wave of alternating neighbors that is slowest at rest beside the material.
-    alternating: OnceLock<Result<Option<WeakestMode<D>>, MethodError>>,
+    alternating: OnceLock<Option<WeakestMode<D>>>,
 }
 
 /// What a discretization sees of waves at rest.
@@ -120,6 +123,13 @@ struct Strains<const D: usize> {
     rows: StrainRows<D>,
     /// Whether alternating neighbors, of different cells or of one, move without strain.
     misses_alternating: bool,
+}
+
+impl<const D: usize> Strains<D> {
+    /// Whether a mode is one without strain, or beside one.
+    fn misses(&self, mode: &Mode<D>) -> bool {
+        !mode.is_long_wave && self.rows.has_zero_mode_near(&mode.wave_vector)
+    }
 }
 
 /// The plane waves of a state, ready to be searched.
@@ -167,6 +177,16 @@ impl<const D: usize> StateWaves<D> {
             Self::Direct(waves) => waves.matrix.omega_squared(k).to_vec(),
             Self::System(waves) => waves.0.omega_squared(k),
         }
+    }
+
+    /// Whether no mode of a wave vector has `omega = 0`, to rounding beside the largest frequency; translations are left out.
+    fn resist(&self, k: &SVector<f64, D>, maximum_omega: f64) -> bool {
+        let values = self.omega_squared(k).into_iter();
+        let mut sizes: Vec<f64> = values.map(|value| value.norm()).collect();
+        sizes.sort_by(f64::total_cmp);
+        let translations = if k.norm() == 0.0 { D } else { 0 };
+        let rounding = UNRESISTED * maximum_omega * maximum_omega;
+        sizes.get(translations).is_none_or(|size| *size > rounding)
     }
 
     /// All `omega` of a wave vector, damping included; without damping each with its opposite. 1/time.
@@ -487,28 +507,22 @@ impl<'a, const D: usize> Survey<'a, D> {
         let waves = self.waves(f)?;
         unless(is_ended)?;
         let spectrum = waves.bounded_spectrum_unless(is_ended)?;
+        let zero_energy = match spectrum.is_stable() {
+            true => self.zero_energy_wave(f, &waves, &spectrum)?,
+            false => None,
+        };
         let verdict = decided(
             material.minimum.has_growing_waves(),
             spectrum.is_stable(),
-            spectrum.is_stable() && self.has_zero_mode(f, &spectrum.softest)?,
+            zero_energy.is_some(),
             spectrum.long_waves_grow(&material.minimum),
         );
-        let norm = self.gradient_norm(f, &spectrum.softest)?;
-        let softest = match norm {
-            Some(_) => None,
-            None => self.softest_beside_material(&spectrum.softest)?,
-        };
         Ok(Assessment {
             verdict,
             material,
-            // What is no wave of the material has nothing to be slower than.
-            gradient_norm: norm
-                .unwrap_or(softest.map_or(1.0, |mode| mode.relative_frequency_squared)),
-            is_gradient: norm.is_some(),
-            weakest: match norm {
-                Some(_) => None,
-                None => slower(softest, *self.alternating_beside_material()?),
-            },
+            zero_energy: zero_energy.filter(|_| verdict == Verdict::ZeroEnergy),
+            gradient_norm: self.gradient_norm(f, &spectrum.softest)?,
+            weakest: self.weakest(&spectrum.softest),
             spectrum,
         })
     }
@@ -552,12 +566,8 @@ impl<'a, const D: usize> Survey<'a, D> {
         // Only where both are unstable do the long waves tell to whom it belongs.
         let long_waves_grow =
             material_grows && !is_stable && waves.long_waves_grow(stability, &acoustic);
-        let has_zero_mode = match softest {
-            Some(softest) => self.has_zero_mode(f, &softest)?,
-            None => {
-                is_stable && !material_grows && self.discretization.has_alternating_zero_mode(f)?
-            }
-        };
+        let has_zero_mode =
+            is_stable && !material_grows && self.has_zero_mode(f, softest.as_ref())?;
         Ok(Judged {
             verdict: decided(material_grows, is_stable, has_zero_mode, long_waves_grow),
             stability,
@@ -664,23 +674,76 @@ impl<'a, const D: usize> Survey<'a, D> {
         Ok(SurveyedState::of_spectrum(
             acoustic,
             spectrum,
-            spectrum.is_stable() && self.has_zero_mode(f, &spectrum.softest)?,
+            spectrum.is_stable() && self.has_zero_mode(f, Some(&spectrum.softest))?,
         ))
     }
 
-    /// Whether the softest mode of a stable state, or a wave of alternating neighbors, is a zero-energy mode: it strains nothing, whatever the law. What
-    /// resists it at the state, if anything does, is its stress, which can make another wave near it the softest.
+    /// Whether the softest mode of a stable state, where it is known, or a wave of alternating neighbors is a zero-energy mode: it strains nothing, whatever the law.
+    /// What resists it at the state, if anything does, is its stress, which can make another wave near it the softest.
     fn has_zero_mode(
         &self,
         f: &DeformationGradient,
-        softest: &Mode<D>,
+        softest: Option<&Mode<D>>,
     ) -> Result<bool, MethodError> {
-        if let Some(norm) = self.gradient_norm(f, softest)? {
-            return Ok(norm <= ZERO_ENERGY || self.discretization.has_alternating_zero_mode(f)?);
+        let known = softest.map(|mode| (mode.wave_vector, mode.is_long_wave));
+        let alternating = self.discretization.crystal().lattice().alternating();
+        let waves: Vec<_> = known
+            .into_iter()
+            .chain(alternating.map(|k| (k, false)))
+            .collect();
+        if let Some(norms) = self.discretization.gradient_norms(f, &waves)? {
+            return Ok(norms.into_iter().any(|norm| norm <= ZERO_ENERGY));
         }
         let strains = self.strains()?;
-        let is_near = |k: &SVector<f64, D>| strains.rows.has_zero_mode_near(k);
-        Ok(strains.misses_alternating || !softest.is_long_wave && is_near(&softest.wave_vector))
+        Ok(strains.misses_alternating || softest.is_some_and(|mode| strains.misses(mode)))
+    }
+
+    /// Which of them it is.
+    fn zero_energy_wave(
+        &self,
+        f: &DeformationGradient,
+        waves: &StateWaves<D>,
+        spectrum: &SpectrumSummary<D>,
+    ) -> Result<Option<ZeroEnergyWave>, MethodError> {
+        let softest = &spectrum.softest;
+        if !self.has_zero_mode(f, Some(softest))? {
+            return Ok(None);
+        }
+        let is_softest = match self.gradient_norm(f, softest)? {
+            Some(norm) => norm <= ZERO_ENERGY,
+            None => self.strains()?.misses(softest),
+        };
+        Ok(Some(match is_softest {
+            true => ZeroEnergyWave::Softest,
+            false => ZeroEnergyWave::Alternating {
+                is_resisted: self
+                    .alternating_without_strain(f)?
+                    .iter()
+                    .all(|k| waves.resist(k, spectrum.maximum_omega)),
+            },
+        }))
+    }
+
+    /// The wave vectors of alternating neighbors at which something moves without strain.
+    fn alternating_without_strain(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
+        let all: Vec<SVector<f64, D>> = self.alternating().collect();
+        let waves: Vec<_> = all.iter().map(|k| (*k, false)).collect();
+        Ok(match self.discretization.gradient_norms(f, &waves)? {
+            Some(norms) => {
+                let both = all.into_iter().zip(norms);
+                let unseen = both.filter(|(k, norm)| k.norm() > 0.0 && *norm <= ZERO_ENERGY);
+                unseen.map(|(k, _)| k).collect()
+            }
+            None => {
+                let rows = &self.strains()?.rows;
+                all.into_iter()
+                    .filter(|k| rows.has_zero_mode_at(k))
+                    .collect()
+            }
+        })
     }
 
     fn strains(&self) -> Result<&Strains<D>, MethodError> {
@@ -702,33 +765,25 @@ impl<'a, const D: usize> Survey<'a, D> {
         f: &DeformationGradient,
         mode: &Mode<D>,
     ) -> Result<Option<f64>, MethodError> {
-        let k = &mode.wave_vector;
-        self.discretization.gradient_norm(f, k, mode.is_long_wave)
+        let wave = [(mode.wave_vector, mode.is_long_wave)];
+        let norms = self.discretization.gradient_norms(f, &wave)?;
+        Ok(norms.and_then(|norms| norms.first().copied()))
     }
 
-    /// The slowest mode at rest beside the material, of those with the wave vector of one.
-    fn softest_beside_material(
-        &self,
-        mode: &Mode<D>,
-    ) -> Result<Option<WeakestMode<D>>, MethodError> {
-        match !mode.is_long_wave && self.stiffness_at_rest()?.is_strongly_elliptic() {
-            true => Ok(self.beside_material()?.slowest(&mode.wave_vector).known()),
-            false => Ok(None),
-        }
-    }
-
-    /// That of alternating neighbors, of different cells or of one.
-    fn alternating_beside_material(&self) -> Result<&Option<WeakestMode<D>>, MethodError> {
-        let evaluated = || {
-            if !self.stiffness_at_rest()?.is_strongly_elliptic() {
-                return Ok(None);
-            }
-            let beside = self.beside_material()?;
-            let modes = self.alternating().map(|k| beside.slowest(&k).known());
-            Ok(modes.fold(None, slower))
+    /// Of the modes at rest with the wave vector of one, and those of alternating neighbors, the slowest beside the material.
+    /// `None` where nothing can be compared: also of a law or a linearization that has no answer at rest, as a law with a kink there.
+    fn weakest(&self, softest: &Mode<D>) -> Option<WeakestMode<D>> {
+        let unfolding = self.unfolding().ok()?;
+        let known = |k: &SVector<f64, D>| unfolding.slowest(k).known();
+        let of_alternating = || {
+            let least = self.alternating().map(|k| known(&k)).fold(None, slower);
+            least.map(|mode| unfolding.bottom(mode))
         };
-        let weakest = self.ground.alternating.get_or_init(evaluated);
-        weakest.as_ref().map_err(Clone::clone)
+        let alternating = *self.ground.alternating.get_or_init(of_alternating);
+        match softest.is_long_wave {
+            true => alternating,
+            false => slower(known(&softest.wave_vector), alternating),
+        }
     }
 
     /// The wave vectors of alternating neighbors, of different cells or of one.
@@ -741,12 +796,8 @@ impl<'a, const D: usize> Survey<'a, D> {
     ///
     /// # Errors
     /// [`MethodError`] when the material or the discretization cannot be evaluated.
-    pub(crate) fn beside_material(&self) -> Result<BesideMaterial<'_, D>, MethodError> {
-        BesideMaterial::new(self.discretization, self.material, self.reference()?)
-    }
-
-    fn stiffness_at_rest(&self) -> Result<Stiffness<D>, MethodError> {
-        Ok(Stiffness::of(&self.material.undeformed()?))
+    pub(crate) fn unfolding(&self) -> Result<Unfolding<'_, D>, MethodError> {
+        Unfolding::new(self.discretization, self.material, self.reference()?)
     }
 }
 

@@ -11,7 +11,9 @@ use onset::measures::{Extent, SpuriousMode, SpuriousModes, spurious_modes};
 use onset::method::KernelMethodChoices;
 use onset::quadrature::Quadrature;
 use onset::scheme::sph::{TotalLagrangianChoices, TotalLagrangianSph};
-use onset::scheme::{Discretization, MethodChoices};
+use onset::scheme::{
+    BondModel, Discretization, MethodChoices, Peridynamics, PeridynamicsChoices, ZeroEnergyControl,
+};
 use onset::verdict::Survey;
 use std::f64::consts::TAU;
 
@@ -201,6 +203,19 @@ fn weakly_controlled_modes_are_found_at_rest_too() {
     assert!(of_cell(0.3, 1).modes.is_empty() && of_cell(0.3, 2).modes.is_empty());
 }
 
+/// The weakest mode that the evidence of a verdict names, with its ratio of frequencies.
+fn weakest<const D: usize>(
+    scheme: &dyn Discretization<D>,
+    material: &dyn Hyperelastic,
+    stretches: [f64; 3],
+) -> Option<(f64, SVector<f64, D>)> {
+    let survey = Survey::new(scheme, material).expect("a survey");
+    let f = DeformationGradient::from_stretches(stretches).expect("a state");
+    let mode = survey.assess(&f).expect("an assessment").weakest?;
+    let ratio = mode.relative_frequency_squared.max(0.0).sqrt();
+    Some((ratio, mode.wave_vector))
+}
+
 /// The evidence of a verdict tells the same, whatever mode is the softest: of a cell of two by two that is a long wave.
 #[test]
 fn the_weakest_mode_of_an_assessment_is_that_of_the_search_in_all_cells() {
@@ -214,17 +229,104 @@ fn the_weakest_mode_of_an_assessment_is_that_of_the_search_in_all_cells() {
         };
         let scheme = TotalLagrangianSph::<2>::new(crystal, choices).expect("a method");
         let survey = Survey::new(&scheme, &material).expect("a survey");
-        let assessment = survey
-            .assess(&DeformationGradient::identity())
-            .expect("an assessment");
-        let weakest = assessment.weakest.expect("a mode");
-        let searched = spurious_modes(&survey, 0.05).expect("modes").weakest;
-        let ratio = weakest.relative_frequency_squared.sqrt() / searched;
-        assert!((ratio - 1.0).abs() < 1e-6, "{cells}: {ratio}");
-        // Neighbors alternate along one axis.
-        let shape = weakest.wave_vector.map(|k| k.abs() / TAU);
+        let searched = spurious_modes(&survey, 0.05).expect("modes");
+        for stretches in [[1.0; 3], [1.1, 0.95, 1.0], [1.3, 0.8, 1.0]] {
+            let (ratio, wave) = weakest(&scheme, &material, stretches).expect("a mode");
+            assert!(
+                (ratio / searched.weakest - 1.0).abs() < 1e-6,
+                "{cells}: {ratio}"
+            );
+            // Neighbors alternate along one axis, by choice the first.
+            let shape = wave / TAU;
+            let expected = SVector::from([0.5, 0.0]);
+            assert!((shape - expected).amax() < 1e-9, "{cells}: {shape}");
+        }
+        // The search names the same wave.
+        let wave = searched.modes[0].wave.map(|k| k.abs() / TAU);
+        assert!(
+            (wave.max() - 0.5).abs() < 1e-9 && wave.min() < 1e-9,
+            "{cells}: {wave}"
+        );
+    }
+}
+
+/// Stress points on hexagons are weakest at no wave of alternating neighbors.
+#[test]
+fn the_weakest_mode_of_an_assessment_is_followed_to_its_bottom() {
+    for cells in [1, 2, 3] {
+        let choices = KernelMethodChoices {
+            support: 1.6,
+            cells,
+            quadrature: Quadrature::StressPoints,
+            ..KernelMethodChoices::default()
+        };
+        let choices = MethodChoices::Kernel(Box::new(choices));
+        let scheme = choices.discretization::<2>().expect("a method");
+        let searched = found(&*scheme, 0.5).weakest;
+        let material = ModifiedMooneyRivlin::default();
+        let (ratio, _) = weakest(&*scheme, &material, [1.0; 3]).expect("a mode");
+        assert!(
+            (ratio / searched - 1.0).abs() < 1e-4,
+            "{cells}: {ratio} {searched}"
+        );
+    }
+}
+
+/// Where forces have no energy, too, all modes of a small cell are asked: the weakest one is not the lowest above the translations.
+#[test]
+fn the_weakest_mode_without_energy_is_that_of_the_undisturbed_lattice() {
+    let material = ModifiedMooneyRivlin::default();
+    let of_cell = |cells: usize, perturbation: f64| {
+        let square = Crystal::of(LatticeKind::Square, 1.0).expect("a crystal");
+        let crystal = square.supercell([cells; 2]).expect("a supercell");
+        let crystal = crystal.perturbed(perturbation, 1).expect("a crystal");
+        let choices = PeridynamicsChoices {
+            model: BondModel::Correspondence {
+                control: ZeroEnergyControl::Penalty { coefficient: 0.02 },
+            },
+            // No particle lies on the horizon, and none is lost where they are moved.
+            horizon: 2.5,
+            ..PeridynamicsChoices::default()
+        };
+        let scheme = Peridynamics::<2>::new(crystal, choices).expect("a method");
+        weakest(&scheme, &material, [1.0; 3]).expect("a mode").0
+    };
+    let one = of_cell(1, 0.0);
+    for perturbation in [0.0, 1e-5] {
+        let ratio = of_cell(2, perturbation) / one;
+        assert!((ratio - 1.0).abs() < 1e-3, "{perturbation}: {ratio}");
+    }
+}
+
+/// At `k = 0` translations have the frequency of zero-energy modes too, and an eigenvalue problem mixes them.
+#[test]
+fn zero_energy_modes_are_the_weakest_beside_translations() {
+    let material = ModifiedMooneyRivlin::default();
+    for cells in [1, 2] {
+        let choices = KernelMethodChoices {
+            cells,
+            ..nodal(LatticeKind::Square)
+        };
+        let scheme = on_crystal::<2>(&choices);
+        let (ratio, wave) = weakest(&scheme, &material, [1.02, 1.0, 1.0]).expect("a mode");
+        assert!(ratio < 1e-6, "{cells}: {ratio}");
+        let shape = wave.map(|k| k.abs() / TAU);
         assert!((shape.max() - 0.5).abs() < 1e-9, "{cells}: {shape}");
-        assert!(shape.min() < 1e-9, "{cells}: {shape}");
+    }
+}
+
+/// Shear waves of a fluid have no energy: nothing is compared with what rounding leaves of it.
+#[test]
+fn nothing_is_compared_with_waves_without_energy() {
+    let choices = KernelMethodChoices::default();
+    let scheme = method::<2>(choices);
+    for kappa in [3.0, 99.0, 100.0] {
+        let fluid = law("tait", &[("mu", 0.0), ("kappa", kappa)]);
+        assert_eq!(weakest(&scheme, &*fluid, [1.0; 3]), None);
+        let survey = Survey::new(&scheme, &*fluid).expect("a survey");
+        let modes = spurious_modes(&survey, 0.5).expect("modes");
+        let is_weak = |mode: &SpuriousMode<2>| !mode.is_zero();
+        assert!(!modes.modes.iter().any(is_weak), "{kappa}");
     }
 }
 

@@ -95,7 +95,8 @@ impl<const D: usize> Family<D> {
             .sum();
         let too_small = MethodError::HorizonTooSmall {
             horizon,
-            bonds: neighbors.len(),
+            // Those that an influence function leaves out determine nothing.
+            bonds: neighbors.iter().filter(|own| own.influence > 0.0).count(),
             dimension: D,
         };
         let inverse_shape = inverted(&shape).ok_or(too_small)?;

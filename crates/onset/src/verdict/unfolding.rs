@@ -1,7 +1,7 @@
-//! Modes of a discretization at rest beside the plane waves of the material: which wave a mode is, and how much slower.
+//! Modes of a discretization at rest beside the plane waves of the material: which wave a mode is, and how much slower than that of the material.
 
 use super::WeakestMode;
-use crate::algebra::Complex;
+use crate::algebra::{Complex, Each, settled};
 use crate::bloch::WaveSystem;
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
@@ -10,19 +10,31 @@ use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use crate::scheme::Discretization;
 use nalgebra::{DMatrix, DVector, SVector};
+use std::cmp::Ordering;
 use std::f64::consts::{PI, TAU};
 
 /// Waves longer than this, in units of the reciprocal vectors, are as good as infinitely long.
 const LONG: f64 = 1e-3;
-/// A mode counts as a wave if it holds at least this part of what it holds most of.
+/// Modes count as a wave if they hold at least this part of what they hold most of.
 const HELD: f64 = 0.5;
+/// Phases of waves that differ by less, over a full turn, are the same.
+const SAME: f64 = 1e-6;
 /// What a wave vector may be short of a face of the zone, relative to it, and be on it.
 const ON_FACE: f64 = 1e-9;
-/// Squared frequencies that differ by less, relative to each other, are the same.
+/// Squared frequencies that differ by less, relative to the largest, are equal to rounding.
+const DEGENERATE: f64 = 1e-13;
+/// A ratio of squared frequencies that differs by less, relative to another one, is the same.
 const AS_SLOW: f64 = 1e-6;
+/// Waves of the material whose squared frequency is smaller, beside that of its fastest wave along the same vector, have no energy to be compared with.
+const WITHOUT_ENERGY: f64 = 1e-12;
+/// First steps downhill, over the reciprocal vectors.
+const STEP: f64 = 0.05;
+/// Where each mode takes as long as all values: how many of the lowest are asked, and up to which share of the material's fastest squared frequency.
+const LOWEST: (usize, f64) = (24, 0.25);
 
-/// The modes of a discretization at rest and the plane waves of the material.
-pub(crate) struct BesideMaterial<'a, const D: usize> {
+/// The modes of a discretization at rest, each beside the plane wave of the material that it is. Those of a cell with several particles are known up
+/// to reciprocal vectors: they are unfolded.
+pub(crate) struct Unfolding<'a, const D: usize> {
     /// The places of the particles of a cell; length.
     positions: Vec<SVector<f64, D>>,
     /// The distance of the nearest particles; length.
@@ -60,8 +72,8 @@ impl<const D: usize> Slowest<D> {
 
     /// The mode, of `k` and `-k` the one that points forward; `None` where nothing can be compared.
     pub(super) fn known(&self) -> Option<WeakestMode<D>> {
-        let is_turned = |x: &&f64| x.abs() > ON_FACE * self.wave.amax();
-        let sign = self.wave.iter().find(is_turned).map_or(1.0, |x| x.signum());
+        let is_there = |x: &&f64| x.abs() > ON_FACE * self.wave.amax();
+        let sign = self.wave.iter().find(is_there).map_or(1.0, |x| x.signum());
         self.ratio.is_finite().then_some(WeakestMode {
             wave_vector: self.wave * sign,
             relative_frequency_squared: self.ratio,
@@ -69,21 +81,34 @@ impl<const D: usize> Slowest<D> {
     }
 }
 
-/// The slower one of two modes, if there are any; the first where they are as slow.
+/// The slower one of two modes, if there are any; of those as slow the one farther along the first axis.
 pub(super) fn slower<const D: usize>(
     one: Option<WeakestMode<D>>,
     other: Option<WeakestMode<D>>,
 ) -> Option<WeakestMode<D>> {
-    let ratio = |mode: WeakestMode<D>| mode.relative_frequency_squared;
-    match (one, other) {
-        (Some(a), Some(b)) if ratio(b) >= ratio(a) - AS_SLOW * ratio(a).abs() => one,
-        (_, Some(_)) => other,
-        (_, None) => one,
-    }
+    let (Some(a), Some(b)) = (one, other) else {
+        return one.or(other);
+    };
+    let [ratio, other_ratio] = [a, b].each(|mode| mode.relative_frequency_squared);
+    let apart = AS_SLOW * ratio.abs().max(other_ratio.abs());
+    let is_first = match other_ratio - ratio {
+        difference if difference.abs() > apart => difference > 0.0,
+        _ => is_ahead(&a.wave_vector, &b.wave_vector).is_ge(),
+    };
+    Some(if is_first { a } else { b })
 }
 
-impl<'a, const D: usize> BesideMaterial<'a, D> {
-    /// Those of the linearized system of a discretization and a material at rest.
+/// Which one of two wave vectors is farther along the first axis along which they differ.
+fn is_ahead<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> Ordering {
+    let rounding = ON_FACE * a.amax().max(b.amax());
+    let mut apart = a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > rounding);
+    apart
+        .next()
+        .map_or(Ordering::Equal, |(a, b)| a.total_cmp(b))
+}
+
+impl<'a, const D: usize> Unfolding<'a, D> {
+    /// Of the linearized system of a discretization and a material at rest.
     ///
     /// # Errors
     /// [`MethodError`] when the material cannot be evaluated.
@@ -106,13 +131,13 @@ impl<'a, const D: usize> BesideMaterial<'a, D> {
         })
     }
 
-    /// The mode of a wave vector that is slowest beside the material. Those of a cell with several particles are compared with the waves that they hold.
+    /// The mode of a wave vector that is slowest beside the material.
     pub(crate) fn slowest(&self, k: &SVector<f64, D>) -> Slowest<D> {
         let k = self.zone.folded(k);
         if self.positions.len() > 1 {
             return self.unfolded(&k);
         }
-        match self.zone.lattice().fractional(&k).amax() < LONG {
+        match self.is_long(&k) {
             true => Slowest::none(k),
             false => Slowest {
                 ratio: over(self.system.omega_squared(&k)[0].re, self.longest(&k)),
@@ -123,38 +148,54 @@ impl<'a, const D: usize> BesideMaterial<'a, D> {
         }
     }
 
-    /// The same of a cell with several particles: of the waves `k + G` that as many particles can have, a mode is the longest one of which it has at
-    /// least half as much as of any.
+    /// The bottom of the well of ratios that a mode lies in; of large cells the mode itself.
+    pub(super) fn bottom(&self, mode: WeakestMode<D>) -> WeakestMode<D> {
+        if self.system.size() > LOWEST.0 {
+            return mode;
+        }
+        let steps = self.zone.lattice().reciprocal() * STEP;
+        let start = (mode.relative_frequency_squared, mode.wave_vector);
+        let (_, bottom) = settled(&|k| self.slowest(k).ratio, start, &steps);
+        slower(Some(mode), self.slowest(&bottom).known()).unwrap_or(mode)
+    }
+
+    /// The same of a cell with several particles: of the waves `k + G` that as many particles can have, modes are the longest one of which they have at
+    /// least half as much as of any. Degenerate ones are asked together, as what an eigenvalue problem makes of them is left to chance; of translations,
+    /// which are long waves, nothing is left then.
     fn unfolded(&self, k: &SVector<f64, D>) -> Slowest<D> {
         let images = self.images(k);
         let exact: Vec<f64> = images.iter().map(|g| self.material(&(k + g))).collect();
         let largest = exact.iter().copied().fold(0.0, f64::max);
-        let branches: Vec<usize> = match self.system.is_hermitian() {
-            true => (0..self.system.size()).collect(),
-            // Each mode takes as long as all values: the lowest branch, and the lowest one above the longest waves.
-            false => vec![0, D],
-        };
+        let branches = self.branches(k, largest);
         let modes = self.system.modes_of(k, |_| branches.clone());
+        let size = modes.iter().map(|(value, _)| value.norm());
+        let apart = DEGENERATE * size.fold(0.0, f64::max);
         let mut slowest = Slowest::none(*k);
-        for (branch, (value, displacements)) in branches.iter().zip(&modes) {
+        let mut next = 0;
+        while let Some((value, _)) = modes.get(next) {
             // All others are faster, too fast to be slower beside the material.
-            if value.re >= slowest.ratio * largest {
+            if slowest.ratio >= 0.0 && value.re >= slowest.ratio * largest {
                 break;
             }
-            let held = self.held(&images, &per_particle(displacements));
-            let [first, others @ ..] = &held[..] else {
+            let first = next;
+            let is_equal =
+                |(other, _): &&(Complex, DVector<Complex>)| (other - value).norm() <= apart;
+            next += modes[first..].iter().take_while(is_equal).count().max(1);
+            let held = self.held(&images, &modes[first..next]);
+            let is_short = |n: &usize| !self.is_long(&(k + images[self.longest_like(&images, *n)]));
+            let held: Vec<usize> = held.into_iter().filter(is_short).collect();
+            let [longest, others @ ..] = &held[..] else {
                 continue;
             };
-            let wave = k + images[*first];
+            let wave = k + images[*longest];
             let is_as_long = |n: &&usize| (k + images[**n]).norm() <= wave.norm() * (1.0 + ON_FACE);
             let fastest = held.iter().filter(is_as_long).map(|n| exact[*n]);
             let ratio = over(value.re, fastest.fold(0.0, f64::max));
-            let is_long = self.zone.lattice().fractional(&wave).amax() < LONG;
-            if ratio < slowest.ratio && !is_long {
-                let apart = others.iter().map(|n| images[*first] - images[*n]);
+            if ratio < slowest.ratio {
+                let apart = others.iter().map(|n| images[*longest] - images[*n]);
                 slowest = Slowest {
                     ratio,
-                    branch: *branch,
+                    branch: branches[first],
                     wave,
                     from_others: apart.collect(),
                 };
@@ -163,21 +204,58 @@ impl<'a, const D: usize> BesideMaterial<'a, D> {
         slowest
     }
 
-    /// Which of some waves a mode is.
+    /// The branches that are asked: all where forces have an energy. Elsewhere each mode takes as long as all values, and of large cells the lowest ones are
+    /// asked, and the lowest one above the longest waves.
+    fn branches(&self, k: &SVector<f64, D>, largest: f64) -> Vec<usize> {
+        let (most, share) = LOWEST;
+        let size = self.system.size();
+        if self.system.is_hermitian() || size <= most {
+            return (0..size).collect();
+        }
+        let values = self.system.omega_squared(k);
+        let is_asked = |n: &usize| [0, D].contains(n) || values[*n].re < share * largest;
+        (0..most).filter(is_asked).collect()
+    }
+
+    /// Which of some waves degenerate modes are.
     fn held(
         &self,
         images: &[SVector<f64, D>],
-        displacements: &[SVector<Complex, D>],
+        modes: &[(Complex, DVector<Complex>)],
     ) -> Vec<usize> {
+        let modes = modes.iter().map(|(_, mode)| per_particle::<D>(mode));
+        let modes: Vec<_> = modes.collect();
         let share = |g: &SVector<f64, D>| -> f64 {
-            let terms = self.positions.iter().zip(displacements);
-            let held = terms.map(|(x, own)| own * Complex::from_polar(1.0, -g.dot(x)));
-            held.sum::<SVector<Complex, D>>().norm_squared()
+            let phases = self
+                .positions
+                .iter()
+                .map(|x| Complex::from_polar(1.0, -g.dot(x)));
+            let phases: Vec<Complex> = phases.collect();
+            let of_one = |mode: &Vec<SVector<Complex, D>>| {
+                let terms = phases.iter().zip(mode).map(|(phase, own)| own * *phase);
+                terms.sum::<SVector<Complex, D>>().norm_squared()
+            };
+            modes.iter().map(of_one).sum()
         };
         let shares: Vec<f64> = images.iter().map(share).collect();
         let most = shares.iter().copied().fold(0.0, f64::max);
         let is_held = |n: &usize| shares[*n] >= HELD * most;
         (0..images.len()).filter(is_held).collect()
+    }
+
+    /// The longest one of the waves that are the same at all particles as one of them.
+    fn longest_like(&self, images: &[SVector<f64, D>], n: usize) -> usize {
+        let is_same = |g: &SVector<f64, D>| {
+            let turns = self.positions.iter().map(|x| (g - images[n]).dot(x) / TAU);
+            turns
+                .map(|turn| (turn - turn.round()).abs())
+                .all(|apart| apart < SAME)
+        };
+        images.iter().position(is_same).unwrap_or(n)
+    }
+
+    fn is_long(&self, k: &SVector<f64, D>) -> bool {
+        self.zone.lattice().fractional(k).amax() < LONG
     }
 
     /// The reciprocal vectors that lead from a wave vector to the waves that particles so far apart can have, those to the longest waves first: the zone of
@@ -195,13 +273,22 @@ impl<'a, const D: usize> BesideMaterial<'a, D> {
             images = images.into_iter().flat_map(along).collect();
         }
         images.retain(|g| (k + g).norm() <= shortest * (1.0 + ON_FACE) || g.norm() == 0.0);
-        images.sort_by(|a, b| (k + a).norm().total_cmp(&(k + b).norm()));
+        let order = |a: &SVector<f64, D>, b: &SVector<f64, D>| {
+            let (a, b) = (k + a, k + b);
+            match a.norm() - b.norm() {
+                difference if difference.abs() > ON_FACE * shortest => difference.total_cmp(&0.0),
+                _ => is_ahead(&b, &a),
+            }
+        };
+        images.sort_by(order);
         images
     }
 
-    /// The squared frequency of the material's slowest wave.
+    /// The squared frequency of the material's slowest wave; zero where it has no energy, as the shear waves of a fluid.
     fn material(&self, k: &SVector<f64, D>) -> f64 {
-        continuum(&self.stiffness, self.density, k)[0]
+        let values = continuum(&self.stiffness, self.density, k);
+        let is_resisted = values[0] > WITHOUT_ENERGY * values[D - 1];
+        if is_resisted { values[0] } else { 0.0 }
     }
 
     /// That of the longest wave of a wave vector in the zone. On the boundary there are several with the same length: the fastest of them is taken, for which the
