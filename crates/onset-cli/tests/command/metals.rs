@@ -160,6 +160,22 @@ fn methods_for_a_fluid_are_in_the_order_of_their_cost() {
 }
 
 #[test]
+fn modes_of_a_fluid_are_compared_with_no_shear_wave() {
+    for kappa in ["99", "100"] {
+        let answer = onset_line(&format!(
+            "modes --set material.model=tait --set material.mu=0 --set material.kappa={kappa}"
+        ));
+        assert!(
+            answer.stdout.starts_with(
+                "no zero-energy modes; with the material's slowest waves, which have no energy"
+            ),
+            "{}",
+            answer.stdout
+        );
+    }
+}
+
+#[test]
 fn the_audit_of_a_fluid_does_not_take_its_missing_shear_modulus_for_a_fault() {
     for law in [
         "--energy (J-1)^2",

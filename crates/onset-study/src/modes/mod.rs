@@ -7,7 +7,7 @@ mod view;
 
 pub(crate) use animation::{STYLE, moving_particles};
 
-use crate::answers::{Problem, ProblemError, notes};
+use crate::answers::{Problem, ProblemError, is_fluid, notes};
 use crate::settings::{Effective, Settings};
 use nalgebra::SVector;
 use onset::algebra::Complex;
@@ -53,6 +53,8 @@ pub struct ModesAnswer {
     pub complete: bool,
     /// The lowest relative frequency anywhere.
     pub weakest: f64,
+    /// Whether waves are compared with those of the material: not in two and three dimensions with those of a fluid, whose shear waves have no energy.
+    pub compared: bool,
     /// The modes: those of zero energy first.
     pub modes: Vec<ShownMode>,
     /// The limit of weakness.
@@ -119,6 +121,7 @@ impl ModesAnswer {
             zero_extent: found.zero_extent,
             complete: found.is_complete,
             weakest: found.weakest,
+            compared: dimension == 1 || !is_fluid(&*material),
             modes: found
                 .modes
                 .iter()
@@ -258,11 +261,17 @@ impl ModesAnswer {
         let unsure =
             "\nnot all of the zone could be searched for zero-energy modes: there may be others";
         if self.modes.is_empty() {
-            writeln!(
-                formatter,
-                "no spurious modes: every wave of the reference configuration has at least {:.1} % of the frequency of the material's slowest wave",
-                100.0 * self.weakest
-            )?;
+            match self.compared {
+                true => writeln!(
+                    formatter,
+                    "no spurious modes: every wave of the reference configuration has at least {:.1} % of the frequency of the material's slowest wave",
+                    100.0 * self.weakest
+                )?,
+                false => writeln!(
+                    formatter,
+                    "no zero-energy modes; with the material's slowest waves, which have no energy, none is compared"
+                )?,
+            }
             return if self.complete {
                 Ok(())
             } else {

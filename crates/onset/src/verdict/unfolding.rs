@@ -23,8 +23,8 @@ const SAME: f64 = 1e-6;
 const ON_FACE: f64 = 1e-9;
 /// Squared frequencies that differ by less, relative to the largest, are equal to rounding.
 const DEGENERATE: f64 = 1e-13;
-/// A ratio of squared frequencies that differs by less, relative to another one, is the same.
-const AS_SLOW: f64 = 1e-6;
+/// Ratios of squared frequencies that differ by less, relative to each other or beside one, are the same.
+const AS_SLOW: [f64; 2] = [1e-6, 1e-12];
 /// Waves of the material whose squared frequency is smaller, beside that of its fastest wave along the same vector, have no energy to be compared with.
 const WITHOUT_ENERGY: f64 = 1e-12;
 /// First steps downhill, over the reciprocal vectors.
@@ -75,7 +75,8 @@ impl<const D: usize> Slowest<D> {
         let is_there = |x: &&f64| x.abs() > ON_FACE * self.wave.amax();
         let sign = self.wave.iter().find(is_there).map_or(1.0, |x| x.signum());
         self.ratio.is_finite().then_some(WeakestMode {
-            wave_vector: self.wave * sign,
+            // Adding zero makes of -0 a 0.
+            wave_vector: self.wave.map(|x| sign * x + 0.0),
             relative_frequency_squared: self.ratio,
         })
     }
@@ -90,7 +91,8 @@ pub(super) fn slower<const D: usize>(
         return one.or(other);
     };
     let [ratio, other_ratio] = [a, b].each(|mode| mode.relative_frequency_squared);
-    let apart = AS_SLOW * ratio.abs().max(other_ratio.abs());
+    let [relative, absolute] = AS_SLOW;
+    let apart = relative * ratio.abs().max(other_ratio.abs()) + absolute;
     let is_first = match other_ratio - ratio {
         difference if difference.abs() > apart => difference > 0.0,
         _ => is_ahead(&a.wave_vector, &b.wave_vector).is_ge(),
