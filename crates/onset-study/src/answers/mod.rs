@@ -26,7 +26,7 @@ pub use discrete_time::DiscreteTimeAnswer;
 pub use dispersion::{DispersionAnswer, Waves};
 pub use moving::{MovingMode, MovingParticle};
 pub(crate) use next::assigned;
-pub(crate) use notes::{is_fluid, zero_energy};
+pub(crate) use notes::zero_energy;
 pub use notes::{is_stressed, notes, notes_on_law, notes_on_method};
 pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};
 pub use problem::{Extent, Problem, ProblemError, Strain, numbers};

@@ -64,7 +64,7 @@ pub(super) fn buckling(
 const NO_SHEAR: f64 = 1e-12;
 
 /// Whether a law has no stiffness against shear, neither at `F = 1` nor under stretches, but some against a change of volume.
-pub(crate) fn is_fluid(material: &dyn Hyperelastic) -> bool {
+pub(super) fn is_fluid(material: &dyn Hyperelastic) -> bool {
     let yields = |f: DeformationGradient| {
         let response = material.response(&f).ok()?;
         let stiffness = response.tangent.largest();

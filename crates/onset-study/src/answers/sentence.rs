@@ -16,6 +16,9 @@ use onset::verdict::{Assessment, Mechanism, Verdict, ZeroEnergyWave};
 /// The squared ratio of frequencies below which a mode is called weakly controlled.
 const WEAK: f64 = 0.05;
 
+/// Such a ratio that is zero to rounding.
+const ZERO: f64 = 1e-9;
+
 /// The sentence of a state of which a proof says another thing than the search.
 pub(super) fn of_correction(
     searched: (Verdict, Stability),
@@ -60,12 +63,12 @@ pub(super) fn of(
                 Some(mode) if mode.relative_frequency_squared < WEAK => {
                     let wave = self::wave(&mode.wave_vector, along, units);
                     match mode.relative_frequency_squared {
-                        square if square < 0.0 => {
+                        square if square < -ZERO => {
                             format!(" In the reference configuration a mode grows, though: {wave}.")
                         }
                         square => format!(
                             " A mode is weakly controlled: in the reference configuration a wave, {wave}, has {} times the frequency of the material's slowest.",
-                            told(square.sqrt())
+                            told(square.max(0.0).sqrt())
                         ),
                     }
                 }
@@ -105,12 +108,15 @@ pub(super) fn of(
             };
             let is_lagrangian = assessment.gradient_norm.is_some()
                 && settings.discretization.frame == Frame::Lagrangian;
-            let unseen = if let Some(ZeroEnergyWave::Alternating { is_resisted }) =
+            let unseen = if let Some(ZeroEnergyWave::Alternating { count, resisted }) =
                 assessment.zero_energy
             {
-                let resisted = match is_resisted {
-                    true => "Only the stress of this state resists that",
-                    false => "Nothing resists that",
+                let resisted = match resisted {
+                    0 => "Nothing resists that",
+                    all if all == count => "Only the stress of this state resists that",
+                    _ => {
+                        "The stress of this state resists some of these waves, and nothing the others"
+                    }
                 };
                 format!(
                     "The {whose} sees no strain where neighbors alternate. {resisted}; the softest other wave: {which}."

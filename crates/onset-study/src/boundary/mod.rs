@@ -197,7 +197,7 @@ impl Boundaries {
             discretization: of_particles,
             throughout,
             fidelity,
-            notes: probes.notes(window.low)?,
+            notes: probes.notes(),
         })
     }
 

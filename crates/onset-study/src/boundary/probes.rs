@@ -36,17 +36,20 @@ impl<'s> Probes<'s> {
         })
     }
 
-    /// What a reader must know of law and method, with what the method is at a state.
-    pub(super) fn notes(&self, at: [f64; 2]) -> Result<Vec<String>, ProblemError> {
-        self.asked(at, |problem, f| {
-            let mut notes = notes(&problem.settings, &*problem.material);
-            // A state without an answer is no news here.
-            let judged = problem.analysis.judge(f, None);
-            if judged.is_ok_and(|judged| judged.verdict == Verdict::ZeroEnergy) {
-                notes.push(zero_energy("the particles have", "here"));
-            }
-            Ok(notes)
-        })
+    /// What a reader must know of law and method, with what the method is at rest; nothing where an axis varies them.
+    pub(super) fn notes(&self) -> Vec<String> {
+        let Some(problem) = &self.shared else {
+            return Vec::new();
+        };
+        let mut notes = notes(&problem.settings, &*problem.material);
+        // A law without an answer at rest is no news here.
+        let judged = problem
+            .analysis
+            .judge(&DeformationGradient::identity(), None);
+        if judged.is_ok_and(|judged| judged.verdict == Verdict::ZeroEnergy) {
+            notes.push(zero_energy("at rest the particles have", "here"));
+        }
+        notes
     }
 
     /// Strong ellipticity.

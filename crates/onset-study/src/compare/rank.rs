@@ -304,7 +304,7 @@ fn excluded(measured: &Measured, limits: &Thresholds) -> Option<(usize, String)>
             format!("zero-energy modes at {}", counted(number, "wave vector")),
         ));
     }
-    if measured.weakest < limits.weak {
+    if measured.is_weak(limits.weak) {
         let share = share_of(measured.weakest);
         return Some((
             2,

@@ -51,7 +51,7 @@ pub struct Measured {
     /// Minima of the relative frequency below the limit of weakness.
     pub weak_modes: usize,
     /// The lowest frequency of a wave over that of the material's slowest wave with the same wave vector; 0 with zero-energy
-    /// modes, 1 where no wave is slower than the material's.
+    /// modes, 1 where no wave is slower than the material's, no number where nothing can be compared.
     pub weakest: f64,
     /// Errors of frequencies.
     pub dispersion: Vec<DispersionError>,
@@ -70,6 +70,11 @@ pub struct Measured {
 }
 
 impl Measured {
+    /// Whether a wave is slower than a share of the material's slowest.
+    pub(crate) fn is_weak(&self, share: f64) -> bool {
+        self.weakest < share
+    }
+
     /// Asks a method everything, of a material that may be shared.
     ///
     /// # Errors
@@ -108,7 +113,7 @@ impl Measured {
             zero_extent: spurious.zero_extent,
             zero_modes_complete: spurious.is_complete,
             weak_modes: spurious.modes.len() - zero_modes,
-            weakest: spurious.weakest,
+            weakest: spurious.weakest.unwrap_or(f64::NAN),
             dispersion: analysis.dispersion_errors(&WAVELENGTHS)?,
             long_wave_error: analysis.long_wave_error()?,
             onsets,

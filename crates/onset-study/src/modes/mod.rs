@@ -7,7 +7,7 @@ mod view;
 
 pub(crate) use animation::{STYLE, moving_particles};
 
-use crate::answers::{Problem, ProblemError, is_fluid, notes};
+use crate::answers::{Problem, ProblemError, notes};
 use crate::settings::{Effective, Settings};
 use nalgebra::SVector;
 use onset::algebra::Complex;
@@ -51,10 +51,8 @@ pub struct ModesAnswer {
     pub zero_extent: Option<Extent>,
     /// Whether all zero-energy modes have been found.
     pub complete: bool,
-    /// The lowest relative frequency anywhere.
-    pub weakest: f64,
-    /// Whether waves are compared with those of the material: not in two and three dimensions with those of a fluid, whose shear waves have no energy.
-    pub compared: bool,
+    /// The lowest relative frequency anywhere; `None` where the slowest waves of the material have no energy, as the shear waves of a fluid.
+    pub weakest: Option<f64>,
     /// The modes: those of zero energy first.
     pub modes: Vec<ShownMode>,
     /// The limit of weakness.
@@ -121,7 +119,6 @@ impl ModesAnswer {
             zero_extent: found.zero_extent,
             complete: found.is_complete,
             weakest: found.weakest,
-            compared: dimension == 1 || !is_fluid(&*material),
             modes: found
                 .modes
                 .iter()
@@ -261,13 +258,13 @@ impl ModesAnswer {
         let unsure =
             "\nnot all of the zone could be searched for zero-energy modes: there may be others";
         if self.modes.is_empty() {
-            match self.compared {
-                true => writeln!(
+            match self.weakest {
+                Some(weakest) => writeln!(
                     formatter,
                     "no spurious modes: every wave of the reference configuration has at least {:.1} % of the frequency of the material's slowest wave",
-                    100.0 * self.weakest
+                    100.0 * weakest
                 )?,
-                false => writeln!(
+                None => writeln!(
                     formatter,
                     "no zero-energy modes; with the material's slowest waves, which have no energy, none is compared"
                 )?,

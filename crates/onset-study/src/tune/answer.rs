@@ -32,7 +32,7 @@ impl Tried {
     pub fn is_sufficient(&self, limits: &Thresholds) -> bool {
         self.measured.as_ref().is_ok_and(|measured| {
             measured.zero_modes == 0
-                && measured.weakest >= limits.weak
+                && !measured.is_weak(limits.weak)
                 && measured.fidelity.false_instability <= limits.wrong
         })
     }

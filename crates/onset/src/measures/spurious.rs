@@ -60,8 +60,8 @@ pub struct SpuriousModes<const D: usize> {
     /// vectors with little strain.
     pub is_complete: bool,
     /// The lowest relative frequency anywhere, long waves included: 0 with zero-energy modes, 1 where no wave is slower than the
-    /// material's.
-    pub weakest: f64,
+    /// material's. `None` where nothing can be compared: the slowest waves of the material have no energy, as the shear waves of a fluid.
+    pub weakest: Option<f64>,
 }
 
 /// All wave vectors with zero-energy modes, which depend on the discretization alone, and those at which the relative frequency has a
@@ -84,10 +84,9 @@ pub fn spurious_modes<const D: usize>(
     };
     let (weak_modes, slowest) = weak.modes(threshold, &zero);
     let mut modes: Vec<SpuriousMode<D>> = zero.modes.iter().map(|m| shown(m, &zone)).collect();
-    let weakest = if modes.is_empty() {
-        slowest.clamp(0.0, 1.0).sqrt()
-    } else {
-        0.0
+    let weakest = match modes.is_empty() {
+        true => slowest.is_finite().then(|| slowest.clamp(0.0, 1.0).sqrt()),
+        false => Some(0.0),
     };
     modes.extend(weak_modes);
     Ok(SpuriousModes {

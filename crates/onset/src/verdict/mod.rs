@@ -151,8 +151,10 @@ pub enum ZeroEnergyWave {
     Softest,
     /// One of alternating neighbors, another than the softest.
     Alternating {
-        /// Whether the stress of the state resists all of these.
-        is_resisted: bool,
+        /// How many wave vectors of alternating neighbors strain nothing.
+        count: usize,
+        /// At how many of them the stress of the state resists all modes.
+        resisted: usize,
     },
 }
 

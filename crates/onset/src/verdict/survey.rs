@@ -25,7 +25,7 @@ use std::sync::{Arc, OnceLock};
 const SOFT: f64 = 0.05;
 
 /// Squared frequencies that are smaller, over the largest one, are zero to rounding.
-const UNRESISTED: f64 = 1e-9;
+const UNRESISTED: f64 = 1e-13;
 
 /// Nothing, where somebody waits.
 fn unless(is_ended: IsEnded<'_>) -> Result<(), MethodError> {
@@ -715,12 +715,16 @@ impl<'a, const D: usize> Survey<'a, D> {
         };
         Ok(Some(match is_softest {
             true => ZeroEnergyWave::Softest,
-            false => ZeroEnergyWave::Alternating {
-                is_resisted: self
-                    .alternating_without_strain(f)?
+            false => {
+                let all = self.alternating_without_strain(f)?;
+                let resisted = all
                     .iter()
-                    .all(|k| waves.resist(k, spectrum.maximum_omega)),
-            },
+                    .filter(|k| waves.resist(k, spectrum.maximum_omega));
+                ZeroEnergyWave::Alternating {
+                    count: all.len(),
+                    resisted: resisted.count(),
+                }
+            }
         }))
     }
 

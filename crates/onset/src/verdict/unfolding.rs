@@ -1,7 +1,7 @@
 //! Modes of a discretization at rest beside the plane waves of the material: which wave a mode is, and how much slower than that of the material.
 
 use super::WeakestMode;
-use crate::algebra::{Complex, Each, settled};
+use crate::algebra::{Complex, Each, array_of, settled};
 use crate::bloch::WaveSystem;
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
@@ -12,24 +12,28 @@ use crate::scheme::Discretization;
 use nalgebra::{DMatrix, DVector, SVector};
 use std::cmp::Ordering;
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 /// Waves longer than this, in units of the reciprocal vectors, are as good as infinitely long.
 const LONG: f64 = 1e-3;
 /// Modes count as a wave if they hold at least this part of what they hold most of.
 const HELD: f64 = 0.5;
-/// Phases of waves that differ by less, over a full turn, are the same.
-const SAME: f64 = 1e-6;
 /// What a wave vector may be short of a face of the zone, relative to it, and be on it.
 const ON_FACE: f64 = 1e-9;
-/// Squared frequencies that differ by less, relative to the largest, are equal to rounding.
-const DEGENERATE: f64 = 1e-13;
+/// To what wave vectors are rounded before they are put in order, over the largest.
+const ROUNDED: f64 = 1e-7;
+/// Squared frequencies that differ by less from the next, relative to the largest, are equal: where forces have an energy, and where they have none, as
+/// vectors of closer ones are not told apart there.
+const DEGENERATE: [f64; 2] = [1e-12, 1e-9];
+/// The part of unit displacements that is more than a translation.
+const REST: f64 = 0.5;
 /// Ratios of squared frequencies that differ by less, relative to each other or beside one, are the same.
 const AS_SLOW: [f64; 2] = [1e-6, 1e-12];
 /// Waves of the material whose squared frequency is smaller, beside that of its fastest wave along the same vector, have no energy to be compared with.
 const WITHOUT_ENERGY: f64 = 1e-12;
 /// First steps downhill, over the reciprocal vectors.
 const STEP: f64 = 0.05;
-/// Where each mode takes as long as all values: how many of the lowest are asked, and up to which share of the material's fastest squared frequency.
+/// Where each mode takes as long as all values: how many of the lowest are asked, and up to which share of the largest squared frequency of the waves that they can be.
 const LOWEST: (usize, f64) = (24, 0.25);
 
 /// The modes of a discretization at rest, each beside the plane wave of the material that it is. Those of a cell with several particles are known up
@@ -162,48 +166,64 @@ impl<'a, const D: usize> Unfolding<'a, D> {
     }
 
     /// The same of a cell with several particles: of the waves `k + G` that as many particles can have, modes are the longest one of which they have at
-    /// least half as much as of any. Degenerate ones are asked together, as what an eigenvalue problem makes of them is left to chance; of translations,
-    /// which are long waves, nothing is left then.
+    /// least half as much as of any. Modes of equal frequency are asked together, as what an eigenvalue problem makes of them is left to chance.
     fn unfolded(&self, k: &SVector<f64, D>) -> Slowest<D> {
-        let images = self.images(k);
+        let is_long = self.is_long(k);
+        let mut images = self.images(k);
+        images.retain(|g| !self.is_long(&(k + g)));
         let exact: Vec<f64> = images.iter().map(|g| self.material(&(k + g))).collect();
         let largest = exact.iter().copied().fold(0.0, f64::max);
         let branches = self.branches(k, largest);
         let modes = self.system.modes_of(k, |_| branches.clone());
-        let size = modes.iter().map(|(value, _)| value.norm());
-        let apart = DEGENERATE * size.fold(0.0, f64::max);
         let mut slowest = Slowest::none(*k);
-        let mut next = 0;
-        while let Some((value, _)) = modes.get(next) {
+        for (numbers, value) in self.groups(&modes) {
             // All others are faster, too fast to be slower beside the material.
-            if slowest.ratio >= 0.0 && value.re >= slowest.ratio * largest {
+            if value >= slowest.ratio.max(0.0) * largest {
                 break;
             }
-            let first = next;
-            let is_equal =
-                |(other, _): &&(Complex, DVector<Complex>)| (other - value).norm() <= apart;
-            next += modes[first..].iter().take_while(is_equal).count().max(1);
-            let held = self.held(&images, &modes[first..next]);
-            let is_short = |n: &usize| !self.is_long(&(k + images[self.longest_like(&images, *n)]));
-            let held: Vec<usize> = held.into_iter().filter(is_short).collect();
+            let group = modes[numbers.clone()].iter();
+            let mut group: Vec<Displacements<D>> =
+                group.map(|(_, mode)| per_particle(mode)).collect();
+            if is_long && !without_translations(&mut group) {
+                continue;
+            }
+            let held = self.held(&images, &group);
             let [longest, others @ ..] = &held[..] else {
                 continue;
             };
             let wave = k + images[*longest];
             let is_as_long = |n: &&usize| (k + images[**n]).norm() <= wave.norm() * (1.0 + ON_FACE);
             let fastest = held.iter().filter(is_as_long).map(|n| exact[*n]);
-            let ratio = over(value.re, fastest.fold(0.0, f64::max));
+            let ratio = over(value, fastest.fold(0.0, f64::max));
             if ratio < slowest.ratio {
                 let apart = others.iter().map(|n| images[*longest] - images[*n]);
                 slowest = Slowest {
                     ratio,
-                    branch: branches[first],
+                    branch: branches[numbers.start],
                     wave,
                     from_others: apart.collect(),
                 };
             }
         }
         slowest
+    }
+
+    /// Which modes have equal frequencies, with the largest squared one. They are sorted by it.
+    fn groups(&self, modes: &[(Complex, DVector<Complex>)]) -> Vec<(Range<usize>, f64)> {
+        let sizes = modes.iter().map(|(value, _)| value.norm());
+        let share = DEGENERATE[usize::from(!self.system.is_hermitian())];
+        let apart = share * sizes.fold(0.0, f64::max);
+        let mut groups: Vec<(Range<usize>, f64)> = Vec::new();
+        for (n, (value, _)) in modes.iter().enumerate() {
+            match groups.last_mut() {
+                Some((numbers, last)) if (modes[n - 1].0 - value).norm() <= apart => {
+                    numbers.end = n + 1;
+                    *last = value.re;
+                }
+                _ => groups.push((n..n + 1, value.re)),
+            }
+        }
+        groups
     }
 
     /// The branches that are asked: all where forces have an energy. Elsewhere each mode takes as long as all values, and of large cells the lowest ones are
@@ -219,21 +239,15 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         (0..most).filter(is_asked).collect()
     }
 
-    /// Which of some waves degenerate modes are.
-    fn held(
-        &self,
-        images: &[SVector<f64, D>],
-        modes: &[(Complex, DVector<Complex>)],
-    ) -> Vec<usize> {
-        let modes = modes.iter().map(|(_, mode)| per_particle::<D>(mode));
-        let modes: Vec<_> = modes.collect();
+    /// Which of some waves modes of equal frequency are.
+    fn held(&self, images: &[SVector<f64, D>], modes: &[Displacements<D>]) -> Vec<usize> {
         let share = |g: &SVector<f64, D>| -> f64 {
             let phases = self
                 .positions
                 .iter()
                 .map(|x| Complex::from_polar(1.0, -g.dot(x)));
             let phases: Vec<Complex> = phases.collect();
-            let of_one = |mode: &Vec<SVector<Complex, D>>| {
+            let of_one = |mode: &Displacements<D>| {
                 let terms = phases.iter().zip(mode).map(|(phase, own)| own * *phase);
                 terms.sum::<SVector<Complex, D>>().norm_squared()
             };
@@ -243,17 +257,6 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         let most = shares.iter().copied().fold(0.0, f64::max);
         let is_held = |n: &usize| shares[*n] >= HELD * most;
         (0..images.len()).filter(is_held).collect()
-    }
-
-    /// The longest one of the waves that are the same at all particles as one of them.
-    fn longest_like(&self, images: &[SVector<f64, D>], n: usize) -> usize {
-        let is_same = |g: &SVector<f64, D>| {
-            let turns = self.positions.iter().map(|x| (g - images[n]).dot(x) / TAU);
-            turns
-                .map(|turn| (turn - turn.round()).abs())
-                .all(|apart| apart < SAME)
-        };
-        images.iter().position(is_same).unwrap_or(n)
     }
 
     fn is_long(&self, k: &SVector<f64, D>) -> bool {
@@ -275,14 +278,13 @@ impl<'a, const D: usize> Unfolding<'a, D> {
             images = images.into_iter().flat_map(along).collect();
         }
         images.retain(|g| (k + g).norm() <= shortest * (1.0 + ON_FACE) || g.norm() == 0.0);
-        let order = |a: &SVector<f64, D>, b: &SVector<f64, D>| {
-            let (a, b) = (k + a, k + b);
-            match a.norm() - b.norm() {
-                difference if difference.abs() > ON_FACE * shortest => difference.total_cmp(&0.0),
-                _ => is_ahead(&b, &a),
-            }
-        };
-        images.sort_by(order);
+        // Of those as long the one that is farther along the first axis comes first.
+        let rounded = |x: f64| (x / (ROUNDED * shortest)).round() as i64;
+        images.sort_by_key(|g| {
+            let wave = k + g;
+            let ahead: [i64; D] = array_of(|i| -rounded(wave[i]));
+            (rounded(wave.norm()), ahead)
+        });
         images
     }
 
@@ -324,6 +326,22 @@ pub(crate) fn per_particle<const D: usize>(
     (0..displacements.len() / D)
         .map(|particle| SVector::from_fn(|i, _| displacements[D * particle + i]))
         .collect()
+}
+
+/// The displacements of the particles of a cell.
+type Displacements<const D: usize> = Vec<SVector<Complex, D>>;
+
+/// Takes translations from modes of a cell, which are long waves; whether something is left.
+fn without_translations<const D: usize>(modes: &mut [Displacements<D>]) -> bool {
+    let size = |mode: &Displacements<D>| -> f64 { mode.iter().map(|own| own.norm_squared()).sum() };
+    let mut rest = 0.0;
+    for mode in modes {
+        let whole = size(mode);
+        let mean = mode.iter().sum::<SVector<Complex, D>>() / Complex::from(mode.len() as f64);
+        mode.iter_mut().for_each(|own| *own -= mean);
+        rest += size(mode) / whole;
+    }
+    rest >= REST
 }
 
 /// A squared frequency over that of the material, where that has one.
