@@ -1,10 +1,8 @@
 //! The most symmetric one of degenerate modes.
 
 use crate::algebra::Complex;
+use crate::verdict::Displacements;
 use nalgebra::SVector;
-
-/// The displacements of the particles of a cell in a mode.
-pub(super) type Displacements<const D: usize> = Vec<SVector<Complex, D>>;
 
 /// Squared frequencies that differ by less, relative to the largest, belong to degenerate modes.
 pub(super) const DEGENERATE: f64 = 1e-9;

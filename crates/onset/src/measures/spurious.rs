@@ -1,12 +1,12 @@
 //! Spurious modes of a discretization: zero-energy modes and weakly controlled ones.
 
-use super::degenerate::{DEGENERATE, Displacements, most_symmetric};
+use super::degenerate::{DEGENERATE, most_symmetric};
 use super::zero_energy::{Extent, ZeroMode, ZeroModes};
 use crate::algebra::{Complex, Each, is_well, settled, settled_along, sort_by_value};
 use crate::bloch::WaveSystem;
 use crate::lattice::BrillouinZone;
 use crate::method::MethodError;
-use crate::verdict::{Slowest, Survey, Unfolding, per_particle};
+use crate::verdict::{Displacements, Slowest, Survey, Unfolding, per_particle};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 /// Points of the grid of wave vectors along a reciprocal vector: halves, thirds, quarters and their parts are among them, but for the largest cells.
@@ -21,6 +21,7 @@ const DEEPEST: usize = 4;
 const STUCK: f64 = 0.1;
 /// Faces that are told from each other there, at most.
 const MOST_FACES: usize = 8;
+
 /// A spurious mode of the reference configuration: one with too little energy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpuriousMode<const D: usize> {

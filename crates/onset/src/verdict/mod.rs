@@ -17,7 +17,7 @@ pub use mechanism::Mechanism;
 pub use path::{Crossing, Onset, PathError, PathScan, scan_discretization, scan_material};
 pub use probe::{Phase, Probe, probe_material};
 pub use survey::{Ground, Judged, StateWaves, Survey, SurveyedState};
-pub(crate) use unfolding::{Slowest, Unfolding, continuum, per_particle};
+pub(crate) use unfolding::{Displacements, Slowest, Unfolding, continuum, per_particle};
 
 use crate::bloch::{SpectrumSummary, Stability};
 use crate::continuum::{AcousticMinimum, Ellipticity, Stiffness};

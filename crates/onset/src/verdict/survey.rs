@@ -117,12 +117,15 @@ pub struct Ground<const D: usize> {
     alternating: OnceLock<Option<WeakestMode<D>>>,
 }
 
+/// A wave vector, with how much of a gradient a discretization sees there.
+type GradientNorm<const D: usize> = (SVector<f64, D>, f64);
+
 /// What a discretization sees of waves at rest.
 #[derive(Clone, Debug)]
 struct Strains<const D: usize> {
     rows: StrainRows<D>,
-    /// Whether alternating neighbors, of different cells or of one, move without strain.
-    misses_alternating: bool,
+    /// The wave vectors at which alternating neighbors, of different cells or of one, move without strain.
+    alternating: Vec<SVector<f64, D>>,
 }
 
 impl<const D: usize> Strains<D> {
@@ -507,8 +510,9 @@ impl<'a, const D: usize> Survey<'a, D> {
         let waves = self.waves(f)?;
         unless(is_ended)?;
         let spectrum = waves.bounded_spectrum_unless(is_ended)?;
+        let norms = self.gradient_norms(f, Some(&spectrum.softest))?;
         let zero_energy = match spectrum.is_stable() {
-            true => self.zero_energy_wave(f, &waves, &spectrum)?,
+            true => self.zero_energy_wave(norms.as_deref(), &waves, &spectrum)?,
             false => None,
         };
         let verdict = decided(
@@ -521,7 +525,7 @@ impl<'a, const D: usize> Survey<'a, D> {
             verdict,
             material,
             zero_energy: zero_energy.filter(|_| verdict == Verdict::ZeroEnergy),
-            gradient_norm: self.gradient_norm(f, &spectrum.softest)?,
+            gradient_norm: norms.and_then(|norms| Some(norms.first()?.1)),
             weakest: self.weakest(&spectrum.softest),
             spectrum,
         })
@@ -685,93 +689,72 @@ impl<'a, const D: usize> Survey<'a, D> {
         f: &DeformationGradient,
         softest: Option<&Mode<D>>,
     ) -> Result<bool, MethodError> {
-        let known = softest.map(|mode| (mode.wave_vector, mode.is_long_wave));
-        let alternating = self.discretization.crystal().lattice().alternating();
-        let waves: Vec<_> = known
-            .into_iter()
-            .chain(alternating.map(|k| (k, false)))
-            .collect();
-        if let Some(norms) = self.discretization.gradient_norms(f, &waves)? {
-            return Ok(norms.into_iter().any(|norm| norm <= ZERO_ENERGY));
+        if let Some(norms) = self.gradient_norms(f, softest)? {
+            return Ok(norms.into_iter().any(|(_, norm)| norm <= ZERO_ENERGY));
         }
         let strains = self.strains()?;
-        Ok(strains.misses_alternating || softest.is_some_and(|mode| strains.misses(mode)))
+        let is_softest = || softest.is_some_and(|mode| strains.misses(mode));
+        Ok(!strains.alternating.is_empty() || is_softest())
     }
 
-    /// Which of them it is.
+    /// Which of them it is, of a stable state with these norms of gradients.
     fn zero_energy_wave(
         &self,
-        f: &DeformationGradient,
+        norms: Option<&[GradientNorm<D>]>,
         waves: &StateWaves<D>,
         spectrum: &SpectrumSummary<D>,
     ) -> Result<Option<ZeroEnergyWave>, MethodError> {
-        let softest = &spectrum.softest;
-        if !self.has_zero_mode(f, Some(softest))? {
-            return Ok(None);
-        }
-        let is_softest = match self.gradient_norm(f, softest)? {
-            Some(norm) => norm <= ZERO_ENERGY,
-            None => self.strains()?.misses(softest),
-        };
-        Ok(Some(match is_softest {
-            true => ZeroEnergyWave::Softest,
-            false => {
-                let all = self.alternating_without_strain(f)?;
-                let resisted = all
-                    .iter()
-                    .filter(|k| waves.resist(k, spectrum.maximum_omega));
-                ZeroEnergyWave::Alternating {
-                    count: all.len(),
-                    resisted: resisted.count(),
-                }
-            }
-        }))
-    }
-
-    /// The wave vectors of alternating neighbors at which something moves without strain.
-    fn alternating_without_strain(
-        &self,
-        f: &DeformationGradient,
-    ) -> Result<Vec<SVector<f64, D>>, MethodError> {
-        let all: Vec<SVector<f64, D>> = self.alternating().collect();
-        let waves: Vec<_> = all.iter().map(|k| (*k, false)).collect();
-        Ok(match self.discretization.gradient_norms(f, &waves)? {
+        let is_unseen = |(_, norm): &&GradientNorm<D>| *norm <= ZERO_ENERGY;
+        let (is_softest, alternating) = match norms {
             Some(norms) => {
-                let both = all.into_iter().zip(norms);
-                let unseen = both.filter(|(k, norm)| k.norm() > 0.0 && *norm <= ZERO_ENERGY);
-                unseen.map(|(k, _)| k).collect()
+                let (softest, others) = norms.split_at(1.min(norms.len()));
+                let unseen = others.iter().filter(is_unseen).map(|(k, _)| *k);
+                (softest.iter().any(|own| is_unseen(&own)), unseen.collect())
             }
             None => {
-                let rows = &self.strains()?.rows;
-                all.into_iter()
-                    .filter(|k| rows.has_zero_mode_at(k))
-                    .collect()
+                let strains = self.strains()?;
+                let is_softest = strains.misses(&spectrum.softest);
+                (is_softest, strains.alternating.clone())
             }
-        })
+        };
+        if is_softest {
+            return Ok(Some(ZeroEnergyWave::Softest));
+        }
+        let is_resisted = |k: &&SVector<f64, D>| waves.resist(k, spectrum.maximum_omega);
+        let wave = ZeroEnergyWave::Alternating {
+            count: alternating.len(),
+            resisted: alternating.iter().filter(is_resisted).count(),
+        };
+        Ok((!alternating.is_empty()).then_some(wave))
+    }
+
+    /// The norms of gradients of the softest mode, where it is known, and of alternating neighbors, with the wave vectors; where the discretization has such gradients.
+    fn gradient_norms(
+        &self,
+        f: &DeformationGradient,
+        softest: Option<&Mode<D>>,
+    ) -> Result<Option<Vec<GradientNorm<D>>>, MethodError> {
+        let known = softest.map(|mode| (mode.wave_vector, mode.is_long_wave));
+        let alternating = self.discretization.crystal().lattice().alternating();
+        let alternating = alternating.map(|k| (k, false));
+        let waves: Vec<_> = known.into_iter().chain(alternating).collect();
+        let norms = self.discretization.gradient_norms(f, &waves)?;
+        let vectors = waves.into_iter().map(|(k, _)| k);
+        Ok(norms.map(|norms| vectors.zip(norms).collect()))
     }
 
     fn strains(&self) -> Result<&Strains<D>, MethodError> {
         let evaluated = || {
             let crystal = self.discretization.crystal();
             let rows = StrainRows::new(crystal, &self.discretization.strain()?);
-            let misses_alternating = self.alternating().any(|k| rows.has_zero_mode_at(&k));
+            let alternating = self.alternating().filter(|k| rows.has_zero_mode_at(k));
             Ok(Strains {
+                alternating: alternating.collect(),
                 rows,
-                misses_alternating,
             })
         };
         let strains = self.ground.strains.get_or_init(evaluated);
         strains.as_ref().map_err(Clone::clone)
-    }
-
-    fn gradient_norm(
-        &self,
-        f: &DeformationGradient,
-        mode: &Mode<D>,
-    ) -> Result<Option<f64>, MethodError> {
-        let wave = [(mode.wave_vector, mode.is_long_wave)];
-        let norms = self.discretization.gradient_norms(f, &wave)?;
-        Ok(norms.and_then(|norms| norms.first().copied()))
     }
 
     /// Of the modes at rest with the wave vector of one, and those of alternating neighbors, the slowest beside the material.

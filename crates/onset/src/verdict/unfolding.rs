@@ -319,17 +319,15 @@ pub(crate) fn continuum<const D: usize>(
     values
 }
 
-/// The displacements of the particles of a cell, of those of all of them.
-pub(crate) fn per_particle<const D: usize>(
-    displacements: &DVector<Complex>,
-) -> Vec<SVector<Complex, D>> {
+/// The displacements of the particles of a cell in a mode.
+pub(crate) type Displacements<const D: usize> = Vec<SVector<Complex, D>>;
+
+/// Those of the particles, of the components of all of them.
+pub(crate) fn per_particle<const D: usize>(displacements: &DVector<Complex>) -> Displacements<D> {
     (0..displacements.len() / D)
         .map(|particle| SVector::from_fn(|i, _| displacements[D * particle + i]))
         .collect()
 }
-
-/// The displacements of the particles of a cell.
-type Displacements<const D: usize> = Vec<SVector<Complex, D>>;
 
 /// Takes translations from modes of a cell, which are long waves; whether something is left.
 fn without_translations<const D: usize>(modes: &mut [Displacements<D>]) -> bool {

@@ -7,10 +7,10 @@
 mod places;
 mod root;
 
-use super::degenerate::Displacements;
 use crate::algebra::{Complex, Each, array_of};
 use crate::lattice::Crystal;
 use crate::scheme::{StrainOperator, StrainRows};
+use crate::verdict::Displacements;
 use nalgebra::{DMatrix, SVector};
 use places::Places;
 use root::Root;
