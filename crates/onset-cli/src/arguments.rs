@@ -761,7 +761,7 @@ pub struct ExploreArguments {
     /// What is shown first; the FILE can also be a stored map, or an address that a page of another run has given.
     #[command(flatten)]
     pub problem: ProblemArguments,
-    /// Port on the loopback address; 0 for any that is free [default: 6673, or a free one where that is taken].
+    /// Port on the loopback address [default: a new one each time].
     #[arg(long, value_name = "PORT")]
     pub port: Option<u16>,
     /// Print the address, and start no browser.

@@ -32,12 +32,12 @@ use onset_study::boundary::Tracing;
 use onset_study::catalog::{self, KeyList};
 use onset_study::compare::Thresholds;
 use onset_study::criteria::Lateral;
+use onset_study::input;
 use onset_study::output::{Files, Output, OutputError, text};
 use onset_study::reproduce;
 use onset_study::settings::{MaterialSettings, SettingError, Settings, Study, Trust, did_you_mean};
 use std::fmt::Display;
-use std::fs::File;
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -213,14 +213,12 @@ fn waiting_for(command: &Command) -> Option<&'static str> {
     }
 }
 
-/// The most bytes of a study that are read; one with long lists has some ten thousand. What has no end, such as a device, is no study.
-const MOST: u64 = 16 << 20;
-
 /// Name and text of a file; of standard input where the file is `-`.
 pub fn source(file: &Path) -> Result<(String, String), Failure> {
     if file == Path::new("-") {
         let name = "standard input".to_owned();
-        let text = read(&name, std::io::stdin())?;
+        let text = input::bounded(std::io::stdin(), input::MOST_TEXT).and_then(input::decoded);
+        let text = text.map_err(|error| unreadable(&name, error))?;
         return match text.trim().is_empty() {
             true => Err(Failure::input(
                 "standard input is empty\n  hint: expected a study; leave - out for the defaults",
@@ -229,33 +227,10 @@ pub fn source(file: &Path) -> Result<(String, String), Failure> {
         };
     }
     let name = file.display().to_string();
-    let text = match File::open(file) {
-        Ok(file) => read(&name, file)?,
-        Err(error) => return Err(unreadable(&name, error)),
-    };
-    Ok((name, text))
-}
-
-fn read(name: &str, from: impl Read) -> Result<String, Failure> {
-    let mut text = Vec::new();
-    let read = from.take(MOST + 1).read_to_end(&mut text);
-    read.map_err(|error| unreadable(name, error))?;
-    if text.len() as u64 > MOST {
-        return Err(Failure::input(format!(
-            "cannot read {name}: it has more than {} MiB\n  hint: expected a study, a text of some lines",
-            MOST >> 20
-        )));
+    match input::text(file, input::MOST_TEXT) {
+        Ok(text) => Ok((name, text)),
+        Err(error) => Err(unreadable(&name, error)),
     }
-    String::from_utf8(text).map_err(|error| {
-        let line = error.as_bytes()[..error.utf8_error().valid_up_to()]
-            .iter()
-            .filter(|byte| **byte == b'\n')
-            .count();
-        Failure::input(format!(
-            "cannot read {name}: line {} is no text\n  hint: expected a study in UTF-8",
-            line + 1
-        ))
-    })
 }
 
 /// Why a study cannot be read, and what may have been meant.
@@ -265,6 +240,8 @@ fn unreadable(name: &str, error: std::io::Error) -> Failure {
         "numbers are written with commas between them, for example 1.2,0.9"
     } else if name.contains('=') {
         "a key is set by --set KEY=VALUE"
+    } else if error.kind() == ErrorKind::InvalidData {
+        "expected a study, a text of some lines; standard input is read with -"
     } else if error.kind() == ErrorKind::IsADirectory {
         "expected a study file; `onset plot` draws stores"
     } else {

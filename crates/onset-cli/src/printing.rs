@@ -4,7 +4,7 @@ use crate::commands::Failure;
 use crate::patience;
 use clap::{Args, ValueEnum};
 use onset_study::json;
-use onset_umat::readable;
+use onset_umat::{message, readable};
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -185,7 +185,7 @@ pub fn tell(text: impl Display) {
     patience::end();
     let stderr = std::io::stderr();
     // What a file says must not command the terminal.
-    let text = readable(&text.to_string()).to_string();
+    let text = message(&text.to_string());
     let text = if has_color(stderr.is_terminal()) {
         painted(&text)
     } else {

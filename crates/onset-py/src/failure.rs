@@ -6,7 +6,7 @@ use onset_study::output::OutputError;
 use onset_study::settings::{Origin, SettingError};
 use onset_study::simulate::SimulateError;
 use onset_study::store::StoreError;
-use onset_umat::readable;
+use onset_umat::message;
 use pyo3::prelude::*;
 use std::fmt::Display;
 
@@ -57,7 +57,7 @@ impl Failure {
             ),
         };
         let class = py.import("onset._errors")?.getattr(class)?;
-        let text = readable(&text);
+        let text = message(&text);
         let exception = match (key, place) {
             (None, None) => class.call1((text,))?,
             (key, place) => class.call1((text, key, place))?,

@@ -1,6 +1,7 @@
 //! A law whose energy, stress and tangent are computed by a function of Python.
 
 use crate::arrays::bytes;
+use crate::pool::evaluating;
 use nalgebra::Matrix3;
 use onset::kinematics::DeformationGradient;
 use onset::material::{FourthOrder, Hyperelastic, MaterialError, PlaneTangent, Response};
@@ -113,9 +114,8 @@ impl FunctionLaw {
         for (name, value) in &self.parameters {
             parameters.set_item(name, value)?;
         }
-        let answer = self
-            .respond
-            .call1(py, (bytes(py, &components), parameters))?;
+        let arguments = (bytes(py, &components), parameters);
+        let answer = evaluating(|| self.respond.call1(py, arguments))?;
         let answer = answer.bind(py).cast::<PyBytes>()?;
         let (numbers, _) = answer.as_bytes().as_chunks();
         if numbers.len() != states.len() * NUMBERS {

@@ -1,16 +1,21 @@
 //! Questions are answered in threads of their own, without the interpreter's lock, and end with Ctrl-C.
 
 use crate::failure::Failure;
+use crate::pool;
 use pyo3::prelude::*;
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How often signals are looked for.
 const LOOK: Duration = Duration::from_millis(50);
+
+/// Longest wait for a question to end after Ctrl-C. One that is inside a long computation ends in the background, at the next point at
+/// which it can.
+const GRACE: Duration = Duration::from_millis(200);
 
 /// As much as the first thread of a program has.
 const STACK: usize = 8 << 20;
@@ -72,25 +77,44 @@ pub fn answer<T: Send + 'static>(
     }
 }
 
-/// Answers a question that looks whether it is to end, and has ended when this returns.
+/// Answers a question that looks whether it is to end. After Ctrl-C it has [`GRACE`] to do so.
 pub fn ending<T: Send + 'static>(
     py: Python<'_>,
+    work: impl FnOnce(Interrupt) -> Result<T, Failure> + Send + 'static,
+) -> PyResult<T> {
+    until(py, Some(GRACE), work)
+}
+
+/// Answers a question that writes what it has done when it is asked to end, and has ended when this returns.
+pub fn finishing<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce(Interrupt) -> Result<T, Failure> + Send + 'static,
+) -> PyResult<T> {
+    until(py, None, work)
+}
+
+fn until<T: Send + 'static>(
+    py: Python<'_>,
+    grace: Option<Duration>,
     work: impl FnOnce(Interrupt) -> Result<T, Failure> + Send + 'static,
 ) -> PyResult<T> {
     let interrupt = Interrupt::default();
     let within = interrupt.clone();
     let mut answers = begun(move || work(within))?;
-    let mut interrupted = None;
+    let mut interrupted: Option<(PyErr, Instant)> = None;
     loop {
-        if let Some(answer) = received(py, &mut answers) {
-            return match interrupted {
-                Some(error) => Err(error),
-                None => Ok(answer?),
-            };
+        let answer = received(py, &mut answers);
+        match (answer, interrupted.take()) {
+            (Some(_), Some((error, _))) => return Err(error),
+            (Some(answer), None) => return Ok(answer?),
+            (None, Some((error, since))) if grace.is_some_and(|grace| since.elapsed() > grace) => {
+                return Err(error);
+            }
+            (None, waiting) => interrupted = waiting,
         }
         if let Err(error) = py.check_signals() {
             interrupt.ask();
-            interrupted = Some(error);
+            interrupted.get_or_insert((error, Instant::now()));
         }
     }
 }
@@ -104,8 +128,8 @@ fn begun<T: Send + 'static>(
         .name("onset".to_owned())
         .stack_size(STACK)
         .spawn(move || {
-            let answer =
-                catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|why| Err(told(&*why)));
+            let answer = catch_unwind(AssertUnwindSafe(|| pool::shared(work, STACK)?))
+                .unwrap_or_else(|why| Err(told(&*why)));
             // Nobody waits for a question that was given up.
             let _ = answered.send(answer);
         })

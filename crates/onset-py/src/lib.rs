@@ -15,6 +15,7 @@ mod law;
 mod methods;
 mod names;
 mod plastic;
+mod pool;
 mod problem;
 mod study;
 
@@ -37,4 +38,10 @@ mod _onset {
     use crate::problem::Problem;
     #[pymodule_export]
     use crate::study::Study;
+
+    #[pymodule_init]
+    fn init(_module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        crate::pool::loaded();
+        Ok(())
+    }
 }

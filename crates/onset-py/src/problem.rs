@@ -446,7 +446,11 @@ impl Problem {
             checkpoint,
         });
         let problem = Arc::clone(&self.0);
-        interrupt::ending(py, move |interrupt| {
+        let answered = match place.is_some() {
+            true => interrupt::finishing,
+            false => interrupt::ending,
+        };
+        answered(py, move |interrupt| {
             let strain = strain(&problem, stretch.as_deref(), components.as_deref())?;
             let question = Question {
                 f: strain.0,

@@ -15,6 +15,7 @@ pub mod domain;
 pub mod explore;
 pub mod figure;
 mod html;
+pub mod input;
 pub mod json;
 pub mod limit;
 pub mod localization;

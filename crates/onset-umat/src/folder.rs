@@ -9,8 +9,8 @@ use tempfile::TempDir;
 /// How often a place is tried where others make folders too.
 const TRIES: usize = 8;
 
-/// Folders that this process has.
-static OWN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+/// Folders, each with the process that made it.
+static OWN: Mutex<Vec<(u32, PathBuf)>> = Mutex::new(Vec::new());
 
 /// A folder with a name that nobody can guess, which its user alone can enter. It is removed with this value, or by
 /// [`end_all`](crate::end_all); what a killed process has left is removed by the next that makes one at the same place.
@@ -27,6 +27,8 @@ static OWN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 #[derive(Debug)]
 pub struct PrivateFolder {
     folder: TempDir,
+    /// The process that made it; a fork of that one must not remove it.
+    maker: u32,
     /// Tells others, as long as this process lives, that the folder is in use. Where a file system knows no locks, nothing is swept.
     _lock: Option<File>,
 }
@@ -46,9 +48,11 @@ impl PrivateFolder {
             });
             // Somebody who sweeps may have come between making and locking.
             if !is_taken && folder.path().is_dir() {
-                own().push(folder.path().to_owned());
+                let maker = std::process::id();
+                own().push((maker, folder.path().to_owned()));
                 return Ok(Self {
                     folder,
+                    maker,
                     _lock: lock,
                 });
             }
@@ -65,11 +69,14 @@ impl PrivateFolder {
 impl Drop for PrivateFolder {
     fn drop(&mut self) {
         let path = self.folder.path();
-        own().retain(|other| other != path);
+        own().retain(|(_, other)| other != path);
+        if self.maker != std::process::id() {
+            self.folder.disable_cleanup(true);
+        }
     }
 }
 
-fn own() -> std::sync::MutexGuard<'static, Vec<PathBuf>> {
+fn own() -> std::sync::MutexGuard<'static, Vec<(u32, PathBuf)>> {
     OWN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -87,7 +94,8 @@ fn made(parent: &Path, prefix: &str) -> io::Result<TempDir> {
 /// Removes all folders that this process has. Afterwards it can make none: this is for its end.
 pub(crate) fn remove_all() {
     let own = own();
-    for folder in own.iter() {
+    let maker = std::process::id();
+    for (_, folder) in own.iter().filter(|(other, _)| *other == maker) {
         // Whatever is left there is worth nothing.
         drop(fs::remove_dir_all(folder));
     }

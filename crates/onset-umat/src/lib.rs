@@ -37,7 +37,7 @@ pub use fingerprint::fingerprint;
 pub use folder::PrivateFolder;
 pub use increment::{Increment, proportional_path};
 pub use program::{HOST_VARIABLE, serve_if_asked};
-pub use readable::readable;
+pub use readable::{message, readable};
 pub use umat::{Outcome, Umat, UmatSettings};
 pub use voigt::{VOIGT, tensor_of_voigt, voigt_of_tensor};
 

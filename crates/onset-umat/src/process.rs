@@ -29,6 +29,8 @@ const PARTING: Duration = Duration::from_secs(2);
 
 /// A running process with a loaded library. Ends with this value.
 pub struct Process {
+    /// The process that started it; a fork of that one must leave it alone.
+    starter: u32,
     child: Child,
     socket: UnixStream,
     /// What it has printed, once it has ended.
@@ -64,17 +66,18 @@ fn checked_copy(settings: &UmatSettings, copy: &Path) -> Result<String, UmatErro
     }
 }
 
-/// The groups of all processes of routines that this process has; their first process is still there.
-static GROUPS: Mutex<Vec<Pid>> = Mutex::new(Vec::new());
+/// The groups of all processes of routines, each with the process that started it; their first process is still there.
+static GROUPS: Mutex<Vec<(u32, Pid)>> = Mutex::new(Vec::new());
 
-fn groups() -> MutexGuard<'static, Vec<Pid>> {
+fn groups() -> MutexGuard<'static, Vec<(u32, Pid)>> {
     GROUPS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Ends the processes of all routines with all that they have started. Afterwards none can be started.
 pub fn end_all() {
     let groups = groups();
-    for group in groups.iter() {
+    let own = std::process::id();
+    for (_, group) in groups.iter().filter(|(starter, _)| *starter == own) {
         let _ = kill_process_group(*group, Signal::KILL);
     }
     std::mem::forget(groups);
@@ -117,8 +120,9 @@ impl Process {
             .process_group(0)
             .spawn()
             .map_err(not_started)?;
-        groups().push(Pid::from_child(&child));
+        groups().push((std::process::id(), Pid::from_child(&child)));
         let mut process = Self {
+            starter: std::process::id(),
             child,
             socket,
             output: last_words(reader),
@@ -159,6 +163,11 @@ impl Process {
         let copy = self.folder.path().join(COPY);
         let message = message.replace(&*copy.to_string_lossy(), &path.to_string_lossy());
         UmatError::Load { path, message }
+    }
+
+    /// Returns false in a fork of the process that started it.
+    pub fn is_ours(&self) -> bool {
+        self.starter == std::process::id()
     }
 
     /// The sum of the library.
@@ -262,13 +271,13 @@ impl Process {
 
     /// Ends the process, if it has not ended, and all that it has started; how it ended.
     fn end(&mut self) -> Option<ExitStatus> {
-        if std::mem::replace(&mut self.has_ended, true) {
+        if std::mem::replace(&mut self.has_ended, true) || !self.is_ours() {
             return None;
         }
         let group = Pid::from_child(&self.child);
         // Those that have ended already cannot be killed, but must be waited for.
         let _ = kill_process_group(group, Signal::KILL);
-        groups().retain(|other| *other != group);
+        groups().retain(|(_, other)| *other != group);
         self.child.wait().ok()
     }
 }

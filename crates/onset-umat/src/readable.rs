@@ -28,6 +28,28 @@ pub fn readable(text: &str) -> String {
     kept
 }
 
+/// Most characters of a message, and how many of them belong to its end, where the hint is.
+const MOST: usize = 2000;
+const END: usize = 500;
+
+/// A message made fit for a terminal and a log: [`readable`], and the middle of one with more than 2,000 characters left out.
+///
+/// ```
+/// let long = onset_umat::message(&"1".repeat(100_000));
+/// assert!(long.chars().count() <= 2000 && long.contains(" [...] "));
+/// ```
+pub fn message(text: &str) -> String {
+    const GAP: &str = " [...] ";
+    let kept = readable(text);
+    let count = kept.chars().count();
+    if count <= MOST {
+        return kept;
+    }
+    let begin = kept.chars().take(MOST - END - GAP.len());
+    let end = kept.chars().skip(count - END);
+    begin.chain(GAP.chars()).chain(end).collect()
+}
+
 /// Passes over the rest of a sequence of a kind.
 fn skip(kind: Option<char>, rest: &mut std::iter::Peekable<std::str::Chars<'_>>) {
     match kind {

@@ -203,7 +203,11 @@ impl Umat {
                 .lock()
                 .unwrap_or_else(std::sync::PoisonError::into_inner)
         };
-        let waiting = idle().pop();
+        let waiting = {
+            let mut idle = idle();
+            idle.retain(crate::process::Process::is_ours);
+            idle.pop()
+        };
         let mut process = match waiting {
             Some(process) => process,
             None => crate::process::Process::start(&self.settings)?,

@@ -11,8 +11,12 @@ use std::time::{Duration, Instant};
 const HEAD: usize = 16 << 10;
 const HEADERS: usize = 64;
 const BODY: usize = 1 << 20;
-/// How long a connection may be silent.
-const SILENCE: Duration = Duration::from_secs(120);
+/// How long a connection may be silent between two requests.
+const SILENCE: Duration = Duration::from_secs(60);
+/// How long the head of a request, and its body, may be on their way, and an answer.
+const HEAD_TIME: Duration = Duration::from_secs(3);
+const BODY_TIME: Duration = Duration::from_secs(5);
+const ANSWER_TIME: Duration = Duration::from_secs(20);
 /// How long what is on its way is waited for at the end.
 const LINGER: Duration = Duration::from_millis(500);
 /// How often a connection is looked at while its answer is computed.
@@ -109,8 +113,6 @@ impl Connection {
     pub fn new(stream: TcpStream) -> io::Result<Self> {
         // An answer is written in one piece, and is not to wait for the next.
         stream.set_nodelay(true)?;
-        stream.set_read_timeout(Some(SILENCE))?;
-        stream.set_write_timeout(Some(SILENCE))?;
         Ok(Self {
             stream,
             rest: Vec::new(),
@@ -119,6 +121,10 @@ impl Connection {
 
     /// The next request.
     pub fn request(&mut self) -> Result<Request, Instead> {
+        if self.rest.is_empty() {
+            self.more(Instant::now() + SILENCE)?;
+        }
+        let end = Instant::now() + HEAD_TIME;
         let (mut request, start, length) = loop {
             if let Some(found) = head(&self.rest)? {
                 break found;
@@ -129,18 +135,21 @@ impl Connection {
                     "the head of the request is too long",
                 ));
             }
-            self.more()?;
+            self.more(end)?;
         };
+        let end = Instant::now() + BODY_TIME;
         while self.rest.len() < start + length {
-            self.more()?;
+            self.more(end)?;
         }
         request.body = self.rest[start..start + length].to_vec();
         self.rest.drain(..start + length);
         Ok(request)
     }
 
-    fn more(&mut self) -> Result<(), Instead> {
+    /// Reads what comes next, or gives up at a time.
+    fn more(&mut self, end: Instant) -> Result<(), Instead> {
         let mut bytes = [0; 16 << 10];
+        self.stream.set_read_timeout(Some(left(end)?))?;
         match self.stream.read(&mut bytes)? {
             0 => Err(Instead::End),
             count => {
@@ -165,7 +174,16 @@ impl Connection {
         if has_body {
             bytes.extend_from_slice(&reply.body);
         }
-        self.stream.write_all(&bytes)
+        let end = Instant::now() + ANSWER_TIME;
+        let mut rest = &bytes[..];
+        while !rest.is_empty() {
+            self.stream.set_write_timeout(Some(left(end)?))?;
+            match self.stream.write(rest)? {
+                0 => return Err(io::ErrorKind::WriteZero.into()),
+                count => rest = &rest[count..],
+            }
+        }
+        Ok(())
     }
 
     /// Ends the connection: what was still on its way is read, lest the answer be lost with it.
@@ -215,6 +233,15 @@ impl Connection {
         let done = work(&ask);
         self.stream.set_nonblocking(false)?;
         Ok(done)
+    }
+}
+
+/// The time that is left before an end.
+fn left(end: Instant) -> io::Result<Duration> {
+    let left = end.saturating_duration_since(Instant::now());
+    match left.is_zero() {
+        true => Err(io::ErrorKind::TimedOut.into()),
+        false => Ok(left),
     }
 }
 

@@ -8,6 +8,7 @@
 mod browser;
 mod http;
 mod link;
+mod open;
 mod page;
 mod server;
 mod token;
@@ -21,9 +22,6 @@ use server::Server;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::process::ExitCode;
 use token::Token;
-
-/// The port of the page unless another one is asked for: links stay true from one day to the next.
-pub const PORT: u16 = 6673;
 
 /// Serves the page until it is interrupted.
 ///
@@ -52,15 +50,11 @@ pub fn serve(
     server.run(&listener)
 }
 
-/// A listener on the loopback address: on the port that is asked for, or on the usual one, or, where somebody else has that, on any.
+/// A listener on the loopback address, on a new port unless one is asked for: what an earlier server of the same port has left in a browser,
+/// such as a service worker, would hear what this one is asked.
 fn listener(port: Option<u16>) -> Result<TcpListener, Failure> {
-    let at = |port: u16| TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
-    let found = match port {
-        Some(port) => at(port),
-        None => at(PORT).or_else(|_| at(0)),
-    };
-    found.map_err(|error| {
-        let port = port.unwrap_or(PORT);
+    let port = port.unwrap_or(0);
+    TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port))).map_err(|error| {
         Failure::machine(format!(
             "cannot listen on 127.0.0.1:{port}: {error}\n  hint: choose another --port, or 0 for any that is free"
         ))

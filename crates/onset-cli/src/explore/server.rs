@@ -1,6 +1,7 @@
 //! Who is answered, and with what.
 
 use super::http::{Connection, Instead, Reply, Request};
+use super::open::{Admitted, Connections};
 use super::page;
 use super::token::Token;
 use crate::commands::Failure;
@@ -8,13 +9,10 @@ use onset_study::explore::{Explorer, Question, Refusal};
 use std::collections::BTreeMap;
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// Connections at a time; a browser opens six.
-const MOST: usize = 64;
 /// What is waited after a connection that could not be had.
 const PAUSE: Duration = Duration::from_millis(20);
 /// The header in which the page shows its token. Pages of other servers cannot send it without being asked for leave, which is not given.
@@ -33,8 +31,7 @@ pub struct Server {
     ticket: Mutex<Option<Token>>,
     /// The names under which a browser of this machine knows the server, with its port.
     hosts: [String; 2],
-    /// Connections that are open.
-    open: AtomicUsize,
+    open: Connections,
 }
 
 impl Server {
@@ -46,7 +43,7 @@ impl Server {
             token,
             ticket: Mutex::new(Some(ticket)),
             hosts: [format!("127.0.0.1:{port}"), format!("localhost:{port}")],
-            open: AtomicUsize::new(0),
+            open: Connections::default(),
         }
     }
 
@@ -62,28 +59,28 @@ impl Server {
                 thread::sleep(PAUSE);
                 continue;
             };
-            if server.open.fetch_add(1, Ordering::Relaxed) >= MOST {
-                server.open.fetch_sub(1, Ordering::Relaxed);
-                continue;
-            }
             let own = Arc::clone(&server);
-            thread::spawn(move || {
-                // An open connection is counted also where an answer panics.
-                let _guard = Guard(&own.open);
-                own.converse(stream);
+            let conversation = thread::Builder::new().spawn(move || {
+                if let Ok(admitted) = own.open.admit(&stream) {
+                    own.converse(stream, &admitted);
+                }
             });
+            // Where there is no room for a thread, others have to end first.
+            if conversation.is_err() {
+                thread::sleep(PAUSE);
+            }
         }
         Ok(ExitCode::SUCCESS)
     }
 
     /// Answers on a connection as long as there is one.
-    fn converse(&self, stream: TcpStream) {
+    fn converse(&self, stream: TcpStream, admitted: &Admitted<'_>) {
         let Ok(mut connection) = Connection::new(stream) else {
             return;
         };
         loop {
             let (reply, has_body, is_last) = match connection.request() {
-                Ok(request) => match self.reply(&request, &connection) {
+                Ok(request) => match self.reply(&request, &connection, admitted) {
                     Some(reply) => (reply, request.method != "HEAD", request.is_last),
                     None => return,
                 },
@@ -96,11 +93,17 @@ impl Server {
             if is_last {
                 return connection.end();
             }
+            admitted.mark(false);
         }
     }
 
     /// The answer to a request; `None` when nobody waits for it any more.
-    fn reply(&self, request: &Request, connection: &Connection) -> Option<Reply> {
+    fn reply(
+        &self,
+        request: &Request,
+        connection: &Connection,
+        admitted: &Admitted<'_>,
+    ) -> Option<Reply> {
         if let Some(why) = self.stranger(request) {
             return Some(Reply::refused("403 Forbidden", why));
         }
@@ -108,7 +111,9 @@ impl Server {
             "GET" | "HEAD" => Some(file(&request.path)),
             "POST" => match request.path.strip_prefix("/api/") {
                 Some("enter") => Some(self.entered(request)),
-                Some(name) if self.is_shown(request) => self.answer(name, request, connection),
+                Some(name) if self.is_shown(request) => {
+                    admitted.computing(|| self.answer(name, request, connection))
+                }
                 Some(_) => Some(error("403 Forbidden", UNKNOWN)),
                 None => Some(missing()),
             },
@@ -192,15 +197,6 @@ impl Server {
     }
 }
 
-/// A connection that is counted as long as it lives.
-struct Guard<'a>(&'a AtomicUsize);
-
-impl Drop for Guard<'_> {
-    fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::Relaxed);
-    }
-}
-
 fn json(status: &'static str, document: String) -> Reply {
     Reply {
         status,
@@ -211,7 +207,7 @@ fn json(status: &'static str, document: String) -> Reply {
 
 /// A message as a document: what a file says must not command a terminal, nor a page.
 fn error(status: &'static str, message: &str) -> Reply {
-    let message = onset_umat::readable(message).to_string();
+    let message = onset_umat::message(message);
     json(status, told("error", message))
 }
 

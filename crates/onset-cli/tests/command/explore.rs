@@ -664,3 +664,44 @@ fn a_stored_map_is_shown() {
     let refused = onset(&["explore", folder.to_str().expect("UTF-8"), "--no-browser"]);
     assert_eq!(refused.code, Some(2), "{}", refused.stderr);
 }
+
+#[test]
+fn connections_that_send_half_a_request_lock_nobody_out() {
+    let page = Page::serve(&[]);
+    let half = |n: usize| {
+        let mut stream = TcpStream::connect(&page.host).expect("a connection");
+        let sent = [
+            "POST / HTTP/1.1\r\nA: ",
+            "",
+            "POST /api/state HTTP/1.1\r\nContent-Length: 9\r\n\r\n{",
+        ];
+        stream
+            .write_all(sent[n % sent.len()].as_bytes())
+            .expect("sent");
+        stream
+    };
+    let _idle: Vec<TcpStream> = (0..150).map(half).collect();
+    let asked = Instant::now();
+    let answer = page.ask("state", &json!({ "set": [], "stretch": "1,1" }));
+    assert!(answer.contains("verdict"), "{answer}");
+    assert!(
+        asked.elapsed() < Duration::from_secs(10),
+        "{:?}",
+        asked.elapsed()
+    );
+}
+
+#[test]
+fn a_request_that_drips_is_ended() {
+    let page = Page::serve(&[]);
+    let mut stream = TcpStream::connect(&page.host).expect("a connection");
+    let begun = Instant::now();
+    // The first byte that cannot be sent, or that is answered, shows the end.
+    let mut answer = [0; 64];
+    stream
+        .set_read_timeout(Some(Duration::from_millis(200)))
+        .expect("set");
+    while stream.write_all(b"A").is_ok() && !matches!(stream.read(&mut answer), Ok(0)) {
+        assert!(begun.elapsed() < Duration::from_secs(30), "still open");
+    }
+}

@@ -211,8 +211,22 @@ fn a_full_disk_leaves_the_files_that_were_there_and_says_what_to_do() {
 fn a_study_without_end_is_refused_and_what_is_no_text_is_told_with_its_line() {
     let place = Scratch::new("no-study");
     fs::write(&place, b"title = 'a'\n# \xff\n").expect("a file");
+    let (pipe, wide) = (Scratch::new("no-study-pipe"), Scratch::new("no-study-wide"));
+    let made = std::process::Command::new("mkfifo")
+        .arg(text(&pipe))
+        .status();
+    assert!(made.expect("mkfifo").success());
+    fs::write(&wide, b"\xff\xfet\0").expect("a file");
     for (file, facts) in [
-        ("/dev/zero", ["more than 16 MiB", "hint: expected a study"]),
+        (
+            "/dev/zero",
+            ["not a regular file", "hint: expected a study"],
+        ),
+        (
+            text(&pipe),
+            ["not a regular file", "hint: expected a study"],
+        ),
+        (text(&wide), ["it is UTF-16", "hint: expected a study"]),
         (text(&place), ["line 2", "UTF-8"]),
         ("/", ["cannot read /", "hint: expected a study file"]),
         (

@@ -448,19 +448,22 @@ fn particles_of_a_file_are_run_and_their_faults_told_with_their_line() {
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     let document: Value = serde_json::from_str(&answer.stdout).expect("a document");
     assert_eq!(document["particles"], 40);
+    place.0.write(
+        "particles.csv",
+        &format!("\u{feff}{}", table.replace('\n', "\r\n")),
+    );
+    let saved_by_a_spreadsheet =
+        Answer::of(place.command("--steps 20 --amplitude 1e-3 --json --quiet"));
+    assert_eq!(saved_by_a_spreadsheet.stdout, answer.stdout);
     for (from, to, words) in [
         (
             "3.0,2.25,1.0",
             "NaN,2.25,1.0",
-            "line 19: `NaN` is no finite number",
+            "line 19: a cell is not a finite number",
         ),
         ("3.0,2.25,1.0", "3.0,2.25,-1.0", "line 19: the volume is -1"),
         ("3.0,2.25,1.0", "3.0,2.25", "line 19: 2 cells"),
-        (
-            "x,y,volume",
-            "x,y,mass",
-            "line 1: the columns are `x,y,mass`",
-        ),
+        ("x,y,volume", "x,y,mass", "line 1: the columns are others"),
         ("3.0,2.25,1.0", "3.0,1.25,1.0", "are both at"),
     ] {
         place.0.write("particles.csv", &table.replacen(from, to, 1));

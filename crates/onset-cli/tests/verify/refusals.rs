@@ -34,7 +34,7 @@ fn outputs_that_are_wrong_are_told_with_their_line() {
         ),
         (
             with(100, &format!("{first},{number},abc,0,0")),
-            "wave.csv:100: `abc` is no number",
+            "wave.csv:100: a cell is not a number",
         ),
         (
             with(100, &format!("{first},7000,0,0,0")),
@@ -47,7 +47,7 @@ fn outputs_that_are_wrong_are_told_with_their_line() {
         ),
         (
             output.replacen(&id, "0123456789ab", 1),
-            "this is an output of case 0123456789ab",
+            "this is the output of another case",
         ),
         (
             output.replacen("# onset case", "# case", 1),

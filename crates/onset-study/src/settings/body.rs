@@ -4,6 +4,7 @@ use super::key::key;
 use super::needs::is;
 use super::toml::{File, described, in_order, typed};
 use super::{Key, Kind, Origin, SettingError, Units, Value, units, unknown_key};
+use crate::input;
 use crate::number::counted;
 use onset::motion::{BodyParticles, Contact, Grip, Notch, PlacedParticle, Shape};
 use std::collections::BTreeMap;
@@ -203,7 +204,7 @@ impl BodySettings {
     /// # Errors
     /// [`SettingError`] with file, line and column of what is wrong.
     pub fn of_file(name: &str, text: &str) -> Result<Option<Self>, SettingError> {
-        let file = File { name, text };
+        let file = File::new(name, text);
         Self::of_table(&file, file.table()?.get_ref())
     }
 
@@ -480,7 +481,7 @@ impl BodySettings {
                 header(dimension)
             ))
         };
-        let text = std::fs::read_to_string(&path).map_err(|error| {
+        let text = input::text(&path, input::MOST_TEXT).map_err(|error| {
             SettingError::new(
                 origin.clone(),
                 format!("cannot read {}: {error}", path.display()),
@@ -493,7 +494,7 @@ impl BodySettings {
             .next()
             .map_or_else(Vec::new, |(_, line)| line.split(',').map(named).collect());
         if first.join(",") != header(dimension) {
-            return Err(wrong(1, format!("the columns are `{}`", first.join(","))));
+            return Err(wrong(1, "the columns are others".to_owned()));
         }
         let mut particles = Vec::new();
         for (number, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
@@ -502,12 +503,12 @@ impl BodySettings {
                 return Err(wrong(number + 1, counted(cells.len(), "cell")));
             }
             let mut read = [0.0; 4];
-            for (own, cell) in read.iter_mut().zip(&cells) {
+            for (own, cell) in read.iter_mut().zip(cells) {
                 *own = cell
                     .parse()
                     .ok()
                     .filter(|value: &f64| value.is_finite())
-                    .ok_or_else(|| wrong(number + 1, format!("`{cell}` is no finite number")))?;
+                    .ok_or_else(|| wrong(number + 1, "a cell is not a finite number".to_owned()))?;
             }
             let volume = read[dimension];
             if volume <= 0.0 {

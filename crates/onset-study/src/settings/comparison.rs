@@ -152,7 +152,7 @@ impl Comparison {
         assignments: &[S],
         settled: bool,
     ) -> Result<Self, SettingError> {
-        let file = File { name, text };
+        let file = File::new(name, text);
         let table = file.table()?;
         let mut comparison = Self {
             title: String::new(),

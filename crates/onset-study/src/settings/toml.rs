@@ -10,10 +10,32 @@ pub(super) type Entry<'a, 'i> = (&'a Spanned<Cow<'i, str>>, &'a Spanned<DeValue<
 /// A file with its name: places in it are origins.
 pub(super) struct File<'t> {
     pub(super) name: &'t str,
-    pub(super) text: &'t str,
+    text: &'t str,
+    /// Where each line but the first begins.
+    line_starts: Vec<usize>,
+    /// The bytes that begin no character.
+    continuations: Vec<usize>,
 }
 
 impl<'t> File<'t> {
+    pub(super) fn new(name: &'t str, text: &'t str) -> Self {
+        let places = |chosen: fn(u8) -> bool| -> Vec<usize> {
+            let bytes = text.bytes().enumerate();
+            bytes
+                .filter_map(|(at, byte)| chosen(byte).then_some(at))
+                .collect()
+        };
+        Self {
+            name,
+            text,
+            line_starts: places(|byte| byte == b'\n')
+                .into_iter()
+                .map(|at| at + 1)
+                .collect(),
+            continuations: places(|byte| byte & 0xc0 == 0x80),
+        }
+    }
+
     /// The whole file as a table.
     ///
     /// # Errors
@@ -33,11 +55,16 @@ impl<'t> File<'t> {
     }
 
     pub(super) fn at(&self, offset: usize) -> Origin {
-        let before = self.text.get(..offset).unwrap_or(self.text);
+        let offset = offset.min(self.text.len());
+        let line = self.line_starts.partition_point(|start| *start <= offset);
+        let start = line
+            .checked_sub(1)
+            .map_or(0, |before| self.line_starts[before]);
+        let continuations = |end: usize| self.continuations.partition_point(|at| *at < end);
         Origin::File {
             name: self.name.to_owned(),
-            line: before.matches('\n').count() + 1,
-            column: before.chars().rev().take_while(|c| *c != '\n').count() + 1,
+            line: line + 1,
+            column: offset - start - (continuations(offset) - continuations(start)) + 1,
         }
     }
 

@@ -93,15 +93,34 @@ pub(crate) fn si(dimension: &str) -> Option<&'static str> {
 /// A number followed by letters as typed: `80GPa`, `7850 kg/m^3`.
 pub(super) fn split(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
-    // The longest beginning that is a number: `1e3m` is a thousand meters.
-    let ends = text.char_indices().map(|(at, _)| at).skip(1);
-    let split = ends.filter_map(|at| {
-        let (number, unit) = text.split_at(at);
-        Some((number.trim_end().parse::<f64>().ok()?, unit.trim_start()))
-    });
-    let (number, unit) = split.last()?;
+    let (number, unit) = text.split_at(number_length(text.as_bytes()));
+    let (number, unit) = (number.parse::<f64>().ok()?, unit.trim_start());
     let is_unit = unit.starts_with(|first: char| first.is_alphabetic() || first == '°');
     (number.is_finite() && is_unit).then_some((number, unit))
+}
+
+/// Length of the longest beginning that is a decimal number: of `1e3m` three, a thousand meters.
+fn number_length(text: &[u8]) -> usize {
+    let digits = |from: usize| {
+        text[from..]
+            .iter()
+            .take_while(|byte| byte.is_ascii_digit())
+            .count()
+    };
+    let signed = |at: usize| at + usize::from(matches!(text.get(at), Some(b'+' | b'-')));
+    let start = signed(0);
+    let mut end = start + digits(start);
+    if text.get(end) == Some(&b'.') {
+        end += 1 + digits(end + 1);
+    }
+    if matches!(text.get(end), Some(b'e' | b'E')) {
+        let exponent = signed(end + 1);
+        let count = digits(exponent.min(text.len()));
+        if count > 0 {
+            end = exponent + count;
+        }
+    }
+    end
 }
 
 /// How a unit is compared: `kg/m3` and `kg/m³` are `kg/m^3`.

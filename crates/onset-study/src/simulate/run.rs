@@ -2,6 +2,7 @@
 
 use super::checkpoint::{CHECKPOINT, Progress};
 use super::{SimulateError, fields};
+use crate::input;
 use crate::output::{Files, Output, text, write};
 use onset::method::MethodError;
 use onset::motion::{Fault, Ground, PatchState};
@@ -264,7 +265,7 @@ fn begun(course: &Course, place: Option<&Place>) -> Result<Progress, SimulateErr
         Output::at(&place.folder, &[CHECKPOINT, "history.csv"]).map_err(failed)?;
         return Ok(anew);
     }
-    let bytes = std::fs::read(&path).map_err(|error| {
+    let bytes = input::bytes(&path, input::MOST_OUTPUT).map_err(|error| {
         wrong(
             format!("cannot read the checkpoint: {error}"),
             "leave --resume out to begin",

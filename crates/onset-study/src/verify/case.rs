@@ -3,6 +3,7 @@
 use super::prediction::{mode, predicted};
 use super::{Block, Code, Deck, Prediction, VerifyError};
 use crate::answers::{Problem, ProblemError};
+use crate::input;
 use crate::json;
 use crate::number::{exact, vector};
 use crate::output::{Files, text};
@@ -200,16 +201,21 @@ impl Case {
     /// # Errors
     /// [`VerifyError`] when the file cannot be read, is none, or was changed since it was written.
     pub fn of_file(path: &Path) -> Result<Self, VerifyError> {
-        let text = std::fs::read_to_string(path).map_err(|source| VerifyError::Unreadable {
-            path: path.to_owned(),
-            source,
-        })?;
+        let text =
+            input::text(path, input::MOST_TEXT).map_err(|source| VerifyError::Unreadable {
+                path: path.to_owned(),
+                source,
+            })?;
         let wrong = |what: String| VerifyError::Case {
             path: path.to_owned(),
             what,
         };
-        let case: Self = serde_json::from_str(&text)
-            .map_err(|error| wrong(format!("this is no case of `onset verify`: {error}")))?;
+        let case: Self = serde_json::from_str(&text).map_err(|error| {
+            wrong(format!(
+                "this is no case of `onset verify`: line {}",
+                error.line()
+            ))
+        })?;
         if case.format != FORMAT {
             return Err(wrong(format!(
                 "the format is {}; expected {FORMAT}",

@@ -1,6 +1,7 @@
 //! Whether a code does what is predicted.
 
 use super::{CASE_FILE, Case, Fit, Projector, Rate, Record, VerifyError, fitted, named};
+use crate::input;
 use crate::number::{exact, told, vector};
 use onset::algebra::Complex;
 use serde::Serialize;
@@ -101,13 +102,14 @@ pub fn read(path: &Path, case: Option<&Path>) -> Result<Judgment, VerifyError> {
         true => path.join(code.output()),
         false => path.to_owned(),
     };
-    let bytes = std::fs::read(&path).map_err(|source| VerifyError::Unreadable {
-        path: path.clone(),
-        source,
-    })?;
+    let bytes =
+        input::bytes(&path, input::MOST_OUTPUT).map_err(|source| VerifyError::Unreadable {
+            path: path.clone(),
+            source,
+        })?;
     let projector = Projector::new(&case, &path);
-    let text = String::from_utf8(bytes).map_err(|_| {
-        projector.wrong(0, "this is no text", "give the output that the deck writes")
+    let text = input::decoded(bytes).map_err(|error| {
+        projector.wrong(0, error.to_string(), "give the output that the deck writes")
     })?;
     let record = code.read(&path, &text, projector)?;
     judge(&case, &record)

@@ -67,10 +67,10 @@ impl<'a> Projector<'a> {
     pub fn require_mark(&self, line: usize, mark: Option<&str>) -> Result<(), VerifyError> {
         match mark {
             Some(mark) if mark == self.case.id => Ok(()),
-            Some(other) => Err(self.wrong(
+            Some(_) => Err(self.wrong(
                 line,
                 format!(
-                    "this is an output of case {other}; the case beside it is {}",
+                    "this is the output of another case; the case beside it is {}",
                     self.case.id
                 ),
                 "read it with the case.json of its own deck, --case FILE",

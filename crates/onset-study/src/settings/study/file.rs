@@ -28,7 +28,7 @@ const EXAMPLE: &str = "for example\n\n    [[axes]]\n    quantity = \"stretch-1\"
 /// Reads a study; that it has axes, and that its parts fit together, is not checked yet. Methods to compare, which a study may
 /// have too, are read by [`Comparison`](super::super::Comparison).
 pub(in crate::settings) fn read(name: &str, text: &str) -> Result<Study, SettingError> {
-    let file = File { name, text };
+    let file = File::new(name, text);
     let table = file.table()?;
     let mut study = Study {
         title: String::new(),

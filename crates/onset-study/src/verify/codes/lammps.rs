@@ -137,7 +137,7 @@ fn frame(lines: &mut Lines<'_>, projector: &mut Projector<'_>) -> Result<Option<
         return Ok(None);
     };
     let Ok(step) = text.trim().parse::<f64>() else {
-        return Err(projector.wrong(line, format!("`{text}` is no time step"), hint));
+        return Err(projector.wrong(line, "expected the time step", hint));
     };
     let Some((_, _)) = lines.next_whole() else {
         return Ok(None);
@@ -146,7 +146,7 @@ fn frame(lines: &mut Lines<'_>, projector: &mut Projector<'_>) -> Result<Option<
         return Ok(None);
     };
     let Ok(count) = text.trim().parse::<usize>() else {
-        return Err(projector.wrong(line, format!("`{text}` is no number of particles"), hint));
+        return Err(projector.wrong(line, "expected the number of particles", hint));
     };
     for _ in 0..4 {
         if lines.next_whole().is_none() {
@@ -181,7 +181,7 @@ fn frame(lines: &mut Lines<'_>, projector: &mut Projector<'_>) -> Result<Option<
             let word = words.get(column).copied().unwrap_or_default();
             *value = word
                 .parse()
-                .map_err(|_| projector.wrong(line, format!("`{word}` is no number"), hint))?;
+                .map_err(|_| projector.wrong(line, "a column is not a number", hint))?;
         }
         let [id, x, y, z] = values;
         projector.particle(line, id, [x, y, z])?;

@@ -99,8 +99,7 @@ pub(super) fn read_csv(text: &str, mut projector: Projector<'_>) -> Result<Recor
             let Some(column) = column else { continue };
             let word = words.get(*column).copied().unwrap_or_default();
             let parsed = word.parse();
-            *value = parsed
-                .map_err(|_| projector.wrong(number, format!("`{word}` is no number"), HINT))?;
+            *value = parsed.map_err(|_| projector.wrong(number, "a cell is not a number", HINT))?;
         }
         let [time, id, x, y, z] = values;
         if current.is_some_and(|current| current != time) {
@@ -145,11 +144,7 @@ fn header(
     for (n, name) in ["time", "id", "x", "y", "z"].into_iter().enumerate() {
         columns[n] = words.iter().position(|word| *word == name);
         if columns[n].is_none() && n < 2 + dimension {
-            return Err(projector.wrong(
-                line,
-                format!("there is no column `{name}` in `{}`", words.join(",")),
-                HINT,
-            ));
+            return Err(projector.wrong(line, format!("there is no column `{name}`"), HINT));
         }
     }
     Ok(columns)
@@ -166,8 +161,7 @@ fn read_xyz(text: &str, mut projector: Projector<'_>) -> Result<Record, VerifyEr
             continue;
         }
         let Ok(count) = lines[at].trim().parse::<usize>() else {
-            let what = format!("`{}` is no number of particles", lines[at]);
-            return Err(projector.wrong(at + 1, what, HINT));
+            return Err(projector.wrong(at + 1, "expected the number of particles", HINT));
         };
         if count > whole.saturating_sub(at + 2) {
             return Ok(projector.finish(true));
@@ -193,9 +187,8 @@ fn read_xyz(text: &str, mut projector: Projector<'_>) -> Result<Record, VerifyEr
             for (value, column) in values.iter_mut().zip(columns) {
                 let word = words.get(column).copied().unwrap_or_default();
                 let parsed = word.parse();
-                *value = parsed.map_err(|_| {
-                    projector.wrong(row + 1, format!("`{word}` is no number"), HINT)
-                })?;
+                *value =
+                    parsed.map_err(|_| projector.wrong(row + 1, "a cell is not a number", HINT))?;
             }
             let [number, x, y, z] = values;
             projector.particle(row + 1, number, [x, y, z])?;

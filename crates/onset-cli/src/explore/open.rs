@@ -1,0 +1,88 @@
+//! The connections that are open. Every user of the machine can open some, so one that only waits gives way to a new one.
+
+use std::io;
+use std::net::{Shutdown, TcpStream};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+/// Most connections at a time; a browser opens six.
+const MOST: usize = 64;
+
+/// All open connections.
+#[derive(Default)]
+pub struct Connections(Mutex<Vec<Entry>>);
+
+struct Entry {
+    number: u64,
+    stream: TcpStream,
+    /// When its last exchange ended.
+    since: Instant,
+    is_computing: bool,
+}
+
+impl Connections {
+    /// Admits a connection. If there are too many, that which has waited longest is closed; its number is never given again.
+    ///
+    /// # Errors
+    /// [`io::Error`] if all others are computing an answer, or if the system refuses a second handle.
+    pub fn admit(&self, stream: &TcpStream) -> io::Result<Admitted<'_>> {
+        let mut open = self.entries();
+        if open.len() >= MOST {
+            let waiting = open
+                .iter()
+                .enumerate()
+                .filter(|(_, entry)| !entry.is_computing);
+            let oldest = waiting
+                .min_by_key(|(_, entry)| entry.since)
+                .map(|(place, _)| place);
+            let oldest = oldest.ok_or_else(|| io::Error::other("all connections are in use"))?;
+            // The thread that reads from it ends with it.
+            let _ = open.remove(oldest).stream.shutdown(Shutdown::Both);
+        }
+        let number = open.iter().map(|entry| entry.number + 1).max().unwrap_or(0);
+        open.push(Entry {
+            number,
+            stream: stream.try_clone()?,
+            since: Instant::now(),
+            is_computing: false,
+        });
+        Ok(Admitted { all: self, number })
+    }
+
+    fn entries(&self) -> MutexGuard<'_, Vec<Entry>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// An open connection, which is closed with this value.
+pub struct Admitted<'a> {
+    all: &'a Connections,
+    number: u64,
+}
+
+impl Admitted<'_> {
+    /// Does work during which the connection does not give way.
+    pub fn computing<T>(&self, work: impl FnOnce() -> T) -> T {
+        self.mark(true);
+        let done = work();
+        self.mark(false);
+        done
+    }
+
+    /// Notes that an exchange begins or ends, and whether the connection computes.
+    pub fn mark(&self, is_computing: bool) {
+        let mut open = self.all.entries();
+        if let Some(entry) = open.iter_mut().find(|entry| entry.number == self.number) {
+            entry.since = Instant::now();
+            entry.is_computing = is_computing;
+        }
+    }
+}
+
+impl Drop for Admitted<'_> {
+    fn drop(&mut self) {
+        self.all
+            .entries()
+            .retain(|entry| entry.number != self.number);
+    }
+}

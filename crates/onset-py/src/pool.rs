@@ -1,0 +1,86 @@
+//! The threads that share the work of one question.
+//!
+//! A process that was forked has none of its parent's threads, and would wait for them forever: it makes a pool of its own. While a law written in
+//! Python is being evaluated, all threads of the shared pool may be waiting for it, so a question that such a law asks gets a thread of its own.
+
+use crate::failure::Failure;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, TryLockError};
+use std::time::Duration;
+
+/// The process that loaded the module; the global pool of rayon belongs to it.
+static LOADED_BY: OnceLock<u32> = OnceLock::new();
+/// The pool of a forked process, with the number of that process.
+static FORKED: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
+/// Evaluations of laws written in Python that are in progress.
+static EVALUATIONS: AtomicUsize = AtomicUsize::new(0);
+
+/// Remembers the process that the global pool belongs to.
+pub fn loaded() {
+    LOADED_BY.get_or_init(std::process::id);
+}
+
+/// Evaluates a law written in Python, which may ask questions itself.
+pub fn evaluating<T>(work: impl FnOnce() -> T) -> T {
+    /// Counts down even if the evaluation unwinds.
+    struct Evaluation;
+    impl Drop for Evaluation {
+        fn drop(&mut self) {
+            EVALUATIONS.fetch_sub(1, Ordering::Relaxed);
+        }
+    }
+    EVALUATIONS.fetch_add(1, Ordering::Relaxed);
+    let _evaluation = Evaluation;
+    work()
+}
+
+/// Does work whose parallel parts are shared by threads that exist and do not wait for this work.
+///
+/// # Errors
+/// [`Failure`] if no thread can be started.
+pub fn shared<T: Send>(work: impl FnOnce() -> T + Send, stack: usize) -> Result<T, Failure> {
+    let made = |threads| {
+        ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .stack_size(stack)
+            .build()
+            .map_err(|error| Failure::machine(format!("cannot start threads: {error}")))
+    };
+    if EVALUATIONS.load(Ordering::Relaxed) > 0 {
+        return Ok(made(1)?.install(work));
+    }
+    let process = std::process::id();
+    if LOADED_BY
+        .get()
+        .is_none_or(|loaded_by| *loaded_by == process)
+    {
+        return Ok(work());
+    }
+    let pool = match held() {
+        // The thread that held the lock when the process was forked does not exist here.
+        None => Arc::new(made(0)?),
+        Some(mut held) => match &*held {
+            Some((owner, pool)) if *owner == process => Arc::clone(pool),
+            _ => {
+                let pool = Arc::new(made(0)?);
+                // Dropping the pool of another process would wait for its threads.
+                std::mem::forget(held.replace((process, Arc::clone(&pool))));
+                pool
+            }
+        },
+    };
+    Ok(pool.install(work))
+}
+
+/// The pool of a forked process, or `None` if its lock is not released within a second.
+fn held() -> Option<std::sync::MutexGuard<'static, Option<(u32, Arc<ThreadPool>)>>> {
+    for _ in 0..100 {
+        match FORKED.try_lock() {
+            Ok(held) => return Some(held),
+            Err(TryLockError::Poisoned(held)) => return Some(held.into_inner()),
+            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(10)),
+        }
+    }
+    None
+}
