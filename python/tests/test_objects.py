@@ -213,3 +213,11 @@ def test_types(tmp_path: Path) -> None:
     for checked in ([str(package)], [str(package.with_name("reference.py"))], examples):
         mypy = subprocess.run([sys.executable, "-m", "mypy", "--strict", *checked], capture_output=True, text=True, cwd=tmp_path, check=False)
         assert mypy.returncode == 0, mypy.stdout + mypy.stderr
+
+
+def test_the_installed_package_has_the_licences_of_all_that_is_linked_into_it() -> None:
+    files = {file.name: file for file in importlib.metadata.files("onset-mechanics") or []}
+    texts = files["THIRD-PARTY.txt"].read_text(encoding="utf-8")
+    assert {"LICENSE-MIT", "LICENSE-APACHE"} <= set(files)
+    for crate in ("nalgebra", "pyo3", "rayon", "serde", "tiny-skia"):
+        assert f"\n{crate} " in texts, crate

@@ -113,6 +113,12 @@ pub fn command() -> Result<PathBuf, String> {
 /// Makes a wheel for an interpreter, by default that of all with a global lock, in a profile, into a folder; where it is.
 fn made(profile: &str, folder: &str, interpreter: Option<&Path>) -> Result<PathBuf, String> {
     let making = environment("wheel", Path::new(MAKING))?;
+    let licences = [
+        "python/licences.py",
+        "python/licenses/THIRD-PARTY.txt",
+        "onset-py",
+    ];
+    succeed(Command::new(&making).args(licences))?;
     let since = SystemTime::now();
     succeed(
         Command::new(&making)

@@ -24,6 +24,8 @@ fn main() -> ExitCode {
     if let Some(code) = onset_umat::serve_if_asked() {
         return code;
     }
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    threads::fit_into_memory();
     let arguments = help::parse();
     printing::begin(arguments.printing);
     if let Err(error) = interrupt::listen() {

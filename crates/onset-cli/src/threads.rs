@@ -22,6 +22,27 @@ pub fn check() -> Result<(), Failure> {
     }
 }
 
+/// Begins anew with few memory arenas where the address space is limited, as batch systems limit it: the GNU allocator reserves 64 MiB for each
+/// thread, and spends all time on trying to where it cannot.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+pub fn fit_into_memory() {
+    use rustix::process::{Resource, getrlimit};
+    use std::os::unix::process::CommandExt;
+    /// Address space for each arena: four times what it reserves, since the rest needs room too.
+    const ARENA: u64 = 256 << 20;
+    const VARIABLE: &str = "MALLOC_ARENA_MAX";
+    let (Some(limit), None) = (getrlimit(Resource::As).current, std::env::var_os(VARIABLE)) else {
+        return;
+    };
+    if let Ok(program) = std::env::current_exe() {
+        // It returns only if the program cannot be started again; then it goes on as it is.
+        let _ = std::process::Command::new(program)
+            .args(std::env::args_os().skip(1))
+            .env(VARIABLE, (limit / ARENA).clamp(1, 64).to_string())
+            .exec();
+    }
+}
+
 /// The largest number of threads, where another one was asked for. Zero, and nothing, stand for one for each core.
 fn admitted(asked: &str, cores: usize) -> Result<(), usize> {
     let most = THREADS_PER_CORE * cores;

@@ -290,9 +290,15 @@ fn copies_are_the_same_as_their_originals() {
             copies += 1;
         }
     }
-    for package in ["onset", "onset-cli", "onset-study", "onset-umat"] {
+    for package in [
+        "crates/onset",
+        "crates/onset-cli",
+        "crates/onset-study",
+        "crates/onset-umat",
+        "python/licenses",
+    ] {
         for license in ["LICENSE-APACHE", "LICENSE-MIT"] {
-            let copy = root.join("crates").join(package).join(license);
+            let copy = root.join(package).join(license);
             assert!(
                 read(copy) == read(root.join(license)),
                 "{package}/{license}"
@@ -300,5 +306,5 @@ fn copies_are_the_same_as_their_originals() {
             copies += 1;
         }
     }
-    assert_eq!(copies, 26);
+    assert_eq!(copies, 28);
 }

@@ -1,6 +1,6 @@
 //! `onset tune`.
 
-use super::{Scratch, document, number, onset, onset_line};
+use super::{Scratch, document, number, onset, onset_line, words};
 
 const PENALTY: &str = "set method=total-lagrangian-sph set lattice=square";
 
@@ -99,4 +99,22 @@ fn coefficients_that_are_none_are_refused() {
         assert_eq!(answer.stdout, "", "{line}");
         assert!(answer.stderr.contains(fact), "{line}: {}", answer.stderr);
     }
+}
+
+#[test]
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+fn a_limit_of_the_address_space_costs_no_time() {
+    let question = "tune discretization.penalty --set discretization.method=tlsph";
+    let free = onset_line(question);
+    let limited = std::process::Command::new("sh")
+        .args([
+            "-c",
+            "ulimit -v 150000; ulimit -t 40; exec \"$@\"",
+            "sh",
+            env!("CARGO_BIN_EXE_onset"),
+        ])
+        .args(words(question))
+        .output()
+        .expect("sh");
+    assert_eq!(String::from_utf8_lossy(&limited.stdout), free.stdout);
 }
