@@ -419,8 +419,9 @@ class Path(Answer):
     __slots__ = ()
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws the softest mode of the particles and the smallest acoustic eigenvalue of the material along the path, each over its
-        largest value."""
+        """Draws the softest mode of the particles and, on an axis at the right, the smallest acoustic eigenvalue of the material along the path.
+
+        Zero is at one height of both axes; dashed lines are the changes between stable and unstable, in the color of their curve."""
         from . import _plots
 
         return _plots.path(self.files()["path.csv"].decode(), self, ax)

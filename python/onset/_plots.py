@@ -98,25 +98,42 @@ def bands(answer: Bands, ax: Axes | None) -> Axes:
 
 
 def path(table: str, answer: Answer, ax: Axes | None) -> Axes:
-    """The softest mode and the smallest acoustic eigenvalue along a path."""
+    """The softest mode and, on an axis of its own at the right, the smallest acoustic eigenvalue along a path; both axes have their zero at one height."""
     ax = _axes(ax)
+    told = answer.to_dict()
     lines = [line.split(",") for line in table.splitlines()]
 
     def column(name: str) -> Floats:
         place = lines[0].index(name)
         return np.array([float(line[place] or "nan") for line in lines[1:]])
 
-    for name, label, color in (
-        ("minimum_scaled", "particles: softest mode", PARTICLES),
-        ("minimum_acoustic_eigenvalue", "material: smallest acoustic eigenvalue", CONTINUUM),
+    x = column("abscissa")
+    stress = "Pa" if any("unit" in choice for choice in told["settings"].values()) else "stress"
+    right = ax.twinx()
+    values = [column("minimum_scaled"), column("minimum_acoustic_eigenvalue")]
+    lows = [-min(0.0, float(np.nanmin(own, initial=0.0))) for own in values]
+    highs = [max(0.0, float(np.nanmax(own, initial=0.0))) for own in values]
+    below = max(low / (low + high or 1.0) for low, high in zip(lows, highs, strict=True))
+    for axes, own, low, high, of, label, color in zip(
+        (ax, right),
+        values,
+        lows,
+        highs,
+        ("discretization", "material"),
+        ("particles: min Re ω² / (c² |k|²) (−)", f"material: smallest acoustic eigenvalue ({stress})"),
+        (PARTICLES, "tab:red"),
+        strict=True,
     ):
-        values = column(name)
-        largest = np.nanmax(np.abs(values)) if np.any(np.isfinite(values)) else 1.0
-        ax.plot(column("abscissa"), values / (largest or 1.0), color=color, label=label)
+        # Zero at the share `below` of the height, with a margin.
+        height = 1.1 * max(high / (1.0 - below) if below < 1.0 else 0.0, low / below if below > 0.0 else 0.0) or 1.0
+        margin = 0.05 * height
+        axes.set_ylim(-below * height - margin, (1.0 - below) * height + margin)
+        axes.plot(x, own, color=color)
+        for change in told[f"{of}_crossings"]:
+            axes.axvline(x[0] + (x[-1] - x[0]) * change["parameter"], color=color, linewidth=0.8, linestyle="--")
+        axes.set_ylabel(label, color=color)
     ax.axhline(0.0, color="black", linewidth=0.5)
-    ax.set_xlabel("stretch" if "loading" in answer else "path, from 0 to 1")
-    ax.set_ylabel("over the largest value")
-    ax.legend()
+    ax.set_xlabel(told["abscissa"])
     return ax
 
 

@@ -442,7 +442,7 @@ pub enum Command {
         #[arg(long, value_name = "DIR")]
         out: PathBuf,
     },
-    /// Reproduce the paper: every figure, and a verdict on every claim
+    /// Reproduce the paper: figures 2 and 4 to 10, and a verdict on every claim
     Reproduce {
         /// Folder for figures, data and the report.
         #[arg(long, value_name = "DIR", default_value = "reproduction")]

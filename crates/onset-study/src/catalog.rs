@@ -197,7 +197,15 @@ impl KeyList {
         let entry = |key: &'static Key| {
             let lacking = key.lacking(METHOD, &|name| settings.value(name))?;
             let told: Vec<String> = lacking.iter().map(ToString::to_string).collect();
-            Some(KeyEntry::new(key, told.join(" and ")))
+            Some(KeyEntry {
+                // The value in effect where nothing but the method is set.
+                default: match settings.value(key.name) {
+                    own if own == Settings::default().value(key.name) => key.default_value(),
+                    Some(Value::Word(word)) => word,
+                    own => own.map(|own| own.to_string()).unwrap_or_default(),
+                },
+                ..KeyEntry::new(key, told.join(" and "))
+            })
         };
         let own = KEYS
             .iter()
@@ -838,8 +846,8 @@ impl LawEntry {
 
 #[cfg(test)]
 mod tests {
-    use super::topics;
-    use crate::settings::{KEYS, Key, Kind};
+    use super::{KeyList, topics};
+    use crate::settings::{KEYS, Key, Kind, Settings, Value, aliases};
 
     /// Whether a key is read by some families of methods only.
     fn is_of_family(key: &Key) -> bool {
@@ -849,6 +857,33 @@ mod tests {
         };
         let mut cases = key.read_with.iter();
         !key.read_with.is_empty() && cases.all(|case| case.iter().any(|need| leads_there(need.key)))
+    }
+
+    #[test]
+    fn every_listed_default_is_the_value_in_effect() {
+        let methods = KEYS.iter().find(|key| key.name == "discretization.method");
+        let words = methods.expect("a key").words().iter().copied();
+        for method in words.chain(aliases().map(|(_, alias, _)| alias)) {
+            let Ok(list) = KeyList::of_method(method) else {
+                continue;
+            };
+            let set = format!("discretization.method={method}");
+            let settings =
+                Settings::from_assignments(std::slice::from_ref(&set)).expect("a method");
+            for entry in list.keys {
+                let used = settings.value(entry.name);
+                if entry.default.is_empty() {
+                    let is_empty =
+                        matches!(&used, Some(Value::Numbers(numbers)) if numbers.is_empty());
+                    assert!(is_empty || used.is_none(), "{method}: {}", entry.name);
+                    continue;
+                }
+                let mut told = settings.clone();
+                told.assign(&format!("{}={}", entry.name, entry.default))
+                    .expect("a value");
+                assert_eq!(told.value(entry.name), used, "{method}: {}", entry.name);
+            }
+        }
     }
 
     // The words of some families of methods alone are told with their keys, dialects of codes apart.

@@ -1,6 +1,8 @@
 //! The studies that are kept in `studies/`, and the schema beside them.
 
-use onset_study::settings::{Quantity, Study, schema, study_keys};
+use onset_study::settings::{
+    BODY_KEYS, COMPARISON_KEYS, GRIP_KEYS, Key, Quantity, Study, schema, study_keys,
+};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -307,4 +309,93 @@ fn copies_are_the_same_as_their_originals() {
         }
     }
     assert_eq!(copies, 28);
+}
+
+/// Pages of the book, and the README.
+fn pages() -> Vec<(PathBuf, String)> {
+    let root = folder().join("..");
+    let mut folders = vec![root.join("book/src")];
+    let mut pages = vec![root.join("README.md")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            match path.extension() {
+                None => folders.push(path),
+                Some(extension) if extension == "md" => pages.push(path),
+                Some(_) => {}
+            }
+        }
+    }
+    let text = |path: PathBuf| {
+        let text = std::fs::read_to_string(&path).expect("a page");
+        (path, text)
+    };
+    pages.into_iter().map(text).collect()
+}
+
+#[test]
+fn every_key_that_the_book_names_exists() {
+    let keys: Vec<&Key> = study_keys()
+        .chain(BODY_KEYS)
+        .chain(GRIP_KEYS)
+        .chain(COMPARISON_KEYS)
+        .collect();
+    let files = ["csv", "html", "json", "png", "rs", "svg", "toml"];
+    let sections = [
+        "material",
+        "discretization",
+        "state",
+        "map",
+        "body",
+        "grips",
+        "compare",
+    ];
+    let is_key = |name: &str| Key::named(name).is_some() || keys.iter().any(|key| key.name == name);
+    let is_part = |name: &str| keys.iter().any(|key| key.parts().1 == name);
+    let mut looked_at = 0;
+    for (page, text) in pages() {
+        let mut is_code = false;
+        let lines: Vec<&str> = text.lines().collect();
+        for (n, line) in lines.iter().enumerate() {
+            is_code ^= line.starts_with("```");
+            // The table of earlier names has them.
+            if is_code || (page.ends_with("words.md") && line.starts_with('|')) {
+                continue;
+            }
+            let place = || format!("{}:{}: {line}", page.display(), n + 1);
+            for code in line.split('`').skip(1).step_by(2) {
+                let name = code.split([' ', '=']).next().unwrap_or_default();
+                let Some((section, own)) = name.split_once('.') else {
+                    continue;
+                };
+                let is_name = own
+                    .chars()
+                    .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-');
+                if sections.contains(&section)
+                    && is_name
+                    && !own.is_empty()
+                    && !files.contains(&own)
+                {
+                    assert!(is_key(name), "{}", place());
+                    looked_at += 1;
+                }
+            }
+            // A table of the words of a key has the key in its heading.
+            let is_heading = lines
+                .get(n + 1)
+                .is_some_and(|next| next.starts_with("|---"));
+            let heading = line
+                .strip_prefix("| `")
+                .and_then(|rest| rest.split('`').next());
+            if let Some(name) = heading.filter(|_| is_heading) {
+                assert!(
+                    is_part(name.rsplit('.').next().unwrap_or_default()),
+                    "{}",
+                    place()
+                );
+                looked_at += 1;
+            }
+        }
+    }
+    assert!(looked_at > 200, "{looked_at} keys");
 }

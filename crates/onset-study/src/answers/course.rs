@@ -151,7 +151,7 @@ impl Course {
     }
 
     /// What the states are told by: the imposed stretch, a stretch along an axis where that changes, or the path parameter.
-    fn abscissa(&self, s: f64) -> (&'static str, f64) {
+    pub(super) fn abscissa(&self, s: f64) -> (&'static str, f64) {
         match self {
             Self::Loading { from, to, .. } => ("imposed stretch λ (−)", from + (to - from) * s),
             Self::Straight(from, to) => {
@@ -261,6 +261,12 @@ pub struct PathSamples {
     pub settings: Effective,
 }
 
+/// Scaled minimum over the zone; rounding is zero.
+fn softest(state: &StateAnswer) -> f64 {
+    let scaled = state.discretization.minimum_scaled;
+    if scaled.abs() > ROUNDING { scaled } else { 0.0 }
+}
+
 impl PathSamples {
     /// Looks at states along a path, on all cores.
     ///
@@ -315,7 +321,7 @@ impl PathSamples {
                     let (d, material) = (&state.discretization, &state.material);
                     cells.push(state.verdict.name().to_owned());
                     let numbers = [
-                        d.minimum_scaled,
+                        softest(state),
                         d.minimum_omega_squared.re,
                         d.growth_rate,
                         material.minimum_acoustic_eigenvalue,
@@ -368,11 +374,7 @@ impl PathSamples {
             .with(panel(
                 "Softest mode of the particles",
                 "min Re ω² / (c² |k|²) (−)".to_owned(),
-                // Rounding is zero.
-                values(&|state| {
-                    let scaled = state.discretization.minimum_scaled;
-                    if scaled.abs() > ROUNDING { scaled } else { 0.0 }
-                }),
+                values(&softest),
                 changes[0],
                 palette::BLUE,
             ))

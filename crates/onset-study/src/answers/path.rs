@@ -37,6 +37,8 @@ pub struct PathAnswer {
     pub notes: Vec<String>,
     /// Every choice in effect.
     pub settings: Effective,
+    /// Label of the coordinate along the path, as in the figure: the imposed stretch, a stretch along an axis, or the path parameter.
+    pub abscissa: &'static str,
     /// The loading, where the path is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loading: Option<LoadingOfPath>,
@@ -139,7 +141,11 @@ impl PathAnswer {
     pub fn along(problem: &Problem, course: &Course) -> Result<Self, ProblemError> {
         course.follow(problem, |path, loading| {
             let answer = answer(problem, path)?;
-            Ok(Self { loading, ..answer })
+            Ok(Self {
+                loading,
+                abscissa: course.abscissa(0.0).0,
+                ..answer
+            })
         })
     }
 }
@@ -232,6 +238,7 @@ fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, P
         notes,
         settings: problem.settings.effective(),
         loading: None,
+        abscissa: "",
         from: *problem.found(from).components(),
         to: *problem.found(to).components(),
         material_onset,

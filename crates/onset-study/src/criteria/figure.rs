@@ -2,7 +2,7 @@
 
 use super::{CriteriaAnswer, CriterionAnswer, LoadingAnswer};
 use crate::figure::{Axis, Color, Figure, Line, Panel, Rule, palette};
-use onset::criteria::Criterion;
+use onset::criteria::{Change, Criterion};
 
 /// Width of a bar, in pixels.
 const BAR: f64 = 8.0;
@@ -81,30 +81,164 @@ fn kind(criterion: Criterion) -> (Color, &'static str) {
             (palette::ORANGE, "incremental work under dead loads")
         }
         Criterion::Surface => (palette::SKY, "waves at free faces"),
-        Criterion::Drucker
-        | Criterion::DruckerAbaqus
-        | Criterion::DruckerIncompressible
-        | Criterion::TrueStressMonotonicity => {
+        Criterion::Drucker | Criterion::DruckerAbaqus | Criterion::TrueStressMonotonicity => {
             (palette::GREEN, "stress work in logarithmic strain")
         }
         Criterion::LoadMaximum => (palette::VERMILION, "maximum of the load"),
     }
 }
 
-/// The stretches at which a criterion holds, between the ends of a path.
+/// Intervals of stretch in which a criterion holds, between the ends of a path.
 pub(super) fn held(answer: &CriterionAnswer, [low, high]: [f64; 2]) -> Vec<(f64, f64)> {
     let mut intervals = Vec::new();
     for (side, end) in [(&answer.compression, low), (&answer.tension, high)] {
         let mut from = answer.holds_in_reference.then_some(1.0);
         for change in &side.changes {
-            match from.take() {
-                Some(start) => intervals.push((start, change.stretch)),
-                None => from = Some(change.stretch),
+            match change.change {
+                Change::Lost => intervals.extend(from.take().map(|from| (from, change.stretch))),
+                Change::Regained => from = Some(change.stretch),
             }
         }
-        if let Some(start) = from {
-            intervals.push((start, end));
+        intervals.extend(from.map(|from| (from, end)));
+    }
+    intervals.retain(|(from, to)| from != to);
+    intervals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Mode, Question, Range};
+    use super::*;
+    use crate::figure::Layer;
+    use crate::settings::Settings;
+    use onset::criteria::LoadingPath;
+
+    /// Laws that hold everywhere, lose criteria in tension, in compression, in the reference, and with the first deformation.
+    const LAWS: [&[&str]; 4] = [
+        &["model=blatz-ko"],
+        &[
+            "energy=mu/2*(I1-3-2*ln(J))+la/2*(ln(J))^2",
+            "mu=1",
+            "la=-0.9",
+        ],
+        &[
+            "energy=mu/2*(I1-3-2*ln(J))+la/2*(ln(J))^2",
+            "mu=1",
+            "la=-2.5",
+        ],
+        &[
+            "energy=mu/2*(I1-3-2*ln(J))+la/2*(ln(J))^2+k*(I1-3)^2",
+            "mu=-0.1",
+            "la=1",
+            "k=0.1",
+        ],
+    ];
+
+    /// Horizontal lines of a panel as wide as bars, as height and ends.
+    fn bars(panel: &Panel) -> Vec<(f64, [f64; 2])> {
+        let lines = panel.layers.iter().filter_map(|layer| match layer {
+            Layer::Line(line) if line.width > 2.0 => Some(&line.points),
+            _ => None,
+        });
+        lines
+            .map(|points| {
+                (
+                    points[0].1,
+                    [points[0].0.min(points[1].0), points[0].0.max(points[1].0)],
+                )
+            })
+            .collect()
+    }
+
+    fn question(law: &[&str]) -> Question {
+        let set = law.iter().map(|own| match own.strip_prefix("energy=") {
+            Some(energy) => format!("material.energy={energy}"),
+            None => format!("material.{own}"),
+        });
+        let mut set: Vec<String> = set.collect();
+        if law[0].starts_with("energy") {
+            set.insert(0, "material.model=formula".to_owned());
+        }
+        let settings = Settings::from_assignments(&set).expect("a law");
+        let range = Range::new(0.1, 10.0).expect("a range");
+        Question::new(&settings.material, range, &[Mode::Hydrostatic]).expect("a question")
+    }
+
+    #[test]
+    fn bars_cover_the_states_in_which_the_criterion_holds_and_no_others() {
+        for law in LAWS {
+            let question = question(law);
+            let answer = question.answer().expect("an answer");
+            let card = question.card().expect("a card");
+            for ((loading, panel), limits) in answer
+                .loadings
+                .iter()
+                .zip(answer.figure().panels)
+                .zip(&card.loadings)
+            {
+                let own = question
+                    .loadings
+                    .iter()
+                    .find(|own| own.title() == loading.title);
+                let path = LoadingPath::new(
+                    &*question.material,
+                    question.law.isotropic,
+                    *own.expect("a loading"),
+                    &question.range,
+                )
+                .expect("a path");
+                let bars = bars(&panel);
+                for (n, criterion) in loading.criteria.iter().enumerate() {
+                    let y = (loading.criteria.len() - n) as f64;
+                    let is_covered = |x: f64| {
+                        bars.iter()
+                            .any(|(height, ends)| *height == y && ends[0] <= x && x <= ends[1])
+                    };
+                    let of_card = limits.elliptic.iter().map(|(a, b)| [a.min(*b), a.max(*b)]);
+                    if criterion.criterion == Criterion::StrongEllipticity {
+                        let drawn: Vec<_> = bars
+                            .iter()
+                            .filter(|(height, _)| *height == y)
+                            .map(|(_, ends)| *ends)
+                            .collect();
+                        assert_eq!(
+                            drawn,
+                            of_card.collect::<Vec<_>>(),
+                            "{law:?} {}",
+                            loading.title
+                        );
+                    }
+                    let limits =
+                        [&criterion.compression, &criterion.tension].map(|side| side.limit);
+                    for stretch in [
+                        0.12, 0.31, 0.6, 0.83, 0.97, 1.03, 1.2, 1.7, 2.9, 5.1, 9.3_f64,
+                    ] {
+                        let Some(state) = path.at(stretch.ln()) else {
+                            continue;
+                        };
+                        let holds = match criterion.criterion {
+                            // Finite jumps are searched up to the first loss only.
+                            Criterion::RankOneConvexity => {
+                                criterion.defined
+                                    && match limits[usize::from(stretch > 1.0)] {
+                                        Some(limit) => limit.ln().abs() > stretch.ln().abs(),
+                                        None => true,
+                                    }
+                            }
+                            other => other
+                                .measure(&path.ask(&state))
+                                .is_some_and(|measure| measure.holds()),
+                        };
+                        assert_eq!(
+                            is_covered(stretch),
+                            holds,
+                            "{law:?} {} {} at {stretch}",
+                            loading.title,
+                            criterion.criterion.name()
+                        );
+                    }
+                }
+            }
         }
     }
-    intervals
 }

@@ -371,10 +371,10 @@ impl Question {
         Ok(self)
     }
 
-    /// The criteria that have an answer of their own: of incompressible response one check of Drucker's, which is that of true stress too, and surfaces.
+    /// The criteria with an answer: true stress and Kirchhoff stress are one in incompressible response, whose surfaces have a criterion.
     fn criteria(&self) -> Vec<Criterion> {
         let left_out: &[Criterion] = match self.law.incompressible {
-            true => &[Criterion::DruckerAbaqus, Criterion::TrueStressMonotonicity],
+            true => &[Criterion::TrueStressMonotonicity],
             false => &[Criterion::Surface],
         };
         let mut criteria = Criterion::ALL.to_vec();

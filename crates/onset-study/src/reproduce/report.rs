@@ -1,6 +1,6 @@
 //! The result of a reproduction: a table for the terminal, a page for the reader, a table for a program.
 
-use super::claims::Claim;
+use super::claims::{Claim, ClaimVerdict};
 use crate::csv;
 use serde::Serialize;
 
@@ -25,6 +25,32 @@ impl Report {
     /// Whether every verdict is the one on record.
     pub fn is_as_recorded(&self) -> bool {
         self.claims.iter().all(Claim::is_as_recorded)
+    }
+
+    /// Counts of the verdicts, with the claims that do not simply hold, and whether these are the verdicts on record.
+    pub fn summary(&self) -> String {
+        let of = |is_meant: &dyn Fn(&Claim) -> bool| -> Vec<&str> {
+            let meant = self.claims.iter().filter(|claim| is_meant(claim));
+            meant.map(|claim| claim.id).collect()
+        };
+        let counted = |ids: &[&str], what: &str| match ids {
+            [] => format!("none {what}"),
+            _ => format!("{} {what} ({})", ids.len(), ids.join(", ")),
+        };
+        let reproduced = of(&|claim| claim.verdict == ClaimVerdict::Reproduced);
+        let only = of(&|claim| matches!(claim.verdict, ClaimVerdict::ReproducedOnlyFor(_)));
+        let contradicted = of(&|claim| claim.verdict == ClaimVerdict::Contradicted);
+        let unlike = of(&|claim| !claim.is_as_recorded());
+        format!(
+            "{} reproduced, {}, {}; {}",
+            reproduced.len(),
+            counted(&only, "only for some choices"),
+            counted(&contradicted, "contradicted"),
+            match unlike.as_slice() {
+                [] => "as recorded".to_owned(),
+                unlike => counted(unlike, "not as recorded"),
+            }
+        )
     }
 
     /// The claims as a table.
@@ -67,12 +93,13 @@ impl Report {
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <title>Material stability analysis of particle methods, reproduced</title>\n<style>{STYLE}</style></head><body>\n\
              <h1>Material stability analysis of particle methods, reproduced</h1>\n\
-             <p>Every figure and claim of S. P. Xiao and T. Belytschko, <i>Material stability analysis of particle methods</i>, \
+             <p>Figures 2 and 4 to 10 (1 and 3 are sketches) and the claims of S. P. Xiao and T. Belytschko, <i>Material stability analysis of particle methods</i>, \
              Advances in Computational Mathematics 23 (2005) 171–190, computed by onset {}. Lengths in particle spacings, density 1, \
              stresses in MPa for the material of equation (5) and in psi for Blatz-Ko.</p>\n\
-             <h2>Claims</h2>\n<table><thead><tr><th></th><th>The paper says</th><th>Computed</th><th>Under these choices</th>\
+             <h2>Claims</h2>\n<p>{}.</p>\n<table><thead><tr><th></th><th>The paper says</th><th>Computed</th><th>Under these choices</th>\
              <th>Number</th><th>Verdict</th></tr></thead><tbody>\n{rows}</tbody></table>\n<h2>Figures</h2>\n{figures}</body></html>\n",
-            env!("CARGO_PKG_VERSION")
+            env!("CARGO_PKG_VERSION"),
+            self.summary()
         )
     }
 }
@@ -140,16 +167,54 @@ impl std::fmt::Display for Report {
                 writeln!(formatter, "     NOT AS RECORDED: {}", claim.recorded)?;
             }
         }
-        let recorded = self
-            .claims
-            .iter()
-            .filter(|claim| claim.is_as_recorded())
-            .count();
         write!(
             formatter,
-            "\n{recorded} of {} claims as recorded, {} figures",
-            self.claims.len(),
+            "\n{}\n{} figures: 2 and 4 to 10 of the paper (1 and 3 are sketches)",
+            self.summary(),
             self.figures.len()
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn claim(id: &'static str, verdict: ClaimVerdict, recorded: &'static str) -> Claim {
+        Claim {
+            id,
+            place: "",
+            paper: "",
+            computed: String::new(),
+            choices: "",
+            verdict,
+            number: 0.0,
+            recorded,
+        }
+    }
+
+    #[test]
+    fn the_last_line_counts_verdicts_and_names_the_claims_that_do_not_hold() {
+        let mut report = Report {
+            claims: vec![
+                claim("C1", ClaimVerdict::Reproduced, "reproduced"),
+                claim("C2", ClaimVerdict::Reproduced, "reproduced"),
+                claim(
+                    "C3",
+                    ClaimVerdict::ReproducedOnlyFor("one reading".to_owned()),
+                    "reproduced only for",
+                ),
+                claim("C4", ClaimVerdict::Contradicted, "contradicted"),
+            ],
+            figures: Vec::new(),
+        };
+        assert_eq!(
+            report.summary(),
+            "2 reproduced, 1 only for some choices (C3), 1 contradicted (C4); as recorded"
+        );
+        report.claims[1].recorded = "contradicted";
+        assert!(report.summary().ends_with("; 1 not as recorded (C2)"));
+        assert!(report.to_string().contains("1 contradicted (C4); 1 not"));
+        assert!(report.html().contains("1 contradicted (C4); 1 not"));
     }
 }

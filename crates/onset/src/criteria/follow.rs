@@ -260,10 +260,14 @@ pub fn follow_jumps(path: &LoadingPath<'_>, elliptic: &Track, reach: f64, tensio
         }
         return jumps.break_even(&places[..n], (*place, jump));
     }
-    // Up to the limit of ellipticity no finite jump gains energy; there, small ones do.
+    // Up to the limit of ellipticity no finite jump gains energy; there, small ones do. What is regained is ellipticity alone.
+    let first = elliptic.events.first().copied();
     Track {
         holds_at_start: elliptic.holds_at_start,
-        events: elliptic.events.first().copied().into_iter().collect(),
+        events: first
+            .filter(|event| event.change == Change::Lost)
+            .into_iter()
+            .collect(),
     }
 }
 

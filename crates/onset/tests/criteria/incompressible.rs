@@ -200,7 +200,7 @@ fn druckers_check_is_that_of_the_energy_of_two_strains() {
                     u(second, second),
                 );
                 let expected = form.symmetric_eigenvalues().min();
-                let found = Criterion::DruckerIncompressible
+                let found = Criterion::DruckerAbaqus
                     .measure(&path.ask(&state))
                     .expect("defined")
                     .value;
@@ -222,7 +222,7 @@ fn treloars_fit_is_stable_throughout() {
         let path = kept(&*law, loading);
         for tension in [true, false] {
             assert_eq!(
-                limit(&path, Criterion::DruckerIncompressible, tension),
+                limit(&path, Criterion::DruckerAbaqus, tension),
                 None,
                 "{loading:?}"
             );
@@ -238,10 +238,6 @@ fn treloars_fit_is_stable_throughout() {
     assert!(
         rate[0][0] * rate[1][1] > 0.0 && rate[0][0] * rate[2][2] > 0.0,
         "{rate:?}"
-    );
-    assert_eq!(
-        limit(&compressible, Criterion::DruckerIncompressible, false),
-        None
     );
 }
 

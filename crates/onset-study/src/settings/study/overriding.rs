@@ -22,8 +22,42 @@ impl Study {
             study.assign(assignment.as_ref())?;
         }
         study.check()?;
+        study.title = study.title_beside(self);
         study.text = study.document();
         Ok(study)
+    }
+
+    /// The title of the study; where material, method or state are not those of the `original`, the law and the method that are, with what else differs.
+    fn title_beside(&self, original: &Self) -> String {
+        let (own, before) = (self.effective(), original.effective());
+        let differs = |name: &str| match (own.get(name), before.get(name)) {
+            (Some(own), Some(before)) => own.value != before.value,
+            (Some(own), None) => !own.default,
+            (None, _) => false,
+        };
+        let state = STATE_KEYS.iter().filter_map(|key| {
+            let value = self.value(key.name)?;
+            (original.value(key.name)? != value).then(|| format!("{} {value}", key.parts().1))
+        });
+        let heads = ["material.model", "discretization.method"];
+        let others = own
+            .clone()
+            .only(&|name| differs(name) && !heads.contains(&name));
+        let others = std::iter::once(others.told())
+            .chain(state)
+            .filter(|told| !told.is_empty());
+        let others = others.collect::<Vec<_>>().join(", ");
+        if self.title.is_empty() || (others.is_empty() && !heads.into_iter().any(differs)) {
+            return self.title.clone();
+        }
+        let [law, method] = heads.map(|name| match own.get(name).map(|own| &own.value) {
+            Some(Value::Word(word)) => word.clone(),
+            _ => String::new(),
+        });
+        match others.as_str() {
+            "" => format!("{law} in {method}"),
+            others => format!("{law} in {method}: {others}"),
+        }
     }
 
     fn assign(&mut self, assignment: &str) -> Result<(), SettingError> {

@@ -457,6 +457,36 @@ fn assignments_override_a_study_but_not_its_axes() {
 }
 
 #[test]
+fn a_title_is_that_of_the_study_only_while_nothing_that_is_shown_is_overridden() {
+    let study = study(&format!(
+        "title = 'Mooney and Rivlin in the paper'\n{PLANE}"
+    ));
+    for (assignments, title) in [
+        (&["map.tile=8"][..], "Mooney and Rivlin in the paper"),
+        (
+            &["discretization.frame=lagrangian"],
+            "Mooney and Rivlin in the paper",
+        ),
+        (
+            &[
+                "discretization.method=total-lagrangian-sph",
+                "discretization.penalty=0.2",
+            ],
+            "modified-mooney-rivlin in total-lagrangian-sph: penalty 0.2",
+        ),
+        (
+            &["discretization.support=1.6", "state.shear=0.1"],
+            "modified-mooney-rivlin in kernel: support 1.6, shear 0.1",
+        ),
+        (&["material.model=blatz-ko"], "blatz-ko in kernel"),
+    ] {
+        let other = study.override_with(assignments).expect("valid");
+        assert_eq!(other.title, title);
+        assert!(other.text.contains(title), "{}", other.text);
+    }
+}
+
+#[test]
 fn a_study_written_out_in_full_is_the_same_study() {
     let texts = [
         PLANE.to_owned(),

@@ -465,10 +465,14 @@ fn laid_out<const D: usize>(
             .map(|i| ((i as f64 + 0.5) / n as f64, 1.0 / n as f64))
             .collect(),
         PointLayout::Uniform => {
-            return Err(setting("per-side", n as f64, "a whole number from 1 to 8"));
+            return Err(setting(
+                "points-per-side",
+                n as f64,
+                "a whole number from 1 to 8",
+            ));
         }
         PointLayout::Gauss => {
-            let refused = || setting("per-side", n as f64, "1, 2 or 3 with Gauss points");
+            let refused = || setting("points-per-side", n as f64, "1, 2 or 3 with Gauss points");
             let line = (1..=3).contains(&n).then(|| gauss_line(n as u32)).flatten();
             line.ok_or_else(refused)?
         }

@@ -345,7 +345,7 @@ impl ZeroEnergyControl {
     fn check(self) -> Result<(), MethodError> {
         match self {
             Self::Penalty { coefficient } | Self::Hourglass { coefficient } => {
-                MethodError::not_negative("control.coefficient", coefficient)
+                MethodError::not_negative("control-coefficient", coefficient)
             }
             _ => Ok(()),
         }
