@@ -419,9 +419,9 @@ class Path(Answer):
     __slots__ = ()
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws the softest mode of the particles and, on an axis at the right, the smallest acoustic eigenvalue of the material along the path.
+        """Draws the softest mode of the particles and the smallest acoustic eigenvalue of the material along the path, side by side in the place of `ax`.
 
-        Zero is at one height of both axes; dashed lines are the changes between stable and unstable, in the color of their curve."""
+        Dashed lines are the changes between stable and unstable. The first of the two axes is returned."""
         from . import _plots
 
         return _plots.path(self.files()["path.csv"].decode(), self, ax)

@@ -98,7 +98,7 @@ def bands(answer: Bands, ax: Axes | None) -> Axes:
 
 
 def path(table: str, answer: Answer, ax: Axes | None) -> Axes:
-    """The softest mode and, on an axis of its own at the right, the smallest acoustic eigenvalue along a path; both axes have their zero at one height."""
+    """The softest mode and the smallest acoustic eigenvalue along a path, side by side in the place of one axes, each in its unit; returns the first."""
     ax = _axes(ax)
     told = answer.to_dict()
     lines = [line.split(",") for line in table.splitlines()]
@@ -108,32 +108,26 @@ def path(table: str, answer: Answer, ax: Axes | None) -> Axes:
         return np.array([float(line[place] or "nan") for line in lines[1:]])
 
     x = column("abscissa")
+    figure, place = ax.figure, ax.get_subplotspec()
+    if place is None:
+        low, bottom, width, height = ax.get_position().bounds
+        ax.set_position((low, bottom, 0.4 * width, height))
+        right = figure.add_axes((low + 0.6 * width, bottom, 0.4 * width, height))
+    else:
+        halves = place.subgridspec(1, 2)
+        ax.set_subplotspec(halves[0])
+        right = figure.add_subplot(halves[1])
     stress = "Pa" if any("unit" in choice for choice in told["settings"].values()) else "stress"
-    right = ax.twinx()
-    values = [column("minimum_scaled"), column("minimum_acoustic_eigenvalue")]
-    lows = [-min(0.0, float(np.nanmin(own, initial=0.0))) for own in values]
-    highs = [max(0.0, float(np.nanmax(own, initial=0.0))) for own in values]
-    below = max(low / (low + high or 1.0) for low, high in zip(lows, highs, strict=True))
-    for axes, own, low, high, of, label, color in zip(
-        (ax, right),
-        values,
-        lows,
-        highs,
-        ("discretization", "material"),
-        ("particles: min Re ω² / (c² |k|²) (−)", f"material: smallest acoustic eigenvalue ({stress})"),
-        (PARTICLES, "tab:red"),
-        strict=True,
+    for axes, of, name, label, color in (
+        (ax, "discretization", "minimum_scaled", "particles: min Re ω² / (c² |k|²) (−)", PARTICLES),
+        (right, "material", "minimum_acoustic_eigenvalue", f"material: smallest acoustic eigenvalue ({stress})", "tab:red"),
     ):
-        # Zero at the share `below` of the height, with a margin.
-        height = 1.1 * max(high / (1.0 - below) if below < 1.0 else 0.0, low / below if below > 0.0 else 0.0) or 1.0
-        margin = 0.05 * height
-        axes.set_ylim(-below * height - margin, (1.0 - below) * height + margin)
-        axes.plot(x, own, color=color)
+        axes.plot(x, column(name), color=color)
+        axes.axhline(0.0, color="black", linewidth=0.5)
         for change in told[f"{of}_crossings"]:
-            axes.axvline(x[0] + (x[-1] - x[0]) * change["parameter"], color=color, linewidth=0.8, linestyle="--")
-        axes.set_ylabel(label, color=color)
-    ax.axhline(0.0, color="black", linewidth=0.5)
-    ax.set_xlabel(told["abscissa"])
+            axes.axvline(x[0] + (x[-1] - x[0]) * change["parameter"], color=CONTINUUM, linewidth=0.8, linestyle="--")
+        axes.set_xlabel(told["abscissa"])
+        axes.set_ylabel(label)
     return ax
 
 

@@ -61,6 +61,28 @@ def test_answers_are_told_drawn_and_shown(tmp_path: Path) -> None:
             assert [Path(path).read_bytes() for path in written] == list(answer.files().values())
 
 
+def test_a_path_is_drawn_in_its_units_and_zero_as_zero() -> None:
+    from matplotlib import pyplot
+
+    law = onset.Material("neo-hooke", mu=0.4, lambda_=2.0)
+    answer = onset.path(law, onset.Method("total-lagrangian-sph", lattice="square"), mode="uniaxial", to=2.0)
+    first = answer.plot()
+    figure = first.get_figure()
+    assert figure is not None
+    particles, material = figure.axes
+    assert particles is first and particles.get_xlabel() == material.get_xlabel() == "imposed stretch λ (−)"
+    assert particles.get_ylabel().endswith("(−)") and material.get_ylabel().endswith("(stress)")
+    x, y = particles.lines[0].get_xydata().T
+    assert (x[0], x[-1]) == (1.0, 2.0) and not np.any(y)
+    # The shear modulus at F = 1, as it is.
+    assert material.lines[0].get_xydata()[0, 1] == pytest.approx(0.4)
+    pyplot.close("all")
+    _, both = pyplot.subplots(1, 2)
+    onset.path(onset.Material("blatz-ko"), SPH, from_=(1, 1), to=(4, 1)).plot(both[1])
+    assert both[1].get_xlabel() == "stretch λ₁ (−)"
+    pyplot.close("all")
+
+
 def test_attributes_are_those_of_the_document() -> None:
     answer = onset.state(RUBBER, SPH, stretch=(1.1, 1.0))
     told = answer.to_dict()
