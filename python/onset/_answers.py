@@ -250,8 +250,13 @@ class State(_Moving):
 
     @property
     def critical_time_step(self) -> float | None:
-        """The largest stable time step of central differences, ``2/omega_max``, or of a transfer of material points; time. ``None`` where nothing oscillates."""
+        """The largest stable time step of central differences, ``2/omega_max``, or of a transfer of material points, of the infinite lattice: free faces and distorted cells need less; time. ``None`` where nothing oscillates."""
         return cast("float | None", self._fields["discretization"]["critical_time_step"])
+
+    @property
+    def finite_bodies(self) -> dict[str, Any] | None:
+        """A ``time_step`` for finite bodies of the lattice, whether it is ``proved``, and its ``ground``; ``None`` where nothing is known of them."""
+        return cast("dict[str, Any] | None", self._fields["discretization"]["finite_bodies"])
 
     @property
     def cauchy(self) -> Floats:
@@ -606,7 +611,7 @@ class Verdicts:
         self.lowest_omega_squared: Floats = of("lowest_omega_squared")
         #: That of the fastest growing wave, zero where none grows, shape (...); 1/time.
         self.growth_rate: Floats = of("growth_rate")
-        #: The largest stable time step of central differences, ``2/omega_max``, shape (...); time.
+        #: The largest stable time step of central differences, ``2/omega_max``, of the infinite lattice: free faces and distorted cells need less; shape (...); time.
         self.critical_time_step: Floats = of("critical_time_step")
         #: The smallest acoustic eigenvalue of the continuum, shape (...); stress.
         self.acoustic_minimum: Floats = of("acoustic_minimum")

@@ -66,6 +66,8 @@ export interface State {
     flutter: boolean;
     maximum_omega: number;
     critical_time_step: number | null;
+    critical_time_step_of: string;
+    finite_bodies: { time_step: number; proved: boolean; ground: string } | null;
     damped_time_steps?: Record<string, number>;
   };
 }

@@ -319,6 +319,10 @@ function showState(answer: State): void {
   sentence.dataset["state"] = question.stretch;
   the("notes").replaceChildren(...answer.notes.map((note) => element("p", { class: "note" }, note)));
   const damped = Object.entries(own.damped_time_steps ?? {}).map(([name, step]): [string, string] => [`time step, ${name}`, told(step)]);
+  const bound = own.finite_bodies;
+  const finite: [string, string][] = bound
+    ? [["finite bodies", `stable below ${told(bound.time_step)} (${bound.proved ? "proved" : "computed"}; ${bound.ground})`]]
+    : [];
   const rows: [string, string][] = [
     ["verdict", answer.mechanism ? `${answer.verdict} (${answer.mechanism})` : answer.verdict],
     ["Cauchy stress", [[0, 0], [1, 1], [0, 1], [2, 2]].map(([i, j]) => `s${i! + 1}${j! + 1} ${told(material.cauchy[i!]![j!])}`).join(", ")],
@@ -331,7 +335,8 @@ function showState(answer: State): void {
     ["smallest ω²", told(own.minimum_omega_squared.re)],
     ["growth rate", told(own.growth_rate)],
     ["largest frequency", told(own.maximum_omega)],
-    ["critical time step", told(own.critical_time_step)],
+    ["critical time step", `${told(own.critical_time_step)} (${own.critical_time_step_of})`],
+    ...finite,
     ...damped,
   ];
   const body = the("numbers").querySelector("tbody")!;

@@ -97,7 +97,7 @@ fn summary(
 ) -> Result<StudySummary, Box<Mistake>> {
     let named = file.display().to_string();
     let (name, text) = source(file).map_err(|failure| Mistake::new(&named, failure.message))?;
-    let study = Study::parse(&name, &text)
+    let study = Study::parse_any(&name, &text)
         .and_then(|study| study.override_with(assignments))
         .map_err(|error| Mistake::of_setting(&name, error))?
         .allowing(trust);

@@ -29,7 +29,6 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
         Some(file) => source(file)?,
         None => Default::default(),
     };
-    let body = BodySettings::of_file(&name, &text).map_err(Failure::input)?;
     let problem = Problem::new(arguments.problem.settings_of(&name, &text)?)?;
     let place = arguments.out.as_ref().map(|folder| Place {
         folder: folder.clone(),
@@ -38,7 +37,7 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
         checkpoint: arguments.checkpoint,
     });
     let is_kept = place.is_some();
-    match body {
+    match problem.settings.body.clone() {
         None => {
             let question = patch(arguments, &problem)?;
             let progress = watched(is_kept)?;

@@ -2,6 +2,7 @@
 
 mod aliases;
 mod audit;
+mod bodies;
 mod boundary;
 mod certify;
 mod check;

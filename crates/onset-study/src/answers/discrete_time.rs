@@ -1,5 +1,6 @@
 //! What a method with a step of its own does with waves, in the answer about a state.
 
+use super::finite_body::OF_LATTICE;
 use super::problem::{Problem, ProblemError};
 use super::state::{ComplexNumber, list};
 use crate::number::{told, told_of, vector};
@@ -107,7 +108,7 @@ impl DiscreteTimeAnswer {
             lines.push((
                 "largest time step",
                 format!(
-                    "{}: the step of the {name} transfer is stable below",
+                    "the step of the {name} transfer is stable below {} ({OF_LATTICE})",
                     time(largest)
                 ),
             ));

@@ -1,5 +1,6 @@
 //! A problem: settings made into a material and a method, and deformations made from numbers.
 
+use super::finite_body::hint_on_body;
 use crate::methods::{hint, method};
 use crate::number::counted;
 use crate::settings::{SettingError, Settings};
@@ -7,6 +8,7 @@ use onset::analysis::{Analysis, analysis};
 use onset::kinematics::{DeformationGradient, KinematicsError};
 use onset::material::Hyperelastic;
 use onset::method::MethodError;
+use onset::motion::{BodyError, Fault};
 use onset::verdict::PathError;
 use std::sync::Arc;
 use thiserror::Error;
@@ -103,6 +105,16 @@ pub enum ProblemError {
         /// What is wrong.
         source: MethodError,
     },
+    /// The body of the study.
+    #[error("{source}\n  hint: {}", hint_on_body(source))]
+    Body {
+        /// Why it cannot be.
+        #[from]
+        source: BodyError,
+    },
+    /// A state at which the body has no forces.
+    #[error("{0}\n  hint: choose a state at which the law is defined")]
+    Fault(#[from] Box<Fault>),
     /// A loading that cannot be followed from one imposed stretch to another.
     #[error("{title}, from stretch {from} to {to}: {reason}{}", note_lines(notes))]
     Loading {
@@ -385,12 +397,22 @@ impl Problem {
     /// # Errors
     /// [`ProblemError`] when one of them is not admissible.
     pub fn new(settings: Settings) -> Result<Self, ProblemError> {
-        let built = || -> Result<_, MethodError> {
-            let material = settings.law()?;
-            let analysis = analysis(&method(&settings)?, Arc::clone(&material))?;
-            Ok((analysis, material))
-        };
-        let (analysis, material) = built().map_err(|error| ProblemError::of(&settings, error))?;
+        match settings.law() {
+            Ok(material) => Self::with_law(settings, material),
+            Err(error) => Err(ProblemError::of(&settings, error.into())),
+        }
+    }
+
+    /// Builds the method for a material that may be shared.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when the method is not admissible.
+    pub(crate) fn with_law(
+        settings: Settings,
+        material: Arc<dyn Hyperelastic>,
+    ) -> Result<Self, ProblemError> {
+        let built = method(&settings).and_then(|method| analysis(&method, Arc::clone(&material)));
+        let analysis = built.map_err(|error| ProblemError::of(&settings, error))?;
         Ok(Self {
             analysis,
             settings,

@@ -2,14 +2,15 @@
 
 use super::certificate::CertificateAnswer;
 use super::discrete_time::{DiscreteTimeAnswer, note};
+use super::finite_body::{BodyStepAnswer, FiniteBodyAnswer, OF_LATTICE};
 use super::mode::{critical_mode, finite_wave_vector};
 use super::mode_name;
 use super::next::next;
 use super::notes::{buckling, notes};
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
-use crate::number::{told, told_of, vector};
-use crate::settings::{Effective, Value};
+use crate::number::{counted, told, told_below, told_of, vector};
+use crate::settings::{Effective, Family, Value};
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
 use onset::bloch::IsEnded;
@@ -208,6 +209,19 @@ pub struct DiscretizationAnswer {
     /// Critical time step of central differences without damping, `2 / maximum_omega`; of a method with a step of its own that of it. `null` where
     /// no mode oscillates.
     pub critical_time_step: Option<f64>,
+    /// The body whose step that is.
+    pub critical_time_step_of: &'static str,
+    /// A step for finite bodies; `null` where nothing is known of them.
+    pub finite_bodies: Option<FiniteBodyAnswer>,
+    /// The body of the study.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body: Option<BodyStepAnswer>,
+    /// Side of a grid cell of material points; length.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grid_cell: Option<f64>,
+    /// Mean distance of material points along a side of a grid cell; length.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub point_spacing: Option<f64>,
     /// The waves in steps of time, where the method has a step of its own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discrete_time: Option<DiscreteTimeAnswer>,
@@ -399,6 +413,13 @@ fn discretization_answer(
     let mode = critical_mode(assessment);
     let wave_vector = finite_wave_vector(mode);
     let spatial = analysis.spatial(f, &mode.wave_vector);
+    let method = &problem.settings.method;
+    let has_grid = method.method == Family::MaterialPoints;
+    let grid_cell = has_grid.then_some(problem.settings.discretization.spacing);
+    let critical_time_step = match &discrete_time {
+        Some(own) => own.largest_time_step,
+        None => Some(spectrum.critical_time_step()).filter(|step| step.is_finite()),
+    };
     let named = mode_name::name(problem, mode, &spatial, spectrum.maximum_omega);
     Ok(DiscretizationAnswer {
         stable: spectrum.is_stable(),
@@ -412,10 +433,12 @@ fn discretization_answer(
         growth_rate: spectrum.growth_rate(),
         flutter: spectrum.flutters,
         maximum_omega: spectrum.maximum_omega,
-        critical_time_step: match &discrete_time {
-            Some(own) => own.largest_time_step,
-            None => Some(spectrum.critical_time_step()).filter(|step| step.is_finite()),
-        },
+        critical_time_step,
+        critical_time_step_of: OF_LATTICE,
+        grid_cell,
+        point_spacing: grid_cell.map(|side| side / f64::from(method.points_per_side)),
+        finite_bodies: FiniteBodyAnswer::new(problem, f, critical_time_step)?,
+        body: BodyStepAnswer::new(problem, f)?,
         discrete_time,
         damped_time_steps_of: (!steps.is_empty()).then(|| {
             if spectrum.is_stable() {
@@ -592,6 +615,11 @@ impl std::fmt::Display for StateAnswer {
         let (chosen, defaults) = self.settings.discretization();
         line("discretization", chosen)?;
         line(&of("by default"), defaults)?;
+        if let Some((side, apart)) = d.grid_cell.zip(d.point_spacing) {
+            let [side, apart] = [side, apart].map(|length| units.of(told(length), "m"));
+            let text = format!("grid cells of {side}, points {apart} apart");
+            line(&of("spacing"), text)?;
+        }
         // Of squared frequencies what is rounding beside the largest is zero.
         let fastest = d.maximum_omega * d.maximum_omega;
         let real = told_of(d.minimum_omega_squared.re, fastest);
@@ -638,7 +666,7 @@ impl std::fmt::Display for StateAnswer {
         let of_integrators = d.critical_time_step.filter(|_| d.discrete_time.is_none());
         let step = of_integrators.map_or_else(String::new, |step| {
             format!(
-                "; central differences {without}need a time step below {}",
+                "; central differences {without}need a time step below {} ({OF_LATTICE})",
                 units.of(told(step), "s")
             )
         });
@@ -648,6 +676,19 @@ impl std::fmt::Display for StateAnswer {
         )?;
         for (name, text) in d.discrete_time.iter().flat_map(|own| own.lines(units)) {
             line(&of(name), text)?;
+        }
+        if let Some(finite) = &d.finite_bodies {
+            line(&of("finite bodies"), finite.words(units))?;
+        }
+        if let Some(body) = &d.body {
+            let step = match body.time_step {
+                Some(step) => format!("stable below {}", units.of(told_below(step), "s")),
+                None => "nothing oscillates".to_owned(),
+            };
+            line(
+                &of("this body"),
+                format!("{}: {step}", counted(body.particles, "particle")),
+            )?;
         }
         for (integrator, step) in &d.damped_time_steps {
             let whose = if d.stable {

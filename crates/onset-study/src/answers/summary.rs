@@ -1,9 +1,10 @@
 //! What a study asks for, told before it is computed.
 
+use super::finite_body::BodyStepAnswer;
 use super::notes::notes;
 use super::problem::{Problem, ProblemError};
 use crate::map::{Forecast, PATIENCE, edge, tiling};
-use crate::number::counted;
+use crate::number::{counted, told_below};
 use crate::settings::{Axis, Effective, MapSettings, Quantity, Study, Units, Value};
 use onset::kinematics::DeformationGradient;
 use onset::method::MethodError;
@@ -29,9 +30,12 @@ pub struct StudySummary {
     pub held_fixed: BTreeMap<&'static str, f64>,
     /// What is varied.
     pub axes: Vec<AxisSummary>,
+    /// The body of the study, in the reference state.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body: Option<BodyStepAnswer>,
     /// How the map is made.
     pub map: MapSettings,
-    /// Number of states.
+    /// Number of states of the map, zero without axes.
     pub states: usize,
     /// Number of tiles.
     pub tiles: usize,
@@ -73,9 +77,17 @@ impl StudySummary {
     pub fn new(file: &str, study: &Study) -> Result<Self, ProblemError> {
         // Without permission nothing is loaded, and no state is looked at.
         let not_loaded = study.settings.material.permitted().err();
+        let is_mapped = !study.axes.is_empty();
         let (samples, forecast) = match not_loaded {
-            None => (Samples::of(study)?, Some(Forecast::of(study, PATIENCE)?)),
-            Some(_) => (Samples::default(), None),
+            None if is_mapped => (Samples::of(study)?, Some(Forecast::of(study, PATIENCE)?)),
+            _ => (Samples::default(), None),
+        };
+        let body = match (&not_loaded, &study.settings.body) {
+            (None, Some(_)) => {
+                let problem = Problem::new(study.settings.clone())?;
+                BodyStepAnswer::new(&problem, &DeformationGradient::identity())?
+            }
+            _ => None,
         };
         let varied = |name: &str| {
             study
@@ -110,9 +122,10 @@ impl StudySummary {
                 .iter()
                 .map(|axis| AxisSummary::of(axis, study.settings.units()))
                 .collect(),
+            body,
             map: study.map,
-            states: study.states(),
-            tiles: tiling(study).tiles(),
+            states: if is_mapped { study.states() } else { 0 },
+            tiles: if is_mapped { tiling(study).tiles() } else { 0 },
             sampled: samples.looked_at,
             undefined: samples.undefined,
             evaluations: forecast.map(|forecast| forecast.evaluations),
@@ -254,11 +267,24 @@ impl std::fmt::Display for StudySummary {
                 line("  by default", defaults)?;
             }
         }
-        line("held fixed", listed(&self.held_fixed))?;
+        if let Some(body) = &self.body {
+            let units = self.settings.units();
+            let step = body.time_step.map_or_else(String::new, |step| {
+                let step = units.of(told_below(step), "s");
+                format!("; central differences need a time step below {step}")
+            });
+            let particles = counted(body.particles, "particle");
+            line("body", format!("{particles}{step}"))?;
+        }
+        if !self.axes.is_empty() {
+            line("held fixed", listed(&self.held_fixed))?;
+        }
         for (number, summary) in self.axes.iter().enumerate() {
             line(if number == 0 { "axes" } else { "" }, axis(summary))?;
         }
-        line("map", self.map_words())?;
+        if !self.axes.is_empty() {
+            line("map", self.map_words())?;
+        }
         if let (Some(seconds), Some(each)) = (self.seconds, self.seconds_per_state) {
             let computed = self.evaluations.unwrap_or(0);
             let filled = match computed < self.states as u64 {

@@ -1,12 +1,11 @@
 //! What is measured of one method.
 
-use crate::answers::ProblemError;
-use crate::methods::method;
+use crate::answers::{BodyStepAnswer, OF_LATTICE, Problem, ProblemError};
 use crate::settings::{CompareSettings, Effective, Settings};
-use onset::analysis::analysis;
 use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
 use onset::measures::{DispersionError, Extent, Fidelity, Load, OnsetPair, StateWindow};
+use onset::motion::BodyError;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 use std::sync::Arc;
@@ -63,8 +62,16 @@ pub struct Measured {
     pub fidelity: Fidelity,
     /// The critical time step; time.
     pub critical_time_step: f64,
+    /// The body whose critical time step that is.
+    pub critical_time_step_of: &'static str,
+    /// The body of the study, in the reference state; left out of methods without bodies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body: Option<BodyStepAnswer>,
     /// The same times the speed of sound over the particle spacing.
     pub courant: f64,
+    /// The same of the body.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body_courant: Option<f64>,
     /// Particles that an evaluation of the forces on one particle looks at.
     pub neighbors: f64,
 }
@@ -85,9 +92,8 @@ impl Measured {
         material: Arc<dyn Hyperelastic>,
         options: &CompareSettings,
     ) -> Result<Self, ProblemError> {
-        let analysis = method(settings)
-            .and_then(|method| analysis(&method, material))
-            .map_err(|error| ProblemError::of(settings, error))?;
+        let problem = Problem::with_law(settings.clone(), material)?;
+        let analysis = &problem.analysis;
         let spurious = analysis.spurious_modes(options.weak)?;
         let zero_modes = spurious.modes.iter().filter(|mode| mode.is_zero()).count();
         let onsets = Load::ALL
@@ -108,6 +114,13 @@ impl Measured {
         };
         let rest = DeformationGradient::identity();
         let step = analysis.critical_time_step(&rest, options.integrator)?;
+        let passage = analysis.speed_squared()?.sqrt() / analysis.spacing();
+        let body = match BodyStepAnswer::new(&problem, &rest) {
+            Err(ProblemError::Body {
+                source: BodyError::NoBodies,
+            }) => None,
+            found => found?,
+        };
         Ok(Self {
             zero_modes,
             zero_extent: spurious.zero_extent,
@@ -119,7 +132,12 @@ impl Measured {
             onsets,
             fidelity: analysis.fidelity(&window)?,
             critical_time_step: step,
-            courant: step * analysis.speed_squared()?.sqrt() / analysis.spacing(),
+            critical_time_step_of: OF_LATTICE,
+            body,
+            courant: step * passage,
+            body_courant: body
+                .and_then(|body| body.time_step)
+                .map(|step| step * passage),
             neighbors: analysis.neighbors(),
         })
     }

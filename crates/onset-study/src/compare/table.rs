@@ -2,6 +2,7 @@
 
 use super::row::{Measured, Row, WAVELENGTHS};
 use super::thresholds::Thresholds;
+use crate::answers::OF_LATTICE;
 use crate::csv;
 use crate::number::counted;
 use crate::settings::CompareSettings;
@@ -142,7 +143,7 @@ impl Table {
             column(
                 "Courant",
                 "courant",
-                "critical time step times speed of sound over the particle spacing",
+                format!("critical time step times speed of sound over the particle spacing; {OF_LATTICE}"),
                 |m| m.courant,
                 |x| format!("{x:.3}"),
             ),
@@ -154,6 +155,19 @@ impl Table {
                 |x| format!("{x:.0}"),
             ),
         ]);
+        let has_body = |row: &Row| row.measured.as_ref().is_ok_and(|m| m.body.is_some());
+        if self.rows.iter().any(has_body) {
+            columns.push(column(
+                "body",
+                "body_courant",
+                "the same number as Courant, of the body of the study",
+                |m| m.body_courant.unwrap_or(f64::NAN),
+                |x| match x.is_finite() {
+                    true => format!("{x:.3}"),
+                    false => "-".to_owned(),
+                },
+            ));
+        }
         columns
     }
 

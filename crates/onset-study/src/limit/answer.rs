@@ -1,7 +1,9 @@
 //! Critical time steps over the values of a setting, and between which values a step is stable.
 
 use super::{LimitQuestion, VALUES};
-use crate::answers::{Problem, ProblemError, Strain, notes};
+use crate::answers::{
+    BodyStepAnswer, FiniteBodyAnswer, OF_LATTICE, Problem, ProblemError, Strain, notes,
+};
 use crate::csv;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Points, Rule, palette};
 use crate::number::{told, told_above, told_below};
@@ -26,12 +28,15 @@ const CLOSE: f64 = 1e-10;
 pub struct Tried {
     /// The value.
     pub value: f64,
-    /// The critical time step of the state; `null` where no mode oscillates, so that every step is stable, and where nothing can be evaluated.
+    /// The critical time step of the state, of a study with a body the smaller of that of the infinite lattice and that of the body; `null` where no mode oscillates, so that every step is stable, and where nothing can be evaluated.
     /// Time.
     #[serde(serialize_with = "finite")]
     pub critical_time_step: f64,
     /// The verdict on the state; of an unstable one the step is that of the waves that do not grow.
     pub verdict: Option<Verdict>,
+    /// The body of the study at the state.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body: Option<BodyStepAnswer>,
     /// The critical step of an isolated material point, of methods with a transfer. Time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub isolated_point_time_step: Option<f64>,
@@ -110,6 +115,10 @@ pub struct LimitAnswer {
     pub safety: f64,
     /// How steps are taken; `null` of a method with a transfer, which has a step of its own.
     pub integrator: Option<&'static str>,
+    /// The body whose critical steps are given.
+    pub critical_time_step_of: String,
+    /// A step for finite bodies with the present value; `null` where nothing is known of them.
+    pub finite_bodies: Option<FiniteBodyAnswer>,
     /// The state, `F_iJ`.
     pub deformation_gradient: [[f64; 3]; 3],
     /// What the setting is now, where it is anything, and what that gives.
@@ -140,8 +149,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The critical step of the state, that of an isolated material point, and the verdict.
-    fn measured(&self, value: f64) -> Result<(f64, Option<f64>, Verdict), ProblemError> {
+    fn measured(&self, value: f64) -> Result<Tried, ProblemError> {
         let problem = Problem::new(self.question.settings(self.settings, value)?)?;
         let (analysis, f) = (&*problem.analysis, &self.strain.0);
         let assessment = analysis.assess(f)?;
@@ -153,24 +161,30 @@ impl Search<'_> {
             }
             None => assessment.spectrum.critical_time_step(),
         };
-        let alone = transferred.and_then(|waves| waves.isolated_point());
-        Ok((step, alone, assessment.verdict))
+        let body = BodyStepAnswer::new(&problem, f)?;
+        let of_body = body.and_then(|body| body.time_step);
+        Ok(Tried {
+            value,
+            critical_time_step: of_body.map_or(step, |own| own.min(step)),
+            body,
+            verdict: Some(assessment.verdict),
+            isolated_point_time_step: transferred.and_then(|waves| waves.isolated_point()),
+            note: None,
+            is_refined: false,
+        })
     }
 
     fn tried(&self, value: f64) -> Tried {
         (self.is_told)(value);
-        let (measured, note) = match self.measured(value) {
-            Ok(measured) => (Some(measured), None),
-            Err(error) => (None, Some(error.to_string())),
-        };
-        Tried {
+        self.measured(value).unwrap_or_else(|error| Tried {
             value,
-            critical_time_step: measured.map_or(f64::NAN, |(step, ..)| step),
-            verdict: measured.map(|(.., verdict)| verdict),
-            isolated_point_time_step: measured.and_then(|(_, alone, _)| alone),
-            note,
+            critical_time_step: f64::NAN,
+            body: None,
+            verdict: None,
+            isolated_point_time_step: None,
+            note: Some(error.to_string()),
             is_refined: false,
-        }
+        })
     }
 
     fn admits(&self, tried: &Tried) -> bool {
@@ -290,6 +304,15 @@ impl LimitAnswer {
         let problem = question.settings(settings, present.unwrap_or(high));
         let problem = problem.and_then(Problem::new).ok();
         let is_transferred = |problem: &Problem| problem.analysis.is_transferred();
+        let present = present.map(|value| search.tried(value));
+        let finite_bodies = match (&problem, &present) {
+            (Some(problem), Some(own)) if own.body.is_none() => {
+                let lattice = Some(own.critical_time_step);
+                FiniteBodyAnswer::new(problem, &strain.0, lattice)?
+            }
+            _ => None,
+        };
+        let body = all.iter().find_map(|one| one.body);
         let notes_on_problem = problem
             .as_ref()
             .map_or_else(Vec::new, |problem| notes(settings, &*problem.material));
@@ -301,7 +324,12 @@ impl LimitAnswer {
             integrator: (!problem.as_ref().is_some_and(is_transferred))
                 .then(|| question.integrator.name()),
             deformation_gradient: *strain.0.components(),
-            present: present.map(|value| search.tried(value)),
+            critical_time_step_of: body.map_or_else(
+                || OF_LATTICE.to_owned(),
+                |body| format!("{}, or infinite lattice where smaller", body.words()),
+            ),
+            finite_bodies,
+            present,
             admitted,
             tried: all,
             notes: notes_on_problem,
@@ -598,6 +626,20 @@ impl fmt::Display for LimitAnswer {
                         .unwrap_or_default()
                 )?,
             }
+        }
+        writeln!(
+            formatter,
+            "\ncritical steps: {}",
+            self.critical_time_step_of
+        )?;
+        if let Some(finite) = &self.finite_bodies {
+            let now = self.present.as_ref().map_or(f64::NAN, |own| own.value);
+            let now = self.value(told(now));
+            writeln!(
+                formatter,
+                "finite bodies, with {now}: {}",
+                finite.words(self.units())
+            )?;
         }
         for note in &self.notes {
             writeln!(formatter, "\nnote: {note}")?;

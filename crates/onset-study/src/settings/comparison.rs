@@ -175,7 +175,7 @@ impl Comparison {
                 }
                 ("compare", DeValue::Table(inner)) => comparison.read_options(&file, inner)?,
                 // A study may be compared too: what it says about maps is checked, and no more.
-                ("state" | "axes" | "map", _) => is_study = true,
+                ("state" | "axes" | "map" | "body" | "grips", _) => is_study = true,
                 (section @ ("material" | "discretization" | "compare" | "methods"), other) => {
                     let message = format!("`{section}` cannot be {}", described(other));
                     let expected = match section {
@@ -202,6 +202,7 @@ impl Comparison {
         comparison.common.check_units()?;
         if is_study {
             let study = study::read(name, text)?;
+            comparison.common.body.clone_from(&study.settings.body);
             let common = &comparison.common;
             study
                 .check_nothing_is_left_open(|key| !settled || common.origin(key.name).is_some())?;
@@ -210,7 +211,8 @@ impl Comparison {
             }
         }
         let methods = methods.filter(|(_, items): &(_, &DeArray<'_>)| !items.is_empty());
-        if is_study && methods.is_none() {
+        let has_method = comparison.common.origin("discretization.method").is_some();
+        if (is_study || has_method) && methods.is_none() {
             if settled {
                 comparison.with_known_methods()?;
             }

@@ -302,7 +302,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.spacing",
         Kind::Positive("length"),
-        "particle spacing: distance of nearest neighbors in the lattice or mesh, the unit of vectors and support",
+        "distance of nearest particles in the lattice or nodes in the mesh; of material points the side of a grid cell; the unit of vectors and support",
     ),
     key(
         "discretization.density",

@@ -76,6 +76,8 @@ pub struct Settings {
     pub discretization: KernelMethodChoices,
     /// The family of methods, with the choices of other families.
     pub method: MethodSettings,
+    /// The body of the study.
+    pub body: Option<BodySettings>,
     /// Where keys of the discretization were set.
     origins: BTreeMap<&'static str, Origin>,
     /// Keys of the discretization whose values have units.
@@ -319,9 +321,8 @@ impl Settings {
             {
                 let message =
                     format!("`{name}` has no effect here: this question is not about a body");
-                return Err(SettingError::new(origin, message).hint(
-                    "[body] and [[grips]] are written in a study file, which `onset simulate` runs",
-                ));
+                return Err(SettingError::new(origin, message)
+                    .hint("[body] and [[grips]] are written in a study file"));
             }
             return Err(unknown_key(name, KEYS.iter().map(|key| key.name), origin));
         };

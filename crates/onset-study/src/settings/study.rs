@@ -42,8 +42,6 @@ pub struct Study {
     pub text: String,
     /// Whether the file asks for a comparison too.
     has_methods: bool,
-    /// Whether it has a body, which maps do not read.
-    has_body: bool,
     origins: Origins,
 }
 
@@ -78,6 +76,18 @@ impl Study {
             Comparison::check(name, text)?;
         }
         Ok(study)
+    }
+
+    /// Reads a study as [`Study::parse`] does, or one that has a body and no axes.
+    ///
+    /// # Errors
+    /// As for [`Study::parse`].
+    pub fn parse_any(name: &str, text: &str) -> Result<Self, SettingError> {
+        let study = file::read(name, text)?;
+        match study.settings.body.is_some() && study.axes.is_empty() {
+            true => study.check().map(|()| study),
+            false => Self::parse(name, text),
+        }
     }
 
     /// Reads a study and overrides some keys at once, as [`Study::override_with`] does: the text alone need not be valid.

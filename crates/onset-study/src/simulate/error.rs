@@ -1,6 +1,6 @@
 //! What is wrong with a simulation.
 
-use crate::answers::ProblemError;
+use crate::answers::{ProblemError, hint_on_body};
 use crate::output::OutputError;
 use crate::settings::SettingError;
 use onset::method::MethodError;
@@ -21,7 +21,7 @@ pub enum SimulateError {
     #[error(transparent)]
     Setting(#[from] SettingError),
     /// A body that cannot be.
-    #[error("{source}\n  hint: {}", of_body(source))]
+    #[error("{source}\n  hint: {}", hint_on_body(source))]
     Body {
         /// Why.
         #[from]
@@ -69,28 +69,6 @@ impl SimulateError {
     /// Whether the input is at fault, not the machine or the motion.
     pub fn is_input(&self) -> bool {
         !matches!(self, Self::Fault { .. } | Self::Output { .. })
-    }
-}
-
-/// What to do about a body that cannot be.
-fn of_body(error: &BodyError) -> &'static str {
-    match error {
-        BodyError::NoContact(_) => "leave body.contact out",
-        BodyError::NoBodies => {
-            "bodies are run with discretization.method = \"updated-sph\" or \"total-lagrangian-sph\", the latter without viscosity and velocity smoothing"
-        }
-        BodyError::Lonely { .. } => {
-            "choose a larger discretization.support, or a body of more rows of particles"
-        }
-        BodyError::EmptyGrip { .. } => "boxes are in the reference state, from and to in spacings",
-        BodyError::HeldTwice { .. } => "boxes of grips must not share particles",
-        BodyError::Method(_)
-        | BodyError::Empty
-        | BodyError::TooMany { .. }
-        | BodyError::Number { .. }
-        | BodyError::Coincident { .. } => {
-            "sizes of bodies are in spacings, particles of files in lengths"
-        }
     }
 }
 

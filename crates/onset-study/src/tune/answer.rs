@@ -1,7 +1,7 @@
 //! What a coefficient does, and which value to take.
 
 use super::TuneQuestion;
-use crate::answers::{ProblemError, notes};
+use crate::answers::{OF_LATTICE, ProblemError, notes};
 use crate::compare::{Measured, OF_TUNING, Thresholds, outcome, percent};
 use crate::csv;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
@@ -240,6 +240,22 @@ impl TuneAnswer {
             .caption(self.settings.caption())
     }
 
+    /// The least Courant number of the body of the study, in words.
+    fn body(&self) -> String {
+        let measured = self
+            .tried
+            .iter()
+            .filter_map(|one| one.measured.as_ref().ok());
+        let least = measured.filter_map(|m| m.body_courant).reduce(f64::min);
+        least.map_or_else(String::new, |least| {
+            format!(
+                "\n\
+                     body of the study: with all of these values at least {}",
+                crate::number::told_below(least)
+            )
+        })
+    }
+
     /// All values as CSV.
     pub fn csv(&self) -> String {
         let mut text = String::from(
@@ -339,11 +355,13 @@ impl fmt::Display for TuneAnswer {
             "\nsufficient: no zero-energy modes, no wave slower than {} of the material's slowest (--weak), at most {} of the states falsely \
              unstable (--wrong)\n\
              masks: more than {} of the states stable though the material is not elliptic (--wrong), or onset later than the material's by \
-             more than {} of its strain (--later)\n\nwith other limits, of the values above",
+             more than {} of its strain (--later)\n\
+             Courant: critical time step times speed of sound over the particle spacing; {OF_LATTICE}{}\n\nwith other limits, of the values above",
             percent(limits.weak),
             percent(limits.wrong),
             percent(limits.wrong),
-            percent(limits.later)
+            percent(limits.later),
+            self.body()
         )?;
         for one in &self.dependence {
             let value = one

@@ -1,7 +1,7 @@
 //! A discretization and a material in `D` dimensions, which answer without them.
 
 use super::in_space::InSpace;
-use super::{Analysis, PatchParticle, PlaneWaves, SteppedWaves};
+use super::{Analysis, FiniteBodyGround, FiniteBodyStep, PatchParticle, PlaneWaves, SteppedWaves};
 use crate::algebra::{Complex, array_of, eigenvalues};
 use crate::bloch::{IsEnded, SpectrumSummary, WaveSystem, ZoneSearch};
 use crate::certificate::{Certificate, Certifier, Foundation};
@@ -15,9 +15,10 @@ use crate::measures::{
 };
 use crate::method::{Method, MethodError};
 use crate::motion::{
-    BodyError, BodyMotion, BodyParticles, Contact, Grip, PatchMotion, with_body, with_motion,
+    BodyError, BodyMotion, BodyParticles, Contact, Grip, PatchMotion, critical_step,
+    step_of_free_blocks, with_body, with_motion,
 };
-use crate::scheme::{Discretization, PeriodicPatch};
+use crate::scheme::{Discretization, FiniteBodies, PeriodicPatch};
 use crate::time_step::{Integrator, TransferredWaves, WaveParts};
 use crate::verdict::{
     Assessment, Ground, Judged, PathError, PathScan, Probe, StateWaves, Survey, SurveyedState,
@@ -378,6 +379,26 @@ impl<const D: usize> Analysis for Body<D> {
             contact,
             work,
         )
+    }
+
+    fn finite_bodies(
+        &self,
+        f: &DeformationGradient,
+        lattice: f64,
+    ) -> Result<Option<FiniteBodyStep>, MethodError> {
+        let (discretization, material) = (&*self.discretization, &*self.material);
+        let (time_step, ground) = match discretization.finite_bodies(material, f)? {
+            Some(FiniteBodies::Parts { squared, damping }) => {
+                (critical_step(squared, damping), FiniteBodyGround::Parts)
+            }
+            Some(FiniteBodies::Lattice) => (lattice, FiniteBodyGround::Lattice),
+            None => match step_of_free_blocks(discretization, material, f) {
+                Some(step) => (step, FiniteBodyGround::Blocks),
+                None => return Ok(None),
+            },
+        };
+        let step = FiniteBodyStep { time_step, ground };
+        Ok(Some(step).filter(|step| step.time_step.is_finite()))
     }
 
     fn dispersion_errors(&self, wavelengths: &[f64]) -> Result<Vec<DispersionError>, MethodError> {

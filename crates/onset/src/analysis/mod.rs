@@ -237,6 +237,16 @@ pub trait Analysis: Send + Sync {
         work: &mut dyn FnMut(&mut dyn BodyMotion),
     ) -> Result<(), BodyError>;
 
+    /// A time step of central differences for all finite bodies at a state, given that of the infinite lattice; `None` where nothing is known of them.
+    ///
+    /// # Errors
+    /// [`MethodError`] when material or method cannot be evaluated there.
+    fn finite_bodies(
+        &self,
+        f: &DeformationGradient,
+        lattice: f64,
+    ) -> Result<Option<FiniteBodyStep>, MethodError>;
+
     /// The errors of frequencies at wavelengths in particle spacings.
     ///
     /// # Errors
@@ -307,6 +317,26 @@ pub struct PatchParticle {
     pub site: usize,
     /// Where it is in the reference state; length.
     pub position: SVector<f64, 3>,
+}
+
+/// A time step with which finite bodies of a lattice are stable under central differences.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FiniteBodyStep {
+    /// Time.
+    pub time_step: f64,
+    /// Why it suffices.
+    pub ground: FiniteBodyGround,
+}
+
+/// Why a time step suffices for finite bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FiniteBodyGround {
+    /// Proved for any body: single elements or material points bound it, and a body of one attains it.
+    Parts,
+    /// Proved for any body: it has the positive semidefinite interactions of the lattice, and not all of them.
+    Lattice,
+    /// Found: the smallest of free blocks from three particles thick on.
+    Blocks,
 }
 
 /// Calls a function that is generic in the dimension.

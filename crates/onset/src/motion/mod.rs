@@ -33,5 +33,5 @@ pub use patch::{MovingPatch, PatchMotion, PatchState, Quantities};
 pub use stepper::Stepper;
 pub use waves::{PatchWave, SteppedWave};
 
-pub(crate) use body::with_body;
+pub(crate) use body::{critical_step, step_of_free_blocks, with_body};
 pub(crate) use patch::with_motion;

@@ -84,11 +84,24 @@ pub(super) fn differentiated<I: Interaction<D> + ?Sized, const D: usize>(
     by_velocity: bool,
     blocks: &mut BlochBlocks<D>,
 ) {
+    let mut sums = blocks.between(interaction.particles());
+    derivatives(interaction, by_velocity, &mut |from, to, block| {
+        sums.add(from, to, block);
+    });
+    sums.finish();
+}
+
+/// Calls `take` with minus the derivative of the force on each particle of an interaction by the displacement or velocity of each: numbers of both particles, and the
+/// block.
+pub(super) fn derivatives<I: Interaction<D> + ?Sized, const D: usize>(
+    interaction: &I,
+    by_velocity: bool,
+    take: &mut dyn FnMut(usize, usize, &SMatrix<f64, D, D>),
+) {
     type Number = Dual<LANES>;
     let particles = interaction.particles();
     let fixed = vec![[Number::constant(0.0); D]; particles.len()];
     let unknowns = D * particles.len();
-    let mut sums = blocks.between(particles);
     // Columns of one particle, collected until it is complete.
     let mut columns = vec![SMatrix::<f64, D, D>::zeros(); particles.len()];
     for start in (0..unknowns).step_by(LANES) {
@@ -118,10 +131,9 @@ pub(super) fn differentiated<I: Interaction<D> + ?Sized, const D: usize>(
             }
             if column == D - 1 {
                 for (from, block) in columns.iter().enumerate() {
-                    sums.add(from, to, block);
+                    take(from, to, block);
                 }
             }
         }
     }
-    sums.finish();
 }

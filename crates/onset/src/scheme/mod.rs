@@ -16,6 +16,7 @@ mod layout;
 mod linearized;
 mod material_point;
 mod pairs;
+mod parts;
 mod patch;
 mod peridynamics;
 mod products;
@@ -35,6 +36,7 @@ pub use material_point::{
     PointLayout, Transfer,
 };
 pub use pairs::{Bond, PairLaw};
+pub use parts::FiniteBodies;
 pub use patch::{Assembled, NoForce, PatchForces, PatchTransfer, PeriodicPatch, PointsInMotion};
 pub use peridynamics::{
     BondModel, Calibration, Influence, PartialVolumes, Peridynamics, PeridynamicsChoices,
@@ -226,6 +228,19 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         _material: &dyn Hyperelastic,
         _f: &DeformationGradient,
     ) -> Result<Option<TransferredWaves<D>>, MethodError> {
+        Ok(None)
+    }
+
+    /// What bounds the frequencies of finite bodies that are made of whole parts of the lattice: elements, material points, bonds. `None` where
+    /// nothing does.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the discretization or the material cannot be evaluated there.
+    fn finite_bodies(
+        &self,
+        _material: &dyn Hyperelastic,
+        _f: &DeformationGradient,
+    ) -> Result<Option<FiniteBodies>, MethodError> {
         Ok(None)
     }
 

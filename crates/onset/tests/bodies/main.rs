@@ -5,6 +5,7 @@ mod contact;
 #[path = "../shared/random.rs"]
 #[allow(dead_code, reason = "shared with tests that turn things")]
 mod random;
+mod steps;
 mod updated;
 
 use nalgebra::{DVector, SMatrix, SVector};

@@ -38,7 +38,6 @@ pub(in crate::settings) fn read(name: &str, text: &str) -> Result<Study, Setting
         map: MapSettings::default(),
         text: text.to_owned(),
         has_methods: false,
-        has_body: false,
         origins: Origins {
             file: file.at(0),
             keys: BTreeMap::new(),
@@ -79,7 +78,7 @@ pub(in crate::settings) fn read(name: &str, text: &str) -> Result<Study, Setting
             }
         }
     }
-    study.has_body = BodySettings::of_table(&file, table.get_ref())?.is_some();
+    study.settings.body = BodySettings::of_table(&file, table.get_ref())?;
     Ok(study)
 }
 
@@ -91,7 +90,7 @@ impl Study {
                 self.origins.file.clone(),
                 "the study has no axes; expected two or three",
             )
-            .hint(match self.has_body {
+            .hint(match self.settings.body.is_some() {
                 true => "a [body] is run by `onset simulate STUDY`",
                 false => EXAMPLE,
             })),

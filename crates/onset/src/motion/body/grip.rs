@@ -1,6 +1,7 @@
 //! Grips: particles that move as told.
 
 use super::BodyError;
+use super::vectors::{Field, put};
 use crate::algebra::array_of;
 
 /// The particles in a box, which move with a velocity that rises smoothly from zero.
@@ -98,6 +99,15 @@ pub(super) fn held<const D: usize>(
         }
     }
     Ok(held)
+}
+
+/// Puts zero for the particles that grips hold to the end.
+pub(super) fn hold<const D: usize>(field: &mut Field<D>, held: &[(u32, u32)], grips: &[Grip]) {
+    for (particle, grip) in held {
+        if grips[*grip as usize].until == f64::INFINITY {
+            put(field, *particle as usize, &[0.0; D]);
+        }
+    }
 }
 
 /// What a grip does on a particle of a mass in a step: its impulse, by which the velocity becomes what is told and not what forces alone would make of it,

@@ -3,14 +3,14 @@
 use super::contact::{Contact, Pieces};
 use super::engine::Engine;
 use super::error::Lost;
-use super::grip::{Grip, held, work_of};
+use super::grip::{Grip, held, hold, work_of};
 use super::links::Links;
 use super::moving::{BodyMotion, Start};
 use super::parts::drift;
 use super::quantities::in_space;
 use super::shape::placed;
-use super::stability::{DIFFERENCE, critical_step, largest_factor};
-use super::vectors::{Field, fill, flat, vector_of, zeros};
+use super::stability::{DIFFERENCE, critical_step, largest_eigenvalue};
+use super::vectors::{Field, fill, flat, negative, vector_of, zeros};
 use super::{BodyError, BodyParticles, BodyQuantities};
 use crate::algebra::{array_of, uniform};
 use crate::kinematics::DeformationGradient;
@@ -297,12 +297,13 @@ impl<const D: usize> BodyMotion for LagrangianBody<'_, D> {
     }
 
     fn critical_time_step(&mut self) -> Result<f64, Box<Fault>> {
-        let unknowns = D * self.len();
-        let largest = largest_factor(unknowns, &mut |own: &[f64], highest: f64| {
+        let largest = largest_eigenvalue(D * self.len(), &mut |own: &[f64], highest: f64| {
             let mut along = zeros(self.len());
             fill(&mut along, own);
-            let image = self.changed(&along, DIFFERENCE * self.spacing / highest)?;
-            Ok(flat(&image, self.len()))
+            hold(&mut along, &self.held, self.grips);
+            let mut image = self.changed(&along, DIFFERENCE * self.spacing / highest)?;
+            hold(&mut image, &self.held, self.grips);
+            Ok(negative(flat(&image, self.len())))
         })?;
         self.deform(0.0)?;
         Ok(critical_step(largest + self.engine.stiffest_contact(), 0.0))

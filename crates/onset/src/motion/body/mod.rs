@@ -25,6 +25,7 @@
 //! [`Discretization::current_pairs`]: crate::scheme::Discretization::current_pairs
 //! [`Discretization::with_forces`]: crate::scheme::Discretization::with_forces
 
+mod blocks;
 mod contact;
 mod current;
 mod engine;
@@ -42,12 +43,14 @@ mod stability;
 mod updated;
 mod vectors;
 
+pub(crate) use blocks::step_of_free_blocks;
 pub use contact::Contact;
 pub use error::BodyError;
 pub use grip::Grip;
 pub use moving::{BodyMotion, Start};
 pub use quantities::BodyQuantities;
 pub use shape::{BodyParticles, Notch, PlacedParticle, Shape};
+pub(crate) use stability::critical_step;
 
 use crate::material::Hyperelastic;
 use crate::scheme::Discretization;

@@ -50,11 +50,11 @@ pub trait BodyMotion {
     /// `F_I` of every particle, of the last evaluation of the forces.
     fn deformations(&self) -> Vec<[[f64; 3]; 3]>;
 
-    /// A step below the largest stable one at the present displacements, `2 / omega` (with viscosity the root of `omega^2 dt^2 + 2 c dt = 4`) with a bound of the largest frequency: sixty iterations of the power
-    /// method find `omega^2` up to the share `0.871 ln n / 59` on average over random starts, which is added. Grips are free. Time.
+    /// Largest stable step at the present displacements, `2 / omega`; with viscosity the root of `omega^2 dt^2 + 2 c dt = 4`, with the largest
+    /// eigenvalues of stiffness and damping over mass: it is below the exact step by at most 3e-7 of it, of large bodies by at most some
+    /// percent. Particles that a grip holds to the end do not move, the others are free. Time.
     ///
-    /// Source of the bound: Kuczynski and Wozniakowski, SIAM J. Matrix Anal. Appl. 13 (1992) 1094, for symmetric matrices; the penalty makes
-    /// that of a body a little unsymmetric.
+    /// The eigenvalues are bounded by a Krylov space and its residual, as holds for symmetric matrices; the penalty makes that of a body a little unsymmetric.
     ///
     /// # Errors
     /// [`Fault`] where there are no forces.

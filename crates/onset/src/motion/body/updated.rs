@@ -16,14 +16,14 @@
 
 use super::contact::Contact;
 use super::current::CurrentEngine;
-use super::grip::{Grip, held, work_of};
+use super::grip::{Grip, held, hold, work_of};
 use super::moving::{BodyMotion, Start};
 use super::neighbors::Neighbors;
 use super::parts::drift;
 use super::quantities::in_space;
 use super::shape::placed;
-use super::stability::{DIFFERENCE, critical_step, largest_factor};
-use super::vectors::{Field, are_finite, fill, flat, put, vector_of, zeros};
+use super::stability::{DIFFERENCE, critical_step, largest_eigenvalue};
+use super::vectors::{Field, are_finite, fill, flat, negative, put, vector_of, zeros};
 use super::{BodyError, BodyParticles, BodyQuantities};
 use crate::algebra::{array_of, uniform};
 use crate::kinematics::DeformationGradient;
@@ -130,9 +130,11 @@ impl<const D: usize> UpdatedBody<'_, D> {
     }
 
     /// Vectors that stand one after the other.
-    fn field(&self, flat: &[f64]) -> Field<D> {
+    /// A field, zero for the particles that grips hold to the end.
+    fn free(&self, flat: &[f64]) -> Field<D> {
         let mut field = zeros(self.len());
         fill(&mut field, flat);
+        hold(&mut field, &self.held, self.grips);
         field
     }
 
@@ -447,19 +449,21 @@ impl<const D: usize> BodyMotion for UpdatedBody<'_, D> {
     fn critical_time_step(&mut self) -> Result<f64, Box<Fault>> {
         let unknowns = D * self.len();
         let spacing = self.discretization.crystal().spacing();
-        let squared = largest_factor(unknowns, &mut |own: &[f64], highest: f64| {
-            let along = self.field(own);
-            self.changed_by_displacements(&along, DIFFERENCE * spacing / highest)
-                .map_err(|none| self.fault(none, 0.0))
+        let squared = largest_eigenvalue(unknowns, &mut |own: &[f64], highest: f64| {
+            let along = self.free(own);
+            let change = self.changed_by_displacements(&along, DIFFERENCE * spacing / highest);
+            let change = change.map_err(|none| self.fault(none, 0.0))?;
+            Ok(negative(flat(&self.free(&change), self.len())))
         })?;
         if !self.engine.law().is_ok_and(CurrentPairs::is_viscous) {
             return Ok(critical_step(squared, 0.0));
         }
         let speed = DIFFERENCE * spacing * squared.sqrt().max(f64::MIN_POSITIVE);
-        let damping = largest_factor(unknowns, &mut |own: &[f64], highest: f64| {
-            let along = self.field(own);
-            self.changed_by_velocities(&along, speed / highest)
-                .map_err(|none| self.fault(none, 0.0))
+        let damping = largest_eigenvalue(unknowns, &mut |own: &[f64], highest: f64| {
+            let along = self.free(own);
+            let change = self.changed_by_velocities(&along, speed / highest);
+            let change = change.map_err(|none| self.fault(none, 0.0))?;
+            Ok(negative(flat(&self.free(&change), self.len())))
         })?;
         Ok(critical_step(squared, damping))
     }

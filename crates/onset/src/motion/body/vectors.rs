@@ -44,6 +44,12 @@ pub(super) fn flat<const D: usize>(field: &Field<D>, count: usize) -> Vec<f64> {
     (0..count).flat_map(|n| vector_of(field, n)).collect()
 }
 
+/// Minus a vector.
+pub(super) fn negative(mut vector: Vec<f64>) -> Vec<f64> {
+    vector.iter_mut().for_each(|x| *x = -*x);
+    vector
+}
+
 /// Puts vectors that stand one after the other into a field.
 pub(super) fn fill<const D: usize>(field: &mut Field<D>, flat: &[f64]) {
     for (particle, x) in flat.chunks_exact(D).enumerate() {

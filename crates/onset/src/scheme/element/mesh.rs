@@ -4,7 +4,7 @@ use super::shape::{ElementShape, Sample};
 use crate::algebra::array_of;
 use crate::lattice::{BravaisLattice, Crystal, Particle};
 use crate::method::MethodError;
-use nalgebra::SVector;
+use nalgebra::{DMatrix, SVector};
 use thiserror::Error;
 
 /// Why elements cannot be set up.
@@ -141,6 +141,11 @@ impl<const D: usize> Mesh<D> {
         let nodes = |corners: &Vec<SVector<f64, D>>| corners.iter().filter_map(node).collect();
         let elements = elements.iter().map(nodes).collect();
         Ok(Self::new(crystal, ElementShape::Simplex, elements)?)
+    }
+
+    /// The integrals `int N_a N_b dV` over an element; length^D.
+    pub(super) fn products(&self, nodes: &[Particle<D>]) -> DMatrix<f64> {
+        self.shape.products(&self.samples(nodes))
     }
 
     /// The nodes.

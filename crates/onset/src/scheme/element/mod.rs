@@ -14,16 +14,17 @@ pub use pattern::ElementMesh;
 pub use shape::ElementShape;
 
 use super::lagrangian::{LagrangianPoint, mean_neighbors, strains, stressed};
+use super::parts::{FiniteBodies, Part};
 use super::patch::Both;
 use super::{Assembled, Discretization, Forced, PatchForces, PeriodicPatch, StrainOperator};
 use crate::bloch::{BlochBlocks, Mass, WaveSystem};
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
-use crate::lattice::Crystal;
+use crate::lattice::{Crystal, Particle};
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use hourglass::{HourglassMode, Resisted, hourglass_modes};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{DMatrix, SMatrix, SVector};
 use shape::Sample;
 
 /// How elements are integrated.
@@ -321,6 +322,35 @@ impl<const D: usize> Discretization<D> for FiniteElements<D> {
         Ok(())
     }
 
+    fn finite_bodies(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<Option<FiniteBodies>, MethodError> {
+        let points = stressed(&self.points, material, f)?;
+        let modes = self.resisted(material)?;
+        let elements = self.mesh.elements();
+        let (own_points, own_modes) = (points.len() / elements.len(), modes.len() / elements.len());
+        let part = |(n, nodes): (usize, &Vec<Particle<D>>)| {
+            let consistent = self.mesh.products(nodes) * self.density;
+            let mut part = Part::new(
+                nodes,
+                match self.formulation.mass {
+                    ElementMass::Lumped => DMatrix::from_diagonal(&consistent.column_sum()),
+                    ElementMass::Consistent => consistent,
+                },
+            );
+            points[n * own_points..][..own_points]
+                .iter()
+                .for_each(|point| part.add(point));
+            modes[n * own_modes..][..own_modes]
+                .iter()
+                .for_each(|mode| part.add(mode));
+            part
+        };
+        Ok(Part::bound(elements.iter().enumerate().map(part)))
+    }
+
     /// The nodes that share an element with a node.
     fn neighbors(&self) -> f64 {
         mean_neighbors(&self.points, self.crystal())
@@ -345,7 +375,7 @@ fn mass_of<const D: usize>(mesh: &Mesh<D>, density: f64, mass: ElementMass) -> M
     let mut lumped = vec![0.0; crystal.sites().len()];
     let mut consistent = BlochBlocks::new();
     for nodes in mesh.elements() {
-        let products = mesh.shape().products(&mesh.samples(nodes)) * density;
+        let products = mesh.products(nodes) * density;
         for (a, from) in nodes.iter().enumerate() {
             lumped[from.site] += products.row(a).sum();
             for (b, to) in nodes.iter().enumerate() {

@@ -12,6 +12,7 @@ mod transfer;
 pub use functions::{GridFunctions, GridGradients};
 pub use transfer::Transfer;
 
+use super::parts::{FiniteBodies, Part};
 use super::{Assembled, Discretization, Forced, PatchForces, PeriodicPatch, StrainOperator};
 use crate::algebra::{Each, array_of};
 use crate::bloch::{BlochBlocks, BlochSum, Mass, WaveSystem};
@@ -591,6 +592,37 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
         let alone = self.step_of_an_isolated_point(material, transfer == Transfer::Affine)?;
         let waves = TransferredWaves::new(system, &kept, flip);
         Ok(Some(waves.with_isolated_point(alone)))
+    }
+
+    fn finite_bodies(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<Option<FiniteBodies>, MethodError> {
+        let is_lumped = match self.choices.formulation {
+            Formulation::TotalLagrangian { mass } | Formulation::Updated { mass, .. } => {
+                mass == GridMass::Lumped
+            }
+            // The step of a transfer has its isolated point; see [`TransferredWaves::isolated_point`].
+            Formulation::Particles { .. } => {
+                !self.moves_points() && self.transfer_of_a_step().is_none()
+            }
+        };
+        if !is_lumped {
+            return Ok(None);
+        }
+        let state = self.state(material, f)?;
+        let part = |(place, volume): &(Fractional<D>, f64)| {
+            let point = Point::new(state, &self.profile, *place, *volume);
+            let shares = self.transfer(place).into_iter();
+            let (nodes, masses): (Vec<_>, Vec<f64>) = shares
+                .map(|(node, share)| (node, self.choices.density * volume * share))
+                .unzip();
+            let mut part = Part::new(&nodes, DMatrix::from_diagonal(&masses.into()));
+            part.add(&point);
+            part
+        };
+        Ok(Part::bound(self.points.iter().map(part)))
     }
 
     /// Pairs of a point and a node that it sees, for each unknown particle: nodes, or points.

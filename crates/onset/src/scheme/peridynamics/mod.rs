@@ -8,9 +8,10 @@ mod bond;
 mod correspondence;
 mod family;
 
+use super::parts::{FiniteBodies, Part};
 use super::{
-    Assembled, Discretization, PatchForces, PeriodicPatch, SeenForm, StrainOperator, linearized,
-    lumped_masses,
+    Assembled, Discretization, Interaction, PatchForces, PeriodicPatch, SeenForm, StrainOperator,
+    linearized, lumped_masses,
 };
 use crate::bloch::{Mass, WaveSystem};
 use crate::kinematics::DeformationGradient;
@@ -20,6 +21,7 @@ use crate::method::MethodError;
 use bond::Bond;
 use correspondence::Point;
 use family::Family;
+use nalgebra::DMatrix;
 
 /// How the weight of a bond depends on its length `r` in the reference state, `q = r / horizon`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -417,6 +419,24 @@ impl<const D: usize> Discretization<D> for Peridynamics<D> {
             Interactions::Points(points) => work(&Assembled::new(patch, &points)),
         }
         Ok(())
+    }
+
+    fn finite_bodies(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<Option<FiniteBodies>, MethodError> {
+        let Interactions::Bonds(bonds) = self.interactions(material, f)? else {
+            return Ok(None);
+        };
+        // Compressed bonds push sideways: without them a body may be faster.
+        let is_stable = |bond: &Bond<D>| {
+            let mut part = Part::new(bond.particles(), DMatrix::zeros(2, 2));
+            part.add(bond);
+            let [least, most] = part.stiffnesses();
+            least >= -1e-12 * most
+        };
+        Ok(bonds.iter().all(is_stable).then_some(FiniteBodies::Lattice))
     }
 
     /// The size of a family, the particle included.

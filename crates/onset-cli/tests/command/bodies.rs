@@ -1,0 +1,133 @@
+//! Time steps of finite bodies, and studies with a body.
+
+use super::{Written, assert_close, document, number, onset, onset_line};
+
+/// A free block of corrected total-Lagrangian SPH. `validation/bodies.json` has its critical step.
+const BLOCK: &str = "[material]\nmodel = 'neo-hooke'\nyoung = 1.0\npoisson = 0.45\n\
+                     [discretization]\nmethod = 'total-lagrangian-sph'\nlattice = 'square'\nkernel = 'cubic-spline'\n\
+                     support = 2.6\ncorrected = true\npenalty = 0.1\n[body]\nshape = 'block'\nsize = [20, 20]\n";
+const STEP: f64 = 0.6718397769;
+const LATTICE: &str = "infinite lattice; free faces and distorted cells need less";
+
+#[test]
+fn a_state_tells_the_step_of_the_lattice_of_finite_bodies_and_of_the_body() {
+    let file = Written::new("block.toml", BLOCK);
+    let answer = document(&format!("state {} --stretch 1,1", &*file));
+    let own = &answer["discretization"];
+    assert_close(number(own, "/critical_time_step"), 1.25763, 1e-5);
+    assert_eq!(own["critical_time_step_of"], LATTICE);
+    assert_close(number(own, "/body/time_step"), STEP, 1e-6);
+    assert_eq!(own["body"]["particles"], 400);
+    let finite = number(own, "/finite_bodies/time_step");
+    assert!((0.75 * STEP..STEP).contains(&finite), "{finite}");
+    assert_eq!(own["finite_bodies"]["proved"], false);
+    let text = onset_line(&format!("state {} --stretch 1,1", &*file)).stdout;
+    for fact in [
+        LATTICE,
+        "400 particles: stable below 0.671839",
+        "three particles thick",
+    ] {
+        assert!(text.contains(fact), "no `{fact}` in: {text}");
+    }
+}
+
+#[test]
+fn elements_bound_the_steps_of_bodies_of_them() {
+    // One square with full integration: omega^2 = c^2/h^2 * 4/(1 - nu), attained by a body of one.
+    for nu in [0.3_f64, 0.45, 0.49] {
+        let line = format!(
+            "state --stretch 1,1 set method=fem set mesh=quadrilaterals --set material.model=neo-hooke --set material.young=1 --set material.poisson={nu}"
+        );
+        let answer = document(&line);
+        let own = &answer["discretization"];
+        let expected = number(own, "/critical_time_step") * (1.0 - nu).sqrt();
+        assert_close(number(own, "/finite_bodies/time_step"), expected, 1e-9);
+        assert_eq!(own["finite_bodies"]["proved"], true);
+    }
+}
+
+#[test]
+fn a_limit_is_that_of_the_body() {
+    let file = Written::new("block.toml", BLOCK);
+    let line = format!("limit {} --time-step 1 --vary material.young", &*file);
+    let answer = document(&line);
+    assert_close(number(&answer, "/admitted/0/to/value"), STEP * STEP, 2e-6);
+    assert_eq!(answer["present"]["body"]["particles"], 400);
+    let of = answer["critical_time_step_of"].as_str().expect("a text");
+    assert!(of.starts_with("body of 400 particles"), "{of}");
+    let text = onset_line(&line).stdout;
+    assert!(text.contains("up to 0.45136"), "{text}");
+    assert!(
+        text.contains("critical steps: body of 400 particles"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_run_and_a_check_have_the_step_of_a_state() {
+    let file = Written::new("block.toml", BLOCK);
+    let run = document(&format!("simulate {} --steps 1", &*file));
+    let step = number(&run, "/critical_time_step");
+    assert_close(step, STEP, 1e-6);
+    assert!(step <= STEP * (1.0 + 1e-9));
+    let answer = onset(&["check", "--json", &file]);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    let entries: serde_json::Value = serde_json::from_str(&answer.stdout).expect("a document");
+    assert_close(number(&entries[0], "/body/time_step"), STEP, 1e-6);
+    let text = onset(&["check", &file]).stdout;
+    assert!(
+        text.contains("400 particles; central differences need a time step below 0.671839"),
+        "{text}"
+    );
+}
+
+#[test]
+fn the_method_of_a_study_without_axes_is_compared() {
+    let file = Written::new("block.toml", BLOCK);
+    for command in ["compare", "recommend"] {
+        let answer = document(&format!("{command} {} --set compare.states=2", &*file));
+        let rows = answer.pointer("/table/rows").unwrap_or(&answer["rows"]);
+        let own = &rows[0];
+        assert_eq!(own["name"], "the study's own method");
+        let text = own.to_string();
+        assert!(text.contains(LATTICE), "{text}");
+        assert!(text.contains("\"particles\":400"), "{text}");
+    }
+}
+
+#[test]
+fn a_body_that_the_method_has_not_is_refused_by_every_question() {
+    let text =
+        "[discretization]\nmethod = 'peridynamics'\n[body]\nshape = 'block'\nsize = [9, 9]\n";
+    let file = Written::new("block.toml", text);
+    for line in [
+        "state FILE --stretch 1,1",
+        "check FILE",
+        "simulate FILE --steps 1",
+        "limit FILE --vary discretization.spacing --time-step 0.1",
+    ] {
+        let answer = onset_line(&line.replace("FILE", &file));
+        assert_eq!(answer.code, Some(2), "{line}: {}", answer.stdout);
+        assert!(
+            answer.stderr.contains("this method has no bodies"),
+            "{line}: {}",
+            answer.stderr
+        );
+    }
+}
+
+#[test]
+fn the_spacing_of_material_points_is_that_of_cells() {
+    let line = "state --stretch 1,1 set method=mpm set spacing=0.5";
+    let answer = document(line);
+    let own = &answer["discretization"];
+    assert_close(number(own, "/grid_cell"), 0.5, 1e-15);
+    assert_close(number(own, "/point_spacing"), 0.25, 1e-15);
+    let text = onset_line(line).stdout;
+    assert!(
+        text.contains("grid cells of 0.5, points 0.25 apart"),
+        "{text}"
+    );
+    let keys = onset_line("list method material-points").stdout;
+    assert!(keys.contains("side of a grid cell"), "{keys}");
+}

@@ -1,0 +1,140 @@
+//! Time steps of finite bodies, beside that of the waves of the infinite lattice.
+
+use super::problem::{Problem, ProblemError};
+use crate::number::{counted, told_below};
+use crate::settings::Units;
+use onset::analysis::FiniteBodyGround;
+use onset::kinematics::DeformationGradient;
+use onset::motion::{BodyError, Start};
+use serde::Serialize;
+
+/// The body whose critical time step is that of waves.
+pub const OF_LATTICE: &str = "infinite lattice; free faces and distorted cells need less";
+
+/// A time step for finite bodies of a lattice.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FiniteBodyAnswer {
+    /// A time step below which finite bodies are stable under central differences. Time.
+    pub time_step: f64,
+    /// Whether that is proved.
+    pub proved: bool,
+    /// Why, and for which bodies.
+    pub ground: &'static str,
+}
+
+/// The critical time step of the body of a study.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BodyStepAnswer {
+    /// Number of particles.
+    pub particles: usize,
+    /// Critical time step of central differences at the state, grips closed; `null` where nothing oscillates. Time.
+    pub time_step: Option<f64>,
+}
+
+impl FiniteBodyAnswer {
+    /// Answers for a state with the critical time step of its waves; `None` where nothing is known of finite bodies.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when material or method cannot be evaluated there.
+    pub fn new(
+        problem: &Problem,
+        f: &DeformationGradient,
+        lattice: Option<f64>,
+    ) -> Result<Option<Self>, ProblemError> {
+        let lattice = lattice.unwrap_or(f64::INFINITY);
+        let found = problem.analysis.finite_bodies(f, lattice)?;
+        Ok(found.map(|found| {
+            let (proved, ground) = match found.ground {
+                FiniteBodyGround::Parts => (
+                    true,
+                    "any body: bound of its single elements or material points",
+                ),
+                FiniteBodyGround::Lattice => {
+                    (true, "any body: it has fewer bonds than the lattice")
+                }
+                FiniteBodyGround::Blocks => (
+                    false,
+                    "the least of free blocks, for bodies three particles thick or more",
+                ),
+            };
+            Self {
+                time_step: found.time_step,
+                proved,
+                ground,
+            }
+        }))
+    }
+
+    /// The answer in words.
+    pub(crate) fn words(&self, units: Units) -> String {
+        let how = if self.proved { "proved" } else { "computed" };
+        format!(
+            "stable below {} ({how}; {})",
+            units.of(told_below(self.time_step), "s"),
+            self.ground
+        )
+    }
+}
+
+impl BodyStepAnswer {
+    /// Answers for the body of the settings at a state; `None` where they have none.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when the body cannot be run with the method.
+    pub fn new(problem: &Problem, f: &DeformationGradient) -> Result<Option<Self>, ProblemError> {
+        let Some(settings) = &problem.settings.body else {
+            return Ok(None);
+        };
+        let (dimension, spacing) = (problem.dimension(), problem.analysis.spacing());
+        settings.check_units(problem.settings.effective().units())?;
+        let particles = settings.particles(dimension, spacing)?;
+        let grips = settings.grips(dimension, spacing)?;
+        let start = Start {
+            f: *f,
+            noise: 0.0,
+            seed: 1,
+        };
+        let mut found = None;
+        let contact = settings.contact();
+        let analysis = &problem.analysis;
+        analysis.with_body(&particles, &grips, contact, &mut |body| {
+            let step = body.start(&start, 0.0);
+            let step = step.and_then(|()| body.critical_time_step());
+            found = Some(step.map(|step| Self {
+                particles: body.positions().len(),
+                time_step: Some(step).filter(|step| step.is_finite()),
+            }));
+        })?;
+        match found {
+            Some(found) => Ok(Some(found?)),
+            None => Err(BodyError::Empty.into()),
+        }
+    }
+
+    /// The body in words.
+    pub(crate) fn words(&self) -> String {
+        format!("body of {}", counted(self.particles, "particle"))
+    }
+}
+
+/// What to do about a body that cannot be.
+pub(crate) fn hint_on_body(error: &BodyError) -> &'static str {
+    match error {
+        BodyError::NoContact(_) => "leave body.contact out",
+        BodyError::NoBodies => {
+            "bodies are run with discretization.method = \"updated-sph\" or \"total-lagrangian-sph\", the latter without viscosity and velocity smoothing"
+        }
+        BodyError::Lonely { .. } => {
+            "choose a larger discretization.support, or a body of more rows of particles"
+        }
+        BodyError::EmptyGrip { .. } => "boxes are in the reference state, from and to in spacings",
+        BodyError::HeldTwice { .. } => "boxes of grips must not share particles",
+        BodyError::Method(_)
+        | BodyError::Empty
+        | BodyError::TooMany { .. }
+        | BodyError::Number { .. }
+        | BodyError::Coincident { .. } => {
+            "sizes of bodies are in spacings, particles of files in lengths"
+        }
+    }
+}
