@@ -87,7 +87,7 @@ impl<const D: usize> Part<D> {
             let own = DMatrix::from_fn(count, count, |i, j| matrix[(unknown(i), unknown(j))]);
             // Particles without mass must not be moved.
             let left_out = matrix.norm_squared() - own.norm_squared();
-            if !(left_out.abs() <= 1e-12 * matrix.norm_squared()) {
+            if left_out.is_nan() || left_out.abs() > 1e-12 * matrix.norm_squared() {
                 return None;
             }
             let half = factor.solve_lower_triangular(&symmetric(&own))?;
