@@ -193,8 +193,14 @@ fn a_limit_along_jumps_is_told_to_be_an_upper_bound() {
         "equibiaxial",
     ];
     let answer = onset(&arguments);
-    assert!(answer.stdout.contains(" 4.24336 "), "{}", answer.stdout);
+    assert!(answer.stdout.contains(" ≤ 4.24336 "), "{}", answer.stdout);
     assert!(answer.stdout.contains("upper bound"), "{}", answer.stdout);
+    let answer_in_json = document("criteria --set material.model=neo-hooke --mode equibiaxial");
+    for (name, is_bound) in [("rank-one-convexity", true), ("strong-ellipticity", false)] {
+        let found = criterion(&answer_in_json["loadings"][1], name);
+        assert_eq!(found["tension"]["upper_bound"], is_bound, "{found}");
+        assert_eq!(found["compression"]["upper_bound"], false, "{found}");
+    }
     assert!(
         answer.stdout.contains("verified in intervals"),
         "{}",

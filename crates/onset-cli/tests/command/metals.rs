@@ -266,6 +266,32 @@ fn a_fluid_is_told_to_be_one() {
 }
 
 #[test]
+fn a_negative_poissons_ratio_is_told_and_a_nearly_incompressible_law_is_no_fluid() {
+    // (3 K - 2 G) / (6 K + 2 G) = -1.7 / 2.6; in plane stress the ratio is the same.
+    let law =
+        "--set material.model=neo-hooke-isochoric --set material.shear=1 --set material.bulk=0.1";
+    for question in [
+        "state --stretch 1.01,1",
+        "criteria --mode uniaxial",
+        "card --mode uniaxial",
+        "state --stretch 1.01,1 --set material.plane=stress",
+    ] {
+        let answer = onset_line(&format!("{question} {law}"));
+        assert!(
+            answer.stdout.contains("auxetic: Poisson's ratio at F = 1 is -0.653846"),
+            "{question}: {}{}",
+            answer.stdout,
+            answer.stderr
+        );
+    }
+    let usual = onset_line("state --stretch 1.01,1 --set material.model=neo-hooke");
+    assert!(!usual.stdout.contains("auxetic"), "{}", usual.stdout);
+    let stiff = "--set material.model=hencky --set material.kappa=1e12";
+    let state = onset_line(&format!("state --stretch 1.01,1 {stiff}"));
+    assert!(!state.stdout.contains("fluid"), "{}", state.stdout);
+}
+
+#[test]
 fn a_script_of_felupe_is_the_same_law_in_words_of_its_own() {
     let folder = Scratch::new("felupe");
     std::fs::create_dir_all(&folder).expect("a folder");

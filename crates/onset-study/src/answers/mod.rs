@@ -30,7 +30,7 @@ pub use finite_body::{BodyStepAnswer, FiniteBodyAnswer, OF_LATTICE};
 pub use moving::{MovingMode, MovingParticle};
 pub(crate) use next::assigned;
 pub(crate) use notes::zero_energy;
-pub use notes::{is_stressed, notes, notes_on_law, notes_on_method};
+pub use notes::{moduli, notes, notes_on_law, notes_on_method};
 pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};
 pub use problem::{Extent, Problem, ProblemError, Strain, numbers};
 pub use state::{ComplexNumber, DiscretizationAnswer, MaterialAnswer, StateAnswer};

@@ -3,6 +3,8 @@
 use crate::number::{told, told_of};
 use crate::settings::{Bonds, Family, MaterialSettings, Model, Settings, Units};
 use nalgebra::Matrix3;
+use onset::continuum::ROUNDING;
+use onset::criteria::is_isotropic;
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, Response};
 
@@ -11,19 +13,20 @@ const UNSTRESSED: f64 = 1e-9;
 /// A state with different stretches, at which a law that has no shear stiffness at `F = 1` alone has some.
 const STRETCHED: [f64; 3] = [1.1, 1.0, 0.95];
 
-/// What a reader of an answer must know of the law: that it has stress at `F = 1`, no stiffness against shear, or a tangent that depends on the path, where it
-/// is so.
+/// What a reader of an answer must know of the law: that it has stress at `F = 1`, no stiffness against shear, a negative Poisson's ratio, or a tangent that
+/// depends on the path, where it is so.
 pub fn notes_on_law(settings: &MaterialSettings, material: &dyn Hyperelastic) -> Vec<String> {
     let notes = [
         stress_at_rest(material),
         fluid(material),
+        auxetic(material),
         note_on_path(settings.model),
     ];
     notes.into_iter().flatten().collect()
 }
 
 /// Whether a law has stress at `F = 1`.
-pub fn is_stressed(material: &dyn Hyperelastic) -> bool {
+fn is_stressed(material: &dyn Hyperelastic) -> bool {
     stress_at_rest(material).is_some()
 }
 
@@ -60,8 +63,6 @@ pub(super) fn buckling(
     })
 }
 
-/// Stiffness against shear over the largest one up to which it is rounding.
-const NO_SHEAR: f64 = 1e-12;
 
 /// Whether a law has no stiffness against shear, neither at `F = 1` nor under stretches, but some against a change of volume.
 pub(super) fn is_fluid(material: &dyn Hyperelastic) -> bool {
@@ -70,7 +71,7 @@ pub(super) fn is_fluid(material: &dyn Hyperelastic) -> bool {
         let stiffness = response.tangent.largest();
         let mut shears = [(0, 1), (0, 2), (1, 2)].into_iter();
         let are_free =
-            shears.all(|(i, j)| response.tangent[(i, j, i, j)].abs() <= NO_SHEAR * stiffness);
+            shears.all(|(i, j)| response.tangent[(i, j, i, j)].abs() <= ROUNDING * stiffness);
         Some(stiffness > 0.0 && are_free)
     };
     // A fluid has no plane stress, and a bar in uniaxial stress no shear.
@@ -89,6 +90,34 @@ fn fluid(material: &dyn Hyperelastic) -> Option<String> {
         "the law has no stiffness against shear: a fluid. It is not strongly elliptic at any state, its transverse waves have omega = 0, and \
          motions of the particles that keep all volumes cost nothing"
             .to_owned()
+    })
+}
+
+/// Shear and bulk modulus of an isotropic law without stress at `F = 1`.
+pub fn moduli(material: &dyn Hyperelastic) -> Option<[f64; 2]> {
+    let response = material.undeformed().ok()?;
+    let shear = response.tangent[(0, 1, 0, 1)];
+    let bulk = response.tangent[(0, 0, 0, 0)] - shear * (4.0 / 3.0);
+    (is_isotropic(material) && !is_stressed(material)).then_some([shear, bulk])
+}
+
+/// Poisson's ratio of an isotropic law at `F = 1`, where it is negative.
+fn auxetic(material: &dyn Hyperelastic) -> Option<String> {
+    let response = material.undeformed().ok()?;
+    let stiffness = |k: usize| response.tangent[(0, 0, k, k)];
+    let ratio = match material.dimension() {
+        1 => return None,
+        2 => stiffness(1) / stiffness(0),
+        _ => stiffness(1) / (stiffness(0) + stiffness(1)),
+    };
+    // At -1 the bulk modulus is zero.
+    let is_auxetic = ratio > -1.0 && ratio < -UNSTRESSED;
+    let shear = is_auxetic.then(|| moduli(material)).flatten()?[0];
+    (shear > 0.0).then(|| {
+        format!(
+            "auxetic: Poisson's ratio at F = 1 is {}, so that the material widens when it is stretched and narrows when it is compressed",
+            told(ratio)
+        )
     })
 }
 

@@ -8,7 +8,7 @@ mod sentence;
 pub use card::{BoxAnswer, CardAnswer, CardError, Limits};
 pub use onset::criteria::{Lateral, Mode, Range};
 
-use crate::answers::{is_stressed, notes_on_law};
+use crate::answers::{moduli, notes_on_law};
 use crate::number;
 use crate::settings::{MaterialSettings, Value};
 use onset::criteria::{
@@ -137,7 +137,7 @@ pub struct Definition {
 
 /// What a limit of rank-one convexity is.
 const UPPER_BOUND: &str = "a limit is an upper bound of the distance from the reference: jumps that gain energy earlier may exist and not have been \
-                           found; at the limit the jump that is named gains energy";
+                           found (so the signs ≤ and ≥); at the limit the jump that is named gains energy";
 
 /// The answer: every criterion along every loading.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -224,6 +224,8 @@ pub struct CriterionAnswer {
 pub struct SideAnswer {
     /// The stretch at which it is lost, counted from the reference; `null` when it is not.
     pub limit: Option<f64>,
+    /// Whether it may be lost nearer to the reference: the loss at the limit is shown, and nothing shows that it holds before.
+    pub upper_bound: bool,
     /// All changes, nearest to the reference first.
     pub changes: Vec<ChangeAnswer>,
 }
@@ -235,7 +237,7 @@ pub struct ChangeAnswer {
     pub change: Change,
     /// The imposed stretch.
     pub stretch: f64,
-    /// Half of the width of its bracket, relative.
+    /// Half of the width of its bracket, relative, or how far rounding can move it; of an upper bound that of the perturbation which is named.
     pub tolerance: f64,
     /// The nominal strain there: `lambda - 1`, in simple shear the amount of shear.
     pub nominal_strain: f64,
@@ -553,14 +555,6 @@ impl EndAnswer {
     }
 }
 
-/// Shear and bulk modulus at small strains, by which constants in a wrong convention show.
-fn moduli(material: &dyn Hyperelastic) -> Option<[f64; 2]> {
-    let response = material.undeformed().ok()?;
-    let shear = response.tangent[(0, 1, 0, 1)];
-    let bulk = response.tangent[(0, 0, 0, 0)] - shear * (4.0 / 3.0);
-    (is_isotropic(material) && !is_stressed(material)).then_some([shear, bulk])
-}
-
 /// Pairs as a map in their order.
 fn as_map<S: Serializer>(
     pairs: &[(String, serde_json::Value)],
@@ -651,6 +645,7 @@ fn side(path: &LoadingPath<'_>, loading: Loading, track: Option<&Track>) -> Side
     };
     SideAnswer {
         limit: track.limit(),
+        upper_bound: track.events.first().is_some_and(|event| event.is_upper_bound),
         changes: track.events.iter().map(change).collect(),
     }
 }

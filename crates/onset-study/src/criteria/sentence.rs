@@ -163,7 +163,12 @@ fn cell(answer: &CriterionAnswer, side: &SideAnswer) -> String {
                 .changes
                 .iter()
                 .any(|change| change.change == Change::Regained);
-            format!("{}{}", number::told(limit), if again { "*" } else { "" })
+            let bound = match (side.upper_bound, limit < 1.0) {
+                (false, _) => "",
+                (true, true) => "≥ ",
+                (true, false) => "≤ ",
+            };
+            format!("{bound}{}{}", number::told(limit), if again { "*" } else { "" })
         }
     }
 }

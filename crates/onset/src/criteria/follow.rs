@@ -31,6 +31,8 @@ pub struct Event {
     pub stretch: f64,
     /// Half of the width of the bracket of `ln lambda`, or how far rounding of the measure or of the free stretches can move it, if that is more.
     pub tolerance: f64,
+    /// Whether the criterion may be lost nearer to the reference: what was found there proves the loss, and nothing proves that it holds before.
+    pub is_upper_bound: bool,
     /// The perturbation on the side where the criterion does not hold.
     pub witness: Witness,
 }
@@ -42,6 +44,16 @@ pub struct Track {
     pub holds_at_start: bool,
     /// Its changes, nearest to the reference first.
     pub events: Vec<Event>,
+}
+
+impl Event {
+    /// The same as an upper bound of the distance from the reference.
+    fn upper_bound(self) -> Self {
+        Self {
+            is_upper_bound: true,
+            ..self
+        }
+    }
 }
 
 impl Track {
@@ -209,6 +221,7 @@ fn event(lost: bool, before: f64, behind: f64, witness: Witness) -> Event {
             middle.exp()
         },
         tolerance: 0.5 * (behind - before).abs(),
+        is_upper_bound: false,
         witness,
     }
 }
@@ -227,8 +240,9 @@ const OUTWARD: i32 = 22;
 /// for in turn. Beyond the limit nothing is looked for.
 ///
 /// Whether there are other jumps nearer to the reference is not proved: the limit is an upper bound of the distance from the reference up to
-/// which the law is rank-one convex. At the limit the gain is proved in intervals where the law knows them ([`JumpSearch::proves`]). Where the best
-/// jump leads to the edge of the reach, its largest stretch, the limit depends on the reach, and is good to about 1e-3 only.
+/// which the law is rank-one convex ([`Event::is_upper_bound`]); its tolerance is that of the jump which is named. At the limit the gain is proved in
+/// intervals where the law knows them ([`JumpSearch::proves`]). Where the best jump leads to the edge of the reach, its largest stretch, the limit depends on
+/// the reach.
 pub fn follow_jumps(path: &LoadingPath<'_>, elliptic: &Track, reach: f64, tension: bool) -> Track {
     let jumps = Jumps {
         path,
@@ -255,7 +269,7 @@ pub fn follow_jumps(path: &LoadingPath<'_>, elliptic: &Track, reach: f64, tensio
                 .is_some_and(|state| jumps.search.proves(&state.response, &jump));
             return Track {
                 holds_at_start: false,
-                events: vec![event(true, 0.0, 0.0, jump.witness(verified))],
+                events: vec![event(true, 0.0, 0.0, jump.witness(verified)).upper_bound()],
             };
         }
         return jumps.break_even(&places[..n], (*place, jump));
@@ -266,6 +280,7 @@ pub fn follow_jumps(path: &LoadingPath<'_>, elliptic: &Track, reach: f64, tensio
         holds_at_start: elliptic.holds_at_start,
         events: first
             .filter(|event| event.change == Change::Lost)
+            .map(Event::upper_bound)
             .into_iter()
             .collect(),
     }
@@ -353,9 +368,22 @@ impl Jumps<'_, '_> {
         Track {
             holds_at_start: behind != 0.0,
             events: vec![Event {
-                tolerance: (place - before).abs(),
+                tolerance: (place - before).abs().max(self.undetermined(place, &jump)),
+                is_upper_bound: true,
                 ..event(true, place, place, jump.witness(verified))
             }],
+        }
+    }
+
+    /// How far rounding of the gain of a jump can move its limit, by the slope of the gain along the path.
+    fn undetermined(&self, s: f64, jump: &Jump) -> f64 {
+        let step = SLOPE_STEP.min(0.5 * s.abs());
+        let beside = self.path.at(s - step.copysign(s));
+        let beside = beside.and_then(|state| self.search.descend(&state.response, jump));
+        let slope = beside.map_or(0.0, |beside| (beside.excess - jump.excess) / step);
+        match slope > 0.0 {
+            true => (jump.rounding / slope).min(s.abs()),
+            false => 0.0,
         }
     }
 

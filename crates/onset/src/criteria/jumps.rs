@@ -19,7 +19,7 @@ pub struct Jump {
     pub excess: f64,
     /// How much of the excess can be rounding.
     pub rounding: f64,
-    /// Whether it leads to the largest stretch of the reach; it is then not the lowest of its valley, and not as accurate.
+    /// Whether it leads to the largest stretch of the reach, so that a larger reach would allow a lower one.
     pub at_edge: bool,
     /// Whether it leads to as good as no volume: the law has a finite energy there, and the lowest jump of its valley is a limit.
     pub collapses: bool,
@@ -48,8 +48,9 @@ impl Jump {
 /// Starts: normals and polarizations along the thirteen axes of a cube in the principal frame, with amplitudes in ratio to the stretch along the
 /// polarization, both ways; the lowest of them, one for each pair of axes, are followed downhill (quasi-Newton, `BFGS`) in amplitude and normal
 /// together. Jumps lead to states with principal stretches up to the reach only, since many laws lack
-/// growth at enormous strains; in compression they go as far as they lower the energy, since `J` cannot fall below zero, where laws without growth
-/// toward `J = 0` have their lowest jumps. A jump that gains energy disproves rank-one convexity, up to rounding or, where [`JumpSearch::proves`] says so, in
+/// growth at enormous strains. Where a descent meets the reach it goes on along it, among jumps whose largest stretch is the reach, and such jumps along the
+/// same axes are starts too: the lowest of them are oblique. In compression jumps go as far as they lower the energy, since `J` cannot fall below
+/// zero, where laws without growth toward `J = 0` have their lowest jumps. A jump that gains energy disproves rank-one convexity, up to rounding or, where [`JumpSearch::proves`] says so, in
 /// exact arithmetic; none found is no proof of it.
 ///
 /// ```
@@ -77,6 +78,10 @@ const SMALLEST: f64 = 1e-3;
 const FOLLOWED: usize = 16;
 /// Steps of a descent.
 const STEPS: usize = 80;
+/// How often a descent goes along the reach and leaves it again.
+const ROUNDS: usize = 3;
+/// The part of a jump to the reach at which a shorter one is tried.
+const INWARD: f64 = 0.99;
 /// The volume that jumps leave at the least, by that before them.
 const LEAST_VOLUME: f64 = 1e-7;
 /// Jumps that leave less volume, by that before them, count as collapse.
@@ -133,17 +138,20 @@ impl<'a> JumpSearch<'a> {
         let mut starts: Vec<(f64, Vector6<f64>)> = self.starts(state);
         sort_by_value(&mut starts, |item| item.0);
         starts.truncate(FOLLOWED);
+        let mut at_edge = self.starts_at_edge(state);
+        sort_by_value(&mut at_edge, |item| item.0);
+        let at_edge = at_edge.iter().take(FOLLOWED);
+        let along_edge = at_edge.filter_map(|(_, start)| self.along_edge(state, *start));
         if let Some((n, g)) = wave {
             let scale = stretch_along(state.deformation.matrix(), &g);
             let both = ALONG_WAVE.into_iter().flat_map(|size| [size, -size]);
             let amplitudes = both.map(|size| g * (size * scale));
-            starts.extend(
-                amplitudes.map(|a| (0.0, Vector6::new(a[0], a[1], a[2], n[0], n[1], n[2]))),
-            );
+            starts.extend(amplitudes.map(|a| (0.0, joined(&a, &n))));
         }
-        starts
-            .iter()
-            .filter_map(|(_, start)| self.descent(state, *start))
+        let inside = starts.iter();
+        let inside = inside.filter_map(|(_, start)| self.descent(state, *start));
+        along_edge
+            .chain(inside)
             .min_by(|a, b| a.excess.total_cmp(&b.excess))
     }
 
@@ -163,7 +171,7 @@ impl<'a> JumpSearch<'a> {
                     if a.norm() < 0.1 * size.abs() * scale {
                         return None;
                     }
-                    let start = Vector6::new(free[0], free[1], free[2], n[0], n[1], n[2]);
+                    let start = joined(&free, &n);
                     Some((self.energy_of(state, &a, &n)?.0, start))
                 };
                 let tried = AMPLITUDES.into_iter().filter_map(of_size);
@@ -173,11 +181,27 @@ impl<'a> JumpSearch<'a> {
         starts
     }
 
+    /// Jumps to the reach with normals and polarizations along the axes of [`JumpSearch::starts`], each with its excess.
+    fn starts_at_edge(&self, state: &Response) -> Vec<(f64, Vector6<f64>)> {
+        let (left, right) = principal_axes(&state.deformation);
+        let mut starts = Vec::with_capacity(2 * AXES.len() * AXES.len());
+        for normal in AXES {
+            let n = right * Vector3::from(normal);
+            for (axis, sign) in AXES.into_iter().flat_map(|axis| [(axis, 1.0), (axis, -1.0)]) {
+                let g = left * Vector3::from(axis) * sign;
+                let start = joined(&g, &n);
+                let found = self.excess_at_edge(state, &start);
+                starts.extend(found.map(|(excess, _)| (excess, start)));
+            }
+        }
+        starts
+    }
+
     /// The jump at the bottom of the valley that a jump at a state nearby lies in; `None` where it becomes infinitesimal.
     pub fn descend(&self, state: &Response, start: &Jump) -> Option<Jump> {
         let n = start.direction;
         let a = self.free(state, start.amplitude, &n);
-        self.descent(state, Vector6::new(a[0], a[1], a[2], n[0], n[1], n[2]))
+        self.descent(state, joined(&a, &n))
     }
 
     /// Whether a jump gains energy in exact arithmetic, by intervals of the law: `W(F + a (x) N) - W(F) - P : (a (x) N)` is below zero for all
@@ -215,9 +239,17 @@ impl<'a> JumpSearch<'a> {
         n: &Vector3<f64>,
     ) -> Option<(f64, Matrix3<f64>)> {
         let f = state.deformation.matrix() + a * n.transpose();
-        if !self.reaches(&f) {
-            return None;
-        }
+        self.reaches(&f).then(|| self.energy_at(state, a, n)).flatten()
+    }
+
+    /// The same whatever the reach.
+    fn energy_at(
+        &self,
+        state: &Response,
+        a: &Vector3<f64>,
+        n: &Vector3<f64>,
+    ) -> Option<(f64, Matrix3<f64>)> {
+        let f = state.deformation.matrix() + a * n.transpose();
         let components = array_of(|i| array_of(|j| f[(i, j)]));
         let f = DeformationGradient::from_components(components);
         let (energy, stress) = self.material.energy_and_stress(&f).ok()?;
@@ -257,36 +289,115 @@ impl<'a> JumpSearch<'a> {
 
     /// The scaled excess of `a (x) M / |M|` at `(a, M)` with its gradient; `None` where the jump leaves the reach or the law.
     fn excess(&self, state: &Response, variables: &Vector6<f64>) -> Option<(f64, Vector6<f64>)> {
-        let free: Vector3<f64> = variables.fixed_rows::<3>(0).into();
-        let m: Vector3<f64> = variables.fixed_rows::<3>(3).into();
-        let length = m.norm();
-        let n = m / length;
-        let a = self.admitted(state, free, &n);
+        let (a, n) = self.to(state, variables);
         let (excess, change) = self.energy_of(state, &a, &n)?;
         let scale = 2.0 / a.norm_squared();
-        let mut by_a = (change * n - a * excess) * scale;
-        let mut by_n = change.transpose() * a * scale;
+        let by_a = (change * n - a * excess) * scale;
+        let by_n = change.transpose() * a * scale;
+        Some((excess, self.pulled_back(state, variables, by_a, by_n)))
+    }
+
+    /// The jump that free variables stand for.
+    fn to(&self, state: &Response, variables: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        let (free, m) = parts(variables);
+        let n = m.normalize();
+        (self.admitted(state, free, &n), n)
+    }
+
+    /// A gradient by amplitude and normal of a jump as one by its free variables.
+    fn pulled_back(
+        &self,
+        state: &Response,
+        variables: &Vector6<f64>,
+        mut by_a: Vector3<f64>,
+        mut by_n: Vector3<f64>,
+    ) -> Vector6<f64> {
+        let (free, m) = parts(variables);
+        let length = m.norm();
+        let n = m / length;
         // a = b + w v, v = cof F N, w = J (y - x) / |v|^2, x = 1 + v . b / J, y the volume after the jump by that before.
         let cofactor = cofactor(&state.deformation.matrix());
         let jacobian = state.deformation.jacobian();
         let v = cofactor * n;
         let square = v.norm_squared();
         let x = 1.0 + v.dot(&free) / jacobian;
-        let (volume, slope) = if self.incompressible {
-            (1.0, 0.0)
-        } else {
-            volume_after(x)
+        let (volume, slope) = match self.incompressible {
+            true => (1.0, 0.0),
+            false => volume_after(x),
         };
         let weight = jacobian * (volume - x) / square;
         let along = v.dot(&by_a) / square;
         let by_v = by_a * weight + (free * (slope - 1.0) - v * (2.0 * weight)) * along;
         by_n += cofactor.transpose() * by_v;
         by_a += v * ((slope - 1.0) * along);
-        let by_m = (by_n - n * n.dot(&by_n)) / length;
-        Some((
-            excess,
-            Vector6::new(by_a[0], by_a[1], by_a[2], by_m[0], by_m[1], by_m[2]),
-        ))
+        joined(&by_a, &((by_n - n * n.dot(&by_n)) / length))
+    }
+
+    /// The scaled excess of the jump along `d (x) M / |M|` to the reach, at `(d, M)`, with its gradient.
+    fn excess_at_edge(
+        &self,
+        state: &Response,
+        variables: &Vector6<f64>,
+    ) -> Option<(f64, Vector6<f64>)> {
+        let (d, n) = self.toward_edge(state, variables);
+        let (length, [by_d, by_n]) = self.length_to_edge(state, &d, &n)?;
+        let a = d * length;
+        let after = state.deformation.matrix() + a * n.transpose();
+        if after.determinant() <= LEAST_VOLUME * state.deformation.jacobian() {
+            return None;
+        }
+        let (excess, change) = self.energy_at(state, &a, &n)?;
+        let scale = 2.0 / a.norm_squared();
+        let by_a = (change * n - a * excess) * scale;
+        let by_d = by_a * length + by_d * by_a.dot(&d);
+        let by_n = change.transpose() * a * scale + by_n * by_a.dot(&d);
+        let gradient = match self.incompressible {
+            true => self.pulled_back(state, variables, by_d, by_n),
+            false => {
+                let m: Vector3<f64> = variables.fixed_rows::<3>(3).into();
+                joined(&by_d, &((by_n - n * n.dot(&by_n)) / m.norm()))
+            }
+        };
+        let is_finite = gradient.iter().all(|x| x.is_finite());
+        is_finite.then_some((excess, gradient))
+    }
+
+    /// The direction of the amplitude of a jump to the reach, and the normal, from free variables.
+    fn toward_edge(
+        &self,
+        state: &Response,
+        variables: &Vector6<f64>,
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        let (free, m) = parts(variables);
+        let n = m.normalize();
+        match self.incompressible {
+            true => (self.admitted(state, free, &n), n),
+            false => (free, n),
+        }
+    }
+
+    /// How long a jump along `d (x) N` to the reach is, with its derivatives by `d` and `N`; `None` where the state is there already.
+    ///
+    /// `F + t d (x) N` has the largest stretch `R` at the smallest `t > 0` with `det(R^2 - (F + t d (x) N) (F + t d (x) N)^T) = 0`: with `M = (R^2 - F
+    /// F^T)^-1`, `f = F N`, `p = d . M d`, `q = d . M f` and `r = f . M f` at `t = 1 / (q + sqrt(p (1 + r)))`.
+    fn length_to_edge(
+        &self,
+        state: &Response,
+        d: &Vector3<f64>,
+        n: &Vector3<f64>,
+    ) -> Option<(f64, [Vector3<f64>; 2])> {
+        let f = state.deformation.matrix();
+        let left = Matrix3::identity() * self.reach.powi(2) - f * f.transpose();
+        let inverse = left.cholesky()?.inverse();
+        let along = f * n;
+        let (md, mf) = (inverse * d, inverse * along);
+        let (p, r) = (d.dot(&md), along.dot(&mf));
+        let root = (p * (1.0 + r)).sqrt();
+        let length = 1.0 / (d.dot(&mf) + root);
+        let scale = -length * length;
+        let by_d = (mf + md * ((1.0 + r) / root)) * scale;
+        let by_n = f.transpose() * (md + mf * (p / root)) * scale;
+        (length > 0.0 && length.is_finite()).then_some((length, [by_d, by_n]))
     }
 
     /// Whether a deformation has a positive determinant and principal stretches up to the reach.
@@ -294,57 +405,52 @@ impl<'a> JumpSearch<'a> {
         f.determinant() > 0.0 && largest_square(f) <= self.reach * self.reach
     }
 
-    fn descent(&self, state: &Response, start: Vector6<f64>) -> Option<Jump> {
-        let (mut x, (mut value, mut gradient)) = (start, self.excess(state, &start)?);
-        let mut inverse = Matrix6::identity() * (0.1 / gradient.norm().max(1e-300));
-        let mut fresh = true;
-        for _ in 0..STEPS {
-            let mut step = -(inverse * gradient);
-            if step.dot(&gradient) >= 0.0 || !step.norm().is_finite() {
-                inverse = Matrix6::identity() * (0.1 / gradient.norm().max(1e-300));
-                step = -(inverse * gradient);
-                fresh = true;
+    /// The bottom of the valley of a jump, given by its free variables; along the reach where it lies there.
+    fn descent(&self, state: &Response, mut start: Vector6<f64>) -> Option<Jump> {
+        let is_small = |x: &Vector6<f64>| self.to(state, x).0.norm() < SMALLEST;
+        let mut lowest: Option<Jump> = None;
+        for _ in 0..ROUNDS {
+            let x = downhill(start, |x| self.excess(state, x), is_small)?;
+            let (a, n) = self.to(state, &x);
+            let inside = self.jump(state, a, n)?;
+            if !inside.at_edge {
+                return Some(inside);
             }
-            let Some((length, next)) = self.shorter(state, &x, value, &step, &gradient) else {
-                if fresh {
-                    break;
-                }
-                inverse = Matrix6::identity() * (0.1 / gradient.norm().max(1e-300));
-                fresh = true;
-                continue;
-            };
-            let moved = step * length;
-            let turned = next.1 - gradient;
-            let curvature = moved.dot(&turned);
-            if curvature > 0.0 {
-                if fresh {
-                    inverse = Matrix6::identity() * (curvature / turned.norm_squared());
-                }
-                let identity = Matrix6::identity();
-                let left = identity - moved * turned.transpose() / curvature;
-                inverse = left * inverse * left.transpose() + moved * moved.transpose() / curvature;
-                fresh = false;
-            }
-            x += moved;
-            let settled = moved.norm() <= 1e-13 * x.norm();
-            (value, gradient) = next;
-            let n: Vector3<f64> = x.fixed_rows::<3>(3).into();
-            let amplitude = self.admitted(state, x.fixed_rows::<3>(0).into(), &n.normalize());
-            if amplitude.norm() < SMALLEST {
-                return None;
-            }
-            if settled {
+            let along = self.along_edge(state, joined(&a, &n));
+            let found = along.filter(|edge| edge.excess < inside.excess);
+            let found = found.unwrap_or(inside);
+            if lowest.is_some_and(|lowest| found.excess >= lowest.excess) {
                 break;
             }
+            lowest = Some(found);
+            let (a, n) = (found.amplitude * INWARD, found.direction);
+            let shorter = self.energy_of(state, &a, &n);
+            if shorter.is_none_or(|(excess, _)| excess >= found.excess) {
+                break;
+            }
+            start = joined(&self.free(state, a, &n), &n);
         }
-        let m: Vector3<f64> = x.fixed_rows::<3>(3).into();
-        let n = m / m.norm();
-        let a = self.admitted(state, x.fixed_rows::<3>(0).into(), &n);
+        lowest
+    }
+
+    /// The lowest jump to the reach downhill of one along the direction of free variables.
+    fn along_edge(&self, state: &Response, start: Vector6<f64>) -> Option<Jump> {
+        let x = downhill(start, |x| self.excess_at_edge(state, x), |_| false)?;
+        let (d, n) = self.toward_edge(state, &x);
+        let (length, _) = self.length_to_edge(state, &d, &n)?;
+        self.jump(state, d * length, n)
+    }
+
+    /// A jump with its excess; `None` of one that counts as infinitesimal.
+    fn jump(&self, state: &Response, a: Vector3<f64>, n: Vector3<f64>) -> Option<Jump> {
+        if a.norm() < SMALLEST {
+            return None;
+        }
         let after = state.deformation.matrix() + a * n.transpose();
         Some(Jump {
             amplitude: a,
             direction: n,
-            excess: value,
+            excess: self.energy_at(state, &a, &n)?.0,
             rounding: Self::rounding(state, &a, &n),
             at_edge: largest_square(&after).sqrt() > 0.99 * self.reach,
             collapses: after.determinant() < COLLAPSED * state.deformation.jacobian(),
@@ -357,28 +463,91 @@ impl<'a> JumpSearch<'a> {
         let energies = 2.0 * state.energy.abs() + 2.0 * work.abs();
         2e3 * f64::EPSILON * energies / a.norm_squared()
     }
+}
 
-    /// The part of a step that is admitted and leads down, with the excess there.
-    fn shorter(
-        &self,
-        state: &Response,
-        x: &Vector6<f64>,
-        value: f64,
-        step: &Vector6<f64>,
-        gradient: &Vector6<f64>,
-    ) -> Option<(f64, (f64, Vector6<f64>))> {
-        let slope = step.dot(gradient);
-        let mut length = 1.0;
-        for _ in 0..40 {
-            if let Some(next) = self.excess(state, &(x + step * length))
-                && next.0 < value + 1e-4 * length * slope
-            {
-                return Some((length, next));
-            }
-            length *= 0.5;
+/// Amplitude and normal as one vector.
+fn joined(a: &Vector3<f64>, n: &Vector3<f64>) -> Vector6<f64> {
+    Vector6::new(a[0], a[1], a[2], n[0], n[1], n[2])
+}
+
+/// The halves of a vector.
+fn parts(variables: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
+    (
+        variables.fixed_rows::<3>(0).into(),
+        variables.fixed_rows::<3>(3).into(),
+    )
+}
+
+/// The bottom of a valley of a function with its gradient, by a quasi-Newton method (`BFGS`); `None` where the function has no value at the start, and
+/// where the way down is over.
+fn downhill(
+    start: Vector6<f64>,
+    function: impl Fn(&Vector6<f64>) -> Option<(f64, Vector6<f64>)>,
+    is_over: impl Fn(&Vector6<f64>) -> bool,
+) -> Option<Vector6<f64>> {
+    let (mut x, (mut value, mut gradient)) = (start, function(&start)?);
+    let steepest =
+        |gradient: &Vector6<f64>| Matrix6::identity() * (0.1 / gradient.norm().max(1e-300));
+    let mut inverse = steepest(&gradient);
+    let mut fresh = true;
+    for _ in 0..STEPS {
+        let mut step = -(inverse * gradient);
+        if step.dot(&gradient) >= 0.0 || !step.norm().is_finite() {
+            inverse = steepest(&gradient);
+            step = -(inverse * gradient);
+            fresh = true;
         }
-        None
+        let Some((length, next)) = shorter(&function, &x, value, &step, &gradient) else {
+            if fresh {
+                break;
+            }
+            inverse = steepest(&gradient);
+            fresh = true;
+            continue;
+        };
+        let moved = step * length;
+        let turned = next.1 - gradient;
+        let curvature = moved.dot(&turned);
+        if curvature > 0.0 {
+            if fresh {
+                inverse = Matrix6::identity() * (curvature / turned.norm_squared());
+            }
+            let identity = Matrix6::identity();
+            let left = identity - moved * turned.transpose() / curvature;
+            inverse = left * inverse * left.transpose() + moved * moved.transpose() / curvature;
+            fresh = false;
+        }
+        x += moved;
+        (value, gradient) = next;
+        if is_over(&x) {
+            return None;
+        }
+        if moved.norm() <= 1e-13 * x.norm() {
+            break;
+        }
     }
+    Some(x)
+}
+
+/// The part of a step that is admitted and leads down, with the function there.
+fn shorter(
+    function: impl Fn(&Vector6<f64>) -> Option<(f64, Vector6<f64>)>,
+    x: &Vector6<f64>,
+    value: f64,
+    step: &Vector6<f64>,
+    gradient: &Vector6<f64>,
+) -> Option<(f64, (f64, Vector6<f64>))> {
+    let slope = step.dot(gradient);
+    let mut length = 1.0;
+    for _ in 0..40 {
+        if let Some(next) = function(&(x + step * length))
+            && next.0 < value + 1e-4 * length * slope
+        {
+            return Some((length, next));
+        }
+        length *= 0.5;
+    }
+    None
 }
 
 /// `|F^T g|`, the size of `F` along `g`: a principal stretch where `g` is a principal axis.

@@ -195,6 +195,27 @@ fn the_third_stretch_of_neo_hooke_jumps_at_the_common_tangent() {
     );
 }
 
+/// The lowest jumps of Hencky's law lead to the largest stretch of the range, obliquely. The bounds are those of a search from 50,000 random jumps, polished
+/// by the simplex method, with energies from eigenvalues of `C` alone.
+#[test]
+fn oblique_jumps_to_the_largest_stretch_of_the_range_are_found() {
+    let hencky = Law::named("hencky").expect("a law");
+    for (kappa, range, mode, lateral, tension, bound) in [
+        (2.0, [0.2, 5.0], Mode::Uniaxial, Lateral::Held, false, 0.279_08),
+    ] {
+        let law = hencky.build(&[("kappa", kappa)]).expect("admissible");
+        let range = Range::new(range[0], range[1]).expect("a range");
+        let loading = Loading { mode, lateral };
+        let path = LoadingPath::new(&*law, true, loading, &range).expect("a reference");
+        let elliptic = track(&path, Criterion::StrongEllipticity, tension);
+        let jumps = follow_jumps(&path, &elliptic, range.high(), tension);
+        let own = jumps.limit().expect("lost");
+        assert!(own.ln().abs() <= bound.ln().abs(), "{kappa} {mode:?}: {own}");
+        let event = &jumps.events[0];
+        assert!(event.is_upper_bound && event.tolerance > 1e-14 && event.tolerance < 1e-9);
+    }
+}
+
 /// At the state named in the audit of this law the jump gains 12.65 of energy; no rounding comes near.
 #[test]
 fn a_gain_that_was_found_elsewhere_is_proved_in_intervals() {
