@@ -395,7 +395,11 @@ fn kinks_are_warned_of() {
         "uniaxial",
     ];
     let text = onset(&arguments);
-    assert!(text.stdout.contains("kink at stretch"), "{}", text.stdout);
+    assert!(
+        text.stdout.contains("kink of the stress at stretch"),
+        "{}",
+        text.stdout
+    );
     let json = onset(&[&arguments[..], &["--json"]].concat());
     let card: Value = serde_json::from_str(&json.stdout).expect("JSON");
     let kinks = card["loadings"][0]["kinks"].as_array().expect("a list");
@@ -403,6 +407,60 @@ fn kinks_are_warned_of() {
     for kink in kinks {
         let l = number(kink, "/stretch");
         assert!((l * l + 2.0 / l - 3.5).abs() < 1e-9, "{l}");
+    }
+}
+
+/// With `W = 10 (I1 - 3 - 2 ln J) + 20 (J - 1)^2 + f(J)` all jumps lie at `J = 1.2`.
+#[test]
+fn jumps_of_a_law_are_told_for_what_they_are_in_every_loading() {
+    let smooth = "10*(I1-3-2*ln(J)) + 20*(J-1)^2";
+    let [held, equal, hydrostatic] = [1.0, 0.5, 1.0 / 3.0].map(|power| 1.2_f64.powf(power));
+    let tension = |answer: &Value, title: &str| -> (Value, Option<f64>) {
+        let loadings = answer["loadings"].as_array().expect("a list");
+        let own = loadings.iter().find(|loading| loading["title"] == title);
+        let own = own.expect("the loading");
+        let limit = &criterion(own, "rank-one-convexity")["tension"]["limit"];
+        (own["kinks"].clone(), limit.as_f64())
+    };
+    // A concave kink of size c is crossed with gain from (J - J0) < c/(2 q) before, q the stiffness along the jump.
+    for (term, kind, size, lost) in [
+        ("+ 2*macaulay(J-1.2)", "jump-of-stress", 2.0, None),
+        ("- 2*macaulay(J-1.2)", "jump-of-stress", -2.0, Some(true)),
+        ("+ 0.3*heaviside(J-1.2)", "step-of-energy", 0.3, Some(false)),
+        ("+ 2*macaulay(J-1.2)^2", "kink-of-stress", 4.0, None),
+    ] {
+        let energy = format!("{smooth} {term}");
+        let text = onset(&["criteria", "--json", "--energy", &energy]);
+        let answer: Value = serde_json::from_str(&text.stdout).expect("JSON");
+        for (title, stretch) in [
+            ("uniaxial strain", held),
+            ("equibiaxial, plane strain", equal),
+            ("hydrostatic", hydrostatic),
+        ] {
+            let (kinks, limit) = tension(&answer, title);
+            let [kink] = &kinks.as_array().expect("a list")[..] else {
+                panic!("{term}, {title}: {kinks}");
+            };
+            assert_eq!(kink["kind"], kind, "{term}, {title}");
+            assert_close(number(kink, "/stretch"), stretch, 1e-9);
+            let told = match kind {
+                "jump-of-stress" => "/mean_stress",
+                "step-of-energy" => "/energy",
+                _ => "/bulk_tangent",
+            };
+            assert_close(number(kink, told), size, 1e-6);
+            match (lost, limit) {
+                (None, None) => {}
+                (Some(false), Some(limit)) => assert_close(limit, stretch, 1e-9),
+                (Some(true), Some(limit)) => {
+                    assert!(limit < stretch && limit > 0.97 * stretch, "{title}: {limit}");
+                }
+                _ => panic!("{term}, {title}: {limit:?}"),
+            }
+        }
+        let (kinks, limit) = tension(&answer, "uniaxial, lateral faces free");
+        assert_eq!(kinks[0]["kind"], kind, "{term}: {kinks}");
+        assert_eq!(limit.is_some(), lost.is_some(), "{term}: {limit:?}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! The safe range card of a law: where it is strongly elliptic, on one page.
 
-use super::figure::{held, stretches};
+use super::figure::{held, mark, stretches};
 use super::sentence::{opening, title, witness};
 use super::{
     CriteriaError, CriterionAnswer, EndAnswer, KinkAnswer, LawAnswer, LoadingAnswer, Question,
@@ -71,7 +71,7 @@ pub struct Limits {
     pub elliptic: Vec<(f64, f64)>,
     /// The limits of ellipticity, of Drucker's and Hill's criteria and of the load, each with nominal strain and stress.
     pub criteria: Vec<CriterionLimits>,
-    /// Stretches at which the tangent jumps.
+    /// Stretches at which energy, stress or tangent jump.
     pub kinks: Vec<KinkAnswer>,
 }
 
@@ -331,6 +331,10 @@ impl CardAnswer {
             for (from, to) in &limits.elliptic {
                 let bar = bar(*from, *to, y).color(palette::BLUE);
                 panel = panel.with(bar.named("imposed stretch of the loading"));
+            }
+            for (at, name) in limits.kinks.iter().map(mark) {
+                let mark = Line::new(vec![(at, y - 0.4), (at, y + 0.4)]);
+                panel = panel.with(mark.width(2.0).color(palette::VERMILION).named(name));
             }
         }
         Figure::new(format!("Safe range: {}", title(&self.material)))

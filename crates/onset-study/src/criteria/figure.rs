@@ -1,8 +1,8 @@
 //! Ranges of criteria as horizontal bars, a panel for each loading.
 
-use super::{CriteriaAnswer, CriterionAnswer, LoadingAnswer};
+use super::{CriteriaAnswer, CriterionAnswer, KinkAnswer, LoadingAnswer};
 use crate::figure::{Axis, Color, Figure, Line, Panel, Rule, palette};
-use onset::criteria::{Change, Criterion};
+use onset::criteria::{Change, Criterion, Discontinuity};
 
 /// Width of a bar, in pixels.
 const BAR: f64 = 8.0;
@@ -37,6 +37,10 @@ impl CriteriaAnswer {
             Axis::linear("", (0.4, rows + 0.6)).ticks(names),
         );
         panel = panel.with(Rule::vertical(1.0));
+        for (at, name) in loading.kinks.iter().map(mark) {
+            let mark = Line::new(vec![(at, 0.4), (at, rows + 0.6)]);
+            panel = panel.with(mark.color(palette::VERMILION).named(name));
+        }
         for (n, answer) in loading.criteria.iter().enumerate() {
             if !answer.defined {
                 continue;
@@ -53,6 +57,16 @@ impl CriteriaAnswer {
         }
         panel
     }
+}
+
+/// Where a jump of a law is marked, with its name.
+pub(super) fn mark(kink: &KinkAnswer) -> (f64, &'static str) {
+    let name = match kink.kind {
+        Discontinuity::StepOfEnergy => "step of the energy",
+        Discontinuity::JumpOfStress => "jump of the stress",
+        Discontinuity::KinkOfStress => "kink of the stress",
+    };
+    (kink.stretch, name)
 }
 
 /// The axis of stretches, with ticks at round numbers.

@@ -12,7 +12,7 @@ use crate::answers::{moduli, notes_on_law};
 use crate::number;
 use crate::settings::{MaterialSettings, Value};
 use onset::criteria::{
-    Change, Criterion, Event, Knowledge, Loading, LoadingError, LoadingPath, PathEnd, PathState,
+    Change, Criterion, Discontinuity, Event, Kink, Knowledge, Loading, LoadingError, LoadingPath, PathEnd, PathState,
     Track, Witness, follow, follow_jumps, has_energy, is_isotropic, kinks, polyconvexity,
 };
 use onset::material::{Hyperelastic, MaterialError};
@@ -171,19 +171,53 @@ pub struct LoadingAnswer {
     pub tension_end: EndAnswer,
     /// States with the same imposed stretch and other free stretches, where some were met.
     pub other_states: Vec<OtherState>,
-    /// Stretches at which the tangent jumps, nearest to the reference first.
+    /// Stretches at which energy, stress or tangent jump, nearest to the reference first.
     pub kinks: Vec<KinkAnswer>,
     /// The criteria.
     pub criteria: Vec<CriterionAnswer>,
 }
 
-/// A jump of the tangent.
+/// A jump of energy, stress or tangent, counted from the smaller stretch to the larger one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct KinkAnswer {
     /// The imposed stretch.
     pub stretch: f64,
-    /// Its size by that of the tangent.
+    /// The first of energy, stress and tangent that jumps.
+    pub kind: Discontinuity,
+    /// The size of that jump by that of the tangent.
     pub jump: f64,
+    /// The jump of the energy. Units of stress.
+    pub energy: f64,
+    /// The largest component of the jump of the Cauchy stress. Units of stress.
+    pub largest_stress: f64,
+    /// The jump of the mean Cauchy stress. Units of stress.
+    pub mean_stress: f64,
+    /// The jump of the second derivative of the energy by `J` at a constant shape. Units of stress.
+    pub bulk_tangent: f64,
+}
+
+impl KinkAnswer {
+    fn of(kink: &Kink) -> Self {
+        let &Kink {
+            stretch,
+            kind,
+            jump,
+            energy,
+            largest_stress,
+            mean_stress,
+            bulk_tangent,
+            ..
+        } = kink;
+        Self {
+            stretch,
+            kind,
+            jump,
+            energy,
+            largest_stress,
+            mean_stress,
+            bulk_tangent,
+        }
+    }
 }
 
 /// The end of a path.
@@ -494,13 +528,7 @@ impl Question {
             compression_end: EndAnswer::of(&path.compression_end, limits[0]),
             tension_end: EndAnswer::of(&path.tension_end, limits[1]),
             other_states: other_states(&path),
-            kinks: kinks(&path)
-                .into_iter()
-                .map(|kink| KinkAnswer {
-                    stretch: kink.stretch,
-                    jump: kink.jump,
-                })
-                .collect(),
+            kinks: kinks(&path).iter().map(KinkAnswer::of).collect(),
             criteria,
         })
     }
@@ -590,13 +618,28 @@ fn other_states(path: &LoadingPath<'_>) -> Vec<OtherState> {
         .collect()
 }
 
-/// A kink in words.
+/// A jump of energy, stress or tangent in words.
 fn kink(kink: &KinkAnswer) -> String {
-    format!(
-        "kink at stretch {}: the tangent jumps by {:.2} %; a limit there is that of one side",
-        number::told(kink.stretch),
-        100.0 * kink.jump
-    )
+    let place = number::told(kink.stretch);
+    let [energy, stress, mean, bulk] = [
+        kink.energy,
+        kink.largest_stress,
+        kink.mean_stress,
+        kink.bulk_tangent,
+    ]
+    .map(number::told);
+    match kink.kind {
+        Discontinuity::StepOfEnergy => format!(
+            "step of the energy at stretch {place}: the energy jumps by {energy}, so that the law has no stress there"
+        ),
+        Discontinuity::JumpOfStress => format!(
+            "jump of the stress at stretch {place} (kink of the energy): the Cauchy stress jumps by up to {stress}, its mean by {mean}"
+        ),
+        Discontinuity::KinkOfStress => format!(
+            "kink of the stress at stretch {place}: the tangent jumps by {:.2} %, d2W/dJ2 by {bulk}; a limit there is that of one side",
+            100.0 * kink.jump
+        ),
+    }
 }
 
 /// The nominal strain at a stretch.

@@ -2,7 +2,7 @@
 
 use super::root::{bracket_zero, dip};
 use super::{
-    Criterion, Jump, JumpSearch, LARGEST_RATIO, LoadingPath, Measure, PathState, Witness,
+    Criterion, Jump, JumpSearch, LARGEST_RATIO, LoadingPath, Measure, PathState, Witness, kinks,
     ratio_of_stretches,
 };
 use crate::algebra::{Each, sort_by_value};
@@ -236,7 +236,8 @@ const FAMILIES: usize = 6;
 const OUTWARD: i32 = 22;
 
 /// Rank-one convexity along one side of a path: finite jumps are looked for at every eighth state up to the `elliptic` limit, where
-/// infinitesimal ones gain energy, and closely before it. The first one found is followed back to where it breaks even, where others are looked
+/// infinitesimal ones gain energy, closely before it, and on both sides of jumps and kinks of the law ([`kinks`](super::kinks())): where the stress jumps back in the
+/// sense of the stretch, jumps across gain energy before, and behind a step up of the energy those back. The first one found is followed back to where it breaks even, where others are looked
 /// for in turn. Beyond the limit nothing is looked for.
 ///
 /// Whether there are other jumps nearer to the reference is not proved: the limit is an upper bound of the distance from the reference up to
@@ -257,6 +258,7 @@ pub fn follow_jumps(path: &LoadingPath<'_>, elliptic: &Track, reach: f64, tensio
             } => Some(((*direction).into(), (*polarization).into())),
             _ => None,
         }),
+        beside_kinks: kinks(path).iter().flat_map(|kink| kink.sides).collect(),
     };
     let places = jumps.places(elliptic, tension);
     for (n, place) in places.iter().enumerate() {
@@ -292,6 +294,8 @@ struct Jumps<'p, 'a> {
     search: JumpSearch<'a>,
     /// Direction and polarization of the wave at the loss of ellipticity.
     wave: Option<(Vector3<f64>, Vector3<f64>)>,
+    /// Parameters of the states closely beside jumps and kinks of the law.
+    beside_kinks: Vec<f64>,
 }
 
 impl Jumps<'_, '_> {
@@ -309,7 +313,10 @@ impl Jumps<'_, '_> {
                 .into_iter()
                 .map(move |part| limit * (1.0 - part))
         });
-        let mut places: Vec<f64> = along.chain(before).filter(|s| within(*s)).collect();
+        let kinks = self.beside_kinks.iter().copied();
+        let kinks = kinks.filter(|s| (*s > 0.0) == tension);
+        let places = along.chain(before).chain(kinks);
+        let mut places: Vec<f64> = places.filter(|s| within(*s)).collect();
         sort_by_value(&mut places, |place| place.abs());
         places.dedup();
         places
@@ -319,7 +326,11 @@ impl Jumps<'_, '_> {
     fn gaining(&self, s: f64) -> Option<Jump> {
         let state = self.path.at(s)?;
         let found = self.search.lowest_beside(&state.response, self.wave);
-        found.filter(Jump::gains)
+        let is_beside = self.beside_kinks.contains(&s);
+        found.filter(Jump::gains).or_else(|| {
+            let longest = is_beside.then(|| self.search.longest(&state.response));
+            longest.flatten()
+        })
     }
 
     /// The same in the valley of another jump.

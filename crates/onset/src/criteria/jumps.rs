@@ -6,7 +6,7 @@ use crate::algebra::{Each, array_of, sort_by_value};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, Response};
 use crate::real::Interval;
-use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+use nalgebra::{Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 
 /// A jump `a (x) N` of the deformation gradient with its scaled excess of energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,8 +74,14 @@ pub struct JumpSearch<'a> {
 
 /// Smaller jumps count as infinitesimal: their excess is that of a wave.
 const SMALLEST: f64 = 1e-3;
+/// How often the longest jump tried is halved.
+const HALVINGS: i32 = 22;
 /// How many of the lowest starts are followed.
 const FOLLOWED: usize = 16;
+/// How many jumps to the reach are followed for each normal.
+const AT_EDGE: usize = 2;
+/// The vector of the rotation of the axes along which jumps to the reach start.
+const TURN: [f64; 3] = [0.11, -0.17, 0.13];
 /// Steps of a descent.
 const STEPS: usize = 80;
 /// How often a descent goes along the reach and leaves it again.
@@ -138,10 +144,8 @@ impl<'a> JumpSearch<'a> {
         let mut starts: Vec<(f64, Vector6<f64>)> = self.starts(state);
         sort_by_value(&mut starts, |item| item.0);
         starts.truncate(FOLLOWED);
-        let mut at_edge = self.starts_at_edge(state);
-        sort_by_value(&mut at_edge, |item| item.0);
-        let at_edge = at_edge.iter().take(FOLLOWED);
-        let along_edge = at_edge.filter_map(|(_, start)| self.along_edge(state, *start));
+        let at_edge = self.starts_at_edge(state).into_iter();
+        let along_edge = at_edge.filter_map(|start| self.along_edge(state, start));
         if let Some((n, g)) = wave {
             let scale = stretch_along(state.deformation.matrix(), &g);
             let both = ALONG_WAVE.into_iter().flat_map(|size| [size, -size]);
@@ -153,6 +157,30 @@ impl<'a> JumpSearch<'a> {
         along_edge
             .chain(inside)
             .min_by(|a, b| a.excess.total_cmp(&b.excess))
+    }
+
+    /// Of jumps along the axes from which the search starts the longest one that gains energy. Beside a step of the energy and before a concave kink every
+    /// descent ends in jumps as short as the distance to it.
+    pub(super) fn longest(&self, state: &Response) -> Option<Jump> {
+        let (left, right) = principal_axes(&state.deformation);
+        let pairs = AXES.into_iter().flat_map(|n| AXES.map(|g| (n, g)));
+        let pairs: Vec<(Vector3<f64>, Vector3<f64>)> = pairs
+            .map(|(n, g)| {
+                let [n, g] = [right * Vector3::from(n), left * Vector3::from(g)];
+                (n.normalize(), g.normalize())
+            })
+            .collect();
+        (0..HALVINGS).find_map(|halvings| {
+            let size = 0.5_f64.powi(halvings);
+            let jumps = pairs.iter().flat_map(|(n, g)| {
+                let scale = size * stretch_along(state.deformation.matrix(), g);
+                [scale, -scale].map(|scale| (self.admitted(state, g * scale, n), *n))
+            });
+            let jumps = jumps.filter_map(|(a, n)| self.evaluated(state, a, n));
+            jumps
+                .filter(Jump::gains)
+                .min_by(|a, b| a.excess.total_cmp(&b.excess))
+        })
     }
 
     /// The lowest start of every pair of normal and polarization, with its excess.
@@ -181,18 +209,22 @@ impl<'a> JumpSearch<'a> {
         starts
     }
 
-    /// Jumps to the reach with normals and polarizations along the axes of [`JumpSearch::starts`], each with its excess.
-    fn starts_at_edge(&self, state: &Response) -> Vec<(f64, Vector6<f64>)> {
+    /// Jumps to the reach: of every normal of [`JumpSearch::starts`] the lowest with some polarizations along and against its axes. All axes are turned a little, since
+    /// jumps along axes of symmetry have no slope toward lower ones beside them.
+    fn starts_at_edge(&self, state: &Response) -> Vec<Vector6<f64>> {
         let (left, right) = principal_axes(&state.deformation);
-        let mut starts = Vec::with_capacity(2 * AXES.len() * AXES.len());
+        let turn = Rotation3::new(Vector3::from(TURN));
+        let mut starts = Vec::with_capacity(AT_EDGE * AXES.len());
         for normal in AXES {
-            let n = right * Vector3::from(normal);
-            for (axis, sign) in AXES.into_iter().flat_map(|axis| [(axis, 1.0), (axis, -1.0)]) {
-                let g = left * Vector3::from(axis) * sign;
-                let start = joined(&g, &n);
-                let found = self.excess_at_edge(state, &start);
-                starts.extend(found.map(|(excess, _)| (excess, start)));
-            }
+            let n = right * (turn * Vector3::from(normal));
+            let polarizations = AXES.into_iter().flat_map(|axis| [(axis, 1.0), (axis, -1.0)]);
+            let jumps = polarizations.map(|(axis, sign)| {
+                joined(&(left * (turn.inverse() * Vector3::from(axis)) * sign), &n)
+            });
+            let excesses = jumps.filter_map(|jump| Some((self.excess_at_edge(state, &jump)?.0, jump)));
+            let mut own: Vec<(f64, Vector6<f64>)> = excesses.collect();
+            sort_by_value(&mut own, |item| item.0);
+            starts.extend(own.into_iter().take(AT_EDGE).map(|(_, jump)| jump));
         }
         starts
     }
@@ -443,9 +475,11 @@ impl<'a> JumpSearch<'a> {
 
     /// A jump with its excess; `None` of one that counts as infinitesimal.
     fn jump(&self, state: &Response, a: Vector3<f64>, n: Vector3<f64>) -> Option<Jump> {
-        if a.norm() < SMALLEST {
-            return None;
-        }
+        let is_finite = a.norm() >= SMALLEST;
+        is_finite.then(|| self.evaluated(state, a, n)).flatten()
+    }
+
+    fn evaluated(&self, state: &Response, a: Vector3<f64>, n: Vector3<f64>) -> Option<Jump> {
         let after = state.deformation.matrix() + a * n.transpose();
         Some(Jump {
             amplitude: a,

@@ -1,104 +1,275 @@
-//! Kinks of the stress along a loading: where the tangent jumps, limits depend on which side is asked.
+//! Where a law along a loading is not smooth: steps of the energy, jumps and kinks of the stress.
 
-use super::LoadingPath;
+use super::{LoadingPath, PathEnd, PathState};
 use crate::algebra::{Each, sort_by_value};
-use crate::material::FourthOrder;
+use crate::material::{FourthOrder, Response};
+use nalgebra::Matrix3;
 
-/// A stretch at which the tangent jumps.
+/// The first of energy, stress and tangent that jumps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum Discontinuity {
+    /// The energy jumps.
+    StepOfEnergy,
+    /// The stress jumps: a kink of the energy.
+    JumpOfStress,
+    /// The tangent jumps: a kink of the stress.
+    KinkOfStress,
+}
+
+/// A stretch at which energy, stress or tangent jump. Jumps are counted from the smaller stretch to the larger one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kink {
     /// The imposed stretch.
     pub stretch: f64,
-    /// The size of the jump by that of the tangent, in the norm of all components.
+    /// The first of energy, stress and tangent that jumps.
+    pub kind: Discontinuity,
+    /// The size of that jump by the size of the tangent, in the norm of all components.
     pub jump: f64,
+    /// The jump of the energy. Units of stress.
+    pub energy: f64,
+    /// The largest component of the jump of the Cauchy stress. Units of stress.
+    pub largest_stress: f64,
+    /// The jump of the mean Cauchy stress. Units of stress.
+    pub mean_stress: f64,
+    /// The jump of the second derivative of the energy by `J` at a constant shape. Units of stress.
+    pub bulk_tangent: f64,
+    /// `ln lambda` of the states on the two sides.
+    pub(super) sides: [f64; 2],
 }
 
-/// Jumps of the tangent smaller than this, relative, are not told.
-const SMALLEST: f64 = 1e-6;
-/// A smooth tangent changes in the half of an interval in which it changes more by less than this part, as soon as the interval is short.
-const PART: f64 = 0.75;
-/// How far the interval around a kink is narrowed, in `ln lambda`.
+/// Jumps of energy, stress and tangent that are smaller, by the tangent, are not told.
+const SMALLEST: [f64; 3] = [1e-9, 1e-7, 1e-6];
+/// How far a smooth quantity is from the line between the ends of a short interval in one half of it is less than this part of that in the whole.
+const PART: f64 = 0.6;
+/// How often an interval is halved before it counts as short.
+const SHORT: usize = 4;
+/// How far the interval around a jump is narrowed, in `ln lambda`.
 const WIDTH: f64 = 1e-12;
+/// The step beyond the end of a path, in `ln lambda`.
+const BEYOND: f64 = 1e-6;
 
-/// The kinks of the stress along a loading, nearest to the reference first.
+/// Where a law is not smooth along a loading, nearest to the reference first.
 ///
-/// Between neighboring states of the path the half in which the tangent `dP/dF` changes more is followed: the change in it becomes half with
-/// every step where the tangent is smooth, and stays where it jumps. A jump that is small beside the change of the tangent between two states of the path is
-/// overlooked. Laws of which a fiber bears tension only, typed laws with conditions and tables with corners have kinks; there a law has one-sided
-/// wave speeds, and Newton's method can fail.
+/// Energy, stress `P` and tangent `dP/dF` are looked at. Where the third differences of one of them stand out among the states of the path, the half is
+/// followed in which it is further from a straight line: that distance falls to a quarter with each step where it is smooth, and stays where it jumps. A
+/// jump that is small beside how much the quantity bends between two states of the path is overlooked. Fibers that bear tension only, typed laws with conditions
+/// and tables with corners have kinks: there a law has one-sided wave speeds, and Newton's method can fail. Where the stress jumps, free faces may have no state: a
+/// path that ends there tells of the jump at its end.
 ///
 /// ```
-/// use onset::criteria::{Lateral, Loading, LoadingPath, Mode, Range, kinks};
-/// use onset::material::BlatzKo;
-/// let law = BlatzKo::default();
-/// let loading = Loading { mode: Mode::Uniaxial, lateral: Lateral::Free };
-/// assert!(kinks(&LoadingPath::new(&law, true, loading, &Range::default())?).is_empty());
-/// # Ok::<(), onset::criteria::LoadingError>(())
+/// use onset::criteria::{Discontinuity, Lateral, Loading, LoadingPath, Mode, Range, kinks};
+/// use onset::formula::Formula;
+/// let law = Formula::parse("10*(I1 - 3 - 2*ln(J)) + 20*(J - 1)^2 + 2*macaulay(J - 1.2)")?.with(&[])?;
+/// let loading = Loading { mode: Mode::Hydrostatic, lateral: Lateral::Held };
+/// let path = LoadingPath::new(&law, true, loading, &Range::default())?;
+/// let [kink] = kinks(&path)[..] else { panic!("one") };
+/// assert!(kink.kind == Discontinuity::JumpOfStress && (kink.mean_stress - 2.0).abs() < 1e-9);
+/// assert!((kink.stretch.powi(3) - 1.2).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn kinks(path: &LoadingPath<'_>) -> Vec<Kink> {
+    path.kinks.get_or_init(|| found(path)).clone()
+}
+
+fn found(path: &LoadingPath<'_>) -> Vec<Kink> {
     let compression = path.compression.iter().skip(1).rev();
-    let states: Vec<_> = compression.chain(&path.tension).collect();
-    let mut found: Vec<Kink> = states
-        .windows(3)
-        .filter_map(|three| {
-            // A kink at a state itself lies between its neighbors.
-            let of = |n: usize| (three[n].parameter, &three[n].response.tangent);
-            narrowed(path, of(0), of(2), of(1))
-        })
-        .collect();
+    let states: Vec<&PathState> = compression.chain(&path.tension).collect();
+    let mut found = Vec::new();
+    for order in 0..SMALLEST.len() {
+        for n in suspects(&states, order) {
+            let ends = [states[n].clone(), states[n + 1].clone()];
+            found.extend(narrowed(path, order, ends).and_then(|[low, high]| {
+                let sides = [low.parameter, high.parameter];
+                between(&low.response, &high.response, sides)
+            }));
+        }
+    }
+    found.extend(at_end(path, &path.tension, &path.tension_end, 1.0));
+    found.extend(at_end(path, &path.compression, &path.compression_end, -1.0));
     sort_by_value(&mut found, |kink| kink.stretch);
     found.dedup_by(|a, b| (a.stretch.ln() - b.stretch.ln()).abs() < 1e-9);
     sort_by_value(&mut found, |kink| kink.stretch.ln().abs());
     found
 }
 
-/// The kink between two states, with a state between them.
+/// The energy, the stress or the tangent, with its size in terms of the tangent.
+fn quantity(response: &Response, order: usize) -> (Vec<f64>, f64) {
+    let stiffness = size(&response.tangent);
+    let length = response.deformation.matrix().norm();
+    match order {
+        0 => (vec![response.energy], stiffness * length * length),
+        1 => (
+            response.first_piola.iter().copied().collect(),
+            stiffness * length,
+        ),
+        _ => {
+            let tangent = components().map(|at| response.tangent[at]);
+            (tangent.collect(), stiffness)
+        }
+    }
+}
+
+/// Intervals between neighboring states in which a quantity may jump: those of the largest third differences among their neighbors, and the outermost.
+fn suspects(states: &[&PathState], order: usize) -> Vec<usize> {
+    let Some(last) = states.len().checked_sub(2) else {
+        return Vec::new();
+    };
+    let values = states.iter().map(|state| quantity(&state.response, order));
+    let values: Vec<(Vec<f64>, f64)> = values.collect();
+    let place = |n: usize| states[n].parameter;
+    let bend = |n: usize| -> Vec<f64> {
+        let part = (place(n) - place(n - 1)) / (place(n + 1) - place(n - 1));
+        let line = values[n - 1].0.iter().zip(&values[n + 1].0);
+        let line = line.map(|(a, b)| a + (b - a) * part);
+        values[n].0.iter().zip(line).map(|(x, y)| x - y).collect()
+    };
+    let bends: Vec<Vec<f64>> = (1..=last).map(bend).collect();
+    // Of the interval between the states n and n + 1.
+    let third: Vec<f64> = bends
+        .windows(2)
+        .map(|two| distance(&two[0], &two[1]))
+        .collect();
+    let stands_out = |n: usize| {
+        let of = |n: usize| third.get(n).copied().unwrap_or(0.0);
+        let beside = if n == 0 { 0.0 } else { of(n - 1) } + of(n + 1);
+        of(n) >= PART * beside && of(n) > SMALLEST[order] * values[n + 1].1
+    };
+    let inner = (0..third.len()).filter(|n| stands_out(*n)).map(|n| n + 1);
+    let mut all: Vec<usize> = inner.chain([0, last]).collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+/// The states closely beside the jump of a quantity between two states.
 fn narrowed(
     path: &LoadingPath<'_>,
-    low: (f64, &FourthOrder),
-    high: (f64, &FourthOrder),
-    middle: (f64, &FourthOrder),
-) -> Option<Kink> {
-    let mut ends = [(low.0, low.1.clone()), (high.0, high.1.clone())];
-    let mut between = (middle.0, middle.1.clone());
-    let mut whole = distance(&ends[0].1, &ends[1].1);
-    while ends[1].0 - ends[0].0 > WIDTH {
-        let halves = [0, 1].each(|side: usize| distance(&ends[side].1, &between.1));
-        let side = usize::from(halves[1] > halves[0]);
-        if halves[side] < PART * whole || halves[side] <= SMALLEST * size(&between.1) {
+    order: usize,
+    mut ends: [PathState; 2],
+) -> Option<[PathState; 2]> {
+    let mut middle = halfway(path, &ends)?;
+    let mut whole = bend(&ends, &middle, order);
+    let mut halvings = 0;
+    while ends[1].parameter - ends[0].parameter > WIDTH {
+        let [low, high] = ends;
+        let halves = [[low, middle.clone()], [middle, high]];
+        let first = halfway(path, &halves[0])?;
+        let second = halfway(path, &halves[1])?;
+        let bends = [
+            bend(&halves[0], &first, order),
+            bend(&halves[1], &second, order),
+        ];
+        let [low, high] = halves;
+        (ends, middle) = match bends[0] > bends[1] {
+            true => (low, first),
+            false => (high, second),
+        };
+        let larger = bends[0].max(bends[1]);
+        halvings += 1;
+        let is_smooth = halvings > SHORT && larger < PART * whole;
+        if is_smooth || larger <= 0.25 * SMALLEST[order] * quantity(&middle.response, order).1 {
             return None;
         }
-        whole = halves[side];
-        ends[1 - side] = between;
-        let s = 0.5 * (ends[0].0 + ends[1].0);
-        if s <= ends[0].0 || s >= ends[1].0 {
-            break;
-        }
-        between = (s, path.at(s)?.response.tangent);
+        whole = larger;
     }
-    let parameter = 0.5 * (ends[0].0 + ends[1].0);
-    let parameter = if parameter.abs() < WIDTH {
-        0.0
-    } else {
-        parameter
+    Some(ends)
+}
+
+/// A state between two others, near their middle; states at which a law has no tangent are passed.
+fn halfway(path: &LoadingPath<'_>, ends: &[PathState; 2]) -> Option<PathState> {
+    let [low, high] = ends.each_ref().map(|end| end.parameter);
+    let at = |part: f64| path.at(low + (high - low) * part);
+    [0.5, 0.4, 0.6].into_iter().find_map(at)
+}
+
+/// How far a quantity at a state between two others is from the line between them.
+fn bend(ends: &[PathState; 2], middle: &PathState, order: usize) -> f64 {
+    let [low, high] = ends.each_ref().map(|end| end.parameter);
+    let part = (middle.parameter - low) / (high - low);
+    let of = |state: &PathState| quantity(&state.response, order).0;
+    let line: Vec<f64> = of(&ends[0])
+        .iter()
+        .zip(&of(&ends[1]))
+        .map(|(a, b)| a + (b - a) * part)
+        .collect();
+    distance(&of(middle), &line)
+}
+
+/// A jump of the stress, or a step of the energy, at which a path with free faces ends.
+fn at_end(
+    path: &LoadingPath<'_>,
+    states: &[PathState],
+    end: &PathEnd,
+    sense: f64,
+) -> Option<Kink> {
+    if !matches!(end, PathEnd::NoState { .. }) || path.is_incompressible() {
+        return None;
+    }
+    let last = states.last()?;
+    let beyond = last.response.deformation.matrix() + last.rate * (BEYOND * sense);
+    let mut there = path.respond(&beyond)?;
+    // What the law does smoothly over the step is taken off.
+    let step = beyond - last.response.deformation.matrix();
+    let along = Matrix3::from_fn(|i, j| {
+        let terms = (0..9).map(|n| last.response.tangent[(i, j, n / 3, n % 3)] * step[(n / 3, n % 3)]);
+        terms.sum::<f64>()
+    });
+    there.energy -= (last.response.first_piola + along * 0.5).dot(&step);
+    there.first_piola -= along;
+    there.deformation = last.response.deformation;
+    let sides = [last.parameter; 2];
+    let kink = match sense > 0.0 {
+        true => between(&last.response, &there, sides),
+        false => between(&there, &last.response, sides),
     };
-    // States near the end of a path lie closer than the width from the start.
-    let jump = whole / size(&ends[0].1).max(size(&ends[1].1));
-    (jump > SMALLEST).then(|| Kink {
-        stretch: parameter.exp(),
-        jump,
+    kink.filter(|kink| kink.kind != Discontinuity::KinkOfStress)
+}
+
+/// The jump from one state to another that hardly differs from it.
+fn between(low: &Response, high: &Response, sides: [f64; 2]) -> Option<Kink> {
+    let jumps = [0, 1, 2].each(|order: usize| {
+        let ((a, scale), (b, other)) = (quantity(low, order), quantity(high, order));
+        distance(&a, &b) / scale.max(other)
+    });
+    let order = (0..3).find(|order| jumps[*order] > SMALLEST[*order])?;
+    let middle = 0.5 * (sides[0] + sides[1]);
+    let stress = high.cauchy() - low.cauchy();
+    Some(Kink {
+        stretch: if middle.abs() < WIDTH { 1.0 } else { middle.exp() },
+        kind: [
+            Discontinuity::StepOfEnergy,
+            Discontinuity::JumpOfStress,
+            Discontinuity::KinkOfStress,
+        ][order],
+        jump: jumps[order],
+        energy: high.energy - low.energy,
+        largest_stress: stress.amax(),
+        mean_stress: stress.trace() / 3.0,
+        bulk_tangent: bulk_tangent(high) - bulk_tangent(low),
+        sides,
     })
+}
+
+/// `d^2 W / dJ^2 = (F : A : F - 2 P : F) / (9 J^2)` at a constant shape.
+fn bulk_tangent(response: &Response) -> f64 {
+    let f = response.deformation.matrix();
+    let along = components().map(|at @ (i, j, k, l)| f[(i, j)] * response.tangent[at] * f[(k, l)]);
+    let jacobian = response.deformation.jacobian();
+    (along.sum::<f64>() - 2.0 * response.first_piola.dot(&f)) / (9.0 * jacobian * jacobian)
 }
 
 fn components() -> impl Iterator<Item = (usize, usize, usize, usize)> {
     (0..81).map(|n| (n / 27, n / 9 % 3, n / 3 % 3, n % 3))
 }
 
-fn distance(a: &FourthOrder, b: &FourthOrder) -> f64 {
-    components()
-        .map(|at| (a[at] - b[at]).powi(2))
-        .sum::<f64>()
-        .sqrt()
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let squares = a.iter().zip(b).map(|(a, b)| (a - b).powi(2));
+    squares.sum::<f64>().sqrt()
 }
 
 fn size(a: &FourthOrder) -> f64 {

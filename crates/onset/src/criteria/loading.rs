@@ -1,11 +1,12 @@
 //! Loadings: which stretch is imposed, which faces are free of traction, and the states that follow.
 
-use super::State;
+use super::{Kink, State};
 use super::incompressible::pressurized;
 use crate::algebra::array_of;
 use crate::kinematics::{DeformationGradient, DeformationPath, KinematicsError};
 use crate::material::{Hyperelastic, MaterialError, Response};
 use nalgebra::{Matrix3, Vector2};
+use std::sync::OnceLock;
 use thiserror::Error;
 
 /// What a specimen is subjected to, with one stretch `lambda` that is imposed.
@@ -318,6 +319,8 @@ pub struct LoadingPath<'a> {
     pub tension_end: PathEnd,
     /// Why the compression ends where it does.
     pub compression_end: PathEnd,
+    /// Where the law is not smooth, once somebody has asked.
+    pub(super) kinks: OnceLock<Vec<Kink>>,
 }
 
 /// States from the reference to an end of the range.
@@ -329,6 +332,8 @@ const TRIALS: usize = 16 * STEPS;
 const HALVINGS: i32 = 44;
 /// No states are kept nearer than this, in `ln lambda`, to where a law ends.
 const BEFORE_END: f64 = 1e-6;
+/// How far before a jump of the law a state is taken that would be at it, in steps of the path.
+const BESIDE_JUMP: f64 = 1e-9;
 /// Newton iterations for the free stretches.
 const ITERATIONS: usize = 40;
 
@@ -426,6 +431,7 @@ impl<'a> LoadingPath<'a> {
             compression,
             tension_end,
             compression_end,
+            kinks: OnceLock::new(),
         })
     }
 
@@ -503,6 +509,11 @@ impl<'a> LoadingPath<'a> {
             }
         }
         off
+    }
+
+    /// The response of the law at a deformation, where it has one.
+    pub(super) fn respond(&self, f: &Matrix3<f64>) -> Option<Response> {
+        respond(self.material, f).ok()
     }
 
     /// The state at `s` as criteria ask it.
@@ -622,7 +633,7 @@ fn branch(
     let mut here = reference.clone();
     let mut trials = 0;
     for n in 1..=STEPS {
-        let target = if n == STEPS { end } else { step * n as f64 };
+        let mut target = if n == STEPS { end } else { step * n as f64 };
         let mut trial = target;
         while here.parameter != target {
             trials += 1;
@@ -642,13 +653,20 @@ fn branch(
                     here = state;
                     trial = target;
                 }
+                // Where nothing is solved for, a law has states right beside a jump.
+                Err(Missing::Law(source))
+                    if source.is_of_a_jump() && loading.free_of(material).is_empty() =>
+                {
+                    target -= BESIDE_JUMP * step;
+                    trial = target;
+                }
                 Err(missing) => {
                     let smallest = step.abs() * 0.5_f64.powi(HALVINGS);
                     trial = 0.5 * (here.parameter + trial);
                     if (trial - here.parameter).abs() <= smallest || trial == here.parameter {
                         let stretch = here.parameter.exp();
                         let end = match missing {
-                            Missing::Law(source) => {
+                            Missing::Law(source) if !source.is_of_a_jump() => {
                                 // Numbers that grow without bound leave nothing but rounding.
                                 let end = here.parameter;
                                 states.retain(|state| {
@@ -657,7 +675,7 @@ fn branch(
                                 });
                                 PathEnd::Law { stretch, source }
                             }
-                            Missing::Equilibrium => PathEnd::NoState { stretch },
+                            _ => PathEnd::NoState { stretch },
                         };
                         return (states, end);
                     }

@@ -47,7 +47,7 @@ pub use box_of_stretches::{BoxEnd, Critical, SafeBox, safe_box, widest_safe_box}
 pub use follow::{Change, Event, Track, follow, follow_jumps};
 pub use isotropy::{has_energy, is_isotropic};
 pub use jumps::{Jump, JumpSearch};
-pub use kinks::{Kink, kinks};
+pub use kinks::{Discontinuity, Kink, kinks};
 pub use loading::{
     Lateral, Loading, LoadingError, LoadingPath, LoadingSection, Mode, PathEnd, PathState, Range,
     RangeError,

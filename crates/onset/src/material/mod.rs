@@ -136,6 +136,11 @@ impl MaterialError {
         )
     }
 
+    /// Whether energy or stress of a typed law jump at the state, on both sides of which it has a response.
+    pub(crate) fn is_of_a_jump(&self) -> bool {
+        matches!(self, Self::Formula(error) if error.trouble != Trouble::Undefined)
+    }
+
     /// Whether the state is what is wrong, so that there can be a response at others.
     fn is_of_the_state(&self) -> bool {
         self.leaves_undefined() || matches!(self, Self::NotFinite { .. })
