@@ -453,7 +453,10 @@ fn jumps_of_a_law_are_told_for_what_they_are_in_every_loading() {
                 (None, None) => {}
                 (Some(false), Some(limit)) => assert_close(limit, stretch, 1e-9),
                 (Some(true), Some(limit)) => {
-                    assert!(limit < stretch && limit > 0.97 * stretch, "{title}: {limit}");
+                    assert!(
+                        limit < stretch && limit > 0.97 * stretch,
+                        "{title}: {limit}"
+                    );
                 }
                 _ => panic!("{term}, {title}: {limit:?}"),
             }

@@ -63,7 +63,6 @@ pub(super) fn buckling(
     })
 }
 
-
 /// Whether a law has no stiffness against shear, neither at `F = 1` nor under stretches, but some against a change of volume.
 pub(super) fn is_fluid(material: &dyn Hyperelastic) -> bool {
     let yields = |f: DeformationGradient| {

@@ -569,12 +569,16 @@ impl std::fmt::Display for StateAnswer {
         }
         line(&of("strongly elliptic"), self.ellipticity())?;
         let stiffness = material.stiffness;
-        let eigenvalue = |value: f64| units.of(told_of(value, stiffness), "Pa");
+        // The stiffness against changes of volume may be larger by any factor.
+        let eigenvalue = |value: f64, rounding: f64| {
+            let significant = if value.abs() <= rounding { 0.0 } else { value };
+            units.of(told(significant), "Pa")
+        };
         line(
             &of("smallest eigenvalue"),
             format!(
                 "{} along N = {}",
-                eigenvalue(material.minimum_acoustic_eigenvalue),
+                eigenvalue(material.minimum_acoustic_eigenvalue, material.rounding),
                 vector(&material.direction)
             ),
         )?;
@@ -605,10 +609,10 @@ impl std::fmt::Display for StateAnswer {
                 &of("in 3D"),
                 format!(
                     "{} along N = {}, polarized along {}; nowhere below {}",
-                    eigenvalue(in_3d.minimum_acoustic_eigenvalue),
+                    eigenvalue(in_3d.minimum_acoustic_eigenvalue, in_3d.rounding),
                     vector(&in_3d.direction),
                     vector(&in_3d.polarization),
-                    eigenvalue(in_3d.bound)
+                    eigenvalue(in_3d.bound, in_3d.rounding)
                 ),
             )?;
         }

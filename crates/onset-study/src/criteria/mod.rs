@@ -12,8 +12,9 @@ use crate::answers::{moduli, notes_on_law};
 use crate::number;
 use crate::settings::{MaterialSettings, Value};
 use onset::criteria::{
-    Change, Criterion, Discontinuity, Event, Kink, Knowledge, Loading, LoadingError, LoadingPath, PathEnd, PathState,
-    Track, Witness, follow, follow_jumps, has_energy, is_isotropic, kinks, polyconvexity,
+    Change, Criterion, Discontinuity, Event, Kink, Knowledge, Loading, LoadingError, LoadingPath,
+    PathEnd, PathState, Track, Witness, follow, follow_jumps, has_energy, is_isotropic, kinks,
+    polyconvexity,
 };
 use onset::material::{Hyperelastic, MaterialError};
 use rayon::prelude::*;
@@ -688,7 +689,10 @@ fn side(path: &LoadingPath<'_>, loading: Loading, track: Option<&Track>) -> Side
     };
     SideAnswer {
         limit: track.limit(),
-        upper_bound: track.events.first().is_some_and(|event| event.is_upper_bound),
+        upper_bound: track
+            .events
+            .first()
+            .is_some_and(|event| event.is_upper_bound),
         changes: track.events.iter().map(change).collect(),
     }
 }

@@ -95,7 +95,10 @@ pub(super) fn title(law: &super::LawAnswer) -> String {
 
 fn in_a_line(law: &super::LawAnswer, letters: usize) -> String {
     // What has a name of its own does not tell its energy too.
-    let told = |(name, _): &&(String, serde_json::Value)| law.name.is_none() || name != "energy";
+    let told = |(name, _): &&(String, serde_json::Value)| {
+        let is_named = law.name.is_some() && name == "energy";
+        !is_named && !is_of_an_empty_term(law, name)
+    };
     let parameters: Vec<String> = law
         .parameters
         .iter()
@@ -123,6 +126,14 @@ fn in_a_line(law: &super::LawAnswer, letters: usize) -> String {
     };
     let name = law.name.as_ref().unwrap_or(&law.model);
     format!("{name} ({}), {symmetry}", parameters.join(", "))
+}
+
+/// Whether a parameter is one of a numbered term, `mu4` and `alpha4`, whose modulus is zero.
+fn is_of_an_empty_term(law: &super::LawAnswer, name: &str) -> bool {
+    let number = name.trim_start_matches(|letter: char| !letter.is_ascii_digit());
+    let modulus = format!("mu{number}");
+    let mut own = law.parameters.iter().filter(|(other, _)| *other == modulus);
+    !number.is_empty() && own.any(|(_, value)| value.as_f64() == Some(0.0))
 }
 
 /// The heading with the notes on a law.
@@ -168,7 +179,11 @@ fn cell(answer: &CriterionAnswer, side: &SideAnswer) -> String {
                 (true, true) => "≥ ",
                 (true, false) => "≤ ",
             };
-            format!("{bound}{}{}", number::told(limit), if again { "*" } else { "" })
+            format!(
+                "{bound}{}{}",
+                number::told(limit),
+                if again { "*" } else { "" }
+            )
         }
     }
 }

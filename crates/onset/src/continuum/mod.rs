@@ -12,7 +12,7 @@ pub(crate) use planar::direction;
 
 use crate::algebra::{Complex, Each, array_of, eigenvalues, eigenvector, moderate_unit};
 use crate::kinematics::DeformationGradient;
-use crate::material::{FourthOrder, Hyperelastic, MaterialError, PlaneTangent, Response};
+use crate::material::{FourthOrder, Hyperelastic, MaterialError, PlaneTangent, Response, cofactor};
 use nalgebra::{SMatrix, SVector};
 
 /// A stiffness `T_iJkL` in `D` dimensions, the quadratic form in the direction `N` of an acoustic
@@ -26,6 +26,8 @@ pub struct Stiffness<const D: usize>(
     /// The largest component as given, the scale of its rounding: parts that cancel in acoustic tensors, such as those of a pressure,
     /// leave theirs.
     f64,
+    /// A part `k m_iJ m_kL` that is larger than all others by far: the stiffness against changes of volume, with `m = cof F`.
+    Option<(f64, SMatrix<f64, D, D>)>,
 );
 
 /// The smallest eigenvalue of the acoustic tensor over all directions.
@@ -62,6 +64,11 @@ pub struct AcousticFlutter<const D: usize> {
 ///
 /// Held against arithmetic with sixty digits in the tests, for laws and constants at random.
 pub const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// A stiffness against changes of volume that is this many times the others is told apart in the search for the softest wave.
+const STIFF: f64 = 1e8;
+/// How many times the others it is in that search.
+const ENOUGH: f64 = 1e6;
 
 /// Imaginary parts of acoustic eigenvalues below this part of the largest component are rounding: those of a double eigenvalue are
 /// as uncertain as the square root of what it is computed from.
@@ -189,7 +196,7 @@ impl<const D: usize> Stiffness<D> {
                 })
             })
         });
-        Self(blocks, largest)
+        Self(blocks, largest, None)
     }
 
     /// The part of a tangent `A_iJkL` that acts within the first `D` dimensions: all of it in 3D,
@@ -200,7 +207,37 @@ impl<const D: usize> Stiffness<D> {
 
     /// The stiffness of a material at a state.
     pub fn of(response: &Response) -> Self {
-        Self::from_tangent(&response.tangent)
+        Self::from_tangent(&response.tangent).with_volume(&response.deformation)
+    }
+
+    /// The same with what is known of the state: where the stiffness against changes of volume is larger than all others by [`STIFF`], it is told apart.
+    fn with_volume(self, f: &DeformationGradient) -> Self {
+        if D < 2 {
+            return self;
+        }
+        let cofactor = cofactor(&f.matrix());
+        let m = SMatrix::<f64, D, D>::from_fn(|i, j| cofactor[(i, j)]);
+        let along = |j: usize| {
+            let c = m.column(j).into_owned();
+            let q = &self.0[j][j];
+            c.dot(&(q * c)) / c.norm_squared().powi(2)
+        };
+        let stiffness = (0..D).map(along).fold(f64::INFINITY, f64::min);
+        let rest = self.and_volume(-stiffness, &m);
+        let is_stiff = stiffness * m.norm_squared() > STIFF * rest.magnitude();
+        Self(self.0, self.1, is_stiff.then_some((stiffness, m)))
+    }
+
+    /// The same with a part `k m_iJ m_kL` more.
+    fn and_volume(&self, stiffness: f64, m: &SMatrix<f64, D, D>) -> Self {
+        let blocks = array_of(|j| {
+            array_of(|l| {
+                let [own, other] = [m.column(j), m.column(l)];
+                let part = own * other.transpose() + other * own.transpose();
+                self.0[j][l] + part * (0.5 * stiffness)
+            })
+        });
+        Self(blocks, self.1, None)
     }
 
     /// The stiffness of a material at a state, from no more of its tangent than the dimensions need.
@@ -211,7 +248,7 @@ impl<const D: usize> Stiffness<D> {
         if D != 2 {
             return Ok(Self::of(&material.response(f)?));
         }
-        Ok(Self::of_plane(&material.plane_tangent(f)?))
+        Ok(Self::of_plane(&material.plane_tangent(f)?).with_volume(f))
     }
 
     /// The stiffness with the tangent within the plane, in two dimensions.
@@ -242,7 +279,8 @@ impl<const D: usize> Stiffness<D> {
             sum
         };
         let blocks = array_of(|a| array_of(|b| block(a, b)));
-        Self(blocks, self.1 * m.norm_squared())
+        let volume = self.2.map(|(stiffness, own)| (stiffness, own * m));
+        Self(blocks, self.1 * m.norm_squared(), volume)
     }
 
     /// The smallest eigenvalue over all directions, with direction and polarization.
@@ -274,7 +312,7 @@ impl<const D: usize> Stiffness<D> {
     /// major symmetry.
     pub fn symmetric_part(&self) -> Self {
         let symmetric = |block: SMatrix<f64, D, D>| (block + block.transpose()) * 0.5;
-        Self(self.0.each(|row| row.each(symmetric)), self.1)
+        Self(self.0.each(|row| row.each(symmetric)), self.1, self.2)
     }
 
     /// The complex acoustic eigenvalue with the largest imaginary part over all directions, beyond rounding. There is none with major symmetry.
@@ -317,6 +355,18 @@ impl<const D: usize> Stiffness<D> {
     /// The smallest eigenvalue where it is below a level; elsewhere one above the level that a descent finds. In three dimensions
     /// that is much cheaper where nearly the same wave goes in many directions.
     pub(crate) fn minimum_below(&self, level: f64) -> AcousticMinimum<D> {
+        if let Some((stiffness, m)) = &self.2 {
+            // The softest wave keeps the volume but for what the others' stiffness is of that one: as much stiffness does as leaves its search all digits.
+            let rest = self.and_volume(-stiffness, m);
+            let enough = ENOUGH * rest.magnitude() / m.norm_squared();
+            let found = rest.and_volume(enough, m).minimum_below(level);
+            let rounding = ROUNDING * self.1;
+            return AcousticMinimum {
+                bound: found.bound.min(found.eigenvalue.re - rounding),
+                rounding,
+                ..found
+            };
+        }
         let scale = self.magnitude();
         if scale != 1.0 && scale.is_normal() {
             // The products of the search must neither over- nor underflow, whatever the units.
@@ -328,7 +378,8 @@ impl<const D: usize> Stiffness<D> {
 
     fn divided(&self, scale: f64) -> Self {
         let blocks = self.0.each(|row| row.each(|block| block / scale));
-        Self(blocks, self.1 / scale)
+        let volume = self.2.map(|(stiffness, own)| (stiffness / scale, own));
+        Self(blocks, self.1 / scale, volume)
     }
 
     /// The same by a descent from the lowest of many directions: several times faster in two and three dimensions, for
@@ -454,7 +505,7 @@ impl<const D: usize> Stiffness<D> {
     /// The largest real part of an eigenvalue over all directions: that of the fastest wave. Units of the stiffness.
     pub fn maximum_eigenvalue(&self) -> f64 {
         // Q -> -Q turns the largest eigenvalue into the smallest.
-        let negative = Self(self.0.each(|row| row.each(|block| -block)), self.1);
+        let negative = Self(self.0.each(|row| row.each(|block| -block)), self.1, None);
         -negative.minimum_below(f64::INFINITY).eigenvalue.re
     }
 }

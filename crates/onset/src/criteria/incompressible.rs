@@ -7,8 +7,9 @@
 
 use super::loading::{Loading, Mode};
 use crate::algebra::Each;
+use crate::continuum::ROUNDING;
 use crate::kinematics::DeformationGradient;
-use crate::material::{FourthOrder, Response};
+use crate::material::{FourthOrder, Hyperelastic, Response, cofactor};
 use nalgebra::{Matrix3, Vector3};
 
 impl Loading {
@@ -37,12 +38,14 @@ impl Loading {
 
     /// The isochoric state at `s = ln lambda` with its derivative by `s`; `None` where the loading changes the volume.
     pub(super) fn isochoric(self, s: f64) -> Option<(Matrix3<f64>, Matrix3<f64>)> {
-        let powers = match self.mode {
-            Mode::Uniaxial => [1.0, -0.5, -0.5],
-            Mode::Equibiaxial => [1.0, 1.0, -2.0],
-            Mode::Planar => [1.0, 0.0, -1.0],
-            Mode::SimpleShear => return Some(self.imposed(s)),
-            Mode::Hydrostatic => return None,
+        use super::Lateral::{Free, Held, PlaneStrain, PlaneStress};
+        let powers = match (self.mode, self.lateral) {
+            (Mode::Uniaxial, Free) => [1.0, -0.5, -0.5],
+            (Mode::Uniaxial | Mode::Planar, PlaneStrain) => [1.0, -1.0, 0.0],
+            (Mode::Equibiaxial, PlaneStress | Free) => [1.0, 1.0, -2.0],
+            (Mode::Planar, PlaneStress | Free) => [1.0, 0.0, -1.0],
+            (Mode::SimpleShear, Free | PlaneStrain | PlaneStress) => return Some(self.imposed(s)),
+            (_, Held) | (Mode::Equibiaxial | Mode::Hydrostatic | Mode::Uniaxial, _) => return None,
         };
         let stretches = Vector3::from(powers.each(|power: f64| (power * s).exp()));
         let rates = stretches.component_mul(&Vector3::from(powers));
@@ -54,11 +57,30 @@ impl Loading {
 
     /// Coordinate axes whose faces are free of traction when the loading is isochoric.
     pub(super) fn free_faces(self) -> &'static [usize] {
-        match self.mode {
-            Mode::Uniaxial => &[1, 2],
+        use super::Lateral::{Free, PlaneStrain};
+        match (self.mode, self.lateral) {
+            (Mode::Uniaxial | Mode::SimpleShear, Free) => &[1, 2],
+            (Mode::Uniaxial, PlaneStrain) => &[1],
+            (_, PlaneStrain) => &[],
             _ => &[2],
         }
     }
+}
+
+/// A bulk modulus larger than this many shear moduli counts as infinite: answers differ by no more than the inverse of it, and rounding of changes of volume
+/// leaves the pressure of a compressible law fewer digits.
+const STIFF: f64 = 1e8;
+
+/// Whether the volume hardly changes in a law, by its moduli in the reference.
+pub(super) fn is_nearly_incompressible(material: &dyn Hyperelastic) -> bool {
+    if material.dimension() < 3 || material.is_path_dependent() {
+        return false;
+    }
+    material.undeformed().is_ok_and(|response| {
+        let shear = response.tangent[(0, 1, 0, 1)];
+        let bulk = response.tangent[(0, 0, 0, 0)] - shear * (4.0 / 3.0);
+        shear > ROUNDING * bulk && bulk > STIFF * shear
+    })
 }
 
 /// `d^2 J / dF_iJ dF_kL = e_ikm e_JLN F_mN`.
@@ -99,16 +121,6 @@ pub(super) fn pressurized(response: Response, free_face: usize) -> Response {
         }),
         ..response
     }
-}
-
-/// `cof F = J F^-T`.
-pub(super) fn cofactor(f: &Matrix3<f64>) -> Matrix3<f64> {
-    let [a, b, c] = [0, 1, 2].each(|i| f.row(i).transpose());
-    Matrix3::from_rows(&[
-        b.cross(&c).transpose(),
-        c.cross(&a).transpose(),
-        a.cross(&b).transpose(),
-    ])
 }
 
 /// Orthonormal combinations of orthonormal tensors that are orthogonal to another tensor: all but one of them.

@@ -1,10 +1,9 @@
 //! Finite jumps of the deformation gradient that cost less than nothing.
 
-use super::incompressible::cofactor;
 use super::{Witness, principal_axes};
 use crate::algebra::{Each, array_of, sort_by_value};
 use crate::kinematics::DeformationGradient;
-use crate::material::{Hyperelastic, Response};
+use crate::material::{Hyperelastic, Response, cofactor};
 use crate::real::Interval;
 use nalgebra::{Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 
@@ -217,11 +216,14 @@ impl<'a> JumpSearch<'a> {
         let mut starts = Vec::with_capacity(AT_EDGE * AXES.len());
         for normal in AXES {
             let n = right * (turn * Vector3::from(normal));
-            let polarizations = AXES.into_iter().flat_map(|axis| [(axis, 1.0), (axis, -1.0)]);
+            let polarizations = AXES
+                .into_iter()
+                .flat_map(|axis| [(axis, 1.0), (axis, -1.0)]);
             let jumps = polarizations.map(|(axis, sign)| {
                 joined(&(left * (turn.inverse() * Vector3::from(axis)) * sign), &n)
             });
-            let excesses = jumps.filter_map(|jump| Some((self.excess_at_edge(state, &jump)?.0, jump)));
+            let excesses =
+                jumps.filter_map(|jump| Some((self.excess_at_edge(state, &jump)?.0, jump)));
             let mut own: Vec<(f64, Vector6<f64>)> = excesses.collect();
             sort_by_value(&mut own, |item| item.0);
             starts.extend(own.into_iter().take(AT_EDGE).map(|(_, jump)| jump));
@@ -271,7 +273,9 @@ impl<'a> JumpSearch<'a> {
         n: &Vector3<f64>,
     ) -> Option<(f64, Matrix3<f64>)> {
         let f = state.deformation.matrix() + a * n.transpose();
-        self.reaches(&f).then(|| self.energy_at(state, a, n)).flatten()
+        self.reaches(&f)
+            .then(|| self.energy_at(state, a, n))
+            .flatten()
     }
 
     /// The same whatever the reach.

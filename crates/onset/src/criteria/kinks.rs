@@ -201,12 +201,7 @@ fn bend(ends: &[PathState; 2], middle: &PathState, order: usize) -> f64 {
 }
 
 /// A jump of the stress, or a step of the energy, at which a path with free faces ends.
-fn at_end(
-    path: &LoadingPath<'_>,
-    states: &[PathState],
-    end: &PathEnd,
-    sense: f64,
-) -> Option<Kink> {
+fn at_end(path: &LoadingPath<'_>, states: &[PathState], end: &PathEnd, sense: f64) -> Option<Kink> {
     if !matches!(end, PathEnd::NoState { .. }) || path.is_incompressible() {
         return None;
     }
@@ -216,7 +211,8 @@ fn at_end(
     // What the law does smoothly over the step is taken off.
     let step = beyond - last.response.deformation.matrix();
     let along = Matrix3::from_fn(|i, j| {
-        let terms = (0..9).map(|n| last.response.tangent[(i, j, n / 3, n % 3)] * step[(n / 3, n % 3)]);
+        let terms =
+            (0..9).map(|n| last.response.tangent[(i, j, n / 3, n % 3)] * step[(n / 3, n % 3)]);
         terms.sum::<f64>()
     });
     there.energy -= (last.response.first_piola + along * 0.5).dot(&step);
@@ -240,7 +236,11 @@ fn between(low: &Response, high: &Response, sides: [f64; 2]) -> Option<Kink> {
     let middle = 0.5 * (sides[0] + sides[1]);
     let stress = high.cauchy() - low.cauchy();
     Some(Kink {
-        stretch: if middle.abs() < WIDTH { 1.0 } else { middle.exp() },
+        stretch: if middle.abs() < WIDTH {
+            1.0
+        } else {
+            middle.exp()
+        },
         kind: [
             Discontinuity::StepOfEnergy,
             Discontinuity::JumpOfStress,

@@ -1,11 +1,11 @@
 //! Loadings: which stretch is imposed, which faces are free of traction, and the states that follow.
 
+use super::incompressible::{is_nearly_incompressible, pressurized};
 use super::{Kink, State};
-use super::incompressible::pressurized;
 use crate::algebra::array_of;
 use crate::kinematics::{DeformationGradient, DeformationPath, KinematicsError};
 use crate::material::{Hyperelastic, MaterialError, Response};
-use nalgebra::{Matrix3, Vector2};
+use nalgebra::{Matrix3, Vector2, Vector3};
 use std::sync::OnceLock;
 use thiserror::Error;
 
@@ -365,6 +365,9 @@ enum Missing {
 impl<'a> LoadingPath<'a> {
     /// Follows a loading over a range.
     ///
+    /// Of an isotropic law whose bulk modulus is more than 1e8 shear moduli the states that keep the volume, where the loading leaves it free or keeps it, are those of
+    /// its incompressible response: a change of volume that bears the pressure is lost in rounding.
+    ///
     /// # Errors
     /// [`LoadingError`] when there is no state in the reference, `lambda = 1`.
     pub fn new(
@@ -373,7 +376,12 @@ impl<'a> LoadingPath<'a> {
         loading: Loading,
         range: &Range,
     ) -> Result<Self, LoadingError> {
-        Self::with(material, isotropic, loading, range, Volume::Changes)
+        let keeps = isotropic && loading.isochoric(0.0).is_some();
+        let volume = match keeps && is_nearly_incompressible(material) {
+            true => Volume::Kept,
+            false => Volume::Changes,
+        };
+        Self::with(material, isotropic, loading, range, volume)
     }
 
     /// Follows a loading of the incompressible response of an isotropic law over a range: `J = 1`, and the pressure leaves the free face without
@@ -715,7 +723,7 @@ fn solve(
     guess: Vector2<f64>,
 ) -> Result<PathState, Missing> {
     if volume == Volume::Kept {
-        return isochoric(material, loading, s);
+        return isochoric(material, loading, s, guess);
     }
     let free = loading.free_of(material);
     let (imposed, imposed_rate) = loading.imposed(s);
@@ -769,31 +777,85 @@ fn solve(
     Err(Missing::Equilibrium)
 }
 
-/// The state of incompressible response, which is given by the stretch alone.
-fn isochoric(material: &dyn Hyperelastic, loading: Loading, s: f64) -> Result<PathState, Missing> {
+/// The state of incompressible response, which is given by the stretch alone, but for the thickness of a free sheet in simple shear.
+fn isochoric(
+    material: &dyn Hyperelastic,
+    loading: Loading,
+    s: f64,
+    guess: Vector2<f64>,
+) -> Result<PathState, Missing> {
     let (f, rate) = loading.isochoric(s).ok_or(Missing::Equilibrium)?;
-    let response = respond(material, &f)?;
+    let respond = |f: &Matrix3<f64>| {
+        let response = material.isochoric_response(&checked(f)?);
+        response.map_err(Missing::Law)
+    };
     let face = loading.free_faces().first().copied();
-    Ok(PathState {
+    let pressurized = |response: Response| match face {
+        Some(face) => pressurized(response, face),
+        None => response,
+    };
+    let mut state = PathState {
         parameter: s,
-        response: pressurized(response, face.ok_or(Missing::Equilibrium)?),
+        response: respond(&f)?,
         rate,
         lateral: Vector2::zeros(),
         slope: Vector2::zeros(),
-    })
+    };
+    if (loading.mode, loading.lateral) == (Mode::SimpleShear, Lateral::Free) {
+        // tau_22 = tau_33, by the rate diag(0, 1, -1).
+        let opposite = Matrix3::from_diagonal(&Vector3::new(0.0, 1.0, -1.0));
+        let mut own = guess[0];
+        let mut last = f64::INFINITY;
+        for _ in 0..ITERATIONS {
+            let f = with_free(f, &[1, 2], &Vector2::new(own, -own));
+            let response = respond(&f)?;
+            let along = opposite * f;
+            let derivative = |rate: &Matrix3<f64>| {
+                let bent = response.first_piola.dot(&(opposite * rate));
+                bent + components()
+                    .map(|at @ (i, j, k, l)| along[(i, j)] * response.tangent[at] * rate[(k, l)])
+                    .sum::<f64>()
+            };
+            let correction = -response.first_piola.dot(&along) / derivative(&along);
+            let slope = -derivative(&rate) / derivative(&along);
+            if !correction.is_finite() {
+                break;
+            }
+            let size = correction.abs();
+            if size <= 4.0 * f64::EPSILON || (size < 1e-8 && size >= 0.5 * last) {
+                state.response = pressurized(response);
+                state.rate = rate + along * slope;
+                state.lateral = Vector2::new(own, -own);
+                state.slope = Vector2::new(slope, -slope);
+                return Ok(state);
+            }
+            last = size;
+            own += correction * (0.5 / size).min(1.0);
+        }
+        return Err(Missing::Equilibrium);
+    }
+    state.response = pressurized(state.response);
+    Ok(state)
+}
+
+fn components() -> impl Iterator<Item = (usize, usize, usize, usize)> {
+    (0..81).map(|n| (n / 27, n / 9 % 3, n / 3 % 3, n % 3))
 }
 
 fn respond(material: &dyn Hyperelastic, f: &Matrix3<f64>) -> Result<Response, Missing> {
+    material.response(&checked(f)?).map_err(Missing::Law)
+}
+
+fn checked(f: &Matrix3<f64>) -> Result<DeformationGradient, Missing> {
     let components = array_of(|i| array_of(|j| f[(i, j)]));
-    let f = DeformationGradient::new(components).map_err(|error| {
+    DeformationGradient::new(components).map_err(|error| {
         Missing::Law(MaterialError::NotFinite {
             jacobian: match error {
                 KinematicsError::JacobianNotPositive { jacobian } => jacobian,
                 _ => f.determinant(),
             },
         })
-    })?;
-    material.response(&f).map_err(Missing::Law)
+    })
 }
 
 /// The tractions `tau_kk` on free faces.

@@ -57,9 +57,9 @@ pub use polyconvexity::{Knowledge, Polyconvexity, polyconvexity};
 use crate::algebra::{Each, array_of};
 use crate::continuum::{ROUNDING as ZERO, Stiffness};
 use crate::kinematics::DeformationGradient;
-use crate::material::{Hyperelastic, MaterialError, Response};
+use crate::material::{Hyperelastic, MaterialError, Response, cofactor};
 use forms::QuadraticForm;
-use incompressible::{cofactor, orthogonal_to, stretches_along};
+use incompressible::{orthogonal_to, stretches_along};
 use isotropy::PrincipalTangent;
 use nalgebra::{Matrix3, Vector3};
 

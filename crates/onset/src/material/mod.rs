@@ -244,6 +244,15 @@ pub trait Hyperelastic: Send + Sync {
     /// not defined.
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError>;
 
+    /// Energy, stress and tangent at a state for increments that keep the volume: of the tangent the part `dP/dF` on rates `D F` with `tr D = 0`, zero on the
+    /// others. However stiff the law is against changes of volume, its rounding does not reach it, unless the law is not given by a [`StrainEnergy`].
+    ///
+    /// # Errors
+    /// As [`Hyperelastic::response`].
+    fn isochoric_response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        self.response(f)
+    }
+
     /// In how many dimensions a state is given to it: 3, unless it finds the components of `F` beyond them itself, as [`PlaneStress`] does, whose
     /// [`Response::deformation`] has them.
     fn dimension(&self) -> usize {
@@ -549,6 +558,87 @@ fn jets<R: Real>(f: &DeformationGradient<R>) -> DeformationGradient<Jet<9, R>> {
     DeformationGradient::from_components(jets)
 }
 
+/// `cof F = J F^-T`.
+pub(crate) fn cofactor(f: &Matrix3<f64>) -> Matrix3<f64> {
+    let [a, b, c] = [0, 1, 2].each(|i| f.row(i).transpose());
+    Matrix3::from_rows(&[
+        b.cross(&c).transpose(),
+        c.cross(&a).transpose(),
+        a.cross(&b).transpose(),
+    ])
+}
+
+/// Orthonormal rates `D_a` without a trace; the last one of nine is zero.
+fn isochoric_rates() -> [Matrix3<f64>; 9] {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let unit = |i: usize, j: usize| {
+        let mut unit = Matrix3::zeros();
+        unit[(i, j)] = half;
+        unit
+    };
+    let shear = |i: usize, j: usize, sign: f64| unit(i, j) + unit(j, i) * sign;
+    let axial = |a: f64, b: f64, c: f64| Matrix3::from_diagonal(&[a, b, c].into());
+    [
+        shear(1, 2, 1.0),
+        shear(0, 2, 1.0),
+        shear(0, 1, 1.0),
+        shear(1, 2, -1.0),
+        shear(0, 2, -1.0),
+        shear(0, 1, -1.0),
+        axial(half, -half, 0.0),
+        axial(1.0, 1.0, -2.0) / 6.0_f64.sqrt(),
+        Matrix3::zeros(),
+    ]
+}
+
+/// `exp(sum x_a D_a) F` by the variables `x_a` at zero: the volume is the same throughout.
+fn isochoric_jets(f: &DeformationGradient) -> DeformationGradient<Jet<9>> {
+    let (rates, f) = (isochoric_rates(), f.matrix());
+    let first = rates.each(|rate| rate * f);
+    let second = |a: usize, b: usize| (rates[a] * first[b] + rates[b] * first[a]) * 0.5;
+    let second: [[Matrix3<f64>; 9]; 9] = array_of(|a| array_of(|b| second(a, b)));
+    let jet = |i: usize, j: usize| Jet {
+        value: f[(i, j)],
+        gradient: array_of(|a| first[a][(i, j)]),
+        hessian: array_of(|a| array_of(|b| second[a][b][(i, j)])),
+    };
+    DeformationGradient::from_components(array_of(|i| array_of(|j| jet(i, j))))
+}
+
+/// The response from the derivatives of [`isochoric_jets`] and the mean stress: with `tau` the Kirchhoff stress they are `tau : D_a` and
+/// `(D_a F) : A : (D_b F) + tau : (D_a D_b + D_b D_a) / 2`.
+fn isochoric_response(
+    energy: &Jet<9>,
+    stress: &Matrix3<f64>,
+    f: &DeformationGradient,
+) -> Result<Response, MaterialError> {
+    let values = [energy.value].into_iter().chain(energy.gradient);
+    let all: Vec<f64> = values.chain(energy.hessian.into_iter().flatten()).collect();
+    require_finite(all.iter(), f)?;
+    let (rates, matrix) = (isochoric_rates(), f.matrix());
+    let mean = (stress * matrix.transpose()).trace() / 3.0;
+    let parts = rates.iter().zip(energy.gradient);
+    let deviator: Matrix3<f64> = parts.map(|(rate, slope)| rate * slope).sum();
+    let tau = deviator + Matrix3::from_diagonal_element(mean);
+    let jacobian = f.jacobian();
+    let inverse = cofactor(&matrix) / jacobian;
+    let dual = rates.each(|rate| rate * inverse);
+    let mut tangent = [[0.0; 9]; 9];
+    for (a, b) in (0..64).map(|n| (n / 8, n % 8)) {
+        let products = rates[a] * rates[b] + rates[b] * rates[a];
+        let form = energy.hessian[a][b] - 0.5 * tau.dot(&products);
+        for (p, q) in (0..81).map(|n| (n / 9, n % 9)) {
+            tangent[p][q] += form * dual[a][(p / 3, p % 3)] * dual[b][(q / 3, q % 3)];
+        }
+    }
+    Ok(Response {
+        deformation: *f,
+        energy: energy.value,
+        first_piola: tau * inverse,
+        tangent: FourthOrder::from_fn(|i, j, k, l| tangent[3 * i + j][3 * k + l]),
+    })
+}
+
 /// The components of `F` within the plane as variables, four instead of nine; the others are constants.
 fn plane_jets<R: Real>(components: &[[R; 3]; 3]) -> DeformationGradient<Jet<4, R>> {
     let variables = Jet::<4, R>::variables(array_of(|n| components[n / 2][n % 2]));
@@ -698,6 +788,11 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         self.admits(f)?;
         finite_response(&self.energy(&jets(f)), f)
+    }
+
+    fn isochoric_response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        let (_, stress) = self.energy_and_stress(f)?;
+        isochoric_response(&self.energy(&isochoric_jets(f)), &stress, f)
     }
 
     fn energy_and_stress(

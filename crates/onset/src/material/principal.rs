@@ -5,10 +5,16 @@
 //! `W(C + D) = W + sum_i g_i D_ii + 1/2 sum_ij h_ij D_ii D_jj + sum_(i<j) theta_ij D_ij^2 + ...`,
 //! `theta_ij = (g_i - g_j) / (e_i - e_j)`.
 //!
-//! The quotient is 0/0 where two stretches coincide. Since `W` is the same for every order of the stretches, `g_j` is `g_i`
-//! with the two exchanged, and along the segment from `(e_i, e_j)` to `(e_j, e_i)`
+//! The energy is differentiated by `y_0 = ln J` and two coordinates `y_1`, `y_2` of the shape, `h_i = ln lambda_i = y_0/3 + b_1i y_1 + b_2i y_2`, so that the
+//! stiffness against changes of volume, `d^2 W/dy_0^2`, is a number by itself: it may be larger than all others by any factor, and rounding of it reaches
+//! no strain that keeps the volume. With `w_i = dW/dh_i`, `g_i = w_i / (2 e_i)` and
 //!
-//! `theta_ij = integral over 0 < t < 1 of 1/2 (h_ii + h_jj - 2 h_ij)`,
+//! `theta_ij = (w_i - w_j) / (e_i - e_j) (1/e_i + 1/e_j) / 4 - (w_i + w_j) / (4 e_i e_j)`.
+//!
+//! The quotient is 0/0 where two stretches coincide. Since `W` is the same for every order of the stretches, `w_j` is `w_i`
+//! with the two exchanged, and along the segment from `(h_i, h_j)` to `(h_j, h_i)`
+//!
+//! `(w_i - w_j) / (h_i - h_j) = integral over 0 < t < 1 of 1/2 (W_ii + W_jj - 2 W_ij)`, `W_ij = d^2 W / dh_i dh_j`,
 //!
 //! which has no quotient. It is evaluated by Gauss-Legendre quadrature where the two are close, the quotient elsewhere.
 
@@ -44,8 +50,8 @@ const RULE: [(f64, f64); 3] = [
 /// The energy at a state, exact to second order for jets over floating-point numbers: stresses and tangents are exact to
 /// rounding also where stretches coincide. Units of stress.
 ///
-/// Of intervals the result holds the energy and its derivatives: value and first derivatives closely, second ones with their largest
-/// size only. Where eigenvalues cannot be told from zero nothing is known: [`Interval::ENTIRE`](crate::real::Interval::ENTIRE).
+/// Of intervals the result holds the energy and its derivatives: value and first derivatives closely, second ones where the principal axes and stretches are known
+/// closely, and with their largest size otherwise. Where eigenvalues cannot be told from zero nothing is known: [`Interval::ENTIRE`](crate::real::Interval::ENTIRE).
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -90,8 +96,10 @@ struct Expansion {
     value: f64,
     /// `g_i`.
     first: [f64; 3],
-    /// `h_ij`.
+    /// `h_ij` without `d^2 W/dy_0^2 / (4 e_i e_j)`.
     second: [[f64; 3]; 3],
+    /// `d^2 W/dy_0^2`.
+    volumetric: f64,
     /// `theta_12`, `theta_13`, `theta_23`.
     shear: [f64; 3],
 }
@@ -104,21 +112,29 @@ impl Expansion {
     fn of(energy: &impl PrincipalEnergy, c: [[Option<f64>; 3]; 3]) -> Self {
         let c = c.each(|row| row.each(|component| component.unwrap_or(f64::NAN)));
         let (eigenvalues, axes) = eigen(c);
-        let local = of_eigenvalues(energy, eigenvalues);
+        let local = Local::of(energy, eigenvalues);
+        let [w, e] = [local.slopes(), eigenvalues];
         let shear = PAIRS.each(|(i, j)| {
-            let (a, b) = (eigenvalues[i], eigenvalues[j]);
-            if (a - b).abs() > CLOSE * (a + b) {
-                (local.gradient[i] - local.gradient[j]) / (a - b)
-            } else {
-                mean_curvature(energy, eigenvalues, (i, j))
-            }
+            let is_close = (e[i] - e[j]).abs() <= CLOSE * (e[i] + e[j]);
+            let quotient = match is_close {
+                true => mean_curvature(energy, eigenvalues, (i, j)) * logarithmic(e[i], e[j]),
+                false => local.difference((i, j)) / (e[i] - e[j]),
+            };
+            0.25 * (quotient * (1.0 / e[i] + 1.0 / e[j]) - (w[i] + w[j]) / (e[i] * e[j]))
+        });
+        let second = array_of(|i| {
+            array_of(|j| {
+                let of_axes = if i == j { 2.0 * w[i] } else { 0.0 };
+                (local.curvature(i, j) - of_axes) / (4.0 * e[i] * e[j])
+            })
         });
         Self {
             axes,
             eigenvalues,
-            value: local.value,
-            first: local.gradient,
-            second: local.hessian,
+            value: local.0.value,
+            first: array_of(|i| 0.5 * w[i] / e[i]),
+            second,
+            volumetric: local.0.hessian[0][0],
             shear,
         }
     }
@@ -133,7 +149,14 @@ impl Expansion {
         let component = |i: usize, j: usize| {
             pushed[0][j] * n[0][i] + pushed[1][j] * n[1][i] + pushed[2][j] * n[2][i]
         };
-        let d: [R; 3] = array_of(|i| component(i, i) - self.eigenvalues[i]);
+        // From the state itself: what rounding leaves of the difference would be a change of volume.
+        let d: [R; 3] = array_of(|i| {
+            let own = component(i, i);
+            own - own.value()
+        });
+        let e = &self.eigenvalues;
+        let volume = d[0] * (0.5 / e[0]) + d[1] * (0.5 / e[1]) + d[2] * (0.5 / e[2]);
+        let volume = volume * volume * (0.5 * self.volumetric);
         let along = |i: usize| {
             let h = &self.second[i];
             d[i] * ((d[0] * h[0] + d[1] * h[1] + d[2] * h[2]) * 0.5 + self.first[i])
@@ -143,7 +166,7 @@ impl Expansion {
             let shear = component(i, j);
             shear * shear * self.shear[p]
         };
-        along(0) + along(1) + along(2) + across(0) + across(1) + across(2) + self.value
+        along(0) + along(1) + along(2) + across(0) + across(1) + across(2) + volume + self.value
     }
 }
 
@@ -182,7 +205,8 @@ fn nothing_known<R: Real>(c: &[[R; 3]; 3]) -> R {
 /// In axes that nearly are the principal ones `C = D + E` with `D` diagonal and `E` small beside it. The eigenvalues of `D + t E` are in
 /// Gershgorin's discs, those of discs that overlap in their union; there `w` with its derivatives is enclosed. With `M` a bound of the second
 /// derivative of the energy by `C` for all eigenvalues in the discs, the first one differs from `diag(g_i)` by no more than `M |E|`, and the
-/// second one has no component larger than `M`. `None` where a disc reaches zero, or a part has no value.
+/// second one has no component larger than `M`. Where the discs are further apart than `|E|` the principal axes are known, and the second one is that of the
+/// eigenvalues in the discs but for the tilt of the axes. `None` where a disc reaches zero, or a part has no value.
 fn enclosed<R: Real>(
     energy: &impl PrincipalEnergy,
     c: &[[R; 3]; 3],
@@ -205,20 +229,31 @@ fn enclosed<R: Real>(
         return None;
     }
     let w = energy.of_stretches(Jet::<3, Interval>::variables(discs).map(Real::sqrt));
-    let largest = |values: &mut dyn Iterator<Item = Interval>| {
-        values.map(Interval::magnitude).fold(0.0, f64::max)
-    };
-    let normal = largest(&mut w.hessian.iter().flatten().copied());
-    let shear = largest(&mut PAIRS.into_iter().map(|(i, j)| {
+    let mut normal = w.hessian;
+    let mut shear = PAIRS.each(|(i, j)| {
         if discs[i] == discs[j] {
             (w.hessian[i][i] + w.hessian[j][j]) * 0.5 - w.hessian[i][j]
         } else {
             (w.gradient[i] - w.gradient[j]) / (discs[i] - discs[j])
         }
-    }));
-    let curvature = (3.0 * normal + shear) * (1.0 + 1e-12);
+    });
+    let components = normal.iter().flatten().chain(&shear);
+    let largest = components.map(|own| own.magnitude()).fold(0.0, f64::max);
+    let curvature = 4.0 * largest * (1.0 + 1e-12);
     let beside = PAIRS.each(|(i, j)| own(i, j).magnitude().powi(2));
-    let turned = curvature * (2.0 * beside.iter().sum::<f64>()).sqrt() * (1.0 + 1e-12);
+    let size = (2.0 * beside.iter().sum::<f64>()).sqrt() * (1.0 + 1e-12);
+    let turned = curvature * size;
+    let spread = mixed(&discs, &mut normal, &mut shear);
+    let tilted = tilt(&discs, size).map_or(f64::INFINITY, |tilt| {
+        ((1.0 + 6.0 * tilt).powi(4) - 1.0) * largest
+    });
+    // The size alone where the principal axes are not known.
+    let is_known = tilted + spread < curvature;
+    let open = if is_known {
+        (tilted + spread) * (1.0 + 1e-12)
+    } else {
+        curvature
+    };
     let change = |i: usize, j: usize| b[i][j] - own(i, j).midpoint();
     let mut sum: R = within(w.value);
     let mut all: R = R::constant(0.0);
@@ -226,11 +261,73 @@ fn enclosed<R: Real>(
         sum = sum + change(i, i) * within::<R>(slope + Interval::new(-turned, turned));
         all = all + change(i, i) * up_to::<R>(1.0);
     }
-    for (i, j) in PAIRS {
+    for (p, (i, j)) in PAIRS.into_iter().enumerate() {
         sum = sum + change(i, j) * up_to::<R>(2.0 * turned);
         all = all + change(i, j) * up_to::<R>(2.0);
+        if is_known {
+            let product = change(i, i) * change(j, j);
+            sum = sum + product * within::<R>(normal[i][j]);
+            sum = sum + change(i, j) * change(i, j) * within::<R>(shear[p]);
+        }
     }
-    Some(sum + all * all * up_to::<R>(0.5 * curvature))
+    if is_known {
+        for (i, row) in normal.iter().enumerate() {
+            sum = sum + change(i, i) * change(i, i) * within::<R>(row[i] * 0.5);
+        }
+    }
+    Some(sum + all * all * up_to::<R>(0.5 * open))
+}
+
+/// How far principal axes can be from the axes of which the eigenvalues lie in some discs, `|n_i . e_k|` of different discs, where what is beside the diagonal is not
+/// larger than a size: `(D_kk - e_i) n_i . e_k = -(E n_i)_k`.
+fn tilt(discs: &[Interval; 3], size: f64) -> Option<f64> {
+    let apart = PAIRS.into_iter().filter(|(i, j)| discs[*i] != discs[*j]);
+    let gaps = apart.map(|(i, j)| (discs[i].low - discs[j].high).max(discs[j].low - discs[i].high));
+    let least = gaps.fold(f64::INFINITY, f64::min);
+    (least > 0.0).then(|| (size / least).next_up())
+}
+
+/// Where eigenvalues share a disc, makes second derivatives those of any axes within it, and returns by how much these can differ: by a tensor with no component
+/// larger than the deviation of those here from some that do not depend on the axes, and so of no more than nine times that norm.
+fn mixed(discs: &[Interval; 3], normal: &mut [[Interval; 3]; 3], shear: &mut [Interval; 3]) -> f64 {
+    let is_mixed = |i: usize, j: usize| i != j && discs[i] == discs[j];
+    let mut deviation: f64 = 0.0;
+    let mut settle = |own: &mut Interval, value: f64| {
+        deviation = deviation.max((*own - value).magnitude());
+        *own = Interval::point(value);
+    };
+    let count = PAIRS.into_iter().filter(|(i, j)| is_mixed(*i, *j)).count();
+    if count == 3 {
+        let (own, other) = (normal[0][0].midpoint(), normal[0][1].midpoint());
+        for (i, j) in (0..9).map(|n| (n / 3, n % 3)) {
+            settle(&mut normal[i][j], if i == j { own } else { other });
+        }
+        for own_shear in shear.iter_mut() {
+            settle(own_shear, 0.5 * (own - other));
+        }
+    }
+    let pair = PAIRS
+        .into_iter()
+        .enumerate()
+        .find(|(_, (i, j))| is_mixed(*i, *j));
+    if let (1, Some((p, (i, j)))) = (count, pair) {
+        let k = 3 - i - j;
+        let (own, other) = (normal[i][i].midpoint(), normal[i][j].midpoint());
+        let beside = normal[i][k].midpoint();
+        for (a, b, value) in [(i, i, own), (j, j, own), (i, j, other), (j, i, other)] {
+            settle(&mut normal[a][b], value);
+        }
+        for (a, b) in [(i, k), (k, i), (j, k), (k, j)] {
+            settle(&mut normal[a][b], beside);
+        }
+        settle(&mut shear[p], 0.5 * (own - other));
+        let others: [usize; 2] = [(p + 1) % 3, (p + 2) % 3];
+        let middle = shear[others[0]].midpoint();
+        others
+            .into_iter()
+            .for_each(|n| settle(&mut shear[n], middle));
+    }
+    9.0 * deviation
 }
 
 /// `C` in orthonormal axes that nearly are the principal ones: `T V^T C V T` with computed axes `V = Q (1 + S)`, `Q` orthogonal and
@@ -279,12 +376,61 @@ fn merged(mut discs: [Interval; 3]) -> [Interval; 3] {
     discs
 }
 
-/// The energy with its derivatives by the eigenvalues of `C`.
-fn of_eigenvalues(energy: &impl PrincipalEnergy, eigenvalues: [f64; 3]) -> Jet<3> {
-    energy.of_stretches(Jet::variables(eigenvalues).map(Real::sqrt))
+/// `dh_i/dy_a`: a third for the volume, and two orthonormal vectors of the shape.
+const BY_SHAPE: [[f64; 3]; 3] = {
+    let (a, b) = (std::f64::consts::FRAC_1_SQRT_2, 0.408_248_290_463_863);
+    let third = 1.0 / 3.0;
+    [[third, a, b], [third, -a, b], [third, 0.0, -2.0 * b]]
+};
+
+/// The energy with its derivatives by `y_0`, `y_1` and `y_2`.
+struct Local(Jet<3>);
+
+impl Local {
+    fn of(energy: &impl PrincipalEnergy, eigenvalues: [f64; 3]) -> Self {
+        let stretch = |i: usize| {
+            let (value, c) = (eigenvalues[i].sqrt(), &BY_SHAPE[i]);
+            Jet {
+                value,
+                gradient: array_of(|a| value * c[a]),
+                hessian: array_of(|a| array_of(|b| value * c[a] * c[b])),
+            }
+        };
+        Self(energy.of_stretches(array_of(stretch)))
+    }
+
+    /// `w_i = dW/dh_i`: with `dy_0/dh_i = 1` and `dy_a/dh_i = b_ai`.
+    fn slopes(&self) -> [f64; 3] {
+        let g = &self.0.gradient;
+        array_of(|i| g[0] + BY_SHAPE[i][1] * g[1] + BY_SHAPE[i][2] * g[2])
+    }
+
+    /// `w_i - w_j`.
+    fn difference(&self, (i, j): (usize, usize)) -> f64 {
+        let part = |a: usize| (BY_SHAPE[i][a] - BY_SHAPE[j][a]) * self.0.gradient[a];
+        part(1) + part(2)
+    }
+
+    /// `d^2 W/dh_i dh_j - d^2 W/dy_0^2`.
+    fn curvature(&self, i: usize, j: usize) -> f64 {
+        let h = &self.0.hessian;
+        let (b, c) = (&BY_SHAPE[i], &BY_SHAPE[j]);
+        let mut sum = 0.0;
+        for a in 1..3 {
+            sum += h[0][a] * (b[a] + c[a]) + h[a][1] * b[a] * c[1] + h[a][2] * b[a] * c[2];
+        }
+        sum
+    }
 }
 
-/// The mean of `1/2 (h_ii + h_jj - 2 h_ij)` over the segment on which two eigenvalues are exchanged.
+/// `(h_i - h_j) / (e_i - e_j)` from the eigenvalues.
+fn logarithmic(a: f64, b: f64) -> f64 {
+    let x = (a - b) / b;
+    let ratio = if x == 0.0 { 1.0 } else { x.ln_1p() / x };
+    0.5 * ratio / b
+}
+
+/// The mean of `1/2 (W_ii + W_jj - 2 W_ij)` over the segment on which two logarithmic stretches are exchanged.
 fn mean_curvature(
     energy: &impl PrincipalEnergy,
     eigenvalues: [f64; 3],
@@ -293,10 +439,10 @@ fn mean_curvature(
     let (a, b) = (eigenvalues[i], eigenvalues[j]);
     let at = |t: f64| {
         let mut between = eigenvalues;
-        between[i] = (1.0 - t) * a + t * b;
-        between[j] = (1.0 - t) * b + t * a;
-        let h = of_eigenvalues(energy, between).hessian;
-        0.5 * (h[i][i] + h[j][j]) - h[i][j]
+        between[i] = a * (b / a).powf(t);
+        between[j] = b * (a / b).powf(t);
+        let local = Local::of(energy, between);
+        0.5 * (local.curvature(i, i) + local.curvature(j, j)) - local.curvature(i, j)
     };
     if a == b {
         return at(0.0);

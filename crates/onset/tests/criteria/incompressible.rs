@@ -265,3 +265,94 @@ fn the_free_face_bears_no_traction_and_the_volume_is_kept() {
     let refused = LoadingPath::incompressible(&*law, swelling, &Range::default());
     assert_eq!(refused.err(), Some(LoadingError::ChangesVolume));
 }
+
+/// A bar of Hencky's rubber bears `P = 3 mu ln(lambda) / lambda`, which is largest at e, and under pressure rotations gain energy at once. However large the bulk modulus, every
+/// loading with free faces has the limits of the incompressible law, and as many as with `kappa = 1e9`.
+#[test]
+fn a_huge_bulk_modulus_is_a_regular_limit() {
+    let stiff =
+        [1e9, 1e10, 1e11, 1e12].map(|kappa| law("hencky", &[("mu", 1.0), ("kappa", kappa)]));
+    for own in &stiff {
+        let bar = path(&**own, Mode::Uniaxial, Lateral::Free);
+        let load = follow(&bar, Criterion::LoadMaximum, true).expect("defined");
+        assert_eq!(load.events.len(), 1, "{:?}", load.events);
+        assert_close(load.events[0].stretch, std::f64::consts::E, 1e-9);
+        assert_eq!(limit(&bar, Criterion::Hill, false), Some(1.0));
+    }
+    let free = [
+        (Mode::Uniaxial, Lateral::Free),
+        (Mode::Uniaxial, Lateral::PlaneStrain),
+        (Mode::Equibiaxial, Lateral::PlaneStress),
+        (Mode::Planar, Lateral::PlaneStress),
+        (Mode::Planar, Lateral::PlaneStrain),
+        (Mode::SimpleShear, Lateral::Free),
+        (Mode::SimpleShear, Lateral::PlaneStrain),
+    ];
+    let soft = law("hencky", &[("mu", 1.0), ("kappa", 1e6)]);
+    for (mode, lateral) in free {
+        let paths = stiff.each_ref().map(|own| path(&**own, mode, lateral));
+        let soft = path(&*soft, mode, lateral);
+        for criterion in [
+            Criterion::StrongEllipticity,
+            Criterion::DruckerAbaqus,
+            Criterion::HillRotationFree,
+            Criterion::OrderedForces,
+            Criterion::LoadMaximum,
+        ] {
+            for tension in [true, false] {
+                let events = |path: &LoadingPath<'_>| -> Vec<f64> {
+                    let track = follow(path, criterion, tension).expect("defined");
+                    track.events.iter().map(|event| event.stretch).collect()
+                };
+                let expected = events(&soft);
+                for path in &paths {
+                    let own = events(path);
+                    let what = format!("{mode:?} {lateral:?} {criterion:?}: {own:?} {expected:?}");
+                    assert_eq!(own.len(), expected.len(), "{what}");
+                    for (own, expected) in own.iter().zip(&expected) {
+                        assert!((own / expected - 1.0).abs() < 2e-5, "{what}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Of the tangent the part on increments that keep the volume, against that of a law whose bulk modulus leaves it all digits.
+#[test]
+fn rounding_of_changes_of_volume_reaches_no_increment_that_keeps_it() {
+    let state = onset::kinematics::DeformationGradient::new([
+        [1.1, 0.3, 0.0],
+        [-0.2, 0.9, 0.1],
+        [0.0, 0.4, 1.0],
+    ])
+    .expect("admissible");
+    let size = state.determinant().cbrt().recip();
+    let state = state.components().map(|row| row.map(|x| x * size));
+    let state = onset::kinematics::DeformationGradient::new(state).expect("isochoric");
+    for (name, bulk) in [
+        ("hencky", "kappa"),
+        ("neo-hooke", "lambda"),
+        ("ogden", "kappa"),
+        ("neo-hooke-isochoric", "kappa"),
+    ] {
+        let [soft, stiff] = [1.0, 1e12].map(|size| law(name, &[(bulk, size)]));
+        let [soft, stiff] = [&soft, &stiff].map(|law| law.isochoric_response(&state));
+        let [soft, stiff] = [soft.expect("finite"), stiff.expect("finite")];
+        let mut error: f64 = 0.0;
+        for n in 0..81 {
+            let at = (n / 27, n / 9 % 3, n / 3 % 3, n % 3);
+            error = error.max((soft.tangent[at] - stiff.tangent[at]).abs());
+        }
+        // The pressure of what rounding leaves of ln J is in the tangent of both, and is 1e12 times as large in one.
+        assert!(error < 3e-3, "{name}: {error}");
+        let deviator = |response: &onset::material::Response| {
+            let tau = response.first_piola * state.matrix().transpose();
+            tau - Matrix3::from_diagonal_element(tau.trace() / 3.0)
+        };
+        assert!(
+            (deviator(&soft) - deviator(&stiff)).amax() < 1e-12,
+            "{name}"
+        );
+    }
+}

@@ -201,7 +201,22 @@ fn the_third_stretch_of_neo_hooke_jumps_at_the_common_tangent() {
 fn oblique_jumps_to_the_largest_stretch_of_the_range_are_found() {
     let hencky = Law::named("hencky").expect("a law");
     for (kappa, range, mode, lateral, tension, bound) in [
-        (2.0, [0.2, 5.0], Mode::Uniaxial, Lateral::Held, false, 0.279_08),
+        (
+            2.0,
+            [0.2, 5.0],
+            Mode::Uniaxial,
+            Lateral::Held,
+            false,
+            0.279_08,
+        ),
+        (
+            11.346,
+            [0.128, 7.84],
+            Mode::Uniaxial,
+            Lateral::Held,
+            true,
+            1.6935,
+        ),
     ] {
         let law = hencky.build(&[("kappa", kappa)]).expect("admissible");
         let range = Range::new(range[0], range[1]).expect("a range");
@@ -210,7 +225,10 @@ fn oblique_jumps_to_the_largest_stretch_of_the_range_are_found() {
         let elliptic = track(&path, Criterion::StrongEllipticity, tension);
         let jumps = follow_jumps(&path, &elliptic, range.high(), tension);
         let own = jumps.limit().expect("lost");
-        assert!(own.ln().abs() <= bound.ln().abs(), "{kappa} {mode:?}: {own}");
+        assert!(
+            own.ln().abs() <= bound.ln().abs(),
+            "{kappa} {mode:?}: {own}"
+        );
         let event = &jumps.events[0];
         assert!(event.is_upper_bound && event.tolerance > 1e-14 && event.tolerance < 1e-9);
     }
