@@ -6,7 +6,7 @@
 //! do not see beside `p`. Source: Ogden, Non-linear elastic deformations (1984), sections 4.3 and 6.2.
 
 use super::loading::{Loading, Mode};
-use crate::algebra::Each;
+use crate::algebra::{Each, array_of};
 use crate::continuum::ROUNDING;
 use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, Hyperelastic, Response, cofactor};
@@ -71,16 +71,35 @@ impl Loading {
 /// leaves the pressure of a compressible law fewer digits.
 const STIFF: f64 = 1e8;
 
-/// Whether the volume hardly changes in a law, by its moduli in the reference.
-pub(super) fn is_nearly_incompressible(material: &dyn Hyperelastic) -> bool {
+/// The bulk modulus of a law in the reference, where it counts as infinite.
+pub(super) fn huge_bulk_modulus(material: &dyn Hyperelastic) -> Option<f64> {
     if material.dimension() < 3 || material.is_path_dependent() {
-        return false;
+        return None;
     }
-    material.undeformed().is_ok_and(|response| {
-        let shear = response.tangent[(0, 1, 0, 1)];
-        let bulk = response.tangent[(0, 0, 0, 0)] - shear * (4.0 / 3.0);
-        shear > ROUNDING * bulk && bulk > STIFF * shear
-    })
+    let response = material.undeformed().ok()?;
+    let shear = response.tangent[(0, 1, 0, 1)];
+    let bulk = response.tangent[(0, 0, 0, 0)] - shear * (4.0 / 3.0);
+    (shear > ROUNDING * bulk && bulk > STIFF * shear).then_some(bulk)
+}
+
+/// The response with the change of volume by which a law bears its pressure, beyond that of another stress at the same shape.
+pub(super) fn swollen(
+    material: &dyn Hyperelastic,
+    response: Response,
+    other: &Matrix3<f64>,
+    bulk: f64,
+) -> Response {
+    let f = response.deformation.matrix();
+    let pressure = (response.first_piola - other).dot(&f) / 3.0;
+    let f = f * (1.0 + pressure / (3.0 * bulk));
+    let components = array_of(|i| array_of(|j| f[(i, j)]));
+    let deformation = DeformationGradient::from_components(components);
+    let energy = material.energy_and_stress(&deformation);
+    Response {
+        energy: energy.map_or(response.energy, |(energy, _)| energy),
+        deformation,
+        ..response
+    }
 }
 
 /// `d^2 J / dF_iJ dF_kL = e_ikm e_JLN F_mN`.

@@ -1,6 +1,6 @@
 //! Loadings: which stretch is imposed, which faces are free of traction, and the states that follow.
 
-use super::incompressible::{is_nearly_incompressible, pressurized};
+use super::incompressible::{huge_bulk_modulus, pressurized, swollen};
 use super::{Kink, State};
 use crate::algebra::array_of;
 use crate::kinematics::{DeformationGradient, DeformationPath, KinematicsError};
@@ -298,10 +298,14 @@ pub enum PathEnd {
 }
 
 /// Whether the response of a law changes the volume.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Volume {
     Changes,
     Kept,
+    /// It changes by the pressure over the bulk modulus.
+    HardlyChanges {
+        bulk: f64,
+    },
 }
 
 /// States of a loading, in tension and in compression, followed from the reference.
@@ -377,9 +381,9 @@ impl<'a> LoadingPath<'a> {
         range: &Range,
     ) -> Result<Self, LoadingError> {
         let keeps = isotropic && loading.isochoric(0.0).is_some();
-        let volume = match keeps && is_nearly_incompressible(material) {
-            true => Volume::Kept,
-            false => Volume::Changes,
+        let volume = match keeps.then(|| huge_bulk_modulus(material)).flatten() {
+            Some(bulk) => Volume::HardlyChanges { bulk },
+            None => Volume::Changes,
         };
         Self::with(material, isotropic, loading, range, volume)
     }
@@ -455,7 +459,7 @@ impl<'a> LoadingPath<'a> {
 
     /// Whether the response is incompressible.
     pub fn is_incompressible(&self) -> bool {
-        self.volume == Volume::Kept
+        self.volume != Volume::Changes
     }
 
     /// The state at `s = ln lambda` on the branch that was followed; `None` beyond its ends.
@@ -535,7 +539,7 @@ impl<'a> LoadingPath<'a> {
             State::of_response(state.response.clone(), self.isotropic).with_rate(state.rate);
         match self.volume {
             Volume::Changes => asked,
-            Volume::Kept => asked.incompressible(self.loading.free_faces()),
+            _ => asked.incompressible(self.loading.free_faces()),
         }
     }
 
@@ -722,8 +726,8 @@ fn solve(
     s: f64,
     guess: Vector2<f64>,
 ) -> Result<PathState, Missing> {
-    if volume == Volume::Kept {
-        return isochoric(material, loading, s, guess);
+    if volume != Volume::Changes {
+        return isochoric(material, loading, volume, s, guess);
     }
     let free = loading.free_of(material);
     let (imposed, imposed_rate) = loading.imposed(s);
@@ -781,6 +785,7 @@ fn solve(
 fn isochoric(
     material: &dyn Hyperelastic,
     loading: Loading,
+    volume: Volume,
     s: f64,
     guess: Vector2<f64>,
 ) -> Result<PathState, Missing> {
@@ -790,9 +795,14 @@ fn isochoric(
         response.map_err(Missing::Law)
     };
     let face = loading.free_faces().first().copied();
-    let pressurized = |response: Response| match face {
-        Some(face) => pressurized(response, face),
-        None => response,
+    let settled = |response: Response| {
+        let Some(face) = face else { return response };
+        let stress = response.first_piola;
+        let pressurized = pressurized(response, face);
+        match volume {
+            Volume::HardlyChanges { bulk } => swollen(material, pressurized, &stress, bulk),
+            _ => pressurized,
+        }
     };
     let mut state = PathState {
         parameter: s,
@@ -823,7 +833,7 @@ fn isochoric(
             }
             let size = correction.abs();
             if size <= 4.0 * f64::EPSILON || (size < 1e-8 && size >= 0.5 * last) {
-                state.response = pressurized(response);
+                state.response = settled(response);
                 state.rate = rate + along * slope;
                 state.lateral = Vector2::new(own, -own);
                 state.slope = Vector2::new(slope, -slope);
@@ -834,7 +844,7 @@ fn isochoric(
         }
         return Err(Missing::Equilibrium);
     }
-    state.response = pressurized(state.response);
+    state.response = settled(state.response);
     Ok(state)
 }
 
