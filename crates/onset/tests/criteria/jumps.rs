@@ -207,7 +207,7 @@ fn oblique_jumps_to_the_largest_stretch_of_the_range_are_found() {
             Mode::Uniaxial,
             Lateral::Held,
             false,
-            0.279_08,
+            0.279_08_f64,
         ),
         (
             11.346,
