@@ -436,10 +436,11 @@ fn enclosures_hold_the_stress_and_tangent_of_all_states_of_a_box() {
                         let value = response.tangent[(i, j, k, l)];
                         let own = enclosure.tangent[i][j][k][l];
                         assert!(holds(own, value), "{name}: {own:?} {value}");
+                        // Laws of principal stretches bound what their axes leave open.
                         if width < 1e-8 && own.is_finite() {
                             assert!(
                                 own.width()
-                                    < 1e-4 * law.response(&f).expect("a state").tangent.largest(),
+                                    < 1e-2 * law.response(&f).expect("a state").tangent.largest(),
                                 "{name}: {own:?}"
                             );
                         }
