@@ -459,7 +459,7 @@ class Boundary(Answer):
 
 class Modes(_Moving):
     """The zero-energy and weakly controlled modes of a method: ``modes``, each with ``wave_vector`` (1/length), ``fractional`` (in units of the reciprocal
-    vectors) and ``relative_frequency``; ``complete`` is whether none can have been missed.
+    vectors) and ``relative_frequency``, whether it ``fits`` the patch that is drawn, and in ``fit`` the patch that it fits; ``complete`` is whether none can have been missed.
     """
 
     __slots__ = ()

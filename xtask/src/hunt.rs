@@ -26,6 +26,14 @@ const SUBJECTS: &[Subject] = &[
         cases: 200,
     },
     Subject {
+        name: "descriptions",
+        claim: "every description of a crystal has the same answer",
+        package: "onset",
+        program: "hunt",
+        test: "every_description_of_a_crystal",
+        cases: 400,
+    },
+    Subject {
         name: "formulas",
         claim: "formulas neither panic nor take long nor fill the memory",
         package: "onset",

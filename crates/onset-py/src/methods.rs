@@ -116,6 +116,7 @@ pub fn modes(
             weak,
             cells,
             amplitude,
+            is_exported: false,
         };
         let modes = ModesAnswer::new(&settings, &question)?;
         let answer = Answer::of(&modes, &modes)?;

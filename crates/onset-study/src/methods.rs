@@ -1,6 +1,7 @@
 //! From settings to the choices of a method of any family.
 
 use crate::settings::{Bonds, Control, Family, Settings, Unknowns, Velocities};
+use onset::analysis::{ReducedCell, reduced_cell};
 use onset::lattice::LatticeError;
 use onset::material::MaterialError;
 use onset::method::KernelMethodChoices;
@@ -39,6 +40,11 @@ pub fn method(settings: &Settings) -> Result<MethodChoices, MethodError> {
             MethodChoices::MaterialPoints(particles(), material_points(settings))
         }
     })
+}
+
+/// Particles of the cell that settings describe and of its primitive cell, if these are fewer.
+pub(crate) fn reduced(settings: &Settings) -> Option<ReducedCell> {
+    reduced_cell(&method(settings).ok()?)
 }
 
 /// What to do about a method that cannot be evaluated, as it follows the message; empty where the message says it.

@@ -14,6 +14,7 @@ pub fn modes(arguments: &ModesArguments) -> Result<ExitCode, Failure> {
         weak: arguments.weak,
         cells: usize::from(arguments.cells),
         amplitude: arguments.amplitude,
+        is_exported: arguments.out.is_some(),
     };
     let output = arguments.out.as_deref();
     let names = ["modes.svg", "modes.png", "modes.html"];

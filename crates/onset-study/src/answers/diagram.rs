@@ -439,7 +439,7 @@ fn diagram(
     let dimension = analysis.dimension();
     let waves = analysis.waves(f)?;
     let omega_squared = |k: &Vector3<f64>| waves.omega_squared(&waves.folded(k.as_slice()));
-    let symmetry = SymmetryPoints::new(analysis, problem.settings.zone(), omega_squared);
+    let symmetry = SymmetryPoints::new(analysis, problem.settings.named_zone(), omega_squared);
     let mut path = match typed {
         Some(text) => symmetry.typed(text)?,
         None => symmetry.path(),

@@ -75,7 +75,7 @@ fn point(
 ) -> Option<&'static str> {
     let own = shortest(reciprocal, k);
     let scale = SAME * longest(reciprocal);
-    let points = problem.analysis.zone_path(problem.settings.zone());
+    let points = problem.analysis.zone_path(problem.settings.named_zone());
     let is_same = |(_, place): &(&'static str, Vec<f64>)| {
         let place = SVector::from_fn(|i, _| place.get(i).copied().unwrap_or(0.0));
         let other = shortest(reciprocal, &place);

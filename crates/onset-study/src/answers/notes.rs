@@ -1,8 +1,10 @@
 //! What a reader must know of a law and a method whatever the question.
 
-use crate::number::{told, told_of};
+use crate::methods::reduced;
+use crate::number::{counted, told, told_of};
 use crate::settings::{Bonds, Family, MaterialSettings, Model, Settings, Units};
 use nalgebra::Matrix3;
+use onset::analysis::ReducedCell;
 use onset::continuum::ROUNDING;
 use onset::criteria::is_isotropic;
 use onset::kinematics::DeformationGradient;
@@ -182,6 +184,19 @@ fn stress_at_rest(material: &dyn Hyperelastic) -> Option<String> {
     ))
 }
 
+/// That a cell was reduced to its primitive cell.
+fn note_on_cell(cell: ReducedCell) -> String {
+    let ReducedCell {
+        described,
+        primitive,
+    } = cell;
+    format!(
+        "the cell of {} is not primitive: it repeats a cell of {}, in which the answer is computed; wave vectors are those of its zone",
+        counted(described, "particle"),
+        counted(primitive, "particle")
+    )
+}
+
 /// What a reader of an answer must know of law and method.
 pub fn notes(settings: &Settings, material: &dyn Hyperelastic) -> Vec<String> {
     let mut notes = notes_on_law(&settings.material, material);
@@ -196,21 +211,36 @@ pub(crate) fn zero_energy(who_has: &str, place: &str) -> String {
     )
 }
 
-/// What a reader of an answer must know of the method: that bonds take of the law its modulus only.
+/// What a reader of an answer must know of the method: that its cell was reduced, and that bonds take of the law its modulus only.
 pub fn notes_on_method(settings: &Settings) -> Vec<String> {
+    let reduced = reduced(settings).map(note_on_cell);
+    reduced
+        .into_iter()
+        .chain(notes_on_bonds(settings))
+        .collect()
+}
+
+/// What a reader of the run of a patch must know, whose cells are those of the settings.
+pub(crate) fn notes_on_patch(settings: &Settings, material: &dyn Hyperelastic) -> Vec<String> {
+    let mut notes = notes_on_law(&settings.material, material);
+    notes.extend(notes_on_bonds(settings));
+    notes
+}
+
+/// That bonds take of the law its modulus only.
+fn notes_on_bonds(settings: &Settings) -> Option<String> {
     let method = &settings.method;
-    let mut notes = Vec::new();
     if method.method == Family::Peridynamics && method.bonds == Bonds::BondBased {
         let ratio = match (settings.dimension(), settings.material.is_plane_stress()) {
             (1, _) => "",
             (_, true) => " with Poisson's ratio 1/3",
             (_, false) => " with Poisson's ratio 1/4",
         };
-        notes.push(format!(
+        return Some(format!(
             "bond-based peridynamics takes one number of the law, its bulk modulus at F = 1 (in the dimensions of the particles); \
              the bonds are linear springs{ratio}, whatever else the law says, and the continuum beside them is the \
              whole law. With discretization.bonds = correspondence the particles follow the law"
         ));
     }
-    notes
+    None
 }

@@ -4,7 +4,7 @@ use super::finite_body::hint_on_body;
 use crate::methods::{hint, method};
 use crate::number::counted;
 use crate::settings::{SettingError, Settings};
-use onset::analysis::{Analysis, analysis};
+use onset::analysis::{Analysis, analysis, described_analysis};
 use onset::kinematics::{DeformationGradient, KinematicsError};
 use onset::material::Hyperelastic;
 use onset::method::MethodError;
@@ -417,6 +417,19 @@ impl Problem {
             analysis,
             settings,
             material,
+        })
+    }
+
+    /// The same particles in the cell that the settings describe, of which patches are made.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when the method is not admissible.
+    pub fn described(&self) -> Result<Self, ProblemError> {
+        let method = method(&self.settings)?;
+        Ok(Self {
+            analysis: described_analysis(&method, Arc::clone(&self.material))?,
+            settings: self.settings.clone(),
+            material: Arc::clone(&self.material),
         })
     }
 

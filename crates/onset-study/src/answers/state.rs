@@ -9,10 +9,12 @@ use super::next::next;
 use super::notes::{buckling, notes};
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
+use crate::methods::reduced;
 use crate::number::{counted, told, told_below, told_of, vector};
 use crate::settings::{Effective, Family, Value};
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
+use onset::analysis::ReducedCell;
 use onset::bloch::IsEnded;
 use onset::certificate::certify_3d;
 use onset::continuum::{AcousticMinimum, Ellipticity};
@@ -247,6 +249,9 @@ pub struct DiscretizationAnswer {
     pub gradient_norm: Option<f64>,
     /// The mode that is controlled least, of the softest one and those of alternating neighbors.
     pub weakest_mode: Option<WeakestModeAnswer>,
+    /// Numbers of particles of the cell of the settings and of its primitive cell, if that is smaller.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reduced_cell: Option<ReducedCell>,
 }
 
 /// A mode of the reference configuration beside the material's wave that it is.
@@ -464,6 +469,7 @@ fn discretization_answer(
             wave_vector: list(&mode.wave_vector),
             relative_frequency: mode.relative_frequency_squared.max(0.0).sqrt(),
         }),
+        reduced_cell: reduced(&problem.settings),
     })
 }
 

@@ -89,7 +89,7 @@ impl<'a> SymmetryPoints<'a> {
     /// waves of a state.
     pub(super) fn new(
         analysis: &'a dyn Analysis,
-        zone: LatticeKind,
+        zone: Option<LatticeKind>,
         omega_squared: impl Fn(&Vector3<f64>) -> Vec<Complex>,
     ) -> Self {
         let holohedry = analysis.holohedry();
@@ -318,7 +318,7 @@ mod tests {
         let problem = problem(kind);
         let analysis = &*problem.analysis;
         let waves = springs(analysis, stretches);
-        let symmetry = SymmetryPoints::new(analysis, kind, waves);
+        let symmetry = SymmetryPoints::new(analysis, None, waves);
         let path = symmetry.path();
         let visited = |name: &str| path.0.iter().flatten().any(|stop| stop.name == name);
         assert!(symmetry.points.iter().all(|point| visited(&point.name)));
@@ -354,7 +354,7 @@ mod tests {
         let problem = problem(LatticeKind::Hexagonal);
         let analysis = &*problem.analysis;
         let waves = springs(analysis, [1.0; 3]);
-        let symmetry = SymmetryPoints::new(analysis, LatticeKind::Hexagonal, waves);
+        let symmetry = SymmetryPoints::new(analysis, None, waves);
         let told = |text: &str| -> Vec<Vec<String>> {
             let path = symmetry.typed(text).unwrap();
             let names = |chain: &Vec<Stop>| chain.iter().map(|s| s.name.clone()).collect();

@@ -16,7 +16,7 @@ impl ModesAnswer {
         files.push(text("modes.html", self.page()));
         for (n, mode) in self.modes.iter().enumerate() {
             files.push(text(format!("mode-{}.csv", n + 1), mode.csv()));
-            files.push(text(format!("mode-{}.vtk", n + 1), mode.vtk()));
+            files.push(text(format!("mode-{}.vtk", n + 1), mode.vtk(self.cells)));
         }
         Ok(files)
     }
@@ -34,10 +34,14 @@ impl ShownMode {
     }
 
     /// The same as a VTK file (legacy format, text): points with the vectors `displacement`, for ParaView and its kin.
-    pub fn vtk(&self) -> String {
+    pub fn vtk(&self, cells: usize) -> String {
         let count = self.positions.len();
+        let misfit = match self.fits {
+            true => String::new(),
+            false => format!("; does not fit {cells} cells: jumps at the periodic boundary"),
+        };
         let mut text = format!(
-            "# vtk DataFile Version 3.0\nspurious mode, k = {} in units of the reciprocal vectors\nASCII\nDATASET POLYDATA\n\
+            "# vtk DataFile Version 3.0\nspurious mode, k = {} in units of the reciprocal vectors{misfit}\nASCII\nDATASET POLYDATA\n\
              POINTS {count} double\n",
             self.place()
         );

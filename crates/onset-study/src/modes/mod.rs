@@ -3,15 +3,19 @@
 mod animation;
 mod export;
 mod figure;
+mod fit;
 mod view;
 
 pub(crate) use animation::{STYLE, moving_particles};
+pub use fit::Fit;
 
 use crate::answers::{Problem, ProblemError, notes};
+use crate::methods::reduced;
+use crate::number::{counted, told};
 use crate::settings::{Effective, Settings};
 use nalgebra::SVector;
 use onset::algebra::Complex;
-use onset::analysis::{Analysis, PatchParticle};
+use onset::analysis::{Analysis, PatchParticle, ReducedCell};
 use onset::measures::{Extent, SpuriousMode};
 use serde::Serialize;
 use std::fmt;
@@ -28,6 +32,8 @@ pub struct ModesQuestion {
     pub cells: usize,
     /// The largest displacement of the exported fields, in particle spacings.
     pub amplitude: f64,
+    /// Whether displacement fields are exported, so that it is said which waves the patch does not hold.
+    pub is_exported: bool,
 }
 
 impl Default for ModesQuestion {
@@ -36,6 +42,7 @@ impl Default for ModesQuestion {
             weak: 0.5,
             cells: 8,
             amplitude: 0.2,
+            is_exported: false,
         }
     }
 }
@@ -57,6 +64,13 @@ pub struct ModesAnswer {
     pub modes: Vec<ShownMode>,
     /// The limit of weakness.
     pub weak: f64,
+    /// Cells of the patch along each primitive vector.
+    pub cells: usize,
+    /// Numbers of particles of the cell of the settings and of its primitive cell, if that is smaller.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reduced_cell: Option<ReducedCell>,
+    #[serde(skip)]
+    is_exported: bool,
     /// What a reader must know of law and method.
     pub notes: Vec<String>,
     /// Every choice in effect.
@@ -81,6 +95,10 @@ pub struct ShownMode {
     pub nullity: usize,
     /// How far zero-energy modes extend from it.
     pub extent: Extent,
+    /// Whether the wave fits into the patch. If not, its displacement field jumps at the periodic boundary.
+    pub fits: bool,
+    /// The smallest patch that the wave fits into; for an incommensurate wave a small patch with the nearest wave.
+    pub fit: Fit,
     /// Positions of the particles of a patch, three coordinates each; length.
     #[serde(skip)]
     pub positions: Vec<[f64; 3]>,
@@ -122,9 +140,12 @@ impl ModesAnswer {
             modes: found
                 .modes
                 .iter()
-                .map(|mode| ShownMode::new(mode, &*analysis, &patch, question.amplitude))
+                .map(|mode| ShownMode::new(mode, &*analysis, &patch, question))
                 .collect(),
             weak: question.weak,
+            cells: question.cells,
+            reduced_cell: reduced(&settings),
+            is_exported: question.is_exported,
             notes: notes(&settings, &*material),
             settings: settings.effective(),
         })
@@ -136,9 +157,10 @@ impl ShownMode {
         mode: &SpuriousMode<3>,
         analysis: &dyn Analysis,
         patch: &[PatchParticle],
-        amplitude: f64,
+        question: &ModesQuestion,
     ) -> Self {
         let k = mode.wave_vector;
+        let fractional = analysis.fractional(&k);
         let apart = (mode.wave - k).norm().min((mode.wave + k).norm());
         let is_folded = analysis.sites() > 1 && apart > 1e-6 * mode.wave.norm();
         // The time at which the particle that moves most is farthest out: its g is turned until g.g is real and positive.
@@ -157,7 +179,7 @@ impl ShownMode {
             .iter()
             .map(|particle| turned(particle).map(|z| z.re).norm())
             .fold(f64::MIN_POSITIVE, f64::max);
-        let scale = amplitude * analysis.spacing() / largest;
+        let scale = question.amplitude * analysis.spacing() / largest;
         let at = |is_quarter: bool| {
             let displaced = |particle| {
                 let own = turned(particle);
@@ -168,7 +190,9 @@ impl ShownMode {
         };
         Self {
             wave_vector: k.iter().take(analysis.dimension()).copied().collect(),
-            fractional: analysis.fractional(&k),
+            fits: Fit::is_whole(&fractional, question.cells),
+            fit: Fit::smallest(&fractional),
+            fractional,
             wave: mode
                 .wave
                 .iter()
@@ -191,6 +215,11 @@ impl ShownMode {
     /// The wave vector in units of the reciprocal vectors, as fractions where it is one; of those that differ by reciprocal vectors with
     /// 1/2 in place of -1/2.
     pub fn place(&self) -> String {
+        self.told(&self.fractional)
+    }
+
+    /// A wave vector near that of the mode in the same way.
+    fn told(&self, near: &[f64]) -> String {
         let is_half = |x: f64| (x.abs() - 0.5).abs() < 1e-6;
         let first = self
             .fractional
@@ -199,8 +228,32 @@ impl ShownMode {
         // Of k and -k the one whose first component is positive.
         let sign = first.map_or(1.0, |x| x.signum());
         let normal = |x: &f64| fraction(&if is_half(*x) { 0.5 } else { sign * x });
-        let parts: Vec<String> = self.fractional.iter().map(normal).collect();
+        let parts: Vec<String> = near.iter().map(normal).collect();
         format!("({})", parts.join(", "))
+    }
+
+    /// That the wave does not fit into a patch, and which patch it fits into; `None` if it fits.
+    pub fn misfit(&self, cells: usize) -> Option<String> {
+        let Fit {
+            cells: fitting,
+            fractional,
+            error,
+        } = &self.fit;
+        let which = match *error {
+            0.0 => format!("it fits {}", counted(*fitting, "cell")),
+            error => format!(
+                "it is incommensurate; the nearest small fraction is {}, of {fitting} cells, with an error of {}",
+                self.told(fractional),
+                told(error)
+            ),
+        };
+        (!self.fits).then(|| {
+            format!(
+                "k = {} does not fit {}: the field jumps at the periodic boundary; {which}",
+                self.place(),
+                counted(cells, "cell")
+            )
+        })
     }
 
     /// What it is, in words.
@@ -231,7 +284,7 @@ impl ShownMode {
 
 /// A number as a fraction where it is one.
 fn fraction(x: &f64) -> String {
-    for denominator in 1..=12_u32 {
+    for denominator in 1..=16_u32 {
         let numerator = x * f64::from(denominator);
         if (numerator - numerator.round()).abs() < 1e-6 {
             return match (numerator.round() as i64, denominator) {
@@ -246,6 +299,14 @@ fn fraction(x: &f64) -> String {
 impl fmt::Display for ModesAnswer {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.write_modes(formatter)?;
+        if self.is_exported {
+            let misfits = self.modes.iter().enumerate();
+            let misfits = misfits.filter_map(|(n, mode)| Some((n + 1, mode.misfit(self.cells)?)));
+            for (at, (number, misfit)) in misfits.enumerate() {
+                let gap = if at == 0 { "\n" } else { "" };
+                writeln!(formatter, "{gap}mode {number}: {misfit}")?;
+            }
+        }
         for note in &self.notes {
             writeln!(formatter, "\nnote: {note}")?;
         }
@@ -314,6 +375,8 @@ mod tests {
                 relative_frequency: 0.0,
                 nullity: 1,
                 extent: Extent::Point,
+                fits: true,
+                fit: Fit::smallest(fractional),
                 positions: Vec::new(),
                 displacements: Vec::new(),
                 quarter: Vec::new(),

@@ -282,6 +282,15 @@ impl Settings {
         }
     }
 
+    /// The zone by the name of the grid or mesh of methods that have one. Zones of particles follow from the particles.
+    pub(crate) fn named_zone(&self) -> Option<LatticeKind> {
+        let has_grid = matches!(
+            self.method.method,
+            Family::MaterialPoints | Family::FiniteElements
+        );
+        has_grid.then(|| self.zone())
+    }
+
     /// Applies one assignment `key=value`.
     ///
     /// # Errors

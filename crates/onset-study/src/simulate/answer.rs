@@ -3,7 +3,7 @@
 use super::checkpoint::Progress;
 use super::plan::{COLUMNS, Plan};
 use super::{Question, Seeded};
-use crate::answers::{Problem, notes};
+use crate::answers::{Problem, notes_on_patch};
 use crate::number::{counted, told, told_of, vector};
 use crate::settings::{Effective, Units};
 use crate::verify::{Rate, compared, fitted, fitted_alone};
@@ -149,7 +149,7 @@ impl SimulateAnswer {
             tolerance: plan.tolerance,
             energy_drift: if size > 0.0 { changed / size } else { 0.0 },
             largest_displacement: displacement,
-            notes: notes(&problem.settings, &*problem.material),
+            notes: notes_on_patch(&problem.settings, &*problem.material),
             settings: problem.settings.effective(),
             files: Vec::new(),
         }

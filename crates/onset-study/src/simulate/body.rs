@@ -4,7 +4,7 @@ use super::picture::{DRAWN, figure};
 use super::plan::{Duration, HALF, Pace, checked, every, fields, mark, refused, stable};
 use super::run::{Course, Keeper, Moving, Place, Watch};
 use super::{SimulateError, fields as vtk};
-use crate::answers::{Problem, notes};
+use crate::answers::{Problem, notes_on_patch};
 use crate::number::{counted, told};
 use crate::settings::{BodySettings, Effective};
 use onset::kinematics::DeformationGradient;
@@ -256,7 +256,7 @@ fn run(
             lines().map(|line| line[13]).fold(f64::INFINITY, f64::min),
             largest(&|line| line[14]),
         ],
-        notes: notes(&problem.settings, &*problem.material),
+        notes: notes_on_patch(&problem.settings, &*problem.material),
         settings: problem.settings.effective(),
         files,
     })

@@ -5,6 +5,7 @@ use super::plan::Plan;
 use super::run::{Keeper, Moving, Place, Watch};
 use super::{Question, SimulateAnswer, SimulateError, fields};
 use crate::answers::Problem;
+use crate::methods::reduced;
 use crate::output::text;
 use onset::method::MethodError;
 use onset::motion::{Fault, PatchMotion, PatchState};
@@ -19,6 +20,12 @@ pub fn simulate(
     place: Option<&Place>,
     watch: &dyn Watch,
 ) -> Result<SimulateAnswer, SimulateError> {
+    // Cells of a patch are those that the settings describe.
+    let described = match reduced(&problem.settings) {
+        Some(_) => Some(problem.described()?),
+        None => None,
+    };
+    let problem = described.as_ref().unwrap_or(problem);
     let cells = question.patch(problem)?;
     let mut answer = None;
     problem

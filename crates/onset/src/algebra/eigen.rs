@@ -202,7 +202,8 @@ pub fn left_eigenvector<const D: usize>(
     eigenvector(&matrix.transpose(), eigenvalue)
 }
 
-fn normalized<const D: usize>(vector: SVector<Complex, D>) -> SVector<Complex, D> {
+/// A unit vector whose leading component is real and positive.
+pub(crate) fn normalized<const D: usize>(vector: SVector<Complex, D>) -> SVector<Complex, D> {
     let length = vector
         .iter()
         .map(|component| component.norm_sqr())

@@ -26,7 +26,7 @@ pub(crate) use decomposition::{
 };
 pub(crate) use deviator::Deviator;
 pub(crate) use directions::directions;
-pub(crate) use eigen::{MAXIMUM_ITERATIONS, without_rounding};
+pub(crate) use eigen::{MAXIMUM_ITERATIONS, normalized, without_rounding};
 pub use eigen::{eigenvalues, eigenvector, left_eigenvector};
 pub(crate) use gauss::unit_interval;
 pub(crate) use lowest::lowest_between;

@@ -7,7 +7,7 @@ use crate::bloch::{IsEnded, SpectrumSummary, WaveSystem, ZoneSearch};
 use crate::certificate::{Certificate, Certifier, Foundation};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::{DeformationGradient, DeformationPath};
-use crate::lattice::LatticeKind;
+use crate::lattice::{BravaisLattice, LatticeKind};
 use crate::material::{Hyperelastic, MaterialError};
 use crate::measures::{
     DispersionError, Fidelity, Load, OnsetPair, SpuriousModes, StateWindow, dispersion_errors,
@@ -293,8 +293,14 @@ impl<const D: usize> Analysis for Body<D> {
         maps.iter().map(in_3d).collect()
     }
 
-    fn zone_path(&self, zone: LatticeKind) -> Vec<(&'static str, Vec<f64>)> {
-        let reciprocal = self.discretization.crystal().lattice().reciprocal();
+    fn zone_path(&self, zone: Option<LatticeKind>) -> Vec<(&'static str, Vec<f64>)> {
+        let lattice = self.discretization.crystal().lattice();
+        let (zone, basis) = match zone {
+            Some(zone) => (zone, *lattice.vectors()),
+            None => lattice.shape(),
+        };
+        let named = BravaisLattice::new(basis).unwrap_or(*lattice);
+        let reciprocal = named.reciprocal();
         let corners = zone.zone_path::<D>().into_iter();
         let corner = |(name, place)| {
             let k: SVector<f64, D> = reciprocal * place;

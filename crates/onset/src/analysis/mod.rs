@@ -158,8 +158,9 @@ pub trait Analysis: Send + Sync {
     /// [`BravaisLattice::holohedry`](crate::lattice::BravaisLattice::holohedry).
     fn holohedry(&self) -> Vec<SMatrix<f64, 3, 3>>;
 
-    /// The usual path through a zone: names and reference wave vectors of its corners. 1/length.
-    fn zone_path(&self, zone: LatticeKind) -> Vec<(&'static str, Vec<f64>)>;
+    /// The usual path through a zone: names and reference wave vectors of its corners; without a name of the zone, of the named lattice that the
+    /// particles are on, however it is described. 1/length.
+    fn zone_path(&self, zone: Option<LatticeKind>) -> Vec<(&'static str, Vec<f64>)>;
 
     /// Whether forces depend on velocities.
     fn is_damped(&self) -> bool;
@@ -379,6 +380,45 @@ pub fn analysis(
         Ok(Box::new(Body::<D>::new(method.discretization()?, material)))
     }
     in_dimension!(method.dimension(), of(method, material))
+}
+
+/// Like [`analysis`], in the cell that the choices describe, of which patches are made.
+///
+/// # Errors
+/// [`MethodError`] when the method cannot be set up.
+pub fn described_analysis(
+    method: &MethodChoices,
+    material: Arc<dyn Hyperelastic>,
+) -> Result<Box<dyn Analysis>, MethodError> {
+    fn of<const D: usize>(
+        method: &MethodChoices,
+        material: Arc<dyn Hyperelastic>,
+    ) -> Result<Box<dyn Analysis>, MethodError> {
+        Ok(Box::new(Body::<D>::new(method.described()?, material)))
+    }
+    in_dimension!(method.dimension(), of(method, material))
+}
+
+/// Numbers of particles of a described cell and of its primitive cell, in which questions are answered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct ReducedCell {
+    /// Particles of the cell that the choices describe.
+    pub described: usize,
+    /// Particles of the primitive cell.
+    pub primitive: usize,
+}
+
+/// The reduction of the cell of a method. `None` if the described cell is primitive, and for methods that cannot be set up.
+pub fn reduced_cell(method: &MethodChoices) -> Option<ReducedCell> {
+    fn of<const D: usize>(method: &MethodChoices) -> Option<ReducedCell> {
+        let [described, primitive] = method.sites::<D>()?;
+        (primitive != described).then_some(ReducedCell {
+            described,
+            primitive,
+        })
+    }
+    in_dimension!(method.dimension(), of(method))
 }
 
 /// Whether a method can be set up, whatever the material.

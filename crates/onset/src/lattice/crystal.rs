@@ -121,8 +121,15 @@ impl<const D: usize> Crystal<D> {
         let Some(others) = others else {
             return Ok(own.with_spacing(spacing));
         };
-        let density = per_particle::<D>(others.len()) / per_particle::<D>(own.sites.len());
-        Ok(Self::new(lattice, others)?.with_spacing(spacing * density))
+        let crystal = Self::new(lattice, others)?;
+        // Of particles that are a regular lattice themselves the spacing follows from them, whichever cell they are given in.
+        let primitive = crystal.primitive().unwrap_or_else(|| crystal.clone());
+        let natural = primitive.natural_spacing();
+        let spacing = natural.unwrap_or_else(|| match own.sites.len() {
+            1 => primitive.mean_spacing(),
+            sites => spacing * per_particle::<D>(crystal.sites.len()) / per_particle::<D>(sites),
+        });
+        Ok(crystal.with_spacing(spacing))
     }
 
     /// One particle in each cell of a lattice.
@@ -158,9 +165,10 @@ impl<const D: usize> Crystal<D> {
 
     /// The particle spacing, in which horizons, wavelengths and time steps are measured; length.
     ///
-    /// Of a Bravais lattice, and of a lattice with a name, the distance of nearest neighbors. Of other particles in the cell of a lattice the
+    /// Of a Bravais lattice, of a lattice with a name, and of particles that all have more nearest neighbors than there are dimensions, the distance
+    /// of nearest neighbors, whichever cell describes them. Of other particles in the cell of a lattice the
     /// length that this would be if they were a lattice of the same shape: the distance of nearest neighbors times `n^(-1/D)` with `n`
-    /// particles in the cell, on square and cubic lattices the `D`-th root of the volume of a particle. Particles that are moved
+    /// particles in the primitive cell, on square and cubic lattices the `D`-th root of the volume of a particle. Particles that are moved
     /// keep that of the layout that they are moved from, which the distance of the nearest of them is not.
     ///
     /// ```
@@ -298,14 +306,14 @@ impl<const D: usize> Crystal<D> {
 }
 
 /// The length of the shortest vector of a lattice.
-fn shortest<const D: usize>(lattice: &BravaisLattice<D>) -> f64 {
+pub(super) fn shortest<const D: usize>(lattice: &BravaisLattice<D>) -> f64 {
     let short = Reduced::of(lattice.vectors()).map_or(*lattice.vectors(), |basis| basis.vectors);
     let lengths = short.column_iter().map(|vector| vector.norm());
     lengths.fold(f64::INFINITY, f64::min)
 }
 
 /// By how much shorter lengths are when a cell is shared by particles: `n^(-1/D)`.
-fn per_particle<const D: usize>(particles: usize) -> f64 {
+pub(super) fn per_particle<const D: usize>(particles: usize) -> f64 {
     (particles as f64).powf(-1.0 / D as f64)
 }
 

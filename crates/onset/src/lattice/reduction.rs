@@ -3,7 +3,7 @@
 //! Every lattice has infinitely many bases, and nothing that is computed may depend on which one describes it. So what is
 //! enumerated is enumerated in a short basis: a box of lattice coordinates there holds little more than the ball inside.
 
-use super::{BravaisLattice, Fractional, LatticeError, cells_between};
+use super::{BravaisLattice, Fractional, LatticeError, LatticeKind, cells_between};
 use crate::algebra::{Each, array_of};
 use nalgebra::{Matrix1, Matrix2, Matrix3, SMatrix, SVector};
 
@@ -83,6 +83,49 @@ impl<const D: usize> Reduced<D> {
         Ok(Self {
             vectors: reduced.vectors * coordinates,
             change,
+            inverse: back.map(f64::round) * reduced.inverse,
+        })
+    }
+
+    /// The canonical basis in one order and with one sign of each vector, also where the given basis is canonical except for these: those of
+    /// the named lattices.
+    ///
+    /// # Errors
+    /// As for [`Reduced::of`].
+    pub(crate) fn unique(vectors: &SMatrix<f64, D, D>) -> Result<Self, LatticeError> {
+        let reduced = Self::of(vectors)?;
+        let Some(mut coordinates) = chosen(&reduced.vectors) else {
+            return Ok(reduced);
+        };
+        let basis = reduced.vectors * coordinates;
+        let spacing = basis.column(0).norm();
+        for kind in [
+            LatticeKind::BodyCenteredCubic,
+            LatticeKind::FaceCenteredCubic,
+        ] {
+            let Ok(named) = kind.lattice::<D>(spacing) else {
+                continue;
+            };
+            // The columns of the basis that are those of the named lattice, or opposite to them.
+            let own = |n: usize, m: usize| {
+                let (own, named) = (basis.column(n), named.vectors().column(m));
+                let sign = own.dot(&named).signum();
+                ((own * sign - named).norm() <= EQUAL * spacing).then_some((n, sign))
+            };
+            let order: Vec<(usize, f64)> = (0..D)
+                .filter_map(|m| (0..D).find_map(|n| own(n, m)))
+                .collect();
+            if order.len() == D {
+                let columns = coordinates;
+                coordinates = SMatrix::from_fn(|i, m| order[m].1 * columns[(i, order[m].0)]);
+            }
+        }
+        let Some(back) = inverse_of(&coordinates) else {
+            return Ok(reduced);
+        };
+        Ok(Self {
+            vectors: reduced.vectors * coordinates,
+            change: reduced.change * coordinates,
             inverse: back.map(f64::round) * reduced.inverse,
         })
     }

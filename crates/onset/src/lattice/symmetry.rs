@@ -144,40 +144,47 @@ impl<const D: usize> BravaisLattice<D> {
         let Some(inverse) = inverse_of(&short) else {
             return vec![identity];
         };
-        let metric = short.transpose() * short;
-        let equal = |a: f64, b: f64| (a - b).abs() <= EQUAL * metric.amax();
-        // Image after image of the primitive vectors, with the lengths and angles that they have.
-        let mut images: Vec<Vec<SVector<f64, D>>> = vec![Vec::new()];
-        for column in 0..D {
-            let candidates: Vec<SVector<f64, D>> = combinations()
-                .map(|factors| short * factors)
-                .filter(|vector| equal(vector.norm_squared(), metric[(column, column)]))
-                .collect();
-            images = images
-                .iter()
-                .flat_map(|known| {
-                    let fits = |vector: &&SVector<f64, D>| {
-                        let mut before = known.iter().enumerate();
-                        before.all(|(n, other)| equal(vector.dot(other), metric[(n, column)]))
-                    };
-                    let longer = |vector: &SVector<f64, D>| {
-                        known.iter().chain([vector]).copied().collect::<Vec<_>>()
-                    };
-                    candidates
-                        .iter()
-                        .filter(fits)
-                        .map(longer)
-                        .collect::<Vec<_>>()
-                })
-                .collect();
-        }
-        let map = |image: &Vec<SVector<f64, D>>| {
-            SMatrix::from_fn(|i, j| (0..D).map(|n| image[n][i] * inverse[(n, j)]).sum())
-        };
-        let mut maps: Vec<SMatrix<f64, D, D>> = images.iter().map(map).collect();
+        let images = bases_with(&short, &(short.transpose() * short));
+        let mut maps: Vec<SMatrix<f64, D, D>> =
+            images.into_iter().map(|image| image * inverse).collect();
         sort_by_value(&mut maps, |map| (map - identity).norm());
         maps
     }
+}
+
+/// The bases of short vectors that have the given lengths and angles, `metric_ij = a_i . a_j`, of a lattice by its reduced vectors.
+pub(super) fn bases_with<const D: usize>(
+    reduced: &SMatrix<f64, D, D>,
+    metric: &SMatrix<f64, D, D>,
+) -> Vec<SMatrix<f64, D, D>> {
+    let equal = |a: f64, b: f64| (a - b).abs() <= EQUAL * metric.amax();
+    // Vector after vector.
+    let mut bases: Vec<Vec<SVector<f64, D>>> = vec![Vec::new()];
+    for column in 0..D {
+        let candidates: Vec<SVector<f64, D>> = combinations()
+            .map(|factors| reduced * factors)
+            .filter(|vector| equal(vector.norm_squared(), metric[(column, column)]))
+            .collect();
+        bases = bases
+            .iter()
+            .flat_map(|known| {
+                let fits = |vector: &&SVector<f64, D>| {
+                    let mut before = known.iter().enumerate();
+                    before.all(|(n, other)| equal(vector.dot(other), metric[(n, column)]))
+                };
+                let longer = |vector: &SVector<f64, D>| {
+                    known.iter().chain([vector]).copied().collect::<Vec<_>>()
+                };
+                candidates
+                    .iter()
+                    .filter(fits)
+                    .map(longer)
+                    .collect::<Vec<_>>()
+            })
+            .collect();
+    }
+    let matrix = |basis: Vec<SVector<f64, D>>| SMatrix::from_fn(|i, j| basis[j][i]);
+    bases.into_iter().map(matrix).collect()
 }
 
 #[cfg(test)]

@@ -67,6 +67,13 @@ impl<const D: usize> BrillouinZone<D> {
             .0
     }
 
+    /// The equivalent wave vectors that are as short as one in the zone, itself included.
+    pub(crate) fn as_short(&self, k: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
+        let on_face = |g: &&SVector<f64, D>| k.dot(g) >= (0.5 - 1e-6) * g.norm_squared();
+        let others = self.reciprocal.iter().filter(on_face).map(|g| k - g);
+        std::iter::once(*k).chain(others).collect()
+    }
+
     /// How many of each reciprocal vector a wave vector, in units of these, loses as it is folded. The wave vectors that lose the same fill a
     /// convex set, an image of the zone.
     pub(crate) fn shift(&self, fractional: &Fractional<D>) -> [i32; D] {

@@ -13,7 +13,8 @@ use crate::approximation::{Approximation, Order, SingularMoment};
 use crate::kernel::Kernel;
 use crate::kinematics::{DeformationGradient, KinematicsError};
 use crate::lattice::{
-    Ball, BravaisLattice, Crystal, LatticeError, LatticeKind, Reduced, WaveGrids,
+    Ball, BravaisLattice, Cell, Crystal, Fractional, LatticeError, LatticeKind, Reduced, WaveGrids,
+    cells_between,
 };
 use crate::material::MaterialError;
 use crate::quadrature::{CellRule, Quadrature, QuadratureError, QuadraturePoint};
@@ -493,7 +494,10 @@ impl KernelMethodChoices {
         let given = self
             .lattice
             .lattice_with(self.spacing, self.aspect, &self.vectors)?;
-        let reduced = Reduced::canonical(given.vectors())?;
+        let reduced = match self.lattice.takes_vectors() {
+            true => Reduced::unique(given.vectors())?,
+            false => Reduced::canonical(given.vectors())?,
+        };
         if reduced.is_given() {
             return Ok((given, reduced));
         }
@@ -525,12 +529,101 @@ impl KernelMethodChoices {
         })
     }
 
-    /// The particles in the reference state: the lattice with its basis, cells taken together, offsets applied. Cells are
+    /// The particles in the reference state, as they are described: the lattice with its basis, cells taken together, offsets applied. Cells are
     /// those of shortest primitive vectors, whichever are given.
     ///
     /// # Errors
     /// [`MethodError`] when a number is out of range, or particles coincide.
     pub fn crystal<const D: usize>(&self) -> Result<Crystal<D>, MethodError> {
+        let crystal = self.regular_crystal::<D>()?;
+        let crystal = match self.cells {
+            0 | 1 => crystal,
+            cells => crystal.supercell([cells as usize; D])?,
+        };
+        if self.perturbation == 0.0 {
+            return Ok(crystal);
+        }
+        // One particle in a cell has nothing that it could be moved against.
+        MethodError::require(
+            crystal.sites().len() > 1,
+            "perturbation",
+            self.perturbation,
+            "0 with one particle in a cell: set discretization.cells to 2 or more",
+        )?;
+        Ok(crystal.perturbed(self.perturbation * self.spacing, u64::from(self.seed))?)
+    }
+
+    /// The cell in which the method is computed: as it is described, or the primitive cell of its particles and quadrature points, which a perturbed
+    /// lattice has not. `integrates` says whether the method has the quadrature of the choices.
+    ///
+    /// # Errors
+    /// As for [`KernelMethodChoices::crystal`], and when the quadrature is refused.
+    pub(crate) fn cell<const D: usize>(
+        &self,
+        kind: CellKind,
+        integrates: bool,
+    ) -> Result<MethodCell<D>, MethodError> {
+        let is_listed = matches!(self.quadrature, Quadrature::Gauss | Quadrature::Points);
+        let regular = self.regular_crystal::<D>()?;
+        let listed = match integrates && is_listed {
+            true => Some(self.listed_points(regular.lattice())?),
+            false => None,
+        };
+        if kind == CellKind::Primitive && self.perturbation == 0.0 {
+            let cell = Cell::new(&regular, listed.clone().unwrap_or_default()).primitive();
+            let smaller = cell.and_then(|cell| Some((cell.crystal()?, cell.points)));
+            return Ok(match smaller {
+                Some((crystal, points)) => MethodCell {
+                    crystal: crystal.with_spacing(regular.spacing()),
+                    points: listed.map(|_| points),
+                },
+                None => MethodCell {
+                    crystal: regular,
+                    points: listed,
+                },
+            });
+        }
+        let count = f64::from(self.cells.max(1));
+        let cells = cells_between(&[0; D], &[self.cells.max(1) as i32 - 1; D]);
+        let repeated = |points: Vec<(Fractional<D>, f64)>| {
+            let of_cell = |cell: [i32; D]| {
+                let cell = SVector::from(cell.map(f64::from));
+                let points = points.iter();
+                let moved = points.map(|(place, volume)| ((place + cell) / count, *volume));
+                moved.collect::<Vec<_>>()
+            };
+            cells.iter().copied().flat_map(of_cell).collect()
+        };
+        Ok(MethodCell {
+            crystal: self.crystal()?,
+            points: listed.map(repeated),
+        })
+    }
+
+    /// The points of a rule or list in one described cell.
+    fn listed_points<const D: usize>(
+        &self,
+        lattice: &BravaisLattice<D>,
+    ) -> Result<Vec<(Fractional<D>, f64)>, MethodError> {
+        let points = self.quadrature.points(lattice, &self.cell_rule::<D>()?)?;
+        Ok(points
+            .into_iter()
+            .map(|own| (own.place, own.volume))
+            .collect())
+    }
+
+    /// The number of particles of the described cell.
+    pub(crate) fn sites(&self) -> usize {
+        let dimension = self.lattice.dimension();
+        let of_lattice = match self.basis.len() / dimension {
+            0 => self.lattice.sites::<3>().len(),
+            others => 1 + others,
+        };
+        of_lattice * (self.cells.max(1) as usize).pow(dimension as u32)
+    }
+
+    /// Particles of one described cell without offsets.
+    fn regular_crystal<const D: usize>(&self) -> Result<Crystal<D>, MethodError> {
         MethodError::positive("spacing", self.spacing)?;
         MethodError::require(
             SPACINGS.contains(&self.spacing),
@@ -559,10 +652,6 @@ impl KernelMethodChoices {
             f64::from(self.cells),
             "a number that leaves at most 1000 particles in the cells taken together",
         )?;
-        let crystal = match self.cells {
-            0 | 1 => crystal,
-            cells => crystal.supercell([cells as usize; D])?,
-        };
         if !(0.0..=0.5).contains(&self.perturbation) {
             return Err(MethodError::Setting {
                 name: "perturbation",
@@ -570,18 +659,25 @@ impl KernelMethodChoices {
                 expected: "a number from 0 to 0.5, in units of the spacing",
             });
         }
-        if self.perturbation == 0.0 {
-            return Ok(crystal);
-        }
-        // One particle in a cell has nothing that it could be moved against.
-        MethodError::require(
-            crystal.sites().len() > 1,
-            "perturbation",
-            self.perturbation,
-            "0 with one particle in a cell: set discretization.cells to 2 or more",
-        )?;
-        Ok(crystal.perturbed(self.perturbation * self.spacing, u64::from(self.seed))?)
+        Ok(crystal)
     }
+}
+
+/// Which cell of a method is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CellKind {
+    /// The smallest one.
+    Primitive,
+    /// As the choices describe it.
+    Described,
+}
+
+/// The particles of a cell, with its quadrature points where a rule or a list gives them.
+#[derive(Clone, Debug)]
+pub(crate) struct MethodCell<const D: usize> {
+    pub(crate) crystal: Crystal<D>,
+    /// Places and volumes.
+    pub(crate) points: Option<Vec<(Fractional<D>, f64)>>,
 }
 
 /// A method on its lattice, ready to be evaluated at any state.
@@ -619,15 +715,20 @@ impl<const D: usize> Method<D> {
         if quadrature == Quadrature::NodalStabilized && frame == Frame::Eulerian {
             return Err(MethodError::StabilizedEulerian);
         }
-        let crystal = choices.crystal::<D>()?;
-        if crystal.sites().len() > 1 {
+        let cell = choices.cell::<D>(CellKind::Primitive, true)?;
+        if cell.crystal.sites().len() > 1 {
             return Err(MethodError::SeveralParticles {
-                particles: crystal.sites().len(),
+                particles: cell.crystal.sites().len(),
             });
         }
-        let lattice = *crystal.lattice();
-        let rule = choices.cell_rule::<D>()?;
-        let points = quadrature.points(&lattice, &rule)?;
+        let lattice = *cell.crystal.lattice();
+        let points = match cell.points {
+            Some(points) => {
+                let point = |(place, volume)| QuadraturePoint::new(place, volume);
+                points.into_iter().map(point).collect()
+            }
+            None => quadrature.points(&lattice, &choices.cell_rule::<D>()?)?,
+        };
         let method = Self {
             choices,
             crystal: Crystal::of_lattice(lattice),

@@ -8,10 +8,12 @@ use super::{
     Discretization, MaterialPointChoices, MaterialPoints, Peridynamics, PeridynamicsChoices,
 };
 use crate::approximation::Approximation;
-use crate::lattice::{BravaisLattice, Crystal, cells_between, delaunay_centers, voronoi_volumes};
-use crate::method::{Background, Frame, KernelMethodChoices, Linearization, Method, MethodError};
-use crate::quadrature::{CellRule, Quadrature};
-use nalgebra::SVector;
+use crate::lattice::{Crystal, delaunay_centers, voronoi_volumes};
+use crate::method::{
+    Background, CellKind, Frame, KernelMethodChoices, Linearization, Method, MethodCell,
+    MethodError,
+};
+use crate::quadrature::Quadrature;
 
 /// A method of any family. Where a family has particles on a lattice, the first entry says where they are; its other choices are those of
 /// kernel methods.
@@ -47,7 +49,7 @@ impl MethodChoices {
         }
     }
 
-    /// The discretization.
+    /// The discretization, in the primitive cell of its particles and quadrature points: answers do not depend on the cell that describes them.
     ///
     /// ```
     /// use onset::method::KernelMethodChoices;
@@ -64,14 +66,47 @@ impl MethodChoices {
     pub fn discretization<const D: usize>(
         &self,
     ) -> Result<Box<dyn Discretization<D>>, MethodError> {
+        self.in_cell(CellKind::Primitive)
+    }
+
+    /// The discretization in the cell that the choices describe, of which patches are made.
+    ///
+    /// # Errors
+    /// As for [`MethodChoices::discretization`].
+    pub fn described<const D: usize>(&self) -> Result<Box<dyn Discretization<D>>, MethodError> {
+        self.in_cell(CellKind::Described)
+    }
+
+    /// Numbers of particles of the described and of the primitive cell; `None` for methods whose cell is not described by particles, and for
+    /// particles that are refused.
+    pub(crate) fn sites<const D: usize>(&self) -> Option<[usize; 2]> {
+        let (particles, integrates) = match self {
+            Self::Kernel(particles) => (particles, true),
+            Self::TotalLagrangianSph(particles, _)
+            | Self::UpdatedSph(particles, _)
+            | Self::Conforming(particles, _)
+            | Self::Peridynamics(particles, _) => (particles, false),
+            Self::FiniteElements(_) | Self::MaterialPoints(..) => return None,
+        };
+        let primitive = particles.cell::<D>(CellKind::Primitive, integrates).ok()?;
+        Some([particles.sites(), primitive.crystal.sites().len()])
+    }
+
+    fn in_cell<const D: usize>(
+        &self,
+        kind: CellKind,
+    ) -> Result<Box<dyn Discretization<D>>, MethodError> {
+        let crystal = |particles: &KernelMethodChoices| -> Result<Crystal<D>, MethodError> {
+            Ok(particles.cell(kind, false)?.crystal)
+        };
         Ok(match self {
-            Self::Kernel(choices) => return kernel(choices),
+            Self::Kernel(choices) => return kernel(choices, kind),
             Self::TotalLagrangianSph(particles, choices) => Box::new(TotalLagrangianSph::new(
-                particles.crystal::<D>()?,
+                crystal(particles)?,
                 choices.clone(),
             )?),
             Self::UpdatedSph(particles, choices) => {
-                let crystal = particles.crystal::<D>()?;
+                let crystal = crystal(particles)?;
                 let mut choices = choices.clone();
                 if let Some(stress) = &mut choices.artificial_stress {
                     stress.spacing = crystal.spacing();
@@ -90,13 +125,11 @@ impl MethodChoices {
                         hint: "choose \"shepard\", whose functions these approximations have, or \"mls\"",
                     });
                 }
-                let crystal = particles.crystal::<D>()?;
-                Box::new(ConformingIntegration::new(crystal, choices)?)
+                Box::new(ConformingIntegration::new(crystal(particles)?, choices)?)
             }
-            Self::Peridynamics(particles, choices) => Box::new(Peridynamics::new(
-                particles.crystal::<D>()?,
-                choices.clone(),
-            )?),
+            Self::Peridynamics(particles, choices) => {
+                Box::new(Peridynamics::new(crystal(particles)?, choices.clone())?)
+            }
             Self::MaterialPoints(_, choices) => {
                 Box::new(MaterialPoints::<D>::new(choices.clone())?)
             }
@@ -107,9 +140,10 @@ impl MethodChoices {
 /// A kernel method; with several particles in a cell its forces are differentiated, with one they are in closed form.
 fn kernel<const D: usize>(
     choices: &KernelMethodChoices,
+    kind: CellKind,
 ) -> Result<Box<dyn Discretization<D>>, MethodError> {
-    let crystal = choices.crystal::<D>()?;
-    if crystal.sites().len() == 1 {
+    let cell = choices.cell::<D>(kind, true)?;
+    if cell.crystal.sites().len() == 1 {
         return Ok(Box::new(Method::new(choices.clone())?));
     }
     let refused = |choice, hint| MethodError::Incompatible {
@@ -125,7 +159,11 @@ fn kernel<const D: usize>(
             linearization: choices.linearization.name(),
         });
     }
-    let quadrature = quadrature(choices, &crystal)?;
+    let MethodCell { crystal, points } = cell;
+    let quadrature = match points {
+        Some(points) => CrystalQuadrature::Points(points),
+        None => quadrature(choices, &crystal)?,
+    };
     let kernel = KernelChoices {
         density: choices.density,
         kernel: choices.kernel,
@@ -137,7 +175,7 @@ fn kernel<const D: usize>(
     Ok(Box::new(KernelScheme::new(crystal, quadrature, kernel)?))
 }
 
-/// The quadrature points of a cell with several particles: at the particles, and in the centers of the Delaunay cells.
+/// The quadrature points of a cell with several particles where no rule or list gives them: at the particles, and in the centers of the Delaunay cells.
 fn quadrature<const D: usize>(
     choices: &KernelMethodChoices,
     crystal: &Crystal<D>,
@@ -150,29 +188,10 @@ fn quadrature<const D: usize>(
             crystal.sites().iter().copied().chain(centers()?).collect()
         }
         Quadrature::StressPointsOnly => centers()?,
-        Quadrature::Gauss | Quadrature::Points => {
-            let rule = CellRule {
-                stress_point_weight: None,
-                ..choices.cell_rule::<D>()?
-            };
-            // The rule is that of a cell of the lattice, of which this one has as many along each vector.
-            let count = choices.cells.max(1);
-            let one = BravaisLattice::new(lattice.vectors() / f64::from(count));
-            let one = one.ok_or(MethodError::NotFinite)?;
-            let points = choices.quadrature.points(&one, &rule)?;
-            let last = count as i32 - 1;
-            let cells = cells_between(&[0; D], &[last; D]);
-            let repeated = cells.into_iter().flat_map(|cell| {
-                let cell = SVector::from(cell.map(f64::from));
-                let moved = |place: &SVector<f64, D>| (place + cell) / f64::from(count);
-                let points = points
-                    .iter()
-                    .map(move |point| (moved(&point.place), point.volume));
-                points.collect::<Vec<_>>()
-            });
-            return Ok(CrystalQuadrature::Points(repeated.collect()));
-        }
-        Quadrature::StressPoints | Quadrature::NodalStabilized => {
+        Quadrature::StressPoints
+        | Quadrature::NodalStabilized
+        | Quadrature::Gauss
+        | Quadrature::Points => {
             return Err(MethodError::Incompatible {
                 choice: "this quadrature (nodal-stabilized, or a stress-point-weight)",
                 other: "several particles in a cell",

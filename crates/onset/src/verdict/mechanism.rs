@@ -11,25 +11,25 @@ use crate::bloch::Stability;
     serde(rename_all = "kebab-case")
 )]
 pub enum Mechanism {
-    /// Divergence, `Re omega^2 < 0`, of waves of finite length at a mean stress that is not negative (Swegle, Hicks and Attaway, J. Comput.
+    /// Divergence, `Re omega^2 < 0`, of waves of finite length alone at a mean stress that is not negative (Swegle, Hicks and Attaway, J. Comput.
     /// Phys. 116 (1995) 123).
     Tensile,
     /// The same at a negative mean stress.
     Compressive,
     /// Growing oscillations: `omega^2` is complex, its real part nowhere negative. Only operators that are not Hermitian flutter.
     Flutter,
-    /// The scaled measure `Re omega^2 / (c^2 |k|_h^2)` is smallest, and negative, in the limit `k -> 0`: the long-wavelength moduli of
-    /// the discretization are not strongly elliptic, those of the material are.
+    /// Divergence, `Re omega^2 < 0`, where the long-wavelength moduli of the discretization are not strongly elliptic and those of the material
+    /// are, whichever wave grows fastest.
     LongWave,
 }
 
 impl Mechanism {
-    /// The mechanism of a growing mode, by how it develops, whether it is the limit of long waves, and the mean Cauchy stress; stress
+    /// The mechanism of an instability, by how it develops, whether long waves grow, and the mean Cauchy stress; stress
     /// positive in tension.
-    pub fn of(stability: Stability, is_long_wave: bool, mean_stress: f64) -> Self {
+    pub fn of(stability: Stability, long_waves_grow: bool, mean_stress: f64) -> Self {
         if stability == Stability::Flutter {
             Self::Flutter
-        } else if is_long_wave {
+        } else if long_waves_grow {
             Self::LongWave
         } else if mean_stress >= 0.0 {
             Self::Tensile
@@ -66,10 +66,10 @@ impl<const D: usize> Assessment<D> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn mechanism(&self) -> Option<Mechanism> {
-        let softest = &self.spectrum.softest;
-        let is_long_wave = softest.is_long_wave && softest.scaled < -self.spectrum.tolerance;
+        // The verdict is not numerical where long waves of the material grow as well.
+        let long_waves_grow = self.spectrum.long_waves_grow(&self.material.minimum);
         let stability = self.spectrum.stability();
-        let mechanism = || Mechanism::of(stability, is_long_wave, self.material.mean_stress);
+        let mechanism = || Mechanism::of(stability, long_waves_grow, self.material.mean_stress);
         (self.verdict == Verdict::Numerical).then(mechanism)
     }
 }

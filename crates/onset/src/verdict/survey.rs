@@ -8,17 +8,18 @@ use super::{
 use crate::algebra::Complex;
 use crate::bloch::{
     GradientMoments, IsEnded, Judgment, Local, Mode, MomentExtremes, SpectrumSummary, Stability,
-    WaveSystem, ZERO_ENERGY, ZoneSearch,
+    StateWave, WaveSystem, ZERO_ENERGY, ZoneSearch,
 };
 use crate::continuum::{AcousticMinimum, Stiffness, plane_minimum};
 use crate::kinematics::DeformationGradient;
+use crate::lattice::inverse_of;
 use crate::material::{Hyperelastic, PlaneTangent, has_major_symmetry};
 use crate::method::MethodError;
 use crate::scheme::{DirectWaves, Discretization, StrainRows};
 use crate::time_step::{
     Integrator, TransferredWaves, critical_time_step, critical_time_step_unless,
 };
-use nalgebra::{DMatrix, SVector};
+use nalgebra::{DMatrix, SMatrix, SVector};
 use std::sync::{Arc, OnceLock};
 
 /// Scaled measures of stable states up to which stress alone may hold the softest mode.
@@ -263,6 +264,29 @@ impl<const D: usize> StateWaves<D> {
         }
     }
 
+    /// Extremes with the waves that represent all of equal measure; `to_spatial` takes reference wave vectors to the deformed lattice.
+    fn represented(
+        &self,
+        found: SpectrumSummary<D>,
+        to_spatial: SMatrix<f64, D, D>,
+    ) -> SpectrumSummary<D> {
+        let long_waves = || match self {
+            Self::Direct(waves) => waves.matrix.long_wave_stiffness(),
+            Self::System(waves) => waves.0.reduced().unwrap_or(&waves.0).long_wave_stiffness(),
+        };
+        let waves = StateWave {
+            omega_squared: &|k| self.omega_squared(k),
+            matrix: &|k| self.dynamical_matrix_at(k),
+            long_waves: &long_waves,
+            size: match self {
+                Self::Direct(_) => D,
+                Self::System(waves) => waves.0.size(),
+            },
+            to_spatial,
+        };
+        self.search().represented(&waves, found)
+    }
+
     /// Whether a mode grows, and how, with a measure whose sign it is, of an unstable state that of a witness; with the softest mode
     /// of a stable state whose measure is at most `soft`. Witnesses of the states beside it are tried first.
     ///
@@ -415,7 +439,17 @@ impl<'a, const D: usize> Survey<'a, D> {
     /// # Errors
     /// [`MethodError`] when discretization or material cannot be evaluated there.
     pub fn spectrum(&self, f: &DeformationGradient) -> Result<SpectrumSummary<D>, MethodError> {
-        self.waves(f)?.spectrum()
+        let waves = self.waves(f)?;
+        Ok(waves.represented(waves.spectrum()?, self.to_spatial(f)))
+    }
+
+    /// From reference wave vectors to those in the deformed lattice, `F^-T`; nothing for particles that have not moved.
+    fn to_spatial(&self, f: &DeformationGradient) -> SMatrix<f64, D, D> {
+        let inverse = match self.discretization.is_regular() {
+            true => None,
+            false => inverse_of(&f.leading::<D>().transpose()),
+        };
+        inverse.unwrap_or_else(SMatrix::identity)
     }
 
     /// The waves of a state in steps of time, where the discretization has a step of its own; see [`Discretization::transferred`].
@@ -510,6 +544,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         let waves = self.waves(f)?;
         unless(is_ended)?;
         let spectrum = waves.bounded_spectrum_unless(is_ended)?;
+        let spectrum = waves.represented(spectrum, self.to_spatial(f));
         let norms = self.gradient_norms(f, Some(&spectrum.softest))?;
         let zero_energy = match spectrum.is_stable() {
             true => self.zero_energy_wave(norms.as_deref(), &waves, &spectrum)?,
@@ -665,7 +700,9 @@ impl<'a, const D: usize> Survey<'a, D> {
 
     fn searched(&self, f: &DeformationGradient) -> Result<SurveyedState<D>, MethodError> {
         let acoustic = Local::new(self.material, f)?.stiffness().minimum();
-        let spectrum = self.waves(f)?.extremes(acoustic.only_flutters())?;
+        let waves = self.waves(f)?;
+        let spectrum = waves.extremes(acoustic.only_flutters())?;
+        let spectrum = waves.represented(spectrum, self.to_spatial(f));
         self.surveyed(f, acoustic, &spectrum)
     }
 

@@ -1,6 +1,7 @@
 //! Standing checks on random methods and states.
 
 mod dense;
+mod descriptions;
 mod methods;
 mod named;
 mod spectra;

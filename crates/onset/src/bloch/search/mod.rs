@@ -172,6 +172,11 @@ impl<const D: usize> ZoneSearch<D> {
         self.grids.grid(resolution)
     }
 
+    /// Whether waves repeat with the reciprocal vectors.
+    pub(in crate::bloch) fn is_periodic(&self) -> bool {
+        self.is_periodic
+    }
+
     /// The `c^2` of the scaled measure.
     pub(in crate::bloch) fn speed_squared(&self) -> f64 {
         self.speed_squared

@@ -1,0 +1,289 @@
+//! One wave for all waves of equal measure.
+//!
+//! Symmetric lattices have several wave vectors with the same extreme value, and a search ends at any of them. The mode that is shown follows from a rule that
+//! knows nothing of the search: halves of reciprocal vectors come before other wave vectors, short ones before long ones, and of equally long ones the
+//! first in the order of Cartesian components, the largest first. Of equal frequencies at this wave vector the mode with the largest share along the
+//! wave is shown.
+
+use super::{Mode, SpectrumSummary, ZoneSearch, growth_rate};
+use crate::algebra::{Complex, Each, MAXIMUM_ITERATIONS, eigenvalues, normalized};
+use crate::continuum::Stiffness;
+use crate::lattice::{BrillouinZone, Reduced};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+
+/// Relative differences of measures, and of squared frequencies beside the largest, that are rounding.
+const EQUAL: f64 = 1e-9;
+/// Differences of wave vectors beside a reciprocal vector to which a search finds them.
+const SAME_PLACE: f64 = 1e-6;
+/// Degrees of freedom of a cell above which the images of a wave are not computed: cells as large have no symmetry.
+const LARGE: usize = 48;
+/// The smallest part of a unit vector in the space of equal modes that settles a polarization.
+const SHARE: f64 = 1e-3;
+
+/// The waves of a state.
+pub(crate) struct StateWave<'a, const D: usize> {
+    pub(crate) omega_squared: &'a dyn Fn(&SVector<f64, D>) -> Vec<Complex>,
+    pub(crate) matrix: &'a dyn Fn(&SVector<f64, D>) -> DMatrix<Complex>,
+    pub(crate) long_waves: &'a dyn Fn() -> Stiffness<D>,
+    /// Degrees of freedom of a cell.
+    pub(crate) size: usize,
+    /// From reference wave vectors to those in the deformed lattice.
+    pub(crate) to_spatial: SMatrix<f64, D, D>,
+}
+
+/// What all waves of equal measure share.
+#[derive(Clone, Copy, PartialEq)]
+enum Measure {
+    Scaled,
+    Lowest,
+    Growth,
+}
+
+impl<const D: usize> ZoneSearch<D> {
+    /// The extremes of a spectrum with the waves that represent all of equal measure.
+    pub(crate) fn represented(
+        &self,
+        waves: &StateWave<'_, D>,
+        found: SpectrumSummary<D>,
+    ) -> SpectrumSummary<D> {
+        let fastest = found.maximum_omega.powi(2);
+        let finite = |mode: Mode<D>, measure| match mode.wave_vector.norm() > 0.0 {
+            true => self.representative(waves, mode, measure, fastest, found.tolerance),
+            false => mode,
+        };
+        let shown = |mode: Mode<D>| {
+            let over = self.speed_squared() * self.reference().laplacian(&mode.wave_vector);
+            let is_scaled = (mode.omega_squared.re / over - mode.scaled).abs()
+                <= SAME_PLACE * mode.scaled.abs() + found.tolerance;
+            match (mode.is_long_wave, is_scaled) {
+                (true, _) => self.representative_of_long(waves, mode),
+                (false, true) => finite(mode, Measure::Scaled),
+                // Where a mode grows at `k = 0` the softest is the one with the lowest frequency.
+                (false, false) => finite(mode, Measure::Lowest),
+            }
+        };
+        let lowest = finite(found.lowest, Measure::Lowest);
+        SpectrumSummary {
+            softest: shown(found.softest),
+            long_wave: self.representative_of_long(waves, found.long_wave),
+            lowest,
+            fastest_growing: match found.fastest_growing == found.lowest {
+                true => lowest,
+                false => finite(found.fastest_growing, Measure::Growth),
+            },
+            ..found
+        }
+    }
+
+    fn representative(
+        &self,
+        waves: &StateWave<'_, D>,
+        mode: Mode<D>,
+        measure: Measure,
+        fastest: f64,
+        tolerance: f64,
+    ) -> Mode<D> {
+        if !self.is_periodic() || waves.size > LARGE {
+            return mode;
+        }
+        let zone = BrillouinZone::new(*self.reference());
+        let value = |k: &SVector<f64, D>| {
+            let all = (waves.omega_squared)(k);
+            let lowest = all.iter().map(|own| own.re).fold(f64::INFINITY, f64::min);
+            match measure {
+                Measure::Scaled => lowest / (self.speed_squared() * self.reference().laplacian(k)),
+                Measure::Lowest => lowest,
+                Measure::Growth => -all.iter().map(|own| growth_rate(*own)).fold(0.0, f64::max),
+            }
+        };
+        let own = value(&mode.wave_vector);
+        let rounding = match measure {
+            Measure::Scaled => EQUAL * own.abs() + tolerance,
+            Measure::Lowest => EQUAL * fastest,
+            Measure::Growth => EQUAL * fastest.sqrt(),
+        };
+        let is_equal = |k: &SVector<f64, D>| value(k) <= own + rounding;
+        let halves = self.reference().alternating().map(|k| zone.folded(&k));
+        let halves: Vec<SVector<f64, D>> = halves.filter(is_equal).collect();
+        let equal = match halves.is_empty() {
+            false => halves,
+            true => {
+                let images = self.reference().holohedry().into_iter();
+                let images = images.map(|map| zone.folded(&(map * mode.wave_vector)));
+                // The wave itself, and of its image those that have its measure.
+                std::iter::once(zone.folded(&mode.wave_vector))
+                    .chain(images.filter(is_equal))
+                    .collect()
+            }
+        };
+        let size = self.reference().reciprocal().column(0).norm();
+        let candidates = equal.iter().flat_map(|k| {
+            let shortest = zone.as_short(k);
+            shortest.into_iter().flat_map(|k| [k, -k])
+        });
+        let first =
+            candidates.reduce(
+                |best, other| match is_before(&other, &best, SAME_PLACE * size) {
+                    true => other,
+                    false => best,
+                },
+            );
+        let k = first
+            .unwrap_or(mode.wave_vector)
+            .map(|x| match x.abs() > EQUAL * size {
+                true => x,
+                false => 0.0,
+            });
+        self.shown_at(waves, k, mode, measure, fastest)
+    }
+
+    /// A mode at an equal wave vector.
+    fn shown_at(
+        &self,
+        waves: &StateWave<'_, D>,
+        k: SVector<f64, D>,
+        mode: Mode<D>,
+        measure: Measure,
+        fastest: f64,
+    ) -> Mode<D> {
+        let all = (waves.omega_squared)(&k);
+        let apart = |own: &Complex| (own - mode.omega_squared).norm();
+        let nearest = match measure {
+            // Opposite waves have conjugate frequencies, of which both can grow.
+            Measure::Growth => all
+                .iter()
+                .max_by(|a, b| growth_rate(**a).total_cmp(&growth_rate(**b))),
+            _ => all.iter().min_by(|a, b| apart(a).total_cmp(&apart(b))),
+        };
+        let Some(value) = nearest.copied() else {
+            return mode;
+        };
+        let along = waves.to_spatial * k;
+        Mode {
+            wave_vector: k,
+            omega_squared: match measure {
+                Measure::Growth => value,
+                _ => mode.omega_squared,
+            },
+            polarization: polarized(&(waves.matrix)(&k), value, &along, fastest)
+                .unwrap_or(mode.polarization),
+            ..mode
+        }
+    }
+
+    /// The representative of equally soft long waves: along short vectors of the lattice before other directions.
+    fn representative_of_long(&self, waves: &StateWave<'_, D>, mode: Mode<D>) -> Mode<D> {
+        if D == 1 || !mode.scaled.is_finite() {
+            return mode;
+        }
+        let stiffness = (waves.long_waves)();
+        let metric = self.reference().long_wave_metric();
+        let tensor = |n: &SVector<f64, D>| stiffness.acoustic_tensor(n).map(Complex::from);
+        let lowest = |n: &SVector<f64, D>| {
+            let values = eigenvalues(&tensor(n), 0.0);
+            values
+                .into_iter()
+                .reduce(|a, b| if b.re < a.re { b } else { a })
+        };
+        let value = |n: &SVector<f64, D>| {
+            let scale = self.speed_squared() * n.dot(&(metric * n));
+            lowest(n).map_or(f64::INFINITY, |own| own.re / scale)
+        };
+        let own = value(&mode.wave_vector);
+        let size = stiffness.maximum_eigenvalue() / self.speed_squared();
+        let is_equal = |n: &SVector<f64, D>| value(n) <= own + EQUAL * size;
+        let maps = self.reference().holohedry();
+        let images = |n: SVector<f64, D>| {
+            let of = maps.iter().map(move |map| (map * n).normalize());
+            of.filter(is_equal).collect::<Vec<_>>()
+        };
+        let own = self.reference().vectors();
+        let short = Reduced::canonical(own).map_or(*own, |reduced| reduced.vectors);
+        let along: Vec<_> = short
+            .column_iter()
+            .flat_map(|a| images(a.into_owned()))
+            .collect();
+        let equal = match along.is_empty() {
+            false => along,
+            true => images(mode.wave_vector),
+        };
+        let both = equal.into_iter().flat_map(|n| [n, -n]);
+        let first = both.reduce(|best, other| match is_before(&other, &best, SAME_PLACE) {
+            true => other,
+            false => best,
+        });
+        let n = first.unwrap_or(mode.wave_vector);
+        let n = n.map(|x| if x.abs() > EQUAL { x } else { 0.0 });
+        let matrix = tensor(&n);
+        let matrix = DMatrix::from_fn(D, D, |i, j| matrix[(i, j)]);
+        let along = waves.to_spatial * n;
+        let polarization = lowest(&n)
+            .and_then(|value| polarized(&matrix, value, &along, size * self.speed_squared()));
+        Mode {
+            wave_vector: n,
+            polarization: polarization.unwrap_or(mode.polarization),
+            ..mode
+        }
+    }
+}
+
+/// Whether a wave vector represents equal waves rather than another one.
+fn is_before<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>, rounding: f64) -> bool {
+    let [length, other] = [a, b].each(|k| k.norm());
+    if (length - other).abs() > rounding {
+        return length < other;
+    }
+    let mut apart = a.iter().zip(b).map(|(a, b)| a - b);
+    apart.find(|x| x.abs() > rounding).is_some_and(|x| x > 0.0)
+}
+
+/// The polarization of the mode with an eigenvalue that has the largest share along the wave, where several have it; of the particle that moves
+/// most. Eigenvalues are up to `largest`.
+fn polarized<const D: usize>(
+    matrix: &DMatrix<Complex>,
+    value: Complex,
+    along: &SVector<f64, D>,
+    largest: f64,
+) -> Option<SVector<Complex, D>> {
+    let size = matrix.nrows();
+    let shifted = matrix - DMatrix::identity(size, size) * value;
+    let svd = shifted.try_svd(false, true, f64::EPSILON, MAXIMUM_ITERATIONS * size)?;
+    let rows = svd.v_t?;
+    let rounding = EQUAL * largest;
+    let least = svd.singular_values.min();
+    let is_null = |n: &usize| svd.singular_values[*n] <= rounding.max(least);
+    let null: Vec<DVector<Complex>> = (0..size)
+        .filter(is_null)
+        .map(|n| rows.row(n).adjoint())
+        .collect();
+    let projected = |vector: DVector<Complex>| {
+        let parts = null.iter().map(|own| own * own.dotc(&vector));
+        parts.fold(DVector::zeros(size), |sum, part| sum + part)
+    };
+    // All particles along the wave, then along each axis, then each component alone.
+    let together = |direction: SVector<f64, D>| {
+        let scale = (size as f64 / D as f64).sqrt() * direction.norm();
+        DVector::from_fn(size, |i, _| Complex::from(direction[i % D] / scale))
+    };
+    let axis = |i: usize| SVector::from_fn(|j, _| f64::from(u8::from(i == j)));
+    let alone = (0..size)
+        .map(|i| DVector::from_fn(size, |j, _| Complex::from(f64::from(u8::from(i == j)))));
+    let starts = std::iter::once(*along)
+        .chain((0..D).map(axis))
+        .map(together);
+    let mode = match &null[..] {
+        [only] => only.clone(),
+        _ => starts
+            .chain(alone)
+            .map(projected)
+            .find(|mode| mode.norm() > SHARE)?,
+    };
+    let particles = (0..size / D).map(|n| SVector::from_fn(|i, _| mode[D * n + i]));
+    let most = particles.reduce(|best: SVector<Complex, D>, own| {
+        match own.norm() > best.norm() * (1.0 + EQUAL) {
+            true => own,
+            false => best,
+        }
+    })?;
+    Some(normalized(most))
+}

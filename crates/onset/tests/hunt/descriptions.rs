@@ -1,0 +1,394 @@
+//! One crystal has one answer: primitive cells, supercells, other origins, other bases, and mirrored and rotated descriptions of the same particles.
+
+use crate::hunt::hunted;
+use crate::methods::state;
+use crate::random::Random;
+use nalgebra::{Rotation2, SMatrix, SVector};
+use onset::approximation::Approximation;
+use onset::kernel::Kernel;
+use onset::kinematics::DeformationGradient;
+use onset::lattice::{BravaisLattice, LatticeKind};
+use onset::material::{Hyperelastic, library};
+use onset::method::{Frame, KernelMethodChoices, SupportSize};
+use onset::quadrature::Quadrature;
+use onset::scheme::conforming::ConformingChoices;
+use onset::scheme::sph::{MomentumForm, TotalLagrangianChoices, UpdatedSphChoices};
+use onset::scheme::{
+    BondModel, Calibration, MethodChoices, PeridynamicsChoices, ZeroEnergyControl,
+};
+use onset::verdict::{Assessment, Survey};
+
+/// Differences that count, relative to the scale of what is compared.
+const DIFFERENCE: f64 = 1e-6;
+/// Of wave vectors at flat minima, beside a reciprocal vector.
+const APART: f64 = 1e-4;
+/// Laws without directions of their own.
+const ISOTROPIC: &[&str] = &["modified-mooney-rivlin", "blatz-ko", "neo-hooke", "hencky"];
+
+/// Particles by primitive vectors (columns) and lattice coordinates, the first at the origin; lengths in spacings.
+#[derive(Clone, Debug)]
+struct Particles<const D: usize> {
+    vectors: SMatrix<f64, D, D>,
+    sites: Vec<SVector<f64, D>>,
+}
+
+impl<const D: usize> Particles<D> {
+    fn drawn(random: &mut Random) -> Self {
+        let kind = match D {
+            1 => LatticeKind::Chain,
+            2 => random.one_of(&[
+                LatticeKind::Square,
+                LatticeKind::Rectangular,
+                LatticeKind::Hexagonal,
+                LatticeKind::Honeycomb,
+                LatticeKind::Oblique,
+            ]),
+            _ => random.one_of(&[
+                LatticeKind::SimpleCubic,
+                LatticeKind::BodyCenteredCubic,
+                LatticeKind::FaceCenteredCubic,
+                LatticeKind::HexagonalClosePacked,
+            ]),
+        };
+        let oblique = [1.0, 0.0, 0.4 * random.share(), 1.0 + 0.3 * random.share()];
+        let lattice = kind.lattice_with::<D>(1.0, 1.3, &oblique[..D.min(2) * D.min(2)]);
+        Self {
+            vectors: *lattice.expect("a lattice").vectors(),
+            sites: kind.sites(),
+        }
+    }
+
+    /// The particles of a cell `vectors * matrix`.
+    fn in_cell(&self, matrix: &SMatrix<f64, D, D>) -> Self {
+        let inverse = nalgebra::DMatrix::from_fn(D, D, |i, j| matrix[(i, j)]);
+        let inverse = inverse.try_inverse().expect("an inverse");
+        let inverse = SMatrix::<f64, D, D>::from_fn(|i, j| inverse[(i, j)]);
+        let reach = matrix.iter().map(|x| x.abs()).sum::<f64>() as i32 + 1;
+        let mut sites = Vec::new();
+        for number in 0..(2 * reach + 1).pow(D as u32) {
+            let along = |i: usize| number / (2 * reach + 1).pow(i as u32) % (2 * reach + 1) - reach;
+            let cell = SVector::<f64, D>::from_fn(|i, _| f64::from(along(i)));
+            let places = self.sites.iter().map(|site| inverse * (site + cell));
+            sites.extend(places.filter(|x| x.iter().all(|x| (-1e-9..1.0 - 1e-9).contains(x))));
+        }
+        // The particle at the origin comes first.
+        sites.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+        Self {
+            vectors: self.vectors * matrix,
+            sites,
+        }
+    }
+
+    fn from_origin(&self, number: usize) -> Self {
+        let origin = self.sites[number];
+        let mut sites: Vec<_> = self.sites.iter().map(|site| site - origin).collect();
+        sites.swap(0, number);
+        Self {
+            vectors: self.vectors,
+            sites,
+        }
+    }
+
+    fn choices(&self, common: &KernelMethodChoices) -> KernelMethodChoices {
+        let others = self.sites.iter().skip(1);
+        KernelMethodChoices {
+            lattice: [
+                LatticeKind::Chain,
+                LatticeKind::Oblique,
+                LatticeKind::Triclinic,
+            ][D - 1],
+            vectors: self.vectors.iter().copied().collect(),
+            basis: others.flat_map(|site| site.iter().copied()).collect(),
+            ..common.clone()
+        }
+    }
+}
+
+/// A method of a family, without its particles.
+fn family(random: &mut Random) -> (usize, KernelMethodChoices) {
+    let frame = random.one_of(&[Frame::Lagrangian, Frame::Eulerian]);
+    let common = KernelMethodChoices {
+        kernel: random.one_of(&[
+            Kernel::QuarticSpline,
+            Kernel::CubicSpline,
+            Kernel::QuinticSpline,
+        ]),
+        // A radius that is no distance of particles.
+        support: 1.6 + 0.1234567 * random.number(),
+        quadrature: random.one_of(&[Quadrature::Nodal, Quadrature::StressPoints]),
+        approximation: random.one_of(&[Approximation::Shepard, Approximation::Mls]),
+        frame,
+        support_size: random.one_of(&[SupportSize::Fixed, SupportSize::Scaled]),
+        ..KernelMethodChoices::default()
+    };
+    ((random.share() * 5.0) as usize, common)
+}
+
+/// The method of a number with given particles.
+fn method(number: usize, coefficient: f64, particles: KernelMethodChoices) -> MethodChoices {
+    let radius = particles.support;
+    let is_first = coefficient > 0.5;
+    let boxed = Box::new(particles);
+    match number {
+        0 => MethodChoices::Kernel(boxed),
+        1 => MethodChoices::TotalLagrangianSph(
+            boxed,
+            TotalLagrangianChoices {
+                radius,
+                penalty: if is_first { 0.0 } else { coefficient },
+                ..TotalLagrangianChoices::default()
+            },
+        ),
+        2 => MethodChoices::UpdatedSph(
+            boxed,
+            UpdatedSphChoices {
+                radius,
+                momentum: if is_first {
+                    MomentumForm::Symmetric
+                } else {
+                    MomentumForm::Mean
+                },
+                ..UpdatedSphChoices::default()
+            },
+        ),
+        3 => MethodChoices::Conforming(
+            boxed,
+            ConformingChoices {
+                radius,
+                ..ConformingChoices::default()
+            },
+        ),
+        _ => MethodChoices::Peridynamics(
+            boxed,
+            PeridynamicsChoices {
+                horizon: radius,
+                model: match is_first {
+                    true => BondModel::BondBased {
+                        calibration: Calibration::Continuum,
+                    },
+                    false => BondModel::Correspondence {
+                        control: ZeroEnergyControl::Penalty { coefficient },
+                    },
+                },
+                ..PeridynamicsChoices::default()
+            },
+        ),
+    }
+}
+
+fn answer<const D: usize>(
+    method: &MethodChoices,
+    law: &dyn Hyperelastic,
+    f: &DeformationGradient,
+) -> Option<(Assessment<D>, BravaisLattice<D>)> {
+    let discretization = method.discretization::<D>().ok()?;
+    let survey = Survey::new(&*discretization, law).ok()?;
+    Some((survey.assess(f).ok()?, *discretization.crystal().lattice()))
+}
+
+/// What differs between the answers of two descriptions, of which the second is mapped by an orthogonal matrix.
+fn differences<const D: usize>(
+    (a, lattice): &(Assessment<D>, BravaisLattice<D>),
+    (b, other): &(Assessment<D>, BravaisLattice<D>),
+    map: &SMatrix<f64, D, D>,
+) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut told = |what: &str, a: String, b: String| found.push(format!("{what}: {a}, {b}"));
+    if (a.verdict, a.mechanism()) != (b.verdict, b.mechanism()) {
+        let word = |own: &Assessment<D>| format!("{:?} {:?}", own.verdict, own.mechanism());
+        told("verdict", word(a), word(b));
+    }
+    let fastest = a.spectrum.maximum_omega;
+    let weak = |own: &Assessment<D>| {
+        own.weakest
+            .map_or(0.0, |mode| mode.relative_frequency_squared)
+    };
+    // The lattice Laplacian takes as many of the shortest vectors as there are dimensions; where there are more, it knows directions.
+    let k = SVector::<f64, D>::from_fn(|i, _| [0.3, 0.7, 1.1][i]);
+    let is_measured = {
+        let [own, mapped] = [lattice.laplacian(&k), other.laplacian(&(map * k))];
+        (own - mapped).abs() <= DIFFERENCE * own
+    };
+    let mut numbers = vec![
+        (
+            "growth",
+            a.spectrum.growth_rate().powi(2),
+            b.spectrum.growth_rate().powi(2),
+            fastest.powi(2),
+        ),
+        ("frequency", fastest, b.spectrum.maximum_omega, fastest),
+        ("weak share", weak(a), weak(b), 1.0),
+    ];
+    let grows = !a.spectrum.is_stable();
+    if is_measured {
+        numbers.push((
+            "scaled minimum",
+            a.spectrum.softest.scaled,
+            b.spectrum.softest.scaled,
+            1.0,
+        ));
+    }
+    if is_measured || grows {
+        let mode = |own: &Assessment<D>| match grows {
+            true => own.spectrum.fastest_growing,
+            false => own.spectrum.softest,
+        };
+        let [own, mapped] = [mode(a), mode(b)];
+        // Equally soft ones are represented by one rule, of which a mapped description has the image up to a symmetry.
+        let size = lattice.reciprocal().column(0).norm() / DIFFERENCE * APART;
+        numbers.push((
+            "wave number",
+            own.wave_vector.norm(),
+            mapped.wave_vector.norm(),
+            size,
+        ));
+        if *map == SMatrix::identity() {
+            let apart = (own.wave_vector - mapped.wave_vector).norm();
+            numbers.push(("wave vector", apart, 0.0, size));
+        }
+    }
+    for (what, a, b, scale) in numbers {
+        if (a - b).abs() > DIFFERENCE * scale.max(a.abs()) {
+            told(what, a.to_string(), b.to_string());
+        }
+    }
+    found
+}
+
+fn checked<const D: usize>(random: &mut Random) -> Option<(String, Vec<String>)> {
+    let (number, common) = family(random);
+    let coefficient = random.one_of(&[0.05, 0.3, 1.0]);
+    let name = random.one_of(ISOTROPIC);
+    let law = library()
+        .into_iter()
+        .find(|law| law.name == name)?
+        .build(&[])
+        .ok()?;
+    let f = state::<D>(random);
+    let particles = Particles::<D>::drawn(random);
+    let identity = SMatrix::<f64, D, D>::identity();
+    let (what, described, map) = match (random.share() * 5.0) as usize {
+        0 => {
+            let cells = random.one_of(&[2, 3]);
+            let choices = KernelMethodChoices {
+                cells,
+                ..particles.choices(&common)
+            };
+            (format!("cells {cells}"), choices, identity)
+        }
+        1 => {
+            let mut matrix = identity;
+            matrix[(0, 0)] = random.one_of(&[1.0, 2.0, 3.0]);
+            matrix[(D - 1, D - 1)] *= 2.0;
+            matrix[(0, D - 1)] += random.one_of(&[-1.0, 0.0, 1.0]) * f64::from(u8::from(D > 1));
+            if D == 1 {
+                // A chain has no vectors: its cell is taken several times.
+                matrix = identity;
+            }
+            let large = particles.in_cell(&matrix);
+            let number = (random.share() * large.sites.len() as f64) as usize;
+            (
+                format!("cell {matrix}"),
+                large.from_origin(number).choices(&common),
+                identity,
+            )
+        }
+        2 => {
+            let number = (random.share() * particles.sites.len() as f64) as usize;
+            (
+                format!("origin {number}"),
+                particles.from_origin(number).choices(&common),
+                identity,
+            )
+        }
+        3 => {
+            let mut shear = identity;
+            shear[(0, D - 1)] = if D > 1 {
+                random.one_of(&[1.0, 2.0, -7.0])
+            } else {
+                1.0
+            };
+            (
+                format!("basis {shear}"),
+                particles.in_cell(&shear).choices(&common),
+                identity,
+            )
+        }
+        _ => {
+            let turned = match D {
+                1 => identity,
+                2 => {
+                    let turn = Rotation2::new(3.0 * random.number());
+                    SMatrix::from_fn(|i, j| turn.matrix()[(i, j)])
+                }
+                _ => {
+                    let turn = random.rotation();
+                    SMatrix::from_fn(|i, j| turn[(i, j)])
+                }
+            };
+            let mut mirror = identity;
+            if random.happens(0.5) {
+                mirror[(0, 0)] = -1.0;
+            }
+            let map = if D > 1 { turned * mirror } else { identity };
+            let mapped = Particles {
+                vectors: map * particles.vectors,
+                ..particles.clone()
+            };
+            (format!("map {map}"), mapped.choices(&common), map)
+        }
+    };
+    let moved = f.with_leading(&(map * f.leading::<D>() * map.transpose()));
+    let [plain, described] = [particles.choices(&common), described]
+        .map(|particles| method(number, coefficient, particles));
+    let (a, b) = (
+        answer::<D>(&plain, &*law, &f),
+        answer::<D>(&described, &*law, &moved),
+    );
+    let name = format!("{what}: {name} {f:?} {plain:?} {described:?}");
+    match (a, b) {
+        (Some(a), Some(b)) => Some((name, differences(&a, &b, &map))),
+        (None, None) => None,
+        (a, b) => Some((
+            name,
+            vec![format!("answered: {}, {}", a.is_some(), b.is_some())],
+        )),
+    }
+}
+
+#[test]
+fn every_description_of_a_crystal_has_the_same_answer() {
+    let (seed, cases) = hunted(24);
+    let (mut wrong, mut compared) = (Vec::new(), 0);
+    for case in 0..cases as u64 {
+        let mut random = Random::new(seed + case);
+        let found = match random.one_of(&[1, 2, 2, 2, 2, 3]) {
+            1 => checked::<1>(&mut random),
+            2 => checked::<2>(&mut random),
+            _ => checked::<3>(&mut random),
+        };
+        let Some((name, differences)) = found else {
+            continue;
+        };
+        compared += 1;
+        if !differences.is_empty() {
+            let text = format!(
+                "seed {}: {}\n    {name}",
+                seed + case,
+                differences.join("; ")
+            );
+            eprintln!("{text}");
+            wrong.push(text);
+        }
+    }
+    eprintln!("{compared} pairs compared, {} differ", wrong.len());
+    assert!(
+        compared >= cases / 3,
+        "{compared} of {cases} have an answer"
+    );
+    assert!(
+        wrong.is_empty(),
+        "{} of {compared} pairs differ",
+        wrong.len()
+    );
+}
