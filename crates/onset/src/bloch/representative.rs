@@ -15,6 +15,8 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 const EQUAL: f64 = 1e-9;
 /// Differences of wave vectors beside a reciprocal vector to which a search finds them.
 const SAME_PLACE: f64 = 1e-6;
+/// Wave vectors below this fraction of a reciprocal vector may be taken for the limit of long waves.
+const LONG: f64 = 0.02;
 /// Degrees of freedom of a cell above which the images of a wave are not computed: cells as large have no symmetry.
 const LARGE: usize = 48;
 /// The smallest part of a unit vector in the space of equal modes that settles a polarization.
@@ -63,9 +65,13 @@ impl<const D: usize> ZoneSearch<D> {
             }
         };
         let lowest = finite(found.lowest, Measure::Lowest);
+        let long_wave = self.representative_of_long(waves, found.long_wave);
         SpectrumSummary {
-            softest: shown(found.softest),
-            long_wave: self.representative_of_long(waves, found.long_wave),
+            softest: match self.is_limit(&found) {
+                true => long_wave,
+                false => shown(found.softest),
+            },
+            long_wave,
             lowest,
             fastest_growing: match found.fastest_growing == found.lowest {
                 true => lowest,
@@ -73,6 +79,14 @@ impl<const D: usize> ZoneSearch<D> {
             },
             ..found
         }
+    }
+
+    /// Whether the softest wave is so long, and so near the limit of long waves, that it is this limit but for rounding.
+    fn is_limit(&self, found: &SpectrumSummary<D>) -> bool {
+        let (softest, limit) = (&found.softest, found.long_wave.scaled);
+        let is_long = self.reference().fractional(&softest.wave_vector).amax() < LONG;
+        let apart = (softest.scaled - limit).abs();
+        !softest.is_long_wave && is_long && apart <= SAME_PLACE * limit.abs() + found.tolerance
     }
 
     fn representative(
