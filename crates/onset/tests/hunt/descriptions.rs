@@ -242,7 +242,7 @@ fn differences<const D: usize>(
             mapped.wave_vector.norm(),
             size,
         ));
-        if *map == SMatrix::identity() {
+        if *map == SMatrix::<f64, D, D>::identity() {
             let apart = (own.wave_vector - mapped.wave_vector).norm();
             numbers.push(("wave vector", apart, 0.0, size));
         }
