@@ -2,7 +2,7 @@
 
 use onset::measures::{DispersionError, Extent, Fidelity, Load, OnsetPair, StretchOnset};
 use onset_study::compare::{Measured, PANELS, Row, Table, Thresholds, WAVELENGTHS, recommended};
-use onset_study::modes::{ModesAnswer, ModesQuestion, ShownMode};
+use onset_study::modes::{Fit, ModesAnswer, ModesQuestion, ShownMode};
 use onset_study::settings::{CompareSettings, Comparison, Settings};
 use onset_study::tune::TuneQuestion;
 
@@ -180,6 +180,12 @@ fn wave_vectors_are_told_as_fractions_where_they_are() {
             relative_frequency: 0.25,
             nullity: 0,
             extent: Extent::Point,
+            fits: true,
+            fit: Fit {
+                cells: 1,
+                fractional: Vec::new(),
+                error: 0.0,
+            },
             positions: Vec::new(),
             displacements: Vec::new(),
             quarter: Vec::new(),
