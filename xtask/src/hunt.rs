@@ -74,6 +74,14 @@ const SUBJECTS: &[Subject] = &[
         cases: 120,
     },
     Subject {
+        name: "transfers",
+        claim: "no wave of a random transfer of material points grows faster in discrete time, or needs a shorter step, than the search over the zone says",
+        package: "onset",
+        program: "hunt",
+        test: "no_random_transfer",
+        cases: 100,
+    },
+    Subject {
         name: "command-lines",
         claim: "command lines end in time, within their memory, with a documented code",
         package: "onset-cli",

@@ -185,16 +185,13 @@ impl<'a, const D: usize> MovingPatch<'a, D> {
     fn kick(&mut self, at: Option<[&Field<D>; 2]>, dt: f64) -> Result<(), NoForce> {
         let [u, v] = at.unwrap_or([&self.u, &self.v]);
         let acceleration = self.equations.acceleration(u, v)?;
-        self.v
-            .iter_mut()
-            .zip(acceleration)
-            .for_each(|(v, a)| *v += a * dt);
+        add(&mut self.v, &acceleration, dt);
         Ok(())
     }
 
     fn move_by(&mut self, velocities: &Field<D>, dt: f64) {
         let drift = self.equations.drift(velocities);
-        self.u.iter_mut().zip(drift).for_each(|(u, v)| *u += v * dt);
+        add(&mut self.u, &drift, dt);
     }
 
     /// As [`Integrator`] has it.
@@ -218,6 +215,22 @@ impl<'a, const D: usize> MovingPatch<'a, D> {
                 self.kick(Some([&predicted_u, &predicted_v]), dt)?;
                 let middle = v.iter().zip(&self.v).map(|(a, b)| (a + b) * 0.5).collect();
                 self.move_by(&middle, dt);
+            }
+            _ => {
+                let (u, v) = (self.u.clone(), self.v.clone());
+                let mut rates: Vec<[Field<D>; 2]> = Vec::new();
+                let rows = integrator.tableau().unwrap_or_default();
+                for row in &rows {
+                    (self.u, self.v) = (u.clone(), v.clone());
+                    for (factor, [drift, acceleration]) in row.iter().zip(&rates) {
+                        add(&mut self.u, drift, factor * dt);
+                        add(&mut self.v, acceleration, factor * dt);
+                    }
+                    if rates.len() + 1 < rows.len() {
+                        let acceleration = self.equations.acceleration(&self.u, &self.v)?;
+                        rates.push([self.equations.drift(&self.v), acceleration]);
+                    }
+                }
             }
         }
         Ok(())
@@ -286,6 +299,14 @@ impl<'a, const D: usize> MovingPatch<'a, D> {
             ground,
         })
     }
+}
+
+/// Adds a rate times a step to a field.
+fn add<const D: usize>(field: &mut Field<D>, rate: &Field<D>, dt: f64) {
+    field
+        .iter_mut()
+        .zip(rate)
+        .for_each(|(own, rate)| *own += rate * dt);
 }
 
 impl<const D: usize> PatchMotion for MovingPatch<'_, D> {

@@ -37,14 +37,6 @@ impl Stepper {
         integrator: Integrator::KickDriftKick,
         is_composed: true,
     };
-    /// All of them.
-    pub const ALL: [Self; 4] = [
-        Self::KICK_DRIFT_KICK,
-        Self::of(Integrator::CentralDifferences),
-        Self::of(Integrator::PredictorCorrector),
-        Self::SIXTH_ORDER,
-    ];
-
     /// An integrator alone.
     pub const fn of(integrator: Integrator) -> Self {
         Self {
@@ -53,15 +45,18 @@ impl Stepper {
         }
     }
 
-    /// By its name, or another one that is usual.
+    /// Returns the stepper with a name; an integrator may have another usual name.
     pub fn named(name: &str) -> Option<Self> {
-        let name = match name {
-            "velocity-verlet" => "kick-drift-kick",
-            "leapfrog" | "symplectic-euler" => "central-differences",
-            "midpoint" => "predictor-corrector",
-            other => other,
-        };
-        Self::ALL.into_iter().find(|own| own.name() == name)
+        match name == Self::SIXTH_ORDER.name() {
+            true => Some(Self::SIXTH_ORDER),
+            false => Integrator::named(name).map(Self::of),
+        }
+    }
+
+    /// The names of all steppers.
+    pub fn names() -> Vec<&'static str> {
+        let integrators = Integrator::NAMES.into_iter();
+        integrators.chain([Self::SIXTH_ORDER.name()]).collect()
     }
 
     /// The word used in files and on the command line.
@@ -103,7 +98,7 @@ impl Stepper {
     /// The largest `omega dt` at which an oscillation without damping stays bounded.
     pub fn bound(self) -> f64 {
         if !self.is_composed {
-            return 2.0;
+            return self.integrator.undamped_reach();
         }
         // Half the trace of a step of u'' = -u is the cosine of the phase that it turns by.
         let half_trace = |step: f64| {

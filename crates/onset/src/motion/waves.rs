@@ -129,7 +129,11 @@ pub(super) fn critical_time_step<const D: usize>(
     if system.damping().is_none() {
         let fastest = waves.iter().filter(|wave| !wave.has_zero_energy);
         let fastest = fastest.map(|wave| wave.omega_squared.re);
-        return stepper.bound() / fastest.fold(0.0, f64::max).sqrt();
+        let fastest = fastest.fold(0.0, f64::max).sqrt();
+        return match fastest > 0.0 {
+            true => stepper.bound() / fastest,
+            false => f64::INFINITY,
+        };
     }
     let each = waves
         .iter()

@@ -1,15 +1,26 @@
 //! Amplification matrices and the largest stable step.
 
-use super::Integrator;
-use super::zone::least_over_zone;
+use super::{Integrator, runge_kutta};
 use crate::algebra::{Complex, any_eigenvalues};
 use crate::bloch::{IsEnded, WaveSystem, ZoneSearch};
+use crate::lattice::grid_coordinates;
 use nalgebra::{DMatrix, SVector};
 
 /// Eigenvalues may leave the unit circle by this much: rounding.
 const ROUNDING: f64 = 1e-9;
-/// Steps, in units of the bound `2 / omega_max` without damping, that are looked at before the first loss is refined.
+/// The same of the factors of Runge-Kutta methods, which need no eigenvalues of `G`; and relative damping that is rounding.
+const POLYNOMIAL_ROUNDING: f64 = 1e-9;
+const UNDAMPED: f64 = 1e-10;
+/// Steps up to a bound that are evaluated before the first loss is refined; beyond the bound each is longer by a factor, up to the
+/// farthest in units of the bound.
 const STEPS: usize = 24;
+const LONGER: f64 = 1.05;
+const FARTHEST: f64 = 1e4;
+/// Points along a reciprocal vector from which the search over the zone starts, and its rounds.
+const START: usize = 4;
+const ROUNDS: usize = 24;
+/// Relative difference of steps that are the same.
+const SAME: f64 = 1e-9;
 /// Halvings of the interval in which a step is lost.
 const HALVINGS: usize = 40;
 
@@ -83,6 +94,18 @@ impl Amplification {
                 let middle = sum(&v, half, &change);
                 (sum(&u, dt, &moved(&middle)), sum(&v, dt, &change))
             }
+            _ => {
+                let (mut stage, mut rates) = ((u.clone(), v.clone()), Vec::<[Pair; 2]>::new());
+                for row in integrator.tableau().unwrap_or_default() {
+                    stage = (u.clone(), v.clone());
+                    for (factor, [of_u, of_v]) in row.iter().zip(&rates) {
+                        let change = number(factor * step);
+                        stage = (sum(&stage.0, change, of_u), sum(&stage.1, change, of_v));
+                    }
+                    rates.push([moved(&stage.1), acceleration(&stage.0, &stage.1)]);
+                }
+                stage
+            }
         };
         let mut matrix = DMatrix::zeros(2 * n, 2 * n);
         for (row, pair) in [new_u, new_v].iter().enumerate() {
@@ -118,79 +141,164 @@ impl Amplification {
         let values = any_eigenvalues(&matrix)?.into_iter();
         Some(values.map(|z| z.norm()).collect())
     }
+}
 
-    /// Whether no more solutions of the integrator grow than the linearized equations themselves have, of which the growth rates
-    /// are given: a solution that grows anyway bounds no step, one that does not must not.
-    fn is_stable(&self, integrator: Integrator, step: f64, growth_rates: &[f64]) -> bool {
-        let Some(moduli) = self.moduli(integrator, step) else {
-            return false;
+/// The solutions of one wave with damping in the steps of an integrator.
+struct DampedWave {
+    factors: Factors,
+    /// `exp(lambda t)` in continuous time.
+    rates: Vec<Complex>,
+    /// The largest step without damping, or the fastest decay where nothing oscillates: the scale of steps.
+    bound: f64,
+}
+
+/// What a step multiplies solutions with.
+enum Factors {
+    /// Eigenvalues of the amplification matrix.
+    Matrix(Amplification, Integrator),
+    /// `P(lambda dt)`.
+    Polynomial(Vec<f64>),
+}
+
+impl DampedWave {
+    fn new<const D: usize>(
+        system: &WaveSystem<D>,
+        integrator: Integrator,
+        k: &SVector<f64, D>,
+    ) -> Self {
+        let undamped = system.omega_squared(k);
+        let turned = |omega: Complex| omega * Complex::new(0.0, -1.0);
+        let mut rates: Vec<Complex> = system.frequencies(k).into_iter().map(turned).collect();
+        let largest = rates.iter().map(|rate| rate.norm()).fold(0.0, f64::max);
+        for rate in &mut rates {
+            if rate.re.abs() <= UNDAMPED * largest {
+                rate.re = 0.0;
+            }
+        }
+        let oscillating = undamped.iter().filter(|z| z.re > 0.0).map(|z| z.norm());
+        let decaying = rates.iter().filter(|rate| rate.re < 0.0);
+        let fastest = match oscillating.fold(0.0, f64::max) {
+            0.0 => decaying.map(|rate| rate.norm()).fold(0.0, f64::max),
+            largest => largest.sqrt(),
         };
-        // Near a double eigenvalue rounding moves both by its square root.
-        let rounding = ROUNDING.sqrt() * 1e-2;
-        let growing = moduli.iter().filter(|modulus| **modulus > 1.0 + rounding);
+        Self {
+            factors: match integrator.stages() {
+                Some(stages) => Factors::Polynomial(stages.polynomial()),
+                None => Factors::Matrix(Amplification::new(system, k), integrator),
+            },
+            rates,
+            bound: 2.0 / fastest,
+        }
+    }
+
+    /// The largest modulus that a step must not raise above one: more factors may only where solutions of the linearized equations
+    /// grow. Less [`DampedWave::rounding`], so that zero is the limit.
+    fn excess(&self, step: f64) -> f64 {
+        let rounding = self.rounding();
         // A solution of the integrator may grow somewhat faster than the one that it stands for.
-        let grows = |rate: &&f64| **rate * step > 0.5 * rounding;
-        growing.count() <= growth_rates.iter().filter(grows).count()
+        let grows = |rate: &&Complex| rate.re * step > 0.5 * rounding;
+        let modulus = match &self.factors {
+            Factors::Polynomial(polynomial) => {
+                let bounded = self.rates.iter().filter(|rate| !grows(rate));
+                let moduli = bounded.map(|rate| runge_kutta::value(polynomial, rate * step).norm());
+                moduli.fold(0.0, f64::max)
+            }
+            Factors::Matrix(wave, integrator) => match wave.moduli(*integrator, step) {
+                Some(mut moduli) => {
+                    moduli.sort_by(|a, b| b.total_cmp(a));
+                    let growing = self.rates.iter().filter(grows).count();
+                    moduli.get(growing).copied().unwrap_or(0.0)
+                }
+                None => f64::INFINITY,
+            },
+        };
+        modulus - 1.0 - rounding
+    }
+
+    fn rounding(&self) -> f64 {
+        match self.factors {
+            Factors::Polynomial(_) => POLYNOMIAL_ROUNDING,
+            // Near a double eigenvalue rounding moves both by its square root.
+            Factors::Matrix(..) => ROUNDING.sqrt() * 1e-2,
+        }
+    }
+
+    /// The largest stable step.
+    fn critical_step(&self) -> f64 {
+        match &self.factors {
+            Factors::Polynomial(polynomial) => {
+                let bounded = self.rates.iter().filter(|rate| rate.re <= 0.0);
+                let oscillating = bounded
+                    .map(|rate| (rate, rate.norm()))
+                    .filter(|own| own.1 > 0.0);
+                let steps = oscillating
+                    .map(|(rate, size)| runge_kutta::reach(polynomial, rate / size) / size);
+                steps.fold(f64::INFINITY, f64::min)
+            }
+            Factors::Matrix(..) => self.first_loss(1.02 * self.bound),
+        }
+    }
+
+    /// The step at which stability is lost first: steps up to a bound are evaluated at equal distances, longer ones in a geometric series.
+    /// Infinite where it is never lost.
+    fn first_loss(&self, bound: f64) -> f64 {
+        if !bound.is_finite() {
+            return f64::INFINITY;
+        }
+        let stable = |step: f64| self.excess(step) <= 0.0;
+        let below = (1..=STEPS).map(|n| bound * n as f64 / STEPS as f64);
+        let beyond = std::iter::successors(Some(LONGER * bound), |step| Some(LONGER * step));
+        let beyond = beyond.take_while(|step| *step < FARTHEST * bound);
+        let mut low = 0.0;
+        let Some(mut high) = below.chain(beyond).find(|step| {
+            let is_lost = !stable(*step);
+            if !is_lost {
+                low = *step;
+            }
+            is_lost
+        }) else {
+            return f64::INFINITY;
+        };
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            match stable(middle) {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        low
     }
 }
 
-/// The largest stable step of an integrator for the waves with one wave vector: the first step at which more eigenvalues of the
-/// amplification matrix are outside of the unit circle than solutions of the equations of motion grow. So waves that grow by
-/// themselves do not bound it. Infinite for waves that do not oscillate. Time.
+/// The largest stable step of an integrator for the waves with one wave vector: the first step at which more factors of a step
+/// are outside of the unit circle than solutions of the equations of motion grow. So waves that grow by
+/// themselves do not bound it. Infinite for waves that do not oscillate, zero where no step is stable. Time.
 pub fn critical_time_step_at<const D: usize>(
     system: &WaveSystem<D>,
     integrator: Integrator,
     k: &SVector<f64, D>,
 ) -> f64 {
-    let undamped = system.omega_squared(k);
     if system.damping().is_none() {
-        // All three are stable up to two over the frequency. Waves with a complex omega^2 grow anyway.
-        let fastest = undamped.last().map_or(0.0, |z| z.re);
-        return 2.0 / fastest.max(0.0).sqrt();
+        // Waves with a complex omega^2 grow anyway.
+        let fastest = system.omega_squared(k).last().map_or(0.0, |z| z.re);
+        return undamped_time_step(integrator, fastest.max(0.0).sqrt());
     }
-    let frequencies = system.frequencies(k);
-    let oscillating = undamped.iter().filter(|z| z.re > 0.0);
-    let decaying = frequencies.iter().filter(|omega| omega.im < 0.0);
-    // Where nothing oscillates something may still decay too fast for a step.
-    let fastest = match oscillating.map(|z| z.norm()).fold(0.0, f64::max) {
-        0.0 => decaying.map(|omega| omega.norm()).fold(0.0, f64::max),
-        largest => largest.sqrt(),
-    };
-    let bound = 2.0 / fastest;
-    if !bound.is_finite() {
-        return f64::INFINITY;
+    DampedWave::new(system, integrator, k).critical_step()
+}
+
+/// The largest stable step without damping, given the largest frequency. Infinite where nothing oscillates, zero where no step is stable. Time.
+pub fn undamped_time_step(integrator: Integrator, largest_frequency: f64) -> f64 {
+    match largest_frequency > 0.0 {
+        true => integrator.undamped_reach() / largest_frequency,
+        false => f64::INFINITY,
     }
-    let wave = Amplification::new(system, k);
-    let growth_rates: Vec<f64> = frequencies.iter().map(|omega| omega.im).collect();
-    let stable = |step: f64| wave.is_stable(integrator, step, &growth_rates);
-    let (mut low, mut high) = (0.0, f64::INFINITY);
-    for n in 1..=STEPS {
-        let step = 1.02 * bound * n as f64 / STEPS as f64;
-        if !stable(step) {
-            high = step;
-            break;
-        }
-        low = step;
-    }
-    if high.is_infinite() {
-        return low;
-    }
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if stable(middle) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    low
 }
 
 /// The largest stable step of an integrator at a state: the least over the zone. Time. Of a state that is unstable itself it is
-/// that of the waves that do not grow.
+/// that of the waves that do not grow. Infinite where nothing oscillates, zero where no step is stable.
 ///
-/// Without damping it is `2 / omega_max`, which the search over the zone finds; otherwise the least over a grid of wave vectors,
-/// refined around the worst one.
+/// Without damping the largest frequency decides, which the search over the zone finds. Otherwise the search finds the wave that a
+/// step amplifies most; the step becomes the largest stable one of that wave, until no wave is amplified.
 pub fn critical_time_step<const D: usize>(
     system: &WaveSystem<D>,
     integrator: Integrator,
@@ -199,7 +307,7 @@ pub fn critical_time_step<const D: usize>(
     critical_time_step_unless(system, integrator, search, &|| false)
 }
 
-/// The same, given up as soon as nobody waits for it any more.
+/// Like [`critical_time_step`], with cancellation through `is_ended`.
 pub fn critical_time_step_unless<const D: usize>(
     system: &WaveSystem<D>,
     integrator: Integrator,
@@ -207,14 +315,33 @@ pub fn critical_time_step_unless<const D: usize>(
     is_ended: IsEnded<'_>,
 ) -> f64 {
     if system.damping().is_none() {
-        return search.summary_of(system).critical_time_step();
+        return undamped_time_step(integrator, search.summary_of(system).maximum_omega);
     }
-    // Over the zone of a lattice in which forces reach far and obliquely, a grid sees little.
-    let short_ranged = search.short_ranged_waves(system);
-    let system = short_ranged.as_ref().unwrap_or(system);
-    let lattice = system.crystal().lattice();
-    let at = |fractional: &SVector<f64, D>| {
-        critical_time_step_at(system, integrator, &(lattice.reciprocal() * fractional))
-    };
-    least_over_zone(at, is_ended).0
+    let reciprocal = system.crystal().lattice().reciprocal();
+    let places = (1..START.pow(D as u32)).map(|n| grid_coordinates::<D>(n, START));
+    let steps = places.take_while(|_| !is_ended()).map(|place| {
+        let fractional = SVector::from(place).map(|c| c as f64 / START as f64);
+        critical_time_step_at(system, integrator, &(reciprocal * fractional))
+    });
+    let mut step = steps.fold(f64::INFINITY, f64::min);
+    if step.is_infinite() {
+        let at = |k: &SVector<f64, D>| critical_time_step_at(system, integrator, k);
+        step = search.least_of(system, &at, is_ended).0;
+    }
+    for _ in 0..ROUNDS {
+        if !(step > 0.0 && step.is_finite()) {
+            break;
+        }
+        let kept = |k: &SVector<f64, D>| -DampedWave::new(system, integrator, k).excess(step);
+        let (kept, k) = search.least_of(system, &kept, is_ended);
+        if kept >= 0.0 || is_ended() {
+            break;
+        }
+        let lower = DampedWave::new(system, integrator, &k).first_loss(step);
+        if lower >= step * (1.0 - SAME) {
+            break;
+        }
+        step = lower;
+    }
+    step
 }

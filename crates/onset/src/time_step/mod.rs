@@ -7,28 +7,33 @@
 //! Methods that filter velocities once a step have steps of their own, and no equations in continuous time: [`TransferredWaves`].
 
 mod amplification;
+mod runge_kutta;
 mod stepping;
 mod transferred;
-mod zone;
 
 pub use amplification::{
     Amplification, critical_time_step, critical_time_step_at, critical_time_step_unless,
+    undamped_time_step,
 };
 pub use stepping::{Stepping, WaveParts};
 pub use transferred::TransferredWaves;
+
+use crate::algebra::Complex;
+use runge_kutta::Stages;
 
 /// Explicit integrators.
 ///
 /// ```
 /// use onset::time_step::Integrator;
-/// assert_eq!(Integrator::ALL.len(), 3);
 /// assert_eq!(Integrator::KickDriftKick.name(), "kick-drift-kick");
+/// assert_eq!(Integrator::named("leapfrog"), Some(Integrator::CentralDifferences));
+/// assert!((Integrator::Rk4.undamped_reach() - 8.0_f64.sqrt()).abs() < 1e-9);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(rename_all = "kebab-case")
+    serde(into = "&'static str", try_from = "String")
 )]
 pub enum Integrator {
     /// Central differences with velocities at half steps, damping from the last half step: `v+ = v- + dt a(u, v-)`,
@@ -41,27 +46,108 @@ pub enum Integrator {
     /// acceleration there, then `v' = v + dt a(u*, v*)`, `u' = u + dt T (v + v') / 2`. Stable up to `2 / omega` without
     /// damping.
     PredictorCorrector,
+    /// Forward Euler; unstable for every step without damping.
+    ForwardEuler,
+    /// Heun's method of order two; unstable for every step without damping.
+    Heun,
+    /// Kutta's method of order three. Stable up to `1.732 / omega` without damping.
+    Rk3,
+    /// The classical Runge-Kutta method of order four. Stable up to `2.828 / omega` without damping.
+    Rk4,
+    /// The five stages of order four of Carpenter and Kennedy (1994). Stable up to `3.341 / omega` without damping.
+    CarpenterKennedy,
+    /// RDPK3SpFSAL35, five stages of order three (Ranocha and others 2022). Stable up to `2.739 / omega` without damping.
+    Rdpk335,
+    /// RDPK3SpFSAL49, nine stages of order four (Ranocha and others 2022). Stable up to `5.030 / omega` without damping.
+    Rdpk349,
 }
 
 impl Integrator {
-    /// All of them.
-    pub const ALL: [Self; 3] = [
+    /// All integrators.
+    pub const ALL: [Self; 10] = [
         Self::CentralDifferences,
         Self::KickDriftKick,
         Self::PredictorCorrector,
+        Self::ForwardEuler,
+        Self::Heun,
+        Self::Rk3,
+        Self::Rk4,
+        Self::CarpenterKennedy,
+        Self::Rdpk335,
+        Self::Rdpk349,
     ];
 
-    /// The one with a name.
+    /// The words used in files and on the command line, in the order of [`Integrator::ALL`].
+    pub const NAMES: [&str; 10] = [
+        "central-differences",
+        "kick-drift-kick",
+        "predictor-corrector",
+        "forward-euler",
+        "heun",
+        "rk3",
+        "rk4",
+        "carpenter-kennedy",
+        "rdpk3-35",
+        "rdpk3-49",
+    ];
+
+    /// Returns the integrator with a name, or with another usual name.
     pub fn named(name: &str) -> Option<Self> {
+        let name = match name {
+            "velocity-verlet" => "kick-drift-kick",
+            "leapfrog" | "symplectic-euler" => "central-differences",
+            "midpoint" => "predictor-corrector",
+            "euler" | "explicit-euler" => "forward-euler",
+            "rk2" => "heun",
+            "runge-kutta-4" | "classical-runge-kutta" => "rk4",
+            "rdpk3" => "rdpk3-35",
+            other => other,
+        };
         Self::ALL.into_iter().find(|own| own.name() == name)
     }
 
     /// The word used in files and on the command line.
     pub fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+
+    /// The stages of a Runge-Kutta method; `None` of integrators that treat positions and velocities differently.
+    fn stages(self) -> Option<Stages> {
         match self {
-            Self::CentralDifferences => "central-differences",
-            Self::KickDriftKick => "kick-drift-kick",
-            Self::PredictorCorrector => "predictor-corrector",
+            Self::CentralDifferences | Self::KickDriftKick | Self::PredictorCorrector => None,
+            Self::ForwardEuler => Some(runge_kutta::FORWARD_EULER),
+            Self::Heun => Some(runge_kutta::HEUN),
+            Self::Rk3 => Some(runge_kutta::RK3),
+            Self::Rk4 => Some(runge_kutta::RK4),
+            Self::CarpenterKennedy => Some(runge_kutta::CARPENTER_KENNEDY),
+            Self::Rdpk335 => Some(runge_kutta::RDPK3_35),
+            Self::Rdpk349 => Some(runge_kutta::RDPK3_49),
         }
+    }
+
+    /// The rows of the Butcher tableau of a Runge-Kutta method, the weights last.
+    pub(crate) fn tableau(self) -> Option<Vec<Vec<f64>>> {
+        self.stages().map(|stages| stages.rows())
+    }
+
+    /// The largest `omega dt` at which an oscillation without damping stays bounded; zero if none does.
+    pub fn undamped_reach(self) -> f64 {
+        self.stages().map_or(2.0, |stages| {
+            runge_kutta::reach(&stages.polynomial(), Complex::i())
+        })
+    }
+}
+
+impl From<Integrator> for &'static str {
+    fn from(integrator: Integrator) -> Self {
+        integrator.name()
+    }
+}
+
+impl TryFrom<String> for Integrator {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        Self::named(&name).ok_or_else(|| format!("no integrator is called {name}"))
     }
 }

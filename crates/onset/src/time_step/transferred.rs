@@ -1,8 +1,7 @@
 //! Waves of methods whose velocities go through a grid once a step.
 
-use super::zone::least_over_zone;
 use crate::algebra::Complex;
-use crate::bloch::{BlochSum, IsEnded, WaveSystem};
+use crate::bloch::{BlochSum, IsEnded, WaveSystem, ZoneSearch};
 use crate::lattice::Particle;
 use nalgebra::SVector;
 
@@ -185,12 +184,16 @@ impl<const D: usize> TransferredWaves<D> {
         (2.0 * (2.0 - damped) / ((1.0 + own) * fastest)).sqrt()
     }
 
+    /// The search over the zone of the nodes.
+    fn search(&self) -> ZoneSearch<D> {
+        ZoneSearch::of_lattice(*self.system.crystal().lattice(), 1.0)
+    }
+
     /// The largest stable step: the least over the zone. Of a state that is unstable itself it is that of the waves that do not grow
     /// with any step. Infinite where nothing oscillates. Time. Given up as soon as nobody waits for it any more.
     pub fn critical_time_step_unless(&self, is_ended: IsEnded<'_>) -> f64 {
-        let reciprocal = self.system.crystal().lattice().reciprocal();
-        let at = |place: &SVector<f64, D>| self.critical_time_step_at(&(reciprocal * place));
-        least_over_zone(at, is_ended).0
+        let at = |k: &SVector<f64, D>| self.critical_time_step_at(k);
+        self.search().least_of(&self.system, &at, is_ended).0
     }
 
     /// The same.
@@ -198,23 +201,28 @@ impl<const D: usize> TransferredWaves<D> {
         self.critical_time_step_unless(&|| false)
     }
 
+    /// The rate with the largest real part at a wave vector; growth that rounding of `omega^2` can make is none.
+    fn fastest_at(&self, k: &SVector<f64, D>, step: f64) -> Complex {
+        let noise = ROUNDING * self.system.noise();
+        let told = |rate: Complex| {
+            let rounding = OUTSIDE * rate.norm() + noise / rate.norm();
+            match rate.re > 0.0 && rate.re <= rounding {
+                true => Complex::new(0.0, rate.im),
+                false => rate,
+            }
+        };
+        let rates = self.rates(k, step).into_iter().map(told);
+        let fastest = rates.max_by(|a, b| a.re.total_cmp(&b.re));
+        fastest.unwrap_or_default()
+    }
+
     /// The rate with the largest real part over the zone with its wave vector; of stable waves, which include translations, it is zero. 1/time, 1/length.
     pub fn fastest_unless(&self, step: f64, is_ended: IsEnded<'_>) -> (Complex, SVector<f64, D>) {
-        let reciprocal = self.system.crystal().lattice().reciprocal();
-        let growth = |k: &SVector<f64, D>| {
-            let rates = self.rates(k, step).into_iter();
-            rates.max_by(|a, b| a.re.total_cmp(&b.re))
-        };
-        let at = |place: &SVector<f64, D>| {
-            let rate = growth(&(reciprocal * place));
-            rate.map_or(0.0, |rate| -rate.re)
-        };
-        let (_, place) = least_over_zone(at, is_ended);
-        let k = reciprocal * place;
-        let rate = growth(&k).filter(|rate| rate.re > OUTSIDE * rate.norm());
-        match rate {
-            Some(rate) => (rate, k),
-            None => (Complex::new(0.0, 0.0), SVector::zeros()),
+        let at = |k: &SVector<f64, D>| -self.fastest_at(k, step).re;
+        let (value, k) = self.search().least_of(&self.system, &at, is_ended);
+        match value < 0.0 {
+            true => (self.fastest_at(&k, step), k),
+            false => (Complex::new(0.0, 0.0), SVector::zeros()),
         }
     }
 

@@ -11,6 +11,7 @@ use crate::bloch::{
     StateWave, WaveSystem, ZERO_ENERGY, ZoneSearch,
 };
 use crate::continuum::{AcousticMinimum, Stiffness, plane_minimum};
+use crate::cores::of_each;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::inverse_of;
 use crate::material::{Hyperelastic, PlaneTangent, has_major_symmetry};
@@ -520,7 +521,10 @@ impl<'a, const D: usize> Survey<'a, D> {
             let step = critical_time_step_unless(&system, integrator, search, is_ended);
             unless(is_ended).map(|()| (integrator, step))
         };
-        Integrator::ALL.into_iter().map(step).collect()
+        // Results are in order; the first error ends them.
+        of_each(Integrator::ALL.to_vec(), step)
+            .into_iter()
+            .collect()
     }
 
     /// The verdict on a state with its evidence.

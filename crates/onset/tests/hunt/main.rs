@@ -5,6 +5,7 @@ mod descriptions;
 mod methods;
 mod named;
 mod spectra;
+mod transfers;
 
 #[path = "../shared/hunt.rs"]
 mod hunt;

@@ -133,6 +133,51 @@ fn what_a_transfer_keeps_is_between_nothing_and_everything_and_affine_fields_kee
 }
 
 #[test]
+fn growing_waves_are_found_where_they_are_long_or_their_wells_narrow() {
+    // Eigenvalues of the matrix of a whole step of all points of a wave, with a dense search over the zone.
+    let blatz_ko = onset::material::library()
+        .iter()
+        .find(|law| law.name == "blatz-ko");
+    let material = blatz_ko.expect("a law").build(&[]).expect("defaults");
+    let long = DeformationGradient::from_stretches([1.04, 1.0, 1.0]).expect("a state");
+    let sheared = DeformationGradient::plane_strain(
+        [
+            [1.058_060_674_642_809_8, -0.274_204_461_057_231_8],
+            [0.0, 1.147_150_949_619_226_7],
+        ],
+        1.0,
+    );
+    let sheared = sheared.expect("a state");
+    for (f, transfer, offset, growth, at) in [
+        (long, FLIP, -0.04, 4.4961e-3, [0.324, 0.0]),
+        (
+            sheared,
+            Transfer::Affine,
+            0.019_440_107_918_570_572,
+            2.5243e-4,
+            [-0.0562, 0.1898],
+        ),
+    ] {
+        let method = points::<2>(MaterialPointChoices {
+            spacing: 1.0,
+            density: 1.0,
+            per_side: 1,
+            offset: [offset; 3],
+            ..choices(transfer, GridFunctions::QuadraticSpline)
+        });
+        let waves = method
+            .transferred(&*material, &f)
+            .expect("waves")
+            .expect("a step");
+        let (rate, k) = waves.fastest(0.5 * waves.critical_time_step());
+        assert!((rate.re / growth - 1.0).abs() < 1e-4, "{rate} at {k:?}");
+        let at = SVector::from(at);
+        let apart = (k - at).amax().min((k + at).amax());
+        assert!(apart < 2e-3, "{k:?}");
+    }
+}
+
+#[test]
 fn short_steps_of_flip_have_the_rates_of_the_equations_in_continuous_time() {
     let functions = GridFunctions::QuadraticSpline;
     let continuous = points::<2>(choices(Transfer::Continuous, functions));

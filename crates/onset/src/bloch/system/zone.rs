@@ -54,6 +54,8 @@ const LARGE: usize = 24;
 const HUGE: usize = 96;
 /// Within half of a step of the grid a branch changes by about this fraction of its change within a step.
 const HALF: f64 = 0.6;
+/// Steps of the grid from the middle of a shell of long waves to its faces.
+const SHELL: usize = 4;
 /// Wave vectors below this fraction of a reciprocal vector are long waves, which are taken to their limit.
 const LONG: f64 = 1e-3;
 
@@ -71,12 +73,37 @@ enum Objective {
     Highest,
     /// Minus the growth rate of complex `omega^2`.
     Growth,
+    /// A function of the wave vector, [`Sweep::function`].
+    Function,
 }
+
+/// A function of the wave vector whose least value is searched.
+pub(crate) type WaveFunction<'a, const D: usize> = &'a (dyn Fn(&SVector<f64, D>) -> f64 + Sync);
 
 impl<const D: usize> ZoneSearch<D> {
     /// The extremes of the spectrum of a system; damping left out.
     pub fn summary_of(&self, system: &WaveSystem<D>) -> SpectrumSummary<D> {
         self.found_of(system, Flutter::All, None)
+    }
+
+    /// Least value over the zone of a function that depends on the waves of a system, and its wave vector. Waves longer than
+    /// `1 / LONG` cells are left out. The best value so far once `is_ended`.
+    pub(crate) fn least_of(
+        &self,
+        system: &WaveSystem<D>,
+        function: WaveFunction<'_, D>,
+        is_ended: IsEnded<'_>,
+    ) -> (f64, SVector<f64, D>) {
+        if let Some((range, search, system)) = self.short_ranged_system(system) {
+            let to_given = range.map.transpose();
+            let carried = |k: &SVector<f64, D>| function(&(to_given * k));
+            let (value, k) = search.least_of(&system, &carried, is_ended);
+            return (value, self.folded(&(to_given * k)));
+        }
+        let mut sweep = Sweep::new(self, system, Some(is_ended));
+        sweep.function = Some(function);
+        let (value, k) = sweep.least();
+        (value, self.folded(&k))
     }
 
     /// The same, but for flutter that grows more slowly than what diverges, as [`ZoneSearch::extremes`] of a matrix.
@@ -258,12 +285,6 @@ impl<const D: usize> ZoneSearch<D> {
         let system = system.in_short_range(&range)?;
         Some((range, self.in_short_range(&range)?, system))
     }
-
-    /// The system in such coordinates, in which a grid over its zone sees all of it; none where it does anyway.
-    pub(crate) fn short_ranged_waves(&self, system: &WaveSystem<D>) -> Option<WaveSystem<D>> {
-        self.short_ranged_system(system)
-            .map(|(_, _, system)| system)
-    }
 }
 
 struct Sweep<'a, const D: usize> {
@@ -273,6 +294,8 @@ struct Sweep<'a, const D: usize> {
     is_bounded: bool,
     /// Whether nobody waits any more: then nothing is looked at that is not known.
     is_ended: IsEnded<'a>,
+    /// The function of [`Objective::Function`].
+    function: Option<WaveFunction<'a, D>>,
     effort: Effort,
     waves: Arc<WaveGrid<D>>,
     /// `omega^2` at half of the grid, once they are needed; `-k` has the same, conjugated.
@@ -427,6 +450,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             system,
             is_bounded: is_bounded.is_some(),
             is_ended: is_bounded.unwrap_or(&|| false),
+            function: None,
             effort: Effort::of(system),
             spectra: OnceLock::new(),
             waves,
@@ -747,7 +771,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             Objective::Scaled => Measure::Scaled(speed_squared),
             Objective::Lowest => Measure::Lowest,
             Objective::Highest => Measure::Highest,
-            Objective::Growth => return None,
+            Objective::Growth | Objective::Function => return None,
         };
         // A value that is attained, to begin with.
         let corner = self.search.reference().reciprocal() * SVector::repeat(0.5);
@@ -856,6 +880,11 @@ impl<'a, const D: usize> Sweep<'a, D> {
             Objective::Lowest => spectrum.iter().map(|z| z.re).collect(),
             Objective::Highest => spectrum.iter().map(|z| -z.re).collect(),
             Objective::Growth => complex_growth(spectrum).collect(),
+            Objective::Function => self
+                .function
+                .map(|function| function(k))
+                .into_iter()
+                .collect(),
         };
         values.sort_by(f64::total_cmp);
         if values.is_empty() {
@@ -865,7 +894,16 @@ impl<'a, const D: usize> Sweep<'a, D> {
     }
 
     fn value(&self, objective: Objective, k: &SVector<f64, D>) -> f64 {
-        self.branches(objective, k, &self.omega_squared(k))[0]
+        self.branches_at(objective, k)[0]
+    }
+
+    /// The objective of the branches at a wave vector whose spectrum is not known yet.
+    fn branches_at(&self, objective: Objective, k: &SVector<f64, D>) -> Vec<f64> {
+        match objective {
+            Objective::Function if (self.is_ended)() => vec![f64::INFINITY],
+            Objective::Function => self.branches(objective, k, &[]),
+            _ => self.branches(objective, k, &self.omega_squared(k)),
+        }
     }
 
     /// `omega^2 / (c^2 |k|_h^2)`. Rounding of `omega^2`, which does not become smaller with the wave vector, counts as zero: modes
@@ -894,11 +932,17 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Bottoms that lie, or seemed to, below a floor and those found before.
     fn bottoms(&self, objective: Objective, floor: f64) -> Vec<Candidate<D>> {
         let wave_vectors = half(&self.waves);
-        let branches: Vec<Vec<f64>> = wave_vectors
-            .iter()
-            .zip(self.spectra())
-            .map(|(k, spectrum)| self.branches(objective, k, spectrum))
-            .collect();
+        let branches: Vec<Vec<f64>> = match objective {
+            Objective::Function => {
+                let waves = wave_vectors.iter();
+                waves.map(|k| self.branches_at(objective, k)).collect()
+            }
+            _ => {
+                let waves = wave_vectors.iter().zip(self.spectra());
+                let branches = |(k, spectrum): (_, &Vec<_>)| self.branches(objective, k, spectrum);
+                waves.map(branches).collect()
+            }
+        };
         let mut ends: Vec<Candidate<D>> = Vec::new();
         let margin = self.margin(objective);
         let to_beat =
@@ -937,6 +981,48 @@ impl<'a, const D: usize> Sweep<'a, D> {
         ends
     }
 
+    /// Least value of the function: the bottoms of the grid, of pockets of complex `omega^2`, and of long waves.
+    fn least(&self) -> Candidate<D> {
+        let objective = Objective::Function;
+        let mut ends = self.bottoms(objective, f64::INFINITY);
+        let deepest =
+            |ends: &[Candidate<D>]| ends.iter().map(|end| end.0).fold(f64::INFINITY, f64::min);
+        if !self.system.is_hermitian() {
+            for k in self.pockets(0.0) {
+                let start = (self.value(objective, &k), k);
+                if start.0 < deepest(&ends) {
+                    ends.push(self.followed(objective, 0, start, f64::INFINITY, &[]));
+                }
+            }
+        }
+        // Shells around k = 0, an octave apart: what vanishes with k has its bottoms anywhere between k = 0 and the grid.
+        let step = self.search.reference().reciprocal() / self.waves.resolution() as f64;
+        let shells: Vec<(f64, Candidate<D>)> =
+            std::iter::successors(Some(1.0), |size| Some(0.5 * size))
+                .map(|size| {
+                    let starts = shell::<D>().map(|place| {
+                        let k = step * (place * size);
+                        (self.value(objective, &k), k)
+                    });
+                    let least = starts.min_by(|a, b| a.0.total_cmp(&b.0));
+                    (size, least.unwrap_or((f64::INFINITY, SVector::zeros())))
+                })
+                .take_while(|(_, least)| least.0.is_finite())
+                .collect();
+        let value = |n: usize| shells.get(n).map_or(f64::INFINITY, |shell| shell.1.0);
+        for (n, (size, start)) in shells.iter().enumerate() {
+            if start.0 <= value(n.wrapping_sub(1)) && start.0 <= value(n + 1) {
+                ends.push(settled(
+                    &|k| self.value(objective, k),
+                    *start,
+                    &(step * *size),
+                ));
+            }
+        }
+        let best = ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        best.unwrap_or((f64::INFINITY, SVector::zeros()))
+    }
+
     /// Where to begin along a ray, of which one step is given; in large cells at the lowest place.
     fn along_ray(&self, objective: Objective, step: &SVector<f64, D>) -> Vec<Candidate<D>> {
         let start = |steps: f64| (self.value(objective, &(step * steps)), step * steps);
@@ -972,6 +1058,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             Objective::Scaled => noise / scale,
             Objective::Lowest | Objective::Highest => noise,
             Objective::Growth => self.search.flutter_threshold(self.system.sites()),
+            Objective::Function => 0.0,
         }
     }
 
@@ -1069,9 +1156,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .map(|part| {
                 let corner = grid_coordinates::<D>(part, 2).each(|side| 0.5 * side as f64 - 0.25);
                 let k = region.center + sides * SVector::from(corner);
-                let spectrum = self.omega_squared(&k);
-                let branches = self.branches(objective, &k, &spectrum);
-                (k, branches)
+                (k, self.branches_at(objective, &k))
             })
             .collect();
         // From the middle to those of the parts it is as far as from these to their corners.
@@ -1109,6 +1194,10 @@ impl<'a, const D: usize> Sweep<'a, D> {
         if (self.is_ended)() {
             return start;
         }
+        let step = self.search.reference().reciprocal() / self.waves.resolution() as f64;
+        if objective == Objective::Function {
+            return settled(&|k| self.value(objective, k), start, &step);
+        }
         let taylor = |k: &SVector<f64, D>| self.taylor(objective, branch, k);
         // At the edge of a pocket growth is a square root, of which no parabola tells how far it goes on.
         let (to_beat, floor) = match objective {
@@ -1127,7 +1216,6 @@ impl<'a, const D: usize> Sweep<'a, D> {
         if (is_settled && branch == 0) || end.0 >= floor || known.iter().any(is_known) {
             return end;
         }
-        let step = self.search.reference().reciprocal() / self.waves.resolution() as f64;
         settled(&|k| self.value(objective, k), end, &step)
     }
 
@@ -1156,6 +1244,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             Objective::Highest => value.map(|z| -z.re),
             Objective::Growth => value.growth().map(|x| -x),
             Objective::Lowest => value.map(|z| z.re),
+            Objective::Function => return None,
         })
     }
 
@@ -1240,6 +1329,14 @@ fn resolution<const D: usize>(system: &WaveSystem<D>) -> usize {
     };
     let points = POINTS_PER_PERIOD * reach;
     points.clamp(least, most).next_multiple_of(6)
+}
+
+/// Half of the points on the surface of a cube around zero, in steps of a grid; of opposite points one.
+fn shell<const D: usize>() -> impl Iterator<Item = SVector<f64, D>> {
+    let side = 2 * SHELL + 1;
+    let places = (0..side.pow(D as u32) / 2).map(move |n| grid_coordinates::<D>(n, side));
+    let centered = places.map(|place| SVector::from(place.each(|c| c as f64 - SHELL as f64)));
+    centered.filter(|place| place.amax() == SHELL as f64)
 }
 
 /// Half of the wave vectors of a grid; `-k` has the same spectrum, conjugated.
