@@ -298,7 +298,7 @@ def simulate(
       ``omega^2``. `amplitude` is the largest displacement at the start, in particle spacings.
     - It takes `steps`, or the `time`; when left out about a period, four e-folding times of growth or one of decay. A step is the `fraction` of the largest
       stable one, 0.5 or less when left out, or the `time_step` (time) itself, of a transfer ``discretization.time-step`` where that is set; above the largest stable one only if `supercritical`. The `integrator` is ``kick-drift-kick``
-      (when left out), ``central-differences``, ``predictor-corrector`` or ``sixth-order``; a transfer of material points has a step of its own, and takes none.
+      (when left out), ``central-differences``, ``predictor-corrector``, ``sixth-order`` or a Runge-Kutta method as in `limit`; a transfer of material points has a step of its own, and takes none.
     - Rates that differ by less than the share `tolerance` agree.
     - With `out`, a folder, the history is written `every` so many steps, so many `fields`, and a checkpoint each `checkpoint` steps (five seconds when left
       out), from which `resume` goes on; `overwrite` begins anew.
@@ -480,8 +480,8 @@ def limit(
 
     `vary` is a key that takes a number, ``"material.young"`` or ``"discretization.spacing"``. Sought are its values with which `time_step` (time; a text has a
     unit, ``"1 us"``) is at most `safety` times the critical step of the state, at ``F = 1`` unless `stretch` or `F` is given. Values are looked at from 1e-6 to
-    1e6 times the present one, or in `range`, in the unit of the key. Integrators (``central-differences``, ``kick-drift-kick``, ``predictor-corrector``) differ
-    with damping alone.
+    1e6 times the present one, or in `range`, in the unit of the key. The integrators ``central-differences``, ``kick-drift-kick`` and ``predictor-corrector``
+    differ with damping only; the Runge-Kutta methods are ``forward-euler``, ``heun``, ``rk3``, ``rk4``, ``carpenter-kennedy``, ``rdpk3-35`` and ``rdpk3-49``.
 
     A key that is not read, or of which no value can be evaluated, is an `InputError`.
     """

@@ -621,8 +621,8 @@ pub struct SimulateArguments {
     /// Run a step above the largest stable one all the same.
     #[arg(long, help_heading = "Time")]
     pub supercritical: bool,
-    /// kick-drift-kick (velocity-verlet), central-differences (leapfrog, symplectic-euler), predictor-corrector (midpoint), or sixth-order, a
-    /// composition of nine steps of the first [default: kick-drift-kick; bodies have central-differences, transfers of material points a step of their own].
+    /// kick-drift-kick (velocity-verlet), central-differences (leapfrog, symplectic-euler), predictor-corrector (midpoint), sixth-order, a
+    /// composition of nine steps of the first, or an explicit Runge-Kutta method: forward-euler, heun, rk3, rk4, carpenter-kennedy, rdpk3-35, rdpk3-49 [default: kick-drift-kick; bodies have central-differences, transfers of material points a step of their own].
     #[arg(long, value_name = "NAME", value_parser = stepper, help_heading = "Time")]
     pub integrator: Option<Stepper>,
     /// The relative difference of rates that counts as agreement [default: 1e-6].
@@ -654,8 +654,7 @@ pub struct SimulateArguments {
 }
 
 fn stepper(text: &str) -> Result<Stepper, String> {
-    Stepper::named(text)
-        .ok_or_else(|| expected(text, "available are", &Stepper::ALL.map(Stepper::name)))
+    Stepper::named(text).ok_or_else(|| expected(text, "available are", &Stepper::names()))
 }
 
 /// A positive number as typed.
@@ -904,7 +903,8 @@ pub struct LimitArguments {
     /// The share of the critical step that the step may be.
     #[arg(long, value_name = "SHARE", default_value_t = 1.0, value_parser = share)]
     pub safety: f64,
-    /// How steps are taken, which matters with damping: central-differences, kick-drift-kick or predictor-corrector.
+    /// Integrator: central-differences (leapfrog, symplectic-euler), kick-drift-kick (velocity-verlet), predictor-corrector, forward-euler,
+    /// heun, rk3, rk4, carpenter-kennedy, rdpk3-35 or rdpk3-49 (RDPK3SpFSAL35 and 49). The first three differ with damping only.
     #[arg(long, value_name = "NAME", default_value = Integrator::KickDriftKick.name(), value_parser = integrator)]
     pub integrator: Integrator,
     /// Folder for limit.csv, limit.svg and limit.png; nothing is written without it.
@@ -914,13 +914,7 @@ pub struct LimitArguments {
 
 /// An integrator as typed.
 fn integrator(text: &str) -> Result<Integrator, String> {
-    Integrator::named(text).ok_or_else(|| {
-        expected(
-            text,
-            "available are",
-            &Integrator::ALL.map(Integrator::name),
-        )
-    })
+    Integrator::named(text).ok_or_else(|| expected(text, "available are", &Integrator::NAMES))
 }
 
 /// A share as typed.

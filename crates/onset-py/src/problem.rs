@@ -198,7 +198,7 @@ impl Problem {
                 (stretch, components) => strain(&problem, stretch, components)?,
             };
             let integrator = integrator.ok_or_else(|| {
-                let known = Integrator::ALL.map(Integrator::name).join(", ");
+                let known = Integrator::NAMES.join(", ");
                 Failure::Input(format!("no such integrator\n  hint: available are {known}"))
             })?;
             let question = LimitQuestion::new(&key, &time_step)?
@@ -435,7 +435,7 @@ impl Problem {
             _ => return Err(Failure::input("a run has `steps` or `time`, not both").into()),
         };
         let named = |name| {
-            let unknown = || unknown("integrator", name, Stepper::ALL.map(Stepper::name));
+            let unknown = || unknown("integrator", name, Stepper::names());
             Stepper::named(name).ok_or_else(unknown)
         };
         let stepper = integrator.map(named).transpose()?;
@@ -641,9 +641,9 @@ fn lateral_named(name: &str) -> Result<Lateral, Failure> {
 }
 
 /// A word that an argument does not take.
-pub fn unknown<const N: usize>(argument: &str, word: &str, known: [&str; N]) -> Failure {
+pub fn unknown(argument: &str, word: &str, known: impl AsRef<[&'static str]>) -> Failure {
     Failure::Input(format!(
         "{argument} cannot be \"{word}\"\n  hint: expected one of {}",
-        known.join(", ")
+        known.as_ref().join(", ")
     ))
 }

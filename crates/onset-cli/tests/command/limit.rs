@@ -78,6 +78,45 @@ fn a_damping_coefficient_is_limited_by_its_integrator() {
 }
 
 #[test]
+fn runge_kutta_methods_admit_a_modulus_by_their_reach_on_the_imaginary_axis() {
+    let line = |integrator: &str| {
+        format!(
+            "limit --vary material.mu --time-step 0.5 --integrator {integrator} {LAW} set method=total-lagrangian-sph set lattice=square"
+        )
+    };
+    let largest = |integrator: &str| number(&document(&line(integrator)), "/admitted/0/to/value");
+    // (omega dt)^2 of each over that of leapfrog, 4.
+    let leapfrog = largest("leapfrog");
+    for (name, ratio) in [
+        ("rk4", 2.0),
+        ("rk3", 0.75),
+        ("symplectic-euler", 1.0),
+        ("carpenter-kennedy", 2.790_1),
+    ] {
+        let found = largest(name) / leapfrog;
+        assert!((found / ratio - 1.0).abs() < 1e-4, "{name}: {found}");
+    }
+    for name in ["heun", "forward-euler"] {
+        let answer = onset_line(&line(name));
+        assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+        let told = format!("Waves without damping are unstable for every time step of {name}");
+        assert!(answer.stdout.contains(&told), "{}", answer.stdout);
+    }
+}
+
+#[test]
+fn large_damping_admits_steps_beyond_the_undamped_limit() {
+    // The spectral radius of the amplification matrix leaves one at k = pi.
+    let line = "state --stretch 1,1,1 set method=updated-sph set lattice=chain set support=1.9 set viscosity=2 set viscosity-switch=always";
+    let steps = document(line);
+    let step = |name: &str| number(&steps, &format!("/discretization/damped_time_steps/{name}"));
+    assert!((step("kick-drift-kick") / 0.239_498 - 1.0).abs() < 1e-5);
+    for name in ["central-differences", "predictor-corrector"] {
+        assert!((step(name) / 0.119_749 - 1.0).abs() < 1e-5);
+    }
+}
+
+#[test]
 fn a_method_with_a_step_of_its_own_is_limited_by_that() {
     let method = "set method=material-points set lattice=chain set unknowns=particles set transfer=apic set grid-functions=quadratic-spline";
     let line = format!("limit --vary material.mu --time-step 0.1 {LAW} {method}");

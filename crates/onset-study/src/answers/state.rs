@@ -227,7 +227,7 @@ pub struct DiscretizationAnswer {
     /// The waves in steps of time, where the method has a step of its own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discrete_time: Option<DiscreteTimeAnswer>,
-    /// Critical time steps of integrators where damping makes them differ, by their names.
+    /// Critical time steps of integrators with damping, by their names; zero where no step is stable.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub damped_time_steps: BTreeMap<&'static str, f64>,
     /// Of which waves these are: of all, or, at a state that is unstable itself, of those that do not grow.
@@ -706,13 +706,16 @@ impl std::fmt::Display for StateAnswer {
             } else {
                 " for the waves that do not grow"
             };
-            line(
-                &of("with damping"),
-                format!(
-                    "{integrator} needs a time step below {}{whose}",
-                    units.of(told(*step), "s")
+            let text = match *step {
+                0.0 => format!(
+                    "{integrator} is unstable for every time step: some waves have no damping"
                 ),
-            )?;
+                step => format!(
+                    "{integrator} needs a time step below {}{whose}",
+                    units.of(told(step), "s")
+                ),
+            };
+            line(&of("with damping"), text)?;
         }
         if let Some(certificate) = &self.certificate {
             writeln!(formatter, "{certificate}")?;

@@ -10,6 +10,7 @@ use crate::number::{told, told_above, told_below};
 use crate::output::{Files, text};
 use crate::range::{middle, spread};
 use crate::settings::{Effective, Settings, Units};
+use onset::time_step::{Integrator, undamped_time_step};
 use onset::verdict::Verdict;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -28,8 +29,8 @@ const CLOSE: f64 = 1e-10;
 pub struct Tried {
     /// The value.
     pub value: f64,
-    /// The critical time step of the state, of a study with a body the smaller of that of the infinite lattice and that of the body; `null` where no mode oscillates, so that every step is stable, and where nothing can be evaluated.
-    /// Time.
+    /// The critical time step of the state, of a study with a body the smaller of that of the infinite lattice and that of the body; zero where no step is
+    /// stable, `null` where no mode oscillates, so that every step is stable, and where nothing can be evaluated. Time.
     #[serde(serialize_with = "finite")]
     pub critical_time_step: f64,
     /// The verdict on the state; of an unstable one the step is that of the waves that do not grow.
@@ -159,10 +160,13 @@ impl Search<'_> {
             None if analysis.is_damped() => {
                 analysis.critical_time_step(f, self.question.integrator)?
             }
-            None => assessment.spectrum.critical_time_step(),
+            None => undamped_time_step(self.question.integrator, assessment.spectrum.maximum_omega),
         };
         let body = BodyStepAnswer::new(&problem, f)?;
-        let of_body = body.and_then(|body| body.time_step);
+        // The step of the body is that of central differences.
+        let share = self.question.integrator.undamped_reach()
+            / Integrator::CentralDifferences.undamped_reach();
+        let of_body = body.and_then(|body| body.time_step).map(|own| own * share);
         Ok(Tried {
             value,
             critical_time_step: of_body.map_or(step, |own| own.min(step)),
@@ -403,10 +407,12 @@ impl LimitAnswer {
     /// Critical steps over the values, and the step that must be stable.
     pub fn figure(&self) -> Figure {
         let units = self.units();
+        let has_step =
+            |one: &Tried| one.critical_time_step.is_finite() && one.critical_time_step > 0.0;
         let points: Vec<(f64, f64)> = self
             .tried
             .iter()
-            .filter(|one| one.critical_time_step.is_finite())
+            .filter(|one| has_step(one))
             .map(|one| (one.value, one.critical_time_step))
             .collect();
         let label = match self.unit {
@@ -428,11 +434,7 @@ impl LimitAnswer {
                     .dashed()
                     .named("required critical step"),
             );
-        if let Some(present) = self
-            .present
-            .as_ref()
-            .filter(|own| own.critical_time_step.is_finite())
-        {
+        if let Some(present) = self.present.as_ref().filter(|own| has_step(own)) {
             let at = vec![(present.value, present.critical_time_step)];
             panel = panel.with(Points::new(at).color(palette::BLACK).named("present value"));
         }
@@ -490,9 +492,10 @@ impl LimitAnswer {
     }
 
     fn step(&self, step: f64) -> String {
-        match step.is_infinite() {
-            true => "unbounded".to_owned(),
-            false => self.units().of(told(step), "s"),
+        match step {
+            f64::INFINITY => "unbounded".to_owned(),
+            0.0 => "none".to_owned(),
+            _ => self.units().of(told(step), "s"),
         }
     }
 
@@ -510,6 +513,11 @@ impl LimitAnswer {
             .map(|one| self.value(told(one.map_or(f64::NAN, |one| one.value))));
         let is_open = |end: &End| end.kind == EndKind::Range;
         match &self.admitted[..] {
+            [] if self.is_unstable_for_every_step() => format!(
+                "Waves without damping are unstable for every time step of {} with every {} from {first} to {last}.",
+                self.integrator.unwrap_or_default(),
+                self.key
+            ),
             [] => {
                 let steps = self.tried.iter().filter(|one| one.note.is_none());
                 let best =
@@ -551,6 +559,12 @@ impl LimitAnswer {
         }
     }
 
+    /// Returns true if no value has a stable step.
+    fn is_unstable_for_every_step(&self) -> bool {
+        let mut evaluated = self.tried.iter().filter(|one| one.note.is_none());
+        evaluated.all(|one| one.critical_time_step == 0.0)
+    }
+
     /// What the setting is now, and what that gives.
     fn present_sentence(&self) -> Option<String> {
         let present = self.present.as_ref()?;
@@ -564,6 +578,9 @@ impl LimitAnswer {
         }
         if step.is_infinite() {
             return Some(format!("It is {value} now, with no critical step."));
+        }
+        if step == 0.0 {
+            return Some(format!("It is {value} now, with no stable step."));
         }
         Some(format!(
             "It is {value} now, with a critical step of {}: the step is {} times that.",

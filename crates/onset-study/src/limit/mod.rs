@@ -81,7 +81,7 @@ impl LimitQuestion {
         self
     }
 
-    /// Of an integrator; they differ with damping alone.
+    /// With the critical step of an integrator.
     pub fn with_integrator(mut self, integrator: Integrator) -> Self {
         self.integrator = integrator;
         self

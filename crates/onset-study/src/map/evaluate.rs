@@ -21,8 +21,9 @@ pub struct Evaluator {
     stiffness: f64,
     /// From where on an undecided measure is not near zero, if proofs are asked for.
     tolerance: Option<f64>,
-    /// Whose critical time step is told, where damping makes them differ.
-    integrator: Option<Integrator>,
+    /// Integrator whose critical time step is stored.
+    integrator: Integrator,
+    is_damped: bool,
     /// Whether the method has a step of its own.
     is_transferred: bool,
 }
@@ -44,14 +45,15 @@ impl Evaluator {
             analysis: None,
             stiffness: f64::NAN,
             tolerance: map.certify.then_some(map.tolerance),
-            integrator: None,
+            integrator: map.integrator,
+            is_damped: false,
             is_transferred: false,
         };
         let Some(analysis) = analysis else {
             return Ok(evaluator);
         };
         evaluator.stiffness = analysis.speed_squared()? * evaluator.settings.discretization.density;
-        evaluator.integrator = analysis.is_damped().then_some(map.integrator);
+        evaluator.is_damped = analysis.is_damped();
         evaluator.is_transferred = analysis.is_transferred();
         evaluator.analysis = Some(match many {
             true => analysis.for_many_states()?,
@@ -83,9 +85,13 @@ impl Evaluator {
         match surveyed {
             Ok(state) => {
                 let mut record = self.surveyed(&state);
-                if let Some(integrator) = self.integrator {
-                    let step = analysis.critical_time_step(f, integrator)?;
+                if self.is_damped {
+                    let step = analysis.critical_time_step(f, self.integrator)?;
                     record.critical_time_step = if step.is_finite() { step } else { f64::NAN };
+                } else {
+                    // The record has the step of central differences.
+                    let reach = Integrator::CentralDifferences.undamped_reach();
+                    record.critical_time_step *= self.integrator.undamped_reach() / reach;
                 }
                 if self.is_transferred {
                     record = self.in_discrete_time(analysis, f, record)?;

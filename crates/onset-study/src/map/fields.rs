@@ -187,7 +187,7 @@ fn numbers() -> Vec<(Field, Taken)> {
         ),
         number(
             "critical_time_step",
-            "critical time step of central differences, 2 / omega_max, of the infinite lattice: free faces and distorted cells need less; with damping that of map.integrator for the waves that do not grow, with a transfer of material points that of it",
+            "critical time step of map.integrator for the waves that do not grow (2 / omega_max of central differences without damping), of the infinite lattice: free faces and distorted cells need less; with a transfer of material points that of it",
             "time",
             |record| record.critical_time_step,
         ),

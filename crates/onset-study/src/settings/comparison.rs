@@ -42,11 +42,7 @@ pub const COMPARISON_KEYS: &[Key] = &[
     ),
     key(
         "compare.integrator",
-        Kind::Words(&[
-            "central-differences",
-            "kick-drift-kick",
-            "predictor-corrector",
-        ]),
+        Kind::Words(&Integrator::NAMES),
         "integrator whose critical time step is told",
     ),
 ];

@@ -9,6 +9,7 @@ use super::renamed;
 use super::{MapSettings, Model, OUTPUTS, Plane, StateSettings, Value, aliases, word_of};
 use onset::material::Parameter;
 use onset::method::KernelMethodChoices;
+use onset::time_step::Integrator;
 use std::collections::BTreeMap;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
@@ -465,12 +466,8 @@ pub const MAP_KEYS: &[Key] = &[
     ),
     key(
         "map.integrator",
-        Kind::Words(&[
-            "central-differences",
-            "kick-drift-kick",
-            "predictor-corrector",
-        ]),
-        "integrator whose critical time step is stored; all are alike without damping",
+        Kind::Words(&Integrator::NAMES),
+        "integrator whose critical time step is stored",
     ),
     key(
         "map.outputs",

@@ -67,7 +67,7 @@ pub struct MapSettings {
     pub tolerance: f64,
     /// States along an edge of a tile.
     pub tile: usize,
-    /// The integrator whose critical time step is stored; all are alike without damping.
+    /// The integrator whose critical time step is stored.
     pub integrator: Integrator,
     /// The numbers that are stored, beside verdict and stability.
     pub outputs: Outputs,

@@ -373,13 +373,19 @@ impl fmt::Display for SimulateAnswer {
             self.branch,
             units.of(format!("{}{imaginary}", told(real)), "1/s^2")
         )?;
+        let share = match self.critical_time_step {
+            0.0 => "no step is stable".to_owned(),
+            critical => format!(
+                "{} of the largest stable one",
+                told(self.time_step / critical)
+            ),
+        };
         writeln!(
             formatter,
-            "run          {} of {} steps of {} ({} of the largest stable one), {}",
+            "run          {} of {} steps of {} ({share}), {}",
             self.steps_taken,
             self.steps,
             units.of(told(self.time_step), "s"),
-            told(self.time_step / self.critical_time_step),
             self.integrator
         )?;
         writeln!(

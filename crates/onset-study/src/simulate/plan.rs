@@ -427,6 +427,16 @@ fn step(
         (None, None) if own > 0.0 => own,
         (None, None) => (HALF * critical).min(resolved),
     };
+    let stepper = question.stepper.unwrap_or(Stepper::KICK_DRIFT_KICK);
+    if critical == 0.0 && !(step > 0.0 && question.pace.is_supercritical) {
+        return Err(refused(
+            format!(
+                "{} is unstable for every time step: waves without damping grow",
+                stepper.name()
+            ),
+            "choose another --integrator; to see them grow, --time-step with --supercritical",
+        ));
+    }
     if !step.is_finite() {
         return Err(refused(
             "no wave of the patch oscillates, so no step is the largest stable one",
