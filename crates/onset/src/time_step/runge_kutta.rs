@@ -217,12 +217,11 @@ pub(super) fn value(polynomial: &[f64], z: Complex) -> Complex {
 /// The first distance from zero along a ray at which `|P|` exceeds one; zero where it does at once. `direction` has unit length.
 pub(super) fn reach(polynomial: &[f64], direction: Complex) -> f64 {
     // |P(r e)|^2 - 1 as a polynomial of r.
-    let count = polynomial.len();
-    let mut excess = vec![0.0; 2 * count - 1];
+    let mut excess = vec![0.0; 2 * polynomial.len() - 1];
     let mut terms = excess.clone();
-    for i in 0..count {
-        for j in 0..count {
-            let product = polynomial[i] * polynomial[j];
+    for (i, first) in polynomial.iter().enumerate() {
+        for (j, second) in polynomial.iter().enumerate() {
+            let product = first * second;
             let turned = direction.powu(i as u32) * direction.conj().powu(j as u32);
             excess[i + j] += product * turned.re;
             terms[i + j] += product.abs();

@@ -135,7 +135,7 @@ fn dense<const D: usize>(
     value: &dyn Fn(&SVector<f64, D>) -> f64,
 ) -> (f64, SVector<f64, D>) {
     let reciprocal = *waves.system().crystal().lattice().reciprocal();
-    let side = [2048, 96][D - 1];
+    let side: usize = [2048, 96][D - 1];
     let mut places: Vec<(SVector<f64, D>, f64)> = (1..=side * side.pow(D as u32 - 1) / 2)
         .map(|n| {
             let place =
@@ -203,6 +203,15 @@ struct Step<const D: usize> {
     stress: SMatrix<f64, D, D>,
     changes: Vec<SMatrix<f64, D, D>>,
 }
+
+/// A node seen from a place: its lattice coordinates, where it is from there, value and gradient of its function, and the derivatives of the gradient.
+type Seen<const D: usize> = (
+    SVector<f64, D>,
+    SVector<f64, D>,
+    f64,
+    SVector<f64, D>,
+    SMatrix<f64, D, D>,
+);
 
 /// Value, slope and curvature of a cardinal B-spline from truncated powers.
 fn spline(order: i32, x: f64) -> [f64; 3] {
@@ -279,17 +288,8 @@ impl<const D: usize> Step<D> {
         if self.order == 2 { 0.25 } else { 1.0 / 3.0 }
     }
 
-    /// Of a node seen from a place: the steps to it, where it is from there, value, gradient, and what the gradient changes by along each axis.
-    fn seen(
-        &self,
-        place: &SVector<f64, D>,
-    ) -> Vec<(
-        SVector<f64, D>,
-        SVector<f64, D>,
-        f64,
-        SVector<f64, D>,
-        SMatrix<f64, D, D>,
-    )> {
+    /// The nodes around a place.
+    fn seen(&self, place: &SVector<f64, D>) -> Vec<Seen<D>> {
         let inverse = self.current.try_inverse().expect("a lattice").transpose();
         let side = 2 * self.order + 1;
         let node = |n: i32| {
