@@ -3,7 +3,6 @@
 use super::{Integrator, runge_kutta};
 use crate::algebra::{Complex, any_eigenvalues};
 use crate::bloch::{IsEnded, WaveSystem, ZoneSearch};
-use crate::lattice::grid_coordinates;
 use nalgebra::{DMatrix, SVector};
 
 /// Eigenvalues may leave the unit circle by this much: rounding.
@@ -16,13 +15,8 @@ const UNDAMPED: f64 = 1e-10;
 const STEPS: usize = 24;
 const LONGER: f64 = 1.05;
 const FARTHEST: f64 = 1e4;
-/// Points along a reciprocal vector from which the search over the zone starts, and its rounds.
-const START: usize = 4;
-const ROUNDS: usize = 24;
-/// Relative difference of steps that are the same.
-const SAME: f64 = 1e-9;
 /// Halvings of the interval in which a step is lost.
-const HALVINGS: usize = 40;
+const HALVINGS: usize = 28;
 
 /// The matrices of one wave: `dv/dt = -K u - C v`, `du/dt = T v`, divided by the masses.
 #[derive(Clone, Debug)]
@@ -297,8 +291,8 @@ pub fn undamped_time_step(integrator: Integrator, largest_frequency: f64) -> f64
 /// The largest stable step of an integrator at a state: the least over the zone. Time. Of a state that is unstable itself it is
 /// that of the waves that do not grow. Infinite where nothing oscillates, zero where no step is stable.
 ///
-/// Without damping the largest frequency decides, which the search over the zone finds. Otherwise the search finds the wave that a
-/// step amplifies most; the step becomes the largest stable one of that wave, until no wave is amplified.
+/// Without damping the largest frequency decides, which the search over the zone finds; otherwise the search finds the least step of
+/// all waves.
 pub fn critical_time_step<const D: usize>(
     system: &WaveSystem<D>,
     integrator: Integrator,
@@ -317,31 +311,6 @@ pub fn critical_time_step_unless<const D: usize>(
     if system.damping().is_none() {
         return undamped_time_step(integrator, search.summary_of(system).maximum_omega);
     }
-    let reciprocal = system.crystal().lattice().reciprocal();
-    let places = (1..START.pow(D as u32)).map(|n| grid_coordinates::<D>(n, START));
-    let steps = places.take_while(|_| !is_ended()).map(|place| {
-        let fractional = SVector::from(place).map(|c| c as f64 / START as f64);
-        critical_time_step_at(system, integrator, &(reciprocal * fractional))
-    });
-    let mut step = steps.fold(f64::INFINITY, f64::min);
-    if step.is_infinite() {
-        let at = |k: &SVector<f64, D>| critical_time_step_at(system, integrator, k);
-        step = search.least_of(system, &at, is_ended).0;
-    }
-    for _ in 0..ROUNDS {
-        if !(step > 0.0 && step.is_finite()) {
-            break;
-        }
-        let kept = |k: &SVector<f64, D>| -DampedWave::new(system, integrator, k).excess(step);
-        let (kept, k) = search.least_of(system, &kept, is_ended);
-        if kept >= 0.0 || is_ended() {
-            break;
-        }
-        let lower = DampedWave::new(system, integrator, &k).first_loss(step);
-        if lower >= step * (1.0 - SAME) {
-            break;
-        }
-        step = lower;
-    }
-    step
+    let at = |k: &SVector<f64, D>| critical_time_step_at(system, integrator, k);
+    search.least_of(system, &at, is_ended).0
 }

@@ -54,6 +54,8 @@ const LARGE: usize = 24;
 const HUGE: usize = 96;
 /// Within half of a step of the grid a branch changes by about this fraction of its change within a step.
 const HALF: f64 = 0.6;
+/// Wells that are followed with damping, where each value takes the eigenvalues of many steps.
+const DAMPED_WELLS: usize = 8;
 /// Steps of the grid from the middle of a shell of long waves to its faces.
 const SHELL: usize = 4;
 /// Wave vectors below this fraction of a reciprocal vector are long waves, which are taken to their limit.
@@ -102,6 +104,9 @@ impl<const D: usize> ZoneSearch<D> {
         }
         let mut sweep = Sweep::new(self, system, Some(is_ended));
         sweep.function = Some(function);
+        if system.damping().is_some() {
+            sweep.effort.wells = sweep.effort.wells.min(DAMPED_WELLS);
+        }
         let (value, k) = sweep.least();
         (value, self.folded(&k))
     }
