@@ -178,3 +178,35 @@ fn text_and_document_say_the_same() {
         Some(verdict)
     );
 }
+
+#[test]
+fn every_verdict_says_how_sure_it_is() {
+    let stable =
+        "--set discretization.method=total-lagrangian-sph --set discretization.penalty=0.5";
+    for (line, evidence) in [
+        (format!("state --stretch 1.1,1 {stable}"), "bounded"),
+        (
+            "state --stretch 1.1,1 --certify --set discretization.support=2.2".to_owned(),
+            "proved",
+        ),
+        (PATH.to_owned(), "searched"),
+        (format!("modes {stable}"), "bounded"),
+        (
+            "criteria --set material.model=blatz-ko --mode hydrostatic".to_owned(),
+            "searched",
+        ),
+        (
+            "card --set material.model=blatz-ko --mode hydrostatic".to_owned(),
+            "searched",
+        ),
+        (
+            format!("limit --time-step 0.1 --vary material.c1 {stable}"),
+            "searched",
+        ),
+    ] {
+        assert_eq!(document(&line)["evidence"], evidence, "{line}");
+        let text = onset_line(&line).stdout;
+        let told = format!("{:<24}{evidence} ", "evidence");
+        assert!(text.contains(&told), "{line}: {text}");
+    }
+}

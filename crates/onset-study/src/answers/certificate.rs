@@ -73,6 +73,15 @@ impl CertificateAnswer {
     }
 }
 
+impl CertificateAnswer {
+    /// Whether material and discretization are both decided.
+    pub(super) fn decides(&self) -> bool {
+        [&self.material, &self.discretization]
+            .iter()
+            .all(|proof| proof.reason.is_none())
+    }
+}
+
 impl ProofAnswer {
     fn new(dimension: usize, certainty: &Certainty<3>) -> Self {
         let nothing = Self {

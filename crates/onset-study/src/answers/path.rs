@@ -1,6 +1,7 @@
 //! The answer to: where along this path is stability lost, and regained?
 
 use super::course::{Course, LoadingOfPath};
+use super::evidence::Evidence;
 use super::mode::{critical_mode, finite_wave_vector};
 use super::notes::{is_fluid, notes, zero_energy};
 use super::problem::{Problem, ProblemError, Strain};
@@ -35,6 +36,8 @@ pub struct PathAnswer {
     pub is_symmetric: bool,
     /// What a reader must know of law and method.
     pub notes: Vec<String>,
+    /// How sure it is that nothing is lost between the states that were searched: `searched`.
+    pub evidence: Evidence,
     /// Every choice in effect.
     pub settings: Effective,
     /// Label of the coordinate along the path, as in the figure: the imposed stretch, a stretch along an axis, or the path parameter.
@@ -236,6 +239,7 @@ fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, P
         is_fluid: is_fluid(&*problem.material) && is_marginal(from) && is_marginal(to),
         is_symmetric: is_symmetric(from) && is_symmetric(to),
         notes,
+        evidence: Evidence::Searched,
         settings: problem.settings.effective(),
         loading: None,
         abscissa: "",
@@ -454,7 +458,12 @@ impl std::fmt::Display for PathAnswer {
         for note in &self.notes {
             writeln!(formatter, "\nnote: {note}")?;
         }
-        write!(formatter, "\n{}", self.settings.in_continuous_time())
+        write!(
+            formatter,
+            "\n{}\n{}",
+            self.evidence,
+            self.settings.in_continuous_time()
+        )
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::certificate::CertificateAnswer;
 use super::discrete_time::{DiscreteTimeAnswer, note};
+use super::evidence::Evidence;
 use super::finite_body::{BodyStepAnswer, FiniteBodyAnswer, OF_LATTICE};
 use super::mode::{critical_mode, finite_wave_vector};
 use super::mode_name;
@@ -53,6 +54,8 @@ pub struct StateAnswer {
     pub verdict: Verdict,
     /// The mechanism of a numerical instability; `null` for other verdicts.
     pub mechanism: Option<Mechanism>,
+    /// How sure the verdict is: `proved`, `bounded` or `searched`.
+    pub evidence: Evidence,
     /// The verdict in plain English.
     pub sentence: String,
     /// What a reader must know of law and method.
@@ -236,8 +239,6 @@ pub struct DiscretizationAnswer {
     /// No scaled measure of any wave is below this; `null` where nothing bounds them, or what does is farther from `minimum_scaled` than that is from zero
     /// (and than 0.001). Where forces have no energy it is the bound of the Hermitian part.
     pub minimum_scaled_bound: Option<f64>,
-    /// `bounded` where there is a bound, otherwise `searched`.
-    pub minimum_scaled_by: &'static str,
     /// Reference wave vector at which `minimum_scaled` is attained; zero in the limit of long waves.
     pub minimum_scaled_wave_vector: Vec<f64>,
     /// Smallest scaled measure of the long-wave limit.
@@ -355,6 +356,10 @@ fn answer(
     Ok(StateAnswer {
         verdict,
         mechanism,
+        evidence: Evidence::of(
+            certificate.as_ref().is_some_and(CertificateAnswer::decides),
+            discretization.minimum_scaled_bound.is_some(),
+        ),
         sentence,
         notes,
         next: next(&problem.settings, verdict, problem.analysis.sites() == 1),
@@ -457,10 +462,6 @@ fn discretization_answer(
             .map(|(integrator, step)| (integrator.name(), step))
             .collect(),
         minimum_scaled_bound: bound,
-        minimum_scaled_by: match bound {
-            Some(_) => "bounded",
-            None => "searched",
-        },
         minimum_scaled_wave_vector: list(&finite_wave_vector(&spectrum.softest)),
         long_wave_minimum_scaled: spectrum.long_wave.scaled,
         long_wave_direction: list(&spectrum.long_wave.wave_vector),
@@ -560,9 +561,10 @@ impl std::fmt::Display for StateAnswer {
         for note in &self.notes {
             writeln!(formatter, "note: {note}\n")?;
         }
+        writeln!(formatter, "{:<24}{}", "verdict", self.named_verdict())?;
+        writeln!(formatter, "{}", self.evidence)?;
         let mut line = |name: &str, text: String| writeln!(formatter, "{name:<24}{text}");
         let of = |name: &str| format!("  {name}");
-        line("verdict", self.named_verdict())?;
         let (chosen, defaults) = self.settings.material();
         line("material", chosen)?;
         if !defaults.is_empty() {
@@ -643,7 +645,7 @@ impl std::fmt::Display for StateAnswer {
         line(&of("smallest omega^2"), units.of(omega_squared, "1/s^2"))?;
         let bound = match d.minimum_scaled_bound {
             Some(bound) => format!("no wave below {}", told_of(bound, 1.0)),
-            None => "searched, not bounded".to_owned(),
+            None => "no bound".to_owned(),
         };
         let minimum = told_of(d.minimum_scaled, 1.0);
         line(&of("scaled minimum"), format!("{minimum} ({bound})"))?;

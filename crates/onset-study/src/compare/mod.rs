@@ -17,7 +17,7 @@ pub use table::Table;
 pub use thresholds::Thresholds;
 pub(crate) use thresholds::{OF_TUNING, percent};
 
-use crate::answers::{ProblemError, notes_on_law, notes_on_method};
+use crate::answers::{Evidence, ProblemError, notes_on_law, notes_on_method};
 use crate::figure::FigureError;
 use crate::output::{Files, text};
 use crate::settings::{Candidate, Comparison};
@@ -75,6 +75,7 @@ impl Table {
             dimension: comparison.dimension(),
             options: comparison.options.clone(),
             thresholds: Thresholds::default(),
+            evidence: Evidence::Searched,
             rows: comparison.candidates.par_iter().map(row).collect(),
         })
     }

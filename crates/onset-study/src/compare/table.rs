@@ -2,7 +2,7 @@
 
 use super::row::{Measured, Row, WAVELENGTHS};
 use super::thresholds::Thresholds;
-use crate::answers::OF_LATTICE;
+use crate::answers::{Evidence, OF_LATTICE};
 use crate::csv;
 use crate::number::counted;
 use crate::settings::CompareSettings;
@@ -24,6 +24,8 @@ pub struct Table {
     pub options: CompareSettings,
     /// The limits by which methods are recommended.
     pub thresholds: Thresholds,
+    /// How sure the verdicts and onsets are: `searched`.
+    pub evidence: Evidence,
     /// One for each method, in the order of the file.
     pub rows: Vec<Row>,
 }
@@ -296,7 +298,7 @@ impl std::fmt::Display for Table {
         for row in &self.rows {
             writeln!(formatter, "{:<width$}  {}", row.name, row.settings.method())?;
         }
-        Ok(())
+        writeln!(formatter, "\n{}", self.evidence)
     }
 }
 

@@ -6,6 +6,7 @@ use super::{
     CriteriaError, CriterionAnswer, EndAnswer, KinkAnswer, LawAnswer, LoadingAnswer, Question,
     SideAnswer, kink,
 };
+use crate::answers::Evidence;
 use crate::figure::{Axis, Color, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::json;
 use crate::number::{told, told_above, told_below};
@@ -25,6 +26,8 @@ pub struct CardAnswer {
     pub range: [f64; 2],
     /// How the numbers were found.
     pub method: &'static str,
+    /// How sure the limits are: `searched`.
+    pub evidence: Evidence,
     /// The largest box `[1/b, b]^3` of principal stretches; `null` where the law is not elliptic in the reference, and of incompressible response.
     pub symmetric_box: Option<BoxAnswer>,
     /// The box `[a, b]^3` with the largest `b/a`.
@@ -154,6 +157,7 @@ impl Question {
             material: self.law.clone(),
             range: [self.range.low(), self.range.high()],
             method: METHOD,
+            evidence: Evidence::Searched,
             symmetric_box: symmetric.map(BoxAnswer::of),
             widest_box: widest.map(BoxAnswer::of),
             loadings,
@@ -428,6 +432,6 @@ impl Display for CardAnswer {
                 writeln!(formatter, "  {}", kink(found))?;
             }
         }
-        writeln!(formatter, "\nFound by: {}.", self.method)
+        writeln!(formatter, "\nFound by: {}.\n{}", self.method, self.evidence)
     }
 }

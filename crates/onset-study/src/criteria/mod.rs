@@ -8,7 +8,7 @@ mod sentence;
 pub use card::{BoxAnswer, CardAnswer, CardError, Limits};
 pub use onset::criteria::{Lateral, Mode, Range};
 
-use crate::answers::{moduli, notes_on_law};
+use crate::answers::{Evidence, moduli, notes_on_law};
 use crate::number;
 use crate::settings::{MaterialSettings, Value};
 use onset::criteria::{
@@ -153,6 +153,8 @@ pub struct CriteriaAnswer {
     pub criteria: Vec<Definition>,
     /// The loadings.
     pub loadings: Vec<LoadingAnswer>,
+    /// How sure the limits are: `searched`.
+    pub evidence: Evidence,
     /// Where criteria disagree, in words.
     pub disagreements: Vec<String>,
 }
@@ -441,6 +443,7 @@ impl Question {
             range: [self.range.low(), self.range.high()],
             polyconvexity: self.polyconvexity(&loadings),
             criteria: criteria.into_iter().map(definition).collect(),
+            evidence: Evidence::Searched,
             disagreements: sentence::disagreements(&loadings),
             loadings,
         })

@@ -61,6 +61,7 @@ impl Display for CriteriaAnswer {
                 )?;
             }
         }
+        writeln!(formatter, "\n{}", self.evidence)?;
         for definition in &self.criteria {
             let limits = self.loadings.iter().flat_map(|loading| &loading.criteria);
             let mut own = limits.filter(|answer| answer.criterion == definition.criterion);

@@ -2,7 +2,7 @@
 
 use super::{LimitQuestion, VALUES};
 use crate::answers::{
-    BodyStepAnswer, FiniteBodyAnswer, OF_LATTICE, Problem, ProblemError, Strain, notes,
+    BodyStepAnswer, Evidence, FiniteBodyAnswer, OF_LATTICE, Problem, ProblemError, Strain, notes,
 };
 use crate::csv;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Points, Rule, palette};
@@ -128,6 +128,8 @@ pub struct LimitAnswer {
     pub admitted: Vec<Admitted>,
     /// Everything that was tried, by increasing value.
     pub tried: Vec<Tried>,
+    /// How sure it is which values admit the step: `searched`.
+    pub evidence: Evidence,
     /// What a reader must know of law and method.
     pub notes: Vec<String>,
     /// Every choice in effect beside the setting.
@@ -336,6 +338,7 @@ impl LimitAnswer {
             present,
             admitted,
             tried: all,
+            evidence: Evidence::Searched,
             notes: notes_on_problem,
             settings: settings.effective_beside(question.key()),
         };
@@ -661,6 +664,6 @@ impl fmt::Display for LimitAnswer {
         for note in &self.notes {
             writeln!(formatter, "\nnote: {note}")?;
         }
-        write!(formatter, "\n{}", self.settings)
+        write!(formatter, "\n{}\n{}", self.evidence, self.settings)
     }
 }

@@ -35,6 +35,13 @@ impl Proofs {
         self.corrected += states * u64::from(proof.corrects);
     }
 
+    /// States of which the verdict on the particles is proved.
+    pub(super) fn decided(&self) -> u64 {
+        let own = Certainty::ALL.iter().zip(self.certainties);
+        let decided = own.filter(|(certainty, _)| certainty.name().starts_with("proved"));
+        decided.map(|(_, states)| states).sum()
+    }
+
     pub(super) fn count_certainties(&mut self, flags: &[i8]) {
         count(&mut self.certainties, flags, 0);
     }

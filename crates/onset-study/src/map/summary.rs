@@ -4,6 +4,7 @@ use super::fields::verdicts;
 use super::proved::Proofs;
 pub use super::proved::Proved;
 use super::record::{Outcomes, Proof};
+use crate::answers::Evidence;
 use crate::number::counted;
 use crate::settings::Study;
 use onset::verdict::Verdict;
@@ -107,6 +108,8 @@ pub struct Summary {
     /// What is proved, where proofs were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub proofs: Option<Proved>,
+    /// How sure the verdicts are, in states: `proved` where certificates decide, `searched` elsewhere.
+    pub evidence: BTreeMap<&'static str, Share>,
     /// Tiles that this run has computed.
     pub tiles_computed: usize,
     /// Tiles of this run that were done already, or that another process has done meanwhile.
@@ -135,6 +138,14 @@ impl Summary {
             share: count as f64 / states.max(1) as f64,
         };
         let seconds = elapsed.as_secs_f64();
+        let proved = match study.map.certify {
+            true => tally.proofs.decided().min(states),
+            false => 0,
+        };
+        let evidence = [
+            (Evidence::Proved, proved),
+            (Evidence::Searched, states - proved),
+        ];
         Self {
             title: study.title.clone(),
             states,
@@ -144,6 +155,11 @@ impl Summary {
                 .zip(tally.verdicts.map(share))
                 .collect(),
             proofs: study.map.certify.then(|| tally.proofs.shares(states)),
+            evidence: evidence
+                .into_iter()
+                .filter(|(_, states)| *states > 0)
+                .map(|(evidence, states)| (evidence.name(), share(states)))
+                .collect(),
             tiles_computed: tally.computed,
             tiles_found: tally.found,
             tiles_done,
@@ -186,6 +202,14 @@ impl fmt::Display for Summary {
             },
             self.evaluated,
             100.0 * self.evaluated as f64 / self.states.max(1) as f64
+        )?;
+        let evidence = self.evidence.iter();
+        let evidence = evidence.map(|(name, share)| format!("{name} {}", share.states));
+        writeln!(
+            formatter,
+            "{:<24}{}",
+            "evidence",
+            evidence.collect::<Vec<_>>().join(", ")
         )?;
         if let Some(proofs) = &self.proofs {
             write!(formatter, "{proofs}")?;

@@ -9,7 +9,7 @@ mod view;
 pub(crate) use animation::{STYLE, moving_particles};
 pub use fit::Fit;
 
-use crate::answers::{Problem, ProblemError, notes};
+use crate::answers::{Evidence, Problem, ProblemError, notes};
 use crate::methods::reduced;
 use crate::number::{counted, told};
 use crate::settings::{Effective, Settings};
@@ -58,6 +58,9 @@ pub struct ModesAnswer {
     pub zero_extent: Option<Extent>,
     /// Whether all zero-energy modes have been found.
     pub complete: bool,
+    /// How sure it is that these are all zero-energy modes: `bounded` where the zone is divided into parts that bounds on the strain exclude or hold one, `searched`
+    /// where parts are left.
+    pub evidence: Evidence,
     /// The lowest relative frequency anywhere; `None` where the slowest waves of the material have no energy, as the shear waves of a fluid.
     pub weakest: Option<f64>,
     /// The modes: those of zero energy first.
@@ -136,6 +139,7 @@ impl ModesAnswer {
             spacing: analysis.spacing(),
             zero_extent: found.zero_extent,
             complete: found.is_complete,
+            evidence: Evidence::of(false, found.is_complete),
             weakest: found.weakest,
             modes: found
                 .modes
@@ -310,7 +314,12 @@ impl fmt::Display for ModesAnswer {
         for note in &self.notes {
             writeln!(formatter, "\nnote: {note}")?;
         }
-        write!(formatter, "\n{}", self.settings.in_continuous_time())
+        write!(
+            formatter,
+            "\n{}\n{}",
+            self.evidence,
+            self.settings.in_continuous_time()
+        )
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a coefficient does, and which value to take.
 
 use super::TuneQuestion;
-use crate::answers::{OF_LATTICE, ProblemError, notes};
+use crate::answers::{Evidence, OF_LATTICE, ProblemError, notes};
 use crate::compare::{Measured, OF_TUNING, Thresholds, outcome, percent};
 use crate::csv;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
@@ -65,6 +65,8 @@ pub struct TuneAnswer {
     pub is_ever_sufficient: bool,
     /// Everything that was tried, by increasing value.
     pub tried: Vec<Tried>,
+    /// How sure it is which values are sufficient: `searched`.
+    pub evidence: Evidence,
     /// What a reader must know of law and method.
     pub notes: Vec<String>,
     /// Every choice in effect beside the coefficient.
@@ -165,6 +167,7 @@ impl TuneAnswer {
                 .collect(),
             is_ever_sufficient: all.iter().any(|one| one.is_sufficient(&limits)),
             tried: all,
+            evidence: Evidence::Searched,
             notes: notes(settings, &*material),
             settings: settings.effective().without(question.key()),
         })
@@ -373,6 +376,6 @@ impl fmt::Display for TuneAnswer {
         for note in &self.notes {
             writeln!(formatter, "\n\nnote: {note}")?;
         }
-        write!(formatter, "\n\n{}", self.settings)
+        write!(formatter, "\n\n{}\n{}", self.evidence, self.settings)
     }
 }

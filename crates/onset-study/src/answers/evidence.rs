@@ -1,0 +1,47 @@
+//! How sure a verdict is.
+
+use serde::Serialize;
+use std::fmt;
+
+/// Evidence for the verdict of an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Evidence {
+    /// A certificate in interval arithmetic over the continuous zone.
+    Proved,
+    /// A lower bound in floating point over the continuous zone.
+    Bounded,
+    /// A grid and descent from its smallest values, without a bound.
+    Searched,
+}
+
+impl Evidence {
+    /// The evidence of a verdict by what was found: a certificate that decides it, or a bound.
+    pub(crate) fn of(is_certified: bool, is_bounded: bool) -> Self {
+        match (is_certified, is_bounded) {
+            (true, _) => Self::Proved,
+            (false, true) => Self::Bounded,
+            (false, false) => Self::Searched,
+        }
+    }
+
+    /// The word in documents.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Proved => "proved",
+            Self::Bounded => "bounded",
+            Self::Searched => "searched",
+        }
+    }
+}
+
+impl fmt::Display for Evidence {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let how = match self {
+            Self::Proved => "in intervals over the continuous zone",
+            Self::Bounded => "from below in floating point over the continuous zone",
+            Self::Searched => "on a grid and by descent, without a bound",
+        };
+        write!(formatter, "{:<24}{} {how}", "evidence", self.name())
+    }
+}
