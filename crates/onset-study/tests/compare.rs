@@ -48,6 +48,7 @@ fn table(rows: Vec<(&str, Result<Measured, String>)>) -> Table {
         dimension: 1,
         options: CompareSettings::default(),
         thresholds: Thresholds::default(),
+        evidence: onset_study::answers::Evidence::Searched,
         rows: rows
             .into_iter()
             .map(|(name, measured)| Row {
