@@ -26,6 +26,14 @@ const CLOSE: f64 = 1e-7;
 const SMALLEST_STRIDE: f64 = 1.0 / (1u32 << 26) as f64;
 /// Stiffness across the sheet, relative to the largest one, that is rounding.
 const NO_STIFFNESS: f64 = 1e-12;
+/// Cosine of the largest angle between the branch at a state and the chord to the next one.
+const ALONG: f64 = 0.98;
+/// Cosine of that angle for a metal, whose branch turns where flow begins.
+const ALONG_FLOW: f64 = 0.9;
+/// Changes of the state smaller than this, relative, may turn by any angle, as at a kink of the stress.
+const KINKED: f64 = 1e-6;
+/// Relative step of differences of tractions by components across, of a law whose tangent is not the derivative of its stress.
+const DIFFERENCE: f64 = 1e-6;
 /// How often an interval of the components across is widened in the search for one that holds a root of every state.
 const WIDENINGS: usize = 8;
 
@@ -48,6 +56,9 @@ const WIDENINGS: usize = 8;
 ///
 /// Components of a state beyond its dimensions are not read: [`Response::deformation`] has those that were found. Stress and tangent beyond the
 /// dimensions are zero; `A_3131` and the like are those of the membrane, `dP_31/dF_31`. Units of stress, per reference volume.
+///
+/// A metal that flows has reached a state, thickness included, along its own proportional path, at the end of which the faces carry no traction; the
+/// tangent of continued flow is condensed, as continued flow keeps the faces free.
 /// Source: H. Le Dret and A. Raoult, J. Math. Pures Appl. 74 (1995) 549 (membranes).
 ///
 /// ```
@@ -75,8 +86,8 @@ impl PlaneStress {
     /// A law as a sheet has it (`dimension` 2), or a bar (1).
     ///
     /// # Errors
-    /// [`MaterialError::NoPlaneStress`] when the law has no stiffness against strains across the reference, as a fluid, when its tangent is one of
-    /// flow, and in three dimensions.
+    /// [`MaterialError::NoPlaneStress`] when the law has no stiffness against strains across the reference, as a fluid, when codes integrate its stress
+    /// in time, and in three dimensions.
     pub fn new(law: Arc<dyn Hyperelastic>, dimension: usize) -> Result<Self, MaterialError> {
         let refused = |reason| Err(MaterialError::NoPlaneStress { reason });
         let across = match dimension {
@@ -84,9 +95,12 @@ impl PlaneStress {
             2 => ACROSS_SHEET,
             _ => return refused("a body in three dimensions has no direction across it"),
         };
-        if law.is_path_dependent() {
+        if law
+            .integrated_tangent(&DeformationGradient::identity())?
+            .is_some()
+        {
             return refused(
-                "the way to a state of a law with plastic flow is given, and faces would have to be free of traction all along it",
+                "its stress is integrated in time, along which the faces would have to be free of traction",
             );
         }
         let mut sheet = Self {
@@ -135,6 +149,35 @@ impl PlaneStress {
         )
     }
 
+    /// Like [`PlaneStress::condensed`], with derivatives of the tractions by the components across from differences.
+    fn differenced(&self, response: &Response) -> Result<Option<Condensed<f64>>, MaterialError> {
+        let state = response.deformation.components();
+        let mut columns = [[0.0; 9]; 9];
+        for &m in self.across {
+            let mut beside = *state;
+            beside[m / 3][m % 3] += DIFFERENCE;
+            let there = self
+                .law
+                .response(&DeformationGradient::from_components(beside))?;
+            for &p in self.across {
+                let change = there.first_piola - response.first_piola;
+                columns[p][m] = change[(p / 3, p % 3)] / DIFFERENCE;
+            }
+        }
+        let tangent = &response.tangent;
+        let least = NO_STIFFNESS * tangent.largest();
+        let is_across = |n: usize| self.across.contains(&n);
+        Ok(Condensed::new(
+            self.across,
+            |i, j| response.first_piola[(i, j)],
+            |i, j, k, l| match is_across(3 * i + j) && is_across(3 * k + l) {
+                true => columns[3 * i + j][3 * k + l],
+                false => tangent[(i, j, k, l)],
+            },
+            |pivot| pivot > least,
+        ))
+    }
+
     /// The root of the tractions across that Newton's method is drawn to from a state, with all of it on the way there.
     fn settled(&self, mut state: [[f64; 3]; 3]) -> Result<Settled, Unsettled> {
         let mut last = f64::INFINITY;
@@ -144,9 +187,17 @@ impl PlaneStress {
                 return Err(Unsettled::Lost);
             }
             let response = self.law.response(&f)?;
-            let condensed = self.condensed(&response).ok_or(Unsettled::Lost)?;
-            let step = condensed.step(&state, self.across);
+            let newton = match self.law.is_path_dependent() {
+                true => self.differenced(&response)?,
+                false => self.condensed(&response),
+            };
+            let newton = newton.ok_or(Unsettled::Lost)?;
+            let step = newton.step(&state, self.across);
             if step <= ROUNDING || (last <= CLOSE && step > CONTRACTION * last) {
+                let condensed = match self.law.is_path_dependent() {
+                    true => self.condensed(&response).ok_or(Unsettled::Lost)?,
+                    false => newton,
+                };
                 return Ok(Settled {
                     response,
                     condensed,
@@ -157,7 +208,7 @@ impl PlaneStress {
             if step.is_nan() || step > admitted {
                 return Err(Unsettled::Lost);
             }
-            condensed.move_across(&mut state, self.across);
+            newton.move_across(&mut state, self.across);
             last = step;
         }
         Err(Unsettled::Lost)
@@ -167,13 +218,34 @@ impl PlaneStress {
     fn found(&self, f: &DeformationGradient) -> Result<Settled, MaterialError> {
         let way = Way::to(f, self.dimension);
         let mut state = way.turned(&self.reference);
+        // A law with a kink at the reference has no slope there.
+        let mut slope = self
+            .settled(state)
+            .ok()
+            .map(|settled| way.slope(&settled.condensed, self.across));
         let (mut reached, mut stride) = (0.0, 1.0_f64);
         loop {
             let next = (reached + stride).min(1.0);
-            match self.settled(way.at(next, &state)) {
-                Ok(settled) if next == 1.0 => return Ok(settled),
-                Ok(settled) => {
+            let found = self.settled(way.at(next, &state)).and_then(|settled| {
+                let there = way.slope(&settled.condensed, self.across);
+                let chord = chord(&state, settled.response.deformation.components());
+                let least = match self.law.is_path_dependent() {
+                    true => ALONG_FLOW,
+                    false => ALONG,
+                };
+                let along =
+                    |slope: &Slope| dot(&chord, slope) >= least * norm(&chord) * norm(slope);
+                let is_short = norm(&chord) < KINKED * (1.0 + norm(&there));
+                match is_short || along(&there) && slope.as_ref().is_none_or(along) {
+                    true => Ok((settled, there)),
+                    false => Err(Unsettled::Lost),
+                }
+            });
+            match found {
+                Ok((settled, _)) if next == 1.0 => return Ok(settled),
+                Ok((settled, there)) => {
                     state = *settled.response.deformation.components();
+                    slope = Some(there);
                     reached = next;
                     stride *= 2.0;
                 }
@@ -308,6 +380,10 @@ impl Hyperelastic for PlaneStress {
         self.dimension
     }
 
+    fn is_path_dependent(&self) -> bool {
+        self.law.is_path_dependent()
+    }
+
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         let Settled {
             response,
@@ -418,6 +494,22 @@ impl Condensed<f64> {
     }
 }
 
+/// Derivatives of the components of `F` along the way.
+type Slope = [f64; 9];
+
+/// The change of the components of `F` from one state to another.
+fn chord(from: &[[f64; 3]; 3], to: &[[f64; 3]; 3]) -> Slope {
+    array_of(|n| to[n / 3][n % 3] - from[n / 3][n % 3])
+}
+
+fn dot(a: &Slope, b: &Slope) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn norm(a: &Slope) -> f64 {
+    dot(a, a).sqrt()
+}
+
 /// The way from the reference to a state, `R ((1 - t) 1 + t U)` within the dimensions.
 struct Way {
     dimension: usize,
@@ -443,6 +535,21 @@ impl Way {
             rotation,
             end,
         }
+    }
+
+    /// Derivatives along the way that keep the tractions across.
+    fn slope(&self, condensed: &Condensed<f64>, across: &[usize]) -> Slope {
+        let mut slope = [0.0; 9];
+        for (i, j) in (0..4).map(|n| (n / 2, n % 2)) {
+            if i < self.dimension && j < self.dimension {
+                slope[3 * i + j] = self.end[i][j] - self.rotation[i][j];
+            }
+        }
+        let within = slope;
+        for &p in across {
+            slope[p] = -dot(&condensed.stiffness[p], &within) / condensed.stiffness[p][p];
+        }
+        slope
     }
 
     /// A state of the reference, turned.

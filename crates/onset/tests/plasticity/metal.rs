@@ -4,7 +4,7 @@ use crate::Numbers;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
-use onset::material::{Hyperelastic, Law, Response};
+use onset::material::{Hyperelastic, Law, PlaneStress, Response};
 use onset::plasticity::{Criterion, DruckerPrager, FiniteState, Hardening, library};
 
 const MU: f64 = 80.0;
@@ -362,4 +362,102 @@ fn a_wave_stops_at_the_critical_hardening_modulus() {
         smallest(critical)
     );
     assert!(smallest(critical + 0.02) > 1e-4 * MU * 0.02 && smallest(critical - 0.02) < 0.0);
+}
+
+/// A metal sheet: the thickness is that at which the faces of the metal of space carry no traction, and the tangent is that of steps of flow that keep
+/// them free.
+#[test]
+fn a_metal_sheet_is_the_metal_of_space_with_free_faces_and_its_tangent_that_of_further_flow() {
+    let plane = Matrix3::new(1.1, 0.03, 0.0, -0.02, 0.95, 0.0, 0.0, 0.0, 1.0);
+    for (name, given) in [
+        (
+            "j2",
+            vec![("hardening-modulus", 0.9), ("saturation-stress", 0.0)],
+        ),
+        ("hill-1948", vec![]),
+        ("hill-1948", vec![("angle", 30.0)]),
+    ] {
+        let metal = law(name, &given);
+        let sheet = PlaneStress::new(law(name, &given).into(), 2).expect("a sheet");
+        let own = at(&sheet, &plane);
+        let of_space = metal.response(&own.deformation).expect("a response");
+        let p = &of_space.first_piola;
+        for i in 0..3 {
+            assert!(p[(i, 2)].abs() < 1e-11, "{name}: {p}");
+            for j in 0..2 {
+                assert!(
+                    (own.first_piola[(i, j)] - if i < 2 { p[(i, j)] } else { 0.0 }).abs() < 1e-11
+                );
+            }
+        }
+        // Beyond yield, and hardly compressible.
+        let volume = own.deformation.jacobian();
+        assert!((volume - 1.0).abs() < 2e-3, "{name}: {volume}");
+        let a = &of_space.tangent;
+        let across = Matrix3::from_fn(|m, n| a[(m, 2, n, 2)]);
+        let inverse = across.try_inverse().expect("a stiffness");
+        for (i, j, k, l) in (0..16).map(|n| (n / 8, n / 4 % 2, n / 2 % 2, n % 2)) {
+            let relaxed =
+                (0..9).map(|n| a[(i, j, n / 3, 2)] * inverse[(n / 3, n % 3)] * a[(n % 3, 2, k, l)]);
+            let expected = a[(i, j, k, l)] - relaxed.sum::<f64>();
+            assert!(
+                (own.tangent[(i, j, k, l)] - expected).abs() < 1e-9 * MU,
+                "{name}"
+            );
+        }
+    }
+    // Of J2 by differences: a step of the return mapping from the state, with the thickness that keeps the faces free.
+    let strength = Hardening::Linear {
+        initial: 0.4 / 3.0_f64.sqrt(),
+        modulus: 0.9 / 3.0,
+    };
+    let poisson = (3.0 * KAPPA - 2.0 * MU) / (2.0 * (3.0 * KAPPA + MU));
+    let mapping = DruckerPrager::von_mises(MU, poisson, strength).expect("a law");
+    let sheet = law(
+        "j2",
+        &[("hardening-modulus", 0.9), ("saturation-stress", 0.0)],
+    );
+    let sheet = PlaneStress::new(sheet.into(), 2).expect("a sheet");
+    let own = at(&sheet, &plane);
+    let start = mapping.finite_update(&own.deformation, &FiniteState::default());
+    let start = start.expect("a step");
+    let along = own.deformation.matrix() - Matrix3::identity();
+    for (first, second) in [(1.0, 0.0), (1.0, 0.4), (0.8, -0.3)] {
+        let rate = Matrix3::new(
+            first * along[(0, 0)],
+            0.3 * along[(0, 1)],
+            0.0,
+            along[(1, 0)],
+            second * along[(1, 1)],
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+        );
+        let step = 1e-5;
+        let mut f = own.deformation.matrix() + rate * step;
+        let update = |f: &Matrix3<f64>| {
+            let f = DeformationGradient::new(f.transpose().into()).expect("a state");
+            mapping
+                .finite_update(&f, &start.state)
+                .expect("a step")
+                .first_piola()
+        };
+        for _ in 0..8 {
+            let mut beside = f;
+            beside[(2, 2)] += 1e-7;
+            let traction = update(&f)[(2, 2)];
+            f[(2, 2)] -= traction * 1e-7 / (update(&beside)[(2, 2)] - traction);
+        }
+        let found = (update(&f) - start.first_piola()) / step;
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let expected: f64 = (0..4)
+                .map(|n| own.tangent[(i, j, n / 2, n % 2)] * rate[(n / 2, n % 2)])
+                .sum();
+            assert!(
+                (found[(i, j)] - expected).abs() < 1e-3 * MU * rate.norm(),
+                "{found} {expected}"
+            );
+        }
+    }
 }
