@@ -68,7 +68,20 @@ impl Formula {
     /// # Errors
     /// [`FormulaError`] with the place where the text stops being a formula.
     pub fn parse(text: &str) -> Result<Self, FormulaError> {
-        let parsed = parser::parse(text)?;
+        Self::parse_in(text, 3)
+    }
+
+    /// Reads an energy of the plane: `I1` and `I2` are invariants of the two-by-two `C`, `I1bar = I1/J`, for a
+    /// [`Membrane`](crate::material::Membrane).
+    ///
+    /// # Errors
+    /// As [`Formula::parse`].
+    pub fn parse_in_plane(text: &str) -> Result<Self, FormulaError> {
+        Self::parse_in(text, 2)
+    }
+
+    fn parse_in(text: &str, dimension: usize) -> Result<Self, FormulaError> {
+        let parsed = parser::parse(text, dimension)?;
         Ok(Self {
             text: text.to_owned(),
             graph: parsed.graph,

@@ -29,7 +29,7 @@ impl FunctionOfOne {
     /// # Errors
     /// [`FormulaError`] where the text stops being a formula, uses another name, or holds a part that is never finite.
     pub fn parse(text: &str, variable: &'static str) -> Result<Self, FormulaError> {
-        let parsed = parser::parse(text)?;
+        let parsed = parser::parse(text, 3)?;
         let error = |range, problem| FormulaError {
             problem,
             place: Some(Place::of(text, range)),

@@ -41,8 +41,8 @@ pub(super) struct Parsed {
     pub(super) helpers: Vec<(String, Id)>,
 }
 
-/// Reads a formula.
-pub(super) fn parse(text: &str) -> Result<Parsed, FormulaError> {
+/// Reads a formula, with invariants in three dimensions or in the plane.
+pub(super) fn parse(text: &str, dimension: usize) -> Result<Parsed, FormulaError> {
     let characters = text.chars().count();
     if characters > LONGEST {
         return Err(FormulaError {
@@ -61,6 +61,7 @@ pub(super) fn parse(text: &str) -> Result<Parsed, FormulaError> {
     }
     let mut parser = Parser {
         text,
+        dimension,
         tokens: tokens(text)?,
         next: 0,
         depth: 0,
@@ -94,6 +95,8 @@ type Ranged = (Value, Range<usize>);
 
 struct Parser<'a> {
     text: &'a str,
+    /// Dimensions of the tensors of which invariants are taken.
+    dimension: usize,
     tokens: Vec<(Token<'a>, Range<usize>)>,
     next: usize,
     depth: usize,
@@ -459,12 +462,13 @@ impl<'a> Parser<'a> {
             "I2" => self.second_invariant(),
             "I3" => self.jacobian_power(2.0),
             "I1bar" => {
-                let (invariant, factor) = (self.first_invariant(), self.jacobian_power(-2.0 / 3.0));
+                let exponent = -2.0 / self.dimension as f64;
+                let (invariant, factor) = (self.first_invariant(), self.jacobian_power(exponent));
                 self.graph.multiply(invariant, factor)
             }
             "I2bar" => {
-                let (invariant, factor) =
-                    (self.second_invariant(), self.jacobian_power(-4.0 / 3.0));
+                let exponent = -4.0 / self.dimension as f64;
+                let (invariant, factor) = (self.second_invariant(), self.jacobian_power(exponent));
                 self.graph.multiply(invariant, factor)
             }
             "I4" => self.fiber_invariant(FIBER_ANGLES[0], false, range),
@@ -494,17 +498,25 @@ impl<'a> Parser<'a> {
     }
 
     fn first_invariant(&mut self) -> Id {
-        let diagonal = [0, 1, 2].each(|i| self.graph.cauchy_green(i, i));
+        let axes = 0..self.dimension;
+        let diagonal: Vec<Id> = axes.map(|i| self.graph.cauchy_green(i, i)).collect();
         self.graph.sum(&diagonal)
     }
 
     /// The sum of the principal minors of `C`.
     fn second_invariant(&mut self) -> Id {
-        let minors = [(0, 1), (0, 2), (1, 2)].each(|(i, j)| {
-            let [a, b, c] = [(i, i), (j, j), (i, j)].each(|(i, j)| self.graph.cauchy_green(i, j));
-            let (product, square) = (self.graph.multiply(a, b), self.graph.multiply(c, c));
-            self.graph.subtract(product, square)
-        });
+        let pairs = [(0, 1), (0, 2), (1, 2)].into_iter();
+        let within = pairs.filter(|(_, j)| *j < self.dimension);
+        let within: Vec<(usize, usize)> = within.collect();
+        let minors: Vec<Id> = within
+            .into_iter()
+            .map(|(i, j)| {
+                let [a, b, c] =
+                    [(i, i), (j, j), (i, j)].each(|(i, j)| self.graph.cauchy_green(i, j));
+                let (product, square) = (self.graph.multiply(a, b), self.graph.multiply(c, c));
+                self.graph.subtract(product, square)
+            })
+            .collect();
         self.graph.sum(&minors)
     }
 

@@ -8,6 +8,7 @@
 mod invariants;
 mod law;
 mod laws;
+mod membrane;
 mod plane_stress;
 mod principal;
 mod tensors;
@@ -16,6 +17,7 @@ pub(crate) use invariants::{InvariantEnergy, given_by_invariants, jet_of_invaria
 pub use law::{Admitted, Law, Parameter, SmallStrainStiffness, Symmetry, library};
 pub(crate) use law::{Made, hooke};
 pub use laws::{BlatzKo, ModifiedMooneyRivlin};
+pub use membrane::Membrane;
 pub use plane_stress::PlaneStress;
 pub use principal::{PrincipalEnergy, energy_of_stretches};
 pub use tensors::FourthOrder;
