@@ -225,12 +225,14 @@ def path(
     """Where along a path of deformations is stability lost, and regained? ``onset path``.
 
     `from_` and `to` are stretches, or deformation gradients of shape (D, D) or (3, 3). With `mode` (``uniaxial``, ``equibiaxial``, ``planar``,
-    ``simple-shear``, ``hydrostatic``) they are its imposed stretches, `from_` being 1 when left out, and `lateral` is what holds the other directions:
-    ``free``, ``plane-stress``, ``plane-strain`` or ``held``, when left out the freest that the mode has. `lateral` without `mode` is an `InputError`.
+    ``simple-shear``, ``hydrostatic``) they are its imposed stretches, `from_` being 1 when left out; in simple shear they are amounts of shear, `from_`
+    being 0. `lateral` is what holds the other directions: ``free``, ``plane-stress``, ``plane-strain`` or ``held``, when left out the freest that the mode
+    has. `lateral` without `mode` is an `InputError`.
     """
     problem = problem_of(material, method)
     if mode is not None:
-        start = 1.0 if from_ is None else number(from_, "from_")
+        rest = 0.0 if mode == "simple-shear" else 1.0
+        start = rest if from_ is None else number(from_, "from_")
         return Path(problem.loading_path(mode, lateral, start, number(to, "to")))
     if lateral is not None:
         raise InputError("`lateral` is read with `mode`")

@@ -453,14 +453,15 @@ pub enum Command {
 /// A path of deformations.
 #[derive(Debug, Args)]
 pub struct CourseArguments {
-    /// A loading: uniaxial, equibiaxial, planar, simple-shear or hydrostatic; --from and --to are its imposed stretches then.
+    /// A loading: uniaxial, equibiaxial, planar, simple-shear or hydrostatic; --from and --to are then its imposed stretches, in simple shear the amount of
+    /// shear gamma.
     #[arg(long, value_name = "MODE", value_parser = mode, help_heading = "Path")]
     pub mode: Option<Mode>,
     /// What holds the other directions: free (no traction on lateral faces), plane-stress, plane-strain or held [default: the freest that
     /// the mode has].
     #[arg(long, value_name = "WHAT", value_parser = lateral, requires = "mode", help_heading = "Path")]
     pub lateral: Option<Lateral>,
-    /// Start: two or three stretches, or the components F11,F12,F21,F22; with --mode one stretch [default: 1].
+    /// Start: two or three stretches, or the components F11,F12,F21,F22; with --mode one stretch [default: 1], in simple shear gamma [default: 0].
     #[arg(
         long,
         value_name = "L1,L2",

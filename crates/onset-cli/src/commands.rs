@@ -31,7 +31,7 @@ use onset_study::answers::{
 use onset_study::boundary::Tracing;
 use onset_study::catalog::{self, KeyList};
 use onset_study::compare::Thresholds;
-use onset_study::criteria::Lateral;
+use onset_study::criteria::{Lateral, Mode};
 use onset_study::input;
 use onset_study::output::{Files, Output, OutputError, text};
 use onset_study::reproduce;
@@ -467,17 +467,26 @@ fn course(arguments: &CourseArguments, problem: &Problem) -> Result<Course, Fail
         let to = Strain::of_either("--to", &arguments.to, extent)?;
         return Ok(Course::Straight(from, to));
     };
-    let stretch = |name: &str, text: &str| {
-        let stretch = text.trim().parse::<f64>().ok();
-        stretch.filter(|stretch| *stretch > 0.0 && stretch.is_finite()).ok_or_else(|| {
+    let (start, example) = match mode {
+        Mode::SimpleShear => ("0", "0.5"),
+        _ => ("1", "2"),
+    };
+    let imposed = |name: &str, text: &str| {
+        let number = text.trim().parse::<f64>().ok();
+        let admitted = |x: &f64| x.is_finite() && mode.parameter(*x).is_finite();
+        number.filter(admitted).ok_or_else(|| {
+            let expected = match mode {
+                Mode::SimpleShear => "one amount of shear gamma, a number",
+                _ => "one imposed stretch, a positive number",
+            };
             Failure::input(format!(
-                "{name} is `{text}`; with --mode expected one imposed stretch, a positive number\n  hint: for example --mode {} --to 2",
+                "{name} is `{text}`; with --mode {0} expected {expected}\n  hint: for example --mode {0} --to {example}",
                 mode.name()
             ))
         })
     };
-    let from = stretch("--from", from.unwrap_or("1"))?;
-    let to = stretch("--to", &arguments.to)?;
+    let from = imposed("--from", from.unwrap_or(start))?;
+    let to = imposed("--to", &arguments.to)?;
     Course::of_mode(mode, arguments.lateral, from, to).map_err(|known| {
         let asked = arguments.lateral.map_or("", Lateral::name);
         Failure::input(format!(

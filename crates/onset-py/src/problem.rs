@@ -272,10 +272,14 @@ impl Problem {
     ) -> PyResult<Answer> {
         let mode = mode_named(mode)?;
         let lateral = lateral.map(lateral_named).transpose()?;
-        for (name, stretch) in [("from_", from), ("to", to)] {
-            if !(stretch > 0.0 && stretch.is_finite()) {
+        let expected = match mode {
+            Mode::SimpleShear => "one amount of shear, a finite number",
+            _ => "one imposed stretch, a positive number",
+        };
+        for (name, imposed) in [("from_", from), ("to", to)] {
+            if !(imposed.is_finite() && mode.parameter(imposed).is_finite()) {
                 return Err(Failure::Input(format!(
-                    "{name} is {stretch}; with mode expected one imposed stretch, a positive number"
+                    "{name} is {imposed}; with mode expected {expected}"
                 ))
                 .into());
             }

@@ -23,7 +23,7 @@ fn good() -> Measured {
             .collect(),
         long_wave_error: 0.01,
         onsets: vec![OnsetPair {
-            load: Load::UniaxialTension,
+            load: Load::UniaxialStrainTension,
             material: StretchOnset::At(2.0),
             method: StretchOnset::At(2.0),
         }],
@@ -332,22 +332,22 @@ fn a_page_says_where_the_material_stays_elliptic_and_draws_what_lies_beyond_the_
     let mut measured = good();
     measured.onsets = vec![
         pair(
-            Load::UniaxialTension,
+            Load::UniaxialStrainTension,
             StretchOnset::NotBefore(3.0),
             StretchOnset::NotBefore(3.0),
         ),
         pair(
-            Load::UniaxialCompression,
+            Load::UniaxialStrainCompression,
             StretchOnset::At(0.4),
             StretchOnset::NotBefore(0.3),
         ),
         pair(
-            Load::EquibiaxialTension,
+            Load::EquibiaxialStrainTension,
             StretchOnset::NotBefore(3.0),
             StretchOnset::At(1.5),
         ),
         pair(
-            Load::EquibiaxialCompression,
+            Load::EquibiaxialStrainCompression,
             StretchOnset::NotBefore(0.3),
             StretchOnset::Undefined(0.5),
         ),
@@ -356,8 +356,8 @@ fn a_page_says_where_the_material_stays_elliptic_and_draws_what_lies_beyond_the_
     table.dimension = 2;
     let page = table.html();
     for told in [
-        "loses ellipticity at 0.4000 in uniaxial compression.",
-        "stays elliptic up to 3 in uniaxial tension, up to 3 in equibiaxial tension, up to 0.3 in",
+        "loses ellipticity at 0.4000 in compression along axis 1, the other held.",
+        "stays elliptic up to 3 in stretch along axis 1, the other held, up to 3 in equibiaxial stretch, up to 0.3 in",
     ] {
         assert!(page.contains(told), "{told}");
     }

@@ -230,8 +230,8 @@ fn what_contradicts_plane_stress_is_refused_with_a_hint() {
             "has three dimensions",
         ),
         (
-            "state --stretch 1.1,1 --set material.model=j2 --set material.plane=stress".to_owned(),
-            "not supported with j2",
+            "state --stretch 1.1,1 --set material.model=hypoelastic-jaumann --set material.plane=stress".to_owned(),
+            "not supported with hypoelastic-jaumann",
         ),
         (
             "state --stretch 1.1,1 --energy K*(J-ln(J)) --set material.K=2 --set material.plane=stress".to_owned(),
@@ -305,5 +305,75 @@ fn a_study_of_a_sheet_gives_no_third_stretch() {
             "{}",
             refused.stderr
         );
+    }
+}
+
+#[test]
+fn a_metal_sheet_carries_no_traction_on_its_faces_and_is_the_metal_with_that_thickness() {
+    for metal in ["j2", "hill-1948"] {
+        let sheet = document(&format!(
+            "state --stretch 1.1,0.95 --set material.model={metal} --set material.plane=stress"
+        ));
+        let thickness = numbers(&sheet, "/deformation_gradient/2")[2];
+        let space = document(&format!(
+            "state --stretch 1.1,0.95,{thickness} --set material.model={metal}"
+        ));
+        let stress = |answer, i: usize| numbers(answer, &format!("/material/cauchy/{i}"))[i];
+        for i in 0..3 {
+            assert_close(stress(&sheet, i), stress(&space, i), 1e-9);
+        }
+        assert!(stress(&space, 2).abs() < 1e-9);
+    }
+}
+
+/// `mu/2 (I1 - 3) + lam/2 (J - 1 - mu/lam)^2` of the two-by-two `F`: the smallest eigenvalue of its four-by-four Hessian at `s 1` in tension is that of
+/// shears, `mu - lam (J - 1 - mu/lam)`, which is zero at `J = 1 + 2 mu/lam`.
+const CLOTH: &str = "--energy mu/2*(I1-3)+lam/2*(J-1-mu/lam)^2 --set material.mu=1 --set material.lam=5 --set material.plane=membrane";
+
+#[test]
+fn a_law_of_the_plane_has_the_hessian_of_the_plane() {
+    let answer = document(&format!(
+        "criteria --mode equibiaxial --range 0.5,2 {CLOTH}"
+    ));
+    let loadings = answer["loadings"].as_array().expect("loadings");
+    assert_eq!(loadings.len(), 1);
+    let limit = |name: &str| {
+        let criteria = loadings[0]["criteria"].as_array().expect("criteria");
+        let own = criteria
+            .iter()
+            .find(|one| one["criterion"] == name)
+            .expect("a criterion");
+        own["tension"]["limit"].as_f64().expect("a limit")
+    };
+    assert_close(limit("hill"), 1.4_f64.sqrt(), 1e-9);
+    assert_close(limit("hill-rotation-free"), 1.4_f64.sqrt(), 1e-9);
+    let card = onset_line(&format!("card --mode equibiaxial --range 0.5,2 {CLOTH}"));
+    assert_eq!(card.code, Some(0), "{}", card.stderr);
+    assert!(card.stdout.contains("1.18322"), "{}", card.stdout);
+    let state = document(&format!("state --stretch 1.2,1.1 {CLOTH}"));
+    // P11 = mu F11 + lam (J - 1 - mu/lam) F22
+    let first = numbers(&state, "/material/first_piola/0")[0];
+    assert_close(first, 1.2 + 5.0 * (1.32 - 1.2) * 1.1, 1e-13);
+    let audit = onset_line(&format!("audit {CLOTH}"));
+    assert_eq!(audit.code, Some(0), "{}{}", audit.stdout, audit.stderr);
+    // Invariants are those of the plane: of the square of I1 the derivative has I1 = 2 at rest.
+    let squared = "state --stretch 1.1,1 --energy I1^2/8-ln(J) --set material.plane=membrane";
+    let first = numbers(&document(squared), "/material/first_piola/0")[0];
+    assert_close(first, (1.21 + 1.0) * 1.1 / 2.0 - 1.0 / 1.1, 1e-13);
+    for (line, fact) in [
+        (
+            format!("state --stretch 1.1,1,1.2 {CLOTH}"),
+            "no third direction",
+        ),
+        (
+            format!(
+                "state --stretch 1.1,1,1 {CLOTH} --set discretization.lattice=face-centered-cubic"
+            ),
+            "3 dimensions",
+        ),
+    ] {
+        let refused = onset_line(&line);
+        assert_eq!(refused.code, Some(2), "{}", refused.stdout);
+        assert!(refused.stderr.contains(fact), "{}", refused.stderr);
     }
 }

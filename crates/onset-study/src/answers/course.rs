@@ -2,7 +2,7 @@
 
 use super::notes::{is_fluid, notes_on_law};
 use super::problem::{Problem, ProblemError, Strain};
-use super::state::StateAnswer;
+use super::state::{StateAnswer, rows};
 use crate::criteria::EndAnswer;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::number::told;
@@ -26,9 +26,9 @@ pub enum Course {
     Loading {
         /// What is imposed, and what holds the rest.
         loading: Loading,
-        /// The first imposed stretch.
+        /// The first imposed stretch, in simple shear the amount of shear.
         from: f64,
-        /// The last imposed stretch.
+        /// The last one.
         to: f64,
     },
 }
@@ -42,32 +42,67 @@ pub struct LoadingOfPath {
     pub lateral: Lateral,
     /// In a few words.
     pub title: &'static str,
-    /// The imposed stretch at the start.
+    /// What is imposed: a stretch, or the amount of shear.
+    pub imposes: &'static str,
+    /// The imposed stretch, or amount of shear, at the start.
     pub from: f64,
-    /// The imposed stretch at the end.
+    /// The imposed stretch, or amount of shear, at the end.
     pub to: f64,
-    /// The imposed stretch that was asked for as the end.
+    /// The start that was asked for.
+    pub asked_from: f64,
+    /// The end that was asked for.
     pub asked_to: f64,
-    /// Why the path ends before the stretch that was asked for.
+    /// Why the path begins behind the start that was asked for.
+    pub starts_late: Option<String>,
+    /// Why the path ends before the end that was asked for.
     pub ends_early: Option<String>,
+    /// Folds at which the path begins or ends: limit points of the equilibrium of the free faces.
+    pub folds: Vec<f64>,
+}
+
+impl LoadingOfPath {
+    /// The imposed quantity at a path parameter.
+    pub(super) fn imposed(&self, s: f64) -> f64 {
+        match s {
+            1.0 => self.to,
+            _ => self.from + (self.to - self.from) * s,
+        }
+    }
+
+    /// Returns true if the path ends in a fold.
+    pub(super) fn ends_in_fold(&self) -> bool {
+        self.folds.contains(&self.to)
+    }
 }
 
 impl fmt::Display for LoadingOfPath {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { title, imposes, .. } = self;
         let (from, to) = (told(self.from), told(self.to));
-        match &self.ends_early {
-            Some(why) => write!(
-                formatter,
-                "Loading: {}, followed from stretch {from} to {to} only, not to {}: {why}.",
-                self.title,
-                told(self.asked_to)
-            ),
-            None => write!(
-                formatter,
-                "Loading: {}, from stretch {from} to {to}.",
-                self.title
-            ),
+        write!(formatter, "Loading: {title}, ")?;
+        if self.starts_late.is_none() && self.ends_early.is_none() {
+            return write!(formatter, "from {imposes} {from} to {to}.");
         }
+        write!(formatter, "followed from {imposes} ")?;
+        match &self.starts_late {
+            Some(_) => write!(
+                formatter,
+                "{from} only, not from {}, ",
+                told(self.asked_from)
+            )?,
+            None => write!(formatter, "{from} ")?,
+        }
+        write!(formatter, "to {to}")?;
+        if self.ends_early.is_some() {
+            write!(formatter, " only, not to {}", told(self.asked_to))?;
+        }
+        let mut whys: Vec<&str> = [&self.starts_late, &self.ends_early]
+            .into_iter()
+            .flatten()
+            .map(String::as_str)
+            .collect();
+        whys.dedup();
+        write!(formatter, ": {}.", whys.join("; "))
     }
 }
 
@@ -111,17 +146,29 @@ impl Course {
         let material = &*problem.material;
         let refused = |reason: String| ProblemError::Loading {
             title: loading.title(),
+            imposes: loading.mode.imposes(),
             from,
             to,
             reason,
             notes: notes_on_law(&problem.settings.material, material),
         };
-        if let Some(reason) = held_across(loading, material.dimension()) {
+        let is_membrane = problem.settings.material.is_membrane();
+        let held = held_across(loading, material.dimension()).filter(|_| !is_membrane);
+        if is_membrane && loading.mode == Mode::Hydrostatic {
+            return Err(refused(
+                "a law of the plane has no third direction\n  hint: --mode equibiaxial".to_owned(),
+            ));
+        }
+        if let Some(reason) = held {
             return Err(refused(reason));
         }
         // The reference is where every branch begins.
-        let range = Range::new(from.min(to).min(0.99), from.max(to).max(1.01))
-            .map_err(|error| refused(error.to_string()))?;
+        let ends = [from, to].map(|imposed| loading.mode.parameter(imposed).exp());
+        let range = Range::new(
+            ends[0].min(ends[1]).min(0.99),
+            ends[0].max(ends[1]).max(1.01),
+        )
+        .map_err(|error| refused(error.to_string()))?;
         let isotropic = material.dimension() == 3 && is_isotropic(material);
         let path = LoadingPath::new(material, isotropic, loading, &range);
         let path = path.map_err(|error| match (error, is_fluid(material)) {
@@ -132,28 +179,52 @@ impl Course {
             ),
             (error, _) => refused(error.to_string()),
         })?;
-        let (start, early) = reached(&path, from);
-        if let Some(why) = early {
-            return Err(refused(format!("the first stretch is not reached: {why}")));
-        }
+        let (start, starts_late) = reached(&path, from);
         let (end, ends_early) = reached(&path, to);
+        if start == end && from != to {
+            let why = starts_late.as_ref().or(ends_early.as_ref());
+            let why = why.map_or("", String::as_str);
+            return Err(refused(format!(
+                "the path that begins in the reference ends at {} {}: {why}",
+                loading.mode.imposes(),
+                told(start)
+            )));
+        }
         let section = LoadingSection::new(&path, start, end)?;
+        let folded = |(imposed, early): (f64, &Option<String>)| {
+            let is_fold =
+                early.is_some() && path.ends_in_fold(loading.mode.parameter(imposed) > 0.0);
+            is_fold.then_some(imposed)
+        };
         let told = LoadingOfPath {
             mode: loading.mode,
             lateral: loading.lateral,
             title: loading.title(),
+            imposes: loading.mode.imposes(),
             from: start,
             to: end,
+            asked_from: from,
             asked_to: to,
+            folds: [(start, &starts_late), (end, &ends_early)]
+                .into_iter()
+                .filter_map(folded)
+                .collect(),
+            starts_late,
             ends_early,
         };
         answer(&section, Some(told))
     }
 
-    /// What the states are told by: the imposed stretch, a stretch along an axis where that changes, or the path parameter.
+    /// What the states are told by: the imposed stretch or amount of shear, a stretch along an axis where that changes, or the path parameter.
     pub(super) fn abscissa(&self, s: f64) -> (&'static str, f64) {
         match self {
-            Self::Loading { from, to, .. } => ("imposed stretch λ (−)", from + (to - from) * s),
+            Self::Loading { loading, from, to } => (
+                match loading.mode {
+                    Mode::SimpleShear => "amount of shear γ (−)",
+                    _ => "imposed stretch λ (−)",
+                },
+                from + (to - from) * s,
+            ),
             Self::Straight(from, to) => {
                 let (from, to) = (from.0.components(), to.0.components());
                 let shears = (0..3)
@@ -200,28 +271,21 @@ fn held_across(loading: Loading, dimension: usize) -> Option<String> {
     })
 }
 
-/// The imposed stretch that is reached on the way to another one, and why it is not that.
-fn reached(path: &LoadingPath<'_>, stretch: f64) -> (f64, Option<String>) {
-    let (states, end) = match stretch >= 1.0 {
+/// The imposed stretch, or amount of shear, that is reached on the way to another one, and why it is not that.
+fn reached(path: &LoadingPath<'_>, imposed: f64) -> (f64, Option<String>) {
+    let mode = path.loading.mode;
+    let s = mode.parameter(imposed);
+    let (states, end) = match s >= 0.0 {
         true => (&path.tension, &path.tension_end),
         false => (&path.compression, &path.compression_end),
     };
-    if path.at(stretch.ln()).is_some() {
-        return (stretch, None);
+    if path.at(s).is_some() {
+        return (imposed, None);
     }
-    let last = states.last().map_or(1.0, |state| state.parameter.exp());
-    let why = EndAnswer::of(end, stretch).reason;
-    let why = why.unwrap_or_else(|| "no state with free faces was found beyond".to_owned());
-    // A little before: the last state is at the end to rounding.
-    let before = 1.0 + (last - 1.0) * (1.0 - 1e-9);
-    (
-        if path.at(before.ln()).is_some() {
-            before
-        } else {
-            1.0
-        },
-        Some(why),
-    )
+    let last = states.last().map_or(0.0, |state| state.parameter);
+    let why = EndAnswer::of(end, imposed).reason;
+    let why = why.unwrap_or_else(|| "no state with free faces is found beyond it".to_owned());
+    (mode.imposed(last), Some(why))
 }
 
 /// Scaled minima below this are rounding.
@@ -238,9 +302,30 @@ pub struct PathSample {
     pub abscissa: f64,
     /// `F_iJ`.
     pub deformation_gradient: [[f64; 3]; 3],
+    /// The law; `None` where it cannot be evaluated.
+    #[serde(skip)]
+    pub material: Option<MaterialSample>,
     /// The state; `None` where the method or the law cannot be evaluated.
     #[serde(skip)]
     pub state: Option<StateAnswer>,
+}
+
+/// The law at a state on a path, where the method need not be defined.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MaterialSample {
+    /// Smallest acoustic eigenvalue in the dimensions of the lattice; zero where it is to rounding.
+    pub minimum_acoustic_eigenvalue: f64,
+    /// Cauchy stress.
+    pub cauchy: [[f64; 3]; 3],
+}
+
+impl MaterialSample {
+    fn of(problem: &Problem, f: &DeformationGradient) -> Option<Self> {
+        Some(Self {
+            minimum_acoustic_eigenvalue: problem.analysis.acoustic_minimum(f).ok()?.significant(),
+            cauchy: rows(&problem.material.response(f).ok()?.cauchy()),
+        })
+    }
 }
 
 impl PathSample {
@@ -296,7 +381,8 @@ impl PathSamples {
             parameter: *s,
             abscissa: followed.abscissa(*s).1,
             deformation_gradient: *problem.found(f).components(),
-            state: StateAnswer::new(problem, &Strain(*f)).ok(),
+            material: MaterialSample::of(problem, f),
+            state: StateAnswer::new(problem, &Strain::from(*f)).ok(),
         };
         Ok(Self {
             abscissa: followed.abscissa(0.0).0,
@@ -309,33 +395,38 @@ impl PathSamples {
     pub fn csv(&self) -> String {
         let mut table = String::from(
             "parameter,abscissa,F11,F12,F13,F21,F22,F23,F31,F32,F33,verdict,minimum_scaled,minimum_omega_squared,growth_rate,\
-             minimum_acoustic_eigenvalue,s11,s22,s33\n",
+             minimum_acoustic_eigenvalue,s11,s22,s33,s12\n",
         );
         for sample in &self.samples {
             let f = sample.deformation_gradient.iter().flatten();
             let place = [sample.parameter, sample.abscissa];
             let numbers = place.iter().chain(f).map(|number| format!("{number:.16e}"));
             let mut cells: Vec<String> = numbers.collect();
-            match &sample.state {
-                Some(state) => {
-                    let (d, material) = (&state.discretization, &state.material);
-                    cells.push(state.verdict.name().to_owned());
-                    let numbers = [
-                        softest(state),
-                        d.minimum_omega_squared.re,
-                        d.growth_rate,
-                        material.minimum_acoustic_eigenvalue,
-                        material.cauchy[0][0],
-                        material.cauchy[1][1],
-                        material.cauchy[2][2],
-                    ];
-                    cells.extend(numbers.map(|number| format!("{number:.16e}")));
-                }
-                None => {
-                    cells.push("undefined".to_owned());
-                    cells.extend(std::iter::repeat_n(String::new(), 7));
-                }
-            }
+            let of_method = sample.state.as_ref().map(|state| {
+                let d = &state.discretization;
+                [softest(state), d.minimum_omega_squared.re, d.growth_rate]
+            });
+            let of_law = sample.material.map(|material| {
+                let s = material.cauchy;
+                [
+                    material.minimum_acoustic_eigenvalue,
+                    s[0][0],
+                    s[1][1],
+                    s[2][2],
+                    s[0][1],
+                ]
+            });
+            let cell = |number: Option<f64>| {
+                number.map_or_else(String::new, |number| format!("{number:.16e}"))
+            };
+            cells.push(
+                sample
+                    .verdict()
+                    .map_or("undefined", Verdict::name)
+                    .to_owned(),
+            );
+            cells.extend((0..3).map(|n| cell(of_method.map(|numbers| numbers[n]))));
+            cells.extend((0..5).map(|n| cell(of_law.map(|numbers| numbers[n]))));
             table.push_str(&cells.join(","));
             table.push('\n');
         }
@@ -345,11 +436,10 @@ impl PathSamples {
     /// The softest mode of the particles and the smallest acoustic eigenvalue of the material along the path; `changes` are the
     /// parameters at which the stability of the particles, and of the material, changes.
     pub fn figure(&self, title: &str, changes: [&[f64]; 2]) -> Figure {
-        let values = |value: &dyn Fn(&StateAnswer) -> f64| -> Vec<(f64, f64)> {
-            let own = |sample: &PathSample| sample.state.as_ref().map_or(f64::NAN, value);
-            self.samples
-                .iter()
-                .map(|sample| (sample.abscissa, own(sample)))
+        let values = |value: &dyn Fn(&PathSample) -> Option<f64>| -> Vec<(f64, f64)> {
+            let samples = self.samples.iter();
+            samples
+                .map(|sample| (sample.abscissa, value(sample).unwrap_or(f64::NAN)))
                 .collect()
         };
         let ends = [self.samples.first(), self.samples.last()];
@@ -374,14 +464,14 @@ impl PathSamples {
             .with(panel(
                 "Softest mode of the particles",
                 "min Re ω² / (c² |k|²) (−)".to_owned(),
-                values(&softest),
+                values(&|sample| sample.state.as_ref().map(softest)),
                 changes[0],
                 palette::BLUE,
             ))
             .with(panel(
                 "Material",
                 stress,
-                values(&|state| state.material.minimum_acoustic_eigenvalue),
+                values(&|sample| Some(sample.material?.minimum_acoustic_eigenvalue)),
                 changes[1],
                 palette::VERMILION,
             ))

@@ -11,6 +11,7 @@ use crate::settings::{Effective, Units};
 use nalgebra::SVector;
 use onset::analysis::scan_material_in;
 use onset::continuum::{Ellipticity, Stiffness};
+use onset::criteria::Mode;
 use onset::kinematics::{DeformationGradient, DeformationPath};
 use onset::method::MethodError;
 use onset::verdict::{Crossing, Onset, PathScan, Phase, Verdict};
@@ -66,6 +67,9 @@ pub struct CrossingAnswer {
     pub parameter: f64,
     /// Stretches along the axes there; principal stretches, largest first, where `F` is not diagonal.
     pub stretch: Vec<f64>,
+    /// The imposed stretch, or amount of shear, of a loading.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub imposed: Option<f64>,
     /// Phase before.
     pub from: Phase,
     /// Phase behind.
@@ -117,6 +121,9 @@ pub struct Place {
     pub parameter: f64,
     /// Stretches along the axes there; principal stretches, largest first, where `F` is not diagonal.
     pub stretch: Vec<f64>,
+    /// The imposed stretch, or amount of shear, of a loading.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub imposed: Option<f64>,
     /// `F_iJ`.
     pub deformation_gradient: [[f64; 3]; 3],
     /// Cauchy stress.
@@ -143,17 +150,19 @@ impl PathAnswer {
     /// As for [`PathAnswer::new`], and where a loading cannot be followed.
     pub fn along(problem: &Problem, course: &Course) -> Result<Self, ProblemError> {
         course.follow(problem, |path, loading| {
-            let answer = answer(problem, path)?;
-            Ok(Self {
-                loading,
-                abscissa: course.abscissa(0.0).0,
-                ..answer
-            })
+            let abscissa = course.abscissa(0.0).0;
+            answer(problem, path, loading, abscissa)
         })
     }
 }
 
-fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, ProblemError> {
+fn answer(
+    problem: &Problem,
+    path: &dyn DeformationPath,
+    loading: Option<LoadingOfPath>,
+    abscissa: &'static str,
+) -> Result<PathAnswer, ProblemError> {
+    let imposed = |s: f64| loading.as_ref().map(|loading| loading.imposed(s));
     let (from, to) = (&path.at(0.0)?, &path.at(1.0)?);
     let analysis = &*problem.analysis;
     let dimension = analysis.dimension();
@@ -185,7 +194,12 @@ fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, P
     let continuum = scan_material_in(dimension, &*problem.material, path)?;
     let particles = analysis.scan(path)?;
 
-    let material_onset = match onset(&continuum) {
+    // At a fold a free face loses its stiffness, which can be that of a wave: the sign would change on the branch that leads back.
+    let of_fold = || {
+        let ends_in_fold = loading.as_ref().is_some_and(LoadingOfPath::ends_in_fold);
+        (ends_in_fold && is_marginal(to)).then_some((1.0, 1.0, 0.0, Phase::Unstable))
+    };
+    let material_onset = match onset(&continuum).or_else(of_fold) {
         Some((parameter, witness, tolerance, phase)) => {
             let critical = analysis.acoustic_minimum(&path.at(witness)?);
             let critical = critical.map_err(MethodError::from)?;
@@ -194,7 +208,7 @@ fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, P
                 false => list(&critical.polarization),
             };
             Some(MaterialOnset {
-                place: place(problem, path, parameter, tolerance)?,
+                place: Place::at(problem, path, parameter, tolerance, imposed(parameter))?,
                 phase,
                 direction: list(&critical.critical_direction()),
                 polarization,
@@ -215,7 +229,7 @@ fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, P
             };
             let wave_vector = finite_wave_vector(mode);
             Some(DiscretizationOnset {
-                place: place(problem, path, parameter, tolerance)?,
+                place: Place::at(problem, path, parameter, tolerance, imposed(parameter))?,
                 phase,
                 long_wave: mode.is_long_wave,
                 wave_vector: list(&wave_vector),
@@ -241,14 +255,14 @@ fn answer(problem: &Problem, path: &dyn DeformationPath) -> Result<PathAnswer, P
         notes,
         evidence: Evidence::Searched,
         settings: problem.settings.effective(),
-        loading: None,
-        abscissa: "",
+        abscissa,
         from: *problem.found(from).components(),
         to: *problem.found(to).components(),
         material_onset,
         discretization_onset,
-        material_crossings: crossings(dimension, path, &continuum)?,
-        discretization_crossings: crossings(dimension, path, &particles)?,
+        material_crossings: crossings(dimension, path, &continuum, imposed)?,
+        discretization_crossings: crossings(dimension, path, &particles, imposed)?,
+        loading,
     })
 }
 
@@ -322,33 +336,39 @@ fn stretch(dimension: usize, f: &DeformationGradient) -> Vec<f64> {
     leading.principal_stretches()[..dimension].to_vec()
 }
 
-fn place(
-    problem: &Problem,
-    path: &dyn DeformationPath,
-    parameter: f64,
-    tolerance: f64,
-) -> Result<Place, ProblemError> {
-    let f = path.at(parameter)?;
-    let response = problem.material.response(&f).map_err(MethodError::from)?;
-    Ok(Place {
-        parameter,
-        stretch: stretch(problem.dimension(), &f),
-        deformation_gradient: *response.deformation.components(),
-        cauchy: rows(&response.cauchy()),
-        tolerance,
-        stiffness: problem.analysis.speed_squared()? * problem.settings.discretization.density,
-    })
+impl Place {
+    fn at(
+        problem: &Problem,
+        path: &dyn DeformationPath,
+        parameter: f64,
+        tolerance: f64,
+        imposed: Option<f64>,
+    ) -> Result<Self, ProblemError> {
+        let f = path.at(parameter)?;
+        let response = problem.material.response(&f).map_err(MethodError::from)?;
+        Ok(Self {
+            parameter,
+            stretch: stretch(problem.dimension(), &f),
+            imposed,
+            deformation_gradient: *response.deformation.components(),
+            cauchy: rows(&response.cauchy()),
+            tolerance,
+            stiffness: problem.analysis.speed_squared()? * problem.settings.discretization.density,
+        })
+    }
 }
 
 fn crossings(
     dimension: usize,
     path: &dyn DeformationPath,
     scan: &PathScan,
+    imposed: impl Fn(f64) -> Option<f64>,
 ) -> Result<Vec<CrossingAnswer>, ProblemError> {
     let answer = |crossing: &Crossing| {
         Ok(CrossingAnswer {
             parameter: crossing.parameter(),
             stretch: stretch(dimension, &path.at(crossing.parameter())?),
+            imposed: imposed(crossing.parameter()),
             from: crossing.from,
             to: crossing.to,
             tolerance: tolerance(crossing),
@@ -366,8 +386,14 @@ impl std::fmt::Display for PathAnswer {
         let [law, discretization] = self.defined;
         // Nothing is known of the part of a path that was not followed.
         let early = self.loading.as_ref();
+        let sheared = early.is_some_and(|loading| loading.mode == Mode::SimpleShear);
+        let at = |place: &Place| at(place, sheared, units);
         let way = match early.filter(|loading| loading.ends_early.is_some()) {
-            Some(loading) => format!("up to stretch {}, where the path ends", told(loading.to)),
+            Some(loading) => format!(
+                "up to {} {}, where the path ends",
+                loading.imposes,
+                told(loading.to)
+            ),
             None => "along the whole path".to_owned(),
         };
         match &self.material_onset {
@@ -380,13 +406,13 @@ impl std::fmt::Display for PathAnswer {
             Some(onset) if onset.phase == Phase::Flutter => writeln!(
                 formatter,
                 "The material begins to flutter at {}: acoustic eigenvalues are complex for waves along N = {}.",
-                at(&onset.place, units),
+                at(&onset.place),
                 vector(&onset.direction)
             )?,
             Some(onset) => writeln!(
                 formatter,
                 "The material loses ellipticity at {} for waves along N = {}.",
-                at(&onset.place, units),
+                at(&onset.place),
                 vector(&onset.direction)
             )?,
             None if self.is_fluid => writeln!(
@@ -416,7 +442,7 @@ impl std::fmt::Display for PathAnswer {
             Some(onset) if onset.long_wave => writeln!(
                 formatter,
                 "The discretization becomes unstable at {} for long waves along {}.",
-                at(&onset.place, units),
+                at(&onset.place),
                 vector(&onset.direction)
             )?,
             Some(onset) => writeln!(
@@ -427,7 +453,7 @@ impl std::fmt::Display for PathAnswer {
                 } else {
                     "becomes unstable"
                 },
-                at(&onset.place, units),
+                at(&onset.place),
                 units.of(vector(&onset.wave_vector), "1/m")
             )?,
             None if discretization == Defined::Nowhere => writeln!(
@@ -450,7 +476,10 @@ impl std::fmt::Display for PathAnswer {
                     "  {name:<14} {:<9} -> {:<9} at {} (s = {})",
                     phase(crossing.from),
                     phase(crossing.to),
-                    vector(&crossing.stretch),
+                    match crossing.imposed.filter(|_| sheared) {
+                        Some(gamma) => format!("gamma = {}", told(gamma)),
+                        None => vector(&crossing.stretch),
+                    },
                     told(crossing.parameter)
                 )?;
             }
@@ -476,25 +505,28 @@ fn phase(phase: Phase) -> &'static str {
     }
 }
 
-fn at(place: &Place, units: Units) -> String {
+/// A state in words; of simple shear by the amount of shear.
+fn at(place: &Place, sheared: bool, units: Units) -> String {
     let start = if place.parameter == 0.0 {
         ", the start,"
     } else {
         ""
     };
-    // Those of the plane, and in space all.
-    let stresses: Vec<String> = (0..place.stretch.len().max(2))
-        .map(|i| {
+    let stress = |(i, j): (usize, usize)| {
+        let value = units.of(told_of(place.cauchy[i][j], place.stiffness), "Pa");
+        format!("s{}{} = {value}", i + 1, j + 1)
+    };
+    match place.imposed.filter(|_| sheared) {
+        Some(gamma) => format!("gamma = {}{start} ({})", told(gamma), stress((0, 1))),
+        None => {
+            // Those of the plane, and in space all.
+            let axes = 0..place.stretch.len().max(2);
+            let stresses: Vec<String> = axes.map(|i| stress((i, i))).collect();
             format!(
-                "s{0}{0} = {1}",
-                i + 1,
-                units.of(told_of(place.cauchy[i][i], place.stiffness), "Pa")
+                "stretch {}{start} ({})",
+                vector(&place.stretch),
+                stresses.join(", ")
             )
-        })
-        .collect();
-    format!(
-        "stretch {}{start} ({})",
-        vector(&place.stretch),
-        stresses.join(", ")
-    )
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use super::finite_body::hint_on_body;
 use crate::methods::{hint, method};
 use crate::number::counted;
-use crate::settings::{SettingError, Settings};
+use crate::settings::{Plane, SettingError, Settings};
 use onset::analysis::{Analysis, analysis, described_analysis};
 use onset::kinematics::{DeformationGradient, KinematicsError};
 use onset::material::Hyperelastic;
@@ -116,13 +116,18 @@ pub enum ProblemError {
     #[error("{0}\n  hint: choose a state at which the law is defined")]
     Fault(#[from] Box<Fault>),
     /// A loading that cannot be followed from one imposed stretch to another.
-    #[error("{title}, from stretch {from} to {to}: {reason}{}", note_lines(notes))]
+    #[error(
+        "{title}, from {imposes} {from} to {to}: {reason}{}",
+        note_lines(notes)
+    )]
     Loading {
         /// The loading in a few words.
         title: &'static str,
-        /// The first stretch.
+        /// What is imposed: a stretch, or the amount of shear.
+        imposes: &'static str,
+        /// Its first value.
         from: f64,
-        /// The last stretch.
+        /// Its last value.
         to: f64,
         /// What is wrong.
         reason: String,
@@ -219,8 +224,8 @@ fn path_hint(error: &PathError) -> &'static str {
 pub struct Extent {
     /// The number of dimensions of the lattice.
     pub dimension: usize,
-    /// Whether components beyond are found: plane stress of a sheet, uniaxial stress of a bar.
-    pub is_found_beyond: bool,
+    /// What a body of one or two dimensions has beyond them.
+    pub plane: Plane,
 }
 
 /// So many dimensions, components beyond being given.
@@ -228,23 +233,31 @@ impl From<usize> for Extent {
     fn from(dimension: usize) -> Self {
         Self {
             dimension,
-            is_found_beyond: false,
+            plane: Plane::Strain,
         }
     }
 }
 
 impl Extent {
+    /// Returns true if components beyond the dimensions cannot be given: they are found, or there are none.
+    pub(super) fn leaves_none_beyond(self) -> bool {
+        self.plane != Plane::Strain
+    }
+
     /// Refuses numbers for what is found.
     fn check(self, what: &'static str, given: usize, own: usize) -> Result<(), ProblemError> {
-        match self.is_found_beyond && given != own {
+        match self.leaves_none_beyond() && given != own {
             true => Err(self.refused(what, given, own)),
             false => Ok(()),
         }
     }
 
     fn refused(self, what: &'static str, given: usize, own: usize) -> ProblemError {
-        let found = match self.dimension {
-            1 => "in uniaxial stress the lateral stretches are found",
+        let found = match (self.dimension, self.plane) {
+            (_, Plane::Membrane) => {
+                "a law of the plane (material.plane = membrane) has no third direction"
+            }
+            (1, _) => "in uniaxial stress the lateral stretches are found",
             _ => "in plane stress the stretch across the sheet is found",
         };
         ProblemError::Numbers {
@@ -256,14 +269,25 @@ impl Extent {
     }
 }
 
-/// A deformation as typed.
+/// A deformation as typed, and whether stretches or components beyond the dimensions of the lattice were typed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Strain(pub DeformationGradient);
+pub struct Strain(pub DeformationGradient, bool);
+
+impl From<DeformationGradient> for Strain {
+    fn from(f: DeformationGradient) -> Self {
+        Self(f, false)
+    }
+}
 
 impl Strain {
     /// None: the reference configuration, `F = 1`.
     pub fn reference() -> Self {
-        Self(DeformationGradient::identity())
+        DeformationGradient::identity().into()
+    }
+
+    /// Returns true if stretches or components beyond the dimensions of the lattice were given.
+    pub(super) fn is_of_space(&self) -> bool {
+        self.1
     }
 
     /// Principal stretches along the axes: as many as the lattice has dimensions, and optionally those
@@ -294,7 +318,11 @@ impl Strain {
         extent.check(what, numbers.len(), dimension)?;
         let mut stretches = [1.0; 3];
         stretches[..numbers.len()].copy_from_slice(&numbers);
-        Ok(Self(DeformationGradient::from_stretches(stretches)?))
+        let is_of_space = numbers.len() > dimension;
+        Ok(Self(
+            DeformationGradient::from_stretches(stretches)?,
+            is_of_space,
+        ))
     }
 
     /// The components of `F`: 1 in one dimension, `F11,F12,F21,F22` in two, or all nine; in three dimensions all nine.
@@ -332,7 +360,10 @@ impl Strain {
         for (index, value) in numbers.into_iter().enumerate() {
             components[index / side][index % side] = value;
         }
-        Ok(Self(DeformationGradient::new(components)?))
+        Ok(Self(
+            DeformationGradient::new(components)?,
+            side > dimension,
+        ))
     }
 
     /// Stretches, or the four components of `F`: the end of a path.
@@ -357,7 +388,7 @@ impl Settings {
     pub fn extent(&self) -> Extent {
         Extent {
             dimension: self.dimension(),
-            is_found_beyond: self.material.is_plane_stress(),
+            plane: self.material.plane(),
         }
     }
 }
@@ -454,12 +485,10 @@ impl Problem {
     /// # Errors
     /// [`ProblemError::Numbers`] where components across a sheet or bar are not those of the reference.
     pub fn given(&self, f: DeformationGradient) -> Result<DeformationGradient, ProblemError> {
-        let Extent {
-            dimension,
-            is_found_beyond,
-        } = self.extent();
-        match is_found_beyond && f != f.given_in(dimension) {
-            true => Err(self.extent().refused("F", 9, dimension * dimension)),
+        let extent = self.extent();
+        let dimension = extent.dimension;
+        match extent.leaves_none_beyond() && f != f.given_in(dimension) {
+            true => Err(extent.refused("F", 9, dimension * dimension)),
             false => Ok(f),
         }
     }

@@ -284,7 +284,7 @@ impl StateAnswer {
         assessment: &Assessment<3>,
         is_ended: IsEnded<'_>,
     ) -> Result<Self, ProblemError> {
-        answer(problem, &strain.0, assessment, None, is_ended)
+        answer(problem, strain, assessment, None, is_ended)
     }
 
     /// Answers for one state, with proofs; `tolerance` says from where a measure that is left undecided is not near zero.
@@ -297,17 +297,18 @@ impl StateAnswer {
         tolerance: f64,
     ) -> Result<Self, ProblemError> {
         let assessment = problem.analysis.assess(&strain.0)?;
-        answer(problem, &strain.0, &assessment, Some(tolerance), &|| false)
+        answer(problem, strain, &assessment, Some(tolerance), &|| false)
     }
 }
 
 fn answer(
     problem: &Problem,
-    f: &DeformationGradient,
+    strain: &Strain,
     assessment: &Assessment<3>,
     tolerance: Option<f64>,
     is_ended: IsEnded<'_>,
 ) -> Result<StateAnswer, ProblemError> {
+    let f = &strain.0;
     let analysis = &*problem.analysis;
     let searched = (assessment.verdict, assessment.spectrum.stability());
     let (mut verdict, mut mechanism) = (searched.0, assessment.mechanism());
@@ -344,6 +345,7 @@ fn answer(
     }
     let discretization = discretization_answer(problem, assessment, f, is_ended)?;
     let mut notes = notes(&problem.settings, &*problem.material);
+    notes.extend(waves_in_the_plane(problem, strain));
     notes.extend(buckling(
         &*problem.material,
         response,
@@ -369,6 +371,19 @@ fn answer(
         material: material_answer(problem, assessment, in_3d.as_ref()),
         material_3d: in_3d,
         discretization,
+    })
+}
+
+/// What a state with a third stretch is in two dimensions.
+fn waves_in_the_plane(problem: &Problem, strain: &Strain) -> Option<String> {
+    let is_plane_strain = problem.dimension() == 2 && problem.material.dimension() == 3;
+    (is_plane_strain && strain.is_of_space()).then(|| {
+        let setting = match problem.settings.method.method {
+            Family::FiniteElements => "mesh=bricks",
+            Family::MaterialPoints => "lattice=simple-cubic",
+            _ => "lattice=face-centered-cubic",
+        };
+        format!("plane strain, waves in the plane; for 3D: --set discretization.{setting}")
     })
 }
 
@@ -515,7 +530,9 @@ impl StateAnswer {
 
     /// What was found across a sheet or a bar whose faces have no traction, with its name.
     fn found_across(&self) -> Option<(&'static str, String)> {
-        if self.material_3d.is_some() {
+        let is_membrane =
+            self.material.parameters.get("plane") == Some(&Value::Word("membrane".to_owned()));
+        if self.material_3d.is_some() || is_membrane {
             return None;
         }
         let f = &self.deformation_gradient;

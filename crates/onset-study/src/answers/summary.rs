@@ -99,7 +99,8 @@ impl StudySummary {
         let extent = study.settings.extent();
         let is_found = |quantity: &Quantity| {
             let across = extent.dimension + 1..=3;
-            extent.is_found_beyond && matches!(quantity, Quantity::Stretch(n) if across.contains(n))
+            extent.leaves_none_beyond()
+                && matches!(quantity, Quantity::Stretch(n) if across.contains(n))
         };
         let fixed = Quantity::OF_STATE
             .into_iter()

@@ -113,6 +113,8 @@ impl Audit {
         states: &[DeformationGradient],
     ) -> Result<Self, AuditError> {
         let name = description(settings);
+        // Rotations and strains across a plane are part of what is checked.
+        let settings = &settings.clone().in_space();
         match (settings.umat_permitted()?, convention) {
             (Some(_), Some(_)) => Err(AuditError::Convention),
             (Some(umat), None) => {

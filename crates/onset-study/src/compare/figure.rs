@@ -105,7 +105,7 @@ impl Table {
                     Rule::vertical(stretch)
                         .color(look.color)
                         .dashed()
-                        .named(format!("material, {}", load.name())),
+                        .named(format!("material, {}", load.title(self.dimension))),
                 );
             }
             let (mut points, mut beyond, mut undefined) = (Vec::new(), Vec::new(), Vec::new());
@@ -122,7 +122,9 @@ impl Table {
             let out = if load.is_tension() { reach } else { -reach };
             let tips = beyond.iter().map(|(x, y)| (x + out, *y)).collect();
             let marked = |points| Points::new(points).color(look.color);
-            let onsets = marked(points).marker(look.marker).named(load.name());
+            let onsets = marked(points)
+                .marker(look.marker)
+                .named(load.title(self.dimension));
             let onsets = if look.filled { onsets } else { onsets.open() };
             panel = panel.with(Arrows::new(beyond, tips).color(look.color));
             panel = panel.with(marked(undefined).marker(Marker::Cross));

@@ -126,7 +126,10 @@ impl Table {
                         (format!("up to {stretch:.4}, where the law ends,"), false)
                     }
                 };
-                Some((format!("{place} in {}", load.name()), is_lost))
+                Some((
+                    format!("{place} in {}", load.title(self.dimension)),
+                    is_lost,
+                ))
             })
             .collect();
         let of = |kind: bool| {

@@ -111,8 +111,8 @@ impl Table {
                 head: short(load).to_owned(),
                 name: format!("onset_{}", load.name().replace(' ', "_")),
                 meaning: format!(
-                    "stretch at which stability is lost in {}; the material: {}",
-                    load.name(),
+                    "imposed stretch at which stability is lost in {}; the material: {}",
+                    load.title(self.dimension),
                     self.material_onset(load)
                 ),
                 cell: Box::new(move |m| onset(m).map_or_else(String::new, told)),
@@ -305,10 +305,10 @@ impl std::fmt::Display for Table {
 /// The head of a loading's column.
 pub(super) fn short(load: Load) -> &'static str {
     match load {
-        Load::UniaxialTension => "uni. +",
-        Load::UniaxialCompression => "uni. -",
-        Load::EquibiaxialTension => "equi. +",
-        Load::EquibiaxialCompression => "equi. -",
+        Load::UniaxialStrainTension => "uni. +",
+        Load::UniaxialStrainCompression => "uni. -",
+        Load::EquibiaxialStrainTension => "equi. +",
+        Load::EquibiaxialStrainCompression => "equi. -",
     }
 }
 

@@ -142,7 +142,7 @@ impl Question {
             })
             .collect::<Result<_, CriteriaError>>()?;
         // A box of three stretches asks of states that an incompressible material does not have.
-        let is_asked = !self.law.incompressible;
+        let is_asked = !self.law.incompressible && !self.law.in_plane;
         let (symmetric, widest) = rayon::join(
             || match is_asked {
                 true => safe_box(&*self.material, 1.0, &self.range),
@@ -222,6 +222,16 @@ impl Limits {
             criteria: answer.criteria.iter().map(CriterionLimits::of).collect(),
             kinks: answer.kinks.clone(),
         }
+    }
+
+    /// The folds of its path, in a line each.
+    pub(super) fn folds(&self) -> Vec<String> {
+        let ends = [
+            ("compression", &self.compression_end),
+            ("tension", &self.tension_end),
+        ];
+        let folds = ends.into_iter().filter(|(_, end)| end.fold);
+        folds.filter_map(|(side, end)| end.line(side)).collect()
     }
 
     /// A limit in words.
@@ -374,6 +384,11 @@ impl Display for CardAnswer {
                 formatter,
                 "(Incompressible: no boxes of three stretches, which change the volume.)"
             )?;
+        } else if self.material.in_plane {
+            writeln!(
+                formatter,
+                "(A law of the plane: no boxes of three stretches.)"
+            )?;
         } else if self.symmetric_box.is_none() {
             writeln!(formatter, "The law is not elliptic in the reference.")?;
         }
@@ -386,7 +401,7 @@ impl Display for CardAnswer {
             )?;
             writeln!(formatter, "{:<30} {}", "", found.ends())?;
         }
-        if !self.material.isotropic {
+        if !self.material.isotropic && !self.material.in_plane {
             writeln!(
                 formatter,
                 "(The law is not isotropic: principal axes along the coordinates only.)"
@@ -427,6 +442,9 @@ impl Display for CardAnswer {
                     "  {:<20} {stretch:>16} {strain:>10} {stress:>13}   {other:>16} {its_strain:>10} {its_stress:>13}",
                     own.criterion.name()
                 )?;
+            }
+            for line in limits.folds() {
+                writeln!(formatter, "  {line}")?;
             }
             for found in &limits.kinks {
                 writeln!(formatter, "  {}", kink(found))?;

@@ -32,6 +32,8 @@ impl CardAnswer {
             page.push_str(
                 "<p>The response is incompressible: there are no boxes of three stretches, which change the volume.</p>\n",
             );
+        } else if self.material.in_plane {
+            page.push_str("<p>A law of the plane has no boxes of three stretches.</p>\n");
         } else {
             page.push_str(&self.page_of_boxes());
         }
@@ -107,10 +109,14 @@ impl CardAnswer {
                 cells.extend(own.cells(own.tension));
                 page.push_str(&row(&cells));
             }
-            for found in &limits.kinks {
+            for line in limits
+                .folds()
+                .into_iter()
+                .chain(limits.kinks.iter().map(kink))
+            {
                 page.push_str(&format!(
                     "<tr><td colspan=\"7\">{}</td></tr>\n",
-                    escaped(&kink(found))
+                    escaped(&line)
                 ));
             }
         }

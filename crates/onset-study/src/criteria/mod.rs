@@ -16,7 +16,7 @@ use onset::criteria::{
     PathEnd, PathState, Track, Witness, follow, follow_jumps, has_energy, is_isotropic, kinks,
     polyconvexity,
 };
-use onset::material::{Hyperelastic, MaterialError};
+use onset::material::{Hyperelastic, MaterialError, Membrane};
 use rayon::prelude::*;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -106,6 +106,9 @@ pub struct LawAnswer {
     pub isotropic: bool,
     /// Whether its incompressible response is asked.
     pub incompressible: bool,
+    /// Whether it is a law of the plane, of two dimensions.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub in_plane: bool,
     /// Shear and bulk modulus at small strains; `null` of a law that is not isotropic or has stress at `F = 1`.
     pub moduli: Option<[f64; 2]>,
     /// What a reader must know of it.
@@ -228,9 +231,15 @@ impl KinkAnswer {
 pub struct EndAnswer {
     /// The last stretch.
     pub stretch: f64,
+    /// Whether it is a fold, the limit point of the equilibrium of the free faces.
+    pub fold: bool,
     /// Why the path leads no further; `null` at the end of the range.
     pub reason: Option<String>,
 }
+
+/// What ends a path at a fold.
+const FOLD: &str =
+    "a fold (limit point): beyond it the free faces have no equilibrium nearby (dynamic jump)";
 
 /// A second state with free faces.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -331,7 +340,11 @@ impl Question {
         range: Range,
         modes: &[Mode],
     ) -> Result<Self, CriteriaError> {
-        let material = settings.build()?;
+        let in_plane = settings.is_membrane();
+        let material: Box<dyn Hyperelastic> = match in_plane {
+            true => Box::new(Membrane::new(settings.build()?.into())),
+            false => settings.build()?,
+        };
         let parameters = settings.entries().into_iter();
         let has_unit = |name: &str| Some((name.to_owned(), settings.unit(name)?));
         let units = settings.entries().into_iter();
@@ -341,9 +354,15 @@ impl Question {
         if has_axes {
             along_axes(settings, modes)?;
         }
-        let asked = |loading: &Loading| match modes.is_empty() {
-            true => !(turns && loading.mode == Mode::SimpleShear),
-            false => modes.contains(&loading.mode),
+        let isotropic = !in_plane && !has_axes && is_isotropic(&*material);
+        let has = |mode: Mode| match modes.is_empty() {
+            true => !(turns && mode == Mode::SimpleShear),
+            false => modes.contains(&mode),
+        };
+        let asked = |loading: &Loading| {
+            let is_told_twice =
+                isotropic && loading.is_planar_tension_of_axis_2() && has(Mode::Planar);
+            has(loading.mode) && !is_told_twice
         };
         let mut notes = notes_on_law(settings, &*material);
         if turns && modes.is_empty() {
@@ -362,15 +381,19 @@ impl Question {
                     .map(|(name, value)| (name.to_owned(), document(value)))
                     .collect(),
                 units: units.filter_map(|(name, _)| has_unit(name)).collect(),
-                isotropic: !has_axes && is_isotropic(&*material),
+                isotropic,
                 incompressible: false,
+                in_plane,
                 moduli: moduli(&*material),
                 notes,
             },
             has_energy: !turns && has_energy(&*material),
             material,
             range,
-            loadings: Loading::ALL.into_iter().filter(asked).collect(),
+            loadings: match in_plane {
+                true => Loading::IN_PLANE.into_iter().filter(asked).collect(),
+                false => Loading::ALL.into_iter().filter(asked).collect(),
+            },
         })
     }
 
@@ -410,10 +433,28 @@ impl Question {
         Ok(self)
     }
 
+    /// Returns true for a law of the plane.
+    fn is_in_plane(&self) -> bool {
+        self.material.dimension() == 2
+    }
+
+    fn title(&self, loading: Loading) -> &'static str {
+        match self.is_in_plane() {
+            true => loading.title_in_plane(),
+            false => loading.title(),
+        }
+    }
+
     /// The criteria with an answer: true stress and Kirchhoff stress are one in incompressible response, whose surfaces have a criterion.
     fn criteria(&self) -> Vec<Criterion> {
         let left_out: &[Criterion] = match self.law.incompressible {
             true => &[Criterion::TrueStressMonotonicity],
+            false if self.is_in_plane() => &[
+                Criterion::Surface,
+                Criterion::PlaneEllipticity,
+                Criterion::BakerEricksen,
+                Criterion::OrderedForces,
+            ],
             false => &[Criterion::Surface],
         };
         let mut criteria = Criterion::ALL.to_vec();
@@ -498,7 +539,7 @@ impl Question {
             false => LoadingPath::new(&*self.material, self.law.isotropic, loading, &self.range),
         };
         let path = path.map_err(|source| CriteriaError::Loading {
-            title: loading.title(),
+            title: self.title(loading),
             source,
             notes: self.law.notes.clone(),
         })?;
@@ -528,7 +569,7 @@ impl Question {
         Ok(LoadingAnswer {
             mode: loading.mode,
             lateral: loading.lateral,
-            title: loading.title(),
+            title: self.title(loading),
             compression_end: EndAnswer::of(&path.compression_end, limits[0]),
             tension_end: EndAnswer::of(&path.tension_end, limits[1]),
             other_states: other_states(&path),
@@ -560,29 +601,38 @@ impl LoadingAnswer {
 }
 
 impl EndAnswer {
+    /// Why the path leads no further, in a line; `None` at the end of the range.
+    fn line(&self, side: &str) -> Option<String> {
+        let reason = self.reason.as_ref()?;
+        Some(format!(
+            "{side} ends at stretch {}: {reason}",
+            number::told(self.stretch)
+        ))
+    }
+
     /// The end of a path whose range ends at `limit`.
     pub(crate) fn of(end: &PathEnd, limit: f64) -> Self {
-        match end {
-            PathEnd::Range => Self {
-                stretch: limit,
-                reason: None,
-            },
-            PathEnd::Law { stretch, source } => Self {
-                stretch: *stretch,
-                reason: Some(format!("the law ends there: {source}")),
-            },
-            PathEnd::GivenUp { stretch, trials } => Self {
-                stretch: *stretch,
-                reason: Some(format!(
+        let (stretch, reason) = match end {
+            PathEnd::Range => (limit, None),
+            PathEnd::Law { stretch, source } => {
+                (*stretch, Some(format!("the law ends there: {source}")))
+            }
+            PathEnd::GivenUp { stretch, trials } => (
+                *stretch,
+                Some(format!(
                     "given up after {trials} steps: the law changes too fast with the stretch there"
                 )),
-            },
-            PathEnd::NoState { stretch } => Self {
-                stretch: *stretch,
-                reason: Some(
-                    "the states with traction-free faces that begin in the reference do not go on there".to_owned(),
-                ),
-            },
+            ),
+            PathEnd::Fold { stretch } => (*stretch, Some(FOLD.to_owned())),
+            PathEnd::NoState { stretch } => (
+                *stretch,
+                Some("no state with traction-free faces is found beyond it".to_owned()),
+            ),
+        };
+        Self {
+            stretch,
+            fold: matches!(end, PathEnd::Fold { .. }),
+            reason,
         }
     }
 }
@@ -649,7 +699,7 @@ fn kink(kink: &KinkAnswer) -> String {
 /// The nominal strain at a stretch.
 fn nominal_strain(loading: Loading, stretch: f64) -> f64 {
     match loading.mode {
-        Mode::SimpleShear => stretch - 1.0 / stretch,
+        Mode::SimpleShear => loading.mode.imposed(stretch.ln()),
         _ => stretch - 1.0,
     }
 }

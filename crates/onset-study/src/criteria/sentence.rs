@@ -41,12 +41,8 @@ impl Display for CriteriaAnswer {
                 ("compression", &loading.compression_end),
                 ("tension", &loading.tension_end),
             ] {
-                if let Some(reason) = &end.reason {
-                    writeln!(
-                        formatter,
-                        "  {name} ends at stretch {}: {reason}",
-                        number::told(end.stretch)
-                    )?;
+                if let Some(line) = end.line(name) {
+                    writeln!(formatter, "  {line}")?;
                 }
             }
             if let Some(other) = loading.other_states.first() {
@@ -122,6 +118,7 @@ fn in_a_line(law: &super::LawAnswer, letters: usize) -> String {
         (true, true) => {
             "isotropic, incompressible: pressure from a free face, the volumetric part does not count"
         }
+        _ if law.in_plane => "a law of the plane: increments stay in it",
         (true, false) => "isotropic",
         (false, _) => "not isotropic",
     };

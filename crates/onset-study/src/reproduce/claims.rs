@@ -607,7 +607,8 @@ fn c11() -> Checked {
         computed: format!(
             "Onset at {s_kernel:.4} MPa (λ = {l_kernel:.5}) against {s_pde:.4} MPa (λ = {l_pde:.5}) of the PDE."
         ),
-        choices: "hexagonal, stress points, Eulerian, D_mx = 1.6, convected lattice, exact linearization, material (5)",
+        choices: "stretch along axis 1, axis 2 held (uniaxial strain), hexagonal, stress points, Eulerian, D_mx = 1.6, convected lattice, exact linearization, \
+                  material (5)",
         verdict: ClaimVerdict::of(s_kernel < 0.5 * s_pde),
         number: s_kernel,
         recorded: "reproduced",

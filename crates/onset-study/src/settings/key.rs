@@ -165,8 +165,8 @@ pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
         key("material.model", Kind::Words(models.leak()), "the law"),
         key(
             "material.plane",
-            Kind::Words(&["strain", "stress"]),
-            "in two dimensions plane strain or plane stress (a thin sheet, its thickness found), in one uniaxial strain or uniaxial stress",
+            Kind::Words(&["strain", "stress", "membrane"]),
+            "in two dimensions plane strain, plane stress (a thin sheet, its thickness found) or membrane (a law of the plane itself, as of cloth), in one uniaxial strain or uniaxial stress",
         ),
     ];
     keys.extend(parameter_keys());

@@ -4,10 +4,10 @@ use super::error::{Origin, SettingError, nearest};
 use super::model::{LIBRARY, sum};
 use super::{
     HandedLaw, Key, Kind, Model, Settings, TRUST_VARIABLE, Trust, Units, Value, aliases, moduli,
-    units,
+    units, word_of,
 };
 use crate::shell::quoted_file;
-use onset::material::{Hyperelastic, MaterialError, PlaneStress};
+use onset::material::{Hyperelastic, MaterialError, Membrane, PlaneStress};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -25,6 +25,8 @@ pub enum Plane {
     Strain,
     /// No traction on its faces: plane stress of a sheet, in one dimension uniaxial stress of a bar.
     Stress,
+    /// A law of the plane itself, as of cloth: increments stay in it, and typed invariants are those of the two-by-two tensor.
+    Membrane,
 }
 
 /// A material as set.
@@ -302,13 +304,18 @@ impl MaterialSettings {
         self
     }
 
+    /// Returns true for a law of the plane itself.
+    pub fn is_membrane(&self) -> bool {
+        self.plane() == Plane::Membrane
+    }
+
     /// Whether faces of a body of one or two dimensions have no traction.
     pub fn is_plane_stress(&self) -> bool {
         self.plane() == Plane::Stress
     }
 
     /// Everything that the model is made of, by name without the section: parameters with their defaults, and what was
-    /// set; plane stress last.
+    /// set; plane stress or a membrane last.
     pub fn entries(&self) -> Vec<(&'static str, Value)> {
         let derived = self.derived().unwrap_or_default();
         let parameters = self.model.parameters().iter().map(|parameter| {
@@ -330,10 +337,9 @@ impl MaterialSettings {
             .iter()
             .filter(|(name, _)| self.model.takes(name) && !known(name))
             .map(|(name, (value, _))| (*name, value.clone()));
-        let stress = self
-            .is_plane_stress()
-            .then(|| (PLANE, Value::Word("stress".to_owned())));
-        parameters.chain(own).chain(free).chain(stress).collect()
+        let plane =
+            (self.plane() != Plane::Strain).then(|| (PLANE, Value::Word(word_of(&self.plane()))));
+        parameters.chain(own).chain(free).chain(plane).collect()
     }
 
     /// All parameters that are numbers, with their values.
@@ -417,26 +423,37 @@ impl MaterialSettings {
 
     /// That faces without traction are nothing that body or law can have.
     pub(super) fn check_plane(&self, dimension: usize) -> Result<(), SettingError> {
-        let Some((Plane::Stress, origin)) = &self.plane else {
+        let Some((plane @ (Plane::Stress | Plane::Membrane), origin)) = &self.plane else {
             return Ok(());
         };
         let refused = |message: String, hint: &str| {
             Err(SettingError::new(origin.clone(), message).hint(hint))
         };
+        if *plane == Plane::Membrane {
+            return match dimension {
+                2 => Ok(()),
+                _ => refused(
+                    format!(
+                        "`material.plane` is membrane, and the discretization has {dimension} dimensions"
+                    ),
+                    "leave material.plane out, or set a lattice of two dimensions",
+                ),
+            };
+        }
         if dimension > 2 {
             return refused(
                 "`material.plane` is stress, and the discretization has three dimensions, with no faces across it".to_owned(),
                 "leave material.plane out, or set a lattice of two dimensions (a sheet) or a chain (a bar)",
             );
         }
-        if self.model.is_in_rate_form() {
+        if self.model.is_in_rate_form() && !self.model.is_elastic_plastic() {
             return refused(
                 format!(
-                    "`material.plane` is stress, which is not supported with {}: its state is reached along a given path, all along which the faces \
-                     would have to be free of traction",
+                    "`material.plane` is stress, which is not supported with {}: its stress is integrated in time, along which the faces would have \
+                     to be free of traction",
                     self.model.name()
                 ),
-                "set material.plane=strain, or choose a hyperelastic law",
+                "set material.plane=strain, or choose a hyperelastic law or a metal",
             );
         }
         Ok(())
@@ -457,7 +474,7 @@ impl MaterialSettings {
         }
     }
 
-    /// The law as a body of so many dimensions has it: of space, or of a sheet or bar in plane stress.
+    /// The law as a body of so many dimensions has it: of space, of a sheet or bar in plane stress, or of the plane.
     ///
     /// # Errors
     /// [`MaterialError`] when a parameter is not admitted, or the law has no plane stress.
@@ -466,6 +483,7 @@ impl MaterialSettings {
         match self.plane() {
             Plane::Strain => Ok(law),
             Plane::Stress => Ok(Arc::new(PlaneStress::new(law, dimension)?)),
+            Plane::Membrane => Ok(Arc::new(Membrane::new(law))),
         }
     }
 

@@ -7,6 +7,7 @@ mod problem;
 
 pub(super) use file::{STATES, read};
 
+use super::Plane;
 use super::material::PLANE;
 use super::{
     Axis, Comparison, Key, MapSettings, Origin, Quantity, SettingError, Settings, StateSettings,
@@ -202,7 +203,7 @@ impl Study {
         match key.parts() {
             ("material", "model") => true,
             // Plane strain is what holds where nothing is said.
-            ("material", PLANE) => self.settings.material.is_plane_stress(),
+            ("material", PLANE) => self.settings.material.plane() != Plane::Strain,
             ("material", name) => {
                 self.settings.material.model.takes(name)
                     || self.settings.material.reads_modulus(name)

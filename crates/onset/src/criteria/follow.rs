@@ -118,6 +118,12 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
                 parameter(0),
                 if holds { values[0] } else { values[0].min(0.0) },
             ));
+        } else if n + 1 == values.len()
+            && path.ends_in_fold(tension)
+            && values[n] <= measures[n].rounding
+        {
+            // What vanishes at a fold has changed its sign on the branch that leads back.
+            knots.push((parameter(n), values[n].min(0.0)));
         } else if measures[n].value.abs() > measures[n].rounding {
             knots.push((parameter(n), values[n]));
         }

@@ -1,6 +1,7 @@
 //! Loadings: which stretch is imposed, which faces are free of traction, and the states that follow.
 
 use super::incompressible::{huge_bulk_modulus, pressurized, swollen};
+use super::root::bracket_zero;
 use super::{Kink, State};
 use crate::algebra::array_of;
 use crate::kinematics::{DeformationGradient, DeformationPath, KinematicsError};
@@ -87,6 +88,37 @@ impl Mode {
             Self::Hydrostatic => "hydrostatic",
         }
     }
+
+    /// Name of the quantity that is imposed: a stretch, in simple shear the amount of shear `gamma`.
+    pub fn imposes(self) -> &'static str {
+        match self {
+            Self::SimpleShear => "amount of shear",
+            _ => "stretch",
+        }
+    }
+
+    /// The imposed stretch, or the amount of shear, at `s = ln lambda`.
+    ///
+    /// ```
+    /// use onset::criteria::Mode;
+    /// // The larger principal stretch of simple shear by 1.5 is 2.
+    /// assert!((Mode::SimpleShear.imposed(2.0_f64.ln()) - 1.5).abs() < 1e-15);
+    /// assert!((Mode::SimpleShear.parameter(1.5) - 2.0_f64.ln()).abs() < 1e-15);
+    /// ```
+    pub fn imposed(self, s: f64) -> f64 {
+        match self {
+            Self::SimpleShear => 2.0 * s.sinh(),
+            _ => s.exp(),
+        }
+    }
+
+    /// `s = ln lambda` at an imposed stretch, or amount of shear.
+    pub fn parameter(self, imposed: f64) -> f64 {
+        match self {
+            Self::SimpleShear => (0.5 * imposed).asinh(),
+            _ => imposed.ln(),
+        }
+    }
 }
 
 impl Lateral {
@@ -129,19 +161,48 @@ impl Loading {
     pub fn title(self) -> &'static str {
         match (self.mode, self.lateral) {
             (Mode::Uniaxial, Lateral::Free) => "uniaxial, lateral faces free",
-            (Mode::Uniaxial, Lateral::PlaneStrain) => "uniaxial, plane strain",
+            (Mode::Uniaxial, Lateral::PlaneStrain) => "planar tension, axis 3 held",
             (Mode::Uniaxial, _) => "uniaxial strain",
             (Mode::Equibiaxial, Lateral::PlaneStress | Lateral::Free) => {
                 "equibiaxial, plane stress"
             }
             (Mode::Equibiaxial, _) => "equibiaxial, plane strain",
-            (Mode::Planar, Lateral::PlaneStress | Lateral::Free) => "planar, plane stress",
+            (Mode::Planar, Lateral::PlaneStress | Lateral::Free) => "planar tension (pure shear)",
             (Mode::Planar, _) => "planar, isochoric",
             (Mode::SimpleShear, Lateral::Free) => "simple shear, faces free",
             (Mode::SimpleShear, Lateral::PlaneStress) => "simple shear, plane stress",
             (Mode::SimpleShear, _) => "simple shear, plane strain",
             (Mode::Hydrostatic, _) => "hydrostatic",
         }
+    }
+
+    /// All loadings of a law of the plane, in the order of tables.
+    pub const IN_PLANE: [Self; 5] = {
+        use Lateral::{Held, PlaneStrain};
+        [
+            Self::new(Mode::Uniaxial, PlaneStrain),
+            Self::new(Mode::Uniaxial, Held),
+            Self::new(Mode::Equibiaxial, PlaneStrain),
+            Self::new(Mode::Planar, PlaneStrain),
+            Self::new(Mode::SimpleShear, PlaneStrain),
+        ]
+    };
+
+    /// In a few words, for a law of the plane.
+    pub fn title_in_plane(self) -> &'static str {
+        match (self.mode, self.lateral) {
+            (Mode::Uniaxial, Lateral::Held) => "uniaxial, edges held",
+            (Mode::Uniaxial, _) => "uniaxial, edges free",
+            (Mode::Equibiaxial, _) => "equibiaxial",
+            (Mode::Planar, _) => "pure shear, area kept",
+            (Mode::SimpleShear, _) => "simple shear",
+            (Mode::Hydrostatic, _) => "hydrostatic",
+        }
+    }
+
+    /// Returns true if an isotropic law has the same states in another loading, with two axes exchanged.
+    pub fn is_planar_tension_of_axis_2(self) -> bool {
+        (self.mode, self.lateral) == (Mode::Uniaxial, Lateral::PlaneStrain)
     }
 
     /// The principal directions (0, 1, 2) whose stretch is solved for.
@@ -264,11 +325,26 @@ pub struct PathState {
     pub parameter: f64,
     /// Energy, stress and tangent; the deformation is in it.
     pub response: Response,
-    /// `dF/ds` along the loading, free directions included.
+    /// `dF` along the loading, free directions included, by the arc length of `s` and the logarithms of the free stretches.
     pub rate: Matrix3<f64>,
-    /// Logarithms of the free stretches, in the order of the axes, and their derivatives by `s`.
+    /// Logarithms of the free stretches, in the order of the axes.
     lateral: Vector2<f64>,
-    slope: Vector2<f64>,
+    /// Unit tangent of the branch, away from the reference: the logarithms of the free stretches, and `s`.
+    tangent: Vector3<f64>,
+}
+
+impl PathState {
+    /// The logarithms of the free stretches, and `s`.
+    fn place(&self) -> Vector3<f64> {
+        self.lateral.push(self.parameter)
+    }
+
+    /// Returns true if the chord to another state lies along the branch at both ends: no other branch, and no fold between them.
+    fn leads_to(&self, other: &Self) -> bool {
+        let chord = other.place() - self.place();
+        let along = |tangent: &Vector3<f64>| chord.dot(tangent) >= ALONG * chord.norm();
+        along(&self.tangent) && along(&other.tangent)
+    }
 }
 
 /// Why a loading leads no further in one direction.
@@ -283,7 +359,13 @@ pub enum PathEnd {
         /// What the law says.
         source: MaterialError,
     },
-    /// Beyond the stretch the branch of states with free faces that starts at the reference does not go on.
+    /// The branch of states with free faces that starts at the reference turns back at the stretch, a limit point: the tangent of the free faces is
+    /// singular there, and beyond it they have no equilibrium nearby.
+    Fold {
+        /// The stretch of the limit point, whose state is the last one.
+        stretch: f64,
+    },
+    /// No state with free faces is found beyond the stretch.
     NoState {
         /// The last stretch with a state.
         stretch: f64,
@@ -334,6 +416,14 @@ const STEPS: usize = 192;
 const TRIALS: usize = 16 * STEPS;
 /// How often a step of the path is halved before the path counts as ended.
 const HALVINGS: i32 = 44;
+/// Cosine of the largest angle between the branch at a state and the chord to the next one.
+const ALONG: f64 = 0.9;
+/// Steps shorter than this may turn by any angle, as at a kink of the stress.
+const KINKED: f64 = 1e-7;
+/// Longest step along a branch that does not reach the next parameter of the path.
+const LONGEST: f64 = 0.05;
+/// Nearer to a fold than this, in `ln lambda`, rounding moves the free stretches as far as the fold is away.
+const AT_FOLD: f64 = 1e-13;
 /// No states are kept nearer than this, in `ln lambda`, to where a law ends.
 const BEFORE_END: f64 = 1e-6;
 /// How far before a jump of the law a state is taken that would be at it, in steps of the path.
@@ -422,7 +512,7 @@ impl<'a> LoadingPath<'a> {
         range: &Range,
         volume: Volume,
     ) -> Result<Self, LoadingError> {
-        let start = solve(material, loading, volume, 0.0, Vector2::zeros());
+        let start = solve(material, loading, volume, Vector3::zeros(), &Vector3::z());
         let reference = start.map_err(|missing| match missing {
             // A law with numbers at F = 1 has lost them on the way to stretches that would free the faces.
             Missing::Law(_) if respond(material, &Matrix3::identity()).is_ok() => {
@@ -462,24 +552,48 @@ impl<'a> LoadingPath<'a> {
         self.volume != Volume::Changes
     }
 
+    /// Returns true if the path ends in a fold, in tension or in compression.
+    pub fn ends_in_fold(&self, tension: bool) -> bool {
+        let end = match tension {
+            true => &self.tension_end,
+            false => &self.compression_end,
+        };
+        matches!(end, PathEnd::Fold { .. })
+    }
+
     /// The state at `s = ln lambda` on the branch that was followed; `None` beyond its ends.
     pub fn at(&self, s: f64) -> Option<PathState> {
-        let states = if s >= 0.0 {
-            &self.tension
-        } else {
-            &self.compression
+        let states = match s >= 0.0 {
+            true => &self.tension,
+            false => &self.compression,
         };
+        let last = states.last()?;
+        // An end is told as a stretch, whose logarithm is the parameter to rounding.
+        let near = match self.ends_in_fold(s >= 0.0) {
+            true => AT_FOLD,
+            false => 2.0 * f64::EPSILON,
+        };
+        if (s - last.parameter).abs() <= near {
+            return Some(last.clone());
+        }
         let beyond = states.partition_point(|state| state.parameter.abs() < s.abs());
         let after = states.get(beyond)?;
         if after.parameter == s {
             return Some(after.clone());
         }
         let before = states.get(beyond.checked_sub(1)?)?;
-        let nearest = match (s - before.parameter).abs() < (s - after.parameter).abs() {
-            true => before,
-            false => after,
-        };
-        continued(self.material, self.loading, self.volume, nearest, s).ok()
+        let guess = between(before, after, s);
+        let state = solve(
+            self.material,
+            self.loading,
+            self.volume,
+            guess,
+            &Vector3::z(),
+        );
+        let chord = (after.place() - before.place()).norm();
+        state
+            .ok()
+            .filter(|state| (state.place() - guess).norm() <= 1e-9 + 0.3 * chord)
     }
 
     /// States off the path by as much as rounding leaves the free stretches undetermined: where the free faces branch, the equations for them
@@ -505,7 +619,7 @@ impl<'a> LoadingPath<'a> {
             }
             // The part of the free stretches that a residual of rounding leaves open; beside a singular matrix the quadratic terms bound it.
             let open = linear
-                .solve(&(sense * noise))
+                .solve(&Vector3::z(), &(sense * noise).push(0.0))
                 .map_or(f64::INFINITY, |open| open.amax());
             let size = open.min(f64::EPSILON.sqrt());
             for sign in [size, -size] {
@@ -537,6 +651,10 @@ impl<'a> LoadingPath<'a> {
     pub fn ask(&self, state: &PathState) -> State {
         let asked =
             State::of_response(state.response.clone(), self.isotropic).with_rate(state.rate);
+        let asked = match self.material.dimension() {
+            2 => asked.in_plane(),
+            _ => asked,
+        };
         match self.volume {
             Volume::Changes => asked,
             _ => asked.incompressible(self.loading.free_faces()),
@@ -559,7 +677,13 @@ impl<'a> LoadingPath<'a> {
             let seconds: &[f64] = if count == 2 { &starts } else { &[0.0] };
             for second in seconds {
                 let start = Vector2::new(first, *second);
-                let Ok(state) = solve(self.material, self.loading, self.volume, s, start) else {
+                let Ok(state) = solve(
+                    self.material,
+                    self.loading,
+                    self.volume,
+                    start.push(s),
+                    &Vector3::z(),
+                ) else {
                     continue;
                 };
                 let new = |other: &PathState| (other.lateral - state.lateral).amax() > 1e-6;
@@ -575,7 +699,7 @@ impl<'a> LoadingPath<'a> {
     }
 }
 
-/// The part of a loading between two imposed stretches, as a path: the stretch runs evenly from the first to the second, and the
+/// The part of a loading between two imposed stretches (amounts of shear), as a path: the stretch runs evenly from the first to the second, and the
 /// states with free faces are those of the branch that begins at the reference.
 ///
 /// ```
@@ -597,7 +721,7 @@ pub struct LoadingSection<'p, 'a> {
 }
 
 impl<'p, 'a> LoadingSection<'p, 'a> {
-    /// From one stretch to another.
+    /// From one stretch, or amount of shear, to another.
     ///
     /// # Errors
     /// [`KinematicsError::EmptyPath`] when both are the same, [`KinematicsError::NoState`] when the loading does not reach one of them.
@@ -612,8 +736,8 @@ impl<'p, 'a> LoadingSection<'p, 'a> {
         Ok(section)
     }
 
-    /// The imposed stretch at a path parameter.
-    pub fn stretch(&self, s: f64) -> f64 {
+    /// The imposed stretch, or amount of shear, at a path parameter.
+    pub fn imposed(&self, s: f64) -> f64 {
         match s {
             1.0 => self.to,
             _ => self.from + (self.to - self.from) * s,
@@ -623,16 +747,19 @@ impl<'p, 'a> LoadingSection<'p, 'a> {
 
 impl DeformationPath for LoadingSection<'_, '_> {
     fn at(&self, s: f64) -> Result<DeformationGradient, KinematicsError> {
-        let stretch = self.stretch(s);
+        let imposed = self.imposed(s);
         let dimension = self.path.material.dimension();
-        let state = self.path.at(stretch.ln());
+        let state = self.path.at(self.path.loading.mode.parameter(imposed));
         state
             .map(|state| state.response.deformation.given_in(dimension))
-            .ok_or(KinematicsError::NoState { stretch })
+            .ok_or(KinematicsError::NoState { stretch: imposed })
     }
 }
 
 /// States from the reference to `end`, and why they end.
+///
+/// A step leads to the next parameter of the path. Where the branch bends away from its tangent before, steps are shorter and lead along the tangent, so that they
+/// reach a fold and show that the branch turns back there.
 fn branch(
     material: &dyn Hyperelastic,
     loading: Loading,
@@ -641,101 +768,159 @@ fn branch(
     end: f64,
 ) -> (Vec<PathState>, PathEnd) {
     let step = end / STEPS as f64;
-    let mut states = vec![reference.clone()];
     let mut here = reference.clone();
-    let mut trials = 0;
+    here.tangent *= step.signum();
+    let mut states = vec![here.clone()];
+    let (mut length, mut trials) = (f64::INFINITY, 0);
     for n in 1..=STEPS {
         let mut target = if n == STEPS { end } else { step * n as f64 };
-        let mut trial = target;
-        while here.parameter != target {
+        while (target - here.parameter) * step > 0.0 {
+            let stretch = here.parameter.exp();
             trials += 1;
             if trials > TRIALS {
-                let stretch = here.parameter.exp();
-                return (
-                    states,
-                    PathEnd::GivenUp {
-                        stretch,
-                        trials: TRIALS,
-                    },
-                );
+                let trials = TRIALS;
+                return (states, PathEnd::GivenUp { stretch, trials });
             }
-            match continued(material, loading, volume, &here, trial) {
-                Ok(state) => {
+            let whole = (target - here.parameter) / here.tangent.z;
+            let reaches = whole <= length;
+            let tried = if reaches { whole } else { length.min(LONGEST) };
+            let mut guess = here.place() + here.tangent * tried;
+            let found = if reaches {
+                guess.z = target;
+                solve(material, loading, volume, guess, &Vector3::z())
+            } else {
+                solve(material, loading, volume, guess, &here.tangent)
+            };
+            let on_branch = |state: &PathState| {
+                let turned_back = state.tangent.dot(&here.tangent) > 0.0
+                    && state.tangent.z * step <= 0.0
+                    && !reaches;
+                let near = (state.place() - guess).norm() <= tried;
+                let goes_on = (state.parameter - here.parameter) * step > 0.0 || turned_back;
+                goes_on && (here.leads_to(state) || tried < KINKED && near)
+            };
+            let missing = match found.map(|state| state.toward(&here)) {
+                Ok(state) if on_branch(&state) && state.tangent.z * step > 0.0 => {
                     states.push(state.clone());
                     here = state;
-                    trial = target;
+                    length = 2.0 * tried;
+                    continue;
                 }
                 // Where nothing is solved for, a law has states right beside a jump.
                 Err(Missing::Law(source))
                     if source.is_of_a_jump() && loading.free_of(material).is_empty() =>
                 {
                     target -= BESIDE_JUMP * step;
-                    trial = target;
+                    length = f64::INFINITY;
+                    continue;
                 }
-                Err(missing) => {
-                    let smallest = step.abs() * 0.5_f64.powi(HALVINGS);
-                    trial = 0.5 * (here.parameter + trial);
-                    if (trial - here.parameter).abs() <= smallest || trial == here.parameter {
-                        let stretch = here.parameter.exp();
-                        let end = match missing {
-                            Missing::Law(source) if !source.is_of_a_jump() => {
-                                // Numbers that grow without bound leave nothing but rounding.
-                                let end = here.parameter;
-                                states.retain(|state| {
-                                    state.parameter == 0.0
-                                        || (state.parameter - end).abs() > BEFORE_END
-                                });
-                                PathEnd::Law { stretch, source }
-                            }
-                            _ => PathEnd::NoState { stretch },
-                        };
-                        return (states, end);
+                Ok(state) if on_branch(&state) => {
+                    let fold = fold(material, loading, volume, &here, (tried, &state));
+                    let stretch = fold.parameter.exp();
+                    states.push(fold);
+                    return (states, PathEnd::Fold { stretch });
+                }
+                Ok(_) => Missing::Equilibrium,
+                Err(missing) => missing,
+            };
+            length = 0.5 * tried;
+            let smallest = step.abs() * 0.5_f64.powi(HALVINGS);
+            if length * here.tangent.z.abs() <= smallest
+                || here.place() + here.tangent * length == here.place()
+            {
+                let end = match missing {
+                    // A sheet has found the fold of its thickness itself.
+                    Missing::Law(MaterialError::PlaneStressEnds { .. }) => {
+                        PathEnd::Fold { stretch }
                     }
-                }
+                    Missing::Law(source) if !source.is_of_a_jump() => {
+                        // Numbers that grow without bound leave nothing but rounding.
+                        let end = here.parameter;
+                        states.retain(|state| {
+                            state.parameter == 0.0 || (state.parameter - end).abs() > BEFORE_END
+                        });
+                        PathEnd::Law { stretch, source }
+                    }
+                    _ => PathEnd::NoState { stretch },
+                };
+                return (states, end);
             }
         }
     }
     (states, PathEnd::Range)
 }
 
-/// The state at `s` on the branch of a state nearby: solved from the tangent, and refused where it is another branch.
-fn continued(
+/// The fold between a state and another one along its tangent, at which the branch leads back already.
+fn fold(
     material: &dyn Hyperelastic,
     loading: Loading,
     volume: Volume,
-    near: &PathState,
-    s: f64,
-) -> Result<PathState, Missing> {
-    let step = s - near.parameter;
-    let guess = near.lateral + near.slope * step;
-    let state = solve(material, loading, volume, s, guess)?;
-    let moved = (state.lateral - guess).amax();
-    let admitted = 1e-9 + 0.3 * step.abs() * (1.0 + near.slope.amax());
-    if moved <= admitted {
-        Ok(state)
-    } else {
-        Err(Missing::Equilibrium)
+    before: &PathState,
+    (length, behind): (f64, &PathState),
+) -> PathState {
+    let at = |length: f64| {
+        let guess = before.place() + before.tangent * length;
+        let state = solve(material, loading, volume, guess, &before.tangent);
+        Some(state.ok()?.toward(before))
+    };
+    let outward = before.tangent.z.signum();
+    let ends = [(0.0, before), (length, behind)]
+        .map(|(length, state)| (length, outward * state.tangent.z));
+    let mut slope = |length: f64| Some(outward * at(length)?.tangent.z);
+    let (low, high) = bracket_zero(&mut slope, ends[0], ends[1], f64::EPSILON * length);
+    at(0.5 * (low + high)).unwrap_or_else(|| before.clone())
+}
+
+/// Logarithms of the free stretches and `s` between two states of a branch, for a given `s`: on the cubic curve with their tangents.
+fn between(before: &PathState, after: &PathState, s: f64) -> Vector3<f64> {
+    let (start, end) = (before.place(), after.place());
+    let chord = (end - start).norm();
+    let at = |t: f64| {
+        let (a, b) = (t * t * (3.0 - 2.0 * t), t * (1.0 - t));
+        start + (end - start) * a + (before.tangent * (1.0 - t) - after.tangent * t) * (b * chord)
+    };
+    let distance = |t: f64| (at(t).z - s) * (end.z - start.z).signum();
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        match distance(middle) < 0.0 {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    let mut found = at(high);
+    found.z = s;
+    found
+}
+
+impl PathState {
+    /// The state with its tangent in the sense of that of another one.
+    fn toward(mut self, other: &Self) -> Self {
+        self.tangent *= self.tangent.dot(&other.tangent).signum();
+        self
     }
 }
 
-/// Newton's method for the free stretches, down to rounding: `tau_kk = P_kk F_kk = 0` for all free directions `k`.
+/// Newton's method, down to rounding, for the logarithms of the free stretches and `s` from a guess, in the plane through it with the given normal:
+/// `tau_kk = P_kk F_kk = 0` for all free directions `k`. With the axis of `s` as the normal `s` is that of the guess.
 fn solve(
     material: &dyn Hyperelastic,
     loading: Loading,
     volume: Volume,
-    s: f64,
-    guess: Vector2<f64>,
+    guess: Vector3<f64>,
+    normal: &Vector3<f64>,
 ) -> Result<PathState, Missing> {
     if volume != Volume::Changes {
-        return isochoric(material, loading, volume, s, guess);
+        return isochoric(material, loading, volume, guess.z, guess.xy());
     }
     let free = loading.free_of(material);
-    let (imposed, imposed_rate) = loading.imposed(s);
-    let mut lateral = guess;
+    let mut place = guess;
     let mut last = f64::INFINITY;
     // Derivatives that took differences are kept as long as they lead on.
     let mut known = None;
     for _ in 0..ITERATIONS {
+        let (s, lateral) = (place.z, place.xy());
+        let (imposed, imposed_rate) = loading.imposed(s);
         let f = with_free(imposed, free, &lateral);
         let response = respond(material, &f)?;
         let tangent = Linear::of(&response, free, &imposed_rate);
@@ -745,22 +930,27 @@ fn solve(
             (true, None) => tangent.differenced(material, loading, s, &lateral),
         };
         known = Some(linear.matrix);
-        let Some(correction) = linear.solve(&-linear.traction) else {
+        let Some(correction) = linear.solve(normal, &(-linear.traction).push(0.0)) else {
             return Err(Missing::Equilibrium);
         };
         let size = correction.amax();
         // The corrections of a converged iteration are rounding, and so are its tractions; they stop to shrink.
         let settled = size < 1e-8 && size >= 0.5 * last && linear.is_balanced();
         if size <= 4.0 * f64::EPSILON || settled {
-            let imposed = match material.is_path_dependent() {
-                true => linear.imposed_difference(material, loading, s, &lateral),
-                false => linear.imposed,
+            let along = Linear {
+                imposed: match material.is_path_dependent() {
+                    true => linear.imposed_difference(material, loading, s, &lateral),
+                    false => linear.imposed,
+                },
+                ..linear
             };
-            let slope = linear.solve(&-imposed).ok_or(Missing::Equilibrium)?;
+            let branch = along.direction(normal).ok_or(Missing::Equilibrium)?;
             // Criteria ask of loading that goes on from this state, which is what the tangent is of.
-            let on = tangent.solve(&-tangent.imposed);
-            let on = on.ok_or(Missing::Equilibrium)?;
-            let mut rate = imposed_rate;
+            let on = match material.is_path_dependent() {
+                true => tangent.direction(&branch).ok_or(Missing::Equilibrium)?,
+                false => branch,
+            };
+            let mut rate = imposed_rate * on.z;
             for (n, axis) in free.iter().enumerate() {
                 rate[(*axis, *axis)] = on[n] * f[(*axis, *axis)];
             }
@@ -769,14 +959,14 @@ fn solve(
                 response,
                 rate,
                 lateral,
-                slope,
+                tangent: branch,
             });
         }
         if size > LEADS_ON * last {
             known = None;
         }
         last = size;
-        lateral += correction * (0.5 / size).min(1.0);
+        place += correction * (0.5 / size).min(1.0);
     }
     Err(Missing::Equilibrium)
 }
@@ -809,7 +999,7 @@ fn isochoric(
         response: respond(&f)?,
         rate,
         lateral: Vector2::zeros(),
-        slope: Vector2::zeros(),
+        tangent: Vector3::z(),
     };
     if (loading.mode, loading.lateral) == (Mode::SimpleShear, Lateral::Free) {
         // tau_22 = tau_33, by the rate diag(0, 1, -1).
@@ -836,7 +1026,7 @@ fn isochoric(
                 state.response = settled(response);
                 state.rate = rate + along * slope;
                 state.lateral = Vector2::new(own, -own);
-                state.slope = Vector2::new(slope, -slope);
+                state.tangent = Vector3::new(slope, -slope, 1.0).normalize();
                 return Ok(state);
             }
             last = size;
@@ -980,20 +1170,21 @@ impl Linear {
         self.traction.amax() <= BALANCED * self.magnitude
     }
 
-    /// The solution of `matrix x = right`; `None` where the matrix is singular.
-    fn solve(&self, right: &Vector2<f64>) -> Option<Vector2<f64>> {
-        let m = &self.matrix;
-        let solution = match self.count {
-            0 => Vector2::zeros(),
-            1 => Vector2::new(right[0] / m[0][0], 0.0),
-            _ => {
-                let determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
-                Vector2::new(
-                    (right[0] * m[1][1] - right[1] * m[0][1]) / determinant,
-                    (right[1] * m[0][0] - right[0] * m[1][0]) / determinant,
-                )
-            }
-        };
+    /// Solves for the logarithms of the free stretches and `s`: changes of the tractions, and the part along a normal, are given. `None` where they do not
+    /// determine them.
+    fn solve(&self, normal: &Vector3<f64>, right: &Vector3<f64>) -> Option<Vector3<f64>> {
+        let mut rows = Matrix3::identity();
+        for a in 0..self.count {
+            (0..2).for_each(|b| rows[(a, b)] = self.matrix[a][b]);
+            rows[(a, 2)] = self.imposed[a];
+        }
+        rows.set_row(2, &normal.transpose());
+        let solution = rows.lu().solve(right)?;
         solution.iter().all(|x| x.is_finite()).then_some(solution)
+    }
+
+    /// Unit vector in which the tractions do not change, on the side of a normal.
+    fn direction(&self, normal: &Vector3<f64>) -> Option<Vector3<f64>> {
+        self.solve(normal, &Vector3::z())?.try_normalize(0.0)
     }
 }

@@ -415,6 +415,8 @@ pub struct State {
     left: Matrix3<f64>,
     isotropic: Option<PrincipalTangent>,
     rate: Option<Matrix3<f64>>,
+    /// Whether increments stay in the plane of the first two axes.
+    in_plane: bool,
     /// Where the response is incompressible: coordinate axes whose faces are free of traction.
     free_faces: Option<&'static [usize]>,
 }
@@ -444,8 +446,23 @@ impl State {
             left,
             right,
             rate: None,
+            in_plane: false,
             free_faces: None,
         }
+    }
+
+    /// The state of a law of the plane: increments and waves stay in it.
+    pub fn in_plane(mut self) -> Self {
+        self.in_plane = true;
+        self
+    }
+
+    /// Of orthonormal rates or strains along and across the plane those within the dimensions of the law.
+    fn within(&self, rates: &[Matrix3<f64>]) -> Vec<Matrix3<f64>> {
+        let is_within = |rate: &&Matrix3<f64>| {
+            !self.in_plane || rate.row(2).amax().max(rate.column(2).amax()) < 1e-9
+        };
+        rates.iter().filter(is_within).copied().collect()
     }
 
     /// The state as one of incompressible response, with free faces.
@@ -457,7 +474,7 @@ impl State {
     /// Of orthonormal rates those that the response admits: all, or those that keep the volume.
     fn admitted(&self, rates: &[Matrix3<f64>]) -> Vec<Matrix3<f64>> {
         match self.free_faces {
-            None => rates.to_vec(),
+            None => self.within(rates),
             Some(_) => orthogonal_to(rates, &cofactor(&self.response.deformation.matrix())),
         }
     }
@@ -493,6 +510,9 @@ impl State {
 
     /// The smallest value of `g . Q(N) g` where it is below a level; elsewhere one above the level.
     fn strong_ellipticity(&self, below: f64) -> Measure {
+        if self.in_plane {
+            return self.plane_ellipticity();
+        }
         // The closed form takes the tangent for symmetric.
         let isotropic = self.isotropic.as_ref();
         if let Some(tangent) = isotropic.filter(|tangent| tangent.has_major_symmetry()) {
@@ -598,6 +618,7 @@ impl State {
         rates: &[Matrix3<f64>],
         other: impl Fn(&Matrix3<f64>, &Matrix3<f64>, &Matrix3<f64>) -> f64,
     ) -> Measure {
+        let rates = &self.within(rates)[..];
         let f = self.response.deformation.matrix();
         let tau = self.response.first_piola * f.transpose();
         let work = |a: &Matrix3<f64>, b: &Matrix3<f64>| {

@@ -14,42 +14,64 @@ use crate::verdict::{Phase, Probe, Survey, probe_material};
 )]
 pub enum Load {
     /// `F = diag(s, 1, 1)`, `s > 1`.
-    UniaxialTension,
+    UniaxialStrainTension,
     /// `F = diag(s, 1, 1)`, `s < 1`.
-    UniaxialCompression,
+    UniaxialStrainCompression,
     /// `F = diag(s, s, 1)`, `s > 1`.
-    EquibiaxialTension,
+    EquibiaxialStrainTension,
     /// `F = diag(s, s, 1)`, `s < 1`.
-    EquibiaxialCompression,
+    EquibiaxialStrainCompression,
 }
 
 impl Load {
     /// All of them.
     pub const ALL: [Self; 4] = [
-        Self::UniaxialTension,
-        Self::UniaxialCompression,
-        Self::EquibiaxialTension,
-        Self::EquibiaxialCompression,
+        Self::UniaxialStrainTension,
+        Self::UniaxialStrainCompression,
+        Self::EquibiaxialStrainTension,
+        Self::EquibiaxialStrainCompression,
     ];
 
     /// The word used in files and tables.
     pub fn name(self) -> &'static str {
         match self {
-            Self::UniaxialTension => "uniaxial tension",
-            Self::UniaxialCompression => "uniaxial compression",
-            Self::EquibiaxialTension => "equibiaxial tension",
-            Self::EquibiaxialCompression => "equibiaxial compression",
+            Self::UniaxialStrainTension => "uniaxial strain tension",
+            Self::UniaxialStrainCompression => "uniaxial strain compression",
+            Self::EquibiaxialStrainTension => "equibiaxial strain tension",
+            Self::EquibiaxialStrainCompression => "equibiaxial strain compression",
+        }
+    }
+
+    /// Its description in sentences and legends, in the given number of dimensions.
+    pub fn title(self, dimension: usize) -> &'static str {
+        match (self, dimension) {
+            (Self::UniaxialStrainTension, 1) => "stretch along the chain",
+            (Self::UniaxialStrainTension, 2) => "stretch along axis 1, the other held",
+            (Self::UniaxialStrainTension, _) => "stretch along axis 1, the others held",
+            (Self::UniaxialStrainCompression, 1) => "compression along the chain",
+            (Self::UniaxialStrainCompression, 2) => "compression along axis 1, the other held",
+            (Self::UniaxialStrainCompression, _) => "compression along axis 1, the others held",
+            (Self::EquibiaxialStrainTension, 0..=2) => "equibiaxial stretch",
+            (Self::EquibiaxialStrainTension, _) => "equibiaxial stretch, axis 3 held",
+            (Self::EquibiaxialStrainCompression, 0..=2) => "equibiaxial compression",
+            (Self::EquibiaxialStrainCompression, _) => "equibiaxial compression, axis 3 held",
         }
     }
 
     /// Whether stretches grow.
     pub fn is_tension(self) -> bool {
-        matches!(self, Self::UniaxialTension | Self::EquibiaxialTension)
+        matches!(
+            self,
+            Self::UniaxialStrainTension | Self::EquibiaxialStrainTension
+        )
     }
 
     /// Whether a body of so many dimensions can be loaded like this.
     pub fn is_possible(self, dimension: usize) -> bool {
-        let is_uniaxial = matches!(self, Self::UniaxialTension | Self::UniaxialCompression);
+        let is_uniaxial = matches!(
+            self,
+            Self::UniaxialStrainTension | Self::UniaxialStrainCompression
+        );
         is_uniaxial || dimension >= 2
     }
 
@@ -59,8 +81,8 @@ impl Load {
     /// [`KinematicsError`] when the stretch is not admissible.
     pub fn at(self, stretch: f64) -> Result<DeformationGradient, KinematicsError> {
         let second = match self {
-            Self::UniaxialTension | Self::UniaxialCompression => 1.0,
-            Self::EquibiaxialTension | Self::EquibiaxialCompression => stretch,
+            Self::UniaxialStrainTension | Self::UniaxialStrainCompression => 1.0,
+            Self::EquibiaxialStrainTension | Self::EquibiaxialStrainCompression => stretch,
         };
         DeformationGradient::from_stretches([stretch, second, 1.0])
     }

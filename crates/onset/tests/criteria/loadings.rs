@@ -3,7 +3,9 @@
 use super::{NeoHooke, assert_close, limit, path, track, zero};
 use onset::criteria::{Criterion, Lateral, Loading, LoadingPath, Mode, PathEnd, Range};
 use onset::kinematics::DeformationGradient;
-use onset::material::{BlatzKo, Law, ModifiedMooneyRivlin, StrainEnergy};
+use onset::material::{
+    BlatzKo, Hyperelastic, Law, ModifiedMooneyRivlin, PlaneStress, StrainEnergy,
+};
 use onset::real::Real;
 
 #[test]
@@ -150,10 +152,10 @@ fn a_path_ends_where_the_free_faces_have_no_state_any_more_and_other_states_are_
         lateral: Lateral::PlaneStress,
     };
     let path = LoadingPath::new(&Folding, false, loading, &Range::default()).expect("a state at 1");
-    let PathEnd::NoState { stretch } = path.tension_end else {
-        panic!("the path has an end: {:?}", path.tension_end);
+    let PathEnd::Fold { stretch } = path.tension_end else {
+        panic!("the path has a fold: {:?}", path.tension_end);
     };
-    assert_close(stretch, 2.0, 1e-9);
+    assert_close(stretch, 2.0, 1e-14);
     // sin y = 1/2 at y = pi/6, on the branch, and at y = 5 pi/6.
     let s = 1.5_f64.ln();
     let own = path.at(s).expect("a state").response.deformation;
@@ -165,6 +167,142 @@ fn a_path_ends_where_the_free_faces_have_no_state_any_more_and_other_states_are_
         .map(|f| f.components()[2][2])
         .find(|x| (x - 1.0 - 5.0 * sixth).abs() < 1e-9);
     assert!(second.is_some(), "{others:?}");
+}
+
+/// `W = (I1 - 3)/2 - ln J + k w^2/2 (1 - exp(-((J - 1)/w)^2))`: a dilation that softens, `k = 10`, `w = 0.1`.
+struct Softening;
+
+impl StrainEnergy for Softening {
+    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
+        let i = f.invariants();
+        let x = (i.jacobian - 1.0) * 10.0;
+        (i.first - 3.0) * 0.5 - i.jacobian.ln() - ((-(x * x)).exp() - 1.0) * 0.05
+    }
+}
+
+/// Stretch, free stretch and volume of the limit points by arc length continuation of the closed form of the traction on the free faces.
+const FOLDS: [(Mode, Lateral, bool, [f64; 3]); 6] = [
+    (
+        Mode::Equibiaxial,
+        Lateral::PlaneStress,
+        true,
+        [1.20989, 0.73711, 1.07900],
+    ),
+    (
+        Mode::Equibiaxial,
+        Lateral::PlaneStress,
+        false,
+        [0.88265, 1.16686, 0.90906],
+    ),
+    (
+        Mode::Uniaxial,
+        Lateral::Free,
+        true,
+        [1.98875, 0.73562, 1.07620],
+    ),
+    (
+        Mode::Uniaxial,
+        Lateral::Free,
+        false,
+        [0.66265, 1.17956, 0.92198],
+    ),
+    (
+        Mode::Planar,
+        Lateral::PlaneStress,
+        true,
+        [1.46383, 0.73720, 1.07914],
+    ),
+    (
+        Mode::Planar,
+        Lateral::PlaneStress,
+        false,
+        [0.77907, 1.16684, 0.90905],
+    ),
+];
+
+#[test]
+fn a_path_ends_at_the_fold_of_its_free_faces_whatever_its_range() {
+    for (mode, lateral, tension, [stretch, free, volume]) in FOLDS {
+        let loading = Loading { mode, lateral };
+        for (low, high) in [(0.3, 3.0), (0.6, 2.2), (0.1, 10.0)] {
+            let range = Range::new(low, high).expect("a range");
+            let path = LoadingPath::new(&Softening, true, loading, &range).expect("a path");
+            let (end, states) = match tension {
+                true => (&path.tension_end, &path.tension),
+                false => (&path.compression_end, &path.compression),
+            };
+            let PathEnd::Fold { stretch: found } = end else {
+                panic!("{} has a fold: {end:?}", loading.title());
+            };
+            assert_close(*found, stretch, 1e-5);
+            let last = &states.last().expect("a state").response;
+            assert_close(last.deformation.components()[2][2], free, 1e-4);
+            assert_close(last.deformation.jacobian(), volume, 1e-5);
+            // The stiffness of the free faces, against a common change of both where there are two.
+            let stiffness = match lateral {
+                Lateral::Free => last.tangent[(2, 2, 2, 2)] + last.tangent[(2, 2, 1, 1)],
+                _ => last.tangent[(2, 2, 2, 2)],
+            };
+            assert!(stiffness.abs() < 1e-12, "{stiffness}");
+            // No state of another branch on the way, and states up to the fold.
+            let mut before: f64 = 1.0;
+            for n in 1..=2000 {
+                let state = path
+                    .at(found.ln() * f64::from(n) / 2000.0)
+                    .expect("a state");
+                let t = state.response.deformation.components()[2][2];
+                assert!((t - before).abs() < 0.01, "{t} after {before}");
+                before = t;
+            }
+            for distance in [1e-6, 1e-9, 1e-12, 1e-15] {
+                let near = path.at(found.ln() * (1.0 - distance)).expect("a state");
+                let t = near.response.deformation.components()[2][2];
+                assert!((t - last.deformation.components()[2][2]).abs() < 3.0 * distance.sqrt());
+            }
+            assert!(path.at(found.ln() * 1.001).is_none());
+        }
+    }
+}
+
+#[test]
+fn a_single_free_face_loses_strong_ellipticity_at_its_fold() {
+    for (mode, lateral, tension, [stretch, ..]) in FOLDS {
+        let path = path(&Softening, mode, lateral);
+        let found = track(&path, Criterion::StrongEllipticity, tension).limit();
+        match (lateral, tension) {
+            // Both faces soften together there, which no wave does.
+            (Lateral::Free, _) => assert_eq!(found, None),
+            (_, true) => assert_close(found.expect("lost at the fold"), stretch, 1e-5),
+            // Shortly before, for waves in the plane that is compressed.
+            (_, false) => {
+                let found = found.expect("lost");
+                assert!(found > stretch && found < stretch + 1e-3, "{found}");
+            }
+        }
+        let load = track(&path, Criterion::LoadMaximum, tension).limit();
+        let before = (load.expect("a largest load").ln() / stretch.ln()).abs();
+        assert!(before < 1.0 && before > 0.97, "{before}");
+    }
+}
+
+#[test]
+fn a_sheet_ends_where_its_thickness_has_a_fold() {
+    let sheet = PlaneStress::new(std::sync::Arc::new(Softening), 2).expect("a sheet");
+    for (mode, lateral, tension, [stretch, ..]) in FOLDS {
+        let loading = Loading { mode, lateral };
+        let path = LoadingPath::new(&sheet, false, loading, &Range::default()).expect("a path");
+        let end = match tension {
+            true => &path.tension_end,
+            false => &path.compression_end,
+        };
+        let PathEnd::Fold { stretch: found } = end else {
+            panic!("{} has a fold: {end:?}", loading.title());
+        };
+        assert_close(*found, stretch, 1e-5);
+    }
+    // A single state beyond the fold is no state of another branch.
+    let beyond = DeformationGradient::from_stretches([1.2125, 1.2125, 1.0]).expect("a state");
+    assert!(sheet.response(&beyond).is_err());
 }
 
 /// Gent: no energy beyond `I1 = 3 + jm`.

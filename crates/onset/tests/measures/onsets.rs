@@ -41,8 +41,8 @@ fn onsets_are_those_that_a_scan_of_the_path_finds() {
         });
         let survey = Survey::new(&method, &material).expect("a survey");
         for (load, end) in [
-            (Load::UniaxialTension, 3.0),
-            (Load::EquibiaxialTension, 2.0),
+            (Load::UniaxialStrainTension, 3.0),
+            (Load::EquibiaxialStrainTension, 2.0),
         ] {
             let found = onset(&survey, load, end).expect("onsets");
             let ends = [1.0, end].map(|stretch| load.at(stretch).expect("a state"));

@@ -25,7 +25,7 @@ pub(super) const MODEL: OwnModel = OwnModel {
 /// Reads the formula. Whether every parameter has a value is told when the law is made: an axis may give it.
 fn check(settings: &MaterialSettings) -> Result<(), SettingError> {
     let (text, origin) = settings.require("energy")?;
-    let Err(error) = law(text, &settings.values()) else {
+    let Err(error) = law(settings, text) else {
         return Ok(());
     };
     let origin = match &error.problem {
@@ -38,11 +38,16 @@ fn check(settings: &MaterialSettings) -> Result<(), SettingError> {
     Err(told(&error, origin))
 }
 
-fn law(text: &Value, values: &[(&str, f64)]) -> Result<FormulaLaw, FormulaError> {
-    match text {
-        Value::Word(text) => Formula::parse(text)?.with(values),
-        other => Formula::parse(&other.to_string())?.with(values),
-    }
+fn law(settings: &MaterialSettings, text: &Value) -> Result<FormulaLaw, FormulaError> {
+    let text = match text {
+        Value::Word(text) => text.clone(),
+        other => other.to_string(),
+    };
+    let formula = match settings.is_membrane() {
+        true => Formula::parse_in_plane(&text),
+        false => Formula::parse(&text),
+    };
+    formula?.with(&settings.values())
 }
 
 /// The error with the place of the setting before the place within the formula.
@@ -63,6 +68,6 @@ fn build(settings: &MaterialSettings) -> Result<Box<dyn Hyperelastic>, MaterialE
     let (text, _) = settings
         .require("energy")
         .map_err(|error| external(error.to_string()))?;
-    let law = law(text, &settings.values()).map_err(|error| external(error.to_string()))?;
+    let law = law(settings, text).map_err(|error| external(error.to_string()))?;
     Ok(Box::new(law))
 }

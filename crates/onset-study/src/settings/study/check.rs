@@ -2,8 +2,8 @@
 
 use super::super::blame::blamed;
 use super::super::{
-    Axis, Family, MAP_KEYS, Origin, Quantity, STATE_KEYS, SettingError, Settings, StateSettings,
-    aliases,
+    Axis, Family, MAP_KEYS, Origin, Plane, Quantity, STATE_KEYS, SettingError, Settings,
+    StateSettings, aliases,
 };
 use super::Study;
 use crate::methods::{hint, method};
@@ -166,12 +166,13 @@ impl Study {
 
     /// That no stretch is given which a sheet in plane stress, or a bar in uniaxial stress, finds itself.
     pub(super) fn check_given(&self, settings: &Settings) -> Result<(), SettingError> {
-        if !settings.material.is_plane_stress() {
-            return Ok(());
-        }
+        let why = match settings.material.plane() {
+            Plane::Strain => return Ok(()),
+            Plane::Stress => "material.plane is stress, so that it is found",
+            Plane::Membrane => "material.plane is membrane, a law without a third direction",
+        };
         let refused = |name: &str, origin: &Origin| {
-            let message =
-                format!("{name} is given, and material.plane is stress, so that it is found");
+            let message = format!("{name} is given, and {why}");
             Err(SettingError::new(origin.clone(), message).hint(format!(
                 "leave out {name}, or set material.plane = \"strain\""
             )))

@@ -12,6 +12,7 @@ use super::super::{Case, Code, Deck, Program, Projector, Record, Settled, Verify
 use super::lammps::{self, number};
 use crate::answers::Problem;
 use crate::output::{Files, text};
+use crate::settings::Plane;
 use onset::kinematics::DeformationGradient;
 use onset::method::MethodError;
 use onset::time_step::Stepping;
@@ -63,7 +64,7 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
             "leave out the third stretch",
         ));
     }
-    if problem.settings.material.is_plane_stress() {
+    if problem.settings.material.plane() != Plane::Strain {
         return Err(refused(
             "planar decks are in plane strain",
             "leave out material.plane",
