@@ -99,7 +99,8 @@ pub fn moduli(material: &dyn Hyperelastic) -> Option<[f64; 2]> {
     let response = material.undeformed().ok()?;
     let shear = response.tangent[(0, 1, 0, 1)];
     let bulk = response.tangent[(0, 0, 0, 0)] - shear * (4.0 / 3.0);
-    (is_isotropic(material) && !is_stressed(material)).then_some([shear, bulk])
+    let is_told = material.dimension() == 3 && is_isotropic(material) && !is_stressed(material);
+    is_told.then_some([shear, bulk])
 }
 
 /// Poisson's ratio of an isotropic law at `F = 1`, where it is negative.
