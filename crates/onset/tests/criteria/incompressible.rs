@@ -305,12 +305,17 @@ fn a_huge_bulk_modulus_is_a_regular_limit() {
                     track.events.iter().map(|event| event.stretch).collect()
                 };
                 let expected = events(&soft);
+                let stiffest = events(&paths[3]);
                 for path in &paths {
                     let own = events(path);
                     let what = format!("{mode:?} {lateral:?} {criterion:?}: {own:?} {expected:?}");
                     assert_eq!(own.len(), expected.len(), "{what}");
+                    for (own, expected) in own.iter().zip(&stiffest) {
+                        assert!((own / expected - 1.0).abs() < 1e-6, "{what}");
+                    }
                     for (own, expected) in own.iter().zip(&expected) {
-                        assert!((own / expected - 1.0).abs() < 2e-5, "{what}");
+                        // At a bulk modulus of 1e6 the forces of large shears still change the volume.
+                        assert!((own / expected - 1.0).abs() < 2e-3, "{what}");
                     }
                 }
             }
