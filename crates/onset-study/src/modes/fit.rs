@@ -26,7 +26,7 @@ impl Fit {
         let count = cells as f64;
         let nearest: Vec<f64> = fractional
             .iter()
-            .map(|x| (x * count).round() / count)
+            .map(|x| (x * count).round() / count + 0.0)
             .collect();
         let apart = fractional.iter().zip(&nearest).map(|(x, y)| (x - y).abs());
         let error = apart.fold(0.0, f64::max);
