@@ -82,6 +82,14 @@ const SUBJECTS: &[Subject] = &[
         cases: 100,
     },
     Subject {
+        name: "audits",
+        claim: "an audit finds the fault of a routine that is right except at states of one kind",
+        package: "onset-cli",
+        program: "command",
+        test: "planted_faults_are_found_at_every_kind_of_states",
+        cases: 300,
+    },
+    Subject {
         name: "command-lines",
         claim: "command lines end in time, within their memory, with a documented code",
         package: "onset-cli",

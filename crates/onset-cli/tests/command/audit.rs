@@ -141,9 +141,11 @@ mod user {
         // In one increment the tangent is that of the update: Cauchy stress per logarithmic strain.
         let identified = &audit["tangent"]["identified"];
         assert_eq!(identified["convention"], "logarithmic-strain", "{audit:#}");
-        // In many, that per increment of strain, which is Jaumann's rate of the Cauchy stress up to the increment.
+        // In many, that of the last one; it is Jaumann's rate of the Cauchy stress up to the size of the increment.
         let many = format!("{history} --set material.increments=10");
         let audit = audited("fortran/j2_plasticity.f90", "200e3,0.3,250,2e3", &many);
+        let identified = &audit["tangent"]["identified"];
+        assert_eq!(identified["convention"], "logarithmic-strain", "{audit:#}");
         let conventions = audit["tangent"]["conventions"].as_array().expect("a list");
         let error = |name: &str| {
             let found = conventions.iter().find(|found| found["convention"] == name);
@@ -151,7 +153,98 @@ mod user {
                 .and_then(|found| found["error"].as_f64())
                 .expect("an error")
         };
-        assert!(error("jaumann-cauchy") < 0.1 * error("logarithmic-strain"));
+        assert!(error("jaumann-cauchy") < 1e-2 * error("jaumann-kirchhoff"));
+        // It is what it means to be, and lacks what is not in it.
+        assert_eq!(audit["consistent"], true, "{audit:#}");
+        assert_eq!(outcome(&audit, "tangent"), "noted");
+        assert!(number(&audit, "/tangent/small_strain_update") > 0.01);
+        let verdict = audit["verdict"].as_str().expect("a verdict");
+        assert!(
+            verdict.contains("small-strain update") && verdict.contains("sigma_ij delta_kl"),
+            "{verdict}"
+        );
+    }
+
+    fn planted(kind: usize, part: usize, factor: f64, more: &str) -> Value {
+        let properties = format!("1,2,{kind},{part},{factor}");
+        audited("tests/fortran/planted.f90", &properties, more)
+    }
+
+    /// The kinds of states in the routine that is right elsewhere.
+    const KINDS: usize = 28;
+
+    #[test]
+    fn a_tangent_that_is_wrong_at_one_kind_of_states_is_found_there() {
+        let audit = planted(0, 1, 0.9, "");
+        assert_eq!(audit["consistent"], true, "{audit:#}");
+        for (kind, position) in [
+            (1, "undeformed"),
+            (3, "pure dilation"),
+            (7, "two equal stretches, in turned axes"),
+            (16, "along the axes, J = 1"),
+        ] {
+            let audit = planted(kind, 2, 0.5, "");
+            assert_eq!(outcome(&audit, "tangent"), "failed", "{audit:#}");
+            let in_part = &audit["tangent"]["in_part"];
+            assert_eq!(in_part["convention"], "jaumann-kirchhoff");
+            assert_eq!(in_part["transposed"], false);
+            let fails = in_part["fails"].as_array().expect("a list");
+            assert!(!fails.is_empty());
+            for state in fails {
+                let told = state["position"].as_str().expect("words");
+                assert!(told.contains(position), "{told} is not {position}");
+                assert!(state["deformation_gradient"][2][2].is_number());
+            }
+            let verdict = audit["verdict"].as_str().expect("a verdict");
+            assert!(
+                verdict.contains(position) && verdict.contains("(F = "),
+                "{verdict}"
+            );
+            assert!(!verdict.contains("transposed"), "{verdict}");
+        }
+    }
+
+    /// Neither the tangent nor differences of the stress show a stress that jumps at a state; its limit does, with an energy and without.
+    #[test]
+    fn a_stress_that_jumps_at_a_state_is_found() {
+        for kind in [3, 10] {
+            let audit = planted(kind, 4, 1.2, "");
+            assert_eq!(outcome(&audit, "continuity"), "failed", "{audit:#}");
+            assert_eq!(outcome(&audit, "energy"), "failed", "{audit:#}");
+        }
+    }
+
+    #[test]
+    fn a_secant_stiffness_is_named_and_a_nearest_convention_only_where_it_is_nearer() {
+        let audit = audited("tests/fortran/secant.f90", "2,1,0.01,1", "--strain 0.001");
+        assert_eq!(outcome(&audit, "tangent"), "failed");
+        assert!(number(&audit, "/tangent/secant") < 1e-3);
+        assert_eq!(audit["tangent"]["nearest"], Value::Null);
+        let verdict = audit["verdict"].as_str().expect("a verdict");
+        assert!(verdict.contains("secant stiffness"), "{verdict}");
+    }
+
+    /// Faults of random size in a random part, at states of a random kind; `cargo xtask hunt audits` draws more of them.
+    #[test]
+    fn planted_faults_are_found_at_every_kind_of_states() {
+        let (seed, cases) = crate::hunt::hunted(12);
+        let mut random = crate::Random::new(seed);
+        for case in 0..cases {
+            let kind = match case {
+                0 => 0,
+                _ => 1 + random.below(KINDS),
+            };
+            let part = 1 + random.below(5);
+            let factor = 1.0 + 10f64.powf(-3.0 * random.below(1000) as f64 / 1000.0);
+            let strain = format!("--strain {}", [0.01, 0.05, 0.1, 0.25, 0.5][random.below(5)]);
+            let audit = planted(kind, part, factor, &strain);
+            // A state without stress and energy hides that they are multiplied.
+            let is_hidden = kind == 0 || (part >= 4 && kind <= 2);
+            assert_eq!(
+                audit["consistent"], is_hidden,
+                "kind {kind}, part {part}, factor {factor}, {strain}: {audit:#}"
+            );
+        }
     }
 
     /// `SSE` per current volume, as Abaqus takes it, and per reference volume: both are the energy of the stress.

@@ -57,6 +57,15 @@ pub(super) fn of(
     };
     let growth = growth(spectrum.growth_rate(), units);
     let minimum = &assessment.material.minimum;
+    let is_undecided = assessment.material.ellipticity == Ellipticity::Undecided;
+    let although = match is_undecided {
+        true => "",
+        false => " although the material is stable",
+    };
+    let undecided = match is_undecided {
+        true => " The material is undecided: its smallest acoustic eigenvalue is zero to rounding.",
+        false => "",
+    };
     match assessment.verdict {
         Verdict::Stable => {
             let weak = match &assessment.weakest {
@@ -131,7 +140,7 @@ pub(super) fn of(
                 format!("The {whose} sees no strain in a wave ({which}).")
             };
             format!(
-                "Not usable without stabilization although the material is stable: zero-energy modes. {unseen}"
+                "Not usable without stabilization{although}: zero-energy modes. {unseen}{undecided}"
             )
         }
         Verdict::Numerical => {
@@ -143,9 +152,7 @@ pub(super) fn of(
                      long wavelengths; numerical instability: {instability}, {wave}, {growth}.",
                     lost(minimum)
                 ),
-                false => format!(
-                    "Unstable although the material is stable: {instability}, {wave}, {growth}."
-                ),
+                false => format!("Unstable{although}: {instability}, {wave}, {growth}.{undecided}"),
             }
         }
         Verdict::Suppressed => format!(

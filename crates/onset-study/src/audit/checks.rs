@@ -1,10 +1,11 @@
 //! What must hold for a material, one check each.
 
 use super::convention::{Convention, StressChange};
-use super::difference::{derivative, steps};
+use super::difference::{derivative, limit, steps};
 use super::reading::{Delivery, ratio, relative_to};
+use super::states::State;
 use super::subject::{Sample, Subject, deformation};
-use super::{AuditError, TOLERANCE, TangentFinding, UNKNOWN, tolerance};
+use super::{AuditError, TOLERANCE, UNKNOWN};
 use crate::number::told_of;
 use nalgebra::{Matrix3, Matrix6, Rotation3};
 use onset::kinematics::DeformationGradient;
@@ -36,6 +37,8 @@ pub struct Check {
     pub outcome: Outcome,
     /// The largest relative error, where there is one.
     pub error: Option<f64>,
+    /// Where that error is, unless the check passed.
+    pub state: Option<State>,
     /// What was found.
     pub finding: String,
 }
@@ -51,7 +54,46 @@ impl Check {
                 Outcome::Failed
             },
             error: Some(error),
+            state: None,
             finding: if passed { holds } else { fails }.to_owned(),
+        }
+    }
+
+    /// A check with an error at each state: the largest one counts, and its state is told.
+    fn at_states(
+        name: &'static str,
+        measured: &[Measured],
+        errors: &[f64],
+        holds: &str,
+        fails: &str,
+    ) -> Self {
+        let error = largest(errors.iter().copied());
+        let mut check = Self::new(name, error, holds, fails);
+        if check.outcome == Outcome::Failed {
+            let worst = errors.iter().position(|at| *at == error || at.is_nan());
+            check.state = worst.map(|at| measured[at].state());
+            if let Some(state) = &check.state {
+                check.finding = format!("{fails}: {}", state.sentence());
+            }
+        }
+        check
+    }
+
+    /// As [`Check::at_states`], with errors of differences: where these are not known they are no finding.
+    fn by_differences(
+        name: &'static str,
+        measured: &[Measured],
+        errors: &[f64],
+        holds: &str,
+        fails: &str,
+    ) -> Self {
+        let known = |(state, error): (&Measured, &f64)| if state.is_known() { *error } else { 0.0 };
+        let of_known: Vec<f64> = measured.iter().zip(errors).map(known).collect();
+        let check = Self::at_states(name, measured, &of_known, holds, fails);
+        match check.outcome {
+            Outcome::Passed => Self::at_states(name, measured, errors, holds, fails)
+                .unless_unknown(uncertainty(measured)),
+            _ => check,
         }
     }
 
@@ -60,6 +102,7 @@ impl Check {
             name,
             outcome: Outcome::Noted,
             error,
+            state: None,
             finding: finding.into(),
         }
     }
@@ -95,6 +138,10 @@ pub struct Measured {
     reference_energy_gradient: Matrix3<f64>,
     /// How well the change of the stress is known, relative to it.
     pub uncertainty: f64,
+    /// Half of how much the change of the stress differs to both sides of the state, relative to it.
+    kink: f64,
+    /// How far stress and energy are from their limits at the state, relative to those of a small strain.
+    jump: f64,
     /// Whether there is an energy here or nearby; at a state free of stress it may well be zero.
     reports_energy: bool,
 }
@@ -132,9 +179,13 @@ impl Measured {
             })
             .collect();
         let count = steps().count();
-        let derivatives: Vec<_> = values[1..]
+        let sides: Vec<(&[Vec<f64>], &[Vec<f64>])> = values[1..]
             .chunks_exact(2 * count)
-            .map(|chunk| derivative(&chunk[..count], &chunk[count..]))
+            .map(|chunk| chunk.split_at(count))
+            .collect();
+        let derivatives: Vec<_> = sides
+            .iter()
+            .map(|(plus, minus)| derivative(plus, minus))
             .collect();
         // Matrices run by columns: component (i, j) is at 3 j + i.
         let gradient = FourthOrder::from_fn(|i, j, k, l| derivatives[3 * k + l].values[3 * j + i]);
@@ -142,10 +193,38 @@ impl Measured {
             .iter()
             .flat_map(|derivative| &derivative.values[..9])
             .fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        let of_size = |value: f64| if size > 0.0 { value / size } else { 0.0 };
         let uncertainty = derivatives
             .iter()
             .map(|derivative| derivative.uncertainty)
             .fold(0.0, f64::max);
+        // Of the limits to both sides: what the values there differ by over the step is the jump of the derivative.
+        let (mut kink, mut jump): (f64, f64) = (0.0, 0.0);
+        let nearest = steps().last().unwrap_or_default();
+        for (plus, minus) in &sides {
+            let here = limit(plus, minus);
+            let mean = |(plus, minus): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+                let off = (0..10).map(|n| 0.5 * (plus[n] + minus[n]) - here.values[n]);
+                off.collect()
+            };
+            let bends: Vec<Vec<f64>> = plus.iter().zip(*minus).map(mean).collect();
+            let none = vec![vec![0.0; 10]; bends.len()];
+            // Twice the central difference of one side alone.
+            let bend = derivative(&bends, &none);
+            let small = SMALL_STRAIN * size;
+            for n in 0..10 {
+                let slope = 2.0 * bend.values[n].abs();
+                // A kink nearer than the smallest step is no jump.
+                let off = (here.values[n] - values[0][n]).abs()
+                    - 10.0 * here.uncertainty
+                    - 2.0 * nearest * slope;
+                let least = if n < 9 { small } else { SMALL_STRAIN * small };
+                jump = largest([jump, ratio(off.max(0.0), least.max(values[0][n].abs()))]);
+                if n < 9 {
+                    kink = kink.max(slope - 20.0 * bend.uncertainty);
+                }
+            }
+        }
         let of_energy = |n: usize| Matrix3::from_fn(|k, l| derivatives[3 * k + l].values[n]);
         let sample =
             samples
@@ -157,15 +236,43 @@ impl Measured {
         Ok(Self {
             change: StressChange {
                 deformation: *f,
+                increment: subject.last_increment(f)?,
                 cauchy: sample.cauchy,
                 gradient,
             },
             energy_gradient: of_energy(9),
             reference_energy_gradient: of_energy(10),
-            uncertainty: if size > 0.0 { uncertainty / size } else { 0.0 },
+            uncertainty: of_size(uncertainty),
+            kink: of_size(kink),
+            jump,
             sample,
             reports_energy,
         })
+    }
+
+    /// The state in words.
+    pub fn state(&self) -> State {
+        State::new(&self.sample.deformation)
+    }
+
+    /// Whether the change of the stress is known, and has one value.
+    pub fn is_known(&self) -> bool {
+        self.uncertainty <= UNKNOWN && self.kink <= TOLERANCE
+    }
+
+    /// How far a tangent may be from the differences.
+    pub fn tolerance(&self) -> f64 {
+        TOLERANCE.max(10.0 * self.uncertainty)
+    }
+
+    /// The same where the stress has a kink at the state: every tangent between those of both sides is right. None is where
+    /// differences are not known.
+    pub fn tolerance_of_kink(&self) -> f64 {
+        match self.uncertainty > UNKNOWN {
+            true => 0.0,
+            // Of nine directions each may be on either side.
+            false => self.tolerance() + 3.0 * self.kink,
+        }
     }
 
     /// The stress of a small strain.
@@ -174,7 +281,7 @@ impl Measured {
     }
 
     /// How far a Cauchy stress is from that of this state.
-    fn stress_error(&self, stress: &Matrix3<f64>, expected: &Matrix3<f64>) -> f64 {
+    pub fn stress_error(&self, stress: &Matrix3<f64>, expected: &Matrix3<f64>) -> f64 {
         relative_to(stress.as_slice(), expected.as_slice(), self.small_stress())
     }
 
@@ -199,6 +306,7 @@ pub fn all(
         stress_symmetry(measured),
         objectivity(subject, measured)?,
         energy,
+        continuity(measured),
         closed_loops(subject, is_derivative)?,
         material_symmetry(subject, measured)?,
         stress_tangent_symmetry(subject, measured),
@@ -314,21 +422,23 @@ fn moduli(reference: &Measured) -> Check {
         name: "moduli",
         outcome,
         error: None,
+        state: None,
         finding,
     }
     .unless_unknown(reference.uncertainty)
 }
 
 fn stress_symmetry(measured: &[Measured]) -> Check {
-    let error = largest(measured.iter().map(|state| {
+    let error = |state: &Measured| {
         let stress = &state.sample.cauchy;
         state.stress_error(stress, &stress.transpose())
-    }));
-    Check::new(
+    };
+    Check::at_states(
         "symmetry of the stress",
-        error,
+        measured,
+        &measured.iter().map(error).collect::<Vec<_>>(),
         "the Cauchy stress is symmetric",
-        "the Cauchy stress is not symmetric: moments are not balanced",
+        "the Cauchy stress is not symmetric, moments are not balanced",
     )
 }
 
@@ -338,26 +448,32 @@ fn rotations() -> [Matrix3<f64>; 3] {
 }
 
 fn objectivity(subject: &Subject<'_>, measured: &[Measured]) -> Result<Check, AuditError> {
-    let mut error: f64 = 0.0;
+    let mut errors = vec![0.0; measured.len()];
     for rotation in rotations() {
         let states = measured
             .iter()
             .map(|state| deformation(&(rotation * state.sample.deformation.matrix())))
             .collect::<Result<Vec<_>, _>>()?;
-        for (turned, state) in subject.samples(&states)?.iter().zip(measured) {
+        for ((turned, state), error) in subject
+            .samples(&states)?
+            .iter()
+            .zip(measured)
+            .zip(&mut errors)
+        {
             let expected = rotation * state.sample.cauchy * rotation.transpose();
-            error = largest([
-                error,
+            *error = largest([
+                *error,
                 state.stress_error(&turned.cauchy, &expected),
                 state.energy_error(turned.energy),
             ]);
         }
     }
-    Ok(Check::new(
+    Ok(Check::at_states(
         "objectivity",
-        error,
+        measured,
+        &errors,
         "a rotated state has the rotated stress and the same energy",
-        "a rotated state has another stress or another energy: the law depends on the observer",
+        "the law depends on the observer, a rotated state has another stress or another energy",
     ))
 }
 
@@ -367,19 +483,22 @@ fn energy(subject: &Subject<'_>, measured: &[Measured]) -> Check {
         return Check::noted(name, None, "no energy is reported (SSE is zero)");
     }
     // P:dF = J sigma : l.
-    let error = |of: fn(&Measured) -> &Matrix3<f64>| {
-        largest(measured.iter().map(|state| {
+    let errors = |of: fn(&Measured) -> &Matrix3<f64>| -> Vec<f64> {
+        let error = |state: &Measured| {
             let kirchhoff = state.sample.deformation.jacobian() * state.sample.cauchy;
             state.stress_error(of(state), &kirchhoff)
-        }))
+        };
+        measured.iter().map(error).collect()
     };
-    let right = error(|state| &state.energy_gradient);
+    let right = errors(|state| &state.energy_gradient);
     // SSE is read both ways: per current volume, as Abaqus takes it, and per reference volume, as many routines give it.
     let other = match subject {
-        Subject::User(_) => error(|state| &state.reference_energy_gradient),
-        Subject::Law(..) => f64::INFINITY,
+        Subject::User(_) => errors(|state| &state.reference_energy_gradient),
+        Subject::Law(..) => vec![f64::INFINITY; measured.len()],
     };
-    let holds = match (subject, right <= TOLERANCE, other <= TOLERANCE) {
+    let fits = |errors: &[f64]| errors.iter().filter(|error| **error <= TOLERANCE).count();
+    let all = |errors: &[f64]| fits(errors) == measured.len();
+    let holds = match (subject, all(&right), all(&other)) {
         (Subject::Law(..), ..) => "the stress is the derivative of the energy",
         (_, true, true) => {
             "the stress is the derivative of the energy; at these states SSE per current and per reference volume cannot be told apart"
@@ -391,14 +510,19 @@ fn energy(subject: &Subject<'_>, measured: &[Measured]) -> Check {
             "the stress is the derivative of the energy; SSE is per current volume, as Abaqus takes it"
         }
     };
-    Check::new(
+    let likelier = if fits(&other) > fits(&right) {
+        other
+    } else {
+        right
+    };
+    Check::by_differences(
         name,
-        right.min(other),
+        measured,
+        &likelier,
         holds,
         "the stress is not the derivative of the reported energy",
     )
     .excused(has_history(subject))
-    .unless_unknown(uncertainty(measured))
 }
 
 /// The work around closed loops: a smooth closed curve is integrated by the trapezoidal rule to all orders. Where the stress has
@@ -454,6 +578,16 @@ fn closed_loops(subject: &Subject<'_>, is_derivative: bool) -> Result<Check, Aud
     .excused(has_history(subject)))
 }
 
+fn continuity(measured: &[Measured]) -> Check {
+    Check::at_states(
+        "continuity",
+        measured,
+        &measured.iter().map(|state| state.jump).collect::<Vec<_>>(),
+        "stress and energy are the limits of those nearby",
+        "the stress or the energy jumps at a state, it is not the limit of those nearby",
+    )
+}
+
 fn material_symmetry(subject: &Subject<'_>, measured: &[Measured]) -> Result<Check, AuditError> {
     let mut error: f64 = 0.0;
     for rotation in rotations() {
@@ -482,18 +616,18 @@ pub(super) fn uncertainty(measured: &[Measured]) -> f64 {
 
 /// Major symmetry of `dP/dF` as the stress has it.
 fn stress_tangent_symmetry(subject: &Subject<'_>, measured: &[Measured]) -> Check {
-    let error = largest(measured.iter().map(|state| {
+    let error = |state: &Measured| {
         let piola = Convention::FirstPiola.tangent(&state.change, &state.change.gradient);
-        Delivery::Tensor(Box::new(piola)).asymmetry()
-    }));
-    Check::new(
+        Delivery::Tensor(Box::new(piola)).asymmetry() - state.kink
+    };
+    Check::by_differences(
         "symmetry of dP/dF",
-        error,
+        measured,
+        &measured.iter().map(error).collect::<Vec<_>>(),
         "differences of the stress have a symmetric dP/dF, as a strain energy demands",
-        "differences of the stress have no symmetric dP/dF: there is no strain energy",
+        "there is no strain energy, differences of the stress have no symmetric dP/dF",
     )
     .excused(has_history(subject))
-    .unless_unknown(uncertainty(measured))
 }
 
 fn delivered_symmetry(subject: &Subject<'_>, measured: &[Measured]) -> Check {
@@ -521,15 +655,16 @@ fn memory(subject: &Subject<'_>, measured: &[Measured]) -> Result<Check, AuditEr
         .map(|state| state.sample.deformation)
         .collect();
     let again = subject.samples(&states)?;
-    let error = largest(
-        again
-            .iter()
-            .zip(measured.iter().rev())
-            .map(|(again, state)| state.stress_error(&again.cauchy, &state.sample.cauchy)),
-    );
-    Ok(Check::new(
+    let errors: Vec<f64> = again
+        .iter()
+        .rev()
+        .zip(measured)
+        .map(|(again, state)| state.stress_error(&again.cauchy, &state.sample.cauchy))
+        .collect();
+    Ok(Check::at_states(
         "memory",
-        error,
+        measured,
+        &errors,
         "the answer does not depend on what was asked before",
         "the answer depends on what was asked before: something is kept in SAVE or COMMON instead of STATEV",
     ))
@@ -562,42 +697,4 @@ fn increments(settings: &UmatSettings, measured: &[Measured]) -> Result<Check, A
         ),
     };
     Ok(Check::noted("increments", Some(error), finding))
-}
-
-impl TangentFinding {
-    /// The check that follows from it.
-    pub(super) fn check(&self, subject: &Subject<'_>) -> Check {
-        let is_expected = self.expected_error <= tolerance(self.uncertainty);
-        let name = match subject {
-            Subject::Law(..) => "The tangent",
-            Subject::User(_) => "DDSDDE",
-        };
-        Check {
-            name: "tangent",
-            outcome: match (is_expected, self.uncertainty > UNKNOWN) {
-                (true, _) => Outcome::Passed,
-                (false, true) => Outcome::Undetermined,
-                (false, false) => Outcome::Failed,
-            },
-            error: Some(self.expected_error),
-            finding: match (&self.identified, is_expected) {
-                (_, true) => format!("{name} is {}, as it should be", self.expected.meaning()),
-                (Some(found), false) => format!(
-                    "{name} is not {}; it is {}",
-                    self.expected.meaning(),
-                    found.sentence
-                ),
-                (None, false) if self.uncertainty > UNKNOWN => format!(
-                    "The stress is not smooth enough at these states for its differences, known to {:.0e}, to tell what {name} is",
-                    self.uncertainty
-                ),
-                (None, false) => format!(
-                    "{name} is not {}, nor any other that is tried; nearest is {} with error {:.1e}",
-                    self.expected.meaning(),
-                    self.nearest.sentence,
-                    self.nearest.error
-                ),
-            },
-        }
-    }
 }

@@ -19,7 +19,7 @@ pub enum Convention {
     GreenNaghdiKirchhoff,
     /// `sigma' - Omega sigma + sigma Omega = c : D`.
     GreenNaghdiCauchy,
-    /// `d sigma / d ln V` with the rotation held: what the small-strain tangent of a corotational update is.
+    /// `d sigma / d ln V` of the last increment with its rotation held: what the small-strain tangent of a corotational update is.
     LogarithmicStrain,
     /// `d sigma / d epsilon` with the small strain `epsilon = sym(F) - 1`.
     SmallStrain,
@@ -45,6 +45,8 @@ fn delta(i: usize, j: usize) -> f64 {
 pub struct StressChange {
     /// The state.
     pub deformation: DeformationGradient,
+    /// The last increment by which it was reached; all of it for a law without a history.
+    pub increment: Matrix3<f64>,
     /// `sigma`.
     pub cauchy: Matrix3<f64>,
     /// `g_ijkl = d sigma_ij / d l_kl` for `F' = (1 + l) F`.
@@ -94,7 +96,9 @@ impl Convention {
             Self::Truesdell => "the Truesdell rate of the Cauchy stress",
             Self::GreenNaghdiKirchhoff => "the Green-Naghdi rate of the Kirchhoff stress over J",
             Self::GreenNaghdiCauchy => "the Green-Naghdi rate of the Cauchy stress",
-            Self::LogarithmicStrain => "the Cauchy stress per logarithmic strain, rotation held",
+            Self::LogarithmicStrain => {
+                "the Cauchy stress per increment of logarithmic strain, rotation held"
+            }
             Self::SmallStrain => "the Cauchy stress per small strain sym(F) - 1",
             Self::SecondPiola => "dS/dE, second Piola-Kirchhoff stress per Green strain",
             Self::FirstPiola => "dP/dF, first Piola-Kirchhoff stress per deformation gradient",
@@ -165,6 +169,7 @@ impl StressChange {
     pub fn of_response(response: &Response) -> Self {
         Self {
             deformation: response.deformation,
+            increment: response.deformation.matrix(),
             cauchy: response.cauchy(),
             gradient: response.effective_cauchy_tangent(),
         }
@@ -200,9 +205,8 @@ impl StressChange {
         FourthOrder::from_fn(|i, j, k, l| jaumann[(i, j, k, l)] - products[3 * k + l][(i, j)])
     }
 
-    /// Stretches and principal axes of `V`.
-    fn principal(&self) -> (nalgebra::Vector3<f64>, Matrix3<f64>) {
-        let f = self.deformation.matrix();
+    /// Stretches and principal axes of `V`, of the state or of its last increment.
+    fn principal(f: &Matrix3<f64>) -> (nalgebra::Vector3<f64>, Matrix3<f64>) {
         let left = SymmetricEigen::try_new(f * f.transpose(), f64::EPSILON, 500);
         left.map_or(
             (nalgebra::Vector3::repeat(f64::NAN), Matrix3::zeros()),
@@ -214,7 +218,7 @@ impl StressChange {
     /// `M sigma - sigma M`.
     fn green_naghdi(&self, kirchhoff: f64) -> FourthOrder {
         let jaumann = self.jaumann(kirchhoff);
-        let (stretches, axes) = self.principal();
+        let (stretches, axes) = Self::principal(&self.deformation.matrix());
         let products: Vec<Matrix3<f64>> = (0..9)
             .map(|n| {
                 let d = axes.transpose() * unit_strain(n / 3, n % 3) * axes;
@@ -228,10 +232,10 @@ impl StressChange {
         FourthOrder::from_fn(|i, j, k, l| jaumann[(i, j, k, l)] + products[3 * k + l][(i, j)])
     }
 
-    /// For a rate `h` of `ln V`, in principal axes `V'_ab = h_ab (v_a - v_b) / (ln v_a - ln v_b)`. With the rotation held,
+    /// For a rate `h` of `ln V`, `V` that of the last increment, in principal axes `V'_ab = h_ab (v_a - v_b) / (ln v_a - ln v_b)`. With the rotation held,
     /// `L = V' V^-1`, so that `L_ab = h_ab (e^x - 1) / x` with `x = ln(v_a / v_b)`.
     fn logarithmic(&self) -> FourthOrder {
-        let (stretches, axes) = self.principal();
+        let (stretches, axes) = Self::principal(&self.increment);
         composed(&self.gradient, |k, l| {
             let h = axes.transpose() * unit_strain(k, l) * axes;
             let velocity = Matrix3::from_fn(|a, b| {

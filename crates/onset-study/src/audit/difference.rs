@@ -9,54 +9,66 @@ pub fn steps() -> impl Iterator<Item = f64> {
     (0..LEVELS).map(|level| LARGEST * 0.5_f64.powi(level as i32))
 }
 
-/// A derivative with the extrapolation's own estimate of its error.
+/// A value extrapolated to no step, with the extrapolation's own estimate of its error.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Derivative {
+pub struct Extrapolated {
     /// A number for each component of the function.
     pub values: Vec<f64>,
     /// The largest error to expect in one of them.
     pub uncertainty: f64,
 }
 
-/// The derivative of a function of several components from its values at plus and minus each of the [`steps`]: central
-/// differences extrapolated by Richardson's scheme, from that entry of the table which differs least from its neighbors (Ridders,
+/// The derivative of a function of several components from its values at plus and minus each of the [`steps`], by central differences.
+pub fn derivative(plus: &[Vec<f64>], minus: &[Vec<f64>]) -> Extrapolated {
+    let central = steps().zip(plus).zip(minus).map(|((step, plus), minus)| {
+        let pairs = plus.iter().zip(minus);
+        pairs.map(|(p, m)| (p - m) / (2.0 * step)).collect()
+    });
+    extrapolated(&central.collect::<Vec<_>>())
+}
+
+/// The limit of such a function from both sides, its value at no step left out.
+pub fn limit(plus: &[Vec<f64>], minus: &[Vec<f64>]) -> Extrapolated {
+    let mean = |(plus, minus): (&Vec<f64>, &Vec<f64>)| {
+        let pairs = plus.iter().zip(minus);
+        pairs.map(|(p, m)| 0.5 * (p + m)).collect()
+    };
+    extrapolated(&plus.iter().zip(minus).map(mean).collect::<Vec<_>>())
+}
+
+/// Richardson's scheme for steps that are halved, and of its table the entry which differs least from its neighbors (Ridders,
 /// Adv. Eng. Software 4 (1982) 75). Large steps err by truncation, small ones by rounding, and steps across a kink of the function
-/// do not agree with each other: none of them is trusted beforehand.
-pub fn derivative(plus: &[Vec<f64>], minus: &[Vec<f64>]) -> Derivative {
-    let mut best = Derivative {
-        values: Vec::new(),
+/// do not agree with each other: none of them is trusted beforehand. The error has even powers of the step for smooth functions, and all
+/// powers where a derivative jumps at the state: both tables are tried.
+fn extrapolated(levels: &[Vec<f64>]) -> Extrapolated {
+    let mut best = Extrapolated {
+        values: levels.first().cloned().unwrap_or_default(),
         uncertainty: f64::INFINITY,
     };
-    let mut above: Vec<Vec<f64>> = Vec::new();
-    for ((step, plus), minus) in steps().zip(plus).zip(minus) {
-        let central: Vec<f64> = plus
-            .iter()
-            .zip(minus)
-            .map(|(plus, minus)| (plus - minus) / (2.0 * step))
-            .collect();
-        if best.values.is_empty() {
-            best.values.clone_from(&central);
-        }
-        let mut row = vec![central];
-        let mut weight = 1.0;
-        for previous in &above {
-            weight *= 4.0;
-            let last = &row[row.len() - 1];
-            let next: Vec<f64> = last
-                .iter()
-                .zip(previous)
-                .map(|(fine, coarse)| (weight * fine - coarse) / (weight - 1.0))
-                .collect();
-            let uncertainty = distance(&next, last).max(distance(&next, previous));
-            if uncertainty < best.uncertainty {
-                best = Derivative {
-                    values: next.clone(),
-                    uncertainty,
-                };
+    for factor in [4.0, 2.0] {
+        let mut above: Vec<Vec<f64>> = Vec::new();
+        for level in levels {
+            let mut row = vec![level.clone()];
+            let mut weight = 1.0;
+            for previous in &above {
+                weight *= factor;
+                let last = &row[row.len() - 1];
+                let next: Vec<f64> = last
+                    .iter()
+                    .zip(previous)
+                    .map(|(fine, coarse)| (weight * fine - coarse) / (weight - 1.0))
+                    .collect();
+                let uncertainty = distance(&next, last).max(distance(&next, previous));
+                if uncertainty < best.uncertainty {
+                    best = Extrapolated {
+                        values: next.clone(),
+                        uncertainty,
+                    };
+                }
+                row.push(next);
             }
-            row.push(next);
+            above = row;
         }
-        above = row;
     }
     best
 }
@@ -72,7 +84,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    fn of(function: impl Fn(f64) -> Vec<f64>) -> Derivative {
+    fn of(function: impl Fn(f64) -> Vec<f64>) -> Extrapolated {
         let plus: Vec<Vec<f64>> = steps().map(&function).collect();
         let minus: Vec<Vec<f64>> = steps().map(|step| function(-step)).collect();
         derivative(&plus, &minus)

@@ -10,12 +10,14 @@ mod reading;
 mod report;
 mod states;
 mod subject;
+mod tangent;
 
 pub use checks::{Check, Outcome};
 pub use convention::{Convention, StressChange};
 pub use reading::{Delivery, Match, Order, Reading, Shear, Volume, matches};
-pub use states::states;
+pub use states::{State, states};
 pub use subject::{Sample, Subject};
+pub use tangent::{Misfit, Partial, TangentFinding};
 
 use crate::settings::{MaterialSettings, Value};
 use checks::Measured;
@@ -75,31 +77,12 @@ pub struct Audit {
     pub consistent: bool,
     /// In a sentence.
     pub verdict: String,
-    /// The number of states.
+    /// The number of states; the undeformed one is always among them.
     pub states: usize,
     /// What was checked.
     pub checks: Vec<Check>,
     /// The tangent.
     pub tangent: TangentFinding,
-}
-
-/// What the tangent is.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct TangentFinding {
-    /// What it should be.
-    pub expected: Convention,
-    /// The error against that.
-    pub expected_error: f64,
-    /// What it is; none when no reading fits.
-    pub identified: Option<Match>,
-    /// Other readings that fit as well, with as few slips, at these states.
-    pub indistinguishable: Vec<Match>,
-    /// What comes nearest; as identified, when one is.
-    pub nearest: Match,
-    /// Every convention without slips.
-    pub conventions: Vec<Match>,
-    /// The relative uncertainty of the differences.
-    pub uncertainty: f64,
 }
 
 impl Audit {
@@ -132,7 +115,7 @@ impl Audit {
         }
     }
 
-    /// Audits a material at states.
+    /// Audits a material in the undeformed state and at states.
     ///
     /// # Errors
     /// [`AuditError`] when it fails at one of them, or near it.
@@ -142,13 +125,16 @@ impl Audit {
         states: &[DeformationGradient],
     ) -> Result<Self, AuditError> {
         let reference = Measured::new(subject, &DeformationGradient::identity())?;
-        let measured = states
+        let mut measured = vec![reference.clone()];
+        for f in states
             .iter()
-            .map(|f| Measured::new(subject, f))
-            .collect::<Result<Vec<_>, _>>()?;
-        let tangent = tangent(subject, &reference, &measured);
+            .filter(|f| **f != DeformationGradient::identity())
+        {
+            measured.push(Measured::new(subject, f)?);
+        }
+        let tangent = TangentFinding::new(subject, &reference, &measured)?;
         let mut checks = checks::all(subject, &reference, &measured)?;
-        checks.push(tangent.check(subject));
+        checks.push(tangent.check(subject, &measured));
         let is_open =
             |check: &Check| matches!(check.outcome, Outcome::Failed | Outcome::Undetermined);
         let consistent = !checks.iter().any(is_open);
@@ -156,7 +142,7 @@ impl Audit {
             material: material.to_owned(),
             consistent,
             verdict: report::verdict(consistent, &checks, &tangent),
-            states: states.len(),
+            states: measured.len(),
             checks,
             tangent,
         })
@@ -176,74 +162,3 @@ fn description(settings: &MaterialSettings) -> String {
 
 /// Differences that are known no better than this tell no convention from another.
 const UNKNOWN: f64 = 1e-4;
-
-/// How far a tangent may be from differences that are known to an uncertainty.
-fn tolerance(uncertainty: f64) -> f64 {
-    if uncertainty > UNKNOWN {
-        0.0
-    } else {
-        TOLERANCE.max(10.0 * uncertainty)
-    }
-}
-
-/// Finds out what the tangent is.
-fn tangent(subject: &Subject<'_>, reference: &Measured, measured: &[Measured]) -> TangentFinding {
-    let changes: Vec<StressChange> = measured.iter().map(|state| state.change.clone()).collect();
-    let deliveries: Vec<Delivery> = measured
-        .iter()
-        .map(|state| state.sample.delivery.clone())
-        .collect();
-    let elasticity = &reference.change.gradient;
-    let all = matches(&changes, &deliveries, elasticity);
-    let expected = Reading::plain(subject.convention());
-    let expected_error = all
-        .iter()
-        .find(|candidate| candidate.reading == expected)
-        .map_or(f64::INFINITY, |candidate| candidate.error);
-    let uncertainty = checks::uncertainty(measured);
-    let tolerance = tolerance(uncertainty);
-    // What is expected goes before what fits as well, and fewer slips before more.
-    let mut fitting: Vec<&Match> = all
-        .iter()
-        .filter(|candidate| candidate.error <= tolerance)
-        .collect();
-    fitting.sort_by_key(|candidate| {
-        (
-            candidate.reading.slips().len(),
-            candidate.reading != expected,
-        )
-    });
-    let identified = fitting.first().map(|best| (*best).clone());
-    let indistinguishable = fitting
-        .iter()
-        .skip(1)
-        .filter(|other| {
-            identified
-                .as_ref()
-                .is_some_and(|best| other.reading.slips().len() == best.reading.slips().len())
-        })
-        .map(|other| (*other).clone())
-        .collect();
-    let closest = all.iter().min_by(|a, b| a.error.total_cmp(&b.error));
-    let nearest = identified
-        .as_ref()
-        .or(closest)
-        .cloned()
-        .unwrap_or_else(|| Match {
-            reading: expected,
-            sentence: expected.sentence(),
-            error: expected_error,
-        });
-    TangentFinding {
-        expected: subject.convention(),
-        expected_error,
-        identified,
-        indistinguishable,
-        nearest,
-        conventions: all
-            .into_iter()
-            .filter(|candidate| candidate.reading.slips().is_empty())
-            .collect(),
-        uncertainty,
-    }
-}

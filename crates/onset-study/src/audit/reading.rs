@@ -263,6 +263,9 @@ pub struct Match {
     pub sentence: String,
     /// The largest relative error over the states, in the Frobenius norm.
     pub error: f64,
+    /// The error at each state.
+    #[serde(skip)]
+    pub errors: Vec<f64>,
 }
 
 /// Every reading with its error, those with fewer slips first.
@@ -290,7 +293,7 @@ pub fn matches(
                 .zip(&tangents)
                 .find(|(convention, _)| *convention == reading.convention)
                 .map_or(&[][..], |(_, tangents)| tangents);
-            let error = of_convention
+            let errors: Vec<f64> = of_convention
                 .iter()
                 .zip(changes)
                 .zip(&delivered)
@@ -298,11 +301,12 @@ pub fn matches(
                     let jacobian = change.deformation.jacobian();
                     relative(delivered, &reading.expected(tangent, jacobian, is_matrix))
                 })
-                .fold(0.0, f64::max);
+                .collect();
             Match {
                 reading,
                 sentence: reading.sentence(),
-                error,
+                error: errors.iter().copied().fold(0.0, f64::max),
+                errors,
             }
         })
         .collect()

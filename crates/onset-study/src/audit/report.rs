@@ -6,6 +6,8 @@ use std::fmt::{self, Display, Formatter};
 
 /// The audit in a sentence or two.
 pub fn verdict(consistent: bool, checks: &[Check], tangent: &TangentFinding) -> String {
+    let of_tangent = checks.iter().find(|check| check.name == "tangent");
+
     let of = |outcome: Outcome| -> Vec<&Check> {
         checks
             .iter()
@@ -13,6 +15,12 @@ pub fn verdict(consistent: bool, checks: &[Check], tangent: &TangentFinding) -> 
             .collect()
     };
     let (failed, open) = (of(Outcome::Failed), of(Outcome::Undetermined));
+    if let (true, Some(_), Some(check)) = (consistent, tangent.small_strain_update, of_tangent) {
+        return format!(
+            "Consistent with its small-strain update. {}.",
+            check.finding
+        );
+    }
     if consistent {
         return format!(
             "Consistent: all checks passed, and the tangent is {} (largest error {:.1e}).",
@@ -98,12 +106,6 @@ impl Display for Audit {
                     other.sentence, other.error
                 )?;
             }
-        } else {
-            writeln!(
-                f,
-                "None fits; nearest, with slips, is {} (error {:.1e}).",
-                self.tangent.nearest.sentence, self.tangent.nearest.error
-            )?;
         }
         Ok(())
     }

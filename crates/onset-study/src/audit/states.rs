@@ -1,34 +1,134 @@
 //! The states at which a material is audited unless others are named.
 
-use nalgebra::{Matrix3, Rotation3};
+use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
 use onset::kinematics::{DeformationGradient, KinematicsError};
+use serde::Serialize;
 
-/// Six states with strains of about the given amount: tension, compression, shear, a general state without and with a rotation, and
-/// a change of volume with shear. In the general ones nothing is aligned, symmetric or isochoric, so that no two conventions agree.
+/// A state with the position of its stretches and axes in words.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct State {
+    /// The deformation gradient, by rows.
+    pub deformation_gradient: [[f64; 3]; 3],
+    /// Which stretches are equal and which axes are those of the coordinates.
+    pub position: String,
+}
+
+/// Stretches and components that differ by less, relatively, are equal.
+const EQUAL: f64 = 1e-9;
+
+impl State {
+    /// The state of a deformation gradient.
+    pub fn new(f: &DeformationGradient) -> Self {
+        let f = f.matrix();
+        Self {
+            deformation_gradient: std::array::from_fn(|i| std::array::from_fn(|j| f[(i, j)])),
+            position: position(&f),
+        }
+    }
+
+    /// In words and numbers.
+    pub fn sentence(&self) -> String {
+        let rows = self.deformation_gradient.map(|row| row.map(told).join(","));
+        format!("{} (F = {})", self.position, rows.join(","))
+    }
+}
+
+/// A component in six digits, without zeros at its end.
+fn told(value: f64) -> String {
+    let rounded = (value * 1e6).round() / 1e6;
+    format!("{}", rounded + 0.0)
+}
+
+fn position(f: &Matrix3<f64>) -> String {
+    let left = f * f.transpose();
+    let is_small = |value: f64| value.abs() <= EQUAL * left.norm();
+    let mut squares = SymmetricEigen::new(left).eigenvalues;
+    squares.as_mut_slice().sort_by(f64::total_cmp);
+    let gaps = [squares[1] - squares[0], squares[2] - squares[1]];
+    let equal = gaps.into_iter().filter(|gap| is_small(*gap)).count();
+    let turned = [left[(0, 1)], left[(0, 2)], left[(1, 2)]];
+    let turned = turned.into_iter().filter(|value| !is_small(*value)).count();
+    let is_turned = (f - f.transpose()).norm() > EQUAL * f.norm();
+    let is_isochoric = (f.determinant() - 1.0).abs() <= EQUAL;
+    let mut words = vec![match (equal, is_isochoric) {
+        (2, true) => "undeformed",
+        (2, false) => "pure dilation",
+        (1, _) => "two equal stretches",
+        _ => "three different stretches",
+    }];
+    if equal < 2 {
+        words.push(match turned {
+            0 => "along the axes",
+            1 => "one of them along an axis",
+            _ => "in turned axes",
+        });
+        words.extend(is_isochoric.then_some("J = 1"));
+    }
+    words.extend(is_turned.then_some("rotated"));
+    words.join(", ")
+}
+
+/// States with strains of about the given amount. Routines branch where stretches are equal and where axes are those of the coordinates, so
+/// each such position is among them: the undeformed state, dilations, two equal stretches and three different ones along the axes, with one axis
+/// turned and with all of them, each also rotated, at a volume that is smaller, larger and exactly unchanged. In the general ones
+/// nothing is aligned, symmetric or isochoric, so that no two conventions agree.
 ///
 /// # Errors
 /// [`KinematicsError`] when the strain is so large that matter is turned inside out.
 ///
 /// ```
 /// let states = onset_study::audit::states(0.2)?;
-/// assert_eq!(states.len(), 6);
-/// assert!((states[0].jacobian() - 1.2).abs() < 1e-15);
+/// assert_eq!(states[0], onset::kinematics::DeformationGradient::identity());
+/// assert!((states[1].jacobian() - 1.2_f64.powi(3)).abs() < 1e-15);
 /// # Ok::<(), onset::kinematics::KinematicsError>(())
 /// ```
 pub fn states(strain: f64) -> Result<Vec<DeformationGradient>, KinematicsError> {
     let one: Matrix3<f64> = Matrix3::identity();
-    let tension = Matrix3::new(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-    let shear = Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    let along =
+        |a: f64, b: f64, c: f64| one + strain * Matrix3::from_diagonal(&Vector3::new(a, b, c));
+    let shear = |i: usize, j: usize| {
+        let mut sheared = one;
+        sheared[(i, j)] = strain;
+        sheared
+    };
     let general = Matrix3::new(0.9, 0.6, -0.3, 0.2, -0.7, 0.5, 0.1, -0.2, 0.4);
     let volume = Matrix3::new(0.5, 0.0, 0.0, 0.0, 0.4, 0.8, 0.0, 0.0, 0.6);
-    let rotation = Rotation3::from_euler_angles(0.7, -0.4, 1.1);
+    let rotation = *Rotation3::from_euler_angles(0.7, -0.4, 1.1).matrix();
+    let axes = *Rotation3::from_euler_angles(-0.5, 0.8, 0.3).matrix();
+    let quarter = Matrix3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+    let turned = |stretch: Matrix3<f64>| axes * stretch * axes.transpose();
+    let isochoric = |f: Matrix3<f64>| f / f.determinant().cbrt();
+    // Bits that a quotient keeps: the volume of such stretches is one to the last.
+    let longer = 1.0 + strain;
+    let shorter = 1.0 / longer;
+    let general_isochoric = isochoric(one + strain * general);
     [
-        one + strain * tension,
-        one - strain * tension,
-        one + strain * shear,
-        one + strain * general,
-        rotation.matrix() * (one - strain * general),
+        one,
+        along(1.0, 1.0, 1.0),
+        along(-1.0, -1.0, -1.0),
+        rotation,
+        rotation * along(1.0, 1.0, 1.0),
+        along(1.0, 0.0, 0.0),
+        along(-1.0, 0.0, 0.0),
+        along(1.0, 1.0, 0.0),
+        along(0.0, -1.0, 0.0),
+        along(1.0, 0.3, -0.6),
+        along(-0.5, 0.4, 1.0),
+        along(-0.2, -1.0, -0.6),
+        Matrix3::from_diagonal(&Vector3::new(longer, shorter, 1.0)),
+        Matrix3::from_diagonal(&Vector3::new(shorter * shorter, longer, longer)),
+        quarter * along(1.0, 0.3, -0.6),
+        rotation * along(1.0, 0.0, 0.0),
+        shear(0, 1),
+        shear(0, 2),
         one + strain * volume,
+        turned(along(1.0, 0.0, 0.0)),
+        turned(along(1.0, 1.0, 0.0)),
+        rotation * turned(along(0.4, -0.6, -0.6)),
+        turned(along(1.0, 0.3, -0.6)),
+        one + strain * general,
+        rotation * (one - strain * general),
+        general_isochoric,
     ]
     .iter()
     .map(super::subject::deformation)

@@ -91,6 +91,43 @@ impl Subject<'_> {
     }
 }
 
+impl Subject<'_> {
+    /// The last increment by which a state is reached: all of it for a law without a history.
+    ///
+    /// # Errors
+    /// [`MaterialError`] where there is no path to the state.
+    pub fn last_increment(&self, f: &DeformationGradient) -> Result<Matrix3<f64>, MaterialError> {
+        let Self::User(umat) = self else {
+            return Ok(f.matrix());
+        };
+        let path = umat.path(f)?;
+        let start = path
+            .len()
+            .checked_sub(2)
+            .and_then(|last| path[last].try_inverse());
+        Ok(start.map_or(f.matrix(), |start| f.matrix() * start))
+    }
+
+    /// What it says at states that are reached each by way of the state before, the first one by way of the last.
+    ///
+    /// # Errors
+    /// [`MaterialError`] when it fails at one of them.
+    pub fn samples_by_way_of_others(
+        &self,
+        states: &[DeformationGradient],
+    ) -> Result<Vec<Sample>, MaterialError> {
+        let Self::User(umat) = self else {
+            return self.samples(states);
+        };
+        let before = states.iter().cycle().skip(states.len().saturating_sub(1));
+        let paths: Vec<Vec<Matrix3<f64>>> = before
+            .zip(states)
+            .map(|(before, f)| vec![before.matrix(), f.matrix()])
+            .collect();
+        of_user(umat, states, &paths)
+    }
+}
+
 fn of_law(
     law: &dyn Hyperelastic,
     convention: Convention,

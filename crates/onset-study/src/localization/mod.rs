@@ -5,6 +5,7 @@ mod figure;
 mod parameters;
 
 pub use answer::{BandAnswer, DirectionAnswer, LocalizationAnswer, PointAnswer};
+pub(crate) use parameters::MODELS;
 pub use parameters::{PARAMETERS, Parameter, PlasticLaw, PlasticSettings};
 
 use crate::settings::SettingError;

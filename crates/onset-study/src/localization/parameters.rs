@@ -83,7 +83,7 @@ const HARDENING: &str = "plasticity.hardening";
 const UMAT: &str = "umat";
 
 /// The laws.
-const MODELS: &[&str] = &[
+pub(crate) const MODELS: &[&str] = &[
     "drucker-prager",
     "j2",
     "mohr-coulomb",

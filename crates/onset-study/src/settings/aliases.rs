@@ -283,6 +283,17 @@ pub(super) fn of_key(name: &str) -> &str {
         .map_or(name, |(_, own)| own)
 }
 
+/// The key by which a method sets what another key sets for other methods.
+pub(super) fn counterpart(key: &str, method: &str) -> Option<&'static str> {
+    match (key, method) {
+        ("discretization.support", "peridynamics") => Some("discretization.horizon"),
+        ("discretization.horizon", "kernel" | "total-lagrangian-sph" | "updated-sph") => {
+            Some("discretization.support")
+        }
+        _ => None,
+    }
+}
+
 /// What to say about a key that is often typed.
 pub(super) fn hint(name: &str) -> Option<&'static str> {
     let own = name.rsplit('.').next()?;

@@ -1,6 +1,7 @@
 //! Errors of settings: where, what, and what to do.
 
 use super::{Key, Unmet, Value, aliases};
+use crate::localization;
 use thiserror::Error;
 
 /// Where a setting was made.
@@ -90,8 +91,10 @@ impl SettingError {
             "`{}` has no effect: {} is {value}",
             key.name, unmet.need.key
         );
+        let meant = aliases::counterpart(key.name, &value)
+            .map_or_else(String::new, |other| format!("did you mean `{other}`? Or "));
         Self::new(origin, message).hint(format!(
-            "leave `{}` out; it is read with {}",
+            "{meant}leave `{}` out; it is read with {}",
             key.name,
             key.readers()
         ))
@@ -111,6 +114,14 @@ impl SettingError {
 
     /// Names the word nearest to the one typed, where words are expected.
     pub(crate) fn nearest_word(mut self, key: &str, value: &Value, words: &[&'static str]) -> Self {
+        if let Value::Word(word) = value
+            && key == "material.model"
+            && localization::MODELS.contains(&word.as_str())
+        {
+            return self.hint(format!(
+                "`{word}` is a law of `onset localize --model {word}`, which follows its flow to the first band"
+            ));
+        }
         if let (Value::Word(word), Some(hint)) = (value, &mut self.hint)
             && let Some(nearest) = aliases::nearest_word(key, word, words)
             && words.len() > 1

@@ -1,0 +1,335 @@
+//! Which tangent is delivered, and at which states.
+
+use super::checks::{Check, Measured, Outcome};
+use super::convention::{Convention, StressChange};
+use super::reading::{Delivery, Match, Reading, matches, relative_to};
+use super::states::State;
+use super::subject::Subject;
+use super::{AuditError, TOLERANCE};
+use nalgebra::{SymmetricEigen, Vector6};
+use onset_umat::VOIGT;
+use serde::Serialize;
+
+/// What the tangent is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TangentFinding {
+    /// What it should be.
+    pub expected: Convention,
+    /// The largest error against that.
+    pub expected_error: f64,
+    /// What it is at all states; none when no reading fits.
+    pub identified: Option<Match>,
+    /// Other readings that fit as well, with as few slips, at these states.
+    pub indistinguishable: Vec<Match>,
+    /// What it is at a part of the states, where no reading fits at all of them.
+    pub in_part: Option<Partial>,
+    /// What it lacks of the expected one, relative to it, where it is the tangent of a small-strain update: the largest
+    /// `|sigma_ij delta_kl|`.
+    pub small_strain_update: Option<f64>,
+    /// The largest relative error of stress = tangent : logarithmic strain, where it is the secant stiffness.
+    pub secant: Option<f64>,
+    /// What comes clearly nearer than what is expected, where nothing fits.
+    pub nearest: Option<Match>,
+    /// Every convention without slips.
+    pub conventions: Vec<Match>,
+    /// The relative uncertainty of the differences.
+    pub uncertainty: f64,
+}
+
+/// A reading that fits at more states than others.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Partial {
+    /// The reading.
+    #[serde(flatten)]
+    pub reading: Match,
+    /// States at which it fits, of those at which differences are known.
+    pub fits: usize,
+    /// States at which differences are known.
+    pub of: usize,
+    /// Where it does not fit, worst first.
+    pub fails: Vec<Misfit>,
+}
+
+/// A state at which a tangent is another one.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Misfit {
+    /// The state.
+    #[serde(flatten)]
+    pub state: State,
+    /// The relative error there.
+    pub error: f64,
+}
+
+/// A reading comes clearly nearer when its error is at most this part of the error of what is expected.
+const CLEARLY_NEARER: f64 = 0.1;
+
+/// A reading that fits at less than this part of the states is a coincidence.
+const COINCIDENCE: f64 = 0.25;
+
+/// States at which a misfit is told in a sentence.
+const TOLD_STATES: usize = 3;
+
+impl TangentFinding {
+    /// Finds out what the tangent is.
+    ///
+    /// # Errors
+    /// [`AuditError`] when the material fails on a path.
+    pub(super) fn new(
+        subject: &Subject<'_>,
+        reference: &Measured,
+        measured: &[Measured],
+    ) -> Result<Self, AuditError> {
+        let changes: Vec<StressChange> =
+            measured.iter().map(|state| state.change.clone()).collect();
+        let deliveries: Vec<Delivery> = measured
+            .iter()
+            .map(|state| state.sample.delivery.clone())
+            .collect();
+        let mut all = matches(&changes, &deliveries, &reference.change.gradient);
+        let known: Vec<usize> = (0..measured.len())
+            .filter(|at| measured[*at].is_known())
+            .collect();
+        for candidate in all.iter_mut().filter(|_| !known.is_empty()) {
+            candidate.error = known
+                .iter()
+                .map(|at| candidate.errors[*at])
+                .fold(0.0, f64::max);
+        }
+        let fits = |candidate: &Match| {
+            let fits = |at: &&usize| candidate.errors[**at] <= measured[**at].tolerance();
+            known.iter().filter(fits).count()
+        };
+        let expected = Reading::plain(subject.convention());
+        // What fits at most states goes first, then fewer slips before more, then what is expected.
+        let mut ranked: Vec<(usize, &Match)> = all
+            .iter()
+            .map(|candidate| (fits(candidate), candidate))
+            .collect();
+        ranked.sort_by_key(|(fits, candidate)| {
+            let slips = candidate.reading.slips().len();
+            (usize::MAX - fits, slips, candidate.reading != expected)
+        });
+        let of_expected = all.iter().find(|candidate| candidate.reading == expected);
+        let expected_error = of_expected.map_or(f64::INFINITY, |candidate| candidate.error);
+        let best = ranked.first().copied().filter(|_| !known.is_empty());
+        let identified = best
+            .filter(|(fits, _)| *fits == known.len())
+            .map(|(_, best)| best.clone());
+        let in_part = best
+            // What fits at all of them is identified.
+            .filter(|(fits, _)| {
+                *fits < known.len() && *fits as f64 > COINCIDENCE * known.len() as f64
+            })
+            .map(|(fits, best)| Partial::new(best, fits, &known, measured));
+        let indistinguishable: Vec<Match> = identified
+            .iter()
+            .flat_map(|best| {
+                ranked.iter().skip(1).filter(|(fits, other)| {
+                    *fits == known.len()
+                        && other.reading.slips().len() == best.reading.slips().len()
+                })
+            })
+            .map(|(_, other)| (*other).clone())
+            .collect();
+        let secant = match (&identified, &in_part) {
+            (None, None) => secant_error(known.iter().map(|at| &measured[*at])),
+            _ => None,
+        };
+        let nearest = all
+            .iter()
+            .min_by(|a, b| a.error.total_cmp(&b.error))
+            .filter(|nearest| nearest.error <= CLEARLY_NEARER * expected_error)
+            .filter(|_| identified.is_none() && in_part.is_none() && secant.is_none());
+        Ok(Self {
+            expected: subject.convention(),
+            expected_error,
+            small_strain_update: small_strain_update(
+                subject,
+                &identified,
+                &indistinguishable,
+                measured,
+            )?,
+            indistinguishable,
+            identified,
+            in_part,
+            secant,
+            nearest: nearest.cloned(),
+            conventions: all
+                .iter()
+                .filter(|candidate| candidate.reading.slips().is_empty())
+                .cloned()
+                .collect(),
+            uncertainty: super::checks::uncertainty(measured),
+        })
+    }
+
+    /// The check that follows from it.
+    pub(super) fn check(&self, subject: &Subject<'_>, measured: &[Measured]) -> Check {
+        let name = match subject {
+            Subject::Law(..) => "The tangent",
+            Subject::User(_) => "DDSDDE",
+        };
+        let of_expected = self
+            .conventions
+            .iter()
+            .find(|candidate| candidate.reading.convention == self.expected);
+        let errors = of_expected.map_or(&[][..], |candidate| &candidate.errors);
+        let worst = |is_known: bool| {
+            measured
+                .iter()
+                .zip(errors)
+                .filter(|(state, error)| {
+                    state.is_known() == is_known && **error > state.tolerance_of_kink()
+                })
+                .max_by(|a, b| a.1.total_cmp(b.1))
+        };
+        let (known, unknown) = (worst(true), worst(false));
+        Check {
+            name: "tangent",
+            outcome: match (known, unknown, self.small_strain_update) {
+                (Some(_), None, Some(_)) => Outcome::Noted,
+                (Some(_), Some(_), Some(_)) => Outcome::Undetermined,
+                (Some(_), ..) => Outcome::Failed,
+                (None, Some(_), _) => Outcome::Undetermined,
+                (None, None, _) => Outcome::Passed,
+            },
+            error: Some(self.expected_error),
+            state: known.or(unknown).map(|(state, _)| state.state()),
+            finding: match (known.is_some(), unknown.is_some()) {
+                (true, is_open) if !(is_open && self.small_strain_update.is_some()) => {
+                    self.misfit(name)
+                }
+                (_, true) => format!(
+                    "The stress is not smooth enough at these states for its differences, known to {:.0e}, to tell what {name} is",
+                    self.uncertainty
+                ),
+                (_, false) => format!("{name} is {}, as it should be", self.expected.meaning()),
+            },
+        }
+    }
+
+    /// How it differs from what is expected.
+    fn misfit(&self, name: &str) -> String {
+        let expected = self.expected.meaning();
+        if let Some(lacking) = self.small_strain_update {
+            return format!(
+                "{name} is the tangent of a small-strain update, the Cauchy stress per strain increment: against {expected} it lacks sigma_ij delta_kl, up to {lacking:.1e} of it at \
+                 these states. That is usual, and matters for ellipticity where the stress is not small against the moduli"
+            );
+        }
+        match (&self.identified, &self.in_part, self.secant, &self.nearest) {
+            (Some(found), ..) => format!("{name} is not {expected}; it is {}", found.sentence),
+            (_, Some(in_part), ..) => {
+                let fits = match in_part.reading.reading == Reading::plain(self.expected) {
+                    true => format!(
+                        "{name} is {expected}, as it should be, at {} of {} states",
+                        in_part.fits, in_part.of
+                    ),
+                    false => format!(
+                        "{name} is not {expected}; it is {} at {} of {} states",
+                        in_part.reading.sentence, in_part.fits, in_part.of
+                    ),
+                };
+                let told = in_part.fails.iter().take(TOLD_STATES);
+                let told: Vec<String> = told
+                    .map(|misfit| {
+                        format!("{}, error {:.1e}", misfit.state.sentence(), misfit.error)
+                    })
+                    .collect();
+                let more = match in_part.fails.len().saturating_sub(TOLD_STATES) {
+                    0 => String::new(),
+                    more => format!("; and {more} more"),
+                };
+                format!("{fits}, but not at these: {}{more}", told.join("; "))
+            }
+            (.., Some(error), _) => format!(
+                "{name} is not {expected}; it is the secant stiffness: the stress is {name} times the logarithmic strain (error {error:.1e})"
+            ),
+            (.., Some(nearest)) => format!(
+                "{name} is not {expected}, nor any other that is tried; nearest is {} with error {:.1e}",
+                nearest.sentence, nearest.error
+            ),
+            _ => format!(
+                "{name} is not {expected}, and no other convention that is tried comes clearly nearer"
+            ),
+        }
+    }
+}
+
+impl Partial {
+    fn new(reading: &Match, fits: usize, known: &[usize], measured: &[Measured]) -> Self {
+        let mut fails: Vec<Misfit> = known
+            .iter()
+            .filter(|at| reading.errors[**at] > measured[**at].tolerance())
+            .map(|at| Misfit {
+                state: measured[*at].state(),
+                error: reading.errors[*at],
+            })
+            .collect();
+        fails.sort_by(|a, b| b.error.total_cmp(&a.error));
+        Self {
+            reading: reading.clone(),
+            fits,
+            of: known.len(),
+            fails,
+        }
+    }
+}
+
+/// How far the stress is from what is delivered times the logarithmic strain, where that is clearly nearer than by the tangent of the stress.
+fn secant_error<'a>(states: impl Iterator<Item = &'a Measured>) -> Option<f64> {
+    let (mut secant, mut tangent): (f64, f64) = (0.0, 0.0);
+    for state in states {
+        let Delivery::Matrix(delivered) = &state.sample.delivery else {
+            return None;
+        };
+        let f = state.sample.deformation.matrix();
+        let left = SymmetricEigen::try_new(f * f.transpose(), f64::EPSILON, 500)?;
+        let logarithms = left.eigenvalues.map(|square| 0.5 * square.ln());
+        let strain = left.eigenvectors
+            * nalgebra::Matrix3::from_diagonal(&logarithms)
+            * left.eigenvectors.transpose();
+        let engineering = Vector6::from_fn(|a, _| strain[VOIGT[a]] * if a < 3 { 1.0 } else { 2.0 });
+        let stress = Vector6::from_fn(|a, _| state.sample.cauchy[VOIGT[a]]);
+        let full = Convention::JaumannKirchhoff.tangent(&state.change, &state.change.gradient);
+        // Without strain there is no secant.
+        let least = TOLERANCE * delivered.norm();
+        let error = |matrix: &nalgebra::Matrix6<f64>| {
+            relative_to((matrix * engineering).as_slice(), stress.as_slice(), least)
+        };
+        secant = secant.max(error(delivered));
+        tangent = tangent.max(error(&onset_umat::voigt_of_tensor(&full)));
+    }
+    (secant <= CLEARLY_NEARER * tangent).then_some(secant)
+}
+
+/// What the tangent of a small-strain update lacks. Its stress follows from increments of strain, and depends on the path; a law of the whole deformation
+/// with this tangent has a wrong one.
+fn small_strain_update(
+    subject: &Subject<'_>,
+    identified: &Option<Match>,
+    indistinguishable: &[Match],
+    measured: &[Measured],
+) -> Result<Option<f64>, AuditError> {
+    let update = Reading::plain(Convention::LogarithmicStrain);
+    let is_update = |found: &Match| found.reading == update;
+    if !matches!(subject, Subject::User(_))
+        || !identified.iter().chain(indistinguishable).any(is_update)
+    {
+        return Ok(None);
+    }
+    let states: Vec<_> = measured
+        .iter()
+        .map(|state| state.sample.deformation)
+        .collect();
+    let others = subject.samples_by_way_of_others(&states)?;
+    let mut by_the_way = others.iter().zip(measured);
+    let depends = by_the_way
+        .any(|(other, state)| state.stress_error(&other.cauchy, &state.sample.cauchy) > TOLERANCE);
+    let lacking = measured.iter().map(|state| {
+        let full = Convention::JaumannKirchhoff.tangent(&state.change, &state.change.gradient);
+        // |sigma_ij delta_kl| is sqrt(3) |sigma|.
+        3.0_f64.sqrt() * state.sample.cauchy.norm() / onset_umat::voigt_of_tensor(&full).norm()
+    });
+    Ok(depends.then(|| lacking.fold(0.0, f64::max)))
+}
