@@ -275,18 +275,21 @@ class Material(_Settings):
 
     @classmethod
     @asks
-    def read(cls, block: str, program: str) -> Material:
-        """The law of a block of another program, ``abaqus``, ``ansys``, ``felupe`` or ``hyperelastic``, as ``--from`` reads it.
+    def read(cls, block: str | os.PathLike[str], program: str, *, material: str | None = None) -> Material:
+        """The law of a block of another program, ``abaqus``, ``ansys``, ``felupe`` or ``hyperelastic``, as ``--from`` reads it. `block` is its text, or the path
+        of a file; `material` is the name or number of one of several materials.
 
         What there is to know of its constants is in `notes`, and told by ``onset.criteria`` and ``onset.card``. A block without a law is a `SettingError` with
         its line and column.
         """
-        assignments, notes = _onset.read_law(program, "the block", block, [])
-        material = cls()
+        is_text = isinstance(block, str) and ("\n" in block or "(" in block or "*" in block)
+        name, text = ("the block", str(block)) if is_text else source(block, "a block")
+        assignments, notes = _onset.read_law(program, name, text, material, [])
+        read = cls()
         pairs = (assignment.partition("=") for assignment in assignments)
-        material._put({key.removeprefix("material."): value for key, _, value in pairs})
-        object.__setattr__(material, "notes", tuple(notes))
-        return material
+        read._put({key.removeprefix("material."): value for key, _, value in pairs})
+        object.__setattr__(read, "notes", tuple(notes))
+        return read
 
     #: What there is to know of a law that was read from a block of another program.
     notes: tuple[str, ...] = ()
@@ -510,13 +513,13 @@ def _states(count: object) -> str:
     raise TypeError(f"the number of states is {type(count).__name__}; expected a whole number")
 
 
-def source(path: str | os.PathLike[str]) -> tuple[str, str]:
+def source(path: str | os.PathLike[str], what: str = "a study") -> tuple[str, str]:
     """Name and text of a file."""
-    name = place(path, "a study")
+    name = place(path, what)
     try:
         return name, Path(name).read_text(encoding="utf-8")
     except (OSError, ValueError) as error:
-        raise InputError(f"cannot read {name}: {error}\n  hint: expected a study file") from error
+        raise InputError(f"cannot read {name}: {error}\n  hint: expected {what} in a file") from error
 
 
 def study_of(study: Study | str | os.PathLike[str]) -> Study:

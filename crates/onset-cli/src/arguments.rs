@@ -778,6 +778,9 @@ pub struct LawArguments {
     /// or hyperelastic (ThirdOrderDeformation(C10=...)), whose constants are read with the meaning that they have there.
     #[arg(long, value_name = "PROGRAM", requires = "file")]
     pub from: Option<Program>,
+    /// The material of FILE, by its name in Abaqus, its number in ANSYS [default: the first one with a law].
+    #[arg(long, value_name = "NAME", requires = "from")]
+    pub material: Option<String>,
     /// Set a key, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,

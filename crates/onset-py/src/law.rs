@@ -11,7 +11,7 @@ use onset::material::Hyperelastic;
 use onset_study::answers::Strain;
 use onset_study::audit::{Audit, Convention, states};
 use onset_study::criteria::{Question, Range};
-use onset_study::settings::{MaterialSettings, Program, law_from};
+use onset_study::settings::{MaterialSettings, Program, law_of};
 use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -35,10 +35,12 @@ pub fn read_law(
     program: &str,
     name: &str,
     text: &str,
+    material: Option<String>,
     assignments: Vec<String>,
 ) -> PyResult<(Vec<String>, Vec<String>)> {
     let program: Program = program.parse().map_err(Failure::Input)?;
-    let read = law_from(program, name, text, &assignments).map_err(Failure::from)?;
+    let wanted = material.as_deref();
+    let read = law_of(program, name, text, wanted, &assignments).map_err(Failure::from)?;
     Ok((read.assignments, read.notes))
 }
 

@@ -4,7 +4,7 @@ use super::{Failure, law, print_with_files, source, with_energy};
 use crate::arguments::{CardArguments, CriteriaArguments, LawArguments};
 use onset_study::criteria::Question;
 use onset_study::output::Output;
-use onset_study::settings::{MaterialSettings, Program, law_from};
+use onset_study::settings::{MaterialSettings, Program, law_of};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -69,7 +69,8 @@ fn material(arguments: &LawArguments) -> Result<Asked, Failure> {
         });
     };
     let (name, text) = source(file)?;
-    let read = law_from(program, &name, &text, &assignments).map_err(Failure::input)?;
+    let wanted = arguments.material.as_deref();
+    let read = law_of(program, &name, &text, wanted, &assignments).map_err(Failure::input)?;
     assignments.splice(0..0, read.assignments);
     Ok(Asked {
         law: law(None, &assignments, &trust)?,

@@ -2,6 +2,7 @@
 
 mod formula;
 mod function;
+mod table;
 mod umat;
 
 pub use function::HandedLaw;
@@ -36,7 +37,7 @@ pub struct OwnModel {
 }
 
 /// The user-defined models.
-const OWN: &[OwnModel] = &[formula::MODEL, umat::MODEL];
+const OWN: &[OwnModel] = &[formula::MODEL, table::MODEL, umat::MODEL];
 
 /// A model.
 #[derive(Clone, Copy, Debug)]

@@ -5,6 +5,7 @@
 
 use super::law::{Energy, ForeignLaw, LOGARITHM_OF_VOLUME};
 use super::marlow::{self, Test};
+use super::unread::{Relaxation, Unread};
 use super::{Trouble, number};
 
 /// Constants on a data line.
@@ -14,28 +15,150 @@ const A_LINE: usize = 8;
 struct Block<'t> {
     line: usize,
     keyword: String,
+    /// The keyword as it is written.
+    title: String,
     /// Parameters after the keyword, in capitals, with their values.
     parameters: Vec<(String, Option<String>)>,
     data: Vec<(usize, &'t str)>,
 }
 
-/// The first law of a text.
-pub(super) fn read(text: &str) -> Result<ForeignLaw, Trouble> {
+const LAWS: [&str; 3] = ["HYPERELASTIC", "HYPERFOAM", "ANISOTROPICHYPERELASTIC"];
+
+fn is_law(block: &Block<'_>) -> bool {
+    LAWS.contains(&block.keyword.as_str())
+}
+
+/// Materials of a text, each with its blocks; what stands before the first one is one without a name.
+fn materials<'b, 't>(blocks: &'b [Block<'t>]) -> Vec<(String, &'b [Block<'t>])> {
+    let starts = (0..blocks.len()).filter(|at| *at == 0 || blocks[*at].keyword == "MATERIAL");
+    let starts: Vec<usize> = starts.collect();
+    let ends = starts.iter().skip(1).copied().chain([blocks.len()]);
+    let parts = starts.iter().zip(ends).map(|(start, end)| {
+        let name = blocks[*start].value("NAME").unwrap_or_default();
+        (name.to_owned(), &blocks[*start..end])
+    });
+    parts.collect()
+}
+
+/// The law of a material, the first one that has a law unless one is named.
+pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Trouble> {
     let blocks = blocks(text);
-    let known = ["HYPERELASTIC", "HYPERFOAM", "ANISOTROPICHYPERELASTIC"];
+    let mut with_law = materials(&blocks);
+    with_law.retain(|(_, blocks)| blocks.iter().any(is_law));
+    let names: Vec<String> = with_law.iter().map(|(name, _)| name.clone()).collect();
+    let at = match material {
+        None => 0,
+        Some(wanted) => names
+            .iter()
+            .position(|name| *name == word(wanted))
+            .ok_or_else(|| {
+                Trouble::new(
+                    1,
+                    format!(
+                        "no material {wanted} has a hyperelastic law; there are {}",
+                        names.join(", ")
+                    ),
+                    "name one of them with --material",
+                )
+            })?,
+    };
+    let Some((name, own)) = with_law.get(at) else {
+        return Err(Trouble::new(
+            1,
+            "there is no hyperelastic law of Abaqus in this text",
+            "expected *HYPERELASTIC, *HYPERFOAM or *ANISOTROPIC HYPERELASTIC with its data lines, for example `*HYPERELASTIC, OGDEN, N=1` \
+             and `0.4, 1.3, 0.02`",
+        ));
+    };
+    let mut law = law(own)?;
+    law.unread = unread(own)?;
+    let others = names.iter().enumerate().filter(|(n, _)| *n != at);
+    law.unread.materials = Some((name.clone(), others.map(|(_, name)| name.clone()).collect()));
+    Ok(law)
+}
+
+/// The first law with Marlow's form in a text.
+pub(super) fn marlow_of(text: &str) -> Result<ForeignLaw, Trouble> {
+    let blocks = blocks(text);
+    let all = materials(&blocks);
+    let of_table = |block: &Block<'_>| is_law(block) && block.has("MARLOW");
+    let own = all.iter().find(|(_, blocks)| blocks.iter().any(of_table));
+    own.map_or_else(
+        || {
+            Err(Trouble::new(
+                1,
+                "there is no table in this text",
+                "expected *HYPERELASTIC, MARLOW with *UNIAXIAL TEST DATA below it",
+            ))
+        },
+        |(_, blocks)| law(blocks),
+    )
+}
+
+/// What the blocks of a material have beside its law, the first one.
+fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
+    let first = blocks.iter().find(|block| is_law(block));
+    let line = first.map_or(0, |block| block.line);
+    let mut unread = Unread::default();
+    for block in blocks {
+        let is_table = block.keyword.ends_with("TESTDATA");
+        if block.keyword == "MATERIAL" || is_table {
+            continue;
+        }
+        if block.line != line {
+            if !unread.parts.iter().any(|(part, _)| *part == block.title) {
+                unread.parts.push((block.title.clone(), block.line));
+            }
+            continue;
+        }
+        let moduli = block.value("MODULI");
+        let viscous = blocks.iter().find(|other| other.keyword == "VISCOELASTIC");
+        for (name, value) in &block.parameters {
+            let is_read = match name.as_str() {
+                "N" | "TYPE" | "LOCALDIRECTIONS" => true,
+                "MODULI" => viscous.is_some(),
+                "POISSON" => block.has("MARLOW"),
+                "TEMPERATURE" | "DEPENDENCIES" => false,
+                _ => value.is_none(),
+            };
+            if !is_read {
+                let value = value
+                    .as_ref()
+                    .map_or_else(String::new, |value| format!("={value}"));
+                unread
+                    .parts
+                    .push((format!("{name}{value} of {}", block.title), block.line));
+            }
+        }
+        if let Some(viscous) = viscous {
+            let is_prony = viscous.value("TIME") == Some("PRONY");
+            let mut part = 0.0;
+            for (line, text) in viscous.data.iter().filter(|_| is_prony) {
+                part += number(text.split(',').next().unwrap_or_default(), *line)?;
+            }
+            let is_long_term = moduli != Some("INSTANTANEOUS");
+            unread.relaxation = Some(Relaxation {
+                part: is_prony.then_some(part),
+                is_long_term,
+                by: match (is_long_term, moduli) {
+                    (false, _) => "MODULI=INSTANTANEOUS",
+                    (true, Some(_)) => "MODULI=LONG TERM",
+                    (true, None) => "MODULI=LONG TERM by default",
+                },
+            });
+        }
+    }
+    Ok(unread)
+}
+
+/// The law of the blocks of a material.
+fn law(blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble> {
     let block = blocks
         .iter()
-        .find(|block| known.contains(&block.keyword.as_str()))
-        .ok_or_else(|| {
-            Trouble::new(
-                1,
-                "there is no hyperelastic law of Abaqus in this text",
-                "expected *HYPERELASTIC, *HYPERFOAM or *ANISOTROPIC HYPERELASTIC with its data lines, for example `*HYPERELASTIC, OGDEN, N=1` \
-                 and `0.4, 1.3, 0.02`",
-            )
-        })?;
+        .find(|block| is_law(block))
+        .ok_or_else(|| Trouble::new(1, "there is no law", "expected *HYPERELASTIC"))?;
     if block.keyword == "HYPERELASTIC" && block.has("MARLOW") {
-        return marlow(block, &blocks);
+        return marlow(block, blocks);
     }
     if block.has("TESTDATAINPUT") {
         return Err(Trouble::new(
@@ -67,6 +190,12 @@ fn blocks(text: &str) -> Vec<Block<'_>> {
                 blocks.push(Block {
                     line: n + 1,
                     keyword: fields.next().unwrap_or_default(),
+                    title: own
+                        .split(',')
+                        .next()
+                        .unwrap_or_default()
+                        .trim()
+                        .to_ascii_uppercase(),
                     parameters: Vec::new(),
                     data: Vec::new(),
                 });
@@ -98,6 +227,12 @@ fn word(text: &str) -> String {
 impl Block<'_> {
     fn has(&self, parameter: &str) -> bool {
         self.parameters.iter().any(|(name, _)| name == parameter)
+    }
+
+    /// The value of a parameter in words.
+    fn value(&self, parameter: &str) -> Option<&str> {
+        let found = self.parameters.iter().find(|(name, _)| name == parameter);
+        found?.1.as_deref()
     }
 
     /// The value of a parameter that is a small integer, 1 where it is not given.
@@ -378,6 +513,8 @@ fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         needed: Vec::new(),
         notes: Vec::new(),
         name: None,
+        shear: None,
+        unread: Unread::default(),
     })
 }
 

@@ -4,6 +4,7 @@
 //! `((J^2 - 1)/2 - ln J)/d`; Ogden's moduli with `mu/alpha`.
 
 use super::law::{Energy, ForeignLaw, extended_tube};
+use super::unread::{Relaxation, Unread};
 use super::{Trouble, number};
 
 /// A table of constants.
@@ -16,8 +17,14 @@ struct Table {
 }
 
 /// The first law of a text.
-pub(super) fn read(text: &str) -> Result<ForeignLaw, Trouble> {
-    let table = table(text)?;
+pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Trouble> {
+    let (table, unread) = table(text, material)?;
+    let mut law = law(&table)?;
+    law.unread = unread;
+    Ok(law)
+}
+
+fn law(table: &Table) -> Result<ForeignLaw, Trouble> {
     let line = table.line;
     let title = format!("TB,HYPER with {} of ANSYS", table.form);
     match table.form.as_str() {
@@ -30,8 +37,8 @@ pub(super) fn read(text: &str) -> Result<ForeignLaw, Trouble> {
                 &c[1..],
             ))
         }
-        "" | "MOONEY" => mooney(&table, title),
-        "POLY" => polynomial(&table, title),
+        "" | "MOONEY" => mooney(table, title),
+        "POLY" => polynomial(table, title),
         "YEOH" => {
             let n = table.count(6)?;
             let c = table.constants(2 * n)?;
@@ -69,8 +76,8 @@ pub(super) fn read(text: &str) -> Result<ForeignLaw, Trouble> {
             law.incompressible = false;
             Ok(law)
         }
-        "FOAM" => foam(&table, title),
-        "ETUBE" => tube(&table, title),
+        "FOAM" => foam(table, title),
+        "ETUBE" => tube(table, title),
         other => Err(Trouble::new(
             line,
             format!("TB,HYPER with `{other}` is not read"),
@@ -79,8 +86,15 @@ pub(super) fn read(text: &str) -> Result<ForeignLaw, Trouble> {
     }
 }
 
-fn table(text: &str) -> Result<Table, Trouble> {
+/// The table of a law, of the first material that has one unless a material is named, and what else the text has.
+fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble> {
     let mut found: Option<Table> = None;
+    let mut unread = Unread::default();
+    let mut own_material = String::new();
+    let mut others: Vec<String> = Vec::new();
+    let mut is_open = false;
+    // Of a table of relaxation, the parts of shear stand at odd places.
+    let mut relaxing: Option<f64> = None;
     for (n, line) in text.lines().enumerate() {
         let own = line.split('!').next().unwrap_or_default();
         let fields: Vec<String> = own
@@ -88,8 +102,50 @@ fn table(text: &str) -> Result<Table, Trouble> {
             .map(|field| field.trim().to_ascii_uppercase())
             .collect();
         let field = |place: usize| fields.get(place).map_or("", String::as_str);
+        let is_of_own = |own: &str| field(2) == own || field(2).is_empty();
+        if field(0) == "TB" {
+            is_open = field(1) == "HYPER"
+                && found.is_none()
+                && material.is_none_or(|wanted| field(2) == wanted);
+            relaxing = None;
+            if field(1) == "HYPER" && !is_open {
+                others.push(field(2).to_owned());
+            }
+            if !is_open {
+                unread
+                    .parts
+                    .push((format!("TB,{},{}", field(1), field(2)), n + 1));
+            }
+            if field(1) == "PRONY"
+                && found.is_some()
+                && is_of_own(&own_material)
+                && matches!(field(5), "SHEAR" | "")
+            {
+                relaxing = Some(0.0);
+                unread.relaxation = Some(Relaxation {
+                    part: None,
+                    is_long_term: false,
+                    by: "as ANSYS has it",
+                });
+            }
+        } else if field(0) == "TBDATA" && !is_open {
+            let parts = fields.iter().skip(2).step_by(2);
+            if let (Some(sum), Some(relaxation)) = (&mut relaxing, &mut unread.relaxation) {
+                for part in parts {
+                    *sum += number(part, n + 1)?;
+                }
+                relaxation.part = Some(*sum);
+            }
+            continue;
+        } else if !field(0).is_empty() && field(0) != "TBDATA" && !field(0).starts_with(['/', '*'])
+        {
+            unread
+                .parts
+                .push((format!("{},{}", field(0), field(1)), n + 1));
+        }
         match (field(0), &mut found) {
-            ("TB", None) if field(1) == "HYPER" => {
+            ("TB", None) if is_open => {
+                field(2).clone_into(&mut own_material);
                 found = Some(Table {
                     line: n + 1,
                     form: field(5).to_owned(),
@@ -106,7 +162,6 @@ fn table(text: &str) -> Result<Table, Trouble> {
                     constants: Vec::new(),
                 });
             }
-            ("TB", Some(_)) => break,
             ("TBDATA", Some(table)) => {
                 let start = match field(1) {
                     "" => table.constants.len() + 1,
@@ -133,12 +188,18 @@ fn table(text: &str) -> Result<Table, Trouble> {
             _ => {}
         }
     }
-    found.ok_or_else(|| {
-        Trouble::new(
+    unread.materials = Some((own_material, others.clone()));
+    found.map(|table| (table, unread)).ok_or_else(|| match material {
+        Some(wanted) if !others.is_empty() => Trouble::new(
+            1,
+            format!("no material {wanted} has a hyperelastic law; there are {}", others.join(", ")),
+            "name one of them with --material",
+        ),
+        _ => Trouble::new(
             1,
             "there is no hyperelastic law of ANSYS in this text",
             "expected TB,HYPER and TBDATA, for example `TB,HYPER,1,,1,OGDEN` and `TBDATA,1,0.6,1.3,0.02`",
-        )
+        ),
     })
 }
 

@@ -1,6 +1,7 @@
 //! Laws with the constants that other programs have, and the settings of the same energies.
 
-use super::{Reading, Trouble};
+use super::marlow::Table;
+use super::{Reading, Trouble, Unread};
 
 /// A law that was read from a block.
 #[derive(Debug)]
@@ -21,6 +22,10 @@ pub(super) struct ForeignLaw {
     pub notes: Vec<String>,
     /// What the law is called where its energy is a table's.
     pub name: Option<String>,
+    /// The shear modulus without strain, where it follows from the constants here.
+    pub shear: Option<f64>,
+    /// What else the text has.
+    pub unread: Unread,
 }
 
 /// What the constants belong to.
@@ -30,6 +35,8 @@ pub(super) enum Energy {
     Model(&'static str),
     /// A typed energy.
     Formula(String),
+    /// The table of a test.
+    Table(Table),
 }
 
 /// The bulk modulus of a material that the program takes as incompressible, in shear moduli.
@@ -53,6 +60,8 @@ impl ForeignLaw {
             needed: Vec::new(),
             notes: Vec::new(),
             name: None,
+            shear: Some(shear).filter(|shear| *shear != 0.0),
+            unread: Unread::default(),
         };
         let first = compressibilities.first().copied().unwrap_or(0.0);
         law.incompressible = compressibilities.iter().all(|d| *d == 0.0);
@@ -171,39 +180,78 @@ impl ForeignLaw {
         Self::new(line, title, Energy::Formula(energy), constants, volume)
     }
 
-    /// The settings, without those that the user makes.
-    pub fn reading(self, set: &[&str]) -> Reading {
+    /// The settings, without those that the user makes; a table is that of the file `place`, or of `text` where there is no such file.
+    pub fn reading(self, set: &[String], place: &str, text: &str) -> Reading {
+        let key_of = |assignment: &str| {
+            assignment
+                .split('=')
+                .next()
+                .unwrap_or_default()
+                .trim()
+                .to_owned()
+        };
+        let is_set = |key: &str| set.iter().any(|assignment| key_of(assignment) == key);
         let mut assignments = Vec::new();
+        let mut told = Vec::new();
+        let mut save = "";
         match &self.energy {
             Energy::Model(model) => assignments.push(format!("material.model={model}")),
             Energy::Formula(energy) => {
                 assignments.push("material.model=formula".to_owned());
                 assignments.push(format!("material.energy={energy}"));
             }
+            Energy::Table(_) => {
+                assignments.push("material.model=marlow".to_owned());
+                told.clone_from(&assignments);
+                let is_file = std::path::Path::new(place).is_file();
+                let table = if is_file { place } else { text };
+                told.push(format!(
+                    "material.table={}",
+                    if is_file { place } else { "FILE" }
+                ));
+                if !is_file {
+                    save = " with the block in FILE";
+                }
+                // A last line break tells the text from a name.
+                assignments.push(format!(
+                    "material.table={table}{}",
+                    if is_file { "" } else { "\n" }
+                ));
+            }
+        }
+        if told.is_empty() {
+            told.clone_from(&assignments);
         }
         for (name, value) in &self.constants {
             let key = format!("material.{name}");
-            if !set.contains(&key.as_str()) {
+            if !is_set(&key) {
                 assignments.push(format!("{key}={value}"));
+                told.push(format!("{key}={value}"));
             }
         }
+        told.extend(
+            set.iter()
+                .filter(|own| own.starts_with("material."))
+                .cloned(),
+        );
         let quoted =
-            assignments.iter().map(
+            told.iter().map(
                 |assignment| match assignment.contains([' ', '*', '(', ';']) {
                     true => format!("--set \"{assignment}\""),
                     false => format!("--set {assignment}"),
                 },
             );
         let mut notes = vec![format!(
-            "read from {}; the same law in other commands: {}",
+            "read from {}; the same law in other commands{save}: {}",
             self.title,
             quoted.collect::<Vec<_>>().join(" ")
         )];
-        if self.incompressible && !set.contains(&"material.kappa") {
+        if self.incompressible && !is_set("material.kappa") {
             notes.push(format!(
                 "without a compressibility (D = 0, no bulk modulus) the material is incompressible; here the bulk modulus is {NEARLY} shear moduli, and --incompressible asks the incompressible response"
             ));
         }
+        notes.extend(self.unread.notes(self.shear));
         notes.extend(self.notes);
         Reading {
             assignments,

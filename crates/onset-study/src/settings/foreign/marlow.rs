@@ -6,9 +6,12 @@
 //! has two continuous derivatives, and the test is met exactly at its points. Below the first point and behind the last one `w` goes on along
 //! its tangent.
 
-use super::law::{Energy, ForeignLaw, powers_of_volume};
+use super::law::{Energy, ForeignLaw};
 use super::{Trouble, number};
 use crate::number::counted;
+use onset::kinematics::DeformationGradient;
+use onset::material::StrainEnergy;
+use onset::real::Real;
 
 /// The test of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,15 +80,11 @@ pub(super) fn law(
             ));
         }
     };
-    let energy = format!(
-        "let x = I1bar - 3; {} + {}",
-        pieces(&pieces_of(&knots)),
-        powers_of_volume(&[compressibility])
-    );
+    let end = knots[knots.len() - 1].x;
     let mut law = ForeignLaw::new(
         line,
         "*HYPERELASTIC, MARLOW of Abaqus",
-        Energy::Formula(energy),
+        Energy::Table(Table(pieces_of(&knots))),
         Vec::new(),
         (shear, &[compressibility]),
     );
@@ -95,9 +94,8 @@ pub(super) fn law(
         test.name()
     ));
     law.notes.push(format!(
-        "Marlow's form from {} points, dW/dI1 a monotone cubic between them; beyond I1 - 3 = {:.4} it goes on along its tangent, as no test says",
+        "Marlow's form from {} points, dW/dI1 a monotone cubic between them; beyond I1 - 3 = {end:.4} it goes on along its tangent, as no test says",
         data.len(),
-        knots[knots.len() - 1].x
     ));
     Ok(law)
 }
@@ -178,6 +176,7 @@ fn with_slopes(points: &[(f64, f64)]) -> Vec<Knot> {
 }
 
 /// A piece of the energy from `start` on: its value there and the coefficients of the powers of `x - start` from the first to the fourth.
+#[derive(Debug)]
 struct Piece {
     start: f64,
     energy: f64,
@@ -211,27 +210,39 @@ fn pieces_of(knots: &[Knot]) -> Vec<Piece> {
     pieces
 }
 
-/// The pieces as a formula: halves within halves, so that it is not deep.
-fn pieces(all: &[Piece]) -> String {
-    if let [piece] = all {
-        let x = format!("(x - {})", exact(piece.start));
-        let [a, b, c, d] = piece.powers.map(exact);
-        let energy = exact(piece.energy);
-        return format!("({energy} + {x}*({a} + {x}*({b} + {x}*({c} + {x}*{d}))))");
+/// The energy of a table as a function of `x = I1bar - 3`.
+#[derive(Debug)]
+pub(in crate::settings) struct Table(Vec<Piece>);
+
+impl Table {
+    /// With a bulk modulus.
+    pub(in crate::settings) fn with_bulk(self, bulk: f64) -> TableLaw {
+        TableLaw { table: self, bulk }
     }
-    let middle = all.len() / 2;
-    format!(
-        "if(x < {}, {}, {})",
-        exact(all[middle].start),
-        pieces(&all[..middle]),
-        pieces(&all[middle..])
-    )
 }
 
-/// A number as a formula reads it back.
-fn exact(value: f64) -> String {
-    match value < 0.0 {
-        true => format!("({value:e})"),
-        false => format!("{value:e}"),
+/// `W = w(I1bar - 3) + kappa/2 (J - 1)^2`, `w` from a table.
+pub(in crate::settings) struct TableLaw {
+    table: Table,
+    bulk: f64,
+}
+
+impl StrainEnergy for TableLaw {
+    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
+        let i = f.invariants();
+        let x = i.first * i.jacobian.powf(-2.0 / 3.0) - 3.0;
+        let change = i.jacobian - 1.0;
+        within(&self.table.0, x) + change * change * (0.5 * self.bulk)
     }
+}
+
+/// The piece that holds a number, by halves; of an interval, the hull of its pieces.
+fn within<R: Real>(pieces: &[Piece], x: R) -> R {
+    if let [piece] = pieces {
+        let off = x - piece.start;
+        let [a, b, c, d] = piece.powers;
+        return off * (off * (off * (off * d + c) + b) + a) + piece.energy;
+    }
+    let (below, above) = pieces.split_at(pieces.len() / 2);
+    x.switch(above[0].start, || within(below, x), || within(above, x))
 }

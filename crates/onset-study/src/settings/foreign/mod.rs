@@ -8,6 +8,10 @@ mod ansys;
 mod law;
 mod marlow;
 mod python;
+mod unread;
+
+pub(in crate::settings) use marlow::Table;
+use unread::Unread;
 
 use super::{Origin, SettingError, did_you_mean};
 use std::str::FromStr;
@@ -111,9 +115,23 @@ pub fn law_from(
     text: &str,
     set: &[String],
 ) -> Result<Reading, SettingError> {
+    law_of(program, name, text, None, set)
+}
+
+/// As [`law_from`], of one of several materials by its name in Abaqus, its number in ANSYS.
+///
+/// # Errors
+/// As [`law_from`]; also where no material has this name.
+pub fn law_of(
+    program: Program,
+    name: &str,
+    text: &str,
+    material: Option<&str>,
+    set: &[String],
+) -> Result<Reading, SettingError> {
     let law = match program {
-        Program::Abaqus => abaqus::read(text),
-        Program::Ansys => ansys::read(text),
+        Program::Abaqus => abaqus::read(text, material),
+        Program::Ansys => ansys::read(text, material),
         Program::Felupe | Program::Hyperelastic => python::read(program, text),
     };
     let law = law.map_err(|trouble| trouble.at(name))?;
@@ -136,7 +154,24 @@ pub fn law_from(
         )
         .hint("leave out one of them"));
     }
-    Ok(law.reading(&known))
+    Ok(law.reading(set, name, text))
+}
+
+/// The table of a text with Marlow's form, and its bulk modulus; that of the first material.
+pub(in crate::settings) fn table_from(
+    name: &str,
+    text: &str,
+) -> Result<(Table, f64), SettingError> {
+    let law = abaqus::marlow_of(text).map_err(|trouble| trouble.at(name))?;
+    let bulk = law.constants.iter().find(|(name, _)| name == "kappa");
+    let bulk = bulk.map_or(0.0, |(_, value)| *value);
+    match law.energy {
+        law::Energy::Table(table) => Ok((table, bulk)),
+        _ => Err(SettingError::new(
+            place(name, law.line),
+            "the block is no table",
+        )),
+    }
 }
 
 fn place(name: &str, line: usize) -> Origin {

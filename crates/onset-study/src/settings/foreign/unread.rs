@@ -1,0 +1,85 @@
+//! What a text has beside the law that is read of it.
+
+use crate::number::told;
+
+/// What is left out of a text.
+#[derive(Debug, Default)]
+pub(super) struct Unread {
+    /// Keywords and parameters with their lines.
+    pub parts: Vec<(String, usize)>,
+    /// The material that is read, and the names of the others with a law.
+    pub materials: Option<(String, Vec<String>)>,
+    /// The part of the instantaneous shear modulus that relaxes.
+    pub relaxation: Option<Relaxation>,
+}
+
+/// Viscoelasticity beside a law.
+#[derive(Debug)]
+pub(super) struct Relaxation {
+    /// The sum of the relaxing parts of the shear modulus, where it is given.
+    pub part: Option<f64>,
+    /// Whether the constants are moduli of slow loading.
+    pub is_long_term: bool,
+    /// The words that say so, or the default.
+    pub by: &'static str,
+}
+
+impl Unread {
+    /// What is left out, as notes; `shear` is the shear modulus that is read.
+    pub fn notes(&self, shear: Option<f64>) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let Some((own, others)) = self
+            .materials
+            .as_ref()
+            .filter(|(_, others)| !others.is_empty())
+        {
+            notes.push(format!(
+                "this is material {own}; --material takes another one: {}",
+                others.join(", ")
+            ));
+        }
+        if !self.parts.is_empty() {
+            let parts = self
+                .parts
+                .iter()
+                .map(|(part, line)| format!("{part} (line {line})"));
+            notes.push(format!(
+                "not read: {}",
+                parts.collect::<Vec<_>>().join(", ")
+            ));
+        }
+        if let Some(Relaxation {
+            part,
+            is_long_term,
+            by,
+        }) = &self.relaxation
+        {
+            let (own, other, when) = match is_long_term {
+                true => (
+                    "long-term",
+                    "instantaneous",
+                    "which waves and time steps follow",
+                ),
+                false => ("instantaneous", "long-term", "which slow loading follows"),
+            };
+            let value =
+                part.filter(|part| (0.0..1.0).contains(part))
+                    .map_or_else(String::new, |part| {
+                        let factor = if *is_long_term {
+                            1.0 / (1.0 - part)
+                        } else {
+                            1.0 - part
+                        };
+                        let modulus = shear.map_or_else(String::new, |shear| {
+                            format!(", {}", told(factor * shear))
+                        });
+                        format!(" is {} times that of the law{modulus}", told(factor))
+                    });
+            notes.push(format!(
+                "the constants are {own} moduli ({by}), and viscoelasticity is not read: the {other} shear modulus, {when},{}",
+                if value.is_empty() { " differs" } else { &value }
+            ));
+        }
+        notes
+    }
+}

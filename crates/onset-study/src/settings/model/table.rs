@@ -1,0 +1,82 @@
+//! `model = "marlow"`: an energy of the first invariant that follows the table of one test.
+
+use super::super::error::SettingError;
+use super::super::foreign::table_from;
+use super::super::key::key;
+use super::super::{Kind, MaterialSettings, Value};
+use super::OwnModel;
+use onset::material::{Hyperelastic, MaterialError};
+use std::borrow::Cow;
+
+pub(super) const MODEL: OwnModel = OwnModel {
+    name: "marlow",
+    formula: "W = w(J^(-2/3) I1 - 3) + kappa/2 (J - 1)^2, dw/dI1 a monotone cubic through a table; material.kappa is the bulk modulus",
+    source: "Marlow, in Constitutive Models for Rubber III (2003) 157",
+    keys: &[key(
+        "material.table",
+        Kind::Text,
+        "file with the table: *HYPERELASTIC, MARLOW of Abaqus and its test data",
+    )],
+    required: &["table"],
+    takes_any_parameter: true,
+    check,
+    build,
+};
+
+/// The largest table that is read, in bytes.
+const LARGEST: u64 = 1 << 26;
+
+fn check(settings: &MaterialSettings) -> Result<(), SettingError> {
+    for (name, _) in settings.values() {
+        if name != "kappa" {
+            let (_, origin) = settings.require(name)?;
+            return Err(SettingError::new(
+                origin.clone(),
+                format!("a table has no parameter `{name}`"),
+            )
+            .hint("its only one is material.kappa, the bulk modulus"));
+        }
+    }
+    law(settings).map(|_| ())
+}
+
+/// The table, or the file that holds it, as set.
+fn law(settings: &MaterialSettings) -> Result<Box<dyn Hyperelastic>, SettingError> {
+    let (value, origin) = settings.require("table")?;
+    let Value::Word(place) = value else {
+        return Err(SettingError::new(
+            origin.clone(),
+            "material.table is no name of a file",
+        ));
+    };
+    let text = match place.contains('\n') {
+        true => Cow::Borrowed(place.as_str()),
+        false => Cow::Owned(read(place).map_err(|error| {
+            SettingError::new(origin.clone(), format!("cannot read {place}: {error}"))
+                .hint("material.table is a file with *HYPERELASTIC, MARLOW and its test data")
+        })?),
+    };
+    let (table, own) = table_from(place, &text)?;
+    let values = settings.values();
+    let set = values.iter().find(|(name, _)| *name == "kappa");
+    Ok(Box::new(
+        table.with_bulk(set.map_or(own, |(_, bulk)| *bulk)),
+    ))
+}
+
+fn read(place: &str) -> std::io::Result<String> {
+    use std::io::{Error, ErrorKind, Read};
+    let file = std::fs::File::open(place)?;
+    if !file.metadata()?.is_file() {
+        return Err(Error::new(ErrorKind::InvalidInput, "it is no file"));
+    }
+    let mut text = String::new();
+    file.take(LARGEST).read_to_string(&mut text)?;
+    Ok(text)
+}
+
+fn build(settings: &MaterialSettings) -> Result<Box<dyn Hyperelastic>, MaterialError> {
+    law(settings).map_err(|error| MaterialError::External {
+        message: error.to_string(),
+    })
+}
