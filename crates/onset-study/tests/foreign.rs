@@ -2,7 +2,7 @@
 
 use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
-use onset_study::settings::{MaterialSettings, Program, law_from};
+use onset_study::settings::{MaterialSettings, Program, law_from, law_of};
 
 /// The material of a block, with assignments beside it.
 fn read(program: Program, block: &str, beside: &[&str]) -> Box<dyn Hyperelastic> {
@@ -505,4 +505,69 @@ fn a_table_of_abaqus_is_met_by_marlows_energy() {
         let (i1, _, j, _) = invariants(f);
         0.2 * (i1 - 3.0) + 0.5 * bulk * (j - 1.0).powi(2)
     });
+}
+
+/// A table is as long as a test records; a neo-Hookean one of 1,000 points has its shear modulus.
+#[test]
+fn a_table_of_many_points_is_a_law_and_its_note_is_short() {
+    let rows: String = (1..=1000)
+        .map(|n| 1.0 + 3e-3 * f64::from(n))
+        .map(|l: f64| format!("{:e}, {:e}\n", 0.6 * (l - l.powi(-2)), l - 1.0))
+        .collect();
+    let block = format!("*HYPERELASTIC, MARLOW\n*UNIAXIAL TEST DATA\n{rows}");
+    let reading = law_from(Program::Abaqus, "a block", &block, &[]).expect("a law");
+    assert!(reading.notes.iter().all(|note| note.len() < 400));
+    let law = read(Program::Abaqus, &block, &[]);
+    let shear = law
+        .response(&DeformationGradient::identity())
+        .expect("finite")
+        .tangent[(0, 1, 0, 1)];
+    assert!((shear / 0.6 - 1.0).abs() < 1e-6, "{shear}");
+}
+
+/// Prony series of 0.3: 1/(1 - 0.3) of long-term moduli, 1 - 0.3 of instantaneous ones.
+#[test]
+fn what_is_not_read_of_a_deck_is_named_with_its_line() {
+    let deck = "*MATERIAL, NAME=A\n*HYPERELASTIC, MOONEY-RIVLIN\n0.4, 0.1, 0.02\n*VISCOELASTIC, TIME=PRONY\n0.3, 0., 0.1\n\
+                *MULLINS EFFECT\n1.5, 0.1, 0.1\n*MATERIAL, NAME=B\n*HYPERELASTIC, NEO HOOKE\n0.7, 0.02";
+    let notes = |program: Program, text: &str, material: Option<&str>| {
+        let read = law_of(program, "a deck", text, material, &[]).expect("a law");
+        read.notes.join("\n")
+    };
+    let first = notes(Program::Abaqus, deck, None);
+    for fact in [
+        "this is material A",
+        "another one: B",
+        "*VISCOELASTIC (line 4)",
+        "*MULLINS EFFECT (line 6)",
+        "long-term",
+        "1.42857",
+    ] {
+        assert!(first.contains(fact), "{fact} is not in {first}");
+    }
+    let instantaneous = deck.replace("MOONEY-RIVLIN", "MOONEY-RIVLIN, MODULI=INSTANTANEOUS");
+    assert!(notes(Program::Abaqus, &instantaneous, None).contains("0.7 times"));
+    let second = notes(Program::Abaqus, deck, Some("b"));
+    assert!(second.contains("material.c10=0.7"), "{second}");
+    assert!(law_of(Program::Abaqus, "a deck", deck, Some("C"), &[]).is_err());
+    let foam = notes(
+        Program::Abaqus,
+        "*HYPERFOAM, N=1, POISSON=0.1\n0.2, 8.0",
+        None,
+    );
+    assert!(
+        foam.contains("POISSON=0.1 of *HYPERFOAM (line 1)"),
+        "{foam}"
+    );
+    let ansys = "TB,HYPER,1,1,2,MOONEY\nTBDATA,1,0.4,0.1,0.02\nTB,PRONY,1,1,1,SHEAR\nTBDATA,1,0.3,0.1\nTB,HYPER,2,1,,NEO\nTBDATA,1,2,0.02";
+    let first = notes(Program::Ansys, ansys, None);
+    for fact in [
+        "TB,PRONY,1 (line 3)",
+        "instantaneous",
+        "0.7 times",
+        "another one: 2",
+    ] {
+        assert!(first.contains(fact), "{fact} is not in {first}");
+    }
+    assert!(notes(Program::Ansys, ansys, Some("2")).contains("material.c10=1"));
 }

@@ -421,3 +421,36 @@ fn after_a_verdict_the_next_command_is_told_and_runs() {
         Value::Array(Vec::new())
     );
 }
+
+#[test]
+fn keys_and_laws_of_other_questions_lead_to_these() {
+    let horizon = onset_line(
+        "state --stretch 1,1,1 --set discretization.method=peridynamics --set discretization.lattice=simple-cubic --set discretization.support=4",
+    );
+    assert_eq!(horizon.code, Some(2));
+    assert!(
+        horizon
+            .stderr
+            .contains("did you mean `discretization.horizon`?"),
+        "{}",
+        horizon.stderr
+    );
+    for law in [
+        "drucker-prager",
+        "mohr-coulomb",
+        "gurson",
+        "cam-clay",
+        "cap",
+        "damage",
+    ] {
+        let answer = onset_line(&format!("state --stretch 1,1 --set material.model={law}"));
+        assert_eq!(answer.code, Some(2));
+        assert!(
+            answer
+                .stderr
+                .contains(&format!("onset localize --model {law}")),
+            "{}",
+            answer.stderr
+        );
+    }
+}

@@ -93,7 +93,7 @@ pub(super) fn title(law: &super::LawAnswer) -> String {
 fn in_a_line(law: &super::LawAnswer, letters: usize) -> String {
     // What has a name of its own does not tell its energy too.
     let told = |(name, _): &&(String, serde_json::Value)| {
-        let is_named = law.name.is_some() && matches!(name, "energy" | "table");
+        let is_named = law.name.is_some() && ["energy", "table"].contains(&name.as_str());
         !is_named && !is_of_an_empty_term(law, name)
     };
     let parameters: Vec<String> = law
