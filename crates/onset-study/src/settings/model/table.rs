@@ -37,7 +37,7 @@ fn check(settings: &MaterialSettings) -> Result<(), SettingError> {
             .hint("its only one is material.kappa, the bulk modulus"));
         }
     }
-    law(settings).map(|_| ())
+    settings.require("table").map(|_| ())
 }
 
 /// The table, or the file that holds it, as set.
