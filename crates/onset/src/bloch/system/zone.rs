@@ -54,8 +54,10 @@ const LARGE: usize = 24;
 const HUGE: usize = 96;
 /// Within half of a step of the grid a branch changes by about this fraction of its change within a step.
 const HALF: f64 = 0.6;
-/// Wells that are followed with damping, where each value takes the eigenvalues of many steps.
-const DAMPED_WELLS: usize = 8;
+/// Points of the grid along a reciprocal vector, and wells that are followed, with damping, where each value takes the eigenvalues of many
+/// steps. The shortest of these is that of short waves, which vary slowly over the zone.
+const DAMPED_GRID: usize = 12;
+const DAMPED_WELLS: usize = 4;
 /// Steps of the grid from the middle of a shell of long waves to its faces.
 const SHELL: usize = 4;
 /// Wave vectors below this fraction of a reciprocal vector are long waves, which are taken to their limit.
@@ -105,7 +107,10 @@ impl<const D: usize> ZoneSearch<D> {
         let mut sweep = Sweep::new(self, system, Some(is_ended));
         sweep.function = Some(function);
         if system.damping().is_some() {
+            sweep.waves = self.grid_of(DAMPED_GRID);
             sweep.effort.wells = sweep.effort.wells.min(DAMPED_WELLS);
+            sweep.effort.boxes = sweep.effort.boxes.min(DAMPED_WELLS);
+            sweep.effort.leaves = sweep.effort.leaves.min(DAMPED_WELLS);
         }
         let (value, k) = sweep.least();
         (value, self.folded(&k))
@@ -1000,6 +1005,10 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 }
             }
         }
+        // Of long damped waves two factors of a step are equal to rounding, which says nothing of the step.
+        if self.system.damping().is_some() {
+            return least_of_all(ends);
+        }
         // Shells around k = 0, an octave apart: what vanishes with k has its bottoms anywhere between k = 0 and the grid.
         let step = self.search.reference().reciprocal() / self.waves.resolution() as f64;
         let shells: Vec<(f64, Candidate<D>)> =
@@ -1024,8 +1033,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 ));
             }
         }
-        let best = ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        best.unwrap_or((f64::INFINITY, SVector::zeros()))
+        least_of_all(ends)
     }
 
     /// Where to begin along a ray, of which one step is given; in large cells at the lowest place.
@@ -1334,6 +1342,12 @@ fn resolution<const D: usize>(system: &WaveSystem<D>) -> usize {
     };
     let points = POINTS_PER_PERIOD * reach;
     points.clamp(least, most).next_multiple_of(6)
+}
+
+/// The candidate with the least value; infinite where there is none.
+fn least_of_all<const D: usize>(ends: Vec<Candidate<D>>) -> Candidate<D> {
+    let best = ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    best.unwrap_or((f64::INFINITY, SVector::zeros()))
 }
 
 /// Half of the points on the surface of a cube around zero, in steps of a grid; of opposite points one.
