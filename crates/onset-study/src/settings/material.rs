@@ -348,10 +348,12 @@ impl MaterialSettings {
         self.entries().into_iter().filter_map(number).collect()
     }
 
-    /// Takes the library for the word of whoever has made a question, not for the user's.
+    /// Marks the files that a question of the page names as named by somebody else than the user.
     pub(crate) fn of_question(&mut self) {
-        if let Some((_, origin)) = self.set.get_mut(LIBRARY) {
-            *origin = Origin::Question;
+        for file in [LIBRARY, "table"] {
+            if let Some((_, origin)) = self.set.get_mut(file) {
+                *origin = Origin::Question;
+            }
         }
     }
 

@@ -3,10 +3,12 @@
 use super::super::error::SettingError;
 use super::super::foreign::table_from;
 use super::super::key::key;
-use super::super::{Kind, MaterialSettings, Value};
+use super::super::{Kind, MaterialSettings, Origin, Value};
 use super::OwnModel;
+use crate::input;
 use onset::material::{Hyperelastic, MaterialError};
 use std::borrow::Cow;
+use std::path::Path;
 
 pub(super) const MODEL: OwnModel = OwnModel {
     name: "marlow",
@@ -22,9 +24,6 @@ pub(super) const MODEL: OwnModel = OwnModel {
     check,
     build,
 };
-
-/// The largest table that is read, in bytes.
-const LARGEST: u64 = 1 << 26;
 
 fn check(settings: &MaterialSettings) -> Result<(), SettingError> {
     for (name, _) in settings.values() {
@@ -51,10 +50,17 @@ fn law(settings: &MaterialSettings) -> Result<Box<dyn Hyperelastic>, SettingErro
     };
     let text = match place.contains('\n') {
         true => Cow::Borrowed(place.as_str()),
-        false => Cow::Owned(read(place).map_err(|error| {
-            SettingError::new(origin.clone(), format!("cannot read {place}: {error}"))
-                .hint("material.table is a file with *HYPERELASTIC, MARLOW and its test data")
-        })?),
+        false if *origin == Origin::Question => {
+            let message = "a question of the page reads no file";
+            return Err(SettingError::new(origin.clone(), message)
+                .hint("use the command, or the text of the table in place of the name"));
+        }
+        false => Cow::Owned(
+            input::text(Path::new(place), input::MOST_TEXT).map_err(|error| {
+                SettingError::new(origin.clone(), format!("cannot read {place}: {error}"))
+                    .hint("material.table is a file with *HYPERELASTIC, MARLOW and its test data")
+            })?,
+        ),
     };
     let (table, own) = table_from(place, &text)?;
     let values = settings.values();
@@ -62,17 +68,6 @@ fn law(settings: &MaterialSettings) -> Result<Box<dyn Hyperelastic>, SettingErro
     Ok(Box::new(
         table.with_bulk(set.map_or(own, |(_, bulk)| *bulk)),
     ))
-}
-
-fn read(place: &str) -> std::io::Result<String> {
-    use std::io::{Error, ErrorKind, Read};
-    let file = std::fs::File::open(place)?;
-    if !file.metadata()?.is_file() {
-        return Err(Error::new(ErrorKind::InvalidInput, "it is no file"));
-    }
-    let mut text = String::new();
-    file.take(LARGEST).read_to_string(&mut text)?;
-    Ok(text)
 }
 
 fn build(settings: &MaterialSettings) -> Result<Box<dyn Hyperelastic>, MaterialError> {
