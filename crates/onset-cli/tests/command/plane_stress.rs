@@ -319,7 +319,7 @@ fn a_metal_sheet_carries_no_traction_on_its_faces_and_is_the_metal_with_that_thi
             "state --stretch 1.1,0.95,{thickness} --set material.model={metal}"
         ));
         let stress = |answer, i: usize| numbers(answer, &format!("/material/cauchy/{i}"))[i];
-        for i in 0..3 {
+        for i in 0..2 {
             assert_close(stress(&sheet, i), stress(&space, i), 1e-9);
         }
         assert!(stress(&space, 2).abs() < 1e-9);

@@ -689,7 +689,11 @@ fn questions_that_cannot_be_run_are_refused() {
         ("--stretch 1,1 --wave-vector 1.234,0", "whole times"),
         ("--stretch 1,1 --turns 1", "--turns"),
         ("--stretch 1,1 --turns 1,0 --branch 3", "branch"),
-        ("--stretch 1,1 --integrator euler", "available are"),
+        ("--stretch 1,1 --integrator eulerian", "available are"),
+        (
+            "--stretch 1,1 --integrator euler",
+            "unstable for every time step",
+        ),
         ("--stretch 1,1 --fraction 2", "largest stable"),
         ("--stretch 1,1 --resume", "--out"),
         (

@@ -722,9 +722,11 @@ fn text(metadata: &Value) -> String {
 fn difference(found: &Value, expected: &Value) -> String {
     let attributes = |group: &Value| group["attributes"].as_object().cloned().unwrap_or_default();
     let (found, expected) = (attributes(found), attributes(expected));
+    // Titles follow from what else differs.
     let differing = expected
         .iter()
-        .find(|(name, value)| found.get(*name) != Some(value));
+        .filter(|(name, value)| found.get(*name) != Some(value))
+        .min_by_key(|(name, _)| *name == "title");
     let stored = |name: &str| found.get(name).and_then(Value::as_str).unwrap_or("none");
     match differing {
         Some((name, Value::String(asked))) => {
@@ -748,7 +750,8 @@ fn line_difference(name: &str, stored: &str, asked: &str) -> String {
     let count = stored.len().max(asked.len());
     let line = |lines: &[String], index: usize| lines.get(index).cloned().unwrap_or_default();
     let first = (0..count)
-        .find(|index| line(&stored, *index) != line(&asked, *index))
+        .filter(|index| line(&stored, *index) != line(&asked, *index))
+        .min_by_key(|index| line(&asked, *index).starts_with("title = "))
         .unwrap_or(0);
     let place = if count > 1 {
         format!("line {} of `{name}`", first + 1)

@@ -114,7 +114,7 @@ impl<const D: usize> ZoneSearch<D> {
         let rounding = match measure {
             Measure::Scaled => EQUAL * own.abs() + tolerance,
             Measure::Lowest => EQUAL * fastest,
-            Measure::Growth => EQUAL * fastest.sqrt(),
+            Measure::Growth => (EQUAL * fastest.sqrt()).min(SAME_PLACE * own.abs()),
         };
         let is_equal = |k: &SVector<f64, D>| value(k) <= own + rounding;
         let halves = self.reference().alternating().map(|k| zone.folded(&k));

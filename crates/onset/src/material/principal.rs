@@ -5,7 +5,7 @@
 //! `W(C + D) = W + sum_i g_i D_ii + 1/2 sum_ij h_ij D_ii D_jj + sum_(i<j) theta_ij D_ij^2 + ...`,
 //! `theta_ij = (g_i - g_j) / (e_i - e_j)`.
 //!
-//! The energy is differentiated by `y_0 = ln J` and two coordinates `y_1`, `y_2` of the shape, `h_i = ln lambda_i = y_0/3 + b_1i y_1 + b_2i y_2`, so that the
+//! Where the stiffness against changes of volume is much larger than all others the energy is differentiated by `y_0 = ln J` and two coordinates `y_1`, `y_2` of the shape, `h_i = ln lambda_i = y_0/3 + b_1i y_1 + b_2i y_2`, so that the
 //! stiffness against changes of volume, `d^2 W/dy_0^2`, is a number by itself: it may be larger than all others by any factor, and rounding of it reaches
 //! no strain that keeps the volume. With `w_i = dW/dh_i`, `g_i = w_i / (2 e_i)` and
 //!
@@ -96,9 +96,9 @@ struct Expansion {
     value: f64,
     /// `g_i`.
     first: [f64; 3],
-    /// `h_ij` without `d^2 W/dy_0^2 / (4 e_i e_j)`.
+    /// `h_ij` without [`Local::volumetric`] over `4 e_i e_j`.
     second: [[f64; 3]; 3],
-    /// `d^2 W/dy_0^2`.
+    /// [`Local::volumetric`].
     volumetric: f64,
     /// `theta_12`, `theta_13`, `theta_23`.
     shear: [f64; 3],
@@ -131,10 +131,10 @@ impl Expansion {
         Self {
             axes,
             eigenvalues,
-            value: local.0.value,
+            value: local.value(),
             first: array_of(|i| 0.5 * w[i] / e[i]),
             second,
-            volumetric: local.0.hessian[0][0],
+            volumetric: local.volumetric(),
             shear,
         }
     }
@@ -383,37 +383,86 @@ const BY_SHAPE: [[f64; 3]; 3] = {
     [[third, a, b], [third, -a, b], [third, 0.0, -2.0 * b]]
 };
 
-/// The energy with its derivatives by `y_0`, `y_1` and `y_2`.
-struct Local(Jet<3>);
+/// A stiffness against changes of volume that is this many times that of the shape is a number by itself; below, derivatives by each stretch keep
+/// more digits where the stretches differ much.
+const STIFF: f64 = 1e6;
+
+/// The energy with its derivatives.
+enum Local {
+    /// By the logarithmic stretches `h_i`.
+    Stretches(Jet<3>),
+    /// By `y_0`, `y_1` and `y_2`.
+    VolumeAndShape(Jet<3>),
+}
 
 impl Local {
     fn of(energy: &impl PrincipalEnergy, eigenvalues: [f64; 3]) -> Self {
-        let stretch = |i: usize| {
-            let (value, c) = (eigenvalues[i].sqrt(), &BY_SHAPE[i]);
-            Jet {
-                value,
-                gradient: array_of(|a| value * c[a]),
-                hessian: array_of(|a| array_of(|b| value * c[a] * c[b])),
-            }
+        let by = |coordinates: &[[f64; 3]; 3]| {
+            let stretch = |i: usize| {
+                let (value, c) = (eigenvalues[i].sqrt(), &coordinates[i]);
+                Jet {
+                    value,
+                    gradient: array_of(|a| value * c[a]),
+                    hessian: array_of(|a| array_of(|b| value * c[a] * c[b])),
+                }
+            };
+            energy.of_stretches(array_of(stretch))
         };
-        Self(energy.of_stretches(array_of(stretch)))
+        let own = by(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        let (w, h) = (&own.gradient, &own.hessian);
+        let volume: f64 = h.as_flattened().iter().sum::<f64>() / 9.0;
+        let shape = PAIRS.map(|(i, j)| {
+            let curvature = 0.5 * (h[i][i] + h[j][j]) - h[i][j];
+            curvature.abs().max((w[i] - w[j]).abs())
+        });
+        match volume.abs() > STIFF * shape.into_iter().fold(0.0, f64::max) {
+            true => Self::VolumeAndShape(by(&BY_SHAPE)),
+            false => Self::Stretches(own),
+        }
+    }
+
+    fn value(&self) -> f64 {
+        let (Self::Stretches(w) | Self::VolumeAndShape(w)) = self;
+        w.value
     }
 
     /// `w_i = dW/dh_i`: with `dy_0/dh_i = 1` and `dy_a/dh_i = b_ai`.
     fn slopes(&self) -> [f64; 3] {
-        let g = &self.0.gradient;
-        array_of(|i| g[0] + BY_SHAPE[i][1] * g[1] + BY_SHAPE[i][2] * g[2])
+        match self {
+            Self::Stretches(w) => w.gradient,
+            Self::VolumeAndShape(w) => {
+                let g = &w.gradient;
+                array_of(|i| g[0] + BY_SHAPE[i][1] * g[1] + BY_SHAPE[i][2] * g[2])
+            }
+        }
     }
 
     /// `w_i - w_j`.
     fn difference(&self, (i, j): (usize, usize)) -> f64 {
-        let part = |a: usize| (BY_SHAPE[i][a] - BY_SHAPE[j][a]) * self.0.gradient[a];
-        part(1) + part(2)
+        match self {
+            Self::Stretches(w) => w.gradient[i] - w.gradient[j],
+            Self::VolumeAndShape(w) => {
+                let part = |a: usize| (BY_SHAPE[i][a] - BY_SHAPE[j][a]) * w.gradient[a];
+                part(1) + part(2)
+            }
+        }
     }
 
-    /// `d^2 W/dh_i dh_j - d^2 W/dy_0^2`.
+    /// The part of `d^2 W/dh_i dh_j` that is a number by itself: `d^2 W/dy_0^2`.
+    fn volumetric(&self) -> f64 {
+        match self {
+            Self::Stretches(_) => 0.0,
+            Self::VolumeAndShape(w) => w.hessian[0][0],
+        }
+    }
+
+    /// `d^2 W/dh_i dh_j` without [`Local::volumetric`].
     fn curvature(&self, i: usize, j: usize) -> f64 {
-        let h = &self.0.hessian;
+        let w = match self {
+            Self::Stretches(w) => return w.hessian[i][j],
+            Self::VolumeAndShape(w) => w,
+        };
+        let h = &w.hessian;
         let (b, c) = (&BY_SHAPE[i], &BY_SHAPE[j]);
         let mut sum = 0.0;
         for a in 1..3 {

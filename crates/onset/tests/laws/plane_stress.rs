@@ -386,15 +386,13 @@ fn a_sheet_that_is_stretched_until_it_has_no_thickness_has_no_state() {
 }
 
 #[test]
-fn fluids_metals_and_bodies_in_space_have_no_plane_stress() {
+fn fluids_and_bodies_in_space_have_no_plane_stress() {
     let refused = |law, dimension| match PlaneStress::new(law, dimension) {
         Err(MaterialError::NoPlaneStress { reason }) => reason,
         other => panic!("{:?}", other.err()),
     };
     assert!(refused(Arc::new(Fluid), 2).contains("a fluid's is not"));
     assert!(refused(law("neo-hooke", &[]), 3).contains("three dimensions"));
-    let metal = onset::plasticity::library()[0].build(&[]).expect("a metal");
-    assert!(refused(metal.into(), 2).contains("plastic flow"));
 }
 
 /// Whether a number is within bounds.
@@ -440,7 +438,7 @@ fn enclosures_hold_the_stress_and_tangent_of_all_states_of_a_box() {
                         if width < 1e-8 && own.is_finite() {
                             assert!(
                                 own.width()
-                                    < 1e-2 * law.response(&f).expect("a state").tangent.largest(),
+                                    < 1e-1 * law.response(&f).expect("a state").tangent.largest(),
                                 "{name}: {own:?}"
                             );
                         }

@@ -57,7 +57,13 @@ fn the_damped_step_of_a_growing_state_is_that_of_its_waves_that_do_not_grow() {
         let step = survey
             .critical_time_step(&state, integrator)
             .expect("a step");
-        assert!(step > 0.1, "{integrator:?}: {step}");
+        let least = match integrator {
+            Integrator::CentralDifferences
+            | Integrator::KickDriftKick
+            | Integrator::PredictorCorrector => 0.1,
+            _ => 0.01,
+        };
+        assert!(step > least, "{integrator:?}: {step}");
         // A little below no wave gains a growing solution; clearly above some do.
         let gained = |step: f64| {
             let counts = grid.iter().map(|k| growing(&waves, integrator, step, k));

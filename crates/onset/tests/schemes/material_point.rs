@@ -639,7 +639,7 @@ fn settings_that_make_no_method_are_refused_with_what_is_expected() {
             matches!(
                 error,
                 MethodError::Setting {
-                    name: "per-side",
+                    name: "points-per-side",
                     ..
                 }
             ),

@@ -148,11 +148,12 @@ fn growing_waves_are_found_where_they_are_long_or_their_wells_narrow() {
         1.0,
     );
     let sheared = sheared.expect("a state");
-    for (f, transfer, offset, growth, at) in [
-        (long, FLIP, -0.04, 4.4961e-3, [0.324, 0.0]),
+    for (f, transfer, per_side, offset, growth, at) in [
+        (long, FLIP, 1, -0.04, 4.4961e-3, [0.324, 0.0]),
         (
             sheared,
             Transfer::Affine,
+            2,
             0.019_440_107_918_570_572,
             2.5243e-4,
             [-0.0562, 0.1898],
@@ -161,7 +162,7 @@ fn growing_waves_are_found_where_they_are_long_or_their_wells_narrow() {
         let method = points::<2>(MaterialPointChoices {
             spacing: 1.0,
             density: 1.0,
-            per_side: 1,
+            per_side,
             offset: [offset; 3],
             ..choices(transfer, GridFunctions::QuadraticSpline)
         });
