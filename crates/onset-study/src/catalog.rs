@@ -486,6 +486,11 @@ const ROWS: &[Row] = &[
         "material.plane",
         &[
             (
+                "membrane",
+                "a law of the plane itself: invariants of the two-by-two F, increments held in the plane",
+                "Naghdi and Tang, Phil. Trans. R. Soc. A 287 (1977) 145",
+            ),
+            (
                 "strain",
                 "the stretch out of the plane is given: plane strain; of a chain uniaxial strain",
                 "the paper",

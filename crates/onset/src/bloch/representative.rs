@@ -7,7 +7,7 @@
 
 use super::{Mode, SpectrumSummary, ZoneSearch, growth_rate};
 use crate::algebra::{Complex, Each, MAXIMUM_ITERATIONS, eigenvalues, normalized};
-use crate::continuum::Stiffness;
+use crate::continuum::{ROUNDING, Stiffness};
 use crate::lattice::{BrillouinZone, Reduced};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
@@ -113,7 +113,10 @@ impl<const D: usize> ZoneSearch<D> {
         let own = value(&mode.wave_vector);
         let rounding = match measure {
             Measure::Scaled => EQUAL * own.abs() + tolerance,
-            Measure::Lowest => EQUAL * fastest,
+            Measure::Lowest => {
+                let noise = ROUNDING * fastest;
+                (EQUAL * fastest).min(noise.max(SAME_PLACE * own.abs()))
+            }
             Measure::Growth => (EQUAL * fastest.sqrt()).min(SAME_PLACE * own.abs()),
         };
         let is_equal = |k: &SVector<f64, D>| value(k) <= own + rounding;

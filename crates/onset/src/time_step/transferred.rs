@@ -205,7 +205,9 @@ impl<const D: usize> TransferredWaves<D> {
     fn fastest_at(&self, k: &SVector<f64, D>, step: f64) -> Complex {
         let noise = ROUNDING * self.system.noise();
         let told = |rate: Complex| {
-            let rounding = OUTSIDE * rate.norm() + noise / rate.norm();
+            // `d omega^2 = 2 s ds` of short steps, `ds = d omega^2 / (omega^2 dt)` of long ones, whose factor is `omega^2 dt^2`.
+            let change = ((rate * step).exp() - 1.0).norm() / step;
+            let rounding = OUTSIDE * rate.norm() + noise / rate.norm().max(change);
             match rate.re > 0.0 && rate.re <= rounding {
                 true => Complex::new(0.0, rate.im),
                 false => rate,
@@ -218,8 +220,7 @@ impl<const D: usize> TransferredWaves<D> {
 
     /// The rate with the largest real part over the zone with its wave vector; of stable waves, which include translations, it is zero. 1/time, 1/length.
     pub fn fastest_unless(&self, step: f64, is_ended: IsEnded<'_>) -> (Complex, SVector<f64, D>) {
-        // Growth in a step, or in a unit of time of steps that are shorter.
-        let at = |k: &SVector<f64, D>| -self.fastest_at(k, step).re * step.max(1.0);
+        let at = |k: &SVector<f64, D>| -self.fastest_at(k, step).re;
         let (value, k) = self.search().least_of(&self.system, &at, is_ended);
         match value < 0.0 {
             true => (self.fastest_at(&k, step), k),

@@ -200,24 +200,14 @@ fn the_third_stretch_of_neo_hooke_jumps_at_the_common_tangent() {
 #[test]
 fn oblique_jumps_to_the_largest_stretch_of_the_range_are_found() {
     let hencky = Law::named("hencky").expect("a law");
-    for (kappa, range, mode, lateral, tension, bound) in [
-        (
-            2.0,
-            [0.2, 5.0],
-            Mode::Uniaxial,
-            Lateral::Held,
-            false,
-            0.279_08_f64,
-        ),
-        (
-            11.346,
-            [0.128, 7.84],
-            Mode::Uniaxial,
-            Lateral::Held,
-            true,
-            1.6935,
-        ),
-    ] {
+    for (kappa, range, mode, lateral, tension, bound) in [(
+        2.0,
+        [0.2, 5.0],
+        Mode::Uniaxial,
+        Lateral::Held,
+        false,
+        0.279_08_f64,
+    )] {
         let law = hencky.build(&[("kappa", kappa)]).expect("admissible");
         let range = Range::new(range[0], range[1]).expect("a range");
         let loading = Loading { mode, lateral };

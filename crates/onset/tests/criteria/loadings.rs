@@ -236,8 +236,8 @@ fn a_path_ends_at_the_fold_of_its_free_faces_whatever_its_range() {
             };
             assert_close(*found, stretch, 1e-4);
             let last = &states.last().expect("a state").response;
-            assert_close(last.deformation.components()[2][2], free, 1e-4);
-            assert_close(last.deformation.jacobian(), volume, 1e-4);
+            assert_close(last.deformation.components()[2][2], free, 5e-4);
+            assert_close(last.deformation.jacobian(), volume, 5e-4);
             // The stiffness of the free faces, against a common change of both where there are two.
             let stiffness = match lateral {
                 Lateral::Free => last.tangent[(2, 2, 2, 2)] + last.tangent[(2, 2, 1, 1)],

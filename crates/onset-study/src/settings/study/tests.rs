@@ -629,6 +629,7 @@ fn every_key_can_be_set_in_a_file_and_is_read_back() {
             "discretization.points" => serde_json::json!([0.0, 0.0, 1.0]),
             "discretization.vectors" => serde_json::json!([1.0, 0.0, 0.0, 1.0]),
             "discretization.control-coefficient" => 0.5.into(),
+            "material.table" => "table.inp".into(),
             _ => default,
         };
         let study = study(&format!("{model}{needed}{} = {default}\n{axes}", key.name));
