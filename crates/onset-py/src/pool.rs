@@ -6,13 +6,14 @@
 use crate::failure::Failure;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, TryLockError};
 use std::time::Duration;
 
 /// The process that loaded the module; the global pool of rayon belongs to it.
 static LOADED_BY: OnceLock<u32> = OnceLock::new();
 /// The pool of a forked process, with the number of that process.
-static FORKED: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
+static FORKED: Mutex<Owned> = Mutex::new(None);
+type Owned = Option<(u32, Arc<ThreadPool>)>;
 /// Evaluations of laws written in Python that are in progress.
 static EVALUATIONS: AtomicUsize = AtomicUsize::new(0);
 
@@ -74,7 +75,7 @@ pub fn shared<T: Send>(work: impl FnOnce() -> T + Send, stack: usize) -> Result<
 }
 
 /// The pool of a forked process, or `None` if its lock is not released within a second.
-fn held() -> Option<std::sync::MutexGuard<'static, Option<(u32, Arc<ThreadPool>)>>> {
+fn held() -> Option<MutexGuard<'static, Owned>> {
     for _ in 0..100 {
         match FORKED.try_lock() {
             Ok(held) => return Some(held),

@@ -150,7 +150,7 @@ fn one_crystal_has_one_answer_in_every_cell() {
         (
             "--stretch 1.1,0.95 --set material.model=blatz-ko set method=updated-sph set support=1.6 set lattice=square",
             ["numerical", "tensile"],
-            [3.141_592_653_589_793, 0.0],
+            [std::f64::consts::PI, 0.0],
         ),
         (
             "--stretch 0.92,0.84 set method=updated-sph set support=1.65 set lattice=hexagonal",
@@ -160,12 +160,12 @@ fn one_crystal_has_one_answer_in_every_cell() {
         (
             "--stretch 1.1,0.95 --set material.model=blatz-ko set method=tlsph set support=1.8 set penalty=0.1 set lattice=square",
             ["stable", ""],
-            [3.141_592_653_589_793, 0.0],
+            [std::f64::consts::PI, 0.0],
         ),
         (
             "--stretch 1.1,0.95 --set material.model=blatz-ko set method=tlsph set support=1.8 set lattice=square",
             ["zero-energy", ""],
-            [3.141_592_653_589_793, 0.0],
+            [std::f64::consts::PI, 0.0],
         ),
     ] {
         let one = without_cell(&format!("state {line}"));

@@ -179,7 +179,7 @@ impl Measured {
             })
             .collect();
         let count = steps().count();
-        let sides: Vec<(&[Vec<f64>], &[Vec<f64>])> = values[1..]
+        let sides: Vec<_> = values[1..]
             .chunks_exact(2 * count)
             .map(|chunk| chunk.split_at(count))
             .collect();

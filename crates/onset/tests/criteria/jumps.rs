@@ -200,28 +200,19 @@ fn the_third_stretch_of_neo_hooke_jumps_at_the_common_tangent() {
 #[test]
 fn oblique_jumps_to_the_largest_stretch_of_the_range_are_found() {
     let hencky = Law::named("hencky").expect("a law");
-    for (kappa, range, mode, lateral, tension, bound) in [(
-        2.0,
-        [0.2, 5.0],
-        Mode::Uniaxial,
-        Lateral::Held,
-        false,
-        0.279_08_f64,
-    )] {
-        let law = hencky.build(&[("kappa", kappa)]).expect("admissible");
-        let range = Range::new(range[0], range[1]).expect("a range");
-        let loading = Loading { mode, lateral };
-        let path = LoadingPath::new(&*law, true, loading, &range).expect("a reference");
-        let elliptic = track(&path, Criterion::StrongEllipticity, tension);
-        let jumps = follow_jumps(&path, &elliptic, range.high(), tension);
-        let own = jumps.limit().expect("lost");
-        assert!(
-            own.ln().abs() <= bound.ln().abs(),
-            "{kappa} {mode:?}: {own}"
-        );
-        let event = &jumps.events[0];
-        assert!(event.is_upper_bound && event.tolerance > 1e-14 && event.tolerance < 1e-9);
-    }
+    let law = hencky.build(&[("kappa", 2.0)]).expect("admissible");
+    let range = Range::new(0.2, 5.0).expect("a range");
+    let loading = Loading {
+        mode: Mode::Uniaxial,
+        lateral: Lateral::Held,
+    };
+    let path = LoadingPath::new(&*law, true, loading, &range).expect("a reference");
+    let elliptic = track(&path, Criterion::StrongEllipticity, false);
+    let jumps = follow_jumps(&path, &elliptic, range.high(), false);
+    let own = jumps.limit().expect("lost");
+    assert!(own >= 0.279_08, "{own}");
+    let event = &jumps.events[0];
+    assert!(event.is_upper_bound && event.tolerance > 1e-14 && event.tolerance < 1e-9);
 }
 
 /// At the state named in the audit of this law the jump gains 12.65 of energy; no rounding comes near.

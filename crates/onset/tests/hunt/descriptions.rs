@@ -79,7 +79,7 @@ impl<const D: usize> Particles<D> {
         }
     }
 
-    fn from_origin(&self, number: usize) -> Self {
+    fn with_origin(&self, number: usize) -> Self {
         let origin = self.sites[number];
         let mut sites: Vec<_> = self.sites.iter().map(|site| site - origin).collect();
         sites.swap(0, number);
@@ -260,7 +260,7 @@ fn checked<const D: usize>(random: &mut Random) -> Option<(String, Vec<String>)>
     let coefficient = random.one_of(&[0.05, 0.3, 1.0]);
     let name = random.one_of(ISOTROPIC);
     let law = library()
-        .into_iter()
+        .iter()
         .find(|law| law.name == name)?
         .build(&[])
         .ok()?;
@@ -289,7 +289,7 @@ fn checked<const D: usize>(random: &mut Random) -> Option<(String, Vec<String>)>
             let number = (random.share() * large.sites.len() as f64) as usize;
             (
                 format!("cell {matrix}"),
-                large.from_origin(number).choices(&common),
+                large.with_origin(number).choices(&common),
                 identity,
             )
         }
@@ -297,7 +297,7 @@ fn checked<const D: usize>(random: &mut Random) -> Option<(String, Vec<String>)>
             let number = (random.share() * particles.sites.len() as f64) as usize;
             (
                 format!("origin {number}"),
-                particles.from_origin(number).choices(&common),
+                particles.with_origin(number).choices(&common),
                 identity,
             )
         }
