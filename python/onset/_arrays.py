@@ -20,7 +20,7 @@ Complexes = NDArray[np.complex128]
 def numbers(value: ArrayLike, what: str) -> Floats:
     """An array of doubles in the order of its indices; `what` is the argument, for messages."""
     parts = value if isinstance(value, (list, tuple)) else (value,)
-    masked = sum(np.ma.count_masked(part) for part in parts if isinstance(part, np.ma.MaskedArray))
+    masked = sum(int(np.ma.getmaskarray(part).sum()) for part in parts if isinstance(part, np.ma.MaskedArray))
     if masked:
         raise InputError(f"{what} has {masked} masked values; select or fill them, for example with compressed() or filled(1.0)")
     try:
