@@ -228,8 +228,7 @@ fn a_figure_shows_what_is_proved_only_of_a_certified_map() {
 /// Laws of principal stretches are proved to be elliptic in any axes, also where stretches are equal.
 #[test]
 fn hencky_is_proved_to_be_elliptic() {
-    let law =
-        "--json --certify --set material.model=hencky --set material.mu=1 --set material.kappa=2";
+    let law = "--certify --set material.model=hencky --set material.mu=1 --set material.kappa=2";
     for state in [
         "--deformation-gradient=1.4,0.1,0.1,0.9",
         "--stretch 1.3,0.9",
