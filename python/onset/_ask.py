@@ -231,7 +231,7 @@ def path(
     """
     problem = problem_of(material, method)
     if mode is not None:
-        rest = 0.0 if mode == "simple-shear" else 1.0
+        rest = 0.0 if isinstance(mode, str) and mode == "simple-shear" else 1.0
         start = rest if from_ is None else number(from_, "from_")
         return Path(problem.loading_path(mode, lateral, start, number(to, "to")))
     if lateral is not None:
