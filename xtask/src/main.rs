@@ -40,7 +40,10 @@ const TEST: &[Step] = &[
         "documentation",
         &["doc", "--workspace", "--no-deps", "--all-features"],
     ),
-    ("tests", &["test", "--workspace", "--all-features"]),
+    (
+        "tests",
+        &["test", "--workspace", "--all-features", "--no-fail-fast"],
+    ),
 ];
 
 const TESTS_WITHOUT_FORTRAN: &[&str] = &[

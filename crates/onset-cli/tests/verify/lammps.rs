@@ -353,7 +353,7 @@ fn noisy_and_cut_dumps_of_lammps_are_undecided_and_wrong_ones_refused() {
     let other = whole.replace(&id, "0123456789ab");
     let missing = whole.replacen("\n17 ", "\n9999 ", 1);
     for (text, expected) in [
-        (other.as_str(), "this is an output of case 0123456789ab"),
+        (other.as_str(), "this is the output of another case"),
         (missing.as_str(), "there is no particle 9999"),
         ("nothing\n", "expected `ITEM: TIMESTEP`"),
     ] {
