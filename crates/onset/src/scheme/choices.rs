@@ -1,4 +1,4 @@
-//! A method by its choices, whatever its family and its number of dimensions.
+//! Choices that define a discretization, for every family of methods in one, two and three dimensions.
 
 use super::conforming::{ConformingChoices, ConformingIntegration};
 use super::element::{ElementChoices, FiniteElements};
@@ -15,28 +15,28 @@ use crate::method::{
 };
 use crate::quadrature::Quadrature;
 
-/// A method of any family. Where a family has particles on a lattice, the first entry says where they are; its other choices are those of
-/// kernel methods.
+/// Choices that define a discretization of any family. For methods with particles on a lattice the first entry gives the lattice.
+/// Its remaining choices apply to kernel methods only.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MethodChoices {
-    /// Galerkin methods of kernels.
+    /// Kernel Galerkin methods.
     Kernel(Box<KernelMethodChoices>),
-    /// Smoothed particle hydrodynamics with kernels of material coordinates.
+    /// Smoothed particle hydrodynamics (SPH) with kernels in material coordinates.
     TotalLagrangianSph(Box<KernelMethodChoices>, TotalLagrangianChoices),
-    /// Smoothed particle hydrodynamics with kernels of current coordinates. Artificial stress is measured by the distance of the particles.
+    /// Smoothed particle hydrodynamics (SPH) with kernels in current coordinates. The particle spacing replaces the spacing of the artificial stress.
     UpdatedSph(Box<KernelMethodChoices>, UpdatedSphChoices),
-    /// Finite elements.
+    /// Finite elements with linear shape functions.
     FiniteElements(ElementChoices),
-    /// Conforming nodal integration.
+    /// Conforming nodal integration, with gradients averaged over a region around each node.
     Conforming(Box<KernelMethodChoices>, ConformingChoices),
-    /// Peridynamics.
+    /// Bond-based or correspondence peridynamics.
     Peridynamics(Box<KernelMethodChoices>, PeridynamicsChoices),
-    /// Material points.
+    /// The material point method.
     MaterialPoints(Box<KernelMethodChoices>, MaterialPointChoices),
 }
 
 impl MethodChoices {
-    /// The number of space dimensions.
+    /// Number of space dimensions.
     pub fn dimension(&self) -> usize {
         match self {
             Self::FiniteElements(choices) => choices.mesh.dimension(),
@@ -49,7 +49,8 @@ impl MethodChoices {
         }
     }
 
-    /// The discretization, in the primitive cell of its particles and quadrature points: answers do not depend on the cell that describes them.
+    /// Returns the discretization, reduced to the primitive cell of its particles and quadrature points.
+    /// Results therefore do not depend on the cell in which the method is described.
     ///
     /// ```
     /// use onset::method::KernelMethodChoices;
@@ -62,23 +63,23 @@ impl MethodChoices {
     /// ```
     ///
     /// # Errors
-    /// [`MethodError`] when a number is out of range, or the number of dimensions is not `D`.
+    /// [`MethodError`] if a number is out of range, or if the number of dimensions is not `D`.
     pub fn discretization<const D: usize>(
         &self,
     ) -> Result<Box<dyn Discretization<D>>, MethodError> {
         self.in_cell(CellKind::Primitive)
     }
 
-    /// The discretization in the cell that the choices describe, of which patches are made.
+    /// Returns the discretization in the cell of the choices, for use on patches.
     ///
     /// # Errors
-    /// As for [`MethodChoices::discretization`].
+    /// See [`MethodChoices::discretization`].
     pub fn described<const D: usize>(&self) -> Result<Box<dyn Discretization<D>>, MethodError> {
         self.in_cell(CellKind::Described)
     }
 
-    /// Numbers of particles of the described and of the primitive cell; `None` for methods whose cell is not described by particles, and for
-    /// particles that are refused.
+    /// Numbers of particles in the described cell and in the primitive cell. `None` if the cell is not described by particles, or if the particles
+    /// are rejected.
     pub(crate) fn sites<const D: usize>(&self) -> Option<[usize; 2]> {
         let (particles, integrates) = match self {
             Self::Kernel(particles) => (particles, true),
@@ -137,7 +138,7 @@ impl MethodChoices {
     }
 }
 
-/// A kernel method; with several particles in a cell its forces are differentiated, with one they are in closed form.
+/// Builds a kernel method: in closed form for one particle per cell, by differentiation of its forces for several.
 fn kernel<const D: usize>(
     choices: &KernelMethodChoices,
     kind: CellKind,
@@ -175,7 +176,7 @@ fn kernel<const D: usize>(
     Ok(Box::new(KernelScheme::new(crystal, quadrature, kernel)?))
 }
 
-/// The quadrature points of a cell with several particles where no rule or list gives them: at the particles, and in the centers of the Delaunay cells.
+/// Quadrature points of a cell with several particles, unless a rule or a list gives them: the particles and the centers of the Delaunay cells.
 fn quadrature<const D: usize>(
     choices: &KernelMethodChoices,
     crystal: &Crystal<D>,

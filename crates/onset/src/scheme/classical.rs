@@ -1,4 +1,4 @@
-//! The kernel methods of [`crate::method`] among the discretizations.
+//! The trait [`Discretization`] for the kernel methods of [`crate::method`].
 
 use super::{DirectWaves, Discretization, PatchForces, PeriodicPatch, SeenForm, StrainOperator};
 use crate::approximation::Order;
@@ -59,7 +59,7 @@ impl<const D: usize> Discretization<D> for Method<D> {
             let shape = &point.shape;
             let mut forms = vec![SeenForm::Strain(shape.gradients.clone())];
             if point.second_moments.is_some() {
-                // The energy is that of a strain which is linear over the cell.
+                // The energy is the energy of a strain that is linear over the cell.
                 let slope = |l: usize| shape.hessians.iter().map(move |h| h.column(l).into());
                 forms.extend((0..D).map(|l| SeenForm::Strain(slope(l).collect())));
             }
@@ -80,7 +80,7 @@ impl<const D: usize> Discretization<D> for Method<D> {
     }
 
     fn neighbors(&self) -> f64 {
-        // What every quadrature point of the cell sees; a support that is too small sees nothing.
+        // Neighbors of every quadrature point of the cell. They are undefined if the support is too small.
         let configuration = self.configuration(&DeformationGradient::identity(), Order::First);
         configuration.map_or(f64::NAN, |configuration| {
             let seen = configuration.points.iter().map(|point| point.cells.len());

@@ -1,10 +1,9 @@
-//! Stabilized conforming nodal integration and its relatives: nodal integration with gradients that are averaged over a region
-//! around each node.
+//! Stabilized conforming nodal integration and related methods: nodal integration with gradients averaged over a region around each node.
 //!
-//! By the theorem of divergence the mean gradient of a shape function needs its values on the boundary alone, `b_K = (1/V_I) int
-//! phi_K n dS`. With linearly complete shape functions and regions that fill space (Voronoi cells) linear fields are integrated
-//! exactly: `sum_K X_K (x) b_K = 1` at each node, and `sum_I V_I b_K = 0` for each particle. Chen, Wu, Yoon, You, Int. J. Numer.
-//! Meth. Engng. 50 (2001) 435.
+//! By the divergence theorem the mean gradient of a shape function depends only on its values at the boundary, `b_K = (1/V_I) int phi_K n dS`.
+//! With linearly complete shape functions and regions that fill space (Voronoi cells) linear fields are integrated exactly: `sum_K X_K (x) b_K = 1`
+//! at each node, and `sum_I V_I b_K = 0` for each particle.
+//! Source: Chen, Wu, Yoon, You, Int. J. Numer. Meth. Engng. 50 (2001) 435.
 
 mod region;
 
@@ -26,10 +25,10 @@ use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;
 
-/// Points along an edge; beyond these nothing is gained.
+/// Admissible number of Gauss points along an edge. Results no longer change with more points.
 const BOUNDARY_POINTS: RangeInclusive<usize> = 1..=16;
 
-/// Where gradients are averaged.
+/// Region over which the gradients at a node are averaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -37,15 +36,15 @@ const BOUNDARY_POINTS: RangeInclusive<usize> = 1..=16;
     serde(rename_all = "kebab-case")
 )]
 pub enum SmoothingDomain {
-    /// Over the Voronoi cells: stabilized conforming nodal integration (SCNI).
+    /// The Voronoi cells: stabilized conforming nodal integration (SCNI).
     Voronoi,
-    /// Over boxes along the axes with the volumes of the Voronoi cells, which overlap and leave gaps where the particles are not
-    /// a square or cubic lattice: stabilized non-conforming nodal integration (SNNI; Guan et al. 2009). On irregular
-    /// lattices the homogeneous state is then not in equilibrium.
+    /// Boxes along the axes with the volumes of the Voronoi cells: stabilized non-conforming nodal integration (SNNI; Guan et al. 2009).
+    /// The boxes overlap and leave gaps unless the particles form a square or cubic lattice. On irregular lattices the homogeneous state is then not
+    /// in equilibrium.
     Boxes,
 }
 
-/// Every choice that defines the method on a crystal. The default: SCNI with moving least squares.
+/// Choices that define conforming nodal integration on a crystal; by default SCNI with moving least squares.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -55,21 +54,21 @@ pub enum SmoothingDomain {
 pub struct ConformingChoices {
     /// Reference density; mass per reference volume.
     pub density: f64,
-    /// Weight function.
+    /// Weight function of the shape functions.
     pub kernel: Kernel,
-    /// Support radius; length.
+    /// Support radius in the reference configuration; length.
     pub radius: f64,
-    /// Correction of the weights. Raw weights are multiplied with the volumes of the particles, the others are not. Of the
-    /// approximations that correct gradients alone only the functions enter, which are Shepard's.
+    /// Correction of the weights. Raw weights are multiplied by the particle volumes, corrected weights are not.
+    /// Approximations that correct only gradients contribute only their functions, which are Shepard's.
     pub approximation: Approximation,
-    /// Regions of averaging.
+    /// Region over which gradients are averaged.
     pub domain: SmoothingDomain,
-    /// Gauss points along each edge of a region (in space: along both directions of each triangle of a face).
+    /// Gauss points along each edge of a region; in 3D, along both directions of each triangle of a face.
     pub boundary_points: usize,
-    /// The coefficient `c` of the modification of Puso, Chen, Zywicz and Elmer, Int. J. Numer. Meth. Engng. 74 (2008) 416, from 0
-    /// (none) to 1: the energy of a node is `(1 - c) V W(F_I) + c sum_s V_s W(F_s)`, the sum over the pyramids between the
-    /// node and the faces of its region. For a material of constant tangent `A` that is the published addition `c/2 sum_s V_s (F_s - F_I) : A :
-    /// (F_s - F_I)`, because the mean of the `F_s` is `F_I`.
+    /// Coefficient `c` of the modification of Puso, Chen, Zywicz and Elmer, Int. J. Numer. Meth. Engng. 74 (2008) 416, from 0 (none) to 1.
+    /// The energy of a node is `(1 - c) V W(F_I) + c sum_s V_s W(F_s)`, with the sum over the pyramids between the node and the faces of its region.
+    /// For a material with a constant tangent `A` this is the published term `c/2 sum_s V_s (F_s - F_I) : A : (F_s - F_I)`, because the mean of the
+    /// `F_s` is `F_I`.
     pub modification: f64,
 }
 
@@ -87,7 +86,7 @@ impl Default for ConformingChoices {
     }
 }
 
-/// Nodal integration with smoothed gradients as a discretization; total Lagrangian, masses `rho V_I`.
+/// Discretization by nodal integration with smoothed gradients; total Lagrangian, with the masses `rho V_I`.
 ///
 /// ```
 /// use nalgebra::Vector1;
@@ -111,10 +110,10 @@ pub struct ConformingIntegration<const D: usize> {
 }
 
 impl<const D: usize> ConformingIntegration<D> {
-    /// The method on a crystal.
+    /// Builds the method on a crystal.
     ///
     /// # Errors
-    /// [`MethodError`] when a number is out of its range, or the support is too small or too large.
+    /// [`MethodError`] if a number is out of its range, or if the support is too small or too large.
     pub fn new(crystal: Crystal<D>, choices: &ConformingChoices) -> Result<Self, MethodError> {
         MethodError::positive("density", choices.density)?;
         MethodError::positive("support", choices.radius)?;
@@ -155,8 +154,8 @@ impl<const D: usize> ConformingIntegration<D> {
         })
     }
 
-    /// The integration points of a cell: of each particle the node with the mean gradients of its region, unless the
-    /// modification is 1, and then the pyramids, unless it is 0.
+    /// Integration points of a cell. For each particle they are the node with the mean gradients of its region, unless the modification is 1, and the
+    /// pyramids, unless it is 0.
     pub fn points(&self) -> &[LagrangianPoint<D>] {
         &self.points
     }
@@ -196,21 +195,20 @@ impl<const D: usize> Discretization<D> for ConformingIntegration<D> {
         Ok(())
     }
 
-    /// The particles that share an integration point with a particle.
+    /// Mean number of particles that share an integration point with a particle.
     fn neighbors(&self) -> f64 {
         mean_neighbors(&self.points, &self.crystal)
     }
 }
 
-/// The shape functions of a crystal.
 struct Functions<'a, const D: usize> {
     crystal: &'a Crystal<D>,
     choices: &'a ConformingChoices,
-    /// The approximation, corrections of its gradients apart.
+    /// The approximation without corrections of its gradients.
     functions: Approximation,
-    /// Lattice coordinates of a vector.
+    /// Maps a vector to lattice coordinates.
     to_fractional: SMatrix<f64, D, D>,
-    /// One over the integral of the kernel; 1/length^D.
+    /// Reciprocal of the integral of the kernel; 1/length^D.
     normalization: f64,
 }
 
@@ -241,7 +239,7 @@ impl<'a, const D: usize> Functions<'a, D> {
         })
     }
 
-    /// The integration point with the mean gradients over a region around a node, and a part of its volume.
+    /// Integration point with the mean gradients over a region around a node and a part of the node's volume.
     fn smoothed(
         &self,
         site: usize,
@@ -261,7 +259,7 @@ impl<'a, const D: usize> Functions<'a, D> {
         Ok(LagrangianPoint::new(means, part * region.volume))
     }
 
-    /// The shape functions at a place given in lattice coordinates, `phi_K` with `K`.
+    /// Shape functions at a point in lattice coordinates: each particle `K` with `phi_K`.
     fn at(&self, place: &SVector<f64, D>) -> Result<Vec<(Particle<D>, f64)>, MethodError> {
         const POINT: &str = "point of a cell's boundary";
         let (one, radius) = (SMatrix::identity(), self.choices.radius);
@@ -278,7 +276,7 @@ impl<'a, const D: usize> Functions<'a, D> {
                 weights.push(weight);
             }
         }
-        // A constant needs one neighbor, a polynomial as many as it has coefficients.
+        // Constants need one neighbor, polynomials one for each coefficient.
         let needed = match approximation.degree() {
             None | Some(0) => 1,
             _ => approximation.neighbors_needed(D),

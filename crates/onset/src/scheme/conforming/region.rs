@@ -1,26 +1,25 @@
-//! Regions around the nodes over whose boundaries gradients are averaged: Voronoi cells, boxes, and the pyramids that they are
-//! made of.
+//! Regions around the nodes over which gradients are averaged: Voronoi cells, boxes, and the pyramids into which both are divided.
 
 use crate::algebra::unit_interval;
 use crate::lattice::Crystal;
 use nalgebra::{SMatrix, SVector};
 
-/// A flat piece of a boundary: a point, a straight edge, a convex polygon. Positions relative to the node.
+/// Flat facet of a boundary: a point, a straight edge or a convex polygon. Positions are relative to the node.
 #[derive(Clone, Debug)]
 pub(super) struct Facet<const D: usize> {
-    /// Corners in turn.
+    /// Corners in cyclic order.
     corners: Vec<SVector<f64, D>>,
-    /// The unit normal, outward.
+    /// Outward unit normal.
     pub(super) normal: SVector<f64, D>,
-    /// Length^(D-1).
+    /// Length, area or one; length^(D-1).
     measure: f64,
 }
 
-/// A region with the node inside or at its boundary.
+/// Region that contains the node in its interior or on its boundary.
 #[derive(Clone, Debug)]
 pub(super) struct Region<const D: usize> {
     pub(super) facets: Vec<Facet<D>>,
-    /// Length^D.
+    /// Volume of the region; length^D.
     pub(super) volume: f64,
 }
 
@@ -38,9 +37,9 @@ impl<const D: usize> Facet<D> {
         }
     }
 
-    /// Points and weights of a quadrature over the facet: Gauss's along an edge, along both directions of the triangles between
-    /// the corners and the middle of a polygon. Exact for linear functions whatever their number, and the same for the regions of
-    /// both sides.
+    /// Points and weights of a quadrature over the facet: Gauss's rule along an edge; along both directions of the triangles between the corners and
+    /// the centroid of a polygon.
+    /// Exact for linear functions with any number of points, and identical for the two regions that share the facet.
     pub(super) fn points(&self, count: usize) -> Vec<(SVector<f64, D>, f64)> {
         let along = unit_interval(count);
         match D {
@@ -51,7 +50,7 @@ impl<const D: usize> Facet<D> {
                 along.iter().map(point).collect()
             }
             _ => {
-                // Outward from the middle areas grow with the distance; Gauss's rule of one point for that weight is at 2/3.
+                // The area element grows linearly with the distance from the center. Gauss's one-point rule for this weight has its point at 2/3.
                 let outward: Vec<(f64, f64)> = match count {
                     1 => vec![(2.0 / 3.0, 1.0)],
                     _ => along.iter().map(|(r, w)| (*r, 2.0 * r * w)).collect(),
@@ -75,13 +74,13 @@ impl<const D: usize> Facet<D> {
 
 impl<const D: usize> Region<D> {
     fn of(facets: Vec<Facet<D>>) -> Self {
-        // div x = D.
+        // The divergence of x is D.
         let flux = |facet: &Facet<D>| facet.measure * facet.normal.dot(&facet.corners[0]);
         let volume = facets.iter().map(flux).sum::<f64>() / D as f64;
         Self { facets, volume }
     }
 
-    /// The Voronoi cell of a site of a crystal.
+    /// Voronoi cell of a site of a crystal.
     pub(super) fn voronoi(crystal: &Crystal<D>, site: usize) -> Self {
         let place = crystal.sites()[site];
         let mut distance = 2.0 * crystal.nearest_distance();
@@ -94,7 +93,7 @@ impl<const D: usize> Region<D> {
                 .iter()
                 .filter_map(|r| bisector(r, &neighbors, distance))
                 .collect();
-            // A bisector that cuts the cell belongs to a neighbor within twice the distance of the farthest corner.
+            // Only neighbors within twice the distance of the farthest corner can have a bisector that cuts the cell.
             let corners = facets.iter().flat_map(|facet| &facet.corners);
             let farthest = corners.map(|corner| corner.norm()).fold(0.0, f64::max);
             if facets.len() > D && 2.0 * farthest < distance {
@@ -104,13 +103,13 @@ impl<const D: usize> Region<D> {
         }
     }
 
-    /// A box around the node with edges along the axes.
+    /// Box around the node with edges along the axes.
     pub(super) fn cube(volume: f64) -> Self {
         let half = 0.5 * volume.powf(1.0 / D as f64);
         let side = |axis: usize, sign: f64| {
             let mut normal = SVector::<f64, D>::zeros();
             normal[axis] = sign;
-            // The corners in turn: the signs of the other axes.
+            // The corners in cyclic order, by the signs of the other axes.
             let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
             let corner = |signs: &[f64; 2]| {
                 SVector::from_fn(|i, _| match i {
@@ -125,7 +124,7 @@ impl<const D: usize> Region<D> {
         Self::of(facets.collect())
     }
 
-    /// The pyramids between the node and each facet: halves of a segment, triangles, pyramids.
+    /// Pyramids between the node and each facet: halves of a segment in 1D, triangles in 2D.
     pub(super) fn pyramids(&self) -> Vec<Self> {
         let pyramid = |base: &Facet<D>| {
             let count = base.corners.len();
@@ -148,7 +147,7 @@ impl<const D: usize> Region<D> {
     }
 }
 
-/// The facet of the cell of the origin in the bisecting plane of a neighbor, if there is one.
+/// Facet of the cell around the origin in the bisecting plane of a neighbor, or `None` if the plane does not touch the cell.
 fn bisector<const D: usize>(
     r: &SVector<f64, D>,
     neighbors: &[SVector<f64, D>],
@@ -177,7 +176,7 @@ fn bisector<const D: usize>(
     (corners.len() >= D).then(|| Facet::new(corners, r.normalize()))
 }
 
-/// The part of a convex polygon, a segment or a point in the half space `normal . x <= offset`.
+/// Part of a convex polygon, segment or point in the half space `normal . x <= offset`.
 fn clipped<const D: usize>(
     corners: &[SVector<f64, D>],
     normal: &SVector<f64, D>,
@@ -198,7 +197,7 @@ fn clipped<const D: usize>(
     kept
 }
 
-/// Unit vectors at right angles to a vector and to each other.
+/// Unit vectors orthogonal to a vector and to each other.
 fn axes_across<const D: usize>(r: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
     let mut known = vec![*r];
     let largest = r.iamax();
@@ -209,7 +208,7 @@ fn axes_across<const D: usize>(r: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
     known.split_off(1)
 }
 
-/// The unit vector along what of a vector is at right angles to others.
+/// Unit vector along the part of a vector that is orthogonal to others.
 fn across<const D: usize>(x: &SVector<f64, D>, others: &[SVector<f64, D>]) -> SVector<f64, D> {
     let mut orthogonal: Vec<SVector<f64, D>> = Vec::with_capacity(others.len());
     let without = |x: &SVector<f64, D>, known: &[SVector<f64, D>]| {
@@ -226,14 +225,14 @@ fn middle<const D: usize>(corners: &[SVector<f64, D>]) -> SVector<f64, D> {
     corners.iter().sum::<SVector<f64, D>>() / corners.len() as f64
 }
 
-/// The triangles between the middle of a polygon and its edges, each by the two vectors from the middle.
+/// Triangles between the center of a polygon and its edges, each by its two vectors from the center.
 fn fan<const D: usize>(corners: &[SVector<f64, D>]) -> impl Iterator<Item = [SVector<f64, D>; 2]> {
     let middle = middle(corners);
     let corner = move |n: usize| corners[n % corners.len()] - middle;
     (0..corners.len()).map(move |n| [corner(n), corner(n + 1)])
 }
 
-/// The area of the triangle that two vectors span.
+/// Area of the triangle that two vectors span.
 fn triangle<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> f64 {
     let height = b - a * (a.dot(b) / a.norm_squared());
     0.5 * a.norm() * height.norm()
@@ -263,7 +262,7 @@ mod tests {
         }
     }
 
-    /// `int n dS = 0` and `int x (x) n dS = V 1` with any number of points.
+    /// Checks `int n dS = 0` and `int x (x) n dS = V 1` for any number of points.
     fn assert_closed<const D: usize>(region: &Region<D>) {
         for count in 1..4 {
             let (mut sum, mut moment) = (SVector::<f64, D>::zeros(), SMatrix::<f64, D, D>::zeros());

@@ -1,5 +1,4 @@
-//! Control of the hourglass modes of elements with one integration point, after Flanagan and Belytschko, Int. J. Numer. Meth.
-//! Engng. 17 (1981) 679.
+//! Control of the hourglass modes of one-point elements, after Flanagan and Belytschko, Int. J. Numer. Meth. Engng. 17 (1981) 679.
 
 use super::HourglassScale;
 use super::shape::sign;
@@ -9,20 +8,20 @@ use crate::real::Real;
 use crate::scheme::{Interaction, Motion, SeenForm, StrainOperator};
 use nalgebra::SVector;
 
-/// An hourglass mode of an element: `q = sum_a gamma_a u_a`, which is zero for every linear field.
+/// Hourglass mode of an element, `q = sum_a gamma_a u_a`, which is zero for every linear field.
 #[derive(Clone, Debug)]
 pub(super) struct HourglassMode<const D: usize> {
     nodes: Vec<Particle<D>>,
-    /// `gamma_a = (Gamma_a - b_a . sum_c Gamma_c X_c) / 2^D`.
+    /// Hourglass vector `gamma_a = (Gamma_a - b_a . sum_c Gamma_c X_c) / 2^D`.
     gamma: Vec<f64>,
-    /// The stiffness that a modulus and a coefficient of one have; length^(D-2).
+    /// Stiffness for unit modulus and unit coefficient; length^(D-2).
     pub(super) stiffness: f64,
-    /// The viscosity that an impedance and a coefficient of one have; length^(D-1).
+    /// Viscosity for unit impedance and unit coefficient; length^(D-1).
     pub(super) viscosity: f64,
 }
 
 impl<const D: usize> HourglassMode<D> {
-    /// Adds the components of `q` to what is seen.
+    /// Adds the components of `q` to the strain operator.
     pub(super) fn seen_by(&self, strain: &mut StrainOperator<D>) {
         let component = |i: usize| {
             let along = |weight: &f64| SVector::from_fn(|j, _| if i == j { *weight } else { 0.0 });
@@ -33,10 +32,10 @@ impl<const D: usize> HourglassMode<D> {
 }
 
 impl HourglassScale {
-    /// Stiffness and viscosity of a modulus, an impedance and coefficients of one, for `gamma` as below.
+    /// Returns stiffness and viscosity for unit modulus, impedance and coefficients, with `gamma` as below.
     fn of<const D: usize>(self, volume: f64, gradients: &[SVector<f64, D>]) -> [f64; 2] {
         let squares: f64 = gradients.iter().map(SVector::norm_squared).sum();
-        // Codes do not divide gamma by the number of nodes.
+        // The codes do not divide gamma by the number of nodes.
         let codes = (gradients.len() * gradients.len()) as f64;
         match (self, D) {
             (Self::Gradients, _) => [volume * squares, volume * squares.sqrt()],
@@ -48,8 +47,9 @@ impl HourglassScale {
     }
 }
 
-/// The modes of a multilinear element, products of two or more reference coordinates at the nodes: one in the plane, four in
-/// space, none of a bar. `gradients` are the mean gradients of its shape functions, `volume` is its own.
+/// Hourglass modes of a multilinear element: products of two or more reference coordinates at the nodes.
+/// There is one mode in 2D, four in 3D, and no mode of a bar. `gradients` are the mean gradients of the shape functions of the element, `volume` is
+/// its volume.
 pub(super) fn hourglass_modes<const D: usize>(
     nodes: &[Particle<D>],
     positions: &[SVector<f64, D>],
@@ -82,12 +82,12 @@ pub(super) fn hourglass_modes<const D: usize>(
     modes.map(mode).collect()
 }
 
-/// A mode with a spring and a dashpot.
+/// Hourglass mode with a spring and a dashpot.
 pub(super) struct Resisted<'a, const D: usize> {
     pub(super) mode: &'a HourglassMode<D>,
-    /// Force/length.
+    /// Spring constant; force/length.
     pub(super) stiffness: f64,
-    /// Force/velocity.
+    /// Dashpot constant; force/velocity.
     pub(super) viscosity: f64,
 }
 
@@ -96,7 +96,7 @@ impl<const D: usize> Interaction<D> for Resisted<'_, D> {
         &self.mode.nodes
     }
 
-    /// `f_a = -gamma_a (k q + c dq/dt)`.
+    /// Returns the nodal forces `f_a = -gamma_a (k q + c dq/dt)`.
     fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
         let gamma = &self.mode.gamma;
         let resistance: [R; D] = array_of(|i| {

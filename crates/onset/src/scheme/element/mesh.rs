@@ -1,4 +1,4 @@
-//! Elements between the particles of a crystal.
+//! Finite-element meshes whose nodes are the particles of a crystal.
 
 use super::shape::{ElementShape, Sample};
 use crate::algebra::array_of;
@@ -7,35 +7,35 @@ use crate::method::MethodError;
 use nalgebra::{DMatrix, SVector};
 use thiserror::Error;
 
-/// Why elements cannot be set up.
+/// Error in the description of a mesh.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MeshError {
-    /// An element with too few or too many nodes.
+    /// An element has too few or too many nodes.
     #[error("element {element} has {nodes} node(s), not {needed}")]
     NodeCount {
-        /// The number of the element.
+        /// Number of the element in the cell.
         element: usize,
-        /// Its nodes.
+        /// Number of nodes given.
         nodes: usize,
-        /// What its shape needs.
+        /// Number of nodes of the element shape.
         needed: usize,
     },
-    /// A node that the crystal does not have.
+    /// An element has a node at a site that the crystal does not have.
     #[error("element {element} has a node at site {site}; the sites of the cell are 0 to {last}")]
     UnknownSite {
-        /// The number of the element.
+        /// Number of the element in the cell.
         element: usize,
-        /// The site.
+        /// Number of the site given.
         site: usize,
-        /// The largest number of a site.
+        /// Largest number of a site.
         last: usize,
     },
-    /// An element without volume, or one that is turned inside out in parts.
+    /// An element has no volume or is partly inverted.
     #[error(
         "element {element} is flat or turned inside out; expected corners that do not cross, those of quadrilaterals and bricks in the order of binary numbers"
     )]
     Distorted {
-        /// The number of the element.
+        /// Number of the element in the cell.
         element: usize,
     },
     /// The elements overlap or leave gaps.
@@ -43,19 +43,19 @@ pub enum MeshError {
         "the elements of a cell have the volume {elements:?}, the cell {cell:?}; expected elements that fill it once"
     )]
     Volume {
-        /// The sum of the volumes of the elements; length^D.
+        /// Sum of the volumes of the elements; length^D.
         elements: f64,
-        /// The volume of the cell; length^D.
+        /// Volume of the cell; length^D.
         cell: f64,
     },
-    /// Hourglass control of elements that have no hourglass modes.
+    /// Hourglass control was requested for elements without hourglass modes.
     #[error(
         "hourglass control was asked for with full integration, which has no hourglass modes; choose integration = \"one-point\", or set hourglass-stiffness and hourglass-viscosity to 0"
     )]
     NeedlessControl,
 }
 
-/// Elements of one shape between the particles of a crystal: those of one cell, which the lattice repeats.
+/// Periodic mesh of elements of one shape: a crystal of nodes and the elements of one cell, which the lattice repeats.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh<const D: usize> {
     crystal: Crystal<D>,
@@ -64,10 +64,10 @@ pub struct Mesh<const D: usize> {
 }
 
 impl<const D: usize> Mesh<D> {
-    /// Elements of a cell by their nodes, in the order that [`ElementShape`] says.
+    /// Builds a mesh from the nodes of each element of a cell, in the order defined by [`ElementShape`].
     ///
     /// # Errors
-    /// [`MeshError`] when an element is not one of the shape, or the elements do not fill the cell once.
+    /// [`MeshError`] if an element does not have the given shape, or if the elements do not fill the cell exactly once.
     pub fn new(
         crystal: Crystal<D>,
         shape: ElementShape,
@@ -82,7 +82,7 @@ impl<const D: usize> Mesh<D> {
         Ok(mesh)
     }
 
-    /// The parallelepiped that is spanned by the primitive vectors of a lattice: bars, quadrilaterals, bricks.
+    /// Mesh with one element per cell, the parallelepiped spanned by the primitive vectors: bars, quadrilaterals or bricks.
     ///
     /// ```
     /// use onset::lattice::LatticeKind;
@@ -103,8 +103,9 @@ impl<const D: usize> Mesh<D> {
         }
     }
 
-    /// The parallelepiped split into `D!` simplices along its diagonal `a_1 + ... + a_D` (Kuhn): each goes from its origin to the
-    /// opposite corner along the primitive vectors, in one of their orders. The faces of neighbors fit.
+    /// Mesh of the parallelepipeds split into `D!` simplices along the diagonal `a_1 + ... + a_D` (Kuhn).
+    ///
+    /// Each simplex runs from the origin to the opposite corner along the primitive vectors, in one of their orders. The faces of neighbors match.
     pub fn simplices(lattice: BravaisLattice<D>) -> Self {
         let path = |order: &[usize]| {
             let mut cell = [0; D];
@@ -122,7 +123,7 @@ impl<const D: usize> Mesh<D> {
         }
     }
 
-    /// Simplices by the places of their corners in lattice coordinates. Corners that are no particles are an error of the caller.
+    /// Mesh of simplices given by their corners in lattice coordinates. Every corner must be a particle.
     pub(super) fn of_corners(
         crystal: Crystal<D>,
         elements: &[Vec<SVector<f64, D>>],
@@ -143,34 +144,34 @@ impl<const D: usize> Mesh<D> {
         Ok(Self::new(crystal, ElementShape::Simplex, elements)?)
     }
 
-    /// The integrals `int N_a N_b dV` over an element; length^D.
+    /// Integrals `int N_a N_b dV` over an element; length^D.
     pub(super) fn products(&self, nodes: &[Particle<D>]) -> DMatrix<f64> {
         self.shape.products(&self.samples(nodes))
     }
 
-    /// The nodes.
+    /// Crystal of the nodes.
     pub fn crystal(&self) -> &Crystal<D> {
         &self.crystal
     }
 
-    /// The shape of the elements.
+    /// Shape of the elements.
     pub fn shape(&self) -> ElementShape {
         self.shape
     }
 
-    /// The elements of a cell by their nodes.
+    /// Elements of a cell, each as a list of nodes.
     pub fn elements(&self) -> &[Vec<Particle<D>>] {
         &self.elements
     }
 
-    /// The same mesh with a cell that holds `counts` cells along each primitive vector.
+    /// Returns this mesh in a supercell of `counts` cells along each primitive vector.
     ///
     /// # Errors
-    /// [`MethodError::Lattice`] when a count is zero.
+    /// [`MethodError::Lattice`] if a count is zero.
     pub fn supercell(&self, counts: [usize; D]) -> Result<Self, MethodError> {
         let crystal = self.crystal.supercell(counts)?;
         let sites = self.crystal.sites().len();
-        // Sites of the large cell are numbered cell by cell, the first coordinate running fastest.
+        // Sites of the supercell are numbered cell by cell, the first coordinate running fastest.
         let renamed = |node: &Particle<D>| {
             let of = |i: usize| (node.cell[i], counts[i] as i32);
             let small = (0..D).rev().fold(0, |sum, i| {
@@ -197,16 +198,16 @@ impl<const D: usize> Mesh<D> {
         })
     }
 
-    /// The same mesh with every node of a cell moved at random, see [`Crystal::perturbed`].
+    /// Returns this mesh with every node of a cell displaced at random; see [`Crystal::perturbed`].
     ///
     /// # Errors
-    /// [`MethodError::Lattice`] when two nodes meet, [`MethodError::Mesh`] when an element is turned inside out.
+    /// [`MethodError::Lattice`] if two nodes coincide, [`MethodError::Mesh`] if an element is inverted.
     pub fn perturbed(&self, amplitude: f64, seed: u64) -> Result<Self, MethodError> {
         let crystal = self.crystal.perturbed(amplitude, seed)?;
         Ok(Self::new(crystal, self.shape, self.elements.clone())?)
     }
 
-    /// The integration points of an element; none where it is flat.
+    /// Integration points of an element; empty if the element is flat.
     pub(super) fn samples(&self, nodes: &[Particle<D>]) -> Vec<Sample<D>> {
         let positions = nodes.iter().map(|node| self.crystal.position(node));
         let positions: Vec<SVector<f64, D>> = positions.collect();
@@ -253,7 +254,7 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-/// All orders of the first `count` numbers.
+/// All permutations of the first `count` numbers.
 fn orders(count: usize) -> Vec<Vec<usize>> {
     let Some(last) = count.checked_sub(1) else {
         return vec![Vec::new()];

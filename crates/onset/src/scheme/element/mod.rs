@@ -1,8 +1,8 @@
-//! Finite elements of linear shape functions, total Lagrangian: bars, triangles, quadrilaterals, tetrahedra, bricks.
+//! Linear finite elements, total Lagrangian: bars, triangles, quadrilaterals, tetrahedra, bricks.
 //!
-//! An element with the shape functions `N_a` has the energy `sum_q V_q W(F_q)`, `F_q = F + sum_a u_a (x) dN_a/dX(X_q)`. Multilinear
-//! elements are integrated fully (two Gauss points along each axis) or with one point, at which the gradients are their means
-//! over the element; that leaves zero-energy hourglass modes, which a control resists.
+//! An element with the shape functions `N_a` has the energy `sum_q V_q W(F_q)`, `F_q = F + sum_a u_a (x) dN_a/dX(X_q)`.
+//! Multilinear elements are integrated fully (two Gauss points along each axis) or with one point, which takes the mean gradients over the element.
+//! One-point integration leaves zero-energy hourglass modes, which hourglass control resists.
 
 mod hourglass;
 mod mesh;
@@ -27,7 +27,7 @@ use hourglass::{HourglassMode, Resisted, hourglass_modes};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use shape::Sample;
 
-/// How elements are integrated.
+/// Integration rule of the elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -37,11 +37,11 @@ use shape::Sample;
 pub enum Integration {
     /// Two Gauss points along each axis of quadrilaterals and bricks; one point in simplices, where the gradient is constant.
     Full,
-    /// One point, with the mean gradient of the element (uniform strain).
+    /// One point with the mean gradient of the element (uniform strain).
     OnePoint,
 }
 
-/// The mass matrix of elements.
+/// Mass matrix of the elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -49,13 +49,13 @@ pub enum Integration {
     serde(rename_all = "kebab-case")
 )]
 pub enum ElementMass {
-    /// A mass at each node, `int rho N_a dV`.
+    /// Lumped masses, `int rho N_a dV` at each node.
     Lumped,
-    /// `int rho N_a N_b dV`.
+    /// Consistent mass matrix, `int rho N_a N_b dV`.
     Consistent,
 }
 
-/// What the coefficients of hourglass control are multiplied with, `gamma_a` as in [`Formulation`], `V` the volume of an element.
+/// Scaling of hourglass stiffness and viscosity, with `gamma_a` as in [`Formulation`] and `V` the volume of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -63,22 +63,22 @@ pub enum ElementMass {
     serde(rename_all = "kebab-case")
 )]
 pub enum HourglassScale {
-    /// The gradients of the element: stiffness `kappa M V b^2`, viscosity `epsilon rho c V b`.
+    /// Scales with the gradients of the element: stiffness `kappa M V b^2`, viscosity `epsilon rho c V b`.
     Gradients,
-    /// The size of the element, as in production codes: of bricks the stiffness `0.038 kappa M V^(1/3)` and the viscosity
-    /// `epsilon/4 rho c V^(2/3)`, of quadrilaterals the viscosity `epsilon/2 rho c V^(1/2)` and no stiffness, with `2^D gamma_a` in
-    /// the place of `gamma_a`.
+    /// Scales with the size of the element, as in production codes.
+    /// Bricks have the stiffness `0.038 kappa M V^(1/3)` and the viscosity `epsilon/4 rho c V^(2/3)`.
+    /// Quadrilaterals have the viscosity `epsilon/2 rho c V^(1/2)` and no stiffness. `gamma_a` is replaced by `2^D gamma_a`.
     ///
-    /// Source: OpenRadioss, `shvis3.F`, `s_hg5.F`, `qhvis2.F`; the viscosity of bricks is that of LS-DYNA's theory manual,
-    /// `Q rho c V^(2/3) / 4`.
+    /// Source: OpenRadioss, `shvis3.F`, `s_hg5.F`, `qhvis2.F`. LS-DYNA's theory manual has the same viscosity of bricks, `Q rho c V^(2/3) / 4`.
     Radioss,
 }
 
-/// How elements become equations of motion. The default: full integration, lumped masses.
+/// Formulation of the elements; by default full integration with lumped masses.
 ///
-/// Hourglass control resists each mode `q = sum_a gamma_a u_a` of a one-point element with the force
-/// `gamma_a (kappa M V b^2 q + epsilon rho c V b dq/dt)`, or with that of another [`HourglassScale`], where `M = rho c^2` is the modulus of the fastest wave in the material in the reference state, `b^2 = sum_a |b_a|^2` with the mean gradients
-/// `b_a`. Both parts are objective: `q` vanishes for every linear field, and turns with the element.
+/// Hourglass control resists each mode `q = sum_a gamma_a u_a` of a one-point element with the force `gamma_a (kappa M V b^2 q + epsilon rho c V b
+/// dq/dt)`, or with the force of another [`HourglassScale`].
+/// `M = rho c^2` is the modulus of the fastest wave in the material in the reference state, and `b^2 = sum_a |b_a|^2` with the mean gradients `b_a`.
+/// Both parts are objective: `q` vanishes for every linear field, and rotates with the element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -86,16 +86,16 @@ pub enum HourglassScale {
     serde(rename_all = "kebab-case", default, deny_unknown_fields)
 )]
 pub struct Formulation {
-    /// Integration points.
+    /// Integration rule, full or one-point.
     pub integration: Integration,
-    /// The coefficient `kappa` of one-point elements; dimensionless. Squares and lumped masses: `omega^2 = 2 kappa M / (rho h^2)`
-    /// of the hourglass modes.
+    /// Stiffness coefficient `kappa` of one-point elements; dimensionless. For squares with lumped masses the hourglass modes have `omega^2 = 2 kappa
+    /// M / (rho h^2)`.
     pub hourglass_stiffness: f64,
-    /// The coefficient `epsilon` of one-point elements; dimensionless.
+    /// Viscosity coefficient `epsilon` of one-point elements; dimensionless.
     pub hourglass_viscosity: f64,
-    /// What both are multiplied with.
+    /// Scaling of both coefficients with modulus and size.
     pub hourglass_scale: HourglassScale,
-    /// Masses.
+    /// Mass matrix, lumped or consistent.
     pub mass: ElementMass,
 }
 
@@ -111,7 +111,7 @@ impl Default for Formulation {
     }
 }
 
-/// Every choice that defines a finite element method on a lattice. The default: quadrilaterals.
+/// Choices that define a finite element method on a lattice; by default quadrilaterals.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -119,13 +119,13 @@ impl Default for Formulation {
     serde(rename_all = "kebab-case", default, deny_unknown_fields)
 )]
 pub struct ElementChoices {
-    /// Lattice of the elements.
+    /// Mesh of the elements.
     pub mesh: ElementMesh,
-    /// The distance of neighboring nodes; length.
+    /// Distance between neighboring nodes; length.
     pub spacing: f64,
     /// Reference density; mass per reference volume.
     pub density: f64,
-    /// Integration, hourglass control, masses.
+    /// Integration, hourglass control and masses.
     pub formulation: Formulation,
 }
 
@@ -140,7 +140,7 @@ impl Default for ElementChoices {
     }
 }
 
-/// Finite elements as a discretization.
+/// Discretization by finite elements.
 ///
 /// ```
 /// use nalgebra::Vector1;
@@ -169,19 +169,20 @@ pub struct FiniteElements<const D: usize> {
 }
 
 impl<const D: usize> FiniteElements<D> {
-    /// Elements on a mesh that has a name.
+    /// Builds the method on a named mesh.
     ///
     /// # Errors
-    /// [`MethodError`] when a number is not positive, or the mesh has not `D` dimensions.
+    /// [`MethodError`] if a number is not positive, or if the mesh does not have `D` dimensions.
     pub fn new(choices: &ElementChoices) -> Result<Self, MethodError> {
         let mesh = choices.mesh.mesh(choices.spacing)?;
         Self::on(mesh, choices.density, choices.formulation)
     }
 
-    /// Elements on any mesh.
+    /// Builds the method on any mesh.
     ///
     /// # Errors
-    /// [`MethodError`] when the density is not positive, a coefficient of hourglass control is negative, or there are no hourglass modes for it.
+    /// [`MethodError`] if the density is not positive, if a coefficient of hourglass control is negative, or if the elements have no hourglass modes
+    /// to control.
     pub fn on(mesh: Mesh<D>, density: f64, formulation: Formulation) -> Result<Self, MethodError> {
         MethodError::positive("density", density)?;
         let control = [
@@ -239,17 +240,17 @@ impl<const D: usize> FiniteElements<D> {
         })
     }
 
-    /// The mesh.
+    /// Mesh of the elements.
     pub fn mesh(&self) -> &Mesh<D> {
         &self.mesh
     }
 
-    /// The integration points of the elements of a cell.
+    /// Integration points of the elements of a cell.
     pub fn points(&self) -> &[LagrangianPoint<D>] {
         &self.points
     }
 
-    /// The hourglass modes with their springs and dashpots; none where they have neither.
+    /// Hourglass modes with their springs and dashpots; empty if both coefficients are zero.
     fn resisted(&self, material: &dyn Hyperelastic) -> Result<Vec<Resisted<'_, D>>, MethodError> {
         let formulation = self.formulation;
         let (kappa, epsilon) = (
@@ -351,13 +352,13 @@ impl<const D: usize> Discretization<D> for FiniteElements<D> {
         Ok(Part::bound(elements.iter().enumerate().map(part)))
     }
 
-    /// The nodes that share an element with a node.
+    /// Mean number of nodes that share an element with a node.
     fn neighbors(&self) -> f64 {
         mean_neighbors(&self.points, self.crystal())
     }
 }
 
-/// The means over an element of the gradients of its shape functions, and its volume.
+/// Mean gradients of the shape functions over an element, and the volume of the element.
 fn mean_gradients<const D: usize>(
     samples: &[Sample<D>],
     nodes: usize,

@@ -1,12 +1,13 @@
-//! The meshes that have a name.
+//! Named meshes of finite elements.
 
 use super::mesh::Mesh;
 use crate::lattice::{BravaisLattice, Crystal, LatticeError};
 use crate::method::MethodError;
 use nalgebra::{SMatrix, SVector};
 
-/// How elements are arranged; `spacing` is the distance of neighboring nodes: the side of the squares, cubes and triangles that
-/// they are made of, or half of a diagonal where a node is in the middle.
+/// Named pattern of elements. `spacing` is the distance between neighboring nodes.
+///
+/// The spacing is the side of the squares, cubes or triangles of the pattern, or half of a diagonal if a node lies at the center.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -14,30 +15,30 @@ use nalgebra::{SMatrix, SVector};
     serde(rename_all = "kebab-case")
 )]
 pub enum ElementMesh {
-    /// One dimension: bars of two nodes.
+    /// In one dimension: bars of two nodes.
     Bars,
-    /// Two dimensions: squares of four nodes (Q4).
+    /// In two dimensions: squares of four nodes (Q4).
     Quadrilaterals,
     /// Squares split in two along the same diagonal (T3).
     Triangles,
-    /// Squares split in two along one diagonal and the other by turns, like a chess board; two nodes in a cell.
+    /// Squares split in two along one diagonal and the other alternately, as on a chessboard; two nodes per cell.
     TrianglesAlternating,
-    /// Squares split in four by both diagonals, with a node where they cross; two nodes in a cell.
+    /// Squares split in four by both diagonals, with a node at their intersection; two nodes per cell.
     TrianglesCrossed,
     /// Equilateral triangles on the hexagonal lattice.
     TrianglesEquilateral,
-    /// Three dimensions: cubes of eight nodes (H8).
+    /// In three dimensions: cubes of eight nodes (H8).
     Bricks,
     /// Cubes split in six along the same diagonal (Kuhn).
     Tetrahedra,
-    /// Cubes split in five, one way and its mirror image by turns; two nodes in a cell.
+    /// Cubes split in five, alternately in one way and in its mirror image; two nodes per cell.
     TetrahedraAlternating,
     /// Tetrahedra of two long and four short edges on the body-centered cubic lattice.
     TetrahedraBodyCentered,
 }
 
 impl ElementMesh {
-    /// All of them, by dimension.
+    /// All named meshes, by dimension.
     pub const ALL: [Self; 10] = [
         Self::Bars,
         Self::Quadrilaterals,
@@ -51,7 +52,7 @@ impl ElementMesh {
         Self::TetrahedraBodyCentered,
     ];
 
-    /// The number of space dimensions.
+    /// Number of space dimensions.
     pub fn dimension(self) -> usize {
         match self {
             Self::Bars => 1,
@@ -67,7 +68,7 @@ impl ElementMesh {
         }
     }
 
-    /// The name used in study files and on the command line.
+    /// Name in study files and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Bars => "bars",
@@ -83,10 +84,10 @@ impl ElementMesh {
         }
     }
 
-    /// The mesh with a given spacing.
+    /// Returns the mesh with the given spacing.
     ///
     /// # Errors
-    /// [`MethodError::Lattice`] when the spacing is not positive and finite or `D` is not the dimension of the mesh.
+    /// [`MethodError::Lattice`] if the spacing is not positive and finite, or if `D` is not the dimension of the mesh.
     pub fn mesh<const D: usize>(self, spacing: f64) -> Result<Mesh<D>, MethodError> {
         if self.dimension() != D {
             return Err(MethodError::Lattice(LatticeError::Dimension {
@@ -120,14 +121,14 @@ impl ElementMesh {
         let half = 0.5 * 3.0_f64.sqrt();
         let third = 1.0_f64 / 3.0;
         let entry = |i: usize, j: usize| match (self, i, j) {
-            // The second vector at 120 degrees, so that the sum of both is the short diagonal.
+            // The second vector is at 120 degrees, so that the sum of both is the short diagonal.
             (Self::TrianglesEquilateral, 0, 1) => -0.5,
             (Self::TrianglesEquilateral, 1, 1) => half,
-            // Half of the diagonals of a cube.
+            // Half of the space diagonals of a cube.
             (Self::TetrahedraBodyCentered, i, j) if i == j => -third.sqrt(),
             (Self::TetrahedraBodyCentered, ..) => third.sqrt(),
             (Self::TrianglesCrossed, i, j) => 2.0_f64.sqrt() * f64::from(u8::from(i == j)),
-            // One step along the first axis for each along another: all but the first keep the color of the chess board.
+            // One step along the first axis for each step along another: every vector except the first preserves the color of the chessboard.
             (Self::TrianglesAlternating | Self::TetrahedraAlternating, 0, _) => 1.0,
             (_, i, j) => f64::from(u8::from(i == j)),
         };
@@ -142,8 +143,7 @@ impl ElementMesh {
     }
 }
 
-/// Cubes of two colors: the simplex (in the plane: the diagonal) between their white corners, and one simplex at each black
-/// corner. `lattice` is the cubic one.
+/// Cubes of two colors: the simplex (in 2D, the diagonal) between their white corners, and one simplex at each black corner. `lattice` is cubic.
 fn alternating<const D: usize>(
     lattice: BravaisLattice<D>,
     spacing: f64,

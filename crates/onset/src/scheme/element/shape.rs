@@ -1,30 +1,30 @@
-//! Shape functions of linear elements, in one, two and three dimensions at once.
+//! Shape functions of linear elements in one, two and three dimensions.
 
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-/// What an element looks like.
+/// Shape of an element, simplex or parallelepiped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ElementShape {
-    /// `D + 1` nodes, linear functions: a bar, a triangle, a tetrahedron.
+    /// `D + 1` nodes with linear functions: a bar, a triangle or a tetrahedron.
     Simplex,
-    /// `2^D` nodes, products of linear functions: a bar, a quadrilateral, a brick. Node `n` has the reference coordinate `+1`
-    /// along axis `i` where bit `i` of `n` is set, else `-1`.
+    /// `2^D` nodes with products of linear functions: a bar, a quadrilateral or a brick. Node `n` has the reference coordinate `+1` along axis `i` if
+    /// bit `i` of `n` is set, otherwise `-1`.
     Multilinear,
 }
 
 /// An integration point of an element.
 #[derive(Clone, Debug)]
 pub(super) struct Sample<const D: usize> {
-    /// `N_a`.
+    /// Shape functions `N_a` at the point.
     pub(super) values: Vec<f64>,
-    /// `dN_a/dX`; 1/length.
+    /// Gradients `dN_a/dX` at the point; 1/length.
     pub(super) gradients: Vec<SVector<f64, D>>,
-    /// Its part of the element's volume, negative where the element is turned inside out; length^D.
+    /// Part of the element's volume, negative if the element is inverted; length^D.
     pub(super) volume: f64,
 }
 
 impl ElementShape {
-    /// The number of nodes of an element in `D` dimensions.
+    /// Number of nodes of an element in `D` dimensions.
     pub fn nodes<const D: usize>(self) -> usize {
         match self {
             Self::Simplex => D + 1,
@@ -32,8 +32,8 @@ impl ElementShape {
         }
     }
 
-    /// The points that integrate the element fully: the centroid of a simplex, Gauss's rule of two points along each axis of a
-    /// multilinear element. `None` where the element has no volume.
+    /// Points of full integration: the centroid of a simplex, Gauss's two-point rule along each axis of a multilinear element. `None` if the element
+    /// has no volume.
     pub(super) fn samples<const D: usize>(
         self,
         nodes: &[SVector<f64, D>],
@@ -42,7 +42,7 @@ impl ElementShape {
             Self::Simplex => {
                 let factorial: f64 = (1..=D).map(|n| n as f64).product();
                 let value = 1.0 / (D + 1) as f64;
-                // Barycentric coordinates, of which node 0 has what the others leave.
+                // Barycentric coordinates. The coordinate of node 0 is one minus the sum of the others.
                 let slopes = (0..=D).map(|a| SVector::from_fn(|i, _| slope(a, i)));
                 let slopes: Vec<SVector<f64, D>> = slopes.collect();
                 let sample = mapped(nodes, vec![value; D + 1], &slopes, 1.0 / factorial)?;
@@ -56,7 +56,7 @@ impl ElementShape {
         }
     }
 
-    /// The integrals `int N_a N_b dV` over an element; length^D.
+    /// Integrals `int N_a N_b dV` over an element; length^D.
     pub(super) fn products<const D: usize>(self, samples: &[Sample<D>]) -> DMatrix<f64> {
         let nodes = self.nodes::<D>();
         let volume: f64 = samples.iter().map(|sample| sample.volume.abs()).sum();
@@ -73,7 +73,7 @@ impl ElementShape {
     }
 }
 
-/// The derivative of barycentric coordinate `a` along axis `i`.
+/// Derivative of barycentric coordinate `a` along axis `i`.
 fn slope(a: usize, i: usize) -> f64 {
     match a {
         0 => -1.0,
@@ -81,12 +81,12 @@ fn slope(a: usize, i: usize) -> f64 {
     }
 }
 
-/// The reference coordinate of node `n` along axis `i`.
+/// Reference coordinate of node `n` along axis `i`.
 pub(super) fn sign(n: usize, i: usize) -> f64 {
     if n >> i & 1 == 1 { 1.0 } else { -1.0 }
 }
 
-/// `N_n = prod_i (1 + xi_i sign_i) / 2` at a point of the reference cube, whose part of the volume `2^D` is one.
+/// Evaluates `N_n = prod_i (1 + xi_i sign_i) / 2` at a point of the reference cube, with the weight 1 of the volume `2^D`.
 fn multilinear<const D: usize>(
     nodes: &[SVector<f64, D>],
     point: &SVector<f64, D>,
@@ -102,7 +102,7 @@ fn multilinear<const D: usize>(
     mapped(nodes, values, &slopes, 1.0)
 }
 
-/// From reference coordinates to the element.
+/// Maps functions, slopes and weight from reference coordinates to the element.
 fn mapped<const D: usize>(
     nodes: &[SVector<f64, D>],
     values: Vec<f64>,
@@ -117,7 +117,7 @@ fn mapped<const D: usize>(
     let jacobian = DMatrix::from_fn(D, D, |i, j| jacobian[(i, j)]);
     let volume = weight * jacobian.determinant();
     let inverse = jacobian.try_inverse()?;
-    // dN/dX_j = dN/dxi_i dxi_i/dX_j.
+    // By the chain rule dN/dX_j = dN/dxi_i dxi_i/dX_j.
     let gradient = |slope: &SVector<f64, D>| {
         SVector::from_fn(|j, _| (0..D).map(|i| slope[i] * inverse[(i, j)]).sum())
     };
