@@ -19,7 +19,7 @@ use crate::quadrature::Quadrature;
 /// Its remaining choices apply to kernel methods only.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MethodChoices {
-    /// Kernel Galerkin methods.
+    /// Kernel Galerkin methods with explicit quadrature.
     Kernel(Box<KernelMethodChoices>),
     /// Smoothed particle hydrodynamics (SPH) with kernels in material coordinates.
     TotalLagrangianSph(Box<KernelMethodChoices>, TotalLagrangianChoices),
@@ -70,7 +70,7 @@ impl MethodChoices {
         self.in_cell(CellKind::Primitive)
     }
 
-    /// Returns the discretization in the cell of the choices, for use on patches.
+    /// The errors are those listed under [`MethodChoices::discretization`].
     ///
     /// # Errors
     /// See [`MethodChoices::discretization`].

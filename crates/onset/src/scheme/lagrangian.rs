@@ -1,4 +1,4 @@
-//! Quadrature points that stay with the material: what finite elements and nodal integration have in common.
+//! Quadrature points that stay with the material, as in finite elements and total-Lagrangian nodal integration.
 
 use super::{Interaction, Motion, PointResponse, StrainOperator};
 use crate::algebra::{Each, array_of};
@@ -10,8 +10,9 @@ use crate::real::Real;
 use nalgebra::SVector;
 use std::collections::BTreeSet;
 
-/// A quadrature point of a total-Lagrangian discretization: its energy is `V W(F + sum_K u_K (x) b_K)` with fixed vectors `b_K`,
-/// the gradients of the shape functions or averages of them.
+/// Quadrature point of a total-Lagrangian discretization, with the energy `V W(F + sum_K u_K (x) b_K)`.
+///
+/// The fixed vectors `b_K` are the gradients of the shape functions or averages of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LagrangianPoint<const D: usize> {
     particles: Vec<Particle<D>>,
@@ -20,7 +21,7 @@ pub struct LagrangianPoint<const D: usize> {
 }
 
 impl<const D: usize> LagrangianPoint<D> {
-    /// A point from the particles that it sees, each with its `b_K` (1/length), and its reference volume (length^D).
+    /// Builds a point from its neighbors, each with its `b_K` (1/length), and its reference volume (length^D).
     pub fn new(
         seen: impl IntoIterator<Item = (Particle<D>, SVector<f64, D>)>,
         volume: f64,
@@ -33,23 +34,23 @@ impl<const D: usize> LagrangianPoint<D> {
         }
     }
 
-    /// The particles that it sees.
+    /// Particles whose displacements strain the point.
     pub fn particles(&self) -> &[Particle<D>] {
         &self.particles
     }
 
-    /// The vectors `b_K`, in the order of the particles; 1/length.
+    /// Vectors `b_K` in the order of the particles; 1/length.
     pub fn gradients(&self) -> &[SVector<f64, D>] {
         &self.gradients
     }
 
-    /// Its reference volume; length^D.
+    /// Reference volume of the point; length^D.
     pub fn volume(&self) -> f64 {
         self.volume
     }
 }
 
-/// A point with the response of its material.
+/// Quadrature point with the response of its material.
 pub(super) struct Stressed<'a, const D: usize> {
     point: &'a LagrangianPoint<D>,
     response: PointResponse<'a, D>,
@@ -60,7 +61,7 @@ impl<const D: usize> Interaction<D> for Stressed<'_, D> {
         &self.point.particles
     }
 
-    /// `f_K = -V P(F_q) b_K`.
+    /// Returns the nodal forces `f_K = -V P(F_q) b_K`.
     fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
         let mut f = self.response.leading::<R>();
         for (u, b) in motion.displacements.iter().zip(&self.point.gradients) {
@@ -84,10 +85,10 @@ impl<const D: usize> Interaction<D> for Stressed<'_, D> {
     }
 }
 
-/// Points with the response of a material at a homogeneous state.
+/// Returns quadrature points with the response of a material in a homogeneous state.
 ///
 /// # Errors
-/// [`MethodError`] when the state is not one of `D` dimensions or the material cannot be evaluated there.
+/// [`MethodError`] if the state does not have `D` dimensions, or if the material cannot be evaluated there.
 pub(super) fn stressed<'a, const D: usize>(
     points: &'a [LagrangianPoint<D>],
     material: &'a dyn Hyperelastic,
@@ -101,7 +102,7 @@ pub(super) fn stressed<'a, const D: usize>(
     Ok(points.iter().map(with_response).collect())
 }
 
-/// What points see.
+/// Strain operator of the quadrature points.
 pub(super) fn strains<const D: usize>(points: &[LagrangianPoint<D>]) -> StrainOperator<D> {
     let mut strain = StrainOperator::new();
     for point in points {
@@ -110,7 +111,7 @@ pub(super) fn strains<const D: usize>(points: &[LagrangianPoint<D>]) -> StrainOp
     strain
 }
 
-/// The mean number of particles that share a point with a particle, itself included.
+/// Mean number of particles that share a point with a particle, the particle itself included.
 pub(super) fn mean_neighbors<const D: usize>(
     points: &[LagrangianPoint<D>],
     crystal: &Crystal<D>,

@@ -1,4 +1,4 @@
-//! Weights of particles that move, and how they lie at a homogeneous state.
+//! Weights of moving particles, and their layout in a homogeneous state.
 
 use crate::algebra::{Each, array_of};
 use crate::kernel::Kernel;
@@ -8,7 +8,7 @@ use crate::method::{MethodError, SupportSize};
 use crate::real::Real;
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-/// A weight function `factor W(|metric x| / radius)` whose argument may carry derivatives.
+/// Weight function `factor W(|metric x| / radius)`, whose argument may carry derivatives.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MovingWeight<const D: usize> {
     kernel: Kernel,
@@ -17,30 +17,32 @@ pub(super) struct MovingWeight<const D: usize> {
     factor: f64,
 }
 
-/// A weight with its gradient.
+/// Value and gradient of a weight.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weighed<R, const D: usize> {
-    /// `W`.
+    /// Value of the weight `W`.
     pub(crate) value: R,
-    /// `W_,j` with respect to the vector from the center to the particle.
+    /// Gradient `W_,j` with respect to the vector from the center to the particle.
     pub(crate) gradient: [R; D],
 }
 
-/// A vector as a weight sees it: `q^2 = x . C x` is the squared distance over that of the rim, and the gradient of the weight is along `C x`, with
-/// `C = metric^T metric / radius^2`.
+/// Vector in the metric of a weight.
+///
+/// `q^2 = x . C x` is the squared ratio of the distance to the support radius, and the gradient of the weight is along `C x`, with `C = metric^T
+/// metric / radius^2`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measured<R, const D: usize> {
-    /// `C x`; 1/length.
+    /// Direction of the gradient, `C x`; 1/length.
     pub(crate) slant: [R; D],
-    /// `q^2`.
+    /// Squared distance `q^2` over the squared support radius.
     pub(crate) squared: R,
 }
 
-/// `C` of [`Measured`].
+/// Metric tensor `C` of [`Measured`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measure<const D: usize> {
     components: [[f64; D]; D],
-    /// Of a round support `C` is a number.
+    /// Whether the support is round, so that `C` is a multiple of the identity.
     is_round: bool,
 }
 
@@ -65,7 +67,7 @@ impl<const D: usize> Measure<D> {
 }
 
 impl<const D: usize> MovingWeight<D> {
-    /// By what the weight measures distances.
+    /// Metric tensor of the weight.
     pub(super) fn measure(&self) -> Measure<D> {
         let metric = self.metric / self.radius;
         Measure {
@@ -74,7 +76,7 @@ impl<const D: usize> MovingWeight<D> {
         }
     }
 
-    /// The weight of what has been measured, without derivatives of another kind: of one vector or of several at once.
+    /// Returns the weight of one measured vector or of several in lanes. Derivatives carried by the vectors are ignored.
     #[inline(always)]
     pub(super) fn weigh<R: Real>(&self, own: &Measured<R, D>) -> Weighed<R, D> {
         let profile = self.kernel.profile_anywhere::<D, R>(own.squared.sqrt());
@@ -85,7 +87,7 @@ impl<const D: usize> MovingWeight<D> {
         }
     }
 
-    /// The same, multiplied with a number.
+    /// Returns this weight multiplied by a number.
     pub(super) fn times(self, factor: f64) -> Self {
         Self {
             factor: factor * self.factor,
@@ -93,29 +95,29 @@ impl<const D: usize> MovingWeight<D> {
         }
     }
 
-    /// The integral of the weight over space, length^D.
+    /// Integral of the weight over space; length^D.
     pub(super) fn integral(&self) -> f64 {
         self.factor * self.kernel.integral::<D>(self.radius) / determinant(&self.metric).abs()
     }
 
-    /// The same with the integral one: a density of probability, 1/length^D.
+    /// Returns this weight scaled to unit integral; 1/length^D.
     pub(super) fn normalized(self) -> Self {
         self.times(self.integral().recip())
     }
 
-    /// The support radius; length.
+    /// Support radius; length.
     pub(super) fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// A vector as the weight measures it; its support is a ball of these.
+    /// Maps a vector to the coordinates of the weight, in which the support is a ball.
     pub(super) fn measured(&self, x: &[f64; D]) -> [f64; D] {
         (self.metric * SVector::from(*x)).into()
     }
 
-    /// The weight at a vector from the center to the particle, and its gradient; zero outside of the support.
+    /// Weight and its gradient at the vector from the center to the particle; zero outside of the support.
     ///
-    /// Dual numbers get the value and the first derivatives, the gradient by way of the second derivatives of the weight.
+    /// Dual numbers carry the value and the first derivatives. The derivatives of the gradient use the second derivatives of the weight.
     pub(super) fn at<R: Real>(&self, x: &[R; D]) -> Weighed<R, D> {
         let values = SVector::from(x.map(Real::value));
         let zero = R::constant(0.0);
@@ -125,7 +127,7 @@ impl<const D: usize> MovingWeight<D> {
                 gradient: [zero; D],
             };
         };
-        // The change has the value zero, and derivatives.
+        // The change has the value zero and carries the derivatives.
         let change = x.each(|component| component - component.value());
         let along = |value: f64, slope: &dyn Fn(usize) -> f64| {
             (0..D).fold(R::constant(value), |sum, j| sum + change[j] * slope(j)) * self.factor
@@ -137,16 +139,16 @@ impl<const D: usize> MovingWeight<D> {
     }
 }
 
-/// How kernels lie at a homogeneous state.
+/// Positions and weights of the kernels in a homogeneous state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout<const D: usize> {
-    /// From reference positions to those between which the kernels measure.
+    /// Maps reference positions to the positions in which the kernels measure distances.
     map: SMatrix<f64, D, D>,
     weight: MovingWeight<D>,
 }
 
 impl<const D: usize> Layout<D> {
-    /// Kernels of material coordinates.
+    /// Layout for kernels in material coordinates.
     pub(super) fn reference(kernel: Kernel, radius: f64) -> Self {
         Self {
             map: SMatrix::identity(),
@@ -159,10 +161,10 @@ impl<const D: usize> Layout<D> {
         }
     }
 
-    /// Kernels of current coordinates, with particles at `F X`.
+    /// Layout for kernels in current coordinates, with particles at `F X`.
     ///
     /// # Errors
-    /// [`MethodError::NotPlanar`] when `F` is not of the dimension.
+    /// [`MethodError::NotPlanar`] if `F` couples the lattice to the remaining directions.
     pub(super) fn current(
         kernel: Kernel,
         radius: f64,
@@ -190,17 +192,17 @@ impl<const D: usize> Layout<D> {
         })
     }
 
-    /// The weight.
+    /// Weight function of the layout.
     pub(super) fn weight(&self) -> &MovingWeight<D> {
         &self.weight
     }
 
-    /// Volumes here over reference volumes.
+    /// Ratio of the volumes in the layout to the reference volumes.
     pub(super) fn jacobian(&self) -> f64 {
         determinant(&self.map)
     }
 
-    /// The vector from a place to a particle, both in lattice coordinates, as the kernels see it; length.
+    /// Vector in the layout from a place to a particle, both in lattice coordinates; length.
     pub(super) fn vector(
         &self,
         crystal: &Crystal<D>,
@@ -211,10 +213,10 @@ impl<const D: usize> Layout<D> {
         vector.into()
     }
 
-    /// The particles in the support about a place, nearest first.
+    /// Particles in the support around a place, nearest first.
     ///
     /// # Errors
-    /// [`MethodError::SupportTooLarge`], or [`MethodError::SupportTooSmall`] when there are fewer than needed.
+    /// [`MethodError::SupportTooLarge`], or [`MethodError::SupportTooSmall`] if there are fewer particles than needed.
     pub(super) fn neighbors(
         &self,
         crystal: &Crystal<D>,
@@ -241,7 +243,7 @@ impl<const D: usize> Layout<D> {
     }
 }
 
-/// Refuses a deformation that couples directions that a discretization has with those that it has not.
+/// Rejects a deformation that couples the directions of the discretization to the remaining directions.
 pub(super) fn assert_planar<const D: usize>(f: &DeformationGradient) -> Result<(), MethodError> {
     if f.is_block_diagonal::<D>() {
         Ok(())
@@ -250,14 +252,14 @@ pub(super) fn assert_planar<const D: usize>(f: &DeformationGradient) -> Result<(
     }
 }
 
-/// Refuses settings that are not positive and finite.
+/// Rejects settings that are not positive and finite.
 pub(super) fn assert_positive(settings: &[(&'static str, f64)]) -> Result<(), MethodError> {
     settings
         .iter()
         .try_for_each(|(name, value)| MethodError::positive(name, *value))
 }
 
-/// The inverse; not a number where the matrix is singular, which the check of the wave system reports.
+/// Inverse of a matrix; NaN if it is singular, which the check of the wave system reports.
 fn inverted<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
     match DMatrix::from_fn(D, D, |i, j| m[(i, j)]).try_inverse() {
         Some(inverse) => SMatrix::from_fn(|i, j| inverse[(i, j)]),
@@ -273,7 +275,7 @@ mod tests {
     use crate::real::{LANES, Lanes};
     use nalgebra::SMatrix;
 
-    /// Several vectors from near the center to beyond the rim, of which some are on each side of all the thresholds of the kernels, or all on one.
+    /// Checks several vectors from the center to beyond the rim, with some on each side of the thresholds of the kernels, or all on one side.
     fn assert_weights<const D: usize>(kernel: Kernel) {
         let mut sheared = SMatrix::<f64, D, D>::identity() * 1.1;
         sheared[(0, D - 1)] += 0.2;

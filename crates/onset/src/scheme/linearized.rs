@@ -1,4 +1,4 @@
-//! From discrete forces to the equations of plane waves.
+//! Equations of plane waves by linearization of discrete forces.
 
 use super::{Interaction, Motion};
 use crate::bloch::{BlochBlocks, BlochSum, Mass, WaveSystem};
@@ -7,17 +7,17 @@ use crate::method::MethodError;
 use crate::real::{Dual, Real};
 use nalgebra::SMatrix;
 
-/// Derivatives that are taken in one pass.
+/// Number of derivatives computed in one pass.
 const LANES: usize = 8;
 
-/// What a displacement of the particles does to the forces: minus the derivatives of the forces.
+/// Linearized forces of a discretization: minus the derivatives of the forces by the motion of the particles.
 #[derive(Clone, Debug)]
 pub struct Forced<const D: usize> {
-    /// By the displacements: the stiffness.
+    /// Stiffness: minus the derivatives by the displacements.
     pub stiffness: BlochBlocks<D>,
-    /// By the velocities: the damping.
+    /// Damping: minus the derivatives by the velocities.
     pub damping: BlochBlocks<D>,
-    /// Whether some force depends on velocities.
+    /// Whether a force depends on velocities.
     pub is_viscous: bool,
 }
 
@@ -32,7 +32,7 @@ impl<const D: usize> Default for Forced<D> {
 }
 
 impl<const D: usize> Forced<D> {
-    /// Adds an interaction.
+    /// Adds the linearized forces of an interaction.
     pub fn add<I: Interaction<D>>(&mut self, interaction: &I) {
         interaction.add_stiffness(&mut self.stiffness);
         if interaction.is_viscous() {
@@ -41,10 +41,10 @@ impl<const D: usize> Forced<D> {
         }
     }
 
-    /// The equations of motion.
+    /// Returns the equations of motion for plane waves.
     ///
     /// # Errors
-    /// [`MethodError::NotFinite`] when a derivative is not a finite number.
+    /// [`MethodError::NotFinite`] if a derivative is not a finite number.
     pub fn waves(self, crystal: &Crystal<D>, mass: Mass<D>) -> Result<WaveSystem<D>, MethodError> {
         let sum = |blocks: BlochBlocks<D>| -> BlochSum<D> { blocks.sum(crystal) };
         let damping = self.is_viscous.then(|| sum(self.damping));
@@ -62,10 +62,10 @@ impl<const D: usize> Forced<D> {
     }
 }
 
-/// The equations of plane waves of a sum of interactions, one of each kind that the lattice repeats.
+/// Returns the equations of plane waves for a sum of interactions. Each interaction is given once and is repeated by the lattice.
 ///
 /// # Errors
-/// [`MethodError::NotFinite`] when a derivative is not a finite number.
+/// [`MethodError::NotFinite`] if a derivative is not a finite number.
 pub fn linearized<'i, I: Interaction<D> + 'i, const D: usize>(
     crystal: &Crystal<D>,
     mass: Mass<D>,
@@ -91,8 +91,9 @@ pub(super) fn differentiated<I: Interaction<D> + ?Sized, const D: usize>(
     sums.finish();
 }
 
-/// Calls `take` with minus the derivative of the force on each particle of an interaction by the displacement or velocity of each: numbers of both particles, and the
-/// block.
+/// Calls `take` with minus the derivative of the force on each particle of an interaction by the displacement or velocity of each particle.
+///
+/// The arguments are the numbers of both particles and the block.
 pub(super) fn derivatives<I: Interaction<D> + ?Sized, const D: usize>(
     interaction: &I,
     by_velocity: bool,
@@ -102,7 +103,7 @@ pub(super) fn derivatives<I: Interaction<D> + ?Sized, const D: usize>(
     let particles = interaction.particles();
     let fixed = vec![[Number::constant(0.0); D]; particles.len()];
     let unknowns = D * particles.len();
-    // Columns of one particle, collected until it is complete.
+    // Columns of one particle, collected until the block is complete.
     let mut columns = vec![SMatrix::<f64, D, D>::zeros(); particles.len()];
     for start in (0..unknowns).step_by(LANES) {
         let mut varied = fixed.clone();

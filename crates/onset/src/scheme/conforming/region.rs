@@ -9,7 +9,7 @@ use nalgebra::{SMatrix, SVector};
 pub(super) struct Facet<const D: usize> {
     /// Corners in cyclic order.
     corners: Vec<SVector<f64, D>>,
-    /// Outward unit normal.
+    /// Unit normal, pointing outward.
     pub(super) normal: SVector<f64, D>,
     /// Length, area or one; length^(D-1).
     measure: f64,

@@ -12,7 +12,7 @@ use nalgebra::SVector;
 #[derive(Clone, Debug)]
 pub(super) struct HourglassMode<const D: usize> {
     nodes: Vec<Particle<D>>,
-    /// Hourglass vector `gamma_a = (Gamma_a - b_a . sum_c Gamma_c X_c) / 2^D`.
+    /// Components of the hourglass vector, `gamma_a = (Gamma_a - b_a . sum_c Gamma_c X_c) / 2^D`.
     gamma: Vec<f64>,
     /// Stiffness for unit modulus and unit coefficient; length^(D-2).
     pub(super) stiffness: f64,
@@ -48,7 +48,8 @@ impl HourglassScale {
 }
 
 /// Hourglass modes of a multilinear element: products of two or more reference coordinates at the nodes.
-/// There is one mode in 2D, four in 3D, and no mode of a bar. `gradients` are the mean gradients of the shape functions of the element, `volume` is
+/// Quadrilaterals have one mode, bricks four, bars zero. `gradients` are the mean gradients of the shape functions of the element, `volume` is its
+/// volume.
 /// its volume.
 pub(super) fn hourglass_modes<const D: usize>(
     nodes: &[Particle<D>],

@@ -1,9 +1,10 @@
-//! Kernel Galerkin discretizations of any crystal: shape functions of moving particles, forces integrated at points.
+//! Kernel Galerkin discretizations of any crystal: shape functions of moving particles, forces integrated at quadrature points.
 //!
-//! On Bravais lattices these are the methods of [`crate::method`], computed another way: the derivatives of the shape functions
-//! with respect to the particles, which [`crate::bloch::dynamical_matrix`] has in closed form, come from dual numbers here. With
-//! several particles in a cell the homogeneous state `F X` need not be in equilibrium: where a particle is no center of
-//! symmetry, stresses may leave a force on it. The waves are those about `F X`, held there by dead loads if need be.
+//! On Bravais lattices these are the methods of [`crate::method`], computed differently: the derivatives of the shape functions
+//! with respect to the particles, for which [`crate::bloch::dynamical_matrix`] has closed forms, follow from dual numbers here.
+//!
+//! With several particles per cell the homogeneous state `F X` need not be in equilibrium: if a particle is not a center of
+//! symmetry, stresses may leave a force on it. The waves are linearized about `F X`, held in place by dead loads if necessary.
 
 mod point;
 mod shape;
@@ -26,10 +27,10 @@ use nalgebra::SVector;
 use point::SpatialPoint;
 use shape::{Shape, ShapeValues};
 
-/// Points closer to a particle than this, in lattice coordinates, are that particle.
+/// Points closer to a particle than this, in lattice coordinates, coincide with the particle.
 const SAME_PLACE: f64 = 1e-12;
 
-/// The choices that define a kernel Galerkin method, lattice and quadrature apart.
+/// Choices that define a kernel Galerkin method, except lattice and quadrature.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -39,15 +40,15 @@ const SAME_PLACE: f64 = 1e-12;
 pub struct KernelChoices {
     /// Reference density; mass per reference volume.
     pub density: f64,
-    /// Weight function.
+    /// Weight function of the shape functions.
     pub kernel: Kernel,
-    /// Support radius in the reference state; length.
+    /// Support radius in the reference configuration; length.
     pub radius: f64,
-    /// Correction of the weights. Raw weights are multiplied with the volumes of the particles, the others are not.
+    /// Correction of the weights. Raw weights are multiplied by the particle volumes, corrected weights are not.
     pub approximation: Approximation,
-    /// Coordinates of the kernel.
+    /// Coordinates of the kernel, material or current.
     pub frame: Frame,
-    /// Eulerian kernels: size of the support at a state.
+    /// Size of the support in a deformed state, for Eulerian kernels.
     pub support_size: SupportSize,
 }
 
@@ -64,17 +65,17 @@ impl Default for KernelChoices {
     }
 }
 
-/// Where the forces are integrated.
+/// Points at which the forces are integrated.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CrystalQuadrature<const D: usize> {
-    /// At the particles, with their volumes.
+    /// The particles, with their volumes.
     Nodal,
-    /// At points of the cell, given by lattice coordinates and reference volumes (length^D). A point at the place of a particle
-    /// is that particle, and moves as such.
+    /// Points of the cell, given by lattice coordinates and reference volumes (length^D). A point at the position of a particle is identified with
+    /// the particle and moves with it.
     Points(Vec<(Fractional<D>, f64)>),
 }
 
-/// A kernel Galerkin method on a crystal. Every quadrature point carries the imposed `F`, linearization is exact.
+/// Kernel Galerkin method on a crystal. Every quadrature point carries the imposed `F`, and the linearization is exact.
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -96,7 +97,6 @@ pub struct KernelScheme<const D: usize> {
     neighbors: f64,
 }
 
-/// A quadrature point of the cell.
 #[derive(Clone, Debug)]
 struct Point<const D: usize> {
     place: Fractional<D>,
@@ -114,21 +114,20 @@ impl<const D: usize> Point<D> {
     }
 }
 
-/// What a point sees at a homogeneous state.
+/// Neighbors and shape functions of a quadrature point in a homogeneous state.
 struct Seen<const D: usize> {
     particles: Vec<Particle<D>>,
-    /// Relative to the point.
+    /// Positions relative to the quadrature point.
     positions: Vec<[f64; D]>,
     volumes: Vec<f64>,
     shape: ShapeValues<f64, D>,
 }
 
 impl<const D: usize> KernelScheme<D> {
-    /// Sets up a method.
+    /// Builds the method on a crystal.
     ///
     /// # Errors
-    /// [`MethodError`] when a number is not positive and finite, or when a point sees too few or too many particles in the
-    /// reference state.
+    /// [`MethodError`] if a number is not positive and finite, or if a point has too few or too many neighbors in the reference configuration.
     pub fn new(
         crystal: Crystal<D>,
         quadrature: CrystalQuadrature<D>,
@@ -148,7 +147,7 @@ impl<const D: usize> KernelScheme<D> {
         Ok(scheme)
     }
 
-    /// The choices that define the method.
+    /// Choices that define the method.
     pub fn choices(&self) -> &KernelChoices {
         &self.choices
     }
@@ -216,7 +215,7 @@ impl<const D: usize> KernelScheme<D> {
         })
     }
 
-    /// Does something with the quadrature points of a state.
+    /// Calls `work` with the quadrature points of a state.
     fn with_points<T>(
         &self,
         material: &dyn Hyperelastic,
@@ -252,14 +251,14 @@ impl<const D: usize> KernelScheme<D> {
 }
 
 impl<const D: usize> Seen<D> {
-    /// A point that stays with the material.
+    /// Converts to a quadrature point that stays with the material.
     fn fixed((point, seen): (&Point<D>, Self)) -> LagrangianPoint<D> {
         let gradients = seen.shape.gradients.into_iter().map(SVector::from);
         LagrangianPoint::new(seen.particles.into_iter().zip(gradients), point.volume)
     }
 }
 
-/// A quadrature point at a state, of kernels of either kind of coordinates.
+/// Quadrature point in a homogeneous state, for kernels in material or current coordinates.
 enum KernelPoint<'a, const D: usize> {
     Material(Stressed<'a, D>),
     Spatial(SpatialPoint<'a, D>),
@@ -322,7 +321,7 @@ impl<const D: usize> Discretization<D> for KernelScheme<D> {
     }
 }
 
-/// The quadrature points of a cell, those that are particles recognized.
+/// Quadrature points of a cell. Points that coincide with a particle become that particle.
 fn points_of<const D: usize>(
     crystal: &Crystal<D>,
     quadrature: CrystalQuadrature<D>,

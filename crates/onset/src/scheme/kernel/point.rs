@@ -1,4 +1,4 @@
-//! Quadrature points of kernels of current coordinates.
+//! Quadrature points of methods with kernels in current coordinates.
 
 use super::super::products::{displacement_gradient, times_transpose, times_vector, transported};
 use super::super::{Interaction, Motion, PointResponse};
@@ -7,31 +7,32 @@ use crate::algebra::{Each, array_of};
 use crate::lattice::Particle;
 use crate::real::Real;
 
-/// A quadrature point that moves through its neighbors: `f_K = -V_q P(F_q) F_q^T grad phi_K(x_q)`, which is the Cauchy stress
-/// times the current volume.
+/// Quadrature point that moves relative to its neighbors, with the forces `f_K = -V_q P(F_q) F_q^T grad phi_K(x_q)`.
 ///
-/// `F_q = (1 + sum_K u_K (x) grad phi_K^0) F` is one step of `Fdot = L F` from the homogeneous state; `grad phi_K` are those of
-/// the displaced particles, at the displaced point.
+/// The forces are the Cauchy stress times the current volume.
+///
+/// `F_q = (1 + sum_K u_K (x) grad phi_K^0) F` is one step of `Fdot = L F` from the homogeneous state. The gradients `grad phi_K` are evaluated for
+/// the displaced particles at the displaced point.
 pub(super) struct SpatialPoint<'a, const D: usize> {
     pub(super) particles: Vec<Particle<D>>,
-    /// Positions in the homogeneous state relative to the point; length.
+    /// Positions relative to the point in the homogeneous state; length.
     pub(super) positions: Vec<[f64; D]>,
     /// Volumes of the particles in the homogeneous state; length^D.
     pub(super) volumes: Vec<f64>,
-    /// Whether the point is the first of the particles; otherwise it moves with the interpolated displacement.
+    /// Whether the point is the first of the particles. Otherwise it moves with the interpolated displacement.
     pub(super) is_node: bool,
-    /// `phi_K^0`.
+    /// Shape functions `phi_K^0` in the homogeneous state.
     pub(super) values: Vec<f64>,
-    /// `grad phi_K^0`; 1/length.
+    /// Gradients `grad phi_K^0` in the homogeneous state; 1/length.
     pub(super) gradients: Vec<[f64; D]>,
-    /// `V_q` in the reference state; length^D.
+    /// Reference volume `V_q`; length^D.
     pub(super) volume: f64,
     pub(super) shape: &'a Shape<D>,
     pub(super) response: &'a PointResponse<'a, D>,
 }
 
 impl<const D: usize> SpatialPoint<'_, D> {
-    /// How far the point has moved.
+    /// Displacement of the point.
     fn shift<R: Real>(&self, displacements: &[[R; D]]) -> [R; D] {
         if self.is_node {
             return displacements[0];

@@ -1,44 +1,44 @@
-//! Shape functions in numbers of any kind: positions may carry derivatives.
+//! Shape functions in plain or dual numbers, so that positions may carry derivatives.
 //!
-//! `phi_K = alpha . p(xi_K) W(xi_K)`, `xi_K = x_K - x`, with `M alpha = e_0`, `M = sum_K W p (x) p` for a basis `p` of monomials;
-//! its gradient with respect to the point follows from `D_j alpha = M^-1 M_j alpha`, `M_j = sum_K (W p (x) p)_,j`. Raw
-//! weights have the constant `alpha = V_K / integral of W`.
+//! `phi_K = alpha . p(xi_K) W(xi_K)`, `xi_K = x_K - x`, with `M alpha = e_0`, `M = sum_K W p (x) p` for a basis `p` of monomials.
+//! The gradient with respect to the point follows from `D_j alpha = M^-1 M_j alpha`, `M_j = sum_K (W p (x) p)_,j`. Raw weights have the constant
+//! `alpha = V_K / integral of W`.
 //!
-//! Corrected gradients are `C^T h_K`, `h_K = W_,K - n_K sum_L W_,L`, `C = (sum_K xi_K (x) h_K)^-1`, with `n_K` Shepard's functions or one
-//! at the particle that the point is; their values are Shepard's.
+//! Corrected gradients are `C^T h_K`, `h_K = W_,K - n_K sum_L W_,L`, `C = (sum_K xi_K (x) h_K)^-1`. The `n_K` are Shepard's functions, or 1 at the
+//! particle that coincides with the point. The values are Shepard's functions.
 
 use super::super::layout::{MovingWeight, Weighed};
 use crate::algebra::{Each, array_of};
 use crate::approximation::{Approximation, SingularMoment};
 use crate::real::Real;
 
-/// Condition number of the moment matrix beyond which shape functions are noise.
+/// Condition number of the moment matrix above which shape functions are dominated by rounding errors.
 const MAXIMUM_CONDITION: f64 = 1e12;
 
-/// What the weights are corrected with.
+/// Correction of the weights.
 #[derive(Clone, Debug)]
 enum Basis<const D: usize> {
-    /// Nothing.
+    /// Raw weights, without correction.
     Raw,
-    /// Monomials, by their exponents; the constant first.
+    /// Monomials, given by their exponents; the constant first.
     Monomials(Vec<[i32; D]>),
-    /// A matrix for the gradients of differences: to the value of the particle at the point, or to an interpolated one.
+    /// A matrix that corrects the gradients of differences. Differences are taken to the particle at the point, or to an interpolated value.
     Gradients { to_particle: bool },
 }
 
-/// A rule that makes shape functions of weights.
+/// Rule that turns weights into shape functions.
 #[derive(Clone, Debug)]
 pub(super) struct Shape<const D: usize> {
     basis: Basis<D>,
     weight: MovingWeight<D>,
 }
 
-/// Shape functions at a point.
+/// Values and gradients of the shape functions at a point.
 #[derive(Clone, Debug)]
 pub(super) struct ShapeValues<R, const D: usize> {
-    /// `phi_K`.
+    /// Values `phi_K` of the functions.
     pub(super) values: Vec<R>,
-    /// `phi_K,j` with respect to the point; 1/length.
+    /// Gradients `phi_K,j` with respect to the point; 1/length.
     pub(super) gradients: Vec<[R; D]>,
 }
 
@@ -60,8 +60,8 @@ impl<const D: usize> Shape<D> {
         Self { basis, weight }
     }
 
-    /// The shape functions of particles at positions relative to the point, the nearest first, with their volumes there; `None`
-    /// where the moment matrix is singular.
+    /// Shape functions of particles at positions relative to the point, nearest first, with their volumes there. `None` if the moment matrix is
+    /// singular.
     pub(super) fn at<R: Real>(
         &self,
         positions: &[[R; D]],
@@ -77,7 +77,7 @@ impl<const D: usize> Shape<D> {
         }
     }
 
-    /// Refuses neighbors that do not determine the coefficients.
+    /// Rejects neighbors that do not determine the coefficients.
     pub(super) fn assert_regular(
         &self,
         positions: &[[f64; D]],
@@ -107,7 +107,7 @@ impl<const D: usize> Shape<D> {
         }
     }
 
-    /// Shepard's functions, and `h_K`.
+    /// Shepard's functions and the gradients `h_K` of differences.
     fn differences<R: Real>(&self, positions: &[[R; D]], to_particle: bool) -> Differences<R, D> {
         let zero = R::constant(0.0);
         let weighed: Vec<_> = positions.iter().map(|x| self.weight.at(x)).collect();
@@ -210,16 +210,16 @@ impl<const D: usize> Shape<D> {
     }
 }
 
-/// Shepard's functions with the gradients of differences, not yet corrected.
+/// Shepard's functions with the uncorrected gradients of differences.
 struct Differences<R, const D: usize> {
     positions: Vec<[R; D]>,
     values: Vec<R>,
-    /// `h_K`.
+    /// Gradients `h_K` of differences.
     differences: Vec<[R; D]>,
 }
 
 impl<R: Real, const D: usize> Differences<R, D> {
-    /// `sum_K xi_K (x) h_K`.
+    /// Moment matrix `sum_K xi_K (x) h_K`.
     fn moment(&self) -> Vec<Vec<R>> {
         let both = || self.positions.iter().zip(&self.differences);
         let entry =
@@ -241,19 +241,19 @@ impl<R: Real, const D: usize> Differences<R, D> {
     }
 }
 
-/// What a neighbor contributes.
+/// Contribution of a neighbor to the moment matrix.
 struct Term<R, const D: usize> {
-    /// `W`.
+    /// Value of the weight `W`.
     weight: R,
-    /// `p`.
+    /// Values of the monomials `p`.
     p: Vec<R>,
-    /// `p_,j`.
+    /// Derivatives `p_,j` of the monomials.
     slopes: [Vec<R>; D],
-    /// `(W p)_,j`.
+    /// Derivatives `(W p)_,j` of the weighted monomials.
     weighted_slopes: [Vec<R>; D],
 }
 
-/// The exponents of all monomials up to a degree, the constant first.
+/// Exponents of all monomials up to a degree, the constant first.
 fn exponents<const D: usize>(degree: i32) -> Vec<[i32; D]> {
     let cells = crate::lattice::cells_between(&[0; D], &[degree; D]);
     let mut exponents: Vec<[i32; D]> = cells
@@ -269,7 +269,7 @@ fn dot<R: Real>(a: &[R], b: &[R]) -> R {
     products.fold(R::constant(0.0), |sum, product| sum + product)
 }
 
-/// `M = sum_K W p (x) p`.
+/// Moment matrix `M = sum_K W p (x) p`.
 fn moment<R: Real, const D: usize>(terms: &[Term<R, D>], size: usize) -> Vec<Vec<R>> {
     let mut moment = vec![vec![R::constant(0.0); size]; size];
     for term in terms {
@@ -282,7 +282,7 @@ fn moment<R: Real, const D: usize>(terms: &[Term<R, D>], size: usize) -> Vec<Vec
     moment
 }
 
-/// The inverse by the elimination of Gauss and Jordan, pivots chosen by their values; `None` where one vanishes.
+/// Inverse by Gauss-Jordan elimination, with pivots chosen by their values. `None` if a pivot vanishes.
 fn inverse<R: Real>(matrix: &[Vec<R>]) -> Option<Vec<Vec<R>>> {
     let size = matrix.len();
     let mut left = matrix.to_vec();

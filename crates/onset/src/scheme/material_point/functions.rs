@@ -1,15 +1,16 @@
-//! Functions of the background grid: products of one-dimensional ones, which are pieces of polynomials.
+//! Grid functions of the material point method: products of piecewise polynomials of one coordinate.
 
 use crate::algebra::{Each, array_of};
 use crate::lattice::cells_between;
 use crate::real::{Dual, Real};
 
-/// A position within this distance of a knot, in units of the grid spacing, is on it.
+/// Positions within this distance of a knot, in units of the grid spacing, are on the knot.
 const KNOT: f64 = 1e-9;
-/// Second moments below are those of points on a node, where linear functions have none, and slopes take the place of first moments over them.
+/// Second moments below this value belong to points on a node. Linear functions have no second moment there, and slopes replace the first moments
+/// divided by it.
 pub(super) const FLAT: f64 = 1e-8;
 
-/// The functions of the nodes of the grid. All are partitions of unity and reproduce linear fields.
+/// Grid functions of the material point method. All are partitions of unity and reproduce linear fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -17,9 +18,9 @@ pub(super) const FLAT: f64 = 1e-8;
     serde(rename_all = "kebab-case")
 )]
 pub enum GridFunctions {
-    /// Tents, `1 - |x|`: the original method (Sulsky, Chen and Schreyer 1994).
+    /// Linear hat functions, `1 - |x|`: the original method (Sulsky, Chen and Schreyer 1994).
     Linear,
-    /// Tents averaged over the size of a particle, which it keeps (uniform generalized interpolation, Bardenhagen and Kober 2004).
+    /// Hat functions averaged over a particle of constant size (uniform generalized interpolation, GIMP; Bardenhagen and Kober 2004).
     Gimp,
     /// Quadratic B-splines centered at the nodes.
     QuadraticSpline,
@@ -27,7 +28,7 @@ pub enum GridFunctions {
     CubicSpline,
 }
 
-/// What forces and velocity gradients have for the gradient of a node's function.
+/// Gradients of the grid functions in forces and velocity gradients.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -35,16 +36,17 @@ pub enum GridFunctions {
     serde(rename_all = "kebab-case")
 )]
 pub enum GridGradients {
-    /// The gradients themselves, `grad N_i`.
+    /// The gradients of the functions, `grad N_i`.
     #[default]
     Functions,
-    /// First moments, `D_p^-1 N_i (x_i - x_p)` with `D_p = sum_j N_j (x_j - x_p) (x) (x_j - x_p)`: moving least squares (Hu et al. 2018,
-    /// MLS-MPM), by which the affine field of a point is its velocity gradient. As continuous as the functions, not as their slopes. With
-    /// linear functions they are the gradients.
+    /// First moments, `D_p^-1 N_i (x_i - x_p)` with `D_p = sum_j N_j (x_j - x_p) (x) (x_j - x_p)`: moving least squares (MLS-MPM; Hu et al. 2018).
+    ///
+    /// The affine field of a point is then its velocity gradient. These gradients are as smooth as the functions, not as their slopes. For linear
+    /// functions they are the gradients.
     Moments,
 }
 
-/// A polynomial of `r = |x|` from `from` to `to`, in units of the grid spacing.
+/// Polynomial of `r = |x|` from `from` to `to`, in units of the grid spacing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Piece {
     from: f64,
@@ -52,14 +54,14 @@ struct Piece {
     coefficients: [f64; 4],
 }
 
-/// An even function of one coordinate.
+/// Even piecewise polynomial of one coordinate.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Profile {
     pieces: Vec<Piece>,
     gradients: GridGradients,
 }
 
-/// A function of a node at a place, with its derivatives by the lattice coordinates.
+/// Value and derivatives of the function of a node at a place, by the lattice coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape<R, const D: usize> {
     pub(super) value: R,
@@ -67,7 +69,7 @@ pub(super) struct Shape<R, const D: usize> {
 }
 
 impl GridFunctions {
-    /// The function in one dimension for particles of the half-size `l <= 1/2`.
+    /// Returns the function of one coordinate for particles with the half-size `l <= 1/2`.
     pub(super) fn profile(self, l: f64, gradients: GridGradients) -> Profile {
         let pieces: Vec<(f64, [f64; 4])> = match self {
             Self::Linear => vec![(1.0, [1.0, -1.0, 0.0, 0.0])],
@@ -93,7 +95,7 @@ impl GridFunctions {
         let mut from = 0.0;
         let mut profile = Vec::new();
         for (to, coefficients) in pieces {
-            // The particles of one to a cell leave the generalized tent no straight piece.
+            // With one particle per cell the generalized hat function has no straight piece.
             if to > from + KNOT {
                 profile.push(Piece {
                     from,
@@ -123,12 +125,12 @@ impl Piece {
 }
 
 impl Profile {
-    /// Where the function ends.
+    /// Distance at which the function ends.
     pub(super) fn reach(&self) -> f64 {
         self.pieces.last().map_or(0.0, |piece| piece.to)
     }
 
-    /// The function and its slope; on a knot the mean of both sides, also of their derivatives.
+    /// Returns the function and its slope. On a knot the slope and its derivatives are the means of both sides.
     fn at<R: Real>(&self, x: R) -> (R, R) {
         let sign = if x.value() < 0.0 { -1.0 } else { 1.0 };
         let r = x * sign;
@@ -147,8 +149,9 @@ impl Profile {
         (value, slope)
     }
 
-    /// `D_p` along an axis, `sum_j N_j (x_j - x_p)^2`, of a place at `x` from some node; in units of the squared grid spacing. 1/4 of
-    /// quadratic splines and 1/3 of cubic ones wherever the place is, `x (1 - x)` of tents.
+    /// Second moment `D_p` along an axis, `sum_j N_j (x_j - x_p)^2`, for a place at `x` relative to a node; in units of the squared grid spacing.
+    ///
+    /// Independent of the place it is 1/4 for quadratic and 1/3 for cubic splines. For linear functions it is `x (1 - x)`.
     pub(super) fn second_moment<R: Real>(&self, x: R) -> R {
         let beyond = self.reach().ceil() as i32 + 1;
         let nearest = x - x.value().round();
@@ -158,8 +161,9 @@ impl Profile {
         })
     }
 
-    /// `sum_j g_j^2 / N_j` along an axis with the gradients in use, of a place at `x` from some node; per squared grid spacing. Where a function ends, and
-    /// its slope with it, the limit, twice its curvature; on a knot the mean of both sides.
+    /// Sum `sum_j g_j^2 / N_j` along an axis with the gradients in use, for a place at `x` relative to a node; per squared grid spacing.
+    ///
+    /// Where a function ends with zero slope the term is its limit, twice the curvature. On a knot it is the mean of both sides.
     pub(super) fn squared_gradients(&self, x: f64) -> f64 {
         let beyond = self.reach().ceil() as i32 + 1;
         let nearest = x - x.round();
@@ -174,7 +178,7 @@ impl Profile {
         (-beyond..=beyond).map(of_node).sum()
     }
 
-    /// The function and what gradients have for its slope, see [`GridGradients`].
+    /// Returns the function and the gradient in use in place of its slope; see [`GridGradients`].
     fn along<R: Real>(&self, x: R) -> (R, R) {
         let (value, slope) = self.at(x);
         match self.gradients {
@@ -186,7 +190,7 @@ impl Profile {
         }
     }
 
-    /// The nodes whose functions a place may see, by their lattice coordinates.
+    /// Nodes whose functions may be nonzero at a place, by their lattice coordinates.
     pub(super) fn nodes<const D: usize>(&self, place: &[f64; D]) -> Vec<[i32; D]> {
         let reach = self.reach() + KNOT;
         let low = place.each(|x| (x - reach).ceil() as i32);
@@ -194,7 +198,7 @@ impl Profile {
         cells_between(&low, &high)
     }
 
-    /// The function of a node at a place, both in lattice coordinates.
+    /// Returns the function of a node at a place, both in lattice coordinates.
     pub(super) fn shape<R: Real, const D: usize>(
         &self,
         place: &[R; D],
@@ -272,7 +276,7 @@ mod tests {
                 let (plus, minus) = (profile.at(x + h), profile.at(x - h));
                 let slopes = (value.gradient[0], (plus.0 - minus.0) / (2.0 * h));
                 assert!((slopes.0 - slope.value()).abs() < 1e-14);
-                // Where the curvature jumps, the difference is of first order.
+                // Where the curvature jumps, the difference quotient is accurate to first order.
                 assert!((slopes.0 - slopes.1).abs() < 2e-6, "{functions:?} {x}");
                 let curvature = (plus.1 - minus.1) / (2.0 * h);
                 assert!(
@@ -315,12 +319,13 @@ mod tests {
                     let of = |x: f64| profile.squared_gradients(x);
                     let mean = 0.5 * (of(knot + 1e-4) + of(knot - 1e-4));
                     let difference = (of(knot) - mean).abs();
-                    // Slopes of others have kinks there.
+                    // The slopes of the other functions have kinks there.
                     assert!(difference < 5e-3, "{functions:?} {gradients:?} {knot}");
                 }
             }
         }
-        // In the middle between two nodes these have 1/(1/2) each, and the one that ends there 2, as the one that begins beyond.
+        // Halfway between two nodes, these two contribute 1/(1/2) each. The function that ends there contributes 2, as does the function that begins
+        // beyond.
         let profile = GridFunctions::QuadraticSpline.profile(0.25, GridGradients::Functions);
         for x in [0.5 - 1e-6, 0.5, 0.5 + 1e-6] {
             assert!((profile.squared_gradients(x) - 6.0).abs() < 1e-4, "{x}");

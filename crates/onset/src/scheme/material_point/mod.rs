@@ -1,8 +1,7 @@
 //! The material point method on a background grid.
 //!
-//! Material points carry mass, stress and deformation; forces and accelerations are computed at the nodes of a grid (Sulsky, Chen
-//! and Schreyer 1994). The points lie in every cell of the grid in the same way. What counts as a degree of freedom, and what
-//! moves, is a [`Formulation`].
+//! Material points carry mass, stress and deformation; forces and accelerations are computed at the nodes of a grid (Sulsky, Chen and Schreyer 1994).
+//! Every cell of the grid contains the points in the same layout. The degrees of freedom and the moving masses depend on the [`Formulation`].
 
 mod functions;
 mod point;
@@ -28,14 +27,14 @@ use point::{Point, State};
 use std::collections::BTreeMap;
 use step::Step;
 
-/// Material points along each side of a cell beyond which a layout is refused.
+/// Largest admissible number of material points along each side of a cell.
 const MAXIMUM_PER_SIDE: usize = 8;
-/// Stresses of the reference state below this share of the stiffness are rounding.
+/// Stresses of the reference state below this fraction of the stiffness are rounding errors.
 const UNSTRESSED: f64 = 1e-9;
-/// Points closer than this to a face of a cell, in units of the grid spacing, are on it.
+/// Points closer than this to a face of a cell, in units of the grid spacing, are on the face.
 const FACE: f64 = 1e-9;
 
-/// Where the material points of a cell are.
+/// Layout of the material points in a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -43,13 +42,13 @@ const FACE: f64 = 1e-9;
     serde(rename_all = "kebab-case")
 )]
 pub enum PointLayout {
-    /// At the centers of equal parts of the cell, whose volumes they have.
+    /// Centers of equal parts of the cell, with the volumes of the parts.
     Uniform,
-    /// At the points of Gauss and Legendre, with their weights as volumes; up to three along each side.
+    /// Gauss-Legendre points with their weights as volumes; up to three along each side.
     Gauss,
 }
 
-/// The masses that resist the forces on the nodes.
+/// Mass matrix that relates the forces on the nodes to accelerations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -57,13 +56,13 @@ pub enum PointLayout {
     serde(rename_all = "kebab-case")
 )]
 pub enum GridMass {
-    /// `m_i = sum_p m_p N_ip`, as nearly all programs have it.
+    /// Lumped masses, `m_i = sum_p m_p N_ip`, as in nearly all codes.
     Lumped,
-    /// `m_ij = sum_p m_p N_ip N_jp`; singular where waves are invisible to the points.
+    /// Consistent mass matrix, `m_ij = sum_p m_p N_ip N_jp`; singular if waves vanish at all points.
     Consistent,
 }
 
-/// What is displaced, and what moves with it.
+/// Degrees of freedom of the method and the masses that move with them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -71,39 +70,43 @@ pub enum GridMass {
     serde(rename_all = "kebab-case")
 )]
 pub enum Formulation {
-    /// Nodes of a grid in the reference state, `f_i = -sum_p V_p P(F_p) grad N_i(X_p)`, `F_p = F + sum_j u_j (x) grad N_j(X_p)`:
-    /// the points never leave their cells. Elements of which the points are the quadrature.
+    /// Nodes of a grid in the reference configuration, `f_i = -sum_p V_p P(F_p) grad N_i(X_p)`, `F_p = F + sum_j u_j (x) grad N_j(X_p)`.
+    /// The points never leave their cells: the method is a finite element method with the points as quadrature.
     TotalLagrangian {
-        /// The masses of the nodes.
+        /// Mass matrix of the nodes.
         mass: GridMass,
     },
-    /// Nodes of the current grid, displaced by one step: `f_i = -sum_p v_p sigma_p grad N_i(x_p)`, with the points moved through the
-    /// functions, `x_p = x_p^0 + sum_j N_j u_j`, `F_p = (1 + sum_j u_j (x) grad N_j) F`, and the grid put back to its place.
+    /// Nodes of the current grid, displaced by one step: `f_i = -sum_p v_p sigma_p grad N_i(x_p)`.
+    /// The points move with the functions, `x_p = x_p^0 + sum_j N_j u_j`, `F_p = (1 + sum_j u_j (x) grad N_j) F`, and the grid returns to its place.
     Updated {
-        /// The masses of the nodes.
+        /// Mass matrix of the nodes.
         mass: GridMass,
-        /// Where the grid and the points are at a state: both at `F X`, or undeformed with the stress of `F`.
+        /// Positions of the grid and the points in a state: both at `F X`, or undeformed with the stress of `F`.
         grid: CurrentLattice,
     },
-    /// The points themselves, whose velocities take the accelerations of the grid (the limit of small steps of the
-    /// fluid-implicit-particle transfer): `dv_p/dt = sum_i N_ip f_i / m_i`, while points and deformation follow the velocities
-    /// `v_i = sum_q m_q N_iq v_q / m_i` of the grid, `dx_p/dt = sum_i N_ip v_i`, `dF_p/dt = sum_i v_i (x) grad N_ip F_p`. Forces as in
-    /// the updated form. The unknown of a wave is the integral of the point's own velocity, not its displacement: what the grid
-    /// does not see of it moves nothing and meets no force.
+    /// The points themselves, whose velocities change by the accelerations of the grid, `dv_p/dt = sum_i N_ip f_i / m_i`: the limit of small steps of
+    /// the fluid-implicit-particle transfer.
     ///
-    /// With a [`Transfer`] that filters velocities once a step, nothing is left of what the grid does not see: the unknowns are the nodes,
-    /// the equations of motion those of the updated form, and how waves decay follows from the step; see [`Discretization::transferred`].
+    /// Points and deformation follow the velocities `v_i = sum_q m_q N_iq v_q / m_i` of the grid, `dx_p/dt = sum_i N_ip v_i`, `dF_p/dt = sum_i v_i
+    /// (x) grad N_ip F_p`.
+    /// The forces are those of the updated form. The unknown of a wave is the time integral of the velocity of the point, not its displacement:
+    /// components that vanish on the grid displace nothing and meet no force.
+    ///
+    /// A [`Transfer`] that filters velocities once per step removes the components that vanish on the grid.
+    /// The unknowns are then the nodes, the equations of motion are those of the updated form, and the decay of waves follows from the step; see
+    /// [`Discretization::transferred`].
     Particles {
-        /// As of the updated form.
+        /// Positions of the grid and the points, as for `Updated`.
         grid: CurrentLattice,
-        /// How the velocities of the points go through the grid in a step.
+        /// Transfer of the point velocities through the grid in a step.
         #[cfg_attr(feature = "serde", serde(default))]
         transfer: Transfer,
     },
 }
 
-/// Every choice that defines a material point method on chain, square or simple cubic grid. The default is one point in the
-/// middle of each cell, linear functions, the nodes as unknowns of the updated form.
+/// Choices that define a material point method on a chain, a square or a simple cubic grid.
+///
+/// By default one point at the center of each cell, linear functions, and the nodes as unknowns of the updated form.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -111,21 +114,21 @@ pub enum Formulation {
     serde(rename_all = "kebab-case", default, deny_unknown_fields)
 )]
 pub struct MaterialPointChoices {
-    /// The distance of the nodes of the grid in the reference state; length.
+    /// Distance between the nodes of the grid in the reference configuration; length.
     pub spacing: f64,
     /// Reference density; mass per reference volume.
     pub density: f64,
-    /// Material points along each side of a cell, `n` of `n^D`.
+    /// Number `n` of material points along each side of a cell, for `n^D` points per cell.
     pub per_side: usize,
-    /// Where they are.
+    /// Layout of the points in a cell.
     pub layout: PointLayout,
-    /// A shift of all points along the axes, in units of the grid spacing.
+    /// Shift of all points along the axes, in units of the grid spacing.
     pub offset: [f64; 3],
-    /// The functions of the grid.
+    /// Functions of the grid nodes.
     pub functions: GridFunctions,
-    /// What forces and velocity gradients have for their gradients.
+    /// Gradients used in forces and velocity gradients.
     pub gradients: GridGradients,
-    /// What is displaced.
+    /// Degrees of freedom and masses.
     pub formulation: Formulation,
 }
 
@@ -147,7 +150,7 @@ impl Default for MaterialPointChoices {
     }
 }
 
-/// A material point method on its grid. Its [`Discretization::crystal`] is that of the unknowns: the nodes, or the points.
+/// Material point method on its grid. [`Discretization::crystal`] returns the crystal of the unknowns, which are the nodes or the points.
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -165,18 +168,17 @@ impl Default for MaterialPointChoices {
 pub struct MaterialPoints<const D: usize> {
     choices: MaterialPointChoices,
     grid: Crystal<D>,
-    /// The points of a cell: lattice coordinates and volumes.
+    /// Points of a cell by lattice coordinates and volumes.
     points: Vec<(Fractional<D>, f64)>,
-    /// The unknowns.
     crystal: Crystal<D>,
     profile: Profile,
 }
 
 impl<const D: usize> MaterialPoints<D> {
-    /// Sets up a method.
+    /// Builds the method on its grid.
     ///
     /// # Errors
-    /// [`MethodError`] when a setting is out of range, or when points sit where linear functions have no gradient.
+    /// [`MethodError`] if a setting is out of range, or if points lie where linear functions have no gradient.
     pub fn new(choices: MaterialPointChoices) -> Result<Self, MethodError> {
         let (spacing, density) = (choices.spacing, choices.density);
         for (name, value) in [("spacing", spacing), ("density", density)] {
@@ -208,17 +210,17 @@ impl<const D: usize> MaterialPoints<D> {
         })
     }
 
-    /// The choices that define it.
+    /// Choices that define the method.
     pub fn choices(&self) -> &MaterialPointChoices {
         &self.choices
     }
 
-    /// The places of the material points of a cell, in units of the grid spacing from a node, with their reference volumes.
+    /// Positions of the material points of a cell, relative to a node and in units of the grid spacing, with their reference volumes.
     pub fn points(&self) -> &[(Fractional<D>, f64)] {
         &self.points
     }
 
-    /// The grid at a state.
+    /// State of the grid for a homogeneous deformation.
     fn state<'a>(
         &self,
         material: &'a dyn Hyperelastic,
@@ -239,7 +241,7 @@ impl<const D: usize> MaterialPoints<D> {
         State::new(material, f, &vectors, current.is_some())
     }
 
-    /// Whether the unknowns are the points, not the nodes.
+    /// Returns true if the unknowns are the points instead of the nodes.
     fn moves_points(&self) -> bool {
         match self.choices.formulation {
             Formulation::Particles { transfer, .. } => transfer.keeps_the_unseen(),
@@ -247,7 +249,7 @@ impl<const D: usize> MaterialPoints<D> {
         }
     }
 
-    /// The transfer that filters velocities once a step, where there is one, with the share of its own velocity that a point keeps.
+    /// Returns the transfer that filters velocities once per step, if any, and the fraction of its velocity that a point keeps.
     fn transfer_of_a_step(&self) -> Option<(Transfer, f64)> {
         match self.choices.formulation {
             Formulation::Particles { transfer, .. } => {
@@ -257,7 +259,7 @@ impl<const D: usize> MaterialPoints<D> {
         }
     }
 
-    /// The forces between nodes at a state.
+    /// Linearized forces between nodes in a state.
     fn between_nodes(
         &self,
         material: &dyn Hyperelastic,
@@ -271,7 +273,7 @@ impl<const D: usize> MaterialPoints<D> {
         Ok(forced)
     }
 
-    /// The mass of the points of a cell, which is that of a node.
+    /// Mass of the points of a cell, equal to the mass of a node.
     fn nodal_mass(&self) -> f64 {
         self.choices.density * self.grid.lattice().cell_volume()
     }
@@ -283,13 +285,14 @@ impl<const D: usize> MaterialPoints<D> {
         }
     }
 
-    /// `sum_p m_p N_ip N_jp`.
+    /// Consistent mass matrix `sum_p m_p N_ip N_jp`.
     fn consistent_mass(&self) -> BlochSum<D> {
         self.weighted_by_mass(|_, _, _| 1.0)
     }
 
-    /// What a step leaves of the velocities of nodes that go to the points and back, `T_ij = sum_p m_p N_ip N_jp / m_i`; with affine
-    /// fields each pair of nodes times `1 + (x_i - x_p) D_p^-1 (x_j - x_p)`. Dimensionless.
+    /// Map of the nodal velocities that are transferred to the points and back, `T_ij = sum_p m_p N_ip N_jp / m_i`; dimensionless.
+    ///
+    /// With affine fields the term of each pair of nodes is multiplied by `1 + (x_i - x_p) D_p^-1 (x_j - x_p)`.
     fn kept(&self, is_affine: bool) -> BlochSum<D> {
         let mass = self.nodal_mass();
         self.weighted_by_mass(|place, from, to| {
@@ -306,12 +309,13 @@ impl<const D: usize> MaterialPoints<D> {
         })
     }
 
-    /// The largest stable step of an isolated material point, in the unstressed reference state: the least over the places of the points. None where there is
-    /// stress. Time.
+    /// Largest stable step of an isolated material point in the unstressed reference state, the minimum over the positions of the points; time.
+    /// `None` if the reference state is stressed.
     ///
-    /// With the tangent `A` and `G = sum_i g_i (x) g_i / N_i` of the gradients `g_i` its displacement gradient `l` and its affine field `C` obey
-    /// `l' = l + dt (C - dt (A : l) G / rho)`, `C' = C - dt (A : l) D^-1 / rho`; without affine fields `C = 0`. A factor is -1 at
-    /// `4 / dt^2 = max eig (A : l) (2 G - D^-1) / rho`, and at `2 (A : l) G / rho` without.
+    /// With the tangent `A` and `G = sum_i g_i (x) g_i / N_i` for the gradients `g_i`, the displacement gradient `l` and the affine field `C` of the
+    /// point obey
+    /// `l' = l + dt (C - dt (A : l) G / rho)`, `C' = C - dt (A : l) D^-1 / rho`; without affine fields `C = 0`. An amplification factor is -1 at
+    /// `4 / dt^2 = max eig (A : l) (2 G - D^-1) / rho`, or at `max eig 2 (A : l) G / rho` without affine fields.
     fn step_of_an_isolated_point(
         &self,
         material: &dyn Hyperelastic,
@@ -338,7 +342,7 @@ impl<const D: usize> MaterialPoints<D> {
         Ok((largest > 0.0).then(|| 2.0 / largest.sqrt()))
     }
 
-    /// The diagonal of `2 G - D^-1`, without affine fields that of `2 G`; off it there is nothing, as functions are products. 1/length^2.
+    /// Diagonal of `2 G - D^-1`, or of `2 G` without affine fields; 1/length^2. Both are diagonal because the functions are products.
     fn stretch_of_an_isolated_point(&self, place: &Fractional<D>, is_affine: bool) -> [f64; D] {
         let squared = self.choices.spacing.powi(2);
         array_of(|i| {
@@ -348,7 +352,7 @@ impl<const D: usize> MaterialPoints<D> {
         })
     }
 
-    /// `sum_p m_p N_ip N_jp w_ijp` with a weight of the place of a point and the cells of two nodes.
+    /// Sum `sum_p m_p N_ip N_jp w_ijp` with a weight that depends on the position of a point and the cells of two nodes.
     fn weighted_by_mass(
         &self,
         weight: impl Fn(&Fractional<D>, &[i32; D], &[i32; D]) -> f64,
@@ -367,7 +371,7 @@ impl<const D: usize> MaterialPoints<D> {
         blocks.sum(&self.grid)
     }
 
-    /// The functions of the nodes at a place.
+    /// Functions of the nodes at a place.
     fn transfer(&self, place: &Fractional<D>) -> Vec<(Particle<D>, f64)> {
         let at: [f64; D] = (*place).into();
         let node = |cell| {
@@ -377,7 +381,7 @@ impl<const D: usize> MaterialPoints<D> {
         self.profile.nodes(&at).into_iter().map(node).collect()
     }
 
-    /// What the points contribute to a sum over nodes, whose velocities are `v_i = sum_q m_q N_iq v_q / m_i`.
+    /// Contributions of the points to a sum over nodes with the velocities `v_i = sum_q m_q N_iq v_q / m_i`.
     fn through_nodes(
         &self,
         nodes: impl Iterator<Item = (Particle<D>, SVector<f64, D>)>,
@@ -387,7 +391,7 @@ impl<const D: usize> MaterialPoints<D> {
             for (site, (place, volume)) in self.points.iter().enumerate() {
                 let share = self.choices.density * volume / self.nodal_mass();
                 for (seen, value) in self.transfer(place) {
-                    // The copy of the point that sees this node where the one of the cell sees `seen`.
+                    // Image of the point for which this node takes the place of `seen`.
                     let cell = array_of(|i| node.cell[i] - seen.cell[i]);
                     let sum = sums.entry(Particle { site, cell });
                     *sum.or_insert_with(SVector::zeros) += vector * (share * value);
@@ -397,8 +401,8 @@ impl<const D: usize> MaterialPoints<D> {
         sums
     }
 
-    /// The stiffness between points from that between nodes, `K_pq = sum_ij (m_p N_ip / m_i) K_ij (m_q N_jq / m_j)`: no force acts in
-    /// the homogeneous state, so that the transfer itself does not vary.
+    /// Stiffness between points from the stiffness between nodes, `K_pq = sum_ij (m_p N_ip / m_i) K_ij (m_q N_jq / m_j)`. No force acts in the
+    /// homogeneous state, so that changes of the transfer itself do not contribute.
     fn between_points(&self, nodal: &BlochSum<D>) -> BlochBlocks<D> {
         let shares: Vec<Vec<(Particle<D>, f64)>> = self
             .points
@@ -432,9 +436,11 @@ impl<const D: usize> MaterialPoints<D> {
         blocks
     }
 
-    /// The equations of the velocities of the grid: `M^-1 K` between points is `A B` with `A_pi = N_ip / m_i`,
-    /// `B_iq = sum_j K_ij N_jq m_q / m_j`, so that its `omega^2` other than zero are those of `B A = K S / m`,
-    /// `S_jk = sum_q m_q N_jq N_kq / m`. With one node in a cell `S(k)` is a real number, and `K S` as Hermitian as `K`.
+    /// Equations of motion for the velocities of the grid.
+    ///
+    /// `M^-1 K` between points is `A B` with `A_pi = N_ip / m_i`, `B_iq = sum_j K_ij N_jq m_q / m_j`. Its nonzero `omega^2` are the eigenvalues of `B
+    /// A = K S / m`, `S_jk = sum_q m_q N_jq N_kq / m`.
+    /// With one node per cell `S(k)` is a real number, and `K S` is as Hermitian as `K`.
     fn on_the_grid(&self, nodal: &BlochSum<D>) -> WaveSystem<D> {
         let mass = self.nodal_mass();
         let mut blocks = BlochBlocks::new();
@@ -450,7 +456,6 @@ impl<const D: usize> MaterialPoints<D> {
     }
 }
 
-/// The points of a cell.
 fn laid_out<const D: usize>(
     choices: &MaterialPointChoices,
     cell_volume: f64,
@@ -532,7 +537,7 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
                 forced.stiffness = self.between_points(&nodal);
                 let mass = super::lumped_masses(&self.crystal, self.choices.density);
                 let system = forced.waves(&self.crystal, Mass::Lumped(mass))?;
-                // With one point for each node the transfer has no null space.
+                // With one point per node the transfer has no null space.
                 Ok(match self.points.len() {
                     1 => system,
                     _ => system.with_reduced(self.on_the_grid(&nodal)),
@@ -603,7 +608,7 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
             Formulation::TotalLagrangian { mass } | Formulation::Updated { mass, .. } => {
                 mass == GridMass::Lumped
             }
-            // The step of a transfer has its isolated point; see [`TransferredWaves::isolated_point`].
+            // The step of a transfer has an isolated point; compare [`TransferredWaves::isolated_point`].
             Formulation::Particles { .. } => {
                 !self.moves_points() && self.transfer_of_a_step().is_none()
             }
@@ -625,7 +630,7 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
         Ok(Part::bound(self.points.iter().map(part)))
     }
 
-    /// Pairs of a point and a node that it sees, for each unknown particle: nodes, or points.
+    /// Number of pairs of a point and a node in its support, for each unknown node or point.
     fn neighbors(&self) -> f64 {
         let seen = |(place, _): &(Fractional<D>, f64)| {
             let nodes = self.transfer(place).into_iter();

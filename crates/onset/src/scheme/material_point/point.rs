@@ -1,4 +1,4 @@
-//! A material point as an interaction of the nodes that it sees.
+//! Interaction of the nodes around a material point.
 
 use super::functions::Profile;
 use crate::algebra::array_of;
@@ -10,18 +10,18 @@ use crate::real::Real;
 use crate::scheme::{Interaction, Motion, PointResponse};
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-/// The grid at a homogeneous state of a material.
+/// Grid in a homogeneous state of a material.
 #[derive(Clone, Copy)]
 pub(super) struct State<'a, const D: usize> {
     pub(super) response: PointResponse<'a, D>,
-    /// From lengths to lattice coordinates of the grid.
+    /// Maps vectors in space to lattice coordinates of the grid.
     pub(super) to_grid: SMatrix<f64, D, D>,
-    /// Whether points and functions move with the nodes, and the grid starts afresh at each step.
+    /// Whether points and functions move with the nodes, and the grid is reset at each step.
     pub(super) is_updated: bool,
 }
 
 impl<'a, const D: usize> State<'a, D> {
-    /// `vectors` are those of the grid at the state.
+    /// Builds the state. `vectors` are the primitive vectors of the grid in this state.
     pub(super) fn new(
         material: &'a dyn Hyperelastic,
         f: &DeformationGradient,
@@ -38,20 +38,21 @@ impl<'a, const D: usize> State<'a, D> {
         })
     }
 
-    /// A gradient in space from the slopes by lattice coordinates.
+    /// Converts slopes by lattice coordinates to a gradient in space.
     pub(super) fn gradient<R: Real>(&self, slope: &[R; D]) -> [R; D] {
         let zero = R::constant(0.0);
         let along = |i: usize| (0..D).fold(zero, |sum, j| sum + slope[j] * self.to_grid[(j, i)]);
         array_of(along)
     }
 
-    /// `W` at the displacement gradient `L` on the grid, `F = (1 + L) F0`; energy/volume, not a number where the law is not defined.
+    /// Energy density `W` at the displacement gradient `L` on the grid, `F = (1 + L) F0`; energy/volume. NaN if the law is not defined there.
     pub(super) fn energy(&self, l: &[[f64; D]; D]) -> f64 {
         self.response.energy(&moved(l, &self.response.leading()))
     }
 
-    /// `P` of the total-Lagrangian, `J sigma = P F^T` of the updated form at the displacement gradient `L` on the grid: what the
-    /// volume is multiplied with. `F = F0 + L`, or `(1 + L) F0`.
+    /// Stress by which the volume is multiplied, at the displacement gradient `L` on the grid.
+    ///
+    /// Total-Lagrangian: `P` at `F = F0 + L`. Updated: `J sigma = P F^T` at `F = (1 + L) F0`.
     pub(super) fn stress<R: Real>(&self, l: &[[R; D]; D]) -> [[R; D]; D] {
         let base = self.response.leading::<f64>();
         let zero = R::constant(0.0);
@@ -66,7 +67,7 @@ impl<'a, const D: usize> State<'a, D> {
     }
 }
 
-/// `(1 + L) F0`.
+/// Deformation gradient `(1 + L) F0`.
 fn moved<R: Real, const D: usize>(l: &[[R; D]; D], base: &[[f64; D]; D]) -> [[R; D]; D] {
     let entry = |i: usize, j: usize| {
         (0..D).fold(R::constant(base[i][j]), |sum, m| sum + l[i][m] * base[m][j])
@@ -74,16 +75,16 @@ fn moved<R: Real, const D: usize>(l: &[[R; D]; D], base: &[[f64; D]; D]) -> [[R;
     array_of(|i| array_of(|j| entry(i, j)))
 }
 
-/// A material point of the cell at the origin with its nodes.
+/// Material point of the cell at the origin with its nodes.
 #[derive(Clone)]
 pub(super) struct Point<'a, const D: usize> {
     state: State<'a, D>,
     profile: &'a Profile,
-    /// In lattice coordinates of the grid.
+    /// Position of the point in lattice coordinates of the grid.
     place: SVector<f64, D>,
     volume: f64,
     nodes: Vec<Particle<D>>,
-    /// Of the homogeneous state: the functions and their gradients.
+    /// Functions and gradients in the homogeneous state.
     shapes: Vec<(f64, [f64; D])>,
 }
 
@@ -116,7 +117,7 @@ impl<'a, const D: usize> Point<'a, D> {
         }
     }
 
-    /// The gradients of the functions at the moved point.
+    /// Gradients of the functions at the displaced point.
     fn moved_gradients<R: Real>(&self, displacements: &[[R; D]]) -> Vec<[R; D]> {
         let mut moved = [R::constant(0.0); D];
         for (u, (value, _)) in displacements.iter().zip(&self.shapes) {

@@ -1,4 +1,4 @@
-//! One step of the method on a periodic patch, as a simulation does it: particles to grid, forces, grid to particles.
+//! One time step of the method on a periodic patch, as in a simulation: particles to grid, forces, grid to particles.
 
 use super::functions::{FLAT, Profile};
 use super::point::State;
@@ -8,46 +8,46 @@ use crate::lattice::Particle;
 use crate::scheme::{NoForce, PatchForces, PatchTransfer, PeriodicPatch, PointsInMotion};
 use nalgebra::{SMatrix, SVector};
 
-/// Points so many cells away are lost: beyond, nodes are not told apart.
+/// Distance in cells beyond which a point is lost: nodes are no longer distinct in floating point.
 const FAR: f64 = 1e9;
 
-/// A material point of a patch.
+/// Material point of a patch.
 pub(super) struct Carried<const D: usize> {
-    /// In lattice coordinates of the grid.
+    /// Position in lattice coordinates of the grid.
     pub(super) place: SVector<f64, D>,
     pub(super) volume: f64,
     pub(super) mass: f64,
 }
 
-/// A patch of grid with its material points.
+/// Periodic patch of the grid with its material points.
 pub(super) struct Step<'a, const D: usize> {
     pub(super) state: State<'a, D>,
     pub(super) profile: &'a Profile,
     pub(super) nodes: PeriodicPatch<D>,
     pub(super) points: Vec<Carried<D>>,
-    /// Whether the unknowns are the points, not the nodes.
+    /// Whether the unknowns are the points instead of the nodes.
     moves_points: bool,
-    /// The transfer with which points are stepped, and the share of its own velocity that a point keeps then; none where they are not.
+    /// Transfer by which the points are stepped, and the fraction of its velocity that a point keeps; `None` if integrators step the equations.
     transfer: Option<(Transfer, f64)>,
 }
 
-/// A node that a place sees.
+/// A node whose function is nonzero at a place.
 struct Sight<const D: usize> {
     number: usize,
     value: f64,
-    /// In space; 1/length.
+    /// Gradient of the function in space; 1/length.
     gradient: SVector<f64, D>,
-    /// The same by lattice coordinates of the grid.
+    /// Derivatives of the function by lattice coordinates of the grid.
     slope: SVector<f64, D>,
-    /// From the place to the node, in lattice coordinates of the grid.
+    /// Vector from the place to the node, in lattice coordinates of the grid.
     apart: SVector<f64, D>,
 }
 
-/// The nodes that a place sees.
+/// Nodes whose functions are nonzero at a place.
 type Seen<const D: usize> = Vec<Sight<D>>;
 
 impl<'a, const D: usize> Step<'a, D> {
-    /// Of so many cells of the grid with their points.
+    /// Builds a patch of the given numbers of cells of the grid with their points.
     pub(super) fn new(
         state: State<'a, D>,
         method: &'a MaterialPoints<D>,
@@ -88,23 +88,23 @@ impl<'a, const D: usize> Step<'a, D> {
         self.profile.nodes(&at).into_iter().map(node).collect()
     }
 
-    /// `D_p` along the axes of the grid, in units of its squared spacing.
+    /// Second moments `D_p` along the axes of the grid, in units of the squared grid spacing.
     fn moments(&self, place: &SVector<f64, D>) -> SVector<f64, D> {
         place.map(|x| self.profile.second_moment(x))
     }
 
-    /// Where a point is after a displacement, in lattice coordinates of the grid.
+    /// Position of a point after a displacement, in lattice coordinates of the grid.
     fn moved(&self, point: &Carried<D>, displacement: &SVector<f64, D>) -> SVector<f64, D> {
         point.place + self.state.to_grid * displacement
     }
 
-    /// `J sigma` at the displacement gradient from the homogeneous state.
+    /// Stress `J sigma` at a displacement gradient from the homogeneous state.
     fn stress(&self, l: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
         let stress = self.state.stress(&rows(l));
         SMatrix::from_fn(|i, j| stress[i][j])
     }
 
-    /// The forces on the nodes after a step that displaces them, and what the points see at their new places.
+    /// Forces on the nodes after a step that displaces them, and the nodes around each point at its new position.
     fn stepped(&self, displacements: &[SVector<f64, D>]) -> (Vec<SVector<f64, D>>, Vec<Seen<D>>) {
         let mut forces = vec![SVector::zeros(); self.nodes.len()];
         let mut seen = Vec::with_capacity(self.points.len());
@@ -124,8 +124,8 @@ impl<'a, const D: usize> Step<'a, D> {
         (forces, seen)
     }
 
-    /// The forces on particles, mass times the acceleration that they get from the grid, whose velocities would have
-    /// displaced them: `m_p sum_i N_ip f_i / m_i`.
+    /// Forces on particles: mass times acceleration from the grid, `m_p sum_i N_ip f_i / m_i`, where the velocities of the grid have caused the
+    /// displacements.
     fn particle_forces(&self, displacements: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
         let before: Vec<Seen<D>> = self.points.iter().map(|p| self.seen(&p.place)).collect();
         let masses = self.nodal_masses(&before);
@@ -158,13 +158,13 @@ impl<'a, const D: usize> Step<'a, D> {
 }
 
 impl<const D: usize> PatchForces<D> for Step<'_, D> {
-    /// On nodes that are displaced, or on particles.
+    /// Forces on displaced nodes or particles.
     fn at(
         &self,
         displacements: &[SVector<f64, D>],
         _: &[SVector<f64, D>],
     ) -> Result<Vec<SVector<f64, D>>, NoForce> {
-        // A place that is no number is in no cell.
+        // A NaN position belongs to no cell.
         let lost = |all: &[SVector<f64, D>]| {
             all.iter()
                 .position(|own| own.iter().any(|component| !component.is_finite()))
@@ -198,23 +198,23 @@ fn rows<const D: usize>(l: &SMatrix<f64, D, D>) -> [[f64; D]; D] {
     array_of(|i| array_of(|j| l[(i, j)]))
 }
 
-/// What a point sees of a field of the nodes.
+/// Field of the nodes sampled at a point.
 struct Sampled<const D: usize> {
-    /// `sum_i N_ip w_i`.
+    /// Value `sum_i N_ip w_i` of the field.
     value: SVector<f64, D>,
-    /// `sum_i w_i (x) grad N_ip`.
+    /// Gradient `sum_i w_i (x) grad N_ip` of the field.
     gradient: SMatrix<f64, D, D>,
-    /// The same by lattice coordinates.
+    /// Derivatives by lattice coordinates of the grid.
     slope: SMatrix<f64, D, D>,
-    /// `sum_i N_ip w_i (x) (x_i - x_p)`, in lattice coordinates.
+    /// First moment `sum_i N_ip w_i (x) (x_i - x_p)`, in lattice coordinates.
     moment: SMatrix<f64, D, D>,
 }
 
-/// What the nodes have in a step.
+/// Velocities of the nodes in a step.
 struct OnTheGrid<const D: usize> {
-    /// Velocities that the points brought.
+    /// Velocities transferred from the points.
     before: Vec<SVector<f64, D>>,
-    /// Those after the forces.
+    /// Velocities after the forces have acted.
     after: Vec<SVector<f64, D>>,
 }
 
@@ -236,7 +236,8 @@ impl<const D: usize> Step<'_, D> {
         sampled
     }
 
-    /// The affine field of a point at a place by the first moment of its velocities, on a node of linear functions by the slope; none without such fields.
+    /// Affine field of a point from the first moment of its velocities, or from the slope on a node of linear functions; zero for transfers without
+    /// affine fields.
     fn affine(&self, place: &SVector<f64, D>, sampled: &Sampled<D>) -> SMatrix<f64, D, D> {
         let mut affine = SMatrix::zeros();
         if !matches!(self.transfer, Some((Transfer::Affine, _))) {
@@ -252,7 +253,7 @@ impl<const D: usize> Step<'_, D> {
         affine
     }
 
-    /// From the points to the nodes, `v_i = sum_p m_p N_ip (v_p + C_p (x_i - x_p)) / m_i`, and there `v_i' = v_i + dt f_i / m_i`.
+    /// Transfers velocities to the nodes, `v_i = sum_p m_p N_ip (v_p + C_p (x_i - x_p)) / m_i`, and applies the forces, `v_i' = v_i + dt f_i / m_i`.
     fn to_the_grid(
         &self,
         points: &PointsInMotion<D>,
@@ -276,7 +277,7 @@ impl<const D: usize> Step<'_, D> {
             }
         }
         let masses = self.nodal_masses(seen);
-        // A node that is seen with the weight zero alone has no mass, and moves nothing.
+        // A node at which all functions are zero has no mass and moves nothing.
         let over = |vector: &SVector<f64, D>, mass: &f64| match *mass > 0.0 {
             true => vector / *mass,
             false => SVector::zeros(),
