@@ -70,7 +70,7 @@ impl MethodChoices {
         self.in_cell(CellKind::Primitive)
     }
 
-    /// The errors are those listed under [`MethodChoices::discretization`].
+    /// The errors are listed under [`MethodChoices::discretization`].
     ///
     /// # Errors
     /// See [`MethodChoices::discretization`].

@@ -105,7 +105,7 @@ impl<const D: usize> MovingWeight<D> {
         self.times(self.integral().recip())
     }
 
-    /// Support radius; length.
+    /// Support radius of the weight; length.
     pub(super) fn radius(&self) -> f64 {
         self.radius
     }

@@ -1,10 +1,11 @@
 //! Discretizations of any kind: the forces on the particles of a crystal.
 //!
-//! A [`Discretization`] is what all methods have in common, and all that the rest of the program knows of them: particles (or nodes) on
-//! a lattice with a basis, masses, and forces that are a sum over small groups of them, the [`Interaction`]s: a quadrature point with its neighbors, a bond, an element.
-//! Each interaction is written once, as the forces that its particles get when they are displaced, generic over the
-//! numbers of [`crate::real`]. Evaluated with plain numbers these are the forces of a simulation; with first-order dual
-//! numbers, in the same pass, their exact derivative, from which [`linearized`] makes the equations of plane waves.
+//! A [`Discretization`] is the common interface of all methods: particles (or nodes) on a lattice with a basis, masses, and forces.
+//! The forces are a sum over small groups of particles, the [`Interaction`]s: a quadrature point with its neighbors, a bond, an element.
+//!
+//! Each interaction is written once, as the forces on its particles in a displaced state, generic over the numbers of [`crate::real`].
+//! Plain numbers give the forces of a simulation. First-order dual numbers give their exact derivatives in the same pass, and [`linearized`]
+//! assembles these to the equations of plane waves.
 
 mod choices;
 mod classical;
@@ -59,79 +60,80 @@ use crate::time_step::TransferredWaves;
 use nalgebra::SVector;
 use std::fmt::Debug;
 
-/// How the particles of an interaction have moved.
+/// Displacements and velocities of the particles of an interaction.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a, R, const D: usize> {
     /// Displacements from the homogeneous state, in the order of [`Interaction::particles`]; length.
     pub displacements: &'a [[R; D]],
-    /// Velocities; zero in the homogeneous state. Length/time.
+    /// Velocities, which are zero in the homogeneous state; length/time.
     pub velocities: &'a [[R; D]],
 }
 
-/// A group of particles that exert forces on each other.
+/// Group of particles that exert forces on each other.
 pub trait Interaction<const D: usize> {
-    /// The particles that it sees and acts on; none twice.
+    /// Particles of the group, each listed once. The forces depend only on their motion and act only on them.
     fn particles(&self) -> &[Particle<D>];
 
-    /// The force on each of them; force (in one and two dimensions per unit of the dimensions that are left out).
+    /// Returns the force on each particle; force (in 1D and 2D per unit of the omitted dimensions).
     ///
-    /// The homogeneous state itself may leave a force on a particle: those of all interactions together vanish there.
+    /// An interaction may exert a force on a particle in the homogeneous state. The sum over all interactions vanishes there.
     fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]>;
 
-    /// Whether the forces depend on the velocities.
+    /// Returns true if the forces depend on the velocities.
     fn is_viscous(&self) -> bool {
         false
     }
 
-    /// Adds minus the derivatives of the forces by the displacements: those of [`Interaction::forces`], unless the interaction takes them faster by the
-    /// chain rule.
+    /// Adds minus the derivatives of the forces by the displacements. The default differentiates [`Interaction::forces`]; an interaction may replace
+    /// it by the faster chain rule.
     fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
         linearized::differentiated(self, false, blocks);
     }
 }
 
-/// Waves by what particles carry along, positions held.
+/// Waves caused by the quantities that particles carry along, with positions held fixed.
 #[derive(Clone, Debug)]
 pub struct CarriedWaves<const D: usize> {
-    /// All of it.
+    /// Waves of all carried quantities.
     pub all: WaveSystem<D>,
-    /// What of it follows the density; nothing where there is none.
+    /// Part that follows the density; `None` if no carried quantity does.
     pub density: Option<WaveSystem<D>>,
 }
 
-/// A discretization of a solid by particles or nodes.
+/// Discretization of a solid by particles or nodes.
 ///
-/// The first methods define it. Those with a body are capabilities: what a discretization knows beyond that, by which the same questions
-/// are answered faster or more sharply. Nobody asks which method it is.
+/// The methods without a default body define the discretization. The others are capabilities: a discretization that implements them gives the same
+/// results faster or with sharper bounds. Callers do not depend on the type of the discretization.
 pub trait Discretization<const D: usize>: Debug + Send + Sync {
-    /// The particles in the reference state.
+    /// Particles in the reference configuration.
     fn crystal(&self) -> &Crystal<D>;
 
-    /// The reference density; mass/volume.
+    /// Reference density; mass per reference volume.
     fn density(&self) -> f64;
 
-    /// The linearized equations of motion of a material at a homogeneous state.
+    /// Returns the linearized equations of motion of a material in a homogeneous state.
     ///
     /// # Errors
-    /// [`MethodError`] when the discretization or the material cannot be evaluated there.
+    /// [`MethodError`] if the discretization or the material cannot be evaluated there.
     fn waves(
         &self,
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
     ) -> Result<WaveSystem<D>, MethodError>;
 
-    /// What the discretization sees of a displacement of the reference configuration: its strains, and what its control of zero-energy modes
-    /// sees besides, whatever the law.
+    /// Strain operator in the reference configuration: the strains of a displacement and the forms that the control of zero-energy modes resists. It
+    /// is independent of the material.
     ///
     /// # Errors
-    /// [`MethodError`] when the discretization cannot be evaluated there.
+    /// [`MethodError`] if the discretization cannot be evaluated there.
     fn strain(&self) -> Result<StrainOperator<D>, MethodError>;
 
-    /// Does something with the forces on the particles of a periodic patch near a homogeneous state: those whose derivatives
-    /// [`waves`](Self::waves) has, at any displacements and velocities.
+    /// Calls a function with the forces on the particles of a periodic patch near a homogeneous state.
+    ///
+    /// The forces accept any displacements and velocities. [`waves`](Self::waves) uses their derivatives in the homogeneous state.
     ///
     /// # Errors
-    /// [`MethodError`] when the discretization or the material cannot be evaluated there.
+    /// [`MethodError`] if the discretization or the material cannot be evaluated there.
     fn with_forces(
         &self,
         material: &dyn Hyperelastic,
@@ -140,11 +142,11 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         work: &mut dyn FnMut(&dyn PatchForces<D>),
     ) -> Result<(), MethodError>;
 
-    /// The forces on the particles of a periodic patch that are displaced from a homogeneous state, in the order of
-    /// [`PeriodicPatch`]; the particles are at rest.
+    /// Returns the forces on the particles of a periodic patch after displacements from a homogeneous state, in the order of [`PeriodicPatch`]. All
+    /// velocities are zero.
     ///
     /// # Errors
-    /// [`MethodError`] when the discretization or the material cannot be evaluated there.
+    /// [`MethodError`] if the discretization or the material cannot be evaluated there.
     fn forces(
         &self,
         material: &dyn Hyperelastic,
@@ -160,15 +162,15 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         forces.map_err(|none| none.source.unwrap_or(MethodError::NotFinite))
     }
 
-    /// The mean number of particles that an evaluation of the forces on one particle looks at in the reference state, itself
-    /// included: a measure of cost.
+    /// Mean number of particles that affect the forces on one particle in the reference configuration, the particle itself included: a measure of
+    /// cost.
     fn neighbors(&self) -> f64;
 
-    /// The waves of a state by a shorter way than [`waves`](Self::waves), with the zone that holds their wave vectors: closed-form force
-    /// constants of one particle a cell. `speed_squared` is the `c^2` of the scaled measure.
+    /// Returns the waves of a state by a faster method than [`waves`](Self::waves), with the zone of their wave vectors: closed-form force constants
+    /// for one particle per cell. `speed_squared` is the `c^2` of the scaled measure.
     ///
     /// # Errors
-    /// [`MethodError`] when the discretization or the material cannot be evaluated there.
+    /// [`MethodError`] if the discretization or the material cannot be evaluated there.
     fn direct_waves(
         &self,
         _material: &dyn Hyperelastic,
@@ -178,10 +180,10 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         Ok(None)
     }
 
-    /// The moments of discrete gradients that all states share, from which the extremes of the spectrum follow without a search.
+    /// Returns the moments of discrete gradients that all states share. They give the extremes of the spectrum without a search.
     ///
     /// # Errors
-    /// [`MethodError`] when the discretization cannot be evaluated.
+    /// [`MethodError`] if the discretization cannot be evaluated.
     fn gradient_moments(
         &self,
         _speed_squared: f64,
@@ -189,11 +191,12 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         Ok(None)
     }
 
-    /// The squared norm of the discrete gradient of each wave over that of the exact gradient, `sum_q V_q |B_q|^2 / (V0 |k|^2)` with `k` in
-    /// the coordinates of the kernel, where that is defined. A wave is a wave vector, or the limit of long waves along one.
+    /// Returns the squared ratio of the discrete to the exact gradient norm of each wave, `sum_q V_q |B_q|^2 / (V0 |k|^2)`, if the method defines it.
+    ///
+    /// `k` is in the coordinates of the kernel. A wave is given by a wave vector, or as the long-wave limit along one.
     ///
     /// # Errors
-    /// [`MethodError`] when the discretization cannot be evaluated there.
+    /// [`MethodError`] if the discretization cannot be evaluated there.
     fn gradient_norms(
         &self,
         _f: &DeformationGradient,
@@ -202,13 +205,15 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         Ok(None)
     }
 
-    /// The part of the waves at a state by what particles carry along with them: deformation gradients and densities follow the wave,
-    /// positions are held. A law in rate form has a stress that is integrated and a pressure that follows the density; of others all follows one of both. Codes that integrate stress or density in time follow this part by velocities and the rest of it by
-    /// positions, which differ once time is discrete; see [`Stepping`](crate::time_step::Stepping). `None` where the method does
-    /// not tell the two apart.
+    /// Returns the part of the waves of a state that is caused by the quantities that particles carry along.
+    ///
+    /// Deformation gradients and densities follow the wave while positions are held. A law in rate form has a stress that is integrated in time and a
+    /// pressure that follows the density; in other laws the whole stress follows one of the two.
+    /// Codes that integrate stress or density in time compute this part from velocities and the remaining part from positions, which differ in
+    /// discrete time; see [`Stepping`](crate::time_step::Stepping). `None` if the method does not separate the two parts.
     ///
     /// # Errors
-    /// [`MethodError`] when the discretization or the material cannot be evaluated there.
+    /// [`MethodError`] if the discretization or the material cannot be evaluated there.
     fn carried(
         &self,
         _material: &dyn Hyperelastic,
@@ -217,12 +222,11 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         Ok(None)
     }
 
-    /// The waves of a state in steps of time, where a step of the method itself filters velocities, so that no equations of motion in
-    /// continuous time have its damping; see [`TransferredWaves`]. `None` where integrators step the equations of
-    /// [`waves`](Self::waves).
+    /// Returns the waves of a state in discrete time, for methods whose own step filters velocities. No equations of motion in continuous time have
+    /// this damping; see [`TransferredWaves`]. `None` if integrators step the equations of [`waves`](Self::waves).
     ///
     /// # Errors
-    /// [`MethodError`] when the discretization or the material cannot be evaluated there.
+    /// [`MethodError`] if the discretization or the material cannot be evaluated there.
     fn transferred(
         &self,
         _material: &dyn Hyperelastic,
@@ -231,11 +235,10 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         Ok(None)
     }
 
-    /// What bounds the frequencies of finite bodies that are made of whole parts of the lattice: elements, material points, bonds. `None` where
-    /// nothing does.
+    /// Returns bounds of the frequencies of finite bodies that consist of whole elements, material points or bonds. `None` if there is no bound.
     ///
     /// # Errors
-    /// [`MethodError`] when the discretization or the material cannot be evaluated there.
+    /// [`MethodError`] if the discretization or the material cannot be evaluated there.
     fn finite_bodies(
         &self,
         _material: &dyn Hyperelastic,
@@ -244,10 +247,11 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         Ok(None)
     }
 
-    /// How particles act on each other in pairs whose vectors stay with the material, so that [bodies](crate::motion::body) of them can be run.
+    /// Returns the pair forces of particles whose neighbors are fixed in the reference configuration, for the simulation of
+    /// [bodies](crate::motion::body).
     ///
     /// # Errors
-    /// [`MethodError`] when the material cannot be evaluated in the reference state.
+    /// [`MethodError`] if the material cannot be evaluated in the reference state.
     fn pairs(
         &self,
         _material: &dyn Hyperelastic,
@@ -255,11 +259,11 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         Ok(None)
     }
 
-    /// How particles act on each other in pairs whose neighbors are found again as they move, with the kernels of a homogeneous state, so that
-    /// [bodies](crate::motion::body) of them can be run.
+    /// Returns the pair forces of particles with changing neighbors, for the simulation of [bodies](crate::motion::body). The kernels belong to a
+    /// homogeneous state.
     ///
     /// # Errors
-    /// [`MethodError`] when the discretization or the material cannot be evaluated there.
+    /// [`MethodError`] if the discretization or the material cannot be evaluated there.
     fn current_pairs(
         &self,
         _material: &dyn Hyperelastic,
@@ -268,32 +272,32 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         Ok(None)
     }
 
-    /// Whether forces never depend on velocities.
+    /// Returns true if forces never depend on velocities.
     fn is_undamped(&self) -> bool {
         false
     }
 
-    /// Whether particles that have not moved stand for deformed ones, so that wave vectors are those of the deformed lattice.
+    /// Returns true if undisplaced particles represent deformed states, so that wave vectors belong to the deformed lattice.
     fn is_regular(&self) -> bool {
         false
     }
 
-    /// The kernel method of which force constants can be enclosed in intervals, so that proofs speak of its waves.
+    /// Returns the kernel method whose force constants can be enclosed in intervals, so that results can be proved for its waves.
     fn enclosed(&self) -> Option<&Method<D>> {
         None
     }
 }
 
-/// The dynamical matrix of one particle a cell, and the zone that holds its wave vectors.
+/// Dynamical matrix of a method with one particle per cell, and the zone of its wave vectors.
 #[derive(Clone, Debug)]
 pub struct DirectWaves<const D: usize> {
-    /// The zone.
+    /// Search over the Brillouin zone.
     pub search: ZoneSearch<D>,
-    /// The dynamical matrix.
+    /// Dynamical matrix in closed form.
     pub matrix: DynamicalMatrix<D>,
 }
 
-/// Particle masses `rho0 V` from the volumes of a crystal.
+/// Returns the particle masses `rho0 V` from the volumes of a crystal.
 pub fn lumped_masses<const D: usize>(crystal: &Crystal<D>, density: f64) -> Vec<f64> {
     crystal.volumes().iter().map(|v| density * v).collect()
 }

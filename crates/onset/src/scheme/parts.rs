@@ -1,32 +1,32 @@
-//! Bounds for finite bodies from their parts.
+//! Bounds for finite bodies from their parts, which are elements or material points.
 //!
-//! A finite body is a sum of parts, elements or material points, each with its stiffness and its share of the masses: `K = sum K_e`, `M = sum M_e`. So
+//! A finite body is a sum of parts, each with its stiffness and its share of the masses: `K = sum K_e`, `M = sum M_e`. So
 //! `u.K u / u.M u` is at most the largest of `u.K_e u / u.M_e u`, and no eigenvalue of `M^-1 K` has a larger real part than the largest
-//! eigenvalue of `M_e^-1 (K_e + K_e^T)/2`, whatever the body is made of and wherever it is held. A body of one part attains it.
+//! eigenvalue of `M_e^-1 (K_e + K_e^T)/2`, for any composition of the body and any supports. A body of a single part attains the bound.
 
 use super::Interaction;
 use super::linearized::derivatives;
 use crate::lattice::Particle;
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// What holds for every finite body of a discretization at a state.
+/// Bound that holds for every finite body of a discretization in a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FiniteBodies {
-    /// The largest eigenvalues of stiffness and damping over mass of single parts bound those of any body of them; 1/time^2, 1/time.
+    /// Largest eigenvalues of stiffness and damping over mass of a single part, which bound the eigenvalues of any body; 1/time^2, 1/time.
     Parts {
-        /// `omega^2`.
+        /// Bound of `omega^2` from the stiffness.
         squared: f64,
-        /// Damping rate.
+        /// Bound of the damping rate.
         damping: f64,
     },
-    /// A body is the infinite lattice without some positive semidefinite interactions, so that no body is faster.
+    /// The body is the infinite lattice without some positive semidefinite interactions, so that its frequencies do not exceed the lattice's.
     Lattice,
 }
 
 /// Element or material point with its masses.
 pub(super) struct Part<const D: usize> {
     particles: Vec<Particle<D>>,
-    /// `M_ab`, the same in all directions; mass.
+    /// Mass matrix `M_ab`, equal for all directions; mass.
     mass: DMatrix<f64>,
     stiffness: DMatrix<f64>,
     damping: DMatrix<f64>,
@@ -43,7 +43,7 @@ impl<const D: usize> Part<D> {
         }
     }
 
-    /// Adds an interaction of particles of the part.
+    /// Adds an interaction between particles of the part.
     pub(super) fn add<I: Interaction<D>>(&mut self, interaction: &I) {
         let own = interaction.particles().iter();
         let places: Vec<Option<usize>> = own
@@ -66,13 +66,13 @@ impl<const D: usize> Part<D> {
         }
     }
 
-    /// The smallest and the largest eigenvalue of the symmetric part of the stiffness; force/length.
+    /// Smallest and largest eigenvalue of the symmetric part of the stiffness; force/length.
     pub(super) fn stiffnesses(&self) -> [f64; 2] {
         let values = symmetric(&self.stiffness).symmetric_eigenvalues();
         [values.min(), values.max()]
     }
 
-    /// The largest eigenvalues of stiffness and damping over mass; `None` where a particle without mass is moved, or a number is not finite.
+    /// Largest eigenvalues of stiffness and damping over mass. `None` if forces act on a particle without mass, or if a number is not finite.
     fn largest(&self) -> Option<[f64; 2]> {
         let has_mass = |a: &usize| self.mass[(*a, *a)] > 0.0;
         let massive: Vec<usize> = (0..self.particles.len()).filter(has_mass).collect();
@@ -85,7 +85,7 @@ impl<const D: usize> Part<D> {
         let factor = mass.cholesky()?.l();
         let over_mass = |matrix: &DMatrix<f64>| {
             let own = DMatrix::from_fn(count, count, |i, j| matrix[(unknown(i), unknown(j))]);
-            // Particles without mass must not be moved.
+            // Particles without mass must be free of forces.
             let left_out = matrix.norm_squared() - own.norm_squared();
             if left_out.is_nan() || left_out.abs() > 1e-12 * matrix.norm_squared() {
                 return None;
@@ -97,7 +97,7 @@ impl<const D: usize> Part<D> {
         Some([over_mass(&self.stiffness)?, over_mass(&self.damping)?])
     }
 
-    /// The bound of all bodies of some parts.
+    /// Bound for all bodies that consist of these parts.
     pub(super) fn bound(parts: impl IntoIterator<Item = Self>) -> Option<FiniteBodies> {
         let mut most = [0.0_f64; 2];
         for part in parts {

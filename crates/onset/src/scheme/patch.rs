@@ -1,4 +1,4 @@
-//! Forces on a periodic patch of particles.
+//! Periodic patches of particles and the forces on them.
 
 use super::{Interaction, Motion};
 use crate::algebra::Each;
@@ -6,8 +6,9 @@ use crate::lattice::{Crystal, Particle, cells_between};
 use crate::method::MethodError;
 use nalgebra::{SMatrix, SVector};
 
-/// A periodic patch of `cells` cells along each primitive vector. Its particles are numbered cell by cell, the first
-/// coordinate running fastest, in each cell in the order of the sites.
+/// Periodic patch of `cells` cells along each primitive vector.
+///
+/// Its particles are numbered cell by cell, the first coordinate running fastest, and within each cell in the order of the sites.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PeriodicPatch<const D: usize> {
     cells: [usize; D],
@@ -15,7 +16,7 @@ pub struct PeriodicPatch<const D: usize> {
 }
 
 impl<const D: usize> PeriodicPatch<D> {
-    /// A patch of a crystal; at least one cell along each vector.
+    /// Builds a patch of a crystal, with at least one cell along each vector.
     pub fn new(crystal: &Crystal<D>, cells: [usize; D]) -> Self {
         Self {
             cells: cells.each(|n| n.max(1)),
@@ -23,22 +24,22 @@ impl<const D: usize> PeriodicPatch<D> {
         }
     }
 
-    /// The numbers of cells along the primitive vectors.
+    /// Numbers of cells along the primitive vectors.
     pub fn cells(&self) -> [usize; D] {
         self.cells
     }
 
-    /// The number of particles.
+    /// Number of particles in the patch.
     pub fn len(&self) -> usize {
         self.sites * self.cells.iter().product::<usize>()
     }
 
-    /// Whether there is no particle: never.
+    /// Returns true if the patch has no particles, which never happens.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The particles, in the order of their numbers.
+    /// Particles in the order of their numbers.
     pub fn particles(&self) -> Vec<Particle<D>> {
         let high = self.cells.each(|n| n as i32 - 1);
         let cells = cells_between(&[0; D], &high).into_iter();
@@ -46,7 +47,7 @@ impl<const D: usize> PeriodicPatch<D> {
         cells.flat_map(of_cell).collect()
     }
 
-    /// The number of a particle, or of the one of which it is an image.
+    /// Returns the number of a particle, or of the particle in the patch whose periodic image it is.
     pub fn number(&self, particle: &Particle<D>) -> usize {
         let folded = |i: usize| particle.cell[i].rem_euclid(self.cells[i] as i32) as usize;
         let cell = (0..D)
@@ -55,47 +56,48 @@ impl<const D: usize> PeriodicPatch<D> {
         cell * self.sites + particle.site
     }
 
-    /// The origins of the cells.
+    /// Origins of the cells in lattice coordinates.
     pub(crate) fn origins(&self) -> Vec<[i32; D]> {
         let high = self.cells.each(|n| n as i32 - 1);
         cells_between(&[0; D], &high)
     }
 }
 
-/// The forces on the particles of a periodic patch near a homogeneous state, prepared to be evaluated many times.
+/// Forces on the particles of a periodic patch near a homogeneous state, prepared for many evaluations.
 pub trait PatchForces<const D: usize> {
-    /// The force on each particle, in the order of [`PeriodicPatch`], at displacements from the homogeneous state (length) and velocities
-    /// (length/time); force (in one and two dimensions per unit of the dimensions that are left out).
+    /// Returns the force on each particle, in the order of [`PeriodicPatch`]; force (in 1D and 2D per unit of the omitted dimensions).
+    ///
+    /// The arguments are displacements from the homogeneous state (length) and velocities (length/time).
     ///
     /// # Errors
-    /// [`NoForce`] for a motion at which the law or the method is not defined.
+    /// [`NoForce`] if the law or the method is not defined for the motion.
     fn at(
         &self,
         displacements: &[SVector<f64, D>],
         velocities: &[SVector<f64, D>],
     ) -> Result<Vec<SVector<f64, D>>, NoForce>;
 
-    /// The step of a method that carries velocities on points and accelerates them on a grid; none of those that integrators step.
+    /// Time step of a method that carries velocities on points and accelerates them on a grid; `None` for methods that integrators step.
     fn transfer(&self) -> Option<&dyn PatchTransfer<D>> {
         None
     }
 }
 
-/// Points in motion, in the order of cells and of their places in a cell.
+/// State of points in motion, in the order of the cells and of the places in a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointsInMotion<const D: usize> {
-    /// From the homogeneous state, in space; length.
+    /// Displacements from the homogeneous state, in space; length.
     pub displacements: Vec<SVector<f64, D>>,
-    /// Length/time.
+    /// Velocities of the points; length/time.
     pub velocities: Vec<SVector<f64, D>>,
-    /// `L` with `F = (1 + L) F0`; dimensionless.
+    /// Displacement gradients `L` with `F = (1 + L) F0`; dimensionless.
     pub gradients: Vec<SMatrix<f64, D, D>>,
-    /// The change of the velocity field of a point over one cell of the grid along each axis; length/time. Zero without affine fields.
+    /// Affine fields: change of the velocity field of a point over one grid cell along each axis; length/time. Zero without affine fields.
     pub affine: Vec<SMatrix<f64, D, D>>,
 }
 
 impl<const D: usize> PointsInMotion<D> {
-    /// So many points in the homogeneous state.
+    /// Returns `count` points in the homogeneous state with zero velocity.
     pub fn at_rest(count: usize) -> Self {
         Self {
             displacements: vec![SVector::zeros(); count],
@@ -106,45 +108,46 @@ impl<const D: usize> PointsInMotion<D> {
     }
 }
 
-/// The step of a method that carries velocities on points and accelerates them on a grid, on a periodic patch.
+/// Time step of a method that carries velocities on points and accelerates them on a grid, on a periodic patch.
 pub trait PatchTransfer<const D: usize> {
-    /// Where the points are in the homogeneous state, in lattice coordinates of the grid.
+    /// Positions of the points in the homogeneous state, in lattice coordinates of the grid.
     fn places(&self) -> Vec<SVector<f64, D>>;
 
-    /// One step of time.
+    /// Advances the points by one time step.
     ///
     /// # Errors
-    /// [`NoForce`] for a motion at which the law is not defined, or a point is lost.
+    /// [`NoForce`] if the law is not defined for the motion, or if a point is lost.
     fn advance(&self, points: &mut PointsInMotion<D>, dt: f64) -> Result<(), NoForce>;
 
-    /// Points that nodes have carried from the homogeneous state by displacements, `u_p = sum_i N_ip u_i`, `L_p = sum_i u_i (x) grad N_ip`, with what they see of
-    /// velocities of the nodes, affine fields included where the transfer has them.
+    /// Returns the points after the nodes have displaced them from the homogeneous state, `u_p = sum_i N_ip u_i`, `L_p = sum_i u_i (x) grad N_ip`.
+    ///
+    /// Their velocities are interpolated from the nodes, with affine fields if the transfer uses them.
     fn carried(
         &self,
         displacements: &[SVector<f64, D>],
         velocities: &[SVector<f64, D>],
     ) -> PointsInMotion<D>;
 
-    /// `sum_p m_p (|v_p|^2 + tr C_p D_p C_p^T) / 2`; energy.
+    /// Kinetic energy `sum_p m_p (|v_p|^2 + tr C_p D_p C_p^T) / 2`; energy.
     fn kinetic_energy(&self, points: &PointsInMotion<D>) -> f64;
 
-    /// `sum_p V_p W(F_p)` less that of the homogeneous state; energy.
+    /// Strain energy `sum_p V_p W(F_p)` minus its value in the homogeneous state; energy.
     fn strain_energy(&self, points: &PointsInMotion<D>) -> f64;
 
-    /// `sum_p m_p v_p`; mass length/time.
+    /// Linear momentum `sum_p m_p v_p`; mass length/time.
     fn momentum(&self, points: &PointsInMotion<D>) -> SVector<f64, D>;
 }
 
-/// A motion without forces: an inverted or locked particle, a support that has lost its neighbors, a number that overflows.
+/// Motion for which forces are undefined: an inverted or locked particle, a support without enough neighbors, or an overflow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoForce {
-    /// The number of the particle about which there is none.
+    /// Number of the particle whose force is undefined.
     pub particle: usize,
-    /// What the method says; none where the law itself is not defined.
+    /// Error of the method; `None` if the law itself is not defined.
     pub source: Option<MethodError>,
 }
 
-/// The forces of interactions, each repeated in every cell of a patch.
+/// Forces of interactions, each repeated in every cell of a patch.
 pub struct Assembled<'i, I, const D: usize> {
     particles: usize,
     /// Each interaction with the numbers of its particles, cell by cell.
@@ -152,7 +155,7 @@ pub struct Assembled<'i, I, const D: usize> {
 }
 
 impl<'i, I: Interaction<D>, const D: usize> Assembled<'i, I, D> {
-    /// Of the interactions of one cell.
+    /// Assembles the interactions of one cell on a patch.
     pub fn new(patch: &PeriodicPatch<D>, interactions: impl IntoIterator<Item = &'i I>) -> Self {
         let origins = patch.origins();
         let numbers = |interaction: &I, origin: &[i32; D]| -> Vec<usize> {
@@ -205,7 +208,7 @@ impl<I: Interaction<D>, const D: usize> PatchForces<D> for Assembled<'_, I, D> {
     }
 }
 
-/// The sum of forces of two kinds.
+/// Sum of two kinds of forces.
 pub(super) struct Both<A, B>(pub(super) A, pub(super) B);
 
 impl<A: PatchForces<D>, B: PatchForces<D>, const D: usize> PatchForces<D> for Both<A, B> {

@@ -1,9 +1,9 @@
-//! Discrete displacement gradients, and small products of matrices in numbers of any kind.
+//! Discrete displacement gradients and small matrix products in plain or dual numbers.
 
 use crate::algebra::array_of;
 use crate::real::Real;
 
-/// `sum_K u_K (x) g_K`.
+/// Returns the displacement gradient `sum_K u_K (x) g_K`.
 pub(super) fn displacement_gradient<R: Real, const D: usize>(
     displacements: &[[R; D]],
     gradients: &[[f64; D]],
@@ -19,7 +19,7 @@ pub(super) fn displacement_gradient<R: Real, const D: usize>(
     sum
 }
 
-/// `(1 + h) F`: the deformation gradient that a point carries after a step with the spatial displacement gradient `h`.
+/// Deformation gradient `(1 + h) F` of a point after a step with the spatial displacement gradient `h`.
 pub(super) fn transported<R: Real, const D: usize>(
     h: &[[R; D]; D],
     f: &[[R; D]; D],
@@ -27,7 +27,7 @@ pub(super) fn transported<R: Real, const D: usize>(
     array_of(|i| array_of(|j| (0..D).fold(f[i][j], |sum, m| sum + h[i][m] * f[m][j])))
 }
 
-/// `A B^T`.
+/// Returns the product `A B^T`.
 pub(super) fn times_transpose<R: Real, const D: usize>(
     a: &[[R; D]; D],
     b: &[[R; D]; D],
@@ -35,7 +35,7 @@ pub(super) fn times_transpose<R: Real, const D: usize>(
     array_of(|i| array_of(|j| (0..D).fold(R::constant(0.0), |sum, m| sum + a[i][m] * b[j][m])))
 }
 
-/// `A v`.
+/// Returns the product `A v`.
 #[inline(always)]
 pub(super) fn times_vector<R: Real, const D: usize>(a: &[[R; D]; D], v: &[R; D]) -> [R; D] {
     let mut product = [R::constant(0.0); D];

@@ -1,4 +1,4 @@
-//! Stress of a material near a homogeneous state, in numbers of any kind.
+//! Stress of a material near a homogeneous state, in plain or dual numbers.
 
 use crate::algebra::array_of;
 use crate::bloch::Local;
@@ -6,7 +6,7 @@ use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, Hyperelastic, MaterialError, Response};
 use crate::real::Real;
 
-/// A law in rate form by a part of its tangent: that of the stress which is integrated in time, or the rest.
+/// Law in rate form reduced to a part of its tangent: the part of the stress that is integrated in time, or the remaining part.
 pub(super) struct PartOf<'a> {
     pub(super) law: &'a dyn Hyperelastic,
     pub(super) is_integrated: bool,
@@ -39,14 +39,14 @@ impl Hyperelastic for PartOf<'_> {
     }
 }
 
-/// The response of a material at a point of a discretization: its stress at deformations near that of a homogeneous state.
+/// Response of a material at a quadrature point: the stress at deformations near a homogeneous state.
 ///
-/// With plain numbers the stress is that of the law, anywhere. With dual numbers the value and the tangent are those of the law
-/// at the value of the deformation, so that first derivatives are exact. Of a lattice of fewer than three dimensions it
-/// sees the leading block, the stretches beyond it stay as they are.
+/// Plain numbers give the stress of the law at any deformation. Dual numbers use the value and the tangent of the law at the value of the
+/// deformation, so that first derivatives are exact.
+/// On a lattice of fewer than three dimensions only the leading block of the deformation gradient varies; the stretches beyond it are constant.
 ///
-/// Of a law that depends on the path the state and the tangent of what goes on from there are known: near the state it is Hill's linear comparison solid,
-/// `P = P_0 + A (F - F_0)`.
+/// A path-dependent law provides the state and the tangent of continued loading. Near the state it is replaced by Hill's linear comparison solid, `P
+/// = P_0 + A (F - F_0)`.
 #[derive(Clone, Copy)]
 pub struct PointResponse<'a, const D: usize> {
     material: &'a dyn Hyperelastic,
@@ -56,10 +56,10 @@ pub struct PointResponse<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> PointResponse<'a, D> {
-    /// The response at a homogeneous state.
+    /// Evaluates the response in a homogeneous state.
     ///
     /// # Errors
-    /// [`MaterialError`] when the material cannot be evaluated there.
+    /// [`MaterialError`] if the material cannot be evaluated there.
     pub fn new(
         material: &'a dyn Hyperelastic,
         base: &DeformationGradient,
@@ -72,24 +72,24 @@ impl<'a, const D: usize> PointResponse<'a, D> {
         })
     }
 
-    /// The deformation gradient of the homogeneous state.
+    /// Deformation gradient of the homogeneous state.
     pub fn base(&self) -> &DeformationGradient {
         &self.base
     }
 
-    /// The leading block of the deformation gradient of the homogeneous state.
+    /// Leading block of the deformation gradient of the homogeneous state.
     pub fn leading<R: Real>(&self) -> [[R; D]; D] {
         let f = self.base.components();
         array_of(|i| array_of(|j| R::constant(f[i][j])))
     }
 
-    /// The product of the stretches that the lattice does not see.
+    /// Product of the stretches in the directions beyond the lattice.
     pub fn transverse(&self) -> f64 {
         let f = self.base.components();
         (D..3).map(|i| f[i][i]).product()
     }
 
-    /// `P_iJ` at a deformation gradient; not a number where the law is not defined.
+    /// Returns the first Piola-Kirchhoff stress `P_iJ` at a deformation gradient; NaN if the law is not defined there.
     pub fn first_piola<R: Real>(&self, f: &[[R; D]; D]) -> [[R; D]; D] {
         let base = self.base.components();
         let is_base = (0..D).all(|i| (0..D).all(|j| f[i][j].value() == base[i][j]));
@@ -104,7 +104,8 @@ impl<'a, const D: usize> PointResponse<'a, D> {
             return [[R::constant(f64::NAN); D]; D];
         };
         let (stress, tangent) = (local.first_piola(), local.tangent());
-        // From the deformation whose response it is: from its own value the change is zero, and has derivatives.
+        // Change from the deformation at which the response was evaluated. If this is the value of `f`, the change is zero and carries the
+        // derivatives.
         let change: [[R; D]; D] = array_of(|k| {
             array_of(|l| {
                 let origin = if is_from_base {
@@ -128,8 +129,9 @@ impl<'a, const D: usize> PointResponse<'a, D> {
         })
     }
 
-    /// `W` at a deformation gradient, energy/volume; not a number where the law is not defined. Of a law that depends on the path it is the work from the
-    /// homogeneous state on a straight way.
+    /// Returns the energy density `W` at a deformation gradient; energy/volume, NaN if the law is not defined there.
+    ///
+    /// For a path-dependent law this is the work along the straight path from the homogeneous state.
     pub fn energy(&self, f: &[[f64; D]; D]) -> f64 {
         if self.is_path_dependent {
             let base = self.base.components();
@@ -144,7 +146,7 @@ impl<'a, const D: usize> PointResponse<'a, D> {
         response.map_or(f64::NAN, |response| response.energy)
     }
 
-    /// The Cauchy stress `sigma_ij = P_iJ F_jJ / J`.
+    /// Returns the Cauchy stress `sigma_ij = P_iJ F_jJ / J`.
     pub fn cauchy<R: Real>(&self, f: &[[R; D]; D]) -> [[R; D]; D] {
         let stress = self.first_piola(f);
         let jacobian = determinant(f) * self.transverse();
@@ -159,18 +161,18 @@ impl<'a, const D: usize> PointResponse<'a, D> {
         })
     }
 
-    /// `P_iJ` of the homogeneous state.
+    /// First Piola-Kirchhoff stress `P_iJ` of the homogeneous state.
     pub fn base_stress(&self) -> &[[f64; D]; D] {
         self.local.first_piola()
     }
 
-    /// `A_iJkL` of the homogeneous state, at `[i][J][k][L]`.
+    /// Tangent `A_iJkL` of the homogeneous state, indexed `[i][J][k][L]`.
     pub fn base_tangent(&self) -> &[[[[f64; D]; D]; D]; D] {
         self.local.tangent()
     }
 }
 
-/// The determinant of a square matrix of up to three rows.
+/// Determinant of a square matrix with at most three rows.
 pub(crate) fn determinant<R: Real, const D: usize>(m: &[[R; D]; D]) -> R {
     match D {
         1 => m[0][0],
@@ -183,7 +185,7 @@ pub(crate) fn determinant<R: Real, const D: usize>(m: &[[R; D]; D]) -> R {
     }
 }
 
-/// The inverse of a square matrix of up to three rows.
+/// Inverse of a square matrix with at most three rows.
 pub(crate) fn inverse<R: Real, const D: usize>(m: &[[R; D]; D]) -> [[R; D]; D] {
     let scale = determinant(m).recip();
     let cofactor = |i: usize, j: usize| match D {

@@ -1,11 +1,12 @@
-//! What a discretization sees of a displacement.
+//! Strain operator of a discretization: the strains of a displacement of the particles.
 
 use crate::lattice::Particle;
 use nalgebra::SVector;
 
-/// The strains that a discretization sees, and what its control of zero-energy modes sees besides: linear forms of the displacements
-/// of a cell's surroundings. They are geometry alone. Forces and energy of the reference configuration are made of them, whatever the law,
-/// and a displacement without any of them is a zero-energy mode.
+/// Strains at the quadrature points of a cell and the quantities that a control of zero-energy modes resists, as linear forms of the displacements.
+///
+/// The forms depend only on the geometry. They determine the forces and the energy in the reference configuration for any law, and a displacement for
+/// which all of them vanish is a zero-energy mode.
 ///
 /// ```
 /// use nalgebra::Vector1;
@@ -25,26 +26,26 @@ pub struct StrainOperator<const D: usize> {
     points: Vec<SeenPoint<D>>,
 }
 
-/// What is seen at a place: forms of the displacements of the same particles.
+/// Linear forms at a quadrature point, all of the displacements of the same particles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenPoint<const D: usize> {
-    /// The particles.
+    /// Particles whose displacements enter the forms.
     pub particles: Vec<Particle<D>>,
-    /// The forms, each with a vector for each of the particles.
+    /// Linear forms, each with a vector for every particle.
     pub forms: Vec<SeenForm<D>>,
 }
 
-/// A linear form of displacements `u_K`.
+/// Linear form of the displacements `u_K`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SeenForm<const D: usize> {
-    /// The symmetric part of `sum_K u_K (x) b_K`.
+    /// Strain, the symmetric part of `sum_K u_K (x) b_K`.
     Strain(Vec<SVector<f64, D>>),
-    /// The number `sum_K u_K . b_K`.
+    /// Scalar `sum_K u_K . b_K` of a control.
     Control(Vec<SVector<f64, D>>),
 }
 
 impl<const D: usize> SeenForm<D> {
-    /// `b_K`.
+    /// Vectors `b_K` of the form.
     pub fn vectors(&self) -> &[SVector<f64, D>] {
         match self {
             Self::Strain(vectors) | Self::Control(vectors) => vectors,
@@ -53,28 +54,28 @@ impl<const D: usize> SeenForm<D> {
 }
 
 impl<const D: usize> StrainOperator<D> {
-    /// Nothing seen.
+    /// Builds an operator without forms.
     pub fn new() -> Self {
         Self { points: Vec::new() }
     }
 
-    /// What is seen, of one cell.
+    /// Quadrature points of one cell with their forms.
     pub fn points(&self) -> &[SeenPoint<D>] {
         &self.points
     }
 
-    /// Adds what is seen at a place.
+    /// Adds the forms of a quadrature point.
     pub fn add(&mut self, particles: Vec<Particle<D>>, forms: Vec<SeenForm<D>>) {
         self.points.push(SeenPoint { particles, forms });
     }
 
-    /// Adds the strain of a point with gradients `b_K`.
+    /// Adds the strain of a quadrature point with gradients `b_K`.
     pub fn add_strain(&mut self, particles: &[Particle<D>], gradients: Vec<SVector<f64, D>>) {
         self.add(particles.to_vec(), vec![SeenForm::Strain(gradients)]);
     }
 
-    /// Adds the nonuniform part of the displacements of a point's particles, `u_J - u_0 - (sum_K u_K (x) b_K) X_J`: all of it, or
-    /// what of it is along `X_J`. The point's own particle is the first.
+    /// Adds the nonuniform part of the displacements of a point's particles, `u_J - u_0 - (sum_K u_K (x) b_K) X_J`, or its component along `X_J`. The
+    /// particle of the point comes first.
     pub(crate) fn add_nonuniform(
         &mut self,
         particles: &[Particle<D>],

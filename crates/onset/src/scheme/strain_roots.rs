@@ -1,21 +1,22 @@
-//! Roots of the strain operator: wave vectors with zero-energy modes, by Newton's method.
+//! Roots of the strain operator: wave vectors with zero-energy modes, computed by Newton's method.
 
 use super::StrainRows;
 use crate::algebra::{Complex, MAXIMUM_ITERATIONS, sort_by_value};
 use nalgebra::{DMatrix, DMatrixView, DVector, SVector};
 use std::borrow::Cow;
 
-/// Singular values below this are zero at a root, to rounding: slopes of `R` are a spacing at most.
-const ZERO: f64 = 1e-11;
-/// The same of singular values at a root whose place is known to the square root of rounding only.
-const KERNEL: f64 = 1e-7;
-/// Strains of a wave over its size beside a root that a search has found, and how far from there the root is sought, over the wave number.
-const SMALL: f64 = 1e-3;
-const NEAR: f64 = 1e-2;
-/// Steps of Newton's method. A double root takes the most: each halves the distance.
-const STEPS: usize = 60;
+/// Singular values below this are zero to rounding at a root. The slope of `R` is at most one particle spacing.
+const ROOT_SINGULAR_VALUE: f64 = 1e-11;
+/// Singular values below this are zero at a root whose wave vector is accurate only to the square root of the rounding error.
+const ROUGH_ROOT_SINGULAR_VALUE: f64 = 1e-7;
+/// Largest ratio of strain to size of a wave at which a search has come close to a root.
+const ROOT_STRAIN_RATIO: f64 = 1e-3;
+/// Distance over which the root is then computed, relative to the wave number.
+const ROOT_DISTANCE_RATIO: f64 = 1e-2;
+/// Largest number of Newton steps. Double roots converge slowest: each step halves the distance.
+const MAXIMUM_NEWTON_STEPS: usize = 60;
 
-/// A singular value decomposition, largest values first.
+/// Singular value decomposition, largest values first.
 #[derive(Clone)]
 pub(crate) struct Singular {
     pub(crate) values: Vec<f64>,
@@ -45,30 +46,30 @@ impl Singular {
         self.values.iter().filter(|value| **value <= bound).count()
     }
 
-    /// How many values are zero at a root.
+    /// Number of singular values that are zero at a root.
     pub(crate) fn nullity(&self) -> usize {
-        self.below(KERNEL)
+        self.below(ROUGH_ROOT_SINGULAR_VALUE)
     }
 
-    /// The right vectors of the `count` smallest values.
+    /// Right singular vectors of the `count` smallest values.
     pub(crate) fn softest(&self, count: usize) -> DMatrix<Complex> {
         let n = self.right.ncols();
         self.right.columns(n - count, count).into_owned()
     }
 
-    /// An orthonormal basis of the range of the other vectors.
+    /// Orthonormal basis of the range of the remaining right singular vectors.
     pub(crate) fn range(&self, count: usize) -> DMatrixView<'_, Complex> {
         self.left.columns(0, self.left.ncols() - count)
     }
 
-    /// What of a matrix is orthogonal to that range: changes of the soft vectors answer the rest.
+    /// Part of a matrix that is orthogonal to this range. Changes of the soft vectors cancel the remaining part.
     pub(crate) fn unanswered(&self, count: usize, matrix: DMatrix<Complex>) -> DMatrix<Complex> {
         let range = self.range(count);
         let answered = range * range.ad_mul(&matrix);
         matrix - answered
     }
 
-    /// What the matrix maps to that basis, a column each: the other right vectors over their singular values.
+    /// Preimages of this basis under the matrix, one per column: the remaining right singular vectors over their singular values.
     pub(crate) fn origins(&self, count: usize) -> DMatrix<Complex> {
         let n = self.right.ncols() - count;
         let mut origins = self.right.columns(0, n).into_owned();
@@ -80,27 +81,27 @@ impl Singular {
 }
 
 impl<const D: usize> StrainRows<D> {
-    /// Whether a wave vector that is known exactly has a zero-energy mode; at `k = 0` translations are none.
+    /// Returns true if an exactly known wave vector has a zero-energy mode. Translations at `k = 0` do not count.
     pub(crate) fn has_zero_mode_at(&self, k: &SVector<f64, D>) -> bool {
         let nullity = Singular::of(self.at(k)).map_or(0, |singular| match k.norm() > 0.0 {
-            true => singular.below(ZERO),
+            true => singular.below(ROOT_SINGULAR_VALUE),
             false => singular.nullity(),
         });
         let translations = if k.norm() > 0.0 { 0 } else { D };
         nullity * self.modes_per_column() > translations
     }
 
-    /// Whether there is a zero-energy mode so near to a wave vector as a search knows it, where strains are small.
+    /// Returns true if a zero-energy mode lies close to a wave vector from a search with small strains.
     pub(crate) fn has_zero_mode_near(&self, k: &SVector<f64, D>) -> bool {
-        let is_small = self.smallest(k) <= SMALL * self.slope * k.norm();
-        is_small && self.polished(k, NEAR * k.norm()).is_some()
+        let is_small = self.smallest(k) <= ROOT_STRAIN_RATIO * self.slope * k.norm();
+        is_small && self.polished(k, ROOT_DISTANCE_RATIO * k.norm()).is_some()
     }
 
-    /// Newton's method, as far as `reach` from where it starts: a wave vector at which `R` has a kernel.
+    /// Computes a wave vector at which `R` has a kernel, by Newton's method within the distance `reach` of the start.
     pub(crate) fn polished(&self, start: &SVector<f64, D>, reach: f64) -> Option<SVector<f64, D>> {
         let first = Singular::of(self.at(start))?;
-        // The nullity of the root is not known: all that is small, or one.
-        let small = first.below(3.0 * first.smallest() + ZERO);
+        // The nullity of the root is not known in advance: the number of small singular values, or one.
+        let small = first.below(3.0 * first.smallest() + ROOT_SINGULAR_VALUE);
         let mut counts = vec![small, 1];
         counts.dedup();
         counts
@@ -118,7 +119,7 @@ impl<const D: usize> StrainRows<D> {
         let (mut k, mut singular) = (*start, Cow::Borrowed(first));
         let mut best = (f64::INFINITY, k);
         let mut idle = 0;
-        for _ in 0..STEPS {
+        for _ in 0..MAXIMUM_NEWTON_STEPS {
             let smallest = singular.smallest();
             if smallest < 0.9 * best.0 {
                 idle = 0;
@@ -142,10 +143,10 @@ impl<const D: usize> StrainRows<D> {
             }
             singular = Cow::Owned(Singular::of(self.at(&k))?);
         }
-        (best.0 <= ZERO).then_some(best.1)
+        (best.0 <= ROOT_SINGULAR_VALUE).then_some(best.1)
     }
 
-    /// The least change of `k` with which what is left of `R(k) V` is smallest, `V` the vectors of the smallest singular values.
+    /// Smallest change of `k` that minimizes the residual of `R(k) V`, with `V` the vectors of the smallest singular values.
     fn newton_step(
         &self,
         k: &SVector<f64, D>,

@@ -1,41 +1,40 @@
-//! The strain operator at a wave vector: a matrix whose kernel are the zero-energy modes.
+//! Strain operator at a wave vector: a matrix whose kernel contains the zero-energy modes.
 
 use super::{SeenForm, StrainOperator};
 use crate::algebra::{Complex, array_of, cholesky_factor};
 use crate::lattice::{Crystal, Particle};
 use nalgebra::{DMatrix, SVector};
 
-/// Rounding of an entry of `R`, relative to the sum of its terms.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
-/// Relative errors of `T^-1` where `R` is as near to singular as is resolved.
+/// Rounding error of an entry of `R`, relative to the sum of the sizes of its terms.
+const ENTRY_ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Relative error of `T^-1` for the most nearly singular `R` that is still resolved.
 const INEXACT: f64 = 1e-6;
 
-/// `R(k)`: what is seen of the wave `u_K = g_K exp(i k.X_K)`, as a matrix that acts on the `g` of the particles of a cell.
+/// Matrix `R(k)` of the strain operator for the wave `u_K = g_K exp(i k.X_K)`, acting on the amplitudes `g` of the particles of a cell.
 ///
-/// With one particle in a cell `sym(g (x) B)` vanishes with `B` alone, whatever `g` is: where nothing but strains is seen, the
-/// gradients `B` themselves are the matrix, of a single column.
+/// With one particle per cell `sym(g (x) B)` vanishes only with `B`, for any `g`. If the operator contains only strains, the matrix is therefore the
+/// single column of the gradients `B`.
 ///
-/// A form enters with the phases relative to its middle, and with a factor that makes its slope a spacing at most: neither changes the
-/// kernel.
+/// The phases of a form are relative to its center, and a factor limits its slope to one particle spacing. Neither changes the kernel.
 #[derive(Clone, Debug)]
 pub(crate) struct StrainRows<const D: usize> {
     sites: usize,
-    /// Whether the gradients stand for the strains.
+    /// Whether the gradients replace the strains.
     is_gradient: bool,
     points: Vec<Point<D>>,
-    /// The distance of the nearest particles; length.
+    /// Distance between nearest particles; length.
     pub(crate) spacing: f64,
-    /// What the norm of a derivative of `R` along a unit direction is at most; length.
+    /// Bound of the norm of a derivative of `R` along a unit direction; length.
     pub(crate) slope: f64,
-    /// The same of a second derivative; length^2.
+    /// Bound of the norm of a second derivative of `R`; length^2.
     pub(crate) curvature: f64,
 }
 
-/// The forms of one place.
+/// Forms of one quadrature point.
 #[derive(Clone, Debug)]
 struct Point<const D: usize> {
     sites: Vec<usize>,
-    /// `X_K` from the middle.
+    /// Vectors `X_K` from the center of the particles.
     vectors: Vec<SVector<f64, D>>,
     forms: Vec<Form<D>>,
 }
@@ -46,13 +45,13 @@ struct Form<const D: usize> {
     vectors: Vec<SVector<f64, D>>,
 }
 
-/// What is summed of a form for each site.
+/// Sums of a form over the particles of each site.
 #[derive(Clone, Copy)]
 struct Sums<const D: usize> {
     value: SVector<Complex, D>,
-    /// The change along each edge of a box.
+    /// Change along each edge of a box.
     slopes: [SVector<Complex, D>; D],
-    /// What is left of the change anywhere in it, at most, and what is left without the second derivatives too.
+    /// Bounds of the remainder of the change anywhere in the box, after first and after second derivatives.
     rests: [f64; 2],
 }
 
@@ -139,17 +138,17 @@ impl<const D: usize> StrainRows<D> {
         rows
     }
 
-    /// The number of columns.
+    /// Number of columns of `R`.
     pub(crate) fn columns(&self) -> usize {
         if self.is_gradient { 1 } else { D * self.sites }
     }
 
-    /// How many independent modes a vector of the kernel stands for.
+    /// Number of independent modes for each vector of the kernel.
     pub(crate) fn modes_per_column(&self) -> usize {
         if self.is_gradient { D } else { 1 }
     }
 
-    /// What an evaluation costs, in terms of a sum.
+    /// Cost of an evaluation, in units of one term of a sum.
     pub(crate) fn cost(&self) -> f64 {
         let terms = |point: &Point<D>| point.vectors.len() * (2 + point.forms.len());
         let sums: usize = self.points.iter().map(terms).sum();
@@ -167,22 +166,22 @@ impl<const D: usize> StrainRows<D> {
         point.forms.iter().map(of_form).sum()
     }
 
-    /// `R(k)`.
+    /// Returns the matrix `R(k)`.
     pub(crate) fn at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
         self.summed(|x| phase(k.dot(x)))
     }
 
-    /// Whether some wave is not seen, to a fraction of the size of its strains.
+    /// Returns true if some wave has strains below a fraction of its size.
     pub(crate) fn misses(&self, k: &SVector<f64, D>, fraction: f64) -> bool {
         self.smallest(k) <= fraction * self.slope * k.norm()
     }
 
-    /// The smallest singular value of `R(k)`.
+    /// Smallest singular value of `R(k)`.
     pub(crate) fn smallest(&self, k: &SVector<f64, D>) -> f64 {
         self.at(k).singular_values().min()
     }
 
-    /// `dR/dk_i`.
+    /// Returns the derivative `dR/dk_i`.
     pub(crate) fn derivative(&self, k: &SVector<f64, D>, i: usize) -> DMatrix<Complex> {
         self.summed(|x| phase(k.dot(x)) * Complex::new(0.0, x[i]))
     }
@@ -237,16 +236,16 @@ impl<const D: usize> StrainRows<D> {
         }
     }
 
-    /// Whether the box `center + sum t_i edge_i`, `|t_i| <= 1`, certainly contains no mode without strain.
+    /// Returns true if the box `center + sum t_i edge_i`, `|t_i| <= 1`, is proved to contain no zero-energy mode.
     ///
-    /// There `R = R_0 + S(t) + E`, with the derivatives `S(t) = sum t_i S_i` at the center and a bound `e` on what is left, `|E| <= e`. A
-    /// mode with `R u = 0` has `|R_0 u|^2 + Re u* R_0* (S + E) u = 0`, so that with `R_0* R_0 >= T* T` there is none if
-    /// `|H(t)| + e |T^-1| < 1`, `H` the Hermitian part of `T^-* R_0* S T^-1`: `|Re u* R_0* E u| <= e |T^-1| |R_0 u|^2`. The norm is convex in `t`
-    /// and largest at a corner. Strains are measured relative to themselves, so that a wave with small strains matters only by their own
-    /// change, and rotations of a strain do not count.
+    /// In the box `R = R_0 + S(t) + E`, with the derivatives `S(t) = sum t_i S_i` at the center and a bound `e` of the remainder, `|E| <= e`.
+    /// A mode with `R u = 0` has `|R_0 u|^2 + Re u* R_0* (S + E) u = 0`. With `R_0* R_0 >= T* T` no mode exists if
+    /// `|H(t)| + e |T^-1| < 1`, where `H` is the Hermitian part of `T^-* R_0* S T^-1`, because `|Re u* R_0* E u| <= e |T^-1| |R_0 u|^2`.
+    /// The norm is convex in `t` and largest at a corner. Strains are measured relative to themselves: a wave with small strains matters only by the
+    /// change of these strains, and rotations of a strain do not count.
     ///
-    /// Where that does not suffice, `E` has the second derivatives along the edges, of which each is measured likewise, and what is left is of third
-    /// order: strains of soft waves have small second derivatives too.
+    /// If this test fails, the second derivatives along the edges are taken out of `E` and measured in the same way, which leaves a remainder of
+    /// third order. Strains of soft waves also have small second derivatives.
     pub(crate) fn is_regular(
         &self,
         center: &SVector<f64, D>,
@@ -297,10 +296,10 @@ impl<const D: usize> StrainRows<D> {
         let Some(resistance) = Resistance::of(rows.finish()) else {
             return false;
         };
-        // Entries are known to the rounding of their terms and phases. Most boxes that are too large are so by what is left alone.
+        // Entries are known to the rounding of their terms and phases. Most boxes that are too large fail by the remainder alone.
         let softness = largest(&resistance.inverse);
         let [second, third] =
-            rests.map(|rest| 1.0 - INEXACT - (rest.sqrt() + ROUNDING * rounding) * softness);
+            rests.map(|rest| 1.0 - INEXACT - (rest.sqrt() + ENTRY_ROUNDING * rounding) * softness);
         if third.is_nan() || third <= 0.0 {
             return false;
         }
@@ -308,7 +307,7 @@ impl<const D: usize> StrainRows<D> {
         first < second || first < third && first + self.bent(center, edges, &resistance) < third
     }
 
-    /// What the second derivatives along the edges of a box are at most, relative to strains as the first are.
+    /// Bound of the second derivatives along the edges of a box, relative to the strains like the first derivatives.
     fn bent(
         &self,
         center: &SVector<f64, D>,
@@ -326,15 +325,16 @@ impl<const D: usize> StrainRows<D> {
     }
 }
 
-/// A matrix `R` of full column rank and `T^-1`, where `T* T = R* R - delta` and `delta` covers rounding. Singular values below about 1e-7 of the norm are not
-/// resolved; to exclude that is enough.
+/// Matrix `R` of full column rank and `T^-1`, where `T* T = R* R - delta` and `delta` covers rounding.
+///
+/// Singular values below about 1e-7 of the norm are not resolved, which is sufficient to exclude zeros.
 struct Resistance {
     rows: DMatrix<Complex>,
     inverse: DMatrix<Complex>,
 }
 
 impl Resistance {
-    /// `None` where some wave is not resisted.
+    /// Factorizes a matrix. `None` if some wave has no strain to this accuracy.
     fn of(rows: DMatrix<Complex>) -> Option<Self> {
         let (count, size) = rows.shape();
         let delta = f64::EPSILON * (count + 2 * size) as f64 * rows.norm_squared();
@@ -342,25 +342,25 @@ impl Resistance {
         for i in 0..size {
             gram[(i, i)] -= Complex::from(delta);
         }
-        // It is `T*`.
+        // The lower factor is `T*`.
         let lower = cholesky_factor(gram)?;
         let identity = DMatrix::identity(size, size);
         let inverse = lower.solve_lower_triangular(&identity)?.adjoint();
         Some(Self { rows, inverse })
     }
 
-    /// The Hermitian part of `T^-* R* S T^-1`.
+    /// Hermitian part of `T^-* R* S T^-1`.
     fn relative(&self, change: &DMatrix<Complex>) -> DMatrix<Complex> {
         let product = self.rows.ad_mul(change);
         let hermitian = (&product + product.adjoint()) * Complex::new(0.5, 0.0);
         self.inverse.ad_mul(&(hermitian * &self.inverse))
     }
 
-    /// What the norm of that of `sum t_i S_i` is at most for `|t_i| <= 1`.
+    /// Bound of the norm of the relative change `sum t_i S_i` for `|t_i| <= 1`.
     fn largest_change(&self, slopes: Vec<Stack>) -> f64 {
         let parts = slopes.into_iter().map(|own| self.relative(&own.finish()));
         let parts: Vec<DMatrix<Complex>> = parts.collect();
-        // One of each pair of opposite corners.
+        // One corner of each pair of opposite corners.
         let corners = 0..1_usize << (parts.len() - 1);
         let at = |corner: usize| {
             let mut sum = parts[0].clone();
@@ -372,7 +372,7 @@ impl Resistance {
             }
             largest(&sum)
         };
-        // A corner that is not a number leaves the box as it is.
+        // A corner with NaN prevents the exclusion of the box.
         corners.map(at).fold(0.0, |most, own| {
             if own > most || own.is_nan() {
                 own
@@ -383,20 +383,20 @@ impl Resistance {
     }
 }
 
-/// An upper bound of the spectral norm: `|M|^8 <= tr (M* M)^4`.
+/// Upper bound of the spectral norm: `|M|^8 <= tr (M* M)^4`.
 fn largest(matrix: &DMatrix<Complex>) -> f64 {
     let square = matrix.ad_mul(matrix);
     (&square * &square).norm().sqrt().sqrt()
 }
 
-/// The rows of a matrix one after the other.
+/// Rows of a matrix, collected one by one.
 struct Stack {
     columns: usize,
     entries: Vec<Complex>,
 }
 
 impl Stack {
-    /// The matrix, with rows of zeros where there are fewer rows than columns.
+    /// Returns the matrix, filled with rows of zeros if there are fewer rows than columns.
     fn finish(mut self) -> DMatrix<Complex> {
         let rows = (self.entries.len() / self.columns).max(self.columns);
         self.entries
@@ -435,9 +435,9 @@ mod tests {
         StrainRows::new(scheme.crystal(), &scheme.strain().expect("strains"))
     }
 
-    /// Alternating particles of squares have no strain, in cells of two at `(0, pi)` and in disorder nowhere.
+    /// The wave of alternating particles has no strain on a square lattice, also in cells of two. In a disordered lattice every wave has strain.
     #[test]
-    fn boxes_are_excluded_where_no_wave_is_without_strain_and_not_around_one() {
+    fn boxes_are_excluded_only_where_every_wave_has_strain() {
         let mut state = 3;
         let mut number = || 2.0 * uniform(&mut state) - 1.0;
         let root = SVector::from([0.0, PI]);

@@ -28,7 +28,7 @@ use point::SpatialPoint;
 use shape::{Shape, ShapeValues};
 
 /// Points closer to a particle than this, in lattice coordinates, coincide with the particle.
-const SAME_PLACE: f64 = 1e-12;
+const PARTICLE_TOLERANCE: f64 = 1e-12;
 
 /// Choices that define a kernel Galerkin method, except lattice and quadrature.
 #[derive(Clone, Debug, PartialEq)]
@@ -338,7 +338,7 @@ fn points_of<const D: usize>(
     let is_node = |place: &Fractional<D>| {
         crystal.sites().iter().any(|site| {
             let apart = place - site;
-            (apart - apart.map(f64::round)).amax() < SAME_PLACE
+            (apart - apart.map(f64::round)).amax() < PARTICLE_TOLERANCE
         })
     };
     let point = |(place, volume)| Point {

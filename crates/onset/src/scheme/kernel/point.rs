@@ -19,7 +19,7 @@ pub(super) struct SpatialPoint<'a, const D: usize> {
     pub(super) positions: Vec<[f64; D]>,
     /// Volumes of the particles in the homogeneous state; length^D.
     pub(super) volumes: Vec<f64>,
-    /// Whether the point is the first of the particles. Otherwise it moves with the interpolated displacement.
+    /// Whether the point coincides with the first particle. If not, it moves with the interpolated displacement.
     pub(super) is_node: bool,
     /// Shape functions `phi_K^0` in the homogeneous state.
     pub(super) values: Vec<f64>,

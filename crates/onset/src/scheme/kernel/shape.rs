@@ -12,7 +12,7 @@ use crate::algebra::{Each, array_of};
 use crate::approximation::{Approximation, SingularMoment};
 use crate::real::Real;
 
-/// Condition number of the moment matrix above which shape functions are dominated by rounding errors.
+/// Largest condition number of the moment matrix for which shape functions are accurate.
 const MAXIMUM_CONDITION: f64 = 1e12;
 
 /// Correction of the weights.
@@ -219,7 +219,7 @@ struct Differences<R, const D: usize> {
 }
 
 impl<R: Real, const D: usize> Differences<R, D> {
-    /// Moment matrix `sum_K xi_K (x) h_K`.
+    /// Uncorrected moment matrix `sum_K xi_K (x) h_K`.
     fn moment(&self) -> Vec<Vec<R>> {
         let both = || self.positions.iter().zip(&self.differences);
         let entry =
@@ -269,7 +269,7 @@ fn dot<R: Real>(a: &[R], b: &[R]) -> R {
     products.fold(R::constant(0.0), |sum, product| sum + product)
 }
 
-/// Moment matrix `M = sum_K W p (x) p`.
+/// Moment matrix of the weights, `M = sum_K W p (x) p`.
 fn moment<R: Real, const D: usize>(terms: &[Term<R, D>], size: usize) -> Vec<Vec<R>> {
     let mut moment = vec![vec![R::constant(0.0); size]; size];
     for term in terms {

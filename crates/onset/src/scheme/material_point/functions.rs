@@ -8,7 +8,7 @@ use crate::real::{Dual, Real};
 const KNOT: f64 = 1e-9;
 /// Second moments below this value belong to points on a node. Linear functions have no second moment there, and slopes replace the first moments
 /// divided by it.
-pub(super) const FLAT: f64 = 1e-8;
+pub(super) const MINIMUM_SECOND_MOMENT: f64 = 1e-8;
 
 /// Grid functions of the material point method. All are partitions of unity and reproduce linear fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -178,13 +178,13 @@ impl Profile {
         (-beyond..=beyond).map(of_node).sum()
     }
 
-    /// Returns the function and the gradient in use in place of its slope; see [`GridGradients`].
+    /// Returns the function and, in place of its slope, the gradient chosen by [`GridGradients`].
     fn along<R: Real>(&self, x: R) -> (R, R) {
         let (value, slope) = self.at(x);
         match self.gradients {
             GridGradients::Functions => (value, slope),
             GridGradients::Moments => match self.second_moment(x) {
-                moment if moment.value() > FLAT => (value, -(value * x) / moment),
+                moment if moment.value() > MINIMUM_SECOND_MOMENT => (value, -(value * x) / moment),
                 _ => (value, slope),
             },
         }

@@ -89,7 +89,7 @@ pub enum Formulation {
     ///
     /// Points and deformation follow the velocities `v_i = sum_q m_q N_iq v_q / m_i` of the grid, `dx_p/dt = sum_i N_ip v_i`, `dF_p/dt = sum_i v_i
     /// (x) grad N_ip F_p`.
-    /// The forces are those of the updated form. The unknown of a wave is the time integral of the velocity of the point, not its displacement:
+    /// The forces are computed as in `Updated`. The unknown of a wave is the time integral of the velocity of the point, not its displacement:
     /// components that vanish on the grid displace nothing and meet no force.
     ///
     /// A [`Transfer`] that filters velocities once per step removes the components that vanish on the grid.

@@ -50,7 +50,7 @@ impl<'a, const D: usize> State<'a, D> {
         self.response.energy(&moved(l, &self.response.leading()))
     }
 
-    /// Stress by which the volume is multiplied, at the displacement gradient `L` on the grid.
+    /// Stress that is multiplied by the volume, at the displacement gradient `L` on the grid.
     ///
     /// Total-Lagrangian: `P` at `F = F0 + L`. Updated: `J sigma = P F^T` at `F = (1 + L) F0`.
     pub(super) fn stress<R: Real>(&self, l: &[[R; D]; D]) -> [[R; D]; D] {
@@ -67,7 +67,7 @@ impl<'a, const D: usize> State<'a, D> {
     }
 }
 
-/// Deformation gradient `(1 + L) F0`.
+/// Returns the deformation gradient `(1 + L) F0`.
 fn moved<R: Real, const D: usize>(l: &[[R; D]; D], base: &[[f64; D]; D]) -> [[R; D]; D] {
     let entry = |i: usize, j: usize| {
         (0..D).fold(R::constant(base[i][j]), |sum, m| sum + l[i][m] * base[m][j])

@@ -1,6 +1,6 @@
 //! One time step of the method on a periodic patch, as in a simulation: particles to grid, forces, grid to particles.
 
-use super::functions::{FLAT, Profile};
+use super::functions::{MINIMUM_SECOND_MOMENT, Profile};
 use super::point::State;
 use super::{MaterialPoints, Transfer};
 use crate::algebra::array_of;
@@ -8,8 +8,8 @@ use crate::lattice::Particle;
 use crate::scheme::{NoForce, PatchForces, PatchTransfer, PeriodicPatch, PointsInMotion};
 use nalgebra::{SMatrix, SVector};
 
-/// Distance in cells beyond which a point is lost: nodes are no longer distinct in floating point.
-const FAR: f64 = 1e9;
+/// Distance in cells at which a point counts as lost, because nodes are no longer distinct in floating point.
+const LOST_DISTANCE: f64 = 1e9;
 
 /// Material point of a patch.
 pub(super) struct Carried<const D: usize> {
@@ -27,7 +27,7 @@ pub(super) struct Step<'a, const D: usize> {
     pub(super) points: Vec<Carried<D>>,
     /// Whether the unknowns are the points instead of the nodes.
     moves_points: bool,
-    /// Transfer by which the points are stepped, and the fraction of its velocity that a point keeps; `None` if integrators step the equations.
+    /// Transfer of the time step, and the fraction of its velocity that a point keeps; `None` if integrators step the equations.
     transfer: Option<(Transfer, f64)>,
 }
 
@@ -244,7 +244,7 @@ impl<const D: usize> Step<'_, D> {
             return affine;
         }
         for (axis, moment) in self.moments(place).iter().enumerate() {
-            let own = match *moment > FLAT {
+            let own = match *moment > MINIMUM_SECOND_MOMENT {
                 true => sampled.moment.column(axis) / *moment,
                 false => sampled.slope.column(axis).into_owned(),
             };
@@ -304,7 +304,7 @@ impl<const D: usize> PatchTransfer<D> for Step<'_, D> {
         };
         let moved = self.points.iter().zip(&points.displacements);
         let places: Vec<SVector<f64, D>> = moved.map(|(p, u)| self.moved(p, u)).collect();
-        let is_lost = |place: &SVector<f64, D>| !place.iter().all(|x| x.abs() < FAR);
+        let is_lost = |place: &SVector<f64, D>| !place.iter().all(|x| x.abs() < LOST_DISTANCE);
         if let Some(particle) = places.iter().position(is_lost) {
             return Err(NoForce {
                 particle,

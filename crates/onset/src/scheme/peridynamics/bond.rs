@@ -8,15 +8,15 @@ use crate::real::Real;
 use crate::scheme::{Interaction, Motion};
 use nalgebra::SVector;
 
-/// A bond of a homogeneous state, with the energy `1/2 c w s^2 r V_I V_J`.
+/// Bond in a homogeneous state, with the energy `1/2 c w s^2 r V_I V_J`.
 #[derive(Clone, Debug)]
 pub(super) struct Bond<const D: usize> {
     particles: [Particle<D>; 2],
-    /// `F X_IJ`.
+    /// Deformed bond `F X_IJ`; length.
     deformed: SVector<f64, D>,
-    /// The reference length `r`.
+    /// Length `r` of the bond in the reference configuration.
     length: f64,
-    /// `c w V_I V_J`; force.
+    /// Strength of the bond, `c w V_I V_J`; force.
     strength: f64,
 }
 
@@ -41,7 +41,7 @@ impl<const D: usize> Interaction<D> for Bond<D> {
         let y: [R; D] = array_of(|i| b[i] - a[i] + self.deformed[i]);
         let squares = y.iter().fold(R::constant(0.0), |sum, x| sum + *x * *x);
         let length = squares.sqrt();
-        // c w s e = c w (1/r - 1/|y|) y
+        // The tension is c w s e = c w (1/r - 1/|y|) y.
         let tension = (-length.recip() + self.length.recip()) * self.strength;
         let pull = y.each(|x| x * tension);
         vec![pull, pull.each(|x| -x)]

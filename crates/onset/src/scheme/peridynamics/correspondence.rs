@@ -1,4 +1,4 @@
-//! The family of a particle as a point with a deformation gradient (Silling and others 2007).
+//! Correspondence model: the family of a particle as a point with a nonlocal deformation gradient (Silling and others 2007).
 
 use super::ZeroEnergyControl;
 use super::family::Family;
@@ -8,14 +8,14 @@ use crate::real::Real;
 use crate::scheme::{Interaction, Motion, PointResponse};
 use nalgebra::SVector;
 
-/// A particle with its family at a homogeneous state.
+/// Particle with its family in a homogeneous state.
 #[derive(Clone)]
 pub(super) struct Point<'a, const D: usize> {
     family: &'a Family<D>,
     response: PointResponse<'a, D>,
-    /// `w V_J K^-1 X_IJ`, with which `F = F0 + sum (u_J - u_I) (x) gradient`.
+    /// Gradients `w V_J K^-1 X_IJ`, with `F = F0 + sum (u_J - u_I) (x) gradient`.
     gradients: Vec<SVector<f64, D>>,
-    /// With its coefficient times a modulus: of the penalty the bulk modulus, of hourglass forces the micromodulus.
+    /// Control with its coefficient multiplied by a modulus: by the bulk modulus for the penalty, by the micromodulus for hourglass forces.
     control: ZeroEnergyControl,
 }
 
@@ -36,7 +36,7 @@ impl<'a, const D: usize> Point<'a, D> {
         }
     }
 
-    /// The force of the control of zero-energy modes on a bond, from the displacement between its ends and `F - F0`.
+    /// Force of the zero-energy control on a bond, from the relative displacement of its ends and `F - F0`.
     fn controlled<R: Real>(&self, bond: usize, apart: &[R; D], change: &[[R; D]; D]) -> [R; D] {
         let neighbor = &self.family.neighbors[bond];
         let x = &neighbor.vector;

@@ -1,4 +1,4 @@
-//! The particles within the horizon of one.
+//! Family of a particle: all particles within its horizon.
 
 use super::{Influence, PartialVolumes};
 use crate::lattice::{Crystal, Particle};
@@ -7,40 +7,39 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 
 /// The shape tensor counts as singular below this ratio of its eigenvalues.
 const SINGULAR: f64 = 1e-12;
-/// What a distance may exceed the horizon by, relative to it, and be rounding.
+/// Relative rounding error of a distance that equals the horizon.
 const RIM: f64 = 1e-9;
 
-/// A particle of a family.
 #[derive(Clone, Debug)]
 pub(super) struct Neighbor<const D: usize> {
     pub(super) particle: Particle<D>,
-    /// The reference bond `X_IJ`.
+    /// Reference bond `X_IJ`; length.
     pub(super) vector: SVector<f64, D>,
-    /// `w`; zero at the rim of some functions, where forces that are not weighted remain.
+    /// Influence `w`. It is zero at the rim for some functions; forces that are not weighted remain there.
     pub(super) influence: f64,
-    /// What counts of the volume of the particle.
+    /// Part of the particle's volume that counts; length^D.
     pub(super) volume: f64,
-    /// The fraction of its volume that this is.
+    /// Fraction of the particle's volume that counts.
     pub(super) fraction: f64,
 }
 
-/// The family of a particle of the cell at the origin.
+/// Family of a particle of the cell at the origin.
 #[derive(Clone, Debug)]
 pub(super) struct Family<const D: usize> {
     /// The particle itself, then the others.
     pub(super) particles: Vec<Particle<D>>,
     pub(super) volume: f64,
     pub(super) neighbors: Vec<Neighbor<D>>,
-    /// `K = sum w X (x) X V`.
+    /// Shape tensor of the family, `K = sum w X (x) X V`.
     pub(super) shape: SMatrix<f64, D, D>,
     pub(super) inverse_shape: SMatrix<f64, D, D>,
 }
 
-/// A bond, to be counted once.
+/// Bond of a pair, counted once.
 pub(super) struct ReferenceBond<const D: usize> {
     pub(super) particles: [Particle<D>; 2],
     pub(super) vector: SVector<f64, D>,
-    /// `w V_I V_J` and its fraction at the horizon.
+    /// Weight `w V_I V_J`, times the fraction of the volume at the horizon.
     pub(super) weight: f64,
 }
 
@@ -77,7 +76,7 @@ impl<const D: usize> Family<D> {
             .filter(|particle| *particle != home)
             .filter_map(|particle| {
                 let vector = crystal.position(&particle) - origin;
-                // Both ends see the same bond.
+                // The mean size makes the bond the same from both of its ends.
                 let h = 0.5 * (size(site) + size(particle.site));
                 let fraction = fraction(partial, horizon, vector.norm(), h);
                 (fraction > 0.0).then(|| Neighbor {
@@ -95,7 +94,7 @@ impl<const D: usize> Family<D> {
             .sum();
         let too_small = MethodError::HorizonTooSmall {
             horizon,
-            // Those that an influence function leaves out determine nothing.
+            // Neighbors with zero influence do not contribute to the shape tensor.
             bonds: neighbors.iter().filter(|own| own.influence > 0.0).count(),
             dimension: D,
         };
@@ -111,8 +110,8 @@ impl<const D: usize> Family<D> {
         })
     }
 
-    /// The gradients `b_J = w V_J K^-1 X_IJ` of the nonlocal deformation gradient and the vectors `X_IJ`, in the order of the particles;
-    /// its own is minus the sum of the others.
+    /// Gradients `b_J = w V_J K^-1 X_IJ` of the nonlocal deformation gradient and the vectors `X_IJ`, in the order of the particles. The gradient of
+    /// the particle itself is minus the sum of the others.
     pub(super) fn gradients(&self) -> (Vec<SVector<f64, D>>, Vec<SVector<f64, D>>) {
         let gradient = |n: &Neighbor<D>| self.inverse_shape * n.vector * (n.influence * n.volume);
         let others: Vec<SVector<f64, D>> = self.neighbors.iter().map(gradient).collect();
@@ -124,18 +123,18 @@ impl<const D: usize> Family<D> {
         )
     }
 
-    /// The number of particles within the horizon, the one at its center left out.
+    /// Number of particles within the horizon, excluding the particle at its center.
     pub(super) fn len(&self) -> usize {
         self.neighbors.len()
     }
 
-    /// `sum w r V`, the discrete form of the integral of `w r`.
+    /// Sum `sum w r V`, the discrete form of the integral of `w r`.
     pub(super) fn mean_length(&self) -> f64 {
         let term = |n: &Neighbor<D>| n.influence * n.volume * n.vector.norm();
         self.neighbors.iter().map(term).sum()
     }
 
-    /// The bonds of the particle, one of each pair of opposite ones.
+    /// Bonds of the particle, one of each pair of opposite bonds.
     pub(super) fn bonds<'a>(
         &'a self,
         crystal: &'a Crystal<D>,
@@ -155,7 +154,7 @@ impl<const D: usize> Family<D> {
     }
 }
 
-/// The fraction of a volume that lies within the horizon, for a particle of size `h` at the distance `r`.
+/// Fraction of a particle's volume that lies within the horizon, for a particle of size `h` at the distance `r`.
 fn fraction(partial: PartialVolumes, horizon: f64, r: f64, h: f64) -> f64 {
     match partial {
         PartialVolumes::Whole => 1.0,
@@ -165,7 +164,7 @@ fn fraction(partial: PartialVolumes, horizon: f64, r: f64, h: f64) -> f64 {
     }
 }
 
-/// The inverse of a shape tensor; `None` where it is singular.
+/// Inverse of a shape tensor; `None` if it is singular.
 fn inverted<const D: usize>(shape: &SMatrix<f64, D, D>) -> Option<SMatrix<f64, D, D>> {
     let dynamic = DMatrix::from_fn(D, D, |i, j| shape[(i, j)]);
     let values = dynamic.clone().symmetric_eigenvalues();

@@ -1,8 +1,8 @@
-//! Peridynamics: particles that act on all others within a horizon, without derivatives.
+//! Peridynamics: particles interact with all others within a horizon, without spatial derivatives.
 //!
-//! Bond-based (Silling 2000), a pair force along the deformed bond, and the correspondence model (Silling and others 2007), whose
-//! nonlocal deformation gradient takes any hyperelastic law. Both are total-Lagrangian: families are those of the reference state.
-//! A family holds the particles at the horizon itself.
+//! There are two models: bond-based (Silling 2000), a pair force along the deformed bond, and correspondence (Silling and others 2007), whose
+//! nonlocal deformation gradient accepts any hyperelastic law.
+//! Both are total Lagrangian: families are determined in the reference configuration. Particles exactly at the horizon belong to a family.
 
 mod bond;
 mod correspondence;
@@ -23,7 +23,7 @@ use correspondence::Point;
 use family::Family;
 use nalgebra::DMatrix;
 
-/// How the weight of a bond depends on its length `r` in the reference state, `q = r / horizon`.
+/// Influence function: weight of a bond by its reference length `r`, with `q = r / horizon`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -31,18 +31,18 @@ use nalgebra::DMatrix;
     serde(rename_all = "kebab-case")
 )]
 pub enum Influence {
-    /// `w = 1`.
+    /// Constant function of the length, `w = 1`.
     Constant,
-    /// `w = 1/q`.
+    /// Function inverse to the length, `w = 1/q`.
     Inverse,
-    /// `w = 1 - q` up to the horizon, zero beyond.
+    /// Linear decrease, `w = 1 - q` up to the horizon and zero beyond.
     Conical,
-    /// `w = exp(-4 q^2)`.
+    /// Gaussian function of the length, `w = exp(-4 q^2)`.
     Gaussian,
 }
 
 impl Influence {
-    /// `q w(q)`, which is finite at zero.
+    /// Returns `q w(q)`, which is finite at zero.
     fn weighted_length(self, q: f64) -> f64 {
         match self {
             Self::Constant => q,
@@ -52,7 +52,7 @@ impl Influence {
         }
     }
 
-    /// `w` at a length in units of the horizon, `0 < q`; dimensionless.
+    /// Returns `w` at a length `q > 0` in units of the horizon; dimensionless.
     ///
     /// ```
     /// use onset::scheme::Influence;
@@ -62,7 +62,7 @@ impl Influence {
         self.weighted_length(q) / q
     }
 
-    /// The integral of `w(q) q` over the unit ball in `D` dimensions, by Simpson's rule.
+    /// Returns the integral of `w(q) q` over the unit ball in `D` dimensions, by Simpson's rule.
     fn mean_length<const D: usize>(self) -> f64 {
         let surface = [2.0, std::f64::consts::TAU, 2.0 * std::f64::consts::TAU][D - 1];
         let intervals = 200;
@@ -81,7 +81,7 @@ impl Influence {
     }
 }
 
-/// How much of a particle's volume counts near the horizon; `h` is the size of a particle, `V^(1/D)`.
+/// Rule for the volumes of particles near the horizon; `h = V^(1/D)` is the size of a particle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -89,16 +89,15 @@ impl Influence {
     serde(rename_all = "kebab-case")
 )]
 pub enum PartialVolumes {
-    /// All of it, up to the horizon.
+    /// The whole volume of every particle up to the horizon.
     Whole,
-    /// The fraction `1/2 + (horizon - r)/h` within `h/2` of the horizon, for particles whose centers are within it (Parks and
-    /// others 2008).
+    /// The fraction `1/2 + (horizon - r)/h` within `h/2` of the horizon, for particles whose centers lie inside (Parks and others 2008).
     Inside,
-    /// The same fraction on both sides of the horizon, down to zero at `horizon + h/2` (Hu, Ha and Bobaru 2010).
+    /// The fraction of `Inside` on both sides of the horizon, down to zero at `horizon + h/2` (Hu, Ha and Bobaru 2010).
     Tapered,
 }
 
-/// From what the micromodulus of bonds is computed.
+/// Calibration of the micromodulus of bonds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -106,13 +105,13 @@ pub enum PartialVolumes {
     serde(rename_all = "kebab-case")
 )]
 pub enum Calibration {
-    /// The integral over the horizon: `2 E / horizon^2` in one dimension, `18 K / (pi horizon^4)` in three.
+    /// Integral over the horizon: `2 E / horizon^2` in 1D, `18 K / (pi horizon^4)` in 3D, for constant influence.
     Continuum,
-    /// The sum over the particles that are there, which gives the body exactly the bulk modulus of the material.
+    /// Sum over the particles of the family, which reproduces the bulk modulus of the material exactly.
     Discrete,
 }
 
-/// What resists the deformations of a family that its deformation gradient does not see.
+/// Control of the zero-energy modes, deformations of a family with zero nonlocal deformation gradient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -120,23 +119,26 @@ pub enum Calibration {
     serde(rename_all = "kebab-case")
 )]
 pub enum ZeroEnergyControl {
-    /// Nothing.
+    /// No control of zero-energy modes.
     None,
-    /// Springs `coefficient K_D w / tr(K) z` against the nonuniform part `z = Y - F X` of the deformation (Silling 2017), `K_D` the
-    /// bulk modulus in the reference state in `D` dimensions and `K` the shape tensor, which makes the coefficient a pure number.
+    /// Springs `coefficient K_D w / tr(K) z` against the nonuniform part `z = Y - F X` of the deformation (Silling 2017).
+    ///
+    /// `K_D` is the bulk modulus in `D` dimensions in the reference state and `K` the shape tensor, which makes the coefficient dimensionless.
     Penalty {
-        /// A pure number; zero is no control.
+        /// Coefficient of the springs; dimensionless, zero for no control.
         coefficient: f64,
     },
-    /// Hourglass forces along the deformed bond, `coefficient c (z.e)/r e` with the micromodulus `c` of bonds of constant
-    /// influence (Littlewood 2010). They do not derive from an energy: the reaction on the deformation gradient is left out.
+    /// Hourglass forces along the deformed bond, `coefficient c (z.e)/r e` with the micromodulus `c` of bonds with constant influence (Littlewood
+    /// 2010).
+    ///
+    /// They do not derive from an energy, because the reaction on the deformation gradient is omitted.
     Hourglass {
-        /// A pure number; zero is no control.
+        /// Coefficient of the hourglass forces; dimensionless, zero for no control.
         coefficient: f64,
     },
 }
 
-/// The force between particles.
+/// Force model of the particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -144,25 +146,28 @@ pub enum ZeroEnergyControl {
     serde(rename_all = "kebab-case")
 )]
 pub enum BondModel {
-    /// The prototype microelastic brittle material without its failure: `c w s e` per squared volume, with the stretch
-    /// `s = (|y| - r)/r` and the direction `e` of the deformed bond `y`. Of the material it takes the bulk modulus in the reference state; its
-    /// Lame constants are equal whatever the material's are (Poisson's ratio 1/4 in three dimensions and in plane strain), and it
-    /// does not feel a stretch in the directions that a chain or a plane leaves out. A homogeneous deformation is an equilibrium
-    /// of the pair forces where every particle is a center of inversion.
+    /// Prototype microelastic brittle material without its failure: the force `c w s e` per squared volume, with the stretch `s = (|y| - r)/r` and
+    /// the direction `e` of the deformed bond `y`.
+    ///
+    /// The model uses only the bulk modulus of the material in the reference state. Its Lame constants are equal for any material (Poisson's ratio
+    /// 1/4 in three dimensions and in plane strain), and out-of-plane stretches of a chain or plane have no effect.
+    /// A homogeneous deformation is an equilibrium of the pair forces if every particle is a center of inversion.
     BondBased {
-        /// From what `c` is computed.
+        /// Calibration of the micromodulus `c`.
         calibration: Calibration,
     },
-    /// `F_I = (sum_J w (y_J - y_I) (x) X_IJ V_J) K_I^-1`, `K_I = sum_J w X_IJ (x) X_IJ V_J`, and the force `w P(F_I) K_I^-1 X_IJ` per
-    /// squared volume, with which the energy is `sum_I V_I W(F_I)`.
+    /// Correspondence model with `F_I = (sum_J w (y_J - y_I) (x) X_IJ V_J) K_I^-1`, `K_I = sum_J w X_IJ (x) X_IJ V_J`.
+    ///
+    /// The force is `w P(F_I) K_I^-1 X_IJ` per squared volume, and the energy is `sum_I V_I W(F_I)`.
     Correspondence {
-        /// Control of zero-energy modes.
+        /// Control of the zero-energy modes.
         control: ZeroEnergyControl,
     },
 }
 
-/// Every choice that defines a peridynamic discretization, apart from the lattice. The default is bond-based with the
-/// horizon of three spacings that is usual, whole volumes, and the constants of the continuum.
+/// Choices that define a peridynamic discretization, apart from the lattice.
+///
+/// By default bond-based with the usual horizon of three spacings, whole volumes, and the constants of the continuum.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -172,13 +177,13 @@ pub enum BondModel {
 pub struct PeridynamicsChoices {
     /// Reference density; mass per reference volume.
     pub density: f64,
-    /// The horizon in units of the particle spacing, [`Crystal::spacing`].
+    /// Horizon in units of the particle spacing [`Crystal::spacing`].
     pub horizon: f64,
     /// Weights of the bonds.
     pub influence: Influence,
-    /// Volumes at the horizon.
+    /// Rule for the volumes at the horizon.
     pub partial_volumes: PartialVolumes,
-    /// The force between particles.
+    /// Force model of the particles.
     pub model: BondModel,
 }
 
@@ -196,7 +201,7 @@ impl Default for PeridynamicsChoices {
     }
 }
 
-/// A peridynamic discretization of a crystal.
+/// Peridynamic discretization of a crystal.
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -214,22 +219,20 @@ impl Default for PeridynamicsChoices {
 pub struct Peridynamics<const D: usize> {
     choices: PeridynamicsChoices,
     crystal: Crystal<D>,
-    /// The horizon; length.
     horizon: f64,
     families: Vec<Family<D>>,
 }
 
-/// The interactions of one cell at a state.
 enum Interactions<'a, const D: usize> {
     Bonds(Vec<Bond<D>>),
     Points(Vec<Point<'a, D>>),
 }
 
 impl<const D: usize> Peridynamics<D> {
-    /// Sets up a discretization.
+    /// Builds the discretization on a crystal.
     ///
     /// # Errors
-    /// [`MethodError`] when a setting is out of range, or when a family is so small that its shape tensor is singular.
+    /// [`MethodError`] if a setting is out of range, or if a family is too small and its shape tensor is singular.
     pub fn new(crystal: Crystal<D>, choices: PeridynamicsChoices) -> Result<Self, MethodError> {
         for (name, value) in [("density", choices.density), ("horizon", choices.horizon)] {
             MethodError::positive(name, value)?;
@@ -257,21 +260,23 @@ impl<const D: usize> Peridynamics<D> {
         })
     }
 
-    /// The choices that define it.
+    /// Choices that define the discretization.
     pub fn choices(&self) -> &PeridynamicsChoices {
         &self.choices
     }
 
-    /// The radius of the families; length.
+    /// Radius of the families; length.
     pub fn horizon(&self) -> f64 {
         self.horizon
     }
 
-    /// The micromodulus `c` of a material: `1/2 integral of c w r dV = A_iijj` in the reference state, summed over `D` dimensions.
-    /// In one dimension with constant influence `2 E / horizon^2`, in three `18 K / (pi horizon^4)`. Units stress/length^(D+1).
+    /// Returns the micromodulus `c` of a material, defined by `1/2 integral of c w r dV = A_iijj` in the reference state, summed over `D` dimensions;
+    /// stress/length^(D+1).
+    ///
+    /// For constant influence it is `2 E / horizon^2` in one dimension and `18 K / (pi horizon^4)` in three.
     ///
     /// # Errors
-    /// [`MaterialError`] when the material cannot be evaluated in the reference state.
+    /// [`MaterialError`] if the material cannot be evaluated in the reference state.
     pub fn micromodulus(
         &self,
         material: &dyn Hyperelastic,
@@ -293,7 +298,7 @@ impl<const D: usize> Peridynamics<D> {
         Ok(2.0 * trace::<D>(material)? / lengths)
     }
 
-    /// The integral of `w r` over the ball of the horizon.
+    /// Integral of `w r` over the ball of the horizon.
     fn ball(&self, influence: Influence) -> f64 {
         influence.mean_length::<D>() * self.horizon.powi(D as i32 + 1)
     }
@@ -335,7 +340,7 @@ impl<const D: usize> Peridynamics<D> {
 }
 
 impl ZeroEnergyControl {
-    /// Whether of the nonuniform part of the deformation only what is along the bonds is resisted; `None` where nothing is.
+    /// Returns true if only the component of the nonuniform deformation along the bonds is resisted, false if all of it is; `None` without control.
     fn sees_only_along_bonds(self) -> Option<bool> {
         match self {
             Self::Penalty { coefficient } if coefficient > 0.0 => Some(false),
@@ -354,7 +359,7 @@ impl ZeroEnergyControl {
     }
 }
 
-/// `A_iijj` in the reference state, summed over `D` dimensions: `D^2` times the bulk modulus in them.
+/// Sum `A_iijj` over `D` dimensions in the reference state: `D^2` times the bulk modulus in `D` dimensions.
 fn trace<const D: usize>(material: &dyn Hyperelastic) -> Result<f64, MaterialError> {
     let tangent = material.response(&DeformationGradient::identity())?.tangent;
     let entries = (0..D).flat_map(|i| (0..D).map(move |j| (i, i, j, j)));
@@ -429,7 +434,7 @@ impl<const D: usize> Discretization<D> for Peridynamics<D> {
         let Interactions::Bonds(bonds) = self.interactions(material, f)? else {
             return Ok(None);
         };
-        // Compressed bonds push sideways: without them a body may be faster.
+        // Compressed bonds push sideways, so that a body without them may be faster.
         let is_stable = |bond: &Bond<D>| {
             let mut part = Part::new(bond.particles(), DMatrix::zeros(2, 2));
             part.add(bond);
@@ -439,7 +444,7 @@ impl<const D: usize> Discretization<D> for Peridynamics<D> {
         Ok(bonds.iter().all(is_stable).then_some(FiniteBodies::Lattice))
     }
 
-    /// The size of a family, the particle included.
+    /// Mean size of a family, the particle itself included.
     fn neighbors(&self) -> f64 {
         let sizes: usize = self.families.iter().map(Family::len).sum();
         1.0 + sizes as f64 / self.families.len() as f64

@@ -1,8 +1,11 @@
-//! The derivatives of the forces of a stress by the chain rule.
+//! Stiffness of the forces of a stress by the chain rule.
 //!
-//! A traction between a particle and a neighbor depends on all particles around them, but by way of few numbers: the deformation gradient and the density of the particle,
-//! the moment `K` where forces are corrected, and where the neighbor is and how dense. By these it is differentiated once for each neighbor, and they by the displacements
-//! in closed form, at the homogeneous state. To differentiate all forces by each displacement takes as many times longer as there are particles.
+//! A traction between a particle and a neighbor depends on the displacements of all particles around them, but only through a few numbers.
+//! These are the deformation gradient and density of the particle, the moment `K` of corrected forces, and the position and density of the neighbor.
+//! The traction is differentiated by these numbers once for each neighbor. Their derivatives by the displacements are in closed form, in the
+//! homogeneous state.
+//! Direct differentiation by each displacement would cost a factor equal to the number of particles.
+//! Direct differentiation by each displacement would cost a factor equal to the number of particles.
 
 use super::stress::StressOf;
 use crate::algebra::array_of;
@@ -10,15 +13,16 @@ use crate::bloch::BlochBlocks;
 use crate::real::{Dual, Real};
 use nalgebra::{SMatrix, SVector};
 
-/// Derivatives that are taken in one pass.
+/// Number of derivatives computed in one pass.
 const LANES: usize = 8;
 type Number = Dual<LANES>;
 
-/// The derivatives of a number by the displacements of all particles.
+/// Derivatives of a number by the displacements of all particles.
 type Row<const D: usize> = Vec<SVector<f64, D>>;
 
-/// The numbers by way of which tractions depend on displacements, in this order: the components of `F` by rows, the density, those of `K` by rows where there is one, the
-/// vector to the neighbor, and the density of that where it counts.
+/// Order of the numbers that determine tractions: `F` by rows, the density, `K` by rows, the vector to the neighbor, the density of the neighbor.
+///
+/// `K` is present only for corrected forces, the density of the neighbor only if the force depends on it.
 #[derive(Clone, Copy)]
 struct Order {
     density: usize,
@@ -44,16 +48,16 @@ impl Order {
     }
 }
 
-/// A homogeneous state, with what changes as particles are displaced.
+/// Homogeneous state with the derivatives by the displacements of the particles.
 pub(super) struct Chain<'a, const D: usize> {
     stress: &'a StressOf<'a, D>,
     order: Order,
     f: [[f64; D]; D],
-    /// `K`, where forces are corrected.
+    /// The moment `K`, if forces are corrected.
     moment: Option<[[f64; D]; D]>,
-    /// Of each particle those whose displacements move it, with their shares.
+    /// Particles whose displacements move each particle, with their shares.
     shifts: Vec<Vec<(usize, f64)>>,
-    /// The densities that count, with their derivatives: first that of the particle itself.
+    /// The relevant densities with their derivatives, starting with the density of the particle itself.
     densities: Vec<(f64, Row<D>)>,
 }
 
@@ -79,12 +83,12 @@ impl<'a, const D: usize> Chain<'a, D> {
         chain
     }
 
-    /// No derivatives.
+    /// A row without derivatives.
     fn row(&self) -> Row<D> {
         vec![SVector::zeros(); self.stress.particles.len()]
     }
 
-    /// Adds what the vector between the positions of two particles does, from the derivatives by it.
+    /// Adds the contribution of the vector between two particles, given the derivative by this vector.
     fn add_vector(&self, row: &mut Row<D>, [from, to]: [usize; 2], slope: &SVector<f64, D>) {
         for (n, share) in &self.shifts[to] {
             row[*n] += slope * *share;
@@ -94,7 +98,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
     }
 
-    /// `rho = rho_0 / det F` changes by `-rho div u`, a sum by the gradients of its weights.
+    /// Derivatives of a density. `rho = rho_0 / det F` changes by `-rho div u`, a sum by the gradients of its weights.
     fn density_row(&self, number: usize, density: f64) -> Row<D> {
         let StressOf {
             surroundings,
@@ -119,11 +123,11 @@ impl<'a, const D: usize> Chain<'a, D> {
         row
     }
 
-    /// Those of the numbers that belong to the particle itself.
+    /// Rows of the numbers that belong to the particle itself.
     fn own_rows(&self) -> Vec<Row<D>> {
         let circle = &self.stress.circles[0];
         let mut rows = vec![self.row(); self.order.vector];
-        // (1 + sum u_J (x) g_J) F.
+        // Derivative of (1 + sum u_J (x) g_J) F.
         for (member, gradient) in circle.members.iter().zip(&circle.gradients) {
             for j in 0..D {
                 let slope: f64 = (0..D).map(|m| gradient[m] * self.f[m][j]).sum();
@@ -141,7 +145,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         rows
     }
 
-    /// Adds what a neighbor does to the moment.
+    /// Adds the contribution of a neighbor to the moment.
     fn add_to_moment(&self, other: usize, rows: &mut [Row<D>]) {
         let x = self.stress.vector(0, other);
         let x: [Number; D] = array_of(|i| Number::variable(x[i], i));
@@ -158,7 +162,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
     }
 
-    /// The derivatives of the tractions of all neighbors by the numbers on which they depend.
+    /// Derivatives of the tractions of all neighbors by the numbers in [`Order`].
     fn tractions(&self) -> Vec<Vec<SVector<f64, D>>> {
         let Order {
             density,

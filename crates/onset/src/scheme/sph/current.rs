@@ -1,4 +1,4 @@
-//! How particles with kernels of current coordinates act on each other in pairs, wherever they are.
+//! Pair forces of SPH with kernels in current coordinates, for particles at any positions.
 
 use super::super::layout::{Measure, Measured, MovingWeight, Weighed};
 use super::super::products::times_vector;
@@ -7,20 +7,22 @@ use super::updated::{DensityEvolution, MomentumForm};
 use crate::algebra::{Each, array_of};
 use crate::real::{LANES, Lanes, Real};
 
-/// What a force between two particles takes of one of them: `f_I = sum_J (r_I T_J +- r_J T_I) grad W_IJ` with `r = m`, `T = m s / rho^2` in the symmetric
-/// form and `r = m / rho`, `T = m s / rho` in the others, so that nothing is divided for a pair.
+/// Contribution of one particle to a pair force, `f_I = sum_J (r_I T_J +- r_J T_I) grad W_IJ`.
+///
+/// `r = m`, `T = m s / rho^2` in the symmetric form and `r = m / rho`, `T = m s / rho` in the others, so that no division is needed per pair.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Laden<R, const D: usize> {
-    /// `r`.
+    /// Factor `r` of the force.
     pub(crate) reach: R,
-    /// `T`, with `s = P F^T / det F` within the dimensions of the lattice.
+    /// Tensor `T`, with `s = P F^T / det F` within the dimensions of the lattice.
     pub(crate) tension: [[R; D]; D],
-    /// The part of it that an artificial stress acts against, where there is one.
+    /// Part of `T` that is reduced by an artificial stress, if any.
     pub(crate) tensile: Option<[[R; D]; D]>,
 }
 
 impl<R: Real, const D: usize> Laden<R, D> {
-    /// `T grad W`, less the artificial stress: of one pair over the reach of the other particle, of several with the sums of their slopes times that.
+    /// Returns `T grad W` minus the artificial stress. For one pair this is the force over the factor `r` of the other particle; for several pairs
+    /// the slopes are sums weighted by `r`.
     #[inline(always)]
     pub(crate) fn traction(&self, slopes: &[[R; D]; 2]) -> [R; D] {
         let traction = times_vector(&self.tension, &slopes[0]);
@@ -32,11 +34,11 @@ impl<R: Real, const D: usize> Laden<R, D> {
     }
 }
 
-/// How particles with kernels of current coordinates act on each other in pairs, whoever sees whom: what bodies of them need to know. Kernels
-/// and thresholds are those of a homogeneous state.
+/// Pair forces of particles with kernels in current coordinates and changing neighbors, as needed to compute bodies. Kernels and thresholds belong to
+/// a homogeneous state.
 #[derive(Clone, Debug)]
 pub struct CurrentPairs<const D: usize> {
-    /// With the integral one.
+    /// Kernel with unit integral.
     pub(super) weight: MovingWeight<D>,
     pub(super) momentum: MomentumForm,
     pub(super) density_evolution: DensityEvolution,
@@ -45,39 +47,39 @@ pub struct CurrentPairs<const D: usize> {
     pub(super) corrects_forces: bool,
     pub(super) repulsion: Option<Repulsion>,
     pub(super) dashpot: Option<Dashpot>,
-    /// The coefficient of XSPH.
+    /// Coefficient of XSPH, the velocity smoothing.
     pub(super) smoothing: f64,
     pub(super) smoothed_motion: SmoothedMotion,
 }
 
 impl<const D: usize> CurrentPairs<D> {
-    /// The weight with the integral one at the vector from a particle to another.
+    /// Weight with unit integral at the vector from one particle to another.
     pub(crate) fn weigh<R: Real>(&self, x: &[R; D]) -> Weighed<R, D> {
         self.weight.at(x)
     }
 
-    /// By what weights measure distances.
+    /// Metric tensor of the weights.
     pub(crate) fn measure(&self) -> Measure<D> {
         self.weight.measure()
     }
 
-    /// The weight of what has been measured.
+    /// Returns the weight of measured vectors.
     #[inline(always)]
     pub(crate) fn weigh_measured<R: Real>(&self, own: &Measured<R, D>) -> Weighed<R, D> {
         self.weight.weigh(own)
     }
 
-    /// Whether there is an artificial stress.
+    /// Returns true if there is an artificial stress.
     pub(crate) fn is_tensile(&self) -> bool {
         self.repulsion.is_some()
     }
 
-    /// The part of a stress that an artificial stress acts against, where there is one.
+    /// Returns the part of a stress that an artificial stress reduces, if there is an artificial stress.
     pub(crate) fn tensile<R: Real>(&self, stress: &[[R; D]; D]) -> Option<[[R; D]; D]> {
         self.repulsion.map(|r| r.tensile_part(stress))
     }
 
-    /// The same of several stresses: principal axes are found of one at a time.
+    /// Like [`Self::tensile`] for several stresses in lanes. Principal axes are computed for one stress at a time.
     pub(crate) fn tensile_of_each(&self, stress: &[[Lanes; D]; D]) -> Option<[[Lanes; D]; D]> {
         let repulsion = self.repulsion.as_ref()?;
         let mut all = *stress;
@@ -93,7 +95,7 @@ impl<const D: usize> CurrentPairs<D> {
         Some(all)
     }
 
-    /// Whether the force takes the density of the other particle beside that of the one whose stress it is.
+    /// Returns true if the force of a stress depends on the densities of both particles.
     pub(super) fn takes_both_densities(&self) -> bool {
         match self.momentum {
             MomentumForm::Symmetric => false,
@@ -101,17 +103,18 @@ impl<const D: usize> CurrentPairs<D> {
         }
     }
 
-    /// Whether the force of a stress takes the densities of all others: in itself, or in the correction.
+    /// Returns true if the force of a stress depends on the densities of all neighbors, directly or through the correction.
     pub(super) fn takes_all_densities(&self) -> bool {
         self.takes_both_densities() || self.corrects_forces
     }
 
-    /// Whether stresses act along corrected gradients.
+    /// Returns true if stresses act along corrected gradients.
     pub(crate) fn corrects_forces(&self) -> bool {
         self.corrects_forces
     }
 
-    /// What forces take of a particle of so much mass, with a density and a stress, corrected where forces are, of which a part is [`Self::tensile`].
+    /// Contribution of a particle to pair forces, from its mass, density, stress and the tensile part of the stress ([`Self::tensile`]). If forces
+    /// are corrected, the stress is already multiplied by the correction.
     pub(crate) fn laden<R: Real>(
         &self,
         mass: R,
@@ -132,7 +135,7 @@ impl<const D: usize> CurrentPairs<D> {
         }
     }
 
-    /// What a stress takes of another particle: `m`, or `m / rho`.
+    /// Factor of the other particle in the force of a stress: `m`, or `m / rho`.
     pub(super) fn reach<R: Real>(&self, mass: R, density: R) -> R {
         match self.takes_both_densities() {
             false => mass,
@@ -140,10 +143,10 @@ impl<const D: usize> CurrentPairs<D> {
         }
     }
 
-    /// `grad W_IJ` with respect to `x_I`, and the same times the factor of the artificial stress.
+    /// Gradient `grad W_IJ` with respect to `x_I`, and this gradient times the factor of the artificial stress.
     #[inline(always)]
     pub(crate) fn slopes<R: Real>(&self, weight: &Weighed<R, D>) -> [[R; D]; 2] {
-        // Minus that along x_J - x_I.
+        // Minus the gradient along x_J - x_I.
         let slope = weight.gradient.each(|slope| -slope);
         let less = match &self.repulsion {
             None => [R::constant(0.0); D],
@@ -155,7 +158,7 @@ impl<const D: usize> CurrentPairs<D> {
         [slope, less]
     }
 
-    /// The force on particle `I` itself of such a traction.
+    /// Force on particle `I` due to a traction of its stress, with the sign of the form.
     #[inline(always)]
     pub(crate) fn taken<R: Real>(&self, traction: [R; D]) -> [R; D] {
         match self.momentum {
@@ -164,8 +167,9 @@ impl<const D: usize> CurrentPairs<D> {
         }
     }
 
-    /// The viscous force on the first of two particles, from the vector to the other one, the difference of their velocities, the weight, masses and densities; zero
-    /// without viscosity.
+    /// Viscous force on the first of two particles; zero without viscosity.
+    ///
+    /// The arguments are the vector to the other particle, the difference of the velocities, the weight, the masses and the densities.
     #[inline(always)]
     pub(crate) fn viscous_force<R: Real>(
         &self,
@@ -182,48 +186,47 @@ impl<const D: usize> CurrentPairs<D> {
         })
     }
 
-    /// Whether there is viscosity.
+    /// Returns true if there is viscosity.
     pub(crate) fn is_viscous(&self) -> bool {
         self.dashpot.is_some()
     }
 
-    /// Whether positions follow smoothed velocities.
+    /// Returns true if positions follow smoothed velocities.
     pub(crate) fn is_smoothed(&self) -> bool {
         self.smoothing > 0.0
     }
 
-    /// Whether deformations and densities follow them too.
+    /// Returns true if deformations and densities also follow smoothed velocities.
     pub(crate) fn smooths_everything(&self) -> bool {
         self.is_smoothed() && self.smoothed_motion == SmoothedMotion::Everything
     }
 
-    /// The share of the velocity of another particle in the smoothed one.
+    /// Share of the velocity of another particle in the smoothed velocity.
     #[inline(always)]
     pub(crate) fn smoothing_share<R: Real>(&self, mass: R, densities: [R; 2], weight: R) -> R {
         smoothing_share(self.smoothing, mass, densities, weight)
     }
 
-    /// Whether densities are sums over positions.
+    /// Returns true if densities are sums over positions.
     pub(crate) fn sums_densities(&self) -> bool {
         self.density_evolution == DensityEvolution::Summation
     }
 
-    /// The reference density.
     pub(crate) fn reference_density(&self) -> f64 {
         self.reference_density
     }
 
-    /// Whether velocity gradients are corrected to be exact for linear fields.
+    /// Returns true if velocity gradients are corrected to be exact for linear fields.
     pub(crate) fn is_corrected(&self) -> bool {
         self.is_corrected
     }
 
-    /// The support radius, of vectors as [`Self::measured`]; length.
+    /// Support radius of vectors as given by [`Self::measured`]; length.
     pub(crate) fn radius(&self) -> f64 {
         self.weight.radius()
     }
 
-    /// A place as the kernels measure it.
+    /// Maps a place to the coordinates of the kernels.
     pub(crate) fn measured(&self, x: &[f64; D]) -> [f64; D] {
         self.weight.measured(x)
     }

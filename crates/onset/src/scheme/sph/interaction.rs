@@ -1,4 +1,4 @@
-//! The interactions that SPH is made of, as one kind.
+//! The interactions of SPH as a single type.
 
 use super::super::lagrangian::Stressed;
 use super::super::stabilization::{BondPenalty, ViscousBond};
@@ -9,11 +9,10 @@ use crate::bloch::BlochBlocks;
 use crate::lattice::Particle;
 use crate::real::Real;
 
-/// An interaction of particles.
 pub(super) enum SphInteraction<'a, const D: usize> {
-    /// Stress of a particle that sees fixed neighbors.
+    /// Stress of a particle with neighbors fixed in the reference configuration.
     Fixed(Stressed<'a, D>),
-    /// Stress of a particle that sees moving ones.
+    /// Stress of a particle with moving neighbors.
     Moving(StressOf<'a, D>),
     Penalty(BondPenalty<'a, D>),
     Viscous(ViscousBond<D>),

@@ -1,9 +1,10 @@
-//! Smoothed particle hydrodynamics for solids: total-Lagrangian, and with kernels of current coordinates.
+//! Smoothed particle hydrodynamics (SPH) for solids: total Lagrangian, and with kernels in current coordinates.
 //!
-//! Both take stress at the particles only. [`TotalLagrangianSph`] derives from an energy, sees fixed neighbors, and has no tensile
-//! instability; [`UpdatedSph`] is what the name first meant: forces between pairs of particles along the gradient of a kernel
-//! that moves with them, in one of several forms that are the same in the continuum and differ here. Neighbors are those of
-//! the homogeneous state: what is near enough to come in has no weight there.
+//! Both evaluate the stress only at the particles. [`TotalLagrangianSph`] derives from an energy, keeps its reference neighbors, and has no tensile
+//! instability.
+//! [`UpdatedSph`] is SPH as first published: forces between pairs of particles along the gradient of a kernel that moves with them.
+//! They have one of several forms, which are equivalent in the continuum and differ here. Neighbors are determined in the homogeneous state: particles
+//! close to the support, which might enter it, have zero weight there.
 
 mod chain;
 mod current;

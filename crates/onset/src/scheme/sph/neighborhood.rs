@@ -1,4 +1,4 @@
-//! What the particles of a cell see in a homogeneous state.
+//! Neighbors of the particles of a cell in a homogeneous state.
 
 use super::super::layout::{Layout, Weighed};
 use super::super::response::{determinant, inverse};
@@ -7,21 +7,21 @@ use crate::approximation::SingularMoment;
 use crate::lattice::{Crystal, Particle};
 use crate::method::MethodError;
 
-/// Condition number of a correction matrix beyond which gradients are noise.
+/// Largest condition number of a correction matrix for which gradients are accurate.
 const MAXIMUM_CONDITION: f64 = 1e12;
 
-/// A particle with its neighbors.
+/// Particle with its neighbors.
 #[derive(Clone, Debug)]
 pub(super) struct Neighborhood<const D: usize> {
     /// The particle itself, then its neighbors, nearest first.
     pub(super) particles: Vec<Particle<D>>,
-    /// `x_J - x_I`; length.
+    /// Vectors `x_J - x_I` to the particles; length.
     pub(super) vectors: Vec<[f64; D]>,
-    /// `W_IJ` with its gradient along `x_J - x_I`, minus that with respect to `x_I`.
+    /// Weight `W_IJ` with its gradient along `x_J - x_I`, which is minus the gradient with respect to `x_I`.
     pub(super) weights: Vec<Weighed<f64, D>>,
 }
 
-/// The neighborhoods of the particles of a cell; weights have the integral one.
+/// Neighborhoods of the particles of a cell; weights have unit integral.
 pub(super) fn neighborhoods<const D: usize>(
     crystal: &Crystal<D>,
     layout: &Layout<D>,
@@ -42,20 +42,20 @@ pub(super) fn neighborhoods<const D: usize>(
     crystal.sites().iter().map(of_site).collect()
 }
 
-/// The mean number of particles in a neighborhood.
+/// Mean number of particles in a neighborhood.
 pub(super) fn mean_size<const D: usize>(neighborhoods: &[Neighborhood<D>]) -> f64 {
     let total: usize = neighborhoods.iter().map(|n| n.particles.len()).sum();
     total as f64 / neighborhoods.len() as f64
 }
 
 impl<const D: usize> Neighborhood<D> {
-    /// The pairs that the particle makes with its neighbors, with their weights.
+    /// Pairs of the particle with its neighbors, with their weights.
     pub(super) fn pairs(&self) -> impl Iterator<Item = ([Particle<D>; 2], f64)> {
         let others = self.particles.iter().zip(&self.weights).skip(1);
         others.map(|(other, weight)| ([self.particles[0], *other], weight.value))
     }
 
-    /// `sum_J m_J W_IJ`, the particle itself included; from the masses of the sites.
+    /// Density `sum_J m_J W_IJ`, the particle itself included, from the masses of the sites.
     pub(super) fn summed_density(&self, masses: &[f64]) -> f64 {
         let pairs = self.particles.iter().zip(&self.weights);
         pairs
@@ -63,9 +63,10 @@ impl<const D: usize> Neighborhood<D> {
             .sum()
     }
 
-    /// The gradients `g_J` of the discrete displacement gradient `sum_J u_J (x) g_J`, the particle itself included:
-    /// `g_J = V_J K^-T grad W_IJ`, `g_I = -sum_J g_J`, with `K = sum_J V_J (x_J - x_I) (x) grad W_IJ` where gradients are
-    /// corrected to be exact for linear fields, otherwise `K = 1`. From the volumes of the sites.
+    /// Gradients `g_J` of the discrete displacement gradient `sum_J u_J (x) g_J`, the particle itself included, from the volumes of the sites.
+    ///
+    /// `g_J = V_J K^-T grad W_IJ`, `g_I = -sum_J g_J`, with `K = sum_J V_J (x_J - x_I) (x) grad W_IJ` if gradients are corrected to be exact for
+    /// linear fields, and `K = 1` if not.
     pub(super) fn gradients(
         &self,
         volumes: &[f64],
@@ -91,7 +92,7 @@ impl<const D: usize> Neighborhood<D> {
         Ok(gradients)
     }
 
-    /// `K^-1`.
+    /// Correction matrix `K^-1` of the gradients.
     fn correction(&self, gradients: &[[f64; D]]) -> Result<[[f64; D]; D], MethodError> {
         let mut matrix = [[0.0; D]; D];
         for (x, g) in self.vectors.iter().zip(gradients) {
@@ -109,10 +110,10 @@ impl<const D: usize> Neighborhood<D> {
     }
 }
 
-/// The matrix `K^-1` that corrects gradients, of `K = sum_J X_IJ (x) a_IJ`.
+/// Matrix `K^-1` that corrects gradients, for `K = sum_J X_IJ (x) a_IJ`.
 ///
 /// # Errors
-/// The condition number of `K`, where gradients would be noise; that may be no number.
+/// The condition number of `K`, possibly NaN, if rounding errors would dominate the gradients.
 pub(crate) fn correction<const D: usize>(moment: &[[f64; D]; D]) -> Result<[[f64; D]; D], f64> {
     let largest = |m: &[[f64; D]; D]| {
         m.iter()

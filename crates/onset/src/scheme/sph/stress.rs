@@ -1,4 +1,4 @@
-//! The forces that the stress of one particle exerts on itself and on its neighbors, with kernels that move.
+//! Forces of the stress of one particle on itself and on its neighbors, with moving kernels.
 
 use super::super::products::{displacement_gradient, times_transpose, transported};
 use super::super::response::{determinant, inverse};
@@ -9,47 +9,47 @@ use crate::lattice::Particle;
 use crate::real::Real;
 use std::borrow::Cow;
 
-/// What the particles of a state have in common.
+/// Common data of the particles of a state.
 pub(super) struct Surroundings<'a, const D: usize> {
     pub(super) response: &'a PointResponse<'a, D>,
     pub(super) pairs: &'a CurrentPairs<D>,
-    /// Whether positions stay where they are, so that only what particles carry along follows a displacement.
+    /// Whether positions are held, so that a displacement changes only the quantities that particles carry along.
     pub(super) holds_positions: bool,
 }
 
-/// What a particle sees of the others of its interaction, by their numbers in it: itself first.
+/// Neighbors of a particle, numbered within its interaction; the particle itself comes first.
 pub(super) struct Circle<const D: usize> {
     pub(super) members: Vec<usize>,
-    /// Of the discrete displacement gradient; 1/length.
+    /// Gradients `g_J` of the discrete displacement gradient; 1/length.
     pub(super) gradients: Vec<[f64; D]>,
 }
 
-/// The part of the forces that is linear in the stress `s_I` of a particle `I`:
+/// Forces that are linear in the stress `s_I` of a particle `I`.
 ///
-/// `f_I = +- sum_J c_IJ s_I grad W_IJ`, `f_J = -c_IJ s_I grad W_IJ`; the sums of these over all `I` are the pairwise forms.
-/// `s = P F^T / det F` within the dimensions of the lattice, times `K_I^-T` where forces are corrected.
+/// They are `f_I = +- sum_J c_IJ s_I grad W_IJ`, `f_J = -c_IJ s_I grad W_IJ`; summed over all `I` they give the pairwise forms.
+/// `s = P F^T / det F` within the dimensions of the lattice, times `K_I^-T` if forces are corrected.
 pub(super) struct StressOf<'a, const D: usize> {
     pub(super) surroundings: &'a Surroundings<'a, D>,
-    /// The particle, its neighbors, and those that only the densities of its neighbors see.
+    /// The particle, its neighbors, and particles that only contribute to the densities of its neighbors.
     pub(super) particles: Vec<Particle<D>>,
     /// Positions in the homogeneous state relative to the particle; length.
     pub(super) positions: Vec<[f64; D]>,
     pub(super) masses: Vec<f64>,
-    /// Of the particle, and of its neighbors too where their densities count.
+    /// Neighbors of the particle, and also of its neighbors if their densities enter the forces.
     pub(super) circles: Vec<Circle<D>>,
-    /// Where positions follow smoothed velocities and nothing else does: of each particle whose position counts, by their numbers,
-    /// its neighbors with their shares.
+    /// Neighbors with their shares for each particle whose position is needed, by number, if only positions follow smoothed velocities; otherwise
+    /// empty.
     pub(super) smoothing: Vec<Vec<(usize, f64)>>,
 }
 
-/// Displacements, and the positions that come of them.
+/// Displacements and the resulting positions.
 pub(super) struct Moved<'a, R: Clone, const D: usize> {
     displacements: Cow<'a, [[R; D]]>,
     positions: Vec<[R; D]>,
 }
 
 impl<const D: usize> StressOf<'_, D> {
-    /// The particles whose displacements move the one with a number, with their shares: `u_I + sum_J s_IJ (u_J - u_I)`.
+    /// Particles whose displacements move the particle with a number, with their shares: `u_I + sum_J s_IJ (u_J - u_I)`.
     pub(super) fn shares(&self, number: usize) -> impl Iterator<Item = (usize, f64)> {
         let moves = !self.surroundings.holds_positions;
         let smoothing = self.smoothing.get(number).filter(|_| moves);
@@ -58,7 +58,7 @@ impl<const D: usize> StressOf<'_, D> {
         moves.then_some((number, rest)).into_iter().chain(others)
     }
 
-    /// How far its position has moved.
+    /// Displacement of the position of a particle.
     fn shift<R: Real>(&self, number: usize, displacements: &[[R; D]]) -> [R; D] {
         let shares = self.shares(number);
         shares.fold([R::constant(0.0); D], |sum, (other, share)| {
@@ -66,12 +66,12 @@ impl<const D: usize> StressOf<'_, D> {
         })
     }
 
-    /// The vector between two particles in the homogeneous state, by their numbers.
+    /// Vector between two particles in the homogeneous state, by their numbers.
     pub(super) fn vector(&self, from: usize, to: usize) -> [f64; D] {
         between(&self.positions[from], &self.positions[to])
     }
 
-    /// Nothing displaced.
+    /// The homogeneous state without displacements.
     pub(super) fn at_rest(&self) -> Moved<'_, f64, D> {
         Moved {
             displacements: Cow::Owned(vec![[0.0; D]; self.particles.len()]),
@@ -79,14 +79,14 @@ impl<const D: usize> StressOf<'_, D> {
         }
     }
 
-    /// The deformation gradient that a particle carries, `(1 + sum_J u_J (x) g_J) F`.
+    /// Deformation gradient that a particle carries, `(1 + sum_J u_J (x) g_J) F`.
     fn deformation<R: Real>(&self, displacements: &[[R; D]], circle: &Circle<D>) -> [[R; D]; D] {
         let seen: Vec<[R; D]> = circle.members.iter().map(|n| displacements[*n]).collect();
         let step = displacement_gradient(&seen, &circle.gradients);
         transported(&step, &self.surroundings.response.leading())
     }
 
-    /// The density of the particle with a number.
+    /// Density of the particle with a number.
     pub(super) fn density<R: Real>(&self, number: usize, moved: &Moved<'_, R, D>) -> R {
         let circle = &self.circles[number];
         let pairs = self.surroundings.pairs;
@@ -101,7 +101,7 @@ impl<const D: usize> StressOf<'_, D> {
         determinant(&f).recip() * pairs.reference_density()
     }
 
-    /// `K_I = sum_J m_J/rho_J x_IJ (x) grad W_IJ`, where forces are corrected by its inverse.
+    /// Moment `K_I = sum_J m_J/rho_J x_IJ (x) grad W_IJ`, if forces are corrected by its inverse.
     pub(super) fn moment<R: Real>(&self, moved: &Moved<'_, R, D>) -> Option<[[R; D]; D]> {
         if !self.surroundings.pairs.corrects_forces() {
             return None;
@@ -119,7 +119,7 @@ impl<const D: usize> StressOf<'_, D> {
         Some(moment)
     }
 
-    /// The part of another particle in it, from where that is and how dense.
+    /// Contribution of another particle to the moment, from its relative position and its density.
     pub(super) fn part_of_moment<R: Real>(
         &self,
         other: usize,
@@ -132,7 +132,7 @@ impl<const D: usize> StressOf<'_, D> {
         array_of(|i| array_of(|j| x[i] * slope[j] * volume))
     }
 
-    /// What the forces take of the particle: from its deformation gradient, its density, and the moment of a correction.
+    /// Contribution of the particle to pair forces, from its deformation gradient, its density, and the moment of a correction.
     pub(super) fn laden<R: Real>(
         &self,
         f: &[[R; D]; D],
@@ -154,7 +154,7 @@ impl<const D: usize> StressOf<'_, D> {
         pairs.laden(mass, density, &along, pairs.tensile(&stress))
     }
 
-    /// The traction between the particle and another one, from where that is and how dense.
+    /// Traction between the particle and a neighbor, from the relative position and the density of the neighbor.
     pub(super) fn traction<R: Real>(
         &self,
         own: &Laden<R, D>,

@@ -1,4 +1,4 @@
-//! Total-Lagrangian SPH.
+//! Total-Lagrangian SPH with kernels in material coordinates.
 
 use super::super::lagrangian::{LagrangianPoint, strains, stressed};
 use super::super::layout::{Layout, MovingWeight, assert_positive};
@@ -22,7 +22,7 @@ use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use nalgebra::SVector;
 
-/// The choices that define total-Lagrangian SPH.
+/// Choices that define total-Lagrangian SPH.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -32,19 +32,19 @@ use nalgebra::SVector;
 pub struct TotalLagrangianChoices {
     /// Reference density; mass per reference volume.
     pub density: f64,
-    /// Weight function.
+    /// Weight function of the particles.
     pub kernel: Kernel,
-    /// Support radius in the reference state; length.
+    /// Support radius in the reference configuration; length.
     pub radius: f64,
     /// Whether gradients are corrected to be exact for linear fields.
     pub corrected: bool,
-    /// The coefficient `alpha` of the zero-energy-mode penalty; zero without.
+    /// Coefficient `alpha` of the penalty against zero-energy modes; zero for no penalty.
     pub penalty: f64,
-    /// How the penalty is written.
+    /// Form of the penalty, which fixes its denominators.
     pub penalty_form: PenaltyForm,
-    /// Artificial viscosity.
+    /// Artificial viscosity, if any.
     pub viscosity: Option<ArtificialViscosity>,
-    /// The coefficient `epsilon` of XSPH; zero without.
+    /// Coefficient `epsilon` of XSPH; zero for no velocity smoothing.
     pub velocity_smoothing: f64,
 }
 
@@ -63,11 +63,11 @@ impl Default for TotalLagrangianChoices {
     }
 }
 
-/// SPH with kernels of material coordinates.
+/// SPH with kernels in material coordinates.
 ///
-/// `F_I = sum_J V_J (u_J - u_I) (x) grad W_IJ K_I^-1 + 1` and
-/// `f_I = sum_J V_I V_J (P_I K_I^-T + P_J K_J^-T) grad W_IJ`, with `K_I = sum_J V_J X_IJ (x) grad W_IJ` or, uncorrected, `K = 1`:
-/// minus the derivative of the energy `sum_I V_I W(F_I)`. The state is imposed, every particle carries `F`.
+/// The deformation gradient is `F_I = sum_J V_J (u_J - u_I) (x) grad W_IJ K_I^-1 + 1` and the force is
+/// `f_I = sum_J V_I V_J (P_I K_I^-T + P_J K_J^-T) grad W_IJ`, with `K_I = sum_J V_J X_IJ (x) grad W_IJ` or, uncorrected, `K = 1`.
+/// The forces are minus the derivatives of the energy `sum_I V_I W(F_I)`. The state is imposed: every particle carries `F`.
 ///
 /// Source: Vignjevic, Reveles, Campbell, CMES 14 (2006) 181; Bonet and Lok, Comput. Methods Appl. Mech. Engrg. 180 (1999) 97.
 ///
@@ -89,15 +89,15 @@ pub struct TotalLagrangianSph<const D: usize> {
     crystal: Crystal<D>,
     choices: TotalLagrangianChoices,
     neighborhoods: Vec<Neighborhood<D>>,
-    /// The particles of the cell as points that see the deformation.
+    /// Particles of the cell as quadrature points.
     points: Vec<LagrangianPoint<D>>,
 }
 
 impl<const D: usize> TotalLagrangianSph<D> {
-    /// Sets up the method.
+    /// Builds the method on a crystal.
     ///
     /// # Errors
-    /// [`MethodError`] when a number is out of range, or when a particle sees too few or too many others.
+    /// [`MethodError`] if a number is out of range, or if a particle has too few or too many neighbors.
     pub fn new(crystal: Crystal<D>, choices: TotalLagrangianChoices) -> Result<Self, MethodError> {
         assert_positive(&[("density", choices.density), ("support", choices.radius)])?;
         assert_coefficients(&[
@@ -126,12 +126,12 @@ impl<const D: usize> TotalLagrangianSph<D> {
         })
     }
 
-    /// The choices that define the method.
+    /// Choices that define the method.
     pub fn choices(&self) -> &TotalLagrangianChoices {
         &self.choices
     }
 
-    /// Does something with the interactions of a state.
+    /// Calls `work` with the interactions of a state.
     fn with_interactions<T>(
         &self,
         material: &dyn Hyperelastic,
@@ -195,7 +195,7 @@ impl<const D: usize> TotalLagrangianSph<D> {
             let pairs = pairs.zip(&neighborhood.weights).skip(1);
             pairs.map(|((other, vector), weight)| {
                 let reference = SVector::from(*vector);
-                // The slope along the bond.
+                // Slope of the weight along the bond.
                 let slope = SVector::from(weight.gradient).dot(&reference) / reference.norm();
                 let current: SVector<f64, D> = map * reference;
                 let ends = [neighborhood.particles[0], *other];
@@ -212,10 +212,10 @@ impl<const D: usize> TotalLagrangianSph<D> {
     }
 }
 
-/// What pairs of particles have in common, wherever they are.
+/// Pair forces of total-Lagrangian SPH, for particles at any positions.
 struct TotalLagrangianPairs<const D: usize> {
     weight: MovingWeight<D>,
-    /// Under a penalty.
+    /// Compliance of the material, for the penalty.
     compliance: Option<Compliance>,
     choices: TotalLagrangianChoices,
 }
@@ -294,8 +294,8 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
     ) -> Result<Option<CarriedWaves<D>>, MethodError> {
-        // Kernels and bonds of material coordinates do not move: the stress follows the deformation gradients, and the penalty, which
-        // measures the distances themselves, the positions. Of a law in rate form what it integrates is carried along alone.
+        // Kernels and bonds in material coordinates do not move. The stress follows the deformation gradients; the penalty, which measures distances,
+        // follows the positions. In a law in rate form only the integrated part of the stress is carried along.
         let material = PartOf {
             law: material,
             is_integrated: true,

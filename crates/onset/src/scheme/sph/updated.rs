@@ -1,4 +1,4 @@
-//! SPH with kernels of current coordinates.
+//! SPH with kernels in current coordinates.
 
 use super::super::layout::{Layout, assert_planar, assert_positive};
 use super::super::response::PartOf;
@@ -23,7 +23,7 @@ use crate::material::Hyperelastic;
 use crate::method::{MethodError, SupportSize};
 use std::collections::BTreeMap;
 
-/// How the stresses of two particles become a force between them.
+/// Form of the pair force from the stresses of two particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -31,16 +31,16 @@ use std::collections::BTreeMap;
     serde(rename_all = "kebab-case")
 )]
 pub enum MomentumForm {
-    /// `m_I sum_J m_J (sigma_I / rho_I^2 + sigma_J / rho_J^2) grad W_IJ`: conserves momentum.
+    /// Symmetric form, `m_I sum_J m_J (sigma_I / rho_I^2 + sigma_J / rho_J^2) grad W_IJ`: conserves momentum.
     Symmetric,
-    /// `m_I sum_J m_J (sigma_I + sigma_J) / (rho_I rho_J) grad W_IJ`: conserves momentum.
+    /// Mean form, `m_I sum_J m_J (sigma_I + sigma_J) / (rho_I rho_J) grad W_IJ`: conserves momentum.
     Mean,
-    /// `m_I sum_J m_J (sigma_J - sigma_I) / (rho_I rho_J) grad W_IJ`: a constant stress leaves no force, whatever the particles
-    /// do; momentum is not conserved.
+    /// Difference form, `m_I sum_J m_J (sigma_J - sigma_I) / (rho_I rho_J) grad W_IJ`: a constant stress exerts no force for any positions of the
+    /// particles, but momentum is not conserved.
     Difference,
 }
 
-/// How the density of a particle follows the motion.
+/// Evolution of the density of a particle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -48,13 +48,13 @@ pub enum MomentumForm {
     serde(rename_all = "kebab-case")
 )]
 pub enum DensityEvolution {
-    /// `rho_I = sum_J m_J W_IJ`, the particle itself included.
+    /// Summation over positions, `rho_I = sum_J m_J W_IJ`, the particle itself included.
     Summation,
-    /// `rho_I = rho_0 / det F_I`: `d rho = -rho div u` with the divergence of the particles.
+    /// Continuity equation, `rho_I = rho_0 / det F_I`: `d rho = -rho div u` with the discrete divergence.
     Continuity,
 }
 
-/// The choices that define SPH with kernels of current coordinates.
+/// Choices that define SPH with kernels in current coordinates.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -64,27 +64,27 @@ pub enum DensityEvolution {
 pub struct UpdatedSphChoices {
     /// Reference density; mass per reference volume.
     pub density: f64,
-    /// Weight function.
+    /// Weight function of the particles.
     pub kernel: Kernel,
-    /// Support radius in the reference state; length.
+    /// Support radius in the reference configuration; length.
     pub radius: f64,
-    /// Size of the support at a state.
+    /// Size of the support in a deformed state.
     pub support_size: SupportSize,
-    /// Form of the forces.
+    /// Form of the pair forces.
     pub momentum: MomentumForm,
-    /// Rule of the densities.
+    /// Evolution of the densities.
     pub density_evolution: DensityEvolution,
     /// Whether the velocity gradient is corrected to be exact for linear fields.
     pub corrected: bool,
-    /// Whether stresses act along corrected gradients too; of a corrected velocity gradient alone.
+    /// Whether stresses also act along corrected gradients; requires a corrected velocity gradient.
     pub corrected_forces: bool,
-    /// Artificial stress; for the forms that conserve momentum.
+    /// Artificial stress, for the forms that conserve momentum.
     pub artificial_stress: Option<ArtificialStress>,
-    /// Artificial viscosity.
+    /// Artificial viscosity, if any.
     pub viscosity: Option<ArtificialViscosity>,
-    /// The coefficient `epsilon` of XSPH; zero without.
+    /// Coefficient `epsilon` of XSPH; zero for no velocity smoothing.
     pub velocity_smoothing: f64,
-    /// What follows the smoothed velocities of XSPH.
+    /// Quantities that follow the smoothed velocities of XSPH.
     pub smoothed_motion: SmoothedMotion,
 }
 
@@ -107,12 +107,14 @@ impl Default for UpdatedSphChoices {
     }
 }
 
-/// SPH with kernels of current coordinates, particles at `F X` in the homogeneous state.
+/// SPH with kernels in current coordinates, with particles at `F X` in the homogeneous state.
 ///
-/// The stress is that of the law at the deformation gradient that a particle carries along, `Fdot = L F` with
-/// `L_I = sum_J m_J/rho_J (v_J - v_I) (x) grad W_IJ K_I^-1`, `K_I = sum_J m_J/rho_J x_IJ (x) grad W_IJ` or, uncorrected, `K = 1`. Forces are
-/// those of [`MomentumForm`], with corrected forces of the stresses `sigma_I K_I^-T`, and are linearized exactly: kernels, densities and volumes move. Where positions alone follow the
-/// smoothed velocities of XSPH, a displacement is what the velocity makes of it, and positions are moved by its smoothed image.
+/// The law gives the stress at the deformation gradient that a particle carries along, `Fdot = L F` with
+/// `L_I = sum_J m_J/rho_J (v_J - v_I) (x) grad W_IJ K_I^-1`, `K_I = sum_J m_J/rho_J x_IJ (x) grad W_IJ` or, uncorrected, `K = 1`.
+/// The [`MomentumForm`] gives the forces; corrected forces use the stresses `sigma_I K_I^-T`. The linearization is exact: kernels, densities and
+/// volumes move.
+/// If only positions follow the smoothed velocities of XSPH, displacements are integrals of the unsmoothed velocity, and the positions move by the
+/// smoothed displacements.
 ///
 /// Source: Gray, Monaghan, Swift, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6641; Randles and Libersky, Comput. Methods Appl.
 /// Mech. Engrg. 139 (1996) 375.
@@ -138,7 +140,6 @@ pub struct UpdatedSph<const D: usize> {
     neighbors: f64,
 }
 
-/// The particles of the cell at a homogeneous state.
 struct State<const D: usize> {
     layout: Layout<D>,
     neighborhoods: Vec<Neighborhood<D>>,
@@ -146,7 +147,7 @@ struct State<const D: usize> {
     gradients: Vec<Vec<[f64; D]>>,
 }
 
-/// Particles by the order in which they are first named.
+/// Particles numbered in the order of their first appearance.
 #[derive(Default)]
 struct Numbered<const D: usize> {
     particles: Vec<Particle<D>>,
@@ -163,14 +164,14 @@ impl<const D: usize> Numbered<D> {
 }
 
 impl<const D: usize> UpdatedSph<D> {
-    /// Sets up the method.
+    /// Builds the method on a crystal.
     ///
     /// # Errors
-    /// [`MethodError`] when a number is out of range, when a particle sees too few or too many others in the reference state,
-    /// or when an artificial stress is asked for with a form that takes differences of stresses.
+    /// [`MethodError`] if a number is out of range, if a particle has too few or too many neighbors in the reference configuration,
+    /// or if an artificial stress is combined with the form that takes differences of stresses.
     pub fn new(crystal: Crystal<D>, choices: UpdatedSphChoices) -> Result<Self, MethodError> {
         assert_positive(&[("density", choices.density), ("support", choices.radius)])?;
-        // The forces are divided by its square, their derivatives by its cube.
+        // The forces are divided by the square of the density, their derivatives by its cube.
         MethodError::require(
             (1e-90..=1e90).contains(&choices.density),
             "density",
@@ -209,7 +210,7 @@ impl<const D: usize> UpdatedSph<D> {
         })
     }
 
-    /// The choices that define the method.
+    /// Choices that define the method.
     pub fn choices(&self) -> &UpdatedSphChoices {
         &self.choices
     }
@@ -243,7 +244,7 @@ impl<const D: usize> UpdatedSph<D> {
         })
     }
 
-    /// Does something with the interactions of a state.
+    /// Calls `work` with the interactions of a state.
     fn with_interactions<T>(
         &self,
         material: &dyn Hyperelastic,
@@ -270,7 +271,7 @@ impl<const D: usize> UpdatedSph<D> {
         Ok(work(&state, &interactions))
     }
 
-    /// How particles act on each other with the kernels of a homogeneous state.
+    /// Pair forces with the kernels of a homogeneous state.
     fn pairs_of(
         &self,
         layout: &Layout<D>,
@@ -316,7 +317,7 @@ impl<const D: usize> UpdatedSph<D> {
         })
     }
 
-    /// The forces of the stress of a particle of the cell.
+    /// Forces of the stress of a particle of the cell.
     fn stress_of<'a>(
         &self,
         site: usize,
@@ -324,7 +325,7 @@ impl<const D: usize> UpdatedSph<D> {
         surroundings: &'a Surroundings<'a, D>,
     ) -> StressOf<'a, D> {
         let own = &state.neighborhoods[site].particles;
-        // Whose densities count.
+        // Particles whose densities enter the forces.
         let seeing = match surroundings.pairs.takes_all_densities() {
             false => &own[..1],
             true => &own[..],
@@ -357,8 +358,9 @@ impl<const D: usize> UpdatedSph<D> {
         }
     }
 
-    /// The shares of neighbors in how far positions move, where only they follow smoothed velocities: for the first particles,
-    /// a particle with its neighbors, or for all where densities are sums over positions.
+    /// Shares of neighbors in the displacement of positions, if only positions follow smoothed velocities.
+    ///
+    /// They are computed for a particle and its neighbors, or for all particles if densities are sums over positions.
     fn smoothing(
         &self,
         nearest: usize,
@@ -400,7 +402,7 @@ impl<const D: usize> UpdatedSph<D> {
     }
 }
 
-/// Principal stresses below this fraction of the stiffness are rounding.
+/// Principal stresses below this fraction of the stiffness are rounding errors.
 const TENSIONLESS: f64 = 1e-12;
 
 impl<const D: usize> Discretization<D> for UpdatedSph<D> {
@@ -421,7 +423,7 @@ impl<const D: usize> Discretization<D> for UpdatedSph<D> {
         self.with_interactions(material, f, false, |state, interactions| {
             let mass = Mass::Lumped(self.masses.clone());
             let system = linearized(&self.crystal, mass, interactions)?;
-            // Positions that alone follow smoothed velocities are shifted where forces are computed.
+            // If only positions follow smoothed velocities, they are shifted where the forces are computed.
             let is_everything = self.choices.smoothed_motion == SmoothedMotion::Everything;
             if epsilon == 0.0 || !is_everything {
                 return Ok(system);
@@ -447,8 +449,8 @@ impl<const D: usize> Discretization<D> for UpdatedSph<D> {
                 )
             })?
         };
-        // What Jaumann's rate does not integrate is the pressure, which follows the density as the sums of the forces do. That of Green and Naghdi leaves the rotation
-        // too, which follows neither.
+        // Jaumann's rate does not integrate the pressure, which follows the density just as the sums in the forces do. The rate of Green and Naghdi
+        // also excludes the rotation, which follows neither.
         let rest = PartOf {
             law: material,
             is_integrated: false,
@@ -512,7 +514,7 @@ mod tests {
     use crate::scheme::Interaction;
     use nalgebra::SMatrix;
 
-    /// All forms of the forces, with what can be added to them.
+    /// All forms of the forces with every optional term.
     fn choices(radius: f64) -> Vec<UpdatedSphChoices> {
         let mut all = Vec::new();
         for momentum in [
@@ -540,7 +542,7 @@ mod tests {
         all
     }
 
-    /// The largest difference of two sums over the largest entry of the first.
+    /// Largest difference of two sums, over the largest entry of the first.
     fn difference<const D: usize>(sums: [&BlochSum<D>; 2]) -> f64 {
         let [blocks, others] = sums.map(|sum| {
             let blocks = sum.blocks().map(|(from, to, block)| ((from, *to), *block));

@@ -1,4 +1,4 @@
-//! Artificial stress.
+//! Artificial stress against the tensile instability of SPH.
 
 use crate::algebra::{MAXIMUM_ITERATIONS, array_of};
 use crate::method::MethodError;
@@ -8,12 +8,13 @@ use nalgebra::DMatrix;
 use super::super::layout::assert_positive;
 use super::assert_coefficients;
 
-/// The artificial stress of Gray, Monaghan and Swift: to the stress of each particle of a pair is added
-/// `-epsilon (W_IJ / W(spacing))^n` times its tensile part, `[sigma]_+ = sum_a max(sigma_a, 0) n_a (x) n_a` by principal stresses.
+/// Artificial stress of Gray, Monaghan and Swift, an added pair repulsion in tension.
 ///
-/// Where a principal stress is zero to rounding it counts as none: the linearization is that of the side of compression.
+/// The stress of each particle of a pair changes by `-epsilon (W_IJ / W(spacing))^n` times its tensile part, `[sigma]_+ = sum_a max(sigma_a, 0) n_a
+/// (x) n_a` in principal stresses.
+/// A principal stress that is zero to rounding is not tensile: the linearization takes the compressive side.
 ///
-/// Source: Gray, Monaghan, Swift, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6641, who take `epsilon = 0.3`, `n = 4`.
+/// Source: Gray, Monaghan, Swift, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6641, with `epsilon = 0.3`, `n = 4`.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -21,11 +22,11 @@ use super::assert_coefficients;
     serde(rename_all = "kebab-case", default, deny_unknown_fields)
 )]
 pub struct ArtificialStress {
-    /// `epsilon`.
+    /// Coefficient `epsilon`; dimensionless, zero for no artificial stress.
     pub epsilon: f64,
-    /// `n`.
+    /// Exponent `n` of the kernel ratio.
     pub exponent: f64,
-    /// The distance at which the factor is one, usually that of neighbors in the reference state; length.
+    /// Distance at which the kernel ratio is one, usually the neighbor distance in the reference configuration; length.
     pub spacing: f64,
 }
 
@@ -40,7 +41,7 @@ impl Default for ArtificialStress {
 }
 
 impl ArtificialStress {
-    /// Refuses coefficients that are out of range.
+    /// Rejects coefficients that are out of range.
     pub(in super::super) fn assert_admissible(&self) -> Result<(), MethodError> {
         assert_coefficients(&[
             ("artificial-stress", self.epsilon),
@@ -50,28 +51,28 @@ impl ArtificialStress {
     }
 }
 
-/// The artificial stress of the particles of a state.
+/// Artificial stress of the particles of a state.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct Repulsion {
     pub(in super::super) epsilon: f64,
     pub(in super::super) exponent: f64,
-    /// `W(spacing)`.
+    /// Kernel value `W(spacing)`; 1/length^D.
     pub(in super::super) weight_at_spacing: f64,
-    /// Principal stresses below this are none.
+    /// Principal stresses below this threshold count as zero.
     pub(in super::super) threshold: f64,
 }
 
 impl Repulsion {
-    /// `epsilon (W / W(spacing))^n`; zero out of the support.
+    /// Factor `epsilon (W / W(spacing))^n` of the tensile part; zero outside of the support.
     pub(in super::super) fn factor<R: Real>(&self, weight: R) -> R {
         let within = || (weight / self.weight_at_spacing).powf(self.exponent) * self.epsilon;
         weight.switch(f64::MIN_POSITIVE, || R::constant(0.0), within)
     }
 
-    /// `[sigma]_+`.
+    /// Tensile part `[sigma]_+` of a stress.
     ///
-    /// The derivative in the directions of principal stresses `a`, `b` is that of `[.]_+` where they are equal, and its
-    /// difference quotient where they are not (Daleckii and Krein).
+    /// In the directions of principal stresses `a`, `b` the derivative is the derivative of `[.]_+` if they are equal, and its difference quotient
+    /// otherwise (Daleckii and Krein).
     pub(in super::super) fn tensile_part<R: Real, const D: usize>(
         &self,
         stress: &[[R; D]; D],
@@ -102,7 +103,7 @@ impl Repulsion {
                 f64::from(u8::from(principal[a] > self.threshold))
             }
         };
-        // The change has the value zero, and derivatives; here along the principal axes.
+        // The change has the value zero and carries the derivatives, here along the principal axes.
         let rotated = |a: usize, b: usize| {
             let mut sum = R::constant(if a == b { tension(a) } else { 0.0 });
             for (i, row) in stress.iter().enumerate() {
@@ -148,7 +149,7 @@ mod tests {
             repulsion.tensile_part(&[[a, c], [c, b]])
         };
         let part = at(state);
-        // The tensile and the compressive part add up, and do not overlap.
+        // The tensile and the compressive part add up to the stress and do not overlap.
         let opposite = at(state.map(|x| -x));
         assert!((part[0][1] - opposite[0][1] - 0.6).abs() < 1e-14);
         let product = part[0][0] * opposite[0][0] + part[0][1] * opposite[0][1];

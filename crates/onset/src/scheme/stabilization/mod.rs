@@ -1,11 +1,11 @@
-//! What is added to particle methods to keep them stable, each with its coefficient.
+//! Terms that stabilize particle methods, each with its coefficient.
 //!
-//! | remedy | what it adds | against |
+//!  term | effect | purpose |
 //! |---|---|---|
-//! | penalty (Ganzenmueller) | springs along bonds that the deformation gradient misses | zero-energy modes of total-Lagrangian SPH |
-//! | artificial viscosity (Monaghan) | dashpots along bonds | noise behind shocks; it damps, and moves no onset |
-//! | artificial stress (Gray, Monaghan, Swift) | a repulsion of near particles in tension | the tensile instability |
-//! | XSPH (Monaghan) | a smoothed velocity that moves the particles | disorder; it slows short waves |
+//!  penalty (Ganzenmueller) | springs along bonds that the deformation gradient misses | against zero-energy modes of total-Lagrangian SPH |
+//!  artificial viscosity (Monaghan) | dashpots along bonds | against noise behind shocks; damps waves, leaves the onset unchanged |
+//!  artificial stress (Gray, Monaghan, Swift) | a repulsion of near particles in tension | against the tensile instability |
+//!  XSPH (Monaghan) | particles move with a smoothed velocity | against disorder; slows short waves |
 
 mod artificial_stress;
 mod penalty;
@@ -24,7 +24,7 @@ pub(super) use viscosity::{Dashpot, Slope, ViscousBond, ViscousScales, viscous_b
 
 use crate::method::MethodError;
 
-/// Refuses coefficients that are negative or not finite.
+/// Rejects coefficients that are negative or not finite.
 pub(super) fn assert_coefficients(given: &[(&'static str, f64)]) -> Result<(), MethodError> {
     given
         .iter()

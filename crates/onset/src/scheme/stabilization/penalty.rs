@@ -1,4 +1,4 @@
-//! The zero-energy-mode penalty of total-Lagrangian SPH.
+//! Penalty against the zero-energy modes of total-Lagrangian SPH.
 
 use super::super::products::{displacement_gradient, times_vector};
 use super::super::{Interaction, Motion, PointResponse};
@@ -9,7 +9,7 @@ use crate::material::{Hyperelastic, MaterialError};
 use crate::real::Real;
 use nalgebra::{Matrix6, Vector6};
 
-/// How the zero-energy-mode penalty is written.
+/// Form of the penalty against zero-energy modes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -17,16 +17,18 @@ use nalgebra::{Matrix6, Vector6};
     serde(rename_all = "kebab-case")
 )]
 pub enum PenaltyForm {
-    /// As Ganzenmueller published it, with the coefficient `alpha`.
+    /// Published form of Ganzenmueller, with the coefficient `alpha`.
     Published,
-    /// As LAMMPS' SMD computes it: the coefficient is its hourglass amplitude `hg`, with which
-    /// `alpha(r) = hg/2 R^2/(R^2 + 0.01 h^2) r/(r + 0.1 h) r/(r + 0.01 h)` for bonds of reference length `R` and current length `r` and the
-    /// support radius `h`: denominators that cannot vanish weaken it, by more than half for nearest neighbors.
+    /// Form of LAMMPS' SMD, whose coefficient is the hourglass amplitude `hg`.
+    ///
+    /// `alpha(r) = hg/2 R^2/(R^2 + 0.01 h^2) r/(r + 0.1 h) r/(r + 0.01 h)` for bonds of reference length `R` and current length `r` with the support
+    /// radius `h`.
+    /// These denominators cannot vanish. They weaken the penalty, by more than half for nearest neighbors.
     Smd,
 }
 
-/// Lengths that are added to those of bonds in the denominators of the penalty: squared to the reference length, and to the current
-/// length in either factor of its square.
+/// Offsets of the bond lengths in the denominators of the penalty, one for the squared reference length and one for each factor of the squared
+/// current length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in super::super) struct Offsets {
     reference_squared: f64,
@@ -34,19 +36,19 @@ pub(in super::super) struct Offsets {
 }
 
 impl Offsets {
-    /// The squared reference length of a bond with what is added to it.
+    /// Squared reference length of a bond plus its offset.
     pub(in super::super) fn denominator(&self, squared: f64) -> f64 {
         squared + self.reference_squared
     }
 
-    /// What is added to its current length in either factor of its square.
+    /// Offsets of the current length in the two factors of its square; length.
     pub(in super::super) fn current(&self) -> [f64; 2] {
         self.current
     }
 }
 
 impl PenaltyForm {
-    /// The `alpha` of a coefficient, denominators apart.
+    /// Returns `alpha` for a given coefficient, apart from the denominators.
     pub(in super::super) fn coefficient(self, given: f64) -> f64 {
         match self {
             Self::Published => given,
@@ -54,7 +56,7 @@ impl PenaltyForm {
         }
     }
 
-    /// What is added in the denominators with a support radius.
+    /// Offsets of the denominators for a support radius.
     pub(in super::super) fn offsets(self, radius: f64) -> Offsets {
         match self {
             Self::Published => Offsets {
@@ -69,26 +71,27 @@ impl PenaltyForm {
     }
 }
 
-/// The forces along the bonds of a particle by which its deformation gradient misses them:
+/// Forces along the bonds of a particle, proportional to the difference between a bond and its image under the deformation gradient.
 ///
 /// `f_J = -f_I = c_J delta_J x_IJ / |x_IJ|`, `delta_J = (F_I X_IJ - x_IJ) . x_IJ / |x_IJ|`, `c_J = alpha/2 E V_I V_J W_IJ / |X_IJ|^2`
-/// with Young's modulus `E` along the bond; the neighbors add their own half of each bond.
+/// with Young's modulus `E` along the bond. Each end of a bond adds half of its force.
 ///
 /// Source: Ganzenmueller, Comput. Methods Appl. Mech. Engrg. 286 (2015) 87.
 pub(in super::super) struct BondPenalty<'a, const D: usize> {
     particles: Vec<Particle<D>>,
-    /// `X_IJ`, the particle itself first.
+    /// Reference vectors `X_IJ`, starting with the particle itself.
     vectors: Vec<[f64; D]>,
-    /// Those of the deformation gradient.
+    /// Gradients of the deformation gradient; 1/length.
     gradients: Vec<[f64; D]>,
-    /// `c_J`; force/length.
+    /// Stiffness `c_J` of each bond; force/length.
     stiffness: Vec<f64>,
     offsets: Offsets,
     response: &'a PointResponse<'a, D>,
 }
 
 impl<'a, const D: usize> BondPenalty<'a, D> {
-    /// From reference vectors to the neighbors, the gradients of the deformation gradient, and `alpha/2 E V_I V_J W_IJ`.
+    /// Builds the forces from the reference vectors to the neighbors, the gradients of the deformation gradient, and the weights `alpha/2 E V_I V_J
+    /// W_IJ`.
     pub(in super::super) fn new(
         particles: Vec<Particle<D>>,
         vectors: Vec<[f64; D]>,
@@ -130,9 +133,9 @@ impl<const D: usize> Interaction<D> for BondPenalty<'_, D> {
             let x: [R; D] = array_of(|i| homogeneous[i] + relative[i]);
             let dot =
                 |a: &[R; D], b: &[R; D]| (0..D).fold(R::constant(0.0), |sum, i| sum + a[i] * b[i]);
-            // F_I X_IJ - x_IJ, without the homogeneous part that both have.
+            // F_I X_IJ - x_IJ, without the homogeneous part, which cancels.
             let error: [R; D] = array_of(|i| missed[i] - relative[i]);
-            // |x|^2, each factor with its offset.
+            // x|^2 with an offset in each factor.
             let length = dot(&x, &x).sqrt();
             let [first, second] = self.offsets.current;
             let squared = (length + first) * (length + second);
@@ -147,23 +150,23 @@ impl<const D: usize> Interaction<D> for BondPenalty<'_, D> {
     }
 }
 
-/// The compliance of the material in the reference state, `S = C^-1` with six strains and six stresses; of a sheet or bar with those within its
-/// dimensions.
+/// Compliance of the material in the reference state, `S = C^-1` with six strains and six stresses; for a sheet or bar, with the components within
+/// its dimensions.
 pub(in super::super) struct Compliance(Matrix6<f64>);
 
-/// Pairs of indices in the order of Voigt.
+/// Pairs of indices in Voigt order.
 const VOIGT: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)];
 
 impl Compliance {
-    /// That of a material.
+    /// Computes the compliance of a material.
     pub(in super::super) fn of(material: &dyn Hyperelastic) -> Result<Self, MaterialError> {
         let tangent = material.response(&DeformationGradient::identity())?.tangent;
         let is_strained = |(i, j): (usize, usize)| i.max(j) < material.dimension();
-        // Of a stressed reference state, whose tangent turns with it, the part that strains see.
+        // For a stressed reference state, whose tangent includes rotations, this is the part that acts on strains.
         let stiffness = Matrix6::from_fn(|row, column| {
             let ((i, j), (k, l)) = (VOIGT[row], VOIGT[column]);
             if !(is_strained((i, j)) && is_strained((k, l))) {
-                // Beyond, nothing is asked of it.
+                // The remaining entries are not used.
                 return f64::from(u8::from(row == column));
             }
             let entries = [(i, j, k, l), (j, i, k, l), (i, j, l, k), (j, i, l, k)];
@@ -174,7 +177,7 @@ impl Compliance {
         Ok(Self(regular.ok_or(MaterialError::NoYoungsModulus)?))
     }
 
-    /// Young's modulus along a vector of any length, sideways free of stress: `1 / (s : S : s)` with `s = n (x) n`; stress.
+    /// Young's modulus along a vector of any length with lateral faces free of stress: `1 / (s : S : s)` with `s = n (x) n`; stress.
     pub(in super::super) fn young_modulus<const D: usize>(&self, along: &[f64; D]) -> f64 {
         let component = |i: usize| along.get(i).copied().unwrap_or(0.0);
         let stress = Vector6::from_fn(|row, _| component(VOIGT[row].0) * component(VOIGT[row].1));

@@ -1,14 +1,15 @@
-//! XSPH: particles that move with a smoothed velocity.
+//! XSPH: particles move with a smoothed velocity.
 
 use crate::bloch::{BlochBlocks, BlochSum};
 use crate::lattice::{Crystal, Particle};
 use crate::real::Real;
 use nalgebra::SMatrix;
 
-/// What follows the smoothed velocity.
+/// Quantities that follow the smoothed velocity.
 ///
-/// The velocity itself obeys the forces in both. With `T` as below, positions move by `T w` where velocities alone would displace
-/// particles by `w`; the deformation and the density that a particle carries follow `T w` too, or `w`.
+/// The velocity itself obeys the forces in both cases. With the smoothing operator `T`, positions move by `T w` if velocities alone would move them
+/// by `w`.
+/// The deformation and the density that a particle carries follow `T w` for `Everything` and `w` for `Positions`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -18,14 +19,14 @@ use nalgebra::SMatrix;
 pub enum SmoothedMotion {
     /// Positions, deformations and densities.
     Everything,
-    /// Positions only, as codes have it that integrate stress and density with the velocity itself. Without stress the kernels'
-    /// positions move no force, and smoothing changes no wave.
+    /// Positions alone, as in codes that integrate stress and density with the unsmoothed velocity. Without stress, shifted kernel positions cause no
+    /// force, and smoothing changes no wave.
     ///
     /// Source: Monaghan, Annu. Rev. Astron. Astrophys. 30 (1992) 543; PySPH, `XSPHCorrection`, `SolidMechStep`.
     Positions,
 }
 
-/// `epsilon m_J / rho_IJ W_IJ`, the share of the velocity of a neighbor, with the mean density of the two.
+/// Share of the velocity of a neighbor, `epsilon m_J / rho_IJ W_IJ`, with the mean density of the two particles.
 pub(in super::super) fn smoothing_share<R: Real>(
     epsilon: f64,
     mass: R,
@@ -35,8 +36,9 @@ pub(in super::super) fn smoothing_share<R: Real>(
     mass * epsilon / ((densities[0] + densities[1]) * 0.5) * weight
 }
 
-/// `T` in `du/dt = T v`: `du_I/dt = v_I + epsilon sum_J m_J / rho_IJ (v_J - v_I) W_IJ` with the mean density of the two; densities
-/// and weights are those of the homogeneous state. Each pair is given from both of its ends.
+/// Smoothing operator `T` in `du/dt = T v`: `du_I/dt = v_I + epsilon sum_J m_J / rho_IJ (v_J - v_I) W_IJ` with the mean density of the two particles.
+///
+/// Densities and weights are taken in the homogeneous state. Each pair is given from both of its ends.
 ///
 /// Source: Monaghan, J. Comput. Phys. 82 (1989) 1.
 pub(in super::super) fn smoothed_velocities<const D: usize>(

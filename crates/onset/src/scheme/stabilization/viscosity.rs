@@ -1,4 +1,4 @@
-//! Artificial viscosity.
+//! Monaghan's artificial viscosity between pairs of particles.
 
 use super::super::layout::MovingWeight;
 use super::super::{Interaction, Motion};
@@ -12,7 +12,7 @@ use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use crate::real::Real;
 
-/// When the viscosity acts, and with which lengths.
+/// Condition under which the viscosity acts, and the lengths that it uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -20,25 +20,27 @@ use crate::real::Real;
     serde(rename_all = "kebab-case")
 )]
 pub enum ViscositySwitch {
-    /// Always, on particles that come nearer and on those that part.
+    /// Always, for approaching and for receding particles.
     Always,
-    /// With half its strength: the mean of the original, which acts only on particles that come nearer and has no derivative
-    /// at rest, over the two halves of an oscillation.
+    /// Always, with half of the strength. The original acts only on approaching particles and has no derivative at zero velocity; this is its mean
+    /// over the two halves of an oscillation.
     Averaged,
-    /// As LAMMPS' SMD has it: always, with the whole support radius as `h` and `mu = h v_IJ.x_IJ / (|x_IJ| + 0.1 h)^2`. With kernels
-    /// of material coordinates it takes `x / (|x| + 0.01 h)` for the direction of a bond, and its quadratic term repels, whichever way
-    /// the particles move; with those of current coordinates it has none.
+    /// Form of LAMMPS' SMD: always, with the whole support radius as `h` and `mu = h v_IJ.x_IJ / (|x_IJ| + 0.1 h)^2`.
+    ///
+    /// With kernels in material coordinates the bond direction is `x / (|x| + 0.01 h)`, and the quadratic term is repulsive for approaching and
+    /// receding particles. With kernels in current coordinates the quadratic term is absent.
     ///
     /// Source: Ganzenmueller, Smooth Mach Dynamics (2015); LAMMPS, `pair_smd_tlsph.cpp` and `pair_smd_ulsph.cpp`.
     Smd,
 }
 
-/// Monaghan's artificial viscosity: the force `-m_I m_J Pi_IJ grad W_IJ` on particle `I` with
-/// `Pi = (-alpha c mu + beta |mu| mu_-) / rho`, `mu = h v_IJ.x_IJ / (|x_IJ|^2 + 0.01 h^2)`. `rho` is the mean density of the two in the
-/// homogeneous state, `c` the largest speed of sound of the material in the reference state, `h` the smoothing length of the kernel,
+/// Monaghan's artificial viscosity: the force `-m_I m_J Pi_IJ grad W_IJ` on particle `I`.
+///
+/// `Pi = (-alpha c mu + beta |mu| mu_-) / rho`, `mu = h v_IJ.x_IJ / (|x_IJ|^2 + 0.01 h^2)`. `rho` is the mean density of the two particles in the
+/// homogeneous state, `c` the largest speed of sound of the material in the reference state, and `h` the smoothing length of the kernel,
 /// [`Kernel::nominal_smoothing_length`].
 ///
-/// Near rest the quadratic term vanishes; what remains is the damping of a linear dashpot along each bond.
+/// At small velocities the quadratic term vanishes, and the damping of a linear dashpot along each bond remains.
 ///
 /// Source: Monaghan and Gingold, J. Comput. Phys. 52 (1983) 374.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,11 +50,11 @@ pub enum ViscositySwitch {
     serde(rename_all = "kebab-case", default, deny_unknown_fields)
 )]
 pub struct ArtificialViscosity {
-    /// `alpha`, the linear coefficient.
+    /// Linear coefficient `alpha`; dimensionless.
     pub alpha: f64,
-    /// `beta`, the quadratic coefficient: in forces of moving particles, not in plane waves.
+    /// Quadratic coefficient `beta`, dimensionless. It affects the forces on moving particles, not plane waves.
     pub beta: f64,
-    /// When it acts.
+    /// Condition under which the viscosity acts.
     pub switch: ViscositySwitch,
 }
 
@@ -67,23 +69,22 @@ impl Default for ArtificialViscosity {
 }
 
 impl ArtificialViscosity {
-    /// Refuses negative coefficients.
+    /// Rejects negative or infinite coefficients.
     pub(in super::super) fn assert_admissible(&self) -> Result<(), MethodError> {
         assert_coefficients(&[("viscosity", self.alpha), ("viscosity.beta", self.beta)])
     }
 }
 
-/// The gradient of the kernel along a bond.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) enum Slope<const D: usize> {
-    /// Of a kernel of current coordinates.
+    /// Gradient of a kernel in current coordinates.
     Moving(MovingWeight<D>),
-    /// `dW/dR` of a kernel of material coordinates, along the current bond.
+    /// Slope `dW/dR` of a kernel in material coordinates, along the current bond.
     Fixed(f64),
 }
 
 impl<const D: usize> Slope<D> {
-    /// The gradient with respect to the end of a bond `x`.
+    /// Returns the gradient with respect to the end of a bond `x`.
     fn at<R: Real>(&self, x: &[R; D], squared: R) -> [R; D] {
         match self {
             Self::Moving(weight) => weight.at(x).gradient,
@@ -95,23 +96,24 @@ impl<const D: usize> Slope<D> {
     }
 }
 
-/// The viscous force between two particles, from where they are and how fast they move.
+/// Viscous force between two particles as a function of positions and velocities.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct Dashpot {
-    /// One, or a half where the viscosity acts half of the time.
+    /// Fraction of the strength: 1, or 1/2 if the viscosity acts half of the time.
     share: f64,
-    /// `alpha c`.
+    /// Linear coefficient `alpha c`; length/time.
     linear: f64,
-    /// `beta`.
+    /// Quadratic coefficient `beta`; dimensionless.
     quadratic: f64,
-    /// `h`.
+    /// Length `h` of the viscosity.
     length: f64,
     is_of_smd: bool,
 }
 
 impl Dashpot {
+    /// Builds the dashpot for a material.
     /// # Errors
-    /// [`MethodError`] when the material has no stiffness in the reference state.
+    /// [`MethodError`] if the material has no stiffness in the reference state.
     pub(in super::super) fn new<const D: usize>(
         viscosity: &ArtificialViscosity,
         material: &dyn Hyperelastic,
@@ -135,13 +137,13 @@ impl Dashpot {
         })
     }
 
-    /// `m_I m_J / rho` with the mean density of the two, halved where the viscosity acts half of the time.
+    /// Factor `m_I m_J / rho` with the mean density of the two particles, halved if the viscosity acts half of the time.
     pub(in super::super) fn factor<R: Real>(&self, masses: [R; 2], densities: [R; 2]) -> R {
         let density = (densities[0] + densities[1]) * 0.5;
         masses[0] * self.share * masses[1] / density
     }
 
-    /// `rho Pi` from the squared length of the bond and `v.x`.
+    /// Returns `rho Pi` from the squared length of the bond and `v.x`.
     fn pressure<R: Real>(&self, squared: R, rate: R, quadratic: f64) -> R {
         let h = self.length;
         if self.is_of_smd {
@@ -154,7 +156,7 @@ impl Dashpot {
         -mu * (size * quadratic + self.linear)
     }
 
-    /// The force on the first particle, over `m_I m_J / rho`, from the vector to the other one and the difference of their velocities.
+    /// Returns the force on the first particle over `m_I m_J / rho`, from the vector to the other particle and the difference of the velocities.
     pub(in super::super) fn on_first<R: Real, const D: usize>(
         &self,
         x: &[R; D],
@@ -170,13 +172,14 @@ impl Dashpot {
         if !self.is_of_smd {
             return gradient.each(|slope| slope * pressure);
         }
-        // The direction that the code gives to the gradient.
+        // Direction of the gradient in the code.
         let length = squared.sqrt();
         let shorter = length / (length + 0.01 * self.length);
         gradient.each(|slope| slope * shorter * pressure)
     }
 
-    /// The same with the gradient of a kernel of current coordinates with respect to the end of the bond; that with respect to the first particle is minus that.
+    /// Like [`Self::on_first`] for a kernel in current coordinates. `gradient` is taken with respect to the end of the bond; the gradient with
+    /// respect to the first particle has the opposite sign.
     #[inline(always)]
     pub(in super::super) fn along<R: Real, const D: usize>(
         &self,
@@ -198,11 +201,11 @@ fn dot<R: Real, const D: usize>(a: &[R; D], b: &[R; D]) -> R {
 /// One of the two halves of the viscous force between two particles.
 pub(in super::super) struct ViscousBond<const D: usize> {
     particles: [Particle<D>; 2],
-    /// `x_J - x_I` in the homogeneous state.
+    /// Vector `x_J - x_I` in the homogeneous state.
     vector: [f64; D],
     slope: Slope<D>,
     dashpot: Dashpot,
-    /// Half of [`Dashpot::factor`].
+    /// Half of the factor [`Dashpot::factor`].
     factor: f64,
 }
 
@@ -225,17 +228,17 @@ impl<const D: usize> Interaction<D> for ViscousBond<D> {
     }
 }
 
-/// What viscosity is measured by, apart from the bonds.
+/// Density and kernel that scale the viscosity.
 pub(in super::super) struct ViscousScales {
-    /// In the reference state.
+    /// Density in the reference state.
     pub(in super::super) density: f64,
     pub(in super::super) kernel: Kernel,
-    /// The support radius.
+    /// Support radius of the kernel.
     pub(in super::super) radius: f64,
 }
 
-/// The viscous bonds of all pairs, each pair given from both of its ends: with its vector in the homogeneous state and its
-/// kernel. Masses and densities are those of the sites.
+/// Viscous bonds of all pairs, each pair given from both of its ends with its vector in the homogeneous state and its kernel. Masses and densities
+/// belong to the sites.
 pub(in super::super) fn viscous_bonds<const D: usize>(
     dashpot: Dashpot,
     masses: &[f64],
