@@ -1,4 +1,4 @@
-//! The largest box of principal stretches in which a law is strongly elliptic.
+//! Largest box of principal stretches in which a law is strongly elliptic.
 
 use super::root::bracket_zero;
 use super::{Measure, Range, State, Witness, is_isotropic};
@@ -6,31 +6,31 @@ use crate::algebra::{Each, array_of, lowest_between, sort_by_value};
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 
-/// A box `[low, high]^3` of principal stretches in which a law is strongly elliptic, as far as a search can tell, and what ends it.
+/// Box `[low, high]^3` of principal stretches in which a search finds no loss of strong ellipticity, with the state that limits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SafeBox {
-    /// The smallest stretch.
+    /// Smallest principal stretch of the box.
     pub low: f64,
-    /// The largest stretch.
+    /// Largest principal stretch of the box.
     pub high: f64,
-    /// What keeps the smallest stretch from being smaller.
+    /// Limit that keeps `low` from being smaller.
     pub low_end: BoxEnd,
-    /// What keeps the largest stretch from being larger.
+    /// Limit that keeps `high` from being larger.
     pub high_end: BoxEnd,
-    /// The state on the surface of the box that ends it; `None` where only the range does.
+    /// State on the surface of the box that limits it; `None` if only the range does.
     pub critical: Option<Critical>,
 }
 
-/// A state on the surface of a box beyond which a law is not strongly elliptic.
+/// State on the surface of a box of stretches at which strong ellipticity is about to be lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Critical {
-    /// Its principal stretches.
+    /// Principal stretches of the state.
     pub stretches: [f64; 3],
-    /// The wave that stops there; `None` where the law itself is not defined beyond.
+    /// Wave whose speed vanishes there; `None` if the law itself is not defined beyond this state.
     pub witness: Option<Witness>,
 }
 
-/// What is at an end of a box.
+/// Limit of a box of stretches at one of its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -38,57 +38,58 @@ pub struct Critical {
     serde(rename_all = "kebab-case")
 )]
 pub enum BoxEnd {
-    /// The end of the range.
+    /// The end of the range of stretches.
     Range,
-    /// The critical state has this stretch.
+    /// The critical state: it has this stretch.
     Critical,
-    /// The other end and the shape of the box.
+    /// The opposite end: the critical state limits it, and the shape of the box fixes this end.
     Shape,
 }
 
-/// Points along an edge of a face of the box from which rays are looked along.
+/// Grid points along an edge of a face of the box; a ray from the reference leads through each of them.
 const EDGE: usize = 11;
-/// States looked at along a ray.
+/// States evaluated along a ray.
 const ALONG: usize = 32;
-/// The same for laws that are not isotropic, of which all faces are looked at and states cost more.
+/// Edge points and states per ray for laws that are not isotropic: all faces are searched, and a state costs more.
 const EDGE_OF_ANY: usize = 7;
 const ALONG_OF_ANY: usize = 20;
-/// How many of the shortest rays are improved.
+/// Number of the shortest rays that are improved.
 const IMPROVED: usize = 3;
-/// Rays longer than the shortest one by this factor are of no interest.
+/// Rays longer than the shortest one by this factor are not followed.
 const LONGER: f64 = 1.2;
 /// Rays are turned until their step is below this, in units of the box.
 const SMALLEST_TURN: f64 = 1e-11;
-/// Width of the bracket of a loss along a ray, in units of the box.
+/// Width of the bracket of a loss of ellipticity along a ray, in units of the box.
 const RESOLUTION: f64 = 1e-14;
-/// Rays lead beyond the range by this factor: a loss between two of them can be nearer than on any of them.
+/// Rays extend beyond the range by this factor, because a loss between two rays can be nearer than the losses on them.
 const BEYOND: f64 = 1.25;
-/// Points along an edge of the grids with which a box is checked inside, a coarse and a fine one; for laws that are not isotropic.
+/// Points along an edge of the coarse and the fine grid with which the inside of a box is checked.
 const CHECKS: [usize; 2] = [21, 41];
 const CHECKS_OF_ANY: [usize; 2] = [9, 13];
-/// How often a box is made smaller on a grid.
+/// Largest number of times that a box is shrunk on one grid.
 const SHRINKS: usize = 16;
-/// Grid points with the lowest values that are descended from, besides all lowest among their neighbors.
+/// Number of lowest grid points from which a descent starts, in addition to all local minima of the grid.
 const LOWEST: usize = 8;
-/// Descents from a grid, at most.
+/// Largest number of descents from a grid.
 const STARTS: usize = 24;
-/// Descents stop at a state that is the lowest of all beside it and above zero by so many times the most that these are above it.
+/// Descents stop at a local minimum whose value exceeds this many times the largest rise to its neighbors.
 const FLAT: f64 = 8.0;
 /// Descents within a box stop at this step, in units of the box.
 const SMALLEST_STEP: f64 = 1e-7;
-/// Skews that are tried for the widest box, before the best is refined to such an angle.
+/// Number of skews tried for the widest box; the best one is then refined to the angle below.
 const SKEWS: usize = 17;
 const REFINED: f64 = 1e-6;
-/// A stretch this near to an end of a box, relative, is at it.
+/// A stretch within this relative distance of an end of a box counts as lying at the end.
 const AT_END: f64 = 1e-7;
 
-/// The largest box `[h^-k, h]^3` of principal stretches within a range in which a law is strongly elliptic, with the exponent `k = skew`
-/// (1 for a box that is symmetric in the logarithms). `None` where the law is not elliptic in the reference.
+/// Returns the largest box `[h^-k, h]^3` of principal stretches within a range in which a law is strongly elliptic.
 ///
-/// The principal axes are those of the coordinates; for an isotropic law ([`is_isotropic`]) that is no restriction. The box is found by a dense
-/// search with local improvement, no proof: rays lead from the reference through points of a grid on the surface of the box to the first state at
-/// which ellipticity is lost, and the shortest rays are turned until they are shortest. The box is then searched inside: from the low points of two
-/// grids the measure is descended, and where it is not positive the box is made smaller.
+/// The exponent `k = skew` is 1 for a box that is symmetric in the logarithms. The result is `None` if the law is not elliptic in the reference.
+///
+/// The principal axes are the coordinate axes, which is no restriction for an isotropic law ([`is_isotropic`]). The box results from a dense search
+/// with local improvement and is not proved. Rays lead from the reference through grid points on the surface of the box to the first state at which
+/// ellipticity is lost, and the shortest rays are turned until they are locally shortest. The inside of the box is then searched: the measure is
+/// minimized from the low points of two grids, and the box is shrunk where the measure is not positive.
 ///
 /// ```
 /// use onset::material::BlatzKo;
@@ -103,9 +104,11 @@ pub fn safe_box(material: &dyn Hyperelastic, skew: f64, range: &Range) -> Option
     Field::new(material).safe_box(skew.atan(), range, true)
 }
 
-/// The widest box `[low, high]^3` within a range in which a law is strongly elliptic: the one with the largest `high / low` among boxes of all
-/// skews that [`safe_box`] finds, those that begin or end at the reference among them, refined beside the best of 19 skews; boxes that reach the
-/// ends of the range are looked at too. `None` where the law is not elliptic in the reference.
+/// Returns the widest box `[low, high]^3` of principal stretches within a range in which a law is strongly elliptic.
+///
+/// It has the largest `high / low` among the boxes of all skews that [`safe_box`] finds, including boxes that begin or end at the reference. The best
+/// of 19 skews is refined locally, and boxes that reach the ends of the range are tried as well. The result is `None` if the law is not elliptic in
+/// the reference.
 pub fn widest_safe_box(material: &dyn Hyperelastic, range: &Range) -> Option<SafeBox> {
     let field = Field::new(material);
     let width = |found: &SafeBox| (found.high / found.low).ln();
@@ -117,7 +120,7 @@ pub fn widest_safe_box(material: &dyn Hyperelastic, range: &Range) -> Option<Saf
         }
         Some(width(&found))
     };
-    // The skew is the tangent of an angle; at its ends the box reaches to one side of the reference only.
+    // The skew is the tangent of an angle. At the extreme angles the box extends to one side of the reference only.
     let end = std::f64::consts::FRAC_PI_2;
     let step = end / SKEWS as f64;
     let angle = |n: usize| (step * (n as f64 - 0.5)).clamp(0.0, end);
@@ -125,22 +128,22 @@ pub fn widest_safe_box(material: &dyn Hyperelastic, range: &Range) -> Option<Saf
         .map(|n| at(angle(n)))
         .collect::<Option<_>>()?;
     let best = (0..SKEWS + 2).max_by(|a, b| widths[*a].total_cmp(&widths[*b]))?;
-    // Between the neighbors of the best one.
+    // Refine between the neighbors of the best angle.
     let around = [best.saturating_sub(1), best, best + 1].each(angle);
     let narrowness = |angle: f64| at(angle).map(|width| -width).ok_or(());
     lowest_between(narrowness, around, -widths[best], REFINED).ok()?;
-    // Boxes that reach an end of the range, or both.
+    // Try boxes that reach one end of the range or both.
     let (_, found) = widest?;
     let mut at = |angle: f64| {
         let found = field.safe_box(angle, range, false)?;
-        // The same width to rounding, at a proper end, is preferred.
+        // Of boxes that are equally wide to rounding, one that reaches an end of the range is preferred.
         if widest.is_none_or(|(_, best)| width(&found) > width(&best) - AT_END) {
             widest = Some((angle, found));
         }
         Some(())
     };
     let angle_of = |low: f64, high: f64| (-low.ln()).max(0.0).atan2(high.ln().max(0.0));
-    // Boxes a little too large for the range beside the end tell where the other end is exactly.
+    // A box slightly too large for the range at one end locates the other end exactly.
     let nudge = 1e-3;
     let beside_low = angle_of(range.low().powf(1.0 - nudge), found.high);
     let beside_high = angle_of(found.low.powf(1.0 + nudge), range.high());
@@ -157,13 +160,13 @@ pub fn widest_safe_box(material: &dyn Hyperelastic, range: &Range) -> Option<Saf
     field.safe_box(angle, range, true)
 }
 
-/// Ellipticity over logarithms of principal stretches.
+/// Measure of strong ellipticity as a function of the logarithms of the principal stretches.
 struct Field<'a> {
     material: &'a dyn Hyperelastic,
     isotropic: bool,
 }
 
-/// A box in logarithms of stretches, `[-low, high]^3`, and its size when it is as large as a range.
+/// Box `[-low, high]^3` of logarithmic stretches, as large as the range permits.
 struct Shape {
     low: f64,
     high: f64,
@@ -177,21 +180,21 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// The measure at a state; `None` where the law is not defined.
+    /// Measure at a state; `None` if the law is not defined there.
     fn measure(&self, logarithms: [f64; 3]) -> Option<Measure> {
         let f = DeformationGradient::from_stretches(logarithms.map(f64::exp)).ok()?;
         let response = self.material.response(&f).ok()?;
-        // Where it is positive, how much of it is left guides the search only.
+        // The magnitude of a positive value only guides the search.
         Some(State::of_response(response, self.isotropic).strong_ellipticity(0.0))
     }
 
-    /// A state that is not elliptic, or at which the law is not defined, has no positive value.
+    /// Value of the measure, minus infinity if the law is not defined at the state.
     fn value(&self, logarithms: [f64; 3]) -> f64 {
         self.measure(logarithms)
             .map_or(f64::NEG_INFINITY, |measure| measure.value)
     }
 
-    /// The box whose skew is the tangent of an angle.
+    /// Returns the largest box whose skew is the tangent of `angle`; its inside is searched if `checked`.
     fn safe_box(&self, angle: f64, range: &Range, checked: bool) -> Option<SafeBox> {
         if !self.measure([0.0; 3])?.holds() {
             return None;
@@ -247,10 +250,10 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// The shortest ray to a loss, with its length in units of the box, as far as a little beyond the box.
+    /// Returns the shortest ray to a loss of ellipticity and its length in units of the box. Losses beyond `BEYOND` are ignored.
     fn shortest(&self, shape: &Shape) -> Option<(f64, Point)> {
         let (edge, along) = self.either((EDGE, ALONG), (EDGE_OF_ANY, ALONG_OF_ANY));
-        // Rays that are clearly longer than the shortest one so far are not followed to their end.
+        // Rays that are clearly longer than the shortest one found before are not followed to their end.
         let mut shortest = BEYOND;
         let mut rays: Vec<(f64, Point)> = Vec::new();
         for point in shape.surface(edge, self.isotropic) {
@@ -278,7 +281,7 @@ impl<'a> Field<'a> {
         best
     }
 
-    /// A ray within a box to a loss that a descent from low points of a grid finds, turned until it is shortest.
+    /// Returns the locally shortest ray to a loss inside the box, found by descents from the low points of a grid.
     fn inside(&self, shape: &Shape, size: f64, count: usize) -> Option<(f64, Point)> {
         let (edge, along) = self.either((EDGE, ALONG), (EDGE_OF_ANY, ALONG_OF_ANY));
         let within = Grid::new(count, self.isotropic, |place| {
@@ -300,8 +303,7 @@ impl<'a> Field<'a> {
         None
     }
 
-    /// From a place in a box down to one at which ellipticity is lost, or as far as it goes: to a lowest value, or near the end of an
-    /// earlier descent.
+    /// Minimizes the measure within a box from `start`. Stops at a loss of ellipticity, at a local minimum or near the end of an earlier descent.
     fn descended(
         &self,
         shape: &Shape,
@@ -334,7 +336,7 @@ impl<'a> Field<'a> {
                     Some(value(trial)).filter(|value| *value < least)
                 });
             } else if step < first && walk.value > FLAT * rise {
-                // A smooth measure falls between near states by less than it rises around them.
+                // Between neighboring states a smooth measure falls by less than it rises around them.
                 break;
             } else {
                 step *= 0.5;
@@ -354,7 +356,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// The last place along a ray, as a part of the box up to `limit`, before ellipticity is lost.
+    /// Last place along a ray, in units of the box and at most `limit`, before ellipticity is lost.
     fn loss(&self, shape: &Shape, point: &Point, along: usize, limit: f64) -> Option<f64> {
         let mut value = |t: f64| Some(self.value(shape.state(point, t)));
         let mut before = (0.0, f64::INFINITY);
@@ -374,7 +376,7 @@ impl<'a> Field<'a> {
         None
     }
 
-    /// A ray turned on its face until it is shortest.
+    /// Turns a ray on its face of the box until it is locally shortest.
     fn improved(
         &self,
         shape: &Shape,
@@ -390,7 +392,7 @@ impl<'a> Field<'a> {
                     within: *within,
                     ..point
                 };
-                // Only a shorter ray is of interest, so no more of it is looked at.
+                // Only a shorter ray is an improvement, so the ray is not followed any further.
                 if turn < 1e-3 && self.value(shape.state(&trial, length)) > 0.0 {
                     return None;
                 }
@@ -427,7 +429,7 @@ impl<'a> Field<'a> {
     }
 }
 
-/// A search for a lowest value by steps in a unit cube (R. Hooke and T. A. Jeeves, *J. ACM* 8 (1961) 212).
+/// Pattern search for a minimum in the unit cube (R. Hooke and T. A. Jeeves, *J. ACM* 8 (1961) 212).
 struct Walk<const N: usize> {
     value: f64,
     place: [f64; N],
@@ -444,8 +446,8 @@ impl<const N: usize> Walk<N> {
         }
     }
 
-    /// A step down, and on along the last two steps as long as that is `lower`: a narrow valley is along none of the directions in
-    /// which steps are tried, but along two of them together.
+    /// Takes a step down and extrapolates the last two steps while the value is `lower`. A narrow valley runs along none of the trial directions,
+    /// only along a combination of two of them.
     fn go(
         &mut self,
         (value, place): (f64, [f64; N]),
@@ -468,24 +470,24 @@ impl<const N: usize> Walk<N> {
     }
 }
 
-/// A place of the unit cube after a step, which ends at the faces.
+/// Place after a step, clamped to the unit cube.
 fn moved<const N: usize>(place: &[f64; N], step: [f64; N]) -> [f64; N] {
     array_of(|i| (place[i] + step[i]).clamp(0.0, 1.0))
 }
 
-/// A point on the surface of a box: one stretch is at an end, the two others are within.
+/// Point on the surface of a box: one stretch is at an end of the box, the two others lie between its ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Point {
-    /// Which stretch is at an end.
+    /// Index of the stretch that is at an end.
     axis: usize,
-    /// At the upper end.
+    /// Whether that stretch is at the upper end.
     upper: bool,
-    /// Where the others are between the lower end (0) and the upper end (1).
+    /// Positions of the two other stretches between the lower end (0) and the upper end (1).
     within: [f64; 2],
 }
 
 impl Point {
-    /// Whether a point is a neighbor on the grid of the same face.
+    /// Returns true if two points are neighbors on the grid of one face.
     fn is_beside(&self, other: &Self, edge: usize) -> bool {
         let near = 2.5 / (edge - 1) as f64;
         (self.axis, self.upper) == (other.axis, other.upper)
@@ -494,7 +496,7 @@ impl Point {
 }
 
 impl Shape {
-    /// A grid on the surface; of an isotropic law one of all orders of the stretches.
+    /// Grid points on the surface. For an isotropic law only one of each set of permuted stretches is included.
     fn surface(&self, edge: usize, isotropic: bool) -> Vec<Point> {
         let mut points = Vec::new();
         for axis in 0..if isotropic { 1 } else { 3 } {
@@ -514,12 +516,12 @@ impl Shape {
         points
     }
 
-    /// The logarithms of the stretches at a place between the lower ends (0) and the upper ends (1) of a part of the box.
+    /// Logarithmic stretches at a place of the unit cube, where 0 is the lower end and 1 the upper end of the scaled box.
     fn inside(&self, place: [f64; 3], part: f64) -> [f64; 3] {
         place.each(|t| part * (t * self.high - (1.0 - t) * self.low))
     }
 
-    /// The ray through a state, with the length at which it is there.
+    /// Ray through a state, with the distance of the state along it in units of the box.
     fn ray(&self, state: [f64; 3]) -> (f64, Point) {
         let parts = state.each(|x| {
             if x > 0.0 {
@@ -549,7 +551,7 @@ impl Shape {
         (length, point)
     }
 
-    /// The logarithms of the stretches on the ray through a point, at a part of its length.
+    /// Logarithmic stretches at a distance along a ray, in units of the box.
     fn state(&self, point: &Point, part: f64) -> [f64; 3] {
         let inside = |t: f64| part * (t * self.high - (1.0 - t) * self.low);
         let mut state = [0.0; 3];
@@ -560,7 +562,7 @@ impl Shape {
     }
 }
 
-/// Values on a grid over a cube of places from 0 to 1.
+/// Values on a grid over the unit cube.
 struct Grid {
     count: usize,
     isotropic: bool,
@@ -568,7 +570,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// Of an isotropic law one of all orders is evaluated.
+    /// Evaluates the grid. For an isotropic law only one of each set of permuted places is evaluated.
     fn new(count: usize, isotropic: bool, value: impl Fn([f64; 3]) -> f64) -> Self {
         let mut grid = Self {
             count,
@@ -582,7 +584,7 @@ impl Grid {
                 ordered.sort_unstable();
                 ordered.reverse();
             }
-            // The ordered one comes first, by its largest index in the lowest digit, or is the same.
+            // The sorted place precedes its permutations, because its largest index is the lowest digit.
             grid.values[n] = match ordered == indices {
                 true => value(grid.place(indices)),
                 false => grid.values[grid.number(ordered)],
@@ -604,7 +606,7 @@ impl Grid {
         indices.each(|index| index as f64 / (self.count - 1) as f64)
     }
 
-    /// Places that are not above their neighbors, and the lowest of all; lowest first.
+    /// Places with a value no higher than their neighbors' values, and the lowest of all places; sorted by value.
     fn low_points(&self) -> Vec<[f64; 3]> {
         let mut order: Vec<usize> = (0..self.values.len())
             .filter(|n| !self.isotropic || self.indices(*n).is_sorted_by(|a, b| a >= b))

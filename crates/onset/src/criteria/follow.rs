@@ -1,4 +1,4 @@
-//! Where along a loading a criterion is lost, and regained.
+//! Stretches along a loading at which a criterion is lost or regained.
 
 use super::root::{bracket_zero, dip};
 use super::{
@@ -8,7 +8,7 @@ use super::{
 use crate::algebra::{Each, sort_by_value};
 use nalgebra::Vector3;
 
-/// A change of a criterion.
+/// Direction in which a criterion changes along a loading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -16,38 +16,38 @@ use nalgebra::Vector3;
     serde(rename_all = "kebab-case")
 )]
 pub enum Change {
-    /// It holds before, nearer to the reference, and not behind.
+    /// The criterion holds nearer to the reference and fails beyond the stretch.
     Lost,
-    /// It holds behind and not before.
+    /// The criterion fails nearer to the reference and holds beyond the stretch.
     Regained,
 }
 
-/// A change along a loading.
+/// Stretch along a loading at which a criterion is lost or regained.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// Lost or regained.
+    /// Whether the criterion is lost or regained.
     pub change: Change,
-    /// The stretch `lambda` at which it changes; 1 where it is lost with the first deformation.
+    /// Stretch `lambda` of the change; 1 if the criterion is lost with the first deformation.
     pub stretch: f64,
-    /// Half of the width of the bracket of `ln lambda`, or how far rounding of the measure or of the free stretches can move it, if that is more.
+    /// Half the width of the bracket of `ln lambda`, or the shift that rounding of the measure or of the free stretches can cause, if that is larger.
     pub tolerance: f64,
-    /// Whether the criterion may be lost nearer to the reference: what was found there proves the loss, and nothing proves that it holds before.
+    /// Whether the criterion may be lost nearer to the reference: the loss is proved at `stretch`, the criterion is not proved to hold before.
     pub is_upper_bound: bool,
-    /// The perturbation on the side where the criterion does not hold.
+    /// Perturbation on the side where the criterion fails.
     pub witness: Witness,
 }
 
-/// A criterion on one side of the reference: in tension or in compression.
+/// Changes of a criterion on one side of the reference, in tension or in compression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
-    /// Whether it holds in the reference.
+    /// Whether the criterion holds in the reference.
     pub holds_at_start: bool,
-    /// Its changes, nearest to the reference first.
+    /// Changes along the loading, nearest to the reference first.
     pub events: Vec<Event>,
 }
 
 impl Event {
-    /// The same as an upper bound of the distance from the reference.
+    /// Marks the event as an upper bound of the distance from the reference.
     fn upper_bound(self) -> Self {
         Self {
             is_upper_bound: true,
@@ -57,7 +57,7 @@ impl Event {
 }
 
 impl Track {
-    /// The stretch up to which the criterion holds from the reference on; `None` when it is not lost.
+    /// Stretch up to which the criterion holds from the reference on; `None` if it is not lost.
     pub fn limit(&self) -> Option<f64> {
         match self.holds_at_start {
             true => self.events.first().map(|event| event.stretch),
@@ -65,7 +65,7 @@ impl Track {
         }
     }
 
-    /// The perturbation at the limit.
+    /// Perturbation at the limit.
     pub fn witness(&self) -> Option<&Witness> {
         self.events.first().map(|event| &event.witness)
     }
@@ -73,17 +73,18 @@ impl Track {
 
 /// Width of the bracket of a change, in `ln lambda`.
 const RESOLUTION: f64 = 1e-14;
-/// Changes nearer to the reference, in `ln lambda`, count as in the reference.
+/// Changes within this distance of the reference, in `ln lambda`, count as changes at the reference.
 const AT_REFERENCE: f64 = 1e-9;
-/// The step, in `ln lambda`, of the slope of a measure.
+/// Step in `ln lambda` with which the slope of a measure is computed.
 const SLOPE_STEP: f64 = 1e-5;
-/// How near to the bottom of a dip is sought, in parts of the interval.
+/// Tolerance of the bottom of a dip, relative to the interval.
 const DIP: f64 = 2e-11;
 
-/// A criterion along one side of a path, in tension or in compression. `None` where it is not defined.
+/// Follows a criterion along one side of a path, in tension or in compression. Returns `None` if the criterion is not defined there.
 ///
-/// The states of the path are looked at, dips of the measure between them are followed, and each change of sign is refined to
-/// rounding. Where principal stretches differ by a factor above 1e4 nothing is told. A criterion that is lost and regained between two states without a dip that shows is overlooked.
+/// The criterion is evaluated at the states of the path, local minima of the measure between the states are refined, and each change of sign is
+/// bracketed to rounding. States whose principal stretches differ by a factor above 1e4 do not count. A criterion that is lost and regained between
+/// two states is overlooked unless the states show a local minimum.
 ///
 /// ```
 /// use onset::material::BlatzKo;
@@ -110,9 +111,9 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
     let parameter = |n: usize| states[n].parameter;
     let mut knots: Vec<(f64, f64)> = Vec::with_capacity(values.len());
     for n in 0..values.len() {
-        // Where the sign can be rounding the criterion counts as before.
+        // A sign within rounding does not count: the criterion keeps its previous state.
         if n == 0 {
-            // Zero to rounding is not positive.
+            // A value that is zero to rounding does not count as positive.
             let holds = measures[0].holds();
             knots.push((
                 parameter(0),
@@ -122,7 +123,7 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
             && path.ends_in_fold(tension)
             && values[n] <= measures[n].rounding
         {
-            // What vanishes at a fold has changed its sign on the branch that leads back.
+            // A measure that vanishes at a fold has changed its sign on the branch that leads back.
             knots.push((parameter(n), values[n].min(0.0)));
         } else if measures[n].value.abs() > measures[n].rounding {
             knots.push((parameter(n), values[n]));
@@ -145,7 +146,7 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
             around.sort_by(f64::total_cmp);
             let tolerance = DIP * (around[2] - around[0]);
             let found = dip(&mut upright, around, own * values[n], tolerance);
-            // What is lost must be told from rounding there.
+            // A dip counts as a loss only if its value exceeds rounding.
             let told = found.filter(|(s, found)| {
                 let there = path.state(*s).and_then(|state| criterion.measure(&state));
                 there.is_some_and(|measure| found.abs() > measure.rounding)
@@ -181,8 +182,10 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
     })
 }
 
-/// How far rounding can move a change of sign at `s`, in `ln lambda`: what counts as zero of the measure, or how much it changes with the free stretches that
-/// rounding leaves open, by the slope of the measure along the path.
+/// Shift of a change of sign at `s`, in `ln lambda`, that rounding can cause.
+///
+/// It is the value that counts as zero, or the change of the measure within the rounding of the free stretches, divided by the slope of the measure
+/// along the path.
 fn undetermined(
     path: &LoadingPath<'_>,
     criterion: Criterion,
@@ -199,7 +202,7 @@ fn undetermined(
     let noise = changes
         .map(|measure| (measure.signed() - own.signed()).abs())
         .fold(own.zero.max(own.neutral), f64::max);
-    // The slope from within, where the criterion is sure to be asked.
+    // One-sided slope toward the reference, where the state is certain to exist.
     let step = SLOPE_STEP.min(0.5 * s.abs());
     let slope =
         value(s - step.copysign(s)).map_or(0.0, |before| (own.signed() - before).abs() / step);
@@ -232,24 +235,25 @@ fn event(lost: bool, before: f64, behind: f64, witness: Witness) -> Event {
     }
 }
 
-/// Every how many states of a path finite jumps are looked for.
+/// Number of states of a path between two searches for finite jumps.
 const STRIDE: usize = 8;
-/// Parts of the way before the loss of ellipticity at which they are looked for too.
+/// Additional searches for finite jumps, at these fractions of the way before the loss of ellipticity.
 const BEFORE_LOSS: [f64; 4] = [0.02, 5e-3, 1e-3, 1e-5];
-/// How often another family of jumps is looked for where the one that was followed gains nothing any more.
+/// Largest number of changes to another family of jumps once the family followed before gains no energy.
 const FAMILIES: usize = 6;
-/// Parts of a parameter by which the state is moved outward until intervals prove the gain.
+/// Number of growing steps by which the state is moved outward until interval arithmetic proves the gain.
 const OUTWARD: i32 = 22;
 
-/// Rank-one convexity along one side of a path: finite jumps are looked for at every eighth state up to the `elliptic` limit, where
-/// infinitesimal ones gain energy, closely before it, and on both sides of jumps and kinks of the law ([`kinks`](super::kinks())): where the stress jumps back in the
-/// sense of the stretch, jumps across gain energy before, and behind a step up of the energy those back. The first one found is followed back to where it breaks even, where others are looked
-/// for in turn. Beyond the limit nothing is looked for.
+/// Follows rank-one convexity along one side of a path. The limit found is an upper bound ([`Event::is_upper_bound`]).
 ///
-/// Whether there are other jumps nearer to the reference is not proved: the limit is an upper bound of the distance from the reference up to
-/// which the law is rank-one convex ([`Event::is_upper_bound`]); its tolerance is that of the jump which is named. At the limit the gain is proved in
-/// intervals where the law knows them ([`JumpSearch::proves`]). Where the best jump leads to the edge of the reach, its largest stretch, the limit depends on
-/// the reach.
+/// Finite jumps are searched for at every eighth state up to the `elliptic` limit, where infinitesimal jumps gain energy, closely before that limit,
+/// and on both sides of jumps and kinks of the law ([`kinks`](super::kinks())). Where the stress drops with the stretch, jumps across the drop gain
+/// energy before it. Behind a step up of the energy, jumps back gain energy. The first jump found is followed back to its break-even point, where the
+/// search is repeated for other families. Nothing is searched beyond the limit.
+///
+/// Other jumps may gain energy nearer to the reference, so the limit is an upper bound of the distance from the reference up to which the law is
+/// rank-one convex. Its tolerance refers to the jump reported. Interval arithmetic proves the gain at the limit if the law provides enclosures
+/// ([`JumpSearch::proves`]). If the best jump leads to the edge of the reach, its largest stretch, the limit depends on the reach.
 pub fn follow_jumps(path: &LoadingPath<'_>, elliptic: &Track, reach: f64, tension: bool) -> Track {
     let jumps = Jumps {
         path,
@@ -282,7 +286,7 @@ pub fn follow_jumps(path: &LoadingPath<'_>, elliptic: &Track, reach: f64, tensio
         }
         return jumps.break_even(&places[..n], (*place, jump));
     }
-    // Up to the limit of ellipticity no finite jump gains energy; there, small ones do. What is regained is ellipticity alone.
+    // No finite jump gains energy up to the limit of ellipticity, where infinitesimal jumps do. Beyond it only ellipticity can be regained.
     let first = elliptic.events.first().copied();
     Track {
         holds_at_start: elliptic.holds_at_start,
@@ -294,18 +298,18 @@ pub fn follow_jumps(path: &LoadingPath<'_>, elliptic: &Track, reach: f64, tensio
     }
 }
 
-/// Finite jumps along a path.
+/// Search for finite jumps along a path.
 struct Jumps<'p, 'a> {
     path: &'p LoadingPath<'a>,
     search: JumpSearch<'a>,
     /// Direction and polarization of the wave at the loss of ellipticity.
     wave: Option<(Vector3<f64>, Vector3<f64>)>,
-    /// Parameters of the states closely beside jumps and kinks of the law.
+    /// Parameters of the states on both sides of the jumps and kinks of the law.
     beside_kinks: Vec<f64>,
 }
 
 impl Jumps<'_, '_> {
-    /// Parameters at which jumps are looked for, the reference first.
+    /// Parameters at which finite jumps are searched for, starting at the reference.
     fn places(&self, elliptic: &Track, tension: bool) -> Vec<f64> {
         let limit = elliptic.limit().map(f64::ln);
         let within = |s: f64| limit.is_none_or(|limit| s.abs() < limit.abs());
@@ -328,7 +332,7 @@ impl Jumps<'_, '_> {
         places
     }
 
-    /// A jump that gains energy at a place, as far as the search tells.
+    /// Returns a jump at `s` that gains energy, if the search finds one.
     fn gaining(&self, s: f64) -> Option<Jump> {
         let state = self.path.at(s)?;
         let found = self.search.lowest_beside(&state.response, self.wave);
@@ -339,14 +343,14 @@ impl Jumps<'_, '_> {
         })
     }
 
-    /// The same in the valley of another jump.
+    /// Returns the jump at `s` in the valley of another jump, if it gains energy.
     fn followed(&self, s: f64, jump: &Jump) -> Option<Jump> {
         let state = self.path.at(s)?;
         let found = self.search.descend(&state.response, jump);
         found.filter(Jump::gains)
     }
 
-    /// From a place at which a jump gains energy back to where none does that is found; `places` lie before it.
+    /// Follows a jump that gains energy back to the place where no gain is found. The `places` lie nearer to the reference.
     fn break_even(&self, places: &[f64], (mut behind, mut jump): (f64, Jump)) -> Track {
         let mut before = 0.0;
         for _ in 0..FAMILIES {
@@ -392,7 +396,7 @@ impl Jumps<'_, '_> {
         }
     }
 
-    /// How far rounding of the gain of a jump can move its limit, by the slope of the gain along the path.
+    /// Shift of the limit, in `ln lambda`, caused by rounding of the gain: the rounding divided by the slope of the gain along the path.
     fn undetermined(&self, s: f64, jump: &Jump) -> f64 {
         let step = SLOPE_STEP.min(0.5 * s.abs());
         let beside = self.path.at(s - step.copysign(s));
@@ -404,7 +408,7 @@ impl Jumps<'_, '_> {
         }
     }
 
-    /// The jump at the nearest place, a little further out if need be, at which intervals prove its gain; where they do not, the jump as it is.
+    /// Moves the state outward in small steps until interval arithmetic proves the gain. Returns the jump unchanged if no proof is found.
     fn proved(&self, s: f64, jump: Jump) -> (f64, Jump, bool) {
         let mut last = jump;
         for n in 0..OUTWARD {

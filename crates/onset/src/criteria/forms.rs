@@ -4,7 +4,7 @@ use crate::algebra::array_of;
 use crate::material::FourthOrder;
 use nalgebra::{DMatrix, Matrix3, SMatrix, SVector, SymmetricEigen};
 
-/// `X : A : Y` for rates `X`, `Y`; the symmetric part of `A` as a matrix of nine rows.
+/// Form `X : A : Y` of rates `X`, `Y`: the symmetric part of `A` as a 9 x 9 matrix.
 #[derive(Clone, Debug)]
 pub(super) struct QuadraticForm(SMatrix<f64, 9, 9>);
 
@@ -16,23 +16,23 @@ impl QuadraticForm {
         }))
     }
 
-    /// The largest component.
+    /// Largest component in magnitude.
     pub(super) fn magnitude(&self) -> f64 {
         self.0.amax()
     }
 
-    /// `X : A : Y`.
+    /// Value `X : A : Y` of the form.
     pub(super) fn at(&self, x: &Matrix3<f64>, y: &Matrix3<f64>) -> f64 {
         vector(x).dot(&(self.0 * vector(y)))
     }
 
-    /// The smallest value at combinations of some orthonormal rates, of unit length, with the combination.
+    /// Smallest value over unit combinations of orthonormal rates, with the minimizing combination.
     pub(super) fn smallest(&self, rates: &[Matrix3<f64>]) -> (f64, Matrix3<f64>) {
         self.smallest_with(rates, rates, |_, _| 0.0)
     }
 
-    /// The smallest `X : A : X + extra(D, D)` at combinations `D` of orthonormal tensors with the rates `X` that belong to them;
-    /// with the combination `D`.
+    /// Smallest `X : A : X + extra(D, D)` over unit combinations `D` of orthonormal tensors, where `X` is the same combination of `rates`; with the
+    /// minimizing `D`.
     pub(super) fn smallest_with(
         &self,
         rates: &[Matrix3<f64>],
@@ -59,12 +59,12 @@ fn vector(rate: &Matrix3<f64>) -> SVector<f64, 9> {
     SVector::from_fn(|n, _| rate[(n / 3, n % 3)])
 }
 
-/// All rates, orthonormal.
+/// Orthonormal basis of all rates.
 pub(super) fn all_rates() -> [Matrix3<f64>; 9] {
     array_of(|n| unit(n / 3, n % 3))
 }
 
-/// Symmetric rates, orthonormal.
+/// Orthonormal basis of the symmetric rates.
 pub(super) fn symmetric_rates() -> [Matrix3<f64>; 6] {
     let shear = |i: usize, j: usize| (unit(i, j) + unit(j, i)) / std::f64::consts::SQRT_2;
     [

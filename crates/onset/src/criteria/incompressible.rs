@@ -1,9 +1,9 @@
-//! Incompressible response: isochoric states of a law with the pressure that leaves a face free, and increments that keep the volume.
+//! Incompressible response: isochoric states whose pressure leaves a face traction-free, and volume-preserving increments.
 //!
-//! An incompressible law is an energy of the states with `J = 1`, with a pressure that the volume does not determine:
-//! `P = dW/dF - p cof F`, `A = d^2 W/dF dF - p d^2 J/dF dF`. The energy may be that of a compressible law: its volumetric part adds to `P` a
-//! multiple of `cof F`, and to `A` multiples of `cof F (x) cof F` and of `d^2 J/dF dF`, which increments that keep the volume, `cof F : Fdot = 0`,
-//! do not see beside `p`. Source: Ogden, Non-linear elastic deformations (1984), sections 4.3 and 6.2.
+//! An incompressible law is an energy of the states with `J = 1` and a pressure that the volume does not determine: `P = dW/dF - p cof F`,
+//! `A = d^2 W/dF dF - p d^2 J/dF dF`. The energy of a compressible law can be used: its volumetric part adds a multiple of `cof F` to `P`, and
+//! multiples of `cof F (x) cof F` and of `d^2 J/dF dF` to `A`. Volume-preserving increments, `cof F : Fdot = 0`, are affected by these terms only
+//! through `p`. Source: Ogden, Non-linear elastic deformations (1984), sections 4.3 and 6.2.
 
 use super::loading::{Loading, Mode};
 use crate::algebra::{Each, array_of};
@@ -13,7 +13,7 @@ use crate::material::{FourthOrder, Hyperelastic, Response, cofactor};
 use nalgebra::{Matrix3, Vector3};
 
 impl Loading {
-    /// The loadings of an incompressible specimen: those with a free face that determines the pressure, each once.
+    /// Loadings of an incompressible specimen: each has a free face that determines the pressure, and none appears twice.
     pub const INCOMPRESSIBLE: [Self; 4] = {
         use super::Lateral::{Free, PlaneStress};
         [
@@ -36,7 +36,7 @@ impl Loading {
         ]
     };
 
-    /// The isochoric state at `s = ln lambda` with its derivative by `s`; `None` where the loading changes the volume.
+    /// Isochoric state at `s = ln lambda` with its derivative by `s`; `None` if the loading changes the volume.
     pub(super) fn isochoric(self, s: f64) -> Option<(Matrix3<f64>, Matrix3<f64>)> {
         use super::Lateral::{Free, Held, PlaneStrain, PlaneStress};
         let powers = match (self.mode, self.lateral) {
@@ -55,7 +55,7 @@ impl Loading {
         ))
     }
 
-    /// Coordinate axes whose faces are free of traction when the loading is isochoric.
+    /// Coordinate axes whose faces are traction-free in the isochoric loading.
     pub(super) fn free_faces(self) -> &'static [usize] {
         use super::Lateral::{Free, PlaneStrain};
         match (self.mode, self.lateral) {
@@ -67,11 +67,11 @@ impl Loading {
     }
 }
 
-/// A bulk modulus larger than this many shear moduli counts as infinite: answers differ by no more than the inverse of it, and rounding of changes of volume
-/// leaves the pressure of a compressible law fewer digits.
+/// Ratio of bulk to shear modulus above which the bulk modulus counts as infinite. Results differ by no more than the inverse ratio, while rounding
+/// of the volume change costs the pressure of a compressible law more digits.
 const STIFF: f64 = 1e8;
 
-/// The bulk modulus of a law in the reference, where it counts as infinite.
+/// Bulk modulus of a law in the reference, if it counts as infinite.
 pub(super) fn huge_bulk_modulus(material: &dyn Hyperelastic) -> Option<f64> {
     if material.dimension() < 3 || material.is_path_dependent() {
         return None;
@@ -82,7 +82,8 @@ pub(super) fn huge_bulk_modulus(material: &dyn Hyperelastic) -> Option<f64> {
     (shear > ROUNDING * bulk && bulk > STIFF * shear).then_some(bulk)
 }
 
-/// The response with the change of volume by which a law bears its pressure, beyond that of another stress at the same shape.
+/// Adds to a response the change of volume by which a law with a finite bulk modulus carries the pressure, relative to the stress `other` of the same
+/// shape.
 pub(super) fn swollen(
     material: &dyn Hyperelastic,
     response: Response,
@@ -102,7 +103,7 @@ pub(super) fn swollen(
     }
 }
 
-/// `d^2 J / dF_iJ dF_kL = e_ikm e_JLN F_mN`.
+/// Second derivative `d^2 J / dF_iJ dF_kL = e_ikm e_JLN F_mN` of the volume ratio.
 fn second_derivative_of_volume(f: &Matrix3<f64>) -> FourthOrder {
     let sign = |a: usize, b: usize, c: usize| match (3 + b - a) % 3 {
         _ if a == b || b == c || a == c => 0.0,
@@ -118,7 +119,7 @@ fn second_derivative_of_volume(f: &Matrix3<f64>) -> FourthOrder {
     })
 }
 
-/// The response with the pressure that leaves a face free of normal traction, and without the stiffness against changes of volume.
+/// Response with the pressure that makes the normal traction on a face zero, without the stiffness against changes of volume.
 pub(super) fn pressurized(response: Response, free_face: usize) -> Response {
     let f = response.deformation.matrix();
     let cofactor = cofactor(&f);
@@ -142,11 +143,11 @@ pub(super) fn pressurized(response: Response, free_face: usize) -> Response {
     }
 }
 
-/// Orthonormal combinations of orthonormal tensors that are orthogonal to another tensor: all but one of them.
+/// Orthonormal basis of the tensors in a span that are orthogonal to `normal`, one fewer than `tensors`.
 pub(super) fn orthogonal_to(tensors: &[Matrix3<f64>], normal: &Matrix3<f64>) -> Vec<Matrix3<f64>> {
     let mut mirror: Vec<f64> = tensors.iter().map(|tensor| tensor.dot(normal)).collect();
     let length = mirror.iter().map(|x| x * x).sum::<f64>().sqrt();
-    // Householder's reflection turns the first tensor into the normal, and the others into what is asked for.
+    // Householder's reflection maps the first tensor to the normal and the others to the basis.
     mirror[0] += if mirror[0] < 0.0 { -length } else { length };
     let square: f64 = mirror.iter().map(|x| x * x).sum();
     (1..tensors.len())
@@ -161,7 +162,7 @@ pub(super) fn orthogonal_to(tensors: &[Matrix3<f64>], normal: &Matrix3<f64>) -> 
         .collect()
 }
 
-/// The stretches `lambda_i` along principal axes.
+/// Stretches `lambda_i` along the principal axes.
 pub(super) fn stretches_along(
     f: &DeformationGradient,
     left: &Matrix3<f64>,

@@ -1,4 +1,4 @@
-//! Isotropic laws: whether a law is one, and what its tangent is in principal axes.
+//! Isotropic laws: a numerical test of isotropy, and the tangent in principal axes.
 
 use super::{Witness, oriented, wave};
 use crate::algebra::{Each, array_of};
@@ -6,11 +6,12 @@ use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, Hyperelastic, Response};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-/// How far two stresses of turned references may be apart, in units of their size.
+/// Largest difference, relative to their magnitude, of stresses that count as equal after a rotation of the reference.
 const TOLERANCE: f64 = 1e-9;
 
-/// Whether a law is isotropic: `P(F Q) = P(F) Q` to rounding, tried at deformations without symmetry, stretched and compressed, with rotations
-/// about axes without symmetry.
+/// Returns true if a law is isotropic: `P(F Q) = P(F) Q` to rounding.
+///
+/// The condition is tested at stretched and compressed deformations without symmetry, with rotations about axes without symmetry.
 ///
 /// ```
 /// use onset::material::BlatzKo;
@@ -24,7 +25,7 @@ pub fn is_isotropic(material: &dyn Hyperelastic) -> bool {
         Vector3::new(0.9, 0.1, -0.4),
     ];
     let mut answered = false;
-    // A law can be defined near the reference only.
+    // A law may be defined near the reference only.
     for size in [0.2, 0.05] {
         let stretches = [
             Vector3::new(1.0 + size, 1.0 + 0.3 * size, 1.0 - 0.5 * size),
@@ -54,8 +55,9 @@ pub fn is_isotropic(material: &dyn Hyperelastic) -> bool {
     answered
 }
 
-/// Whether the energy that a law gives is the one that its stress belongs to: along a stretch and a shear the energy rises by the work
-/// of the stress. Laws in the form of subroutines often give none.
+/// Returns true if the energy of a law is consistent with its stress: along a stretch and a shear the energy rises by the work of the stress.
+///
+/// User subroutines often provide no energy.
 pub fn has_energy(material: &dyn Hyperelastic) -> bool {
     let step = Matrix3::new(0.06, 0.03, 0.0, -0.01, -0.02, 0.02, 0.0, 0.01, 0.03);
     let at = |t: f64| respond(material, &(Matrix3::identity() + step * t));
@@ -75,17 +77,18 @@ fn respond(material: &dyn Hyperelastic, f: &Matrix3<f64>) -> Option<Response> {
     material.response(&f).ok()
 }
 
-/// Components of a symmetric tangent differ by less than this part of the largest: those of laws that are integrated, or delivered by others.
+/// Relative tolerance for the symmetry of a tangent. Tangents of laws that are integrated in time, or of user subroutines, are less accurate than
+/// rounding.
 const SYMMETRIC: f64 = 1e-6;
 
-/// The tangent of an isotropic law in principal axes; what is not here is zero.
+/// Tangent of an isotropic law in principal axes. All components not listed vanish.
 #[derive(Clone, Debug)]
 pub(super) struct PrincipalTangent {
-    /// `A_iijj = d^2 W / dlambda_i dlambda_j`.
+    /// Components `A_iijj = d^2 W / dlambda_i dlambda_j`.
     normal: Matrix3<f64>,
-    /// `A_ijij` beside the diagonal.
+    /// Off-diagonal components `A_ijij`.
     shear: Matrix3<f64>,
-    /// `A_ijji` beside the diagonal.
+    /// Off-diagonal components `A_ijji`.
     cross: Matrix3<f64>,
     left: Matrix3<f64>,
     right: Matrix3<f64>,
@@ -116,14 +119,14 @@ impl PrincipalTangent {
         }
     }
 
-    /// Whether `A_iijj = A_jjii` and `A_ijij = A_jiji`, rounding apart; so it is where there is an energy.
+    /// Returns true if `A_iijj = A_jjii` and `A_ijij = A_jiji` within the tolerance, as for every law with an energy.
     pub(super) fn has_major_symmetry(&self) -> bool {
         let asymmetry = |part: &Matrix3<f64>| (part - part.transpose()).amax();
         let largest = self.normal.amax().max(self.shear.amax());
         asymmetry(&self.normal).max(asymmetry(&self.shear)) <= SYMMETRIC * largest
     }
 
-    /// The smallest `A_ijij`, `i != j`, with its wave.
+    /// Smallest `A_ijij`, `i != j`, with its wave.
     pub(super) fn softest_shear(&self) -> (f64, Witness) {
         let pairs = (0..9).map(|n| (n / 3, n % 3)).filter(|(i, j)| i != j);
         let (i, j) = pairs.fold((0, 1), |best, pair| {
@@ -137,7 +140,7 @@ impl PrincipalTangent {
         (self.shear[(i, j)], witness)
     }
 
-    /// The smallest `(T_i - T_j) / (lambda_i - lambda_j) = A_ijij + A_ijji`, with the shear that it belongs to.
+    /// Smallest `(T_i - T_j) / (lambda_i - lambda_j) = A_ijij + A_ijji`, with its shear.
     pub(super) fn softest_force(&self) -> (f64, Witness) {
         let value = |(i, j): (usize, usize)| self.shear[(i, j)] + self.cross[(i, j)];
         let pairs = [(0, 1), (0, 2), (1, 2)];
@@ -152,11 +155,11 @@ impl PrincipalTangent {
         (value((i, j)), witness)
     }
 
-    /// The smallest value of the form that decides on strong ellipticity, with its wave.
+    /// Smallest value of the form that decides strong ellipticity, with its wave.
     ///
-    /// With `x_i = g_i N_i` the form is `sum W_ij x_i x_j + sum_{i != j} (A_ijij g_i^2 N_j^2 + A_ijji x_i x_j)`, and `g_i^2 N_j^2 + g_j^2 N_i^2
-    /// >= 2 |x_i x_j|`, with equality where `|g_i| = |N_i|`. So it is positive for all waves if and only if the shear stiffnesses are
-    /// positive and, for all signs of the `x_i`, a quadratic form is positive on the simplex of the `|x_i|`.
+    /// With `x_i = g_i N_i` the form is `sum W_ij x_i x_j + sum_{i != j} (A_ijij g_i^2 N_j^2 + A_ijji x_i x_j)`, and
+    /// `g_i^2 N_j^2 + g_j^2 N_i^2 >= 2 |x_i x_j|` holds with equality for `|g_i| = |N_i|`. The form is therefore positive for all waves if and only
+    /// if the shear stiffnesses are positive and, for all signs of the `x_i`, a quadratic form is positive on the simplex of the `|x_i|`.
     pub(super) fn softest_wave(&self) -> (f64, Witness) {
         let mut lowest = self.softest_shear();
         for signs in [
@@ -183,10 +186,10 @@ impl PrincipalTangent {
         lowest
     }
 
-    /// The smallest value of the same form for waves that keep the volume, with its wave.
+    /// Smallest value of this form over volume-preserving waves, with its wave.
     ///
-    /// They have `g . F^-T N = sum x_i / lambda_i = 0`. The shears with `g` and `N` along different axes do; of the other waves the splitting of
-    /// [`PrincipalTangent::softest_wave`] leaves the signs with which the sum can vanish, and on the simplex a segment, on which the form is a
+    /// These waves satisfy `g . F^-T N = sum x_i / lambda_i = 0`. Shears with `g` and `N` along different axes do. For the other waves the splitting
+    /// of [`PrincipalTangent::softest_wave`] leaves the signs for which the sum can vanish. On the simplex this is a segment, on which the form is a
     /// quadratic function of one variable. These are the conditions of Zee and Sternberg, Arch. Ration. Mech. Anal. 83 (1983) 53.
     pub(super) fn softest_isochoric_wave(&self, stretches: &Vector3<f64>) -> (f64, Witness) {
         let mut lowest = self.softest_shear();
@@ -201,7 +204,7 @@ impl PrincipalTangent {
         lowest
     }
 
-    /// The same for waves in the plane of the two principal axes beside the third coordinate axis.
+    /// Smallest value of this form over volume-preserving waves in the plane of the two principal axes other than the third coordinate axis.
     pub(super) fn softest_isochoric_wave_in_plane(
         &self,
         stretches: &Vector3<f64>,
@@ -223,7 +226,7 @@ impl PrincipalTangent {
         }
     }
 
-    /// `x` with `x_i` positive, `x_j` negative and nothing else, `sum x_i / lambda_i = 0`, `sum |x_i| = 1`.
+    /// Vertex `x` with positive `x_i`, negative `x_j` and zero otherwise that satisfies `sum x_i / lambda_i = 0` and `sum |x_i| = 1`.
     fn isochoric_vertex(stretches: &Vector3<f64>, i: usize, j: usize) -> Vector3<f64> {
         let sum = stretches[i] + stretches[j];
         let mut x = Vector3::zeros();
@@ -232,7 +235,7 @@ impl PrincipalTangent {
         x
     }
 
-    /// The smallest value of the form between two `x` whose components do not differ in sign, with its wave.
+    /// Smallest value of the form on the segment between two `x` whose components have equal signs, with its wave.
     fn lowest_between(&self, ends: &[Vector3<f64>; 2]) -> (f64, Witness) {
         let signs = (ends[0] + ends[1]).map(|x| if x < 0.0 { -1.0 } else { 1.0 });
         let matrix = Matrix3::from_fn(|i, j| {
@@ -261,8 +264,8 @@ impl PrincipalTangent {
         )
     }
 
-    /// The smallest measure of [`Criterion::Surface`](super::Criterion::Surface) over waves along principal axes at faces with a normal along
-    /// one of some coordinate axes, which have to be principal ones; `None` where none is.
+    /// Smallest measure of [`Criterion::Surface`](super::Criterion::Surface) over waves along principal axes at faces normal to the coordinate axes
+    /// `faces`, which must be principal axes; `None` if none of them is.
     pub(super) fn softest_surface_wave(
         &self,
         stretches: &Vector3<f64>,
@@ -275,7 +278,7 @@ impl PrincipalTangent {
         for j in faces.iter().filter_map(|face| of_face(*face)) {
             for i in [(j + 1) % 3, (j + 2) % 3] {
                 let (a, b) = (stretches[i], stretches[j]);
-                // The moduli pushed forward along the axes, J = 1.
+                // Moduli pushed forward along the axes, with J = 1.
                 let alpha = a * a * self.shear[(j, i)];
                 let gamma = b * b * self.shear[(i, j)];
                 let twice_beta = a * a * self.normal[(i, i)] + b * b * self.normal[(j, j)]
@@ -291,16 +294,16 @@ impl PrincipalTangent {
         lowest
     }
 
-    /// The wave with components by principal axes.
+    /// Wave with the given components in principal axes.
     fn wave(&self, direction: &Vector3<f64>, polarization: &Vector3<f64>) -> Witness {
         wave(&(self.right * direction), &(self.left * polarization))
     }
 }
 
-/// The smallest `x . M x` over `x_i >= 0`, `sum x_i = 1`, with its place. `M` is symmetric.
+/// Smallest `x . M x` over `x_i >= 0`, `sum x_i = 1`, with the minimizing `x`. `M` is symmetric.
 fn minimum_on_simplex(m: &Matrix3<f64>) -> (f64, Vector3<f64>) {
     let corner = |i: usize| Vector3::ith(i, 1.0);
-    // Along an edge and within the simplex the form is stationary where M x is the same in all components that x has.
+    // Along an edge and within the simplex the form is stationary where M x is equal in all nonzero components of x.
     let edge = |i: usize, j: usize| {
         let t = (m[(j, j)] - m[(i, j)]) / (m[(i, i)] + m[(j, j)] - 2.0 * m[(i, j)]);
         corner(i) * t + corner(j) * (1.0 - t)

@@ -1,4 +1,4 @@
-//! Finite jumps of the deformation gradient that cost less than nothing.
+//! Finite jumps of the deformation gradient that lower the energy.
 
 use super::{Witness, principal_axes};
 use crate::algebra::{Each, array_of, sort_by_value};
@@ -7,30 +7,30 @@ use crate::material::{Hyperelastic, Response, cofactor};
 use crate::real::Interval;
 use nalgebra::{Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 
-/// A jump `a (x) N` of the deformation gradient with its scaled excess of energy.
+/// Jump `a (x) N` of the deformation gradient with its scaled excess of energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jump {
-    /// `a`.
+    /// Amplitude vector `a`.
     pub amplitude: Vector3<f64>,
-    /// `N`, of unit length.
+    /// Unit normal `N` in the reference.
     pub direction: Vector3<f64>,
-    /// `2 (W(F + a (x) N) - W(F) - P : (a (x) N)) / |a|^2`; units of stress. In the limit of small jumps `a . Q(N) a / |a|^2`.
+    /// Scaled excess `2 (W(F + a (x) N) - W(F) - P : (a (x) N)) / |a|^2`; units of stress. For infinitesimal jumps it tends to `a . Q(N) a / |a|^2`.
     pub excess: f64,
-    /// How much of the excess can be rounding.
+    /// Rounding error of the excess.
     pub rounding: f64,
-    /// Whether it leads to the largest stretch of the reach, so that a larger reach would allow a lower one.
+    /// Whether the jump leads to the largest stretch of the reach, so that a larger reach would permit a lower excess.
     pub at_edge: bool,
-    /// Whether it leads to as good as no volume: the law has a finite energy there, and the lowest jump of its valley is a limit.
+    /// Whether the jump leads to nearly zero volume. The law has a finite energy there, and the lowest jump of its valley is a limit.
     pub collapses: bool,
 }
 
 impl Jump {
-    /// Whether it gains energy, beyond what rounding can pretend.
+    /// Returns true if the jump gains energy beyond rounding.
     pub fn gains(&self) -> bool {
         self.excess < -self.rounding
     }
 
-    /// The jump as a witness; `verified` where it was [proved](JumpSearch::proves) to gain energy.
+    /// Converts the jump to a witness; `verified` if its gain of energy is [proved](JumpSearch::proves).
     pub fn witness(&self, verified: bool) -> Witness {
         Witness::Jump {
             amplitude: self.amplitude.into(),
@@ -42,15 +42,19 @@ impl Jump {
     }
 }
 
-/// Searches for finite jumps that gain energy.
+/// Search for finite jumps that gain energy, which disproves rank-one convexity.
 ///
-/// Starts: normals and polarizations along the thirteen axes of a cube in the principal frame, with amplitudes in ratio to the stretch along the
-/// polarization, both ways; the lowest of them, one for each pair of axes, are followed downhill (quasi-Newton, `BFGS`) in amplitude and normal
-/// together. Jumps lead to states with principal stretches up to the reach only, since many laws lack
-/// growth at enormous strains. Where a descent meets the reach it goes on along it, among jumps whose largest stretch is the reach, and such jumps along the
-/// same axes are starts too: the lowest of them are oblique. In compression jumps go as far as they lower the energy, since `J` cannot fall below
-/// zero, where laws without growth toward `J = 0` have their lowest jumps. A jump that gains energy disproves rank-one convexity, up to rounding or, where [`JumpSearch::proves`] says so, in
-/// exact arithmetic; none found is no proof of it.
+/// The normals and polarizations of the starts lie along the thirteen axes of a cube in the principal frame. Their amplitudes are multiples of the
+/// stretch along the polarization, with both signs. The lowest start of each pair of axes is followed downhill (quasi-Newton, `BFGS`) in amplitude
+/// and normal together.
+///
+/// Jumps lead only to states with principal stretches up to the reach, since many laws lack growth at enormous strains. A descent that meets the
+/// reach continues along it, among jumps whose largest stretch equals the reach. Such jumps along the same axes are starts too, because the lowest of
+/// them are oblique. In compression jumps are bounded only by the energy, since `J` cannot fall below zero, where laws without growth toward `J = 0`
+/// have their lowest jumps.
+///
+/// A jump that gains energy disproves rank-one convexity, to rounding or, if [`JumpSearch::proves`] returns true, in exact arithmetic. A search
+/// without result proves nothing.
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -71,25 +75,25 @@ pub struct JumpSearch<'a> {
     incompressible: bool,
 }
 
-/// Smaller jumps count as infinitesimal: their excess is that of a wave.
+/// Amplitude, relative to the stretch, below which a jump counts as infinitesimal: its excess is that of a wave.
 const SMALLEST: f64 = 1e-3;
-/// How often the longest jump tried is halved.
+/// Number of halvings of the longest trial jump.
 const HALVINGS: i32 = 22;
-/// How many of the lowest starts are followed.
+/// Number of lowest starts that are followed.
 const FOLLOWED: usize = 16;
-/// How many jumps to the reach are followed for each normal.
+/// Number of jumps to the reach that are followed for each normal.
 const AT_EDGE: usize = 2;
-/// The vector of the rotation of the axes along which jumps to the reach start.
+/// Rotation vector of the axes along which jumps to the reach start.
 const TURN: [f64; 3] = [0.11, -0.17, 0.13];
-/// Steps of a descent.
+/// Largest number of iterations of a descent.
 const STEPS: usize = 80;
-/// How often a descent goes along the reach and leaves it again.
+/// Largest number of times that a descent continues along the reach and leaves it.
 const ROUNDS: usize = 3;
-/// The part of a jump to the reach at which a shorter one is tried.
+/// Fraction of a jump to the reach at which a shorter jump is tried.
 const INWARD: f64 = 0.99;
-/// The volume that jumps leave at the least, by that before them.
+/// Smallest ratio of the volumes after and before a jump.
 const LEAST_VOLUME: f64 = 1e-7;
-/// Jumps that leave less volume, by that before them, count as collapse.
+/// Ratio of the volumes after and before a jump below which the jump counts as collapse.
 const COLLAPSED: f64 = 1e-3;
 /// Axes of a cube: normals of its faces, its edges and its corners.
 const AXES: [[f64; 3]; 13] = [
@@ -107,13 +111,13 @@ const AXES: [[f64; 3]; 13] = [
     [1.0, -1.0, 1.0],
     [-1.0, 1.0, 1.0],
 ];
-/// Amplitudes to start from, in ratio to the stretch along the polarization.
+/// Amplitudes of the starts, relative to the stretch along the polarization.
 const AMPLITUDES: [f64; 8] = [-3.0, -0.85, -0.5, -0.25, 0.3, 0.8, 2.0, 5.0];
-/// Amplitudes to start from along a wave that stops.
+/// Amplitudes of the starts along a wave whose speed vanishes.
 const ALONG_WAVE: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 0.6, 1.2];
 
 impl<'a> JumpSearch<'a> {
-    /// A search in a law among jumps to states with principal stretches up to `reach`.
+    /// Creates a search among jumps to states with principal stretches up to `reach`.
     pub fn new(material: &'a dyn Hyperelastic, reach: f64) -> Self {
         Self {
             material,
@@ -122,19 +126,20 @@ impl<'a> JumpSearch<'a> {
         }
     }
 
-    /// The same among jumps that keep the volume, `a . F^-T N = 0`.
+    /// Restricts the search to volume-preserving jumps, `a . F^-T N = 0`.
     pub fn incompressible(mut self) -> Self {
         self.incompressible = true;
         self
     }
 
-    /// The jump with the lowest scaled excess that was found; `None` where every descent ends in an infinitesimal one.
+    /// Returns the jump with the lowest scaled excess found; `None` if every descent ends in an infinitesimal jump.
     pub fn lowest(&self, state: &Response) -> Option<Jump> {
         self.lowest_beside(state, None)
     }
 
-    /// The same, with small jumps along a wave, direction and polarization, among the starts: where a wave stops whose third derivative of the
-    /// energy does not vanish, jumps along it have gained energy before.
+    /// Like [`JumpSearch::lowest`], with small jumps along a wave (direction and polarization) among the starts.
+    ///
+    /// If the third derivative of the energy along a wave does not vanish, jumps along this wave gain energy before its speed vanishes.
     pub fn lowest_beside(
         &self,
         state: &Response,
@@ -158,8 +163,8 @@ impl<'a> JumpSearch<'a> {
             .min_by(|a, b| a.excess.total_cmp(&b.excess))
     }
 
-    /// Of jumps along the axes from which the search starts the longest one that gains energy. Beside a step of the energy and before a concave kink every
-    /// descent ends in jumps as short as the distance to it.
+    /// Returns the longest jump along the axes of the search that gains energy. Near a step of the energy and before a concave kink every descent
+    /// ends in jumps as short as the distance to it.
     pub(super) fn longest(&self, state: &Response) -> Option<Jump> {
         let (left, right) = principal_axes(&state.deformation);
         let pairs = AXES.into_iter().flat_map(|n| AXES.map(|g| (n, g)));
@@ -182,7 +187,7 @@ impl<'a> JumpSearch<'a> {
         })
     }
 
-    /// The lowest start of every pair of normal and polarization, with its excess.
+    /// Returns the lowest start of every pair of normal and polarization, with its excess.
     fn starts(&self, state: &Response) -> Vec<(f64, Vector6<f64>)> {
         let f = state.deformation.matrix();
         let (left, right) = principal_axes(&state.deformation);
@@ -208,8 +213,8 @@ impl<'a> JumpSearch<'a> {
         starts
     }
 
-    /// Jumps to the reach: of every normal of [`JumpSearch::starts`] the lowest with some polarizations along and against its axes. All axes are turned a little, since
-    /// jumps along axes of symmetry have no slope toward lower ones beside them.
+    /// Returns starts that lead to the reach: for every normal of [`JumpSearch::starts`] the lowest few polarizations. All axes are turned slightly,
+    /// since the excess is stationary along axes of symmetry.
     fn starts_at_edge(&self, state: &Response) -> Vec<Vector6<f64>> {
         let (left, right) = principal_axes(&state.deformation);
         let turn = Rotation3::new(Vector3::from(TURN));
@@ -231,16 +236,17 @@ impl<'a> JumpSearch<'a> {
         starts
     }
 
-    /// The jump at the bottom of the valley that a jump at a state nearby lies in; `None` where it becomes infinitesimal.
+    /// Follows a jump of a nearby state to the bottom of its valley; `None` if the jump becomes infinitesimal.
     pub fn descend(&self, state: &Response, start: &Jump) -> Option<Jump> {
         let n = start.direction;
         let a = self.free(state, start.amplitude, &n);
         self.descent(state, joined(&a, &n))
     }
 
-    /// Whether a jump gains energy in exact arithmetic, by intervals of the law: `W(F + a (x) N) - W(F) - P : (a (x) N)` is below zero for all
-    /// numbers within the rounding of the program. Never for a law that knows no intervals, as a user's subroutine, and not for jumps that keep
-    /// the volume, which floating-point numbers do to rounding only.
+    /// Returns true if interval arithmetic proves that a jump gains energy.
+    ///
+    /// The enclosure of `W(F + a (x) N) - W(F) - P : (a (x) N)` must be negative. The result is always false for a law without enclosures, such as a
+    /// user subroutine, and for volume-preserving jumps, which floating-point numbers satisfy only to rounding.
     pub fn proves(&self, state: &Response, jump: &Jump) -> bool {
         if self.incompressible {
             return false;
@@ -265,7 +271,7 @@ impl<'a> JumpSearch<'a> {
         gain.high < 0.0
     }
 
-    /// `2 (W(F + a (x) N) - W(F) - P : (a (x) N)) / |a|^2` with the change of stress; `None` where the jump leaves the reach or the law.
+    /// Scaled excess and change of stress of a jump; `None` if the jump leaves the reach or the domain of the law.
     fn energy_of(
         &self,
         state: &Response,
@@ -278,7 +284,7 @@ impl<'a> JumpSearch<'a> {
             .flatten()
     }
 
-    /// The same whatever the reach.
+    /// Scaled excess and change of stress of a jump, independent of the reach.
     fn energy_at(
         &self,
         state: &Response,
@@ -296,7 +302,7 @@ impl<'a> JumpSearch<'a> {
             .then_some((excess, stress - state.first_piola))
     }
 
-    /// The amplitude of a free vector, after which the volume is positive, or what it was if that is to be kept.
+    /// Amplitude of a jump, computed from its free vector so that the volume after the jump is positive, or unchanged for incompressible response.
     ///
     /// The jump `b (x) N` changes `J` to `J x`, `x = 1 + b . cof F N / J`, and is changed along `cof F N` so that the volume is `J` times
     /// [`volume_after`] of `x`, or 1.
@@ -312,7 +318,7 @@ impl<'a> JumpSearch<'a> {
         b + normal * (jacobian * (wanted - x) / normal.norm_squared())
     }
 
-    /// A free vector of an amplitude.
+    /// Free vector of an amplitude: the inverse of [`JumpSearch::admitted`].
     fn free(&self, state: &Response, a: Vector3<f64>, n: &Vector3<f64>) -> Vector3<f64> {
         if self.incompressible {
             return a;
@@ -323,7 +329,7 @@ impl<'a> JumpSearch<'a> {
         a + normal * (jacobian * (free_volume(volume) - volume) / normal.norm_squared())
     }
 
-    /// The scaled excess of `a (x) M / |M|` at `(a, M)` with its gradient; `None` where the jump leaves the reach or the law.
+    /// Scaled excess of `a (x) M / |M|` at `(a, M)` with its gradient; `None` if the jump leaves the reach or the domain of the law.
     fn excess(&self, state: &Response, variables: &Vector6<f64>) -> Option<(f64, Vector6<f64>)> {
         let (a, n) = self.to(state, variables);
         let (excess, change) = self.energy_of(state, &a, &n)?;
@@ -333,14 +339,14 @@ impl<'a> JumpSearch<'a> {
         Some((excess, self.pulled_back(state, variables, by_a, by_n)))
     }
 
-    /// The jump that free variables stand for.
+    /// Amplitude and normal of the jump that free variables represent.
     fn to(&self, state: &Response, variables: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let (free, m) = parts(variables);
         let n = m.normalize();
         (self.admitted(state, free, &n), n)
     }
 
-    /// A gradient by amplitude and normal of a jump as one by its free variables.
+    /// Transforms a gradient by amplitude and normal to a gradient by the free variables.
     fn pulled_back(
         &self,
         state: &Response,
@@ -351,7 +357,7 @@ impl<'a> JumpSearch<'a> {
         let (free, m) = parts(variables);
         let length = m.norm();
         let n = m / length;
-        // a = b + w v, v = cof F N, w = J (y - x) / |v|^2, x = 1 + v . b / J, y the volume after the jump by that before.
+        // a = b + w v, v = cof F N, w = J (y - x) / |v|^2, x = 1 + v . b / J, where y is the ratio of the volumes after and before the jump.
         let cofactor = cofactor(&state.deformation.matrix());
         let jacobian = state.deformation.jacobian();
         let v = cofactor * n;
@@ -369,7 +375,7 @@ impl<'a> JumpSearch<'a> {
         joined(&by_a, &((by_n - n * n.dot(&by_n)) / length))
     }
 
-    /// The scaled excess of the jump along `d (x) M / |M|` to the reach, at `(d, M)`, with its gradient.
+    /// Scaled excess of the jump along `d (x) M / |M|` to the reach, at `(d, M)`, with its gradient.
     fn excess_at_edge(
         &self,
         state: &Response,
@@ -398,7 +404,7 @@ impl<'a> JumpSearch<'a> {
         is_finite.then_some((excess, gradient))
     }
 
-    /// The direction of the amplitude of a jump to the reach, and the normal, from free variables.
+    /// Direction of the amplitude of a jump to the reach, and its normal, from free variables.
     fn toward_edge(
         &self,
         state: &Response,
@@ -412,10 +418,10 @@ impl<'a> JumpSearch<'a> {
         }
     }
 
-    /// How long a jump along `d (x) N` to the reach is, with its derivatives by `d` and `N`; `None` where the state is there already.
+    /// Length of a jump along `d (x) N` to the reach, with its derivatives by `d` and `N`; `None` if the state already has the largest stretch.
     ///
-    /// `F + t d (x) N` has the largest stretch `R` at the smallest `t > 0` with `det(R^2 - (F + t d (x) N) (F + t d (x) N)^T) = 0`: with `M = (R^2 - F
-    /// F^T)^-1`, `f = F N`, `p = d . M d`, `q = d . M f` and `r = f . M f` at `t = 1 / (q + sqrt(p (1 + r)))`.
+    /// `F + t d (x) N` has the largest stretch `R` at the smallest `t > 0` with `det(R^2 - (F + t d (x) N) (F + t d (x) N)^T) = 0`. With
+    /// `M = (R^2 - F F^T)^-1`, `f = F N`, `p = d . M d`, `q = d . M f` and `r = f . M f` it is `t = 1 / (q + sqrt(p (1 + r)))`.
     fn length_to_edge(
         &self,
         state: &Response,
@@ -436,12 +442,12 @@ impl<'a> JumpSearch<'a> {
         (length > 0.0 && length.is_finite()).then_some((length, [by_d, by_n]))
     }
 
-    /// Whether a deformation has a positive determinant and principal stretches up to the reach.
+    /// Returns true if a deformation has a positive determinant and principal stretches up to the reach.
     fn reaches(&self, f: &Matrix3<f64>) -> bool {
         f.determinant() > 0.0 && largest_square(f) <= self.reach * self.reach
     }
 
-    /// The bottom of the valley of a jump, given by its free variables; along the reach where it lies there.
+    /// Minimizes the excess from the free variables of a jump, and along the reach if the descent meets it.
     fn descent(&self, state: &Response, mut start: Vector6<f64>) -> Option<Jump> {
         let is_small = |x: &Vector6<f64>| self.to(state, x).0.norm() < SMALLEST;
         let mut lowest: Option<Jump> = None;
@@ -469,7 +475,7 @@ impl<'a> JumpSearch<'a> {
         lowest
     }
 
-    /// The lowest jump to the reach downhill of one along the direction of free variables.
+    /// Minimizes the excess among jumps to the reach, from the direction of a free vector.
     fn along_edge(&self, state: &Response, start: Vector6<f64>) -> Option<Jump> {
         let x = downhill(start, |x| self.excess_at_edge(state, x), |_| false)?;
         let (d, n) = self.toward_edge(state, &x);
@@ -477,7 +483,7 @@ impl<'a> JumpSearch<'a> {
         self.jump(state, d * length, n)
     }
 
-    /// A jump with its excess; `None` of one that counts as infinitesimal.
+    /// Jump with its excess; `None` if it counts as infinitesimal.
     fn jump(&self, state: &Response, a: Vector3<f64>, n: Vector3<f64>) -> Option<Jump> {
         let is_finite = a.norm() >= SMALLEST;
         is_finite.then(|| self.evaluated(state, a, n)).flatten()
@@ -495,7 +501,7 @@ impl<'a> JumpSearch<'a> {
         })
     }
 
-    /// How much of a scaled excess can be rounding: a thousand units in the last place of the energies that it is a difference of.
+    /// Rounding error of a scaled excess: a thousand units in the last place of the energies that are subtracted.
     fn rounding(state: &Response, a: &Vector3<f64>, n: &Vector3<f64>) -> f64 {
         let work = a.dot(&(state.first_piola * n));
         let energies = 2.0 * state.energy.abs() + 2.0 * work.abs();
@@ -503,12 +509,12 @@ impl<'a> JumpSearch<'a> {
     }
 }
 
-/// Amplitude and normal as one vector.
+/// Joins amplitude and normal to one vector.
 fn joined(a: &Vector3<f64>, n: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(a[0], a[1], a[2], n[0], n[1], n[2])
 }
 
-/// The halves of a vector.
+/// Splits a vector into amplitude and normal.
 fn parts(variables: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
     (
         variables.fixed_rows::<3>(0).into(),
@@ -516,8 +522,7 @@ fn parts(variables: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
     )
 }
 
-/// The bottom of a valley of a function with its gradient, by a quasi-Newton method (`BFGS`); `None` where the function has no value at the start, and
-/// where the way down is over.
+/// Minimizes a function by a quasi-Newton method (`BFGS`). Returns `None` if the function is not defined at the start or as soon as `is_over` holds.
 fn downhill(
     start: Vector6<f64>,
     function: impl Fn(&Vector6<f64>) -> Option<(f64, Vector6<f64>)>,
@@ -567,7 +572,7 @@ fn downhill(
     Some(x)
 }
 
-/// The part of a step that is admitted and leads down, with the function there.
+/// Fraction of a step that is admissible and decreases the function, with the function value there.
 fn shorter(
     function: impl Fn(&Vector6<f64>) -> Option<(f64, Vector6<f64>)>,
     x: &Vector6<f64>,
@@ -588,13 +593,13 @@ fn shorter(
     None
 }
 
-/// `|F^T g|`, the size of `F` along `g`: a principal stretch where `g` is a principal axis.
+/// Stretch `|F^T g|` along `g`: a principal stretch if `g` is a principal axis.
 fn stretch_along(f: Matrix3<f64>, g: &Vector3<f64>) -> f64 {
     (f.transpose() * g).norm()
 }
 
-/// The volume after a jump by that before, from a free number, with its derivative: that number from 1/2 on, below it an exponential that
-/// falls to [`LEAST_VOLUME`] without an end.
+/// Ratio of the volumes after and before a jump, as a function of a free number, with its derivative: the number itself from 1/2 on, below it an
+/// exponential that tends to [`LEAST_VOLUME`].
 fn volume_after(x: f64) -> (f64, f64) {
     if x >= 0.5 {
         return (x, 1.0);
@@ -604,7 +609,7 @@ fn volume_after(x: f64) -> (f64, f64) {
     (LEAST_VOLUME + span * slope, slope)
 }
 
-/// The free number of a volume.
+/// Free number of a volume ratio: the inverse of [`volume_after`].
 fn free_volume(volume: f64) -> f64 {
     if volume >= 0.5 {
         return volume;
@@ -614,7 +619,7 @@ fn free_volume(volume: f64) -> f64 {
     0.5 + span * part.ln()
 }
 
-/// The largest eigenvalue of `F^T F`: a root of its characteristic polynomial by its angle.
+/// Largest eigenvalue of `F^T F`: a root of its characteristic polynomial in trigonometric form.
 fn largest_square(f: &Matrix3<f64>) -> f64 {
     let c = f.transpose() * f;
     let mean = c.trace() / 3.0;

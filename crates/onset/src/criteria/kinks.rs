@@ -1,11 +1,11 @@
-//! Where a law along a loading is not smooth: steps of the energy, jumps and kinks of the stress.
+//! Places along a loading where a law is not smooth: steps of the energy, jumps and kinks of the stress.
 
 use super::{LoadingPath, PathEnd, PathState};
 use crate::algebra::{Each, sort_by_value};
 use crate::material::{FourthOrder, Response};
 use nalgebra::Matrix3;
 
-/// The first of energy, stress and tangent that jumps.
+/// Lowest derivative of the energy that jumps: the energy itself, the stress or the tangent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -21,45 +21,47 @@ pub enum Discontinuity {
     KinkOfStress,
 }
 
-/// A stretch at which energy, stress or tangent jump. Jumps are counted from the smaller stretch to the larger one.
+/// Stretch at which energy, stress or tangent jump. The sign of a jump refers to increasing stretch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kink {
-    /// The imposed stretch.
+    /// Imposed stretch at the jump.
     pub stretch: f64,
-    /// The first of energy, stress and tangent that jumps.
+    /// Lowest derivative of the energy that jumps.
     pub kind: Discontinuity,
-    /// The size of that jump by the size of the tangent, in the norm of all components.
+    /// Norm of this jump over all components, relative to the tangent.
     pub jump: f64,
-    /// The jump of the energy. Units of stress.
+    /// Jump of the energy density. Units of stress.
     pub energy: f64,
-    /// The largest component of the jump of the Cauchy stress. Units of stress.
+    /// Largest component of the jump of the Cauchy stress. Units of stress.
     pub largest_stress: f64,
-    /// The jump of the mean Cauchy stress. Units of stress.
+    /// Jump of the mean Cauchy stress. Units of stress.
     pub mean_stress: f64,
-    /// The jump of the second derivative of the energy by `J` at a constant shape. Units of stress.
+    /// Jump of the second derivative of the energy by `J` at constant shape. Units of stress.
     pub bulk_tangent: f64,
-    /// `ln lambda` of the states on the two sides.
+    /// Parameters `ln lambda` of the states on the two sides.
     pub(super) sides: [f64; 2],
 }
 
-/// Jumps of energy, stress and tangent that are smaller, by the tangent, are not told.
+/// Smallest reported jumps of energy, stress and tangent, relative to the tangent.
 const SMALLEST: [f64; 3] = [1e-9, 1e-7, 1e-6];
-/// How far a smooth quantity is from the line between the ends of a short interval in one half of it is less than this part of that in the whole.
+/// Smoothness test for short intervals: for a smooth quantity the deviation from linearity on half an interval is less than this fraction of that on
+/// the whole.
 const PART: f64 = 0.6;
-/// How often an interval is halved before it counts as short.
+/// Number of halvings after which an interval counts as short.
 const SHORT: usize = 4;
-/// How far the interval around a jump is narrowed, in `ln lambda`.
+/// Width to which the interval around a jump is narrowed, in `ln lambda`.
 const WIDTH: f64 = 1e-12;
-/// The step beyond the end of a path, in `ln lambda`.
+/// Step beyond the end of a path, in `ln lambda`.
 const BEYOND: f64 = 1e-6;
 
-/// Where a law is not smooth along a loading, nearest to the reference first.
+/// Returns the places along a loading where a law is not smooth, nearest to the reference first.
 ///
-/// Energy, stress `P` and tangent `dP/dF` are looked at. Where the third differences of one of them stand out among the states of the path, the half is
-/// followed in which it is further from a straight line: that distance falls to a quarter with each step where it is smooth, and stays where it jumps. A
-/// jump that is small beside how much the quantity bends between two states of the path is overlooked. Fibers that bear tension only, typed laws with conditions
-/// and tables with corners have kinks: there a law has one-sided wave speeds, and Newton's method can fail. Where the stress jumps, free faces may have no state: a
-/// path that ends there tells of the jump at its end.
+/// Energy, stress `P` and tangent `dP/dF` are examined. Intervals with locally largest third differences are bisected: the half with the larger
+/// deviation from linearity is kept. For a smooth quantity this deviation falls to a quarter with each bisection, while it remains constant at a
+/// jump. A jump that is small compared with the curvature between two states of the path is overlooked.
+///
+/// Tension-only fibers, formulas with conditions and tables with corners have kinks. At a kink a law has one-sided wave speeds, and Newton's method
+/// can fail. Where the stress jumps, free faces may have no equilibrium; a path that ends for this reason reports the jump at its end.
 ///
 /// ```
 /// use onset::criteria::{Discontinuity, Lateral, Loading, LoadingPath, Mode, Range, kinks};
@@ -97,7 +99,7 @@ fn found(path: &LoadingPath<'_>) -> Vec<Kink> {
     found
 }
 
-/// The energy, the stress or the tangent, with its size in terms of the tangent.
+/// Components of the energy, the stress or the tangent, with their reference magnitude from the tangent.
 fn quantity(response: &Response, order: usize) -> (Vec<f64>, f64) {
     let stiffness = size(&response.tangent);
     let length = response.deformation.matrix().norm();
@@ -114,7 +116,7 @@ fn quantity(response: &Response, order: usize) -> (Vec<f64>, f64) {
     }
 }
 
-/// Intervals between neighboring states in which a quantity may jump: those of the largest third differences among their neighbors, and the outermost.
+/// Intervals between neighboring states in which a quantity may jump: those with locally largest third differences, and the outermost two.
 fn suspects(states: &[&PathState], order: usize) -> Vec<usize> {
     let Some(last) = states.len().checked_sub(2) else {
         return Vec::new();
@@ -129,7 +131,7 @@ fn suspects(states: &[&PathState], order: usize) -> Vec<usize> {
         values[n].0.iter().zip(line).map(|(x, y)| x - y).collect()
     };
     let bends: Vec<Vec<f64>> = (1..=last).map(bend).collect();
-    // Of the interval between the states n and n + 1.
+    // Third differences of the intervals between the states n and n + 1.
     let third: Vec<f64> = bends
         .windows(2)
         .map(|two| distance(&two[0], &two[1]))
@@ -146,7 +148,7 @@ fn suspects(states: &[&PathState], order: usize) -> Vec<usize> {
     all
 }
 
-/// The states closely beside the jump of a quantity between two states.
+/// Narrows the interval between two states to the jump of a quantity; `None` if the quantity is smooth.
 fn narrowed(
     path: &LoadingPath<'_>,
     order: usize,
@@ -180,14 +182,14 @@ fn narrowed(
     Some(ends)
 }
 
-/// A state between two others, near their middle; states at which a law has no tangent are passed.
+/// State between two others, near their middle. States without a tangent are avoided.
 fn halfway(path: &LoadingPath<'_>, ends: &[PathState; 2]) -> Option<PathState> {
     let [low, high] = ends.each_ref().map(|end| end.parameter);
     let at = |part: f64| path.at(low + (high - low) * part);
     [0.5, 0.4, 0.6].into_iter().find_map(at)
 }
 
-/// How far a quantity at a state between two others is from the line between them.
+/// Distance of a quantity at an intermediate state from the linear interpolation between its neighbors.
 fn bend(ends: &[PathState; 2], middle: &PathState, order: usize) -> f64 {
     let [low, high] = ends.each_ref().map(|end| end.parameter);
     let part = (middle.parameter - low) / (high - low);
@@ -200,7 +202,7 @@ fn bend(ends: &[PathState; 2], middle: &PathState, order: usize) -> f64 {
     distance(&of(middle), &line)
 }
 
-/// A jump of the stress, or a step of the energy, at which a path with free faces ends.
+/// Jump of the stress, or step of the energy, at which a path with free faces ends.
 fn at_end(path: &LoadingPath<'_>, states: &[PathState], end: &PathEnd, sense: f64) -> Option<Kink> {
     if !matches!(end, PathEnd::NoState { .. }) || path.is_incompressible() {
         return None;
@@ -208,7 +210,7 @@ fn at_end(path: &LoadingPath<'_>, states: &[PathState], end: &PathEnd, sense: f6
     let last = states.last()?;
     let beyond = last.response.deformation.matrix() + last.rate * (BEYOND * sense);
     let mut there = path.respond(&beyond)?;
-    // What the law does smoothly over the step is taken off.
+    // Subtract the smooth change over the step.
     let step = beyond - last.response.deformation.matrix();
     let along = Matrix3::from_fn(|i, j| {
         let terms =
@@ -226,7 +228,7 @@ fn at_end(path: &LoadingPath<'_>, states: &[PathState], end: &PathEnd, sense: f6
     kink.filter(|kink| kink.kind != Discontinuity::KinkOfStress)
 }
 
-/// The jump from one state to another that hardly differs from it.
+/// Jump between two states that are almost equal.
 fn between(low: &Response, high: &Response, sides: [f64; 2]) -> Option<Kink> {
     let jumps = [0, 1, 2].each(|order: usize| {
         let ((a, scale), (b, other)) = (quantity(low, order), quantity(high, order));
@@ -255,7 +257,7 @@ fn between(low: &Response, high: &Response, sides: [f64; 2]) -> Option<Kink> {
     })
 }
 
-/// `d^2 W / dJ^2 = (F : A : F - 2 P : F) / (9 J^2)` at a constant shape.
+/// Bulk tangent `d^2 W / dJ^2 = (F : A : F - 2 P : F) / (9 J^2)` at constant shape.
 fn bulk_tangent(response: &Response) -> f64 {
     let f = response.deformation.matrix();
     let along = components().map(|at @ (i, j, k, l)| f[(i, j)] * response.tangent[at] * f[(k, l)]);

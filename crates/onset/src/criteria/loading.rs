@@ -1,4 +1,4 @@
-//! Loadings: which stretch is imposed, which faces are free of traction, and the states that follow.
+//! Loadings: the imposed stretch, the traction-free faces and the states that result.
 
 use super::incompressible::{huge_bulk_modulus, pressurized, swollen};
 use super::root::bracket_zero;
@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 use std::sync::OnceLock;
 use thiserror::Error;
 
-/// What a specimen is subjected to, with one stretch `lambda` that is imposed.
+/// Mode of loading of a specimen, with one imposed stretch `lambda`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -20,17 +20,17 @@ use thiserror::Error;
 pub enum Mode {
     /// One direction is stretched: `F11 = lambda`.
     Uniaxial,
-    /// Two directions are stretched alike: `F11 = F22 = lambda`.
+    /// Two directions are stretched equally: `F11 = F22 = lambda`.
     Equibiaxial,
-    /// One direction is stretched while another one is held, as in a wide strip ("pure shear").
+    /// One direction is stretched and another one is held, as in a wide strip ("pure shear").
     Planar,
-    /// `F12 = gamma = lambda - 1/lambda`: `lambda` is the larger principal stretch of simple shear.
+    /// Simple shear, `F12 = gamma = lambda - 1/lambda`; `lambda` is the larger principal stretch.
     SimpleShear,
-    /// All directions are stretched alike.
+    /// All directions are stretched equally.
     Hydrostatic,
 }
 
-/// What holds the other directions.
+/// Constraint on the directions that are not loaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -38,17 +38,17 @@ pub enum Mode {
     serde(rename_all = "kebab-case")
 )]
 pub enum Lateral {
-    /// They keep their length.
+    /// The directions keep their length.
     Held,
     /// The third direction keeps its length.
     PlaneStrain,
-    /// The third direction is free: no traction on its faces.
+    /// The third direction is free: its faces are traction-free.
     PlaneStress,
-    /// All faces that are not loaded are free of traction.
+    /// All faces that are not loaded are traction-free.
     Free,
 }
 
-/// A mode with what holds the other directions.
+/// Mode of loading with the constraint on the other directions.
 ///
 /// | mode | `held` | `plane-strain` | `plane-stress` | `free` |
 /// |---|---|---|---|---|
@@ -58,18 +58,18 @@ pub enum Lateral {
 /// | `simple-shear` | | `(1, 1, 1)` | `(1, 1, *)` | `(1, *, *)` |
 /// | `hydrostatic` | `(l, l, l)` | | | |
 ///
-/// Stars are solved for: the diagonal components of `F` at which their normal tractions `P_22`, `P_33` vanish. Shears beside them
-/// stay zero; for laws with fibers that are not along the axes the faces then carry shear.
+/// Stars are solved for: the diagonal components of `F` for which the normal tractions `P_22`, `P_33` vanish. Off-diagonal components stay zero, so
+/// for laws with fibers that are not along the axes the faces carry shear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Loading {
-    /// What is imposed.
+    /// Mode of loading: which stretch is imposed.
     pub mode: Mode,
-    /// What holds the rest.
+    /// Constraint on the other directions.
     pub lateral: Lateral,
 }
 
 impl Mode {
-    /// All modes.
+    /// All modes of loading.
     pub const ALL: [Self; 5] = [
         Self::Uniaxial,
         Self::Equibiaxial,
@@ -78,7 +78,7 @@ impl Mode {
         Self::Hydrostatic,
     ];
 
-    /// Its name.
+    /// Name of the mode in files and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Uniaxial => "uniaxial",
@@ -89,7 +89,7 @@ impl Mode {
         }
     }
 
-    /// Name of the quantity that is imposed: a stretch, in simple shear the amount of shear `gamma`.
+    /// Name of the imposed quantity: a stretch, or in simple shear the amount of shear `gamma`.
     pub fn imposes(self) -> &'static str {
         match self {
             Self::SimpleShear => "amount of shear",
@@ -97,7 +97,7 @@ impl Mode {
         }
     }
 
-    /// The imposed stretch, or the amount of shear, at `s = ln lambda`.
+    /// Imposed stretch or amount of shear at `s = ln lambda`.
     ///
     /// ```
     /// use onset::criteria::Mode;
@@ -112,7 +112,7 @@ impl Mode {
         }
     }
 
-    /// `s = ln lambda` at an imposed stretch, or amount of shear.
+    /// Path parameter `s = ln lambda` at an imposed stretch or amount of shear.
     pub fn parameter(self, imposed: f64) -> f64 {
         match self {
             Self::SimpleShear => (0.5 * imposed).asinh(),
@@ -122,7 +122,7 @@ impl Mode {
 }
 
 impl Lateral {
-    /// Its name.
+    /// Name of the constraint in files and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Held => "held",
@@ -157,7 +157,7 @@ impl Loading {
         Self { mode, lateral }
     }
 
-    /// In a few words.
+    /// Short description of the loading.
     pub fn title(self) -> &'static str {
         match (self.mode, self.lateral) {
             (Mode::Uniaxial, Lateral::Free) => "uniaxial, lateral faces free",
@@ -176,7 +176,7 @@ impl Loading {
         }
     }
 
-    /// All loadings of a law of the plane, in the order of tables.
+    /// All loadings of a two-dimensional law, in the order of tables.
     pub const IN_PLANE: [Self; 5] = {
         use Lateral::{Held, PlaneStrain};
         [
@@ -188,7 +188,7 @@ impl Loading {
         ]
     };
 
-    /// In a few words, for a law of the plane.
+    /// Short description of the loading for a two-dimensional law.
     pub fn title_in_plane(self) -> &'static str {
         match (self.mode, self.lateral) {
             (Mode::Uniaxial, Lateral::Held) => "uniaxial, edges held",
@@ -200,12 +200,12 @@ impl Loading {
         }
     }
 
-    /// Returns true if an isotropic law has the same states in another loading, with two axes exchanged.
+    /// Returns true if an isotropic law has the same states in another loading with two axes exchanged.
     pub fn is_planar_tension_of_axis_2(self) -> bool {
         (self.mode, self.lateral) == (Mode::Uniaxial, Lateral::PlaneStrain)
     }
 
-    /// The principal directions (0, 1, 2) whose stretch is solved for.
+    /// Principal directions (0, 1, 2) whose stretch is solved for.
     fn free(self) -> &'static [usize] {
         match (self.mode, self.lateral) {
             (Mode::Uniaxial | Mode::SimpleShear, Lateral::Free) => &[1, 2],
@@ -216,7 +216,7 @@ impl Loading {
         }
     }
 
-    /// Whether faces across a direction (0, 1, 2) have no traction, so that its stretch is solved for.
+    /// Returns true if the faces normal to a direction (0, 1, 2) are traction-free, so that its stretch is solved for.
     ///
     /// ```
     /// use onset::criteria::{Lateral, Loading, Mode};
@@ -227,14 +227,14 @@ impl Loading {
         self.free().contains(&axis)
     }
 
-    /// Those of them that a law leaves to be solved for: a sheet in plane stress has found the third itself.
+    /// Free directions that are left to be solved for: a sheet in plane stress computes its third stretch itself.
     fn free_of(self, material: &dyn Hyperelastic) -> &'static [usize] {
         let free = self.free();
         let own = free.partition_point(|axis| *axis < material.dimension());
         &free[..own]
     }
 
-    /// `F` with what is imposed at `s = ln lambda`, and its derivative by `s`; free directions have length 1.
+    /// Imposed part of `F` at `s = ln lambda`, with its derivative by `s`. Free directions have length 1.
     pub(super) fn imposed(self, s: f64) -> (Matrix3<f64>, Matrix3<f64>) {
         let stretch = s.exp();
         let (mut f, mut rate) = (Matrix3::identity(), Matrix3::zeros());
@@ -260,14 +260,14 @@ impl Loading {
     }
 }
 
-/// The stretches of interest, from the smallest to the largest; 1 is among them.
+/// Range of stretches around 1 that a loading covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     low: f64,
     high: f64,
 }
 
-/// A range that is none.
+/// Error of a range of stretches that is not admissible.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[error(
     "the range of stretches leads from {low:?} to {high:?}; expected two numbers around 1 between {} and {}, for example 0.1,10",
@@ -275,14 +275,14 @@ pub struct Range {
     Range::LIMITS.1
 )]
 pub struct RangeError {
-    /// Its first number.
+    /// First number of the range.
     pub low: f64,
-    /// Its second number.
+    /// Second number of the range.
     pub high: f64,
 }
 
 impl Default for Range {
-    /// From 0.1 to 10, where fitting codes look.
+    /// Returns the range from 0.1 to 10, which codes that fit laws to tests commonly check.
     fn default() -> Self {
         Self {
             low: 0.1,
@@ -292,13 +292,13 @@ impl Default for Range {
 }
 
 impl Range {
-    /// The smallest and the largest stretch that a range may hold.
+    /// Smallest and largest stretch that a range may contain.
     const LIMITS: (f64, f64) = (1e-3, 1e3);
 
-    /// From `low` below 1 to `high` above 1.
+    /// Creates the range from `low` below 1 to `high` above 1.
     ///
     /// # Errors
-    /// [`RangeError`] when 1 is not between them, or one is beyond 1/1000 or 1000.
+    /// [`RangeError`] if 1 is not between them, or if one of them is outside 1/1000 to 1000.
     pub fn new(low: f64, high: f64) -> Result<Self, RangeError> {
         let admitted = Self::LIMITS.0 <= low && low < 1.0 && 1.0 < high && high <= Self::LIMITS.1;
         match admitted {
@@ -307,39 +307,39 @@ impl Range {
         }
     }
 
-    /// The smallest stretch.
+    /// Smallest stretch of the range.
     pub fn low(&self) -> f64 {
         self.low
     }
 
-    /// The largest stretch.
+    /// Largest stretch of the range.
     pub fn high(&self) -> f64 {
         self.high
     }
 }
 
-/// A state of a loading.
+/// State along a loading path.
 #[derive(Clone, Debug)]
 pub struct PathState {
-    /// `s = ln lambda`.
+    /// Path parameter `s = ln lambda`.
     pub parameter: f64,
-    /// Energy, stress and tangent; the deformation is in it.
+    /// Energy, stress and tangent, with the deformation gradient.
     pub response: Response,
-    /// `dF` along the loading, free directions included, by the arc length of `s` and the logarithms of the free stretches.
+    /// Rate `dF` along the loading, free directions included, by the arc length of `s` and the logarithms of the free stretches.
     pub rate: Matrix3<f64>,
     /// Logarithms of the free stretches, in the order of the axes.
     lateral: Vector2<f64>,
-    /// Unit tangent of the branch, away from the reference: the logarithms of the free stretches, and `s`.
+    /// Unit tangent of the branch, away from the reference, in the space of the logarithms of the free stretches and `s`.
     tangent: Vector3<f64>,
 }
 
 impl PathState {
-    /// The logarithms of the free stretches, and `s`.
+    /// Logarithms of the free stretches, and `s`.
     fn place(&self) -> Vector3<f64> {
         self.lateral.push(self.parameter)
     }
 
-    /// Returns true if the chord to another state lies along the branch at both ends: no other branch, and no fold between them.
+    /// Returns true if the chord to another state lies along the branch at both ends: no other branch and no fold between them.
     fn leads_to(&self, other: &Self) -> bool {
         let chord = other.place() - self.place();
         let along = |tangent: &Vector3<f64>| chord.dot(tangent) >= ALONG * chord.norm();
@@ -347,110 +347,110 @@ impl PathState {
     }
 }
 
-/// Why a loading leads no further in one direction.
+/// Reason why a loading path ends in one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PathEnd {
-    /// It has reached the end of the range.
+    /// The path has reached the end of the range.
     Range,
-    /// The law gives no finite numbers, or is not defined, beyond the stretch.
+    /// The law is not defined, or has no finite response, beyond the stretch.
     Law {
-        /// The last stretch with a state.
+        /// Last stretch with a state.
         stretch: f64,
-        /// What the law says.
+        /// Error of the law beyond the stretch.
         source: MaterialError,
     },
-    /// The branch of states with free faces that starts at the reference turns back at the stretch, a limit point: the tangent of the free faces is
-    /// singular there, and beyond it they have no equilibrium nearby.
+    /// The branch of states with free faces that starts at the reference turns back at a limit point: the tangent of the free faces is singular
+    /// there, and no equilibrium exists nearby beyond it.
     Fold {
-        /// The stretch of the limit point, whose state is the last one.
+        /// Stretch of the limit point, which is the last state.
         stretch: f64,
     },
     /// No state with free faces is found beyond the stretch.
     NoState {
-        /// The last stretch with a state.
+        /// Last stretch with a state.
         stretch: f64,
     },
-    /// The states change so fast with the stretch that following them was given up.
+    /// The states change so rapidly with the stretch that the path was abandoned.
     GivenUp {
-        /// The last stretch with a state.
+        /// Last stretch with a state.
         stretch: f64,
-        /// How many steps had been tried.
+        /// Number of steps tried.
         trials: usize,
     },
 }
 
-/// Whether the response of a law changes the volume.
+/// Treatment of the volume in the response of a law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Volume {
     Changes,
     Kept,
-    /// It changes by the pressure over the bulk modulus.
+    /// The response is incompressible, with a volume change equal to the pressure divided by the bulk modulus.
     HardlyChanges {
         bulk: f64,
     },
 }
 
-/// States of a loading, in tension and in compression, followed from the reference.
+/// States of a loading in tension and in compression, followed from the reference.
 pub struct LoadingPath<'a> {
     material: &'a dyn Hyperelastic,
     isotropic: bool,
     volume: Volume,
-    /// What is loaded.
+    /// Loading that is followed.
     pub loading: Loading,
-    /// States at increasing stretch, the reference first.
+    /// States at increasing stretch, starting at the reference.
     pub tension: Vec<PathState>,
-    /// States at decreasing stretch, the reference first.
+    /// States at decreasing stretch, starting at the reference.
     pub compression: Vec<PathState>,
-    /// Why the tension ends where it does.
+    /// Reason why the path ends in tension.
     pub tension_end: PathEnd,
-    /// Why the compression ends where it does.
+    /// Reason why the path ends in compression.
     pub compression_end: PathEnd,
-    /// Where the law is not smooth, once somebody has asked.
+    /// Places where the law is not smooth, computed on first use.
     pub(super) kinks: OnceLock<Vec<Kink>>,
 }
 
-/// States from the reference to an end of the range.
+/// Number of steps from the reference to an end of the range.
 const STEPS: usize = 192;
-/// Steps that are tried along one side of a path before it is given up: a law that follows its stretches with very large powers admits
-/// only the shortest ones.
+/// Number of trial steps along one side of a path before it is abandoned. A law with very large powers of its stretches permits only the shortest
+/// steps.
 const TRIALS: usize = 16 * STEPS;
-/// How often a step of the path is halved before the path counts as ended.
+/// Number of halvings of a step before the path counts as ended.
 const HALVINGS: i32 = 44;
-/// Cosine of the largest angle between the branch at a state and the chord to the next one.
+/// Cosine of the largest angle between the branch at a state and the chord to the next state.
 const ALONG: f64 = 0.9;
-/// Steps shorter than this may turn by any angle, as at a kink of the stress.
+/// Length below which a step may turn by any angle, as at a kink of the stress.
 const KINKED: f64 = 1e-7;
 /// Longest step along a branch that does not reach the next parameter of the path.
 const LONGEST: f64 = 0.05;
-/// Nearer to a fold than this, in `ln lambda`, rounding moves the free stretches as far as the fold is away.
+/// Distance from a fold, in `ln lambda`, within which rounding moves the free stretches as far as the fold is away.
 const AT_FOLD: f64 = 1e-13;
-/// No states are kept nearer than this, in `ln lambda`, to where a law ends.
+/// Distance, in `ln lambda`, from the end of the domain of a law within which no states are kept.
 const BEFORE_END: f64 = 1e-6;
-/// How far before a jump of the law a state is taken that would be at it, in steps of the path.
+/// Distance before a jump of the law at which a state is computed instead of at the jump, in steps of the path.
 const BESIDE_JUMP: f64 = 1e-9;
-/// Newton iterations for the free stretches.
+/// Largest number of Newton iterations for the free stretches.
 const ITERATIONS: usize = 40;
 
-/// Why a loading cannot be followed.
+/// Reason why a loading cannot be followed.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum LoadingError {
     /// The law has no response in the reference.
     #[error("{0}")]
     Law(#[from] MaterialError),
-    /// No state with free faces near the reference.
+    /// No state with free faces was found near the reference.
     #[error(
         "at stretch 1 no lateral stretches were found at which the free faces carry no traction; expected a law that \
          is without stress at F = 1, or near it"
     )]
     NoReference,
-    /// Incompressible response has no such loading.
+    /// The loading changes the volume, so the incompressible response does not admit it.
     #[error(
         "an incompressible material keeps its volume; expected a loading with a free face: uniaxial, equibiaxial, planar or simple-shear"
     )]
     ChangesVolume,
 }
 
-/// Why there is no state.
+/// Reason why a state does not exist.
 enum Missing {
     Law(MaterialError),
     Equilibrium,
@@ -459,11 +459,11 @@ enum Missing {
 impl<'a> LoadingPath<'a> {
     /// Follows a loading over a range.
     ///
-    /// Of an isotropic law whose bulk modulus is more than 1e8 shear moduli the states that keep the volume, where the loading leaves it free or keeps it, are those of
-    /// its incompressible response: a change of volume that bears the pressure is lost in rounding.
+    /// An isotropic law whose bulk modulus exceeds 1e8 shear moduli is replaced by its incompressible response if the loading can preserve the
+    /// volume. Otherwise rounding would hide the change of volume that carries the pressure.
     ///
     /// # Errors
-    /// [`LoadingError`] when there is no state in the reference, `lambda = 1`.
+    /// [`LoadingError`] if no state exists in the reference, `lambda = 1`.
     pub fn new(
         material: &'a dyn Hyperelastic,
         isotropic: bool,
@@ -478,8 +478,9 @@ impl<'a> LoadingPath<'a> {
         Self::with(material, isotropic, loading, range, volume)
     }
 
-    /// Follows a loading of the incompressible response of an isotropic law over a range: `J = 1`, and the pressure leaves the free face without
-    /// traction. The volumetric part of the law does not count. The loading is one of [`Loading::INCOMPRESSIBLE`].
+    /// Follows a loading of the incompressible response of an isotropic law: `J = 1`, and the pressure makes the free face traction-free.
+    ///
+    /// The volumetric part of the law does not count. The loading must be one of [`Loading::INCOMPRESSIBLE`].
     ///
     /// ```
     /// use onset::criteria::{Criterion, Loading, LoadingPath, Range, follow};
@@ -493,7 +494,7 @@ impl<'a> LoadingPath<'a> {
     /// ```
     ///
     /// # Errors
-    /// [`LoadingError`] when the law has no state in the reference, [`LoadingError::ChangesVolume`] when the loading is another one.
+    /// [`LoadingError`] if the law has no state in the reference, [`LoadingError::ChangesVolume`] for any other loading.
     pub fn incompressible(
         material: &'a dyn Hyperelastic,
         loading: Loading,
@@ -514,7 +515,7 @@ impl<'a> LoadingPath<'a> {
     ) -> Result<Self, LoadingError> {
         let start = solve(material, loading, volume, Vector3::zeros(), &Vector3::z());
         let reference = start.map_err(|missing| match missing {
-            // A law with numbers at F = 1 has lost them on the way to stretches that would free the faces.
+            // The law is defined at F = 1 but not at the stretches that would make the faces traction-free.
             Missing::Law(_) if respond(material, &Matrix3::identity()).is_ok() => {
                 LoadingError::NoReference
             }
@@ -537,17 +538,17 @@ impl<'a> LoadingPath<'a> {
         })
     }
 
-    /// The law.
+    /// Law whose loading is followed.
     pub fn material(&self) -> &'a dyn Hyperelastic {
         self.material
     }
 
-    /// Whether the law is isotropic.
+    /// Returns true if the law is isotropic.
     pub fn is_isotropic(&self) -> bool {
         self.isotropic
     }
 
-    /// Whether the response is incompressible.
+    /// Returns true if the response is incompressible.
     pub fn is_incompressible(&self) -> bool {
         self.volume != Volume::Changes
     }
@@ -561,14 +562,14 @@ impl<'a> LoadingPath<'a> {
         matches!(end, PathEnd::Fold { .. })
     }
 
-    /// The state at `s = ln lambda` on the branch that was followed; `None` beyond its ends.
+    /// State at `s = ln lambda` on the branch that was followed; `None` beyond its ends.
     pub fn at(&self, s: f64) -> Option<PathState> {
         let states = match s >= 0.0 {
             true => &self.tension,
             false => &self.compression,
         };
         let last = states.last()?;
-        // An end is told as a stretch, whose logarithm is the parameter to rounding.
+        // The end is reported as a stretch, whose logarithm equals the parameter only to rounding.
         let near = match self.ends_in_fold(s >= 0.0) {
             true => AT_FOLD,
             false => 2.0 * f64::EPSILON,
@@ -596,8 +597,9 @@ impl<'a> LoadingPath<'a> {
             .filter(|state| (state.place() - guess).norm() <= 1e-9 + 0.3 * chord)
     }
 
-    /// States off the path by as much as rounding leaves the free stretches undetermined: where the free faces branch, the equations for them
-    /// are nearly singular. Each with the sense in which it is off.
+    /// States displaced from the path by the rounding error of the free stretches, in several directions.
+    ///
+    /// This error is large where the branch of free stretches bifurcates, since the equations are nearly singular there.
     pub(super) fn undetermined(&self, state: &PathState) -> Vec<State> {
         let free = self.loading.free_of(self.material);
         if free.is_empty() || self.is_incompressible() {
@@ -617,7 +619,8 @@ impl<'a> LoadingPath<'a> {
             if free.len() == 1 && sense != senses[0] {
                 continue;
             }
-            // The part of the free stretches that a residual of rounding leaves open; beside a singular matrix the quadratic terms bound it.
+            // Error of the free stretches for a residual at the rounding level. If the matrix is nearly singular, the quadratic terms bound the
+            // error.
             let open = linear
                 .solve(&Vector3::z(), &(sense * noise).push(0.0))
                 .map_or(f64::INFINITY, |open| open.amax());
@@ -637,17 +640,17 @@ impl<'a> LoadingPath<'a> {
         off
     }
 
-    /// The response of the law at a deformation, where it has one.
+    /// Response of the law at a deformation; `None` if it is not defined.
     pub(super) fn respond(&self, f: &Matrix3<f64>) -> Option<Response> {
         respond(self.material, f).ok()
     }
 
-    /// The state at `s` as criteria ask it.
+    /// State at `s` in the form in which criteria are evaluated.
     pub fn state(&self, s: f64) -> Option<State> {
         self.at(s).map(|state| self.ask(&state))
     }
 
-    /// A state of this path as criteria ask it.
+    /// State of this path in the form in which criteria are evaluated.
     pub fn ask(&self, state: &PathState) -> State {
         let asked =
             State::of_response(state.response.clone(), self.isotropic).with_rate(state.rate);
@@ -661,8 +664,9 @@ impl<'a> LoadingPath<'a> {
         }
     }
 
-    /// States with free faces other than the one followed, at a parameter: their deformations. Looked for from a grid of free stretches, so
-    /// that none found is no proof.
+    /// Deformation gradients of other states with free faces at a parameter.
+    ///
+    /// They are searched for from a grid of free stretches, so an empty result is no proof of uniqueness.
     pub fn other_states(&self, s: f64) -> Vec<DeformationGradient> {
         if self.is_incompressible() {
             return Vec::new();
@@ -699,8 +703,9 @@ impl<'a> LoadingPath<'a> {
     }
 }
 
-/// The part of a loading between two imposed stretches (amounts of shear), as a path: the stretch runs evenly from the first to the second, and the
-/// states with free faces are those of the branch that begins at the reference.
+/// Part of a loading between two imposed stretches or amounts of shear, as a deformation path.
+///
+/// The imposed stretch is linear in the path parameter, and states with free faces are on the branch that begins at the reference.
 ///
 /// ```
 /// use onset::kinematics::DeformationPath;
@@ -721,10 +726,10 @@ pub struct LoadingSection<'p, 'a> {
 }
 
 impl<'p, 'a> LoadingSection<'p, 'a> {
-    /// From one stretch, or amount of shear, to another.
+    /// Creates the section between two imposed stretches or amounts of shear.
     ///
     /// # Errors
-    /// [`KinematicsError::EmptyPath`] when both are the same, [`KinematicsError::NoState`] when the loading does not reach one of them.
+    /// [`KinematicsError::EmptyPath`] if both are equal, [`KinematicsError::NoState`] if the loading does not reach one of them.
     pub fn new(path: &'p LoadingPath<'a>, from: f64, to: f64) -> Result<Self, KinematicsError> {
         if from == to {
             return Err(KinematicsError::EmptyPath);
@@ -736,7 +741,7 @@ impl<'p, 'a> LoadingSection<'p, 'a> {
         Ok(section)
     }
 
-    /// The imposed stretch, or amount of shear, at a path parameter.
+    /// Imposed stretch or amount of shear at a path parameter.
     pub fn imposed(&self, s: f64) -> f64 {
         match s {
             1.0 => self.to,
@@ -756,10 +761,10 @@ impl DeformationPath for LoadingSection<'_, '_> {
     }
 }
 
-/// States from the reference to `end`, and why they end.
+/// Follows the branch from the reference to `end`. Returns its states and the reason why it ends.
 ///
-/// A step leads to the next parameter of the path. Where the branch bends away from its tangent before, steps are shorter and lead along the tangent, so that they
-/// reach a fold and show that the branch turns back there.
+/// A step leads to the next parameter of the path. Where the branch bends away from its tangent, shorter steps are taken along the tangent. They
+/// reach a fold and detect that the branch turns back there.
 fn branch(
     material: &dyn Hyperelastic,
     loading: Loading,
@@ -806,7 +811,7 @@ fn branch(
                     length = 2.0 * tried;
                     continue;
                 }
-                // Where nothing is solved for, a law has states right beside a jump.
+                // Without free faces nothing is solved for, so the law has states arbitrarily close to the jump.
                 Err(Missing::Law(source))
                     if source.is_of_a_jump() && loading.free_of(material).is_empty() =>
                 {
@@ -829,12 +834,12 @@ fn branch(
                 || here.place() + here.tangent * length == here.place()
             {
                 let end = match missing {
-                    // A sheet has found the fold of its thickness itself.
+                    // A sheet in plane stress detects the fold of its thickness itself.
                     Missing::Law(MaterialError::PlaneStressEnds { .. }) => {
                         PathEnd::Fold { stretch }
                     }
                     Missing::Law(source) if !source.is_of_a_jump() => {
-                        // Numbers that grow without bound leave nothing but rounding.
+                        // Where the response grows without bound, only rounding is left.
                         let end = here.parameter;
                         states.retain(|state| {
                             state.parameter == 0.0 || (state.parameter - end).abs() > BEFORE_END
@@ -850,7 +855,7 @@ fn branch(
     (states, PathEnd::Range)
 }
 
-/// The fold between a state and another one along its tangent, at which the branch leads back already.
+/// Fold between a state and another state along its tangent, where the branch already leads back.
 fn fold(
     material: &dyn Hyperelastic,
     loading: Loading,
@@ -871,7 +876,7 @@ fn fold(
     at(0.5 * (low + high)).unwrap_or_else(|| before.clone())
 }
 
-/// Logarithms of the free stretches and `s` between two states of a branch, for a given `s`: on the cubic curve with their tangents.
+/// Cubic interpolation, with the tangents of a branch, of the free stretches and `s` between two states, at a given `s`.
 fn between(before: &PathState, after: &PathState, s: f64) -> Vector3<f64> {
     let (start, end) = (before.place(), after.place());
     let chord = (end - start).norm();
@@ -894,15 +899,17 @@ fn between(before: &PathState, after: &PathState, s: f64) -> Vector3<f64> {
 }
 
 impl PathState {
-    /// The state with its tangent in the sense of that of another one.
+    /// Orients the tangent of the branch like the tangent of another state.
     fn toward(mut self, other: &Self) -> Self {
         self.tangent *= self.tangent.dot(&other.tangent).signum();
         self
     }
 }
 
-/// Newton's method, down to rounding, for the logarithms of the free stretches and `s` from a guess, in the plane through it with the given normal:
-/// `tau_kk = P_kk F_kk = 0` for all free directions `k`. With the axis of `s` as the normal `s` is that of the guess.
+/// Solves `tau_kk = P_kk F_kk = 0` for all free directions `k` by Newton's method, to rounding.
+///
+/// The unknowns are the logarithms of the free stretches and `s`. The solution lies in the plane through the guess with the given normal; with the
+/// axis of `s` as the normal, `s` stays fixed.
 fn solve(
     material: &dyn Hyperelastic,
     loading: Loading,
@@ -916,7 +923,7 @@ fn solve(
     let free = loading.free_of(material);
     let mut place = guess;
     let mut last = f64::INFINITY;
-    // Derivatives that took differences are kept as long as they lead on.
+    // Derivatives from finite differences are kept while the iteration converges.
     let mut known = None;
     for _ in 0..ITERATIONS {
         let (s, lateral) = (place.z, place.xy());
@@ -934,7 +941,7 @@ fn solve(
             return Err(Missing::Equilibrium);
         };
         let size = correction.amax();
-        // The corrections of a converged iteration are rounding, and so are its tractions; they stop to shrink.
+        // In a converged iteration the corrections and the tractions are rounding, and the corrections no longer decrease.
         let settled = size < 1e-8 && size >= 0.5 * last && linear.is_balanced();
         if size <= 4.0 * f64::EPSILON || settled {
             let along = Linear {
@@ -945,7 +952,7 @@ fn solve(
                 ..linear
             };
             let branch = along.direction(normal).ok_or(Missing::Equilibrium)?;
-            // Criteria ask of loading that goes on from this state, which is what the tangent is of.
+            // Criteria refer to loading that continues from this state, and the tangent belongs to this loading.
             let on = match material.is_path_dependent() {
                 true => tangent.direction(&branch).ok_or(Missing::Equilibrium)?,
                 false => branch,
@@ -971,7 +978,7 @@ fn solve(
     Err(Missing::Equilibrium)
 }
 
-/// The state of incompressible response, which is given by the stretch alone, but for the thickness of a free sheet in simple shear.
+/// State of incompressible response. The stretch alone determines it, except for the thickness of a free sheet in simple shear.
 fn isochoric(
     material: &dyn Hyperelastic,
     loading: Loading,
@@ -1002,7 +1009,7 @@ fn isochoric(
         tangent: Vector3::z(),
     };
     if (loading.mode, loading.lateral) == (Mode::SimpleShear, Lateral::Free) {
-        // tau_22 = tau_33, by the rate diag(0, 1, -1).
+        // Solves tau_22 = tau_33 along the rate diag(0, 1, -1).
         let opposite = Matrix3::from_diagonal(&Vector3::new(0.0, 1.0, -1.0));
         let mut own = guess[0];
         let mut last = f64::INFINITY;
@@ -1058,7 +1065,7 @@ fn checked(f: &Matrix3<f64>) -> Result<DeformationGradient, Missing> {
     })
 }
 
-/// The tractions `tau_kk` on free faces.
+/// Tractions `tau_kk` on the free faces.
 fn traction(
     material: &dyn Hyperelastic,
     loading: Loading,
@@ -1071,7 +1078,7 @@ fn traction(
     Some(Linear::of(&response, free, &rate).traction)
 }
 
-/// `F` with stretches along the free axes, given by their logarithms.
+/// Scales the free axes of `F` by stretches given by their logarithms.
 fn with_free(mut f: Matrix3<f64>, free: &[usize], lateral: &Vector2<f64>) -> Matrix3<f64> {
     for (n, axis) in free.iter().enumerate() {
         f[(*axis, *axis)] = lateral[n].exp();
@@ -1079,26 +1086,26 @@ fn with_free(mut f: Matrix3<f64>, free: &[usize], lateral: &Vector2<f64>) -> Mat
     f
 }
 
-/// The tractions on free faces to first order in the logarithms of the free stretches.
+/// Linearization of the tractions on free faces in the logarithms of the free stretches.
 #[derive(Clone, Copy)]
 struct Linear {
     count: usize,
-    /// `tau_kk`.
+    /// Tractions `tau_kk`.
     traction: Vector2<f64>,
-    /// `dtau_kk / dln F_mm`.
+    /// Derivatives `dtau_kk / dln F_mm`.
     matrix: [[f64; 2]; 2],
-    /// `dtau_kk / ds` of what is imposed.
+    /// Derivatives `dtau_kk / ds` by the imposed part.
     imposed: Vector2<f64>,
-    /// The size of the numbers that the tractions are differences of.
+    /// Magnitude of the terms that cancel in the tractions.
     magnitude: f64,
 }
 
-/// Derivatives of an earlier iteration lead on while each correction is smaller than this part of the one before.
+/// Ratio of successive corrections above which derivatives from an earlier iteration are recomputed.
 const LEADS_ON: f64 = 0.1;
-/// The step of differences by logarithms of stretches: beside it rounding of the stress, and over it the bend of a flow stress, are less than 1e-3
-/// of the difference, which Newton's method and the guess of the next state bear.
+/// Finite-difference step in logarithmic stretch. Rounding of the stress and curvature of a flow stress are both less than 1e-3 of the difference,
+/// which Newton's method and the guess of the next state tolerate.
 const DIFFERENCE: f64 = 1e-6;
-/// Tractions smaller than this, in units of the numbers that they are differences of, are rounding.
+/// Tractions below this fraction of the terms that cancel in them are rounding.
 const BALANCED: f64 = 1e-12;
 
 impl Linear {
@@ -1129,8 +1136,9 @@ impl Linear {
         linear
     }
 
-    /// The same with derivatives by the free stretches from differences, of a law whose tangent is not the derivative of its stress; where a neighbor
-    /// has no state, as at the end of the law, the tangent stands in for it.
+    /// Replaces the derivatives by the free stretches by finite differences, for a law whose tangent is not the derivative of its stress.
+    ///
+    /// The tangent is kept where a neighboring state does not exist, as at the end of the domain of the law.
     fn differenced(
         mut self,
         material: &dyn Hyperelastic,
@@ -1149,7 +1157,7 @@ impl Linear {
         self
     }
 
-    /// The derivative by `s` likewise, from the side of the reference, where the law has a state.
+    /// Finite-difference derivative by `s`, one-sided toward the reference, where the law has a state.
     fn imposed_difference(
         &self,
         material: &dyn Hyperelastic,
@@ -1165,13 +1173,13 @@ impl Linear {
         there.map_or(self.imposed, |there| (there - self.traction) / step)
     }
 
-    /// Whether the tractions vanish to rounding.
+    /// Returns true if the tractions vanish to rounding.
     fn is_balanced(&self) -> bool {
         self.traction.amax() <= BALANCED * self.magnitude
     }
 
-    /// Solves for the logarithms of the free stretches and `s`: changes of the tractions, and the part along a normal, are given. `None` where they do not
-    /// determine them.
+    /// Solves for the logarithms of the free stretches and `s`, given the changes of the tractions and the component along a normal. `None` if the
+    /// system is singular.
     fn solve(&self, normal: &Vector3<f64>, right: &Vector3<f64>) -> Option<Vector3<f64>> {
         let mut rows = Matrix3::identity();
         for a in 0..self.count {
@@ -1183,7 +1191,7 @@ impl Linear {
         solution.iter().all(|x| x.is_finite()).then_some(solution)
     }
 
-    /// Unit vector in which the tractions do not change, on the side of a normal.
+    /// Unit vector along which the tractions do not change, on the side of a normal.
     fn direction(&self, normal: &Vector3<f64>) -> Option<Vector3<f64>> {
         self.solve(normal, &Vector3::z())?.try_normalize(0.0)
     }

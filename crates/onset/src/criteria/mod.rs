@@ -1,36 +1,34 @@
-//! Stability criteria side by side: each a quantity with a sign and a witness, by its own name.
+//! Stability criteria: each is a quantity with a sign and a witness, under its established name.
 //!
-//! "Stable" means many things. A wave, a dead load, a machine that stretches a specimen, a code that fits a law to tests: each
-//! asks another question, and a law can pass one and fail the next at the same state. A [`Criterion`] names the question; its
-//! [`Measure`] at a [`State`] is positive where the answer is yes, and comes with the perturbation that makes it smallest.
-//! [`Loading`] leads to states, with traction-free faces solved for; [`follow`] tells where along it a criterion is lost.
-//! [`safe_box`] is the largest box of principal stretches in which a law is strongly elliptic.
+//! "Stable" has many meanings. A wave, a dead load, a testing machine and a program that fits laws to tests impose different conditions, and a law
+//! can satisfy one and violate another at the same state. A [`Criterion`] names the condition. Its [`Measure`] at a [`State`] is positive where the
+//! condition holds, and includes the perturbation that minimizes it. A [`Loading`] leads to states, with traction-free faces solved for, and
+//! [`follow`] finds where along it a criterion is lost. [`safe_box`] is the largest box of principal stretches in which a law is strongly elliptic.
 //!
-//! With `P = dW/dF`, `A = dP/dF`, Kirchhoff stress `tau = P F^T`, the polar decomposition `F = R U`, and principal stretches
-//! `lambda_i`:
+//! With `P = dW/dF`, `A = dP/dF`, Kirchhoff stress `tau = P F^T`, the polar decomposition `F = R U`, and principal stretches `lambda_i`:
 //!
 //! | criterion | demands |
 //! |---|---|
 //! | [`StrongEllipticity`](Criterion::StrongEllipticity) | `A_iJkL g_i N_J g_k N_L > 0` for all `g`, `N` |
-//! | [`PlaneEllipticity`](Criterion::PlaneEllipticity) | the same for `g`, `N` in the plane of the first two axes |
+//! | [`PlaneEllipticity`](Criterion::PlaneEllipticity) | `A_iJkL g_i N_J g_k N_L > 0` for `g`, `N` in the plane of the first two axes |
 //! | [`RankOneConvexity`](Criterion::RankOneConvexity) | `W(F + a (x) N) > W(F) + P : a (x) N` for finite `a` |
 //! | [`BakerEricksen`](Criterion::BakerEricksen) | `(sigma_i - sigma_j)(lambda_i - lambda_j) > 0` |
 //! | [`Hill`](Criterion::Hill) | `Fdot : A : Fdot > 0` for all `Fdot` (dead loads; rotations included) |
-//! | [`HillRotationFree`](Criterion::HillRotationFree) | the same for `Fdot = R S`, `S` symmetric (rotations held) |
+//! | [`HillRotationFree`](Criterion::HillRotationFree) | `Fdot : A : Fdot > 0` for `Fdot = R S`, `S` symmetric (rotations held) |
 //! | [`Drucker`](Criterion::Drucker) | `tau° : D > 0` for all `D`, `tau°` the Jaumann rate of `tau` |
-//! | [`DruckerAbaqus`](Criterion::DruckerAbaqus) | `dtau_i dln(lambda_i) > 0` with principal axes held, of incompressible response for `sum dln(lambda_i) = 0` |
+//! | [`DruckerAbaqus`](Criterion::DruckerAbaqus) | `dtau_i dln(lambda_i) > 0` with principal axes held; for incompressible response with `sum dln(lambda_i) = 0` |
 //! | [`TrueStressMonotonicity`](Criterion::TrueStressMonotonicity) | `sigma° : D > 0` for all `D`, `sigma°` the Jaumann rate of Cauchy stress |
 //! | [`OrderedForces`](Criterion::OrderedForces) | `(T_i - T_j)(lambda_i - lambda_j) > 0`, `T_i = dW/dlambda_i` |
 //! | [`LoadMaximum`](Criterion::LoadMaximum) | the load rises along the loading itself |
-//! | [`Surface`](Criterion::Surface) | no wave at a free face stands still (incompressible response) |
+//! | [`Surface`](Criterion::Surface) | no standing wave at a free face (incompressible response) |
 //!
-//! Of an isotropic law its incompressible response can be asked ([`LoadingPath::incompressible`]): states with `J = 1`, the pressure from a face
-//! without traction, and in every criterion only increments that keep the volume.
+//! The criteria also apply to the incompressible response of an isotropic law ([`LoadingPath::incompressible`]): states with `J = 1`, the pressure
+//! from a traction-free face, and in every criterion only volume-preserving increments.
 //!
-//! What follows from what: [`RankOneConvexity`](Criterion::RankOneConvexity) at a state implies ellipticity (not strict) there; strong
-//! ellipticity of an isotropic law implies the Baker-Ericksen inequalities; [`Hill`](Criterion::Hill) implies strong ellipticity,
-//! [`HillRotationFree`](Criterion::HillRotationFree) and that the load rises. [`Drucker`](Criterion::Drucker)'s inequality and strong ellipticity
-//! imply nothing for each other.
+//! Implications: [`RankOneConvexity`](Criterion::RankOneConvexity) at a state implies (not strict) ellipticity there. Strong ellipticity of an
+//! isotropic law implies the Baker-Ericksen inequalities. [`Hill`](Criterion::Hill) implies strong ellipticity,
+//! [`HillRotationFree`](Criterion::HillRotationFree) and a rising load. [`Drucker`](Criterion::Drucker)'s inequality and strong ellipticity do not
+//! imply each other.
 
 mod box_of_stretches;
 mod follow;
@@ -63,7 +61,7 @@ use incompressible::{orthogonal_to, stretches_along};
 use isotropy::PrincipalTangent;
 use nalgebra::{Matrix3, Vector3};
 
-/// A stability criterion.
+/// Stability criterion of a homogeneous state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -71,116 +69,116 @@ use nalgebra::{Matrix3, Vector3};
     serde(rename_all = "kebab-case")
 )]
 pub enum Criterion {
-    /// All wave speeds are real: `A_iJkL g_i N_J g_k N_L > 0` for all directions `N` and polarizations `g`.
+    /// Strong ellipticity: all wave speeds are real, `A_iJkL g_i N_J g_k N_L > 0` for all directions `N` and polarizations `g`.
     ///
-    /// Source: Hadamard, Leçons sur la propagation des ondes (1903); Truesdell and Noll, The non-linear field theories of mechanics (1965),
-    /// section 44. Its loss is that of the waves' speed: shear bands and other bands of any thickness can form.
+    /// Source: Hadamard, Leçons sur la propagation des ondes (1903); Truesdell and Noll, The non-linear field theories of mechanics (1965), section
+    /// 44. When it is lost, a wave speed vanishes, and shear bands and other bands of arbitrary thickness can form.
     ///
-    /// For isotropic laws decided exactly: in principal axes, with `W_ij` the second derivatives of the energy by the
-    /// stretches, the form is nowhere negative if and only if the shear stiffnesses `A_ijij` are not negative and the matrices with
-    /// `W_ii` on the diagonal and `e_i e_j (W_ij + A_ijji) + A_ijij` beside it are copositive for all signs `e` (Simpson and Spector,
-    /// Arch. Ration. Mech. Anal. 84 (1983) 55). The measure is the smallest value that these conditions attain, a value of the form
-    /// at unit vectors; for other laws it is the smallest eigenvalue of all acoustic tensors. Units of stress.
+    /// For isotropic laws the decision is exact. In principal axes, with `W_ij` the second derivatives of the energy by the stretches, the form is
+    /// nonnegative if and only if the shear stiffnesses `A_ijij` are nonnegative and the matrices with `W_ii` on the diagonal and
+    /// `e_i e_j (W_ij + A_ijji) + A_ijij` off the diagonal are copositive for all signs `e` (Simpson and Spector, Arch. Ration. Mech. Anal. 84 (1983)
+    /// 55). The measure is the smallest value attained in these conditions, a value of the form at unit vectors. For other laws it is the smallest
+    /// eigenvalue of all acoustic tensors. Units of stress.
     StrongEllipticity,
-    /// All waves in the plane of the first two axes have real speeds: what a simulation in plane strain can see.
+    /// Strong ellipticity restricted to waves in the plane of the first two axes, as in a simulation in plane strain.
     ///
-    /// The measure is the smallest eigenvalue of the acoustic tensors in the plane, exact. Units of stress. Source: as
+    /// The measure is the exact minimum of the smallest eigenvalue of the acoustic tensors in the plane. Units of stress. Source: see
     /// [`Criterion::StrongEllipticity`].
     PlaneEllipticity,
-    /// No layering with finite jumps costs less energy: `W(F + a (x) N) - W(F) - P : (a (x) N) > 0` for all `a`, `N`.
+    /// Rank-one convexity: no layering with finite jumps costs less energy, `W(F + a (x) N) - W(F) - P : (a (x) N) > 0` for all `a`, `N`.
     ///
-    /// Source: Ball, Arch. Ration. Mech. Anal. 63 (1977) 337; Morrey (1952). The measure is the smallest `2 (W(F + a (x) N) - W(F) -
-    /// P : a (x) N) / |a|^2` that a search finds; see [`JumpSearch`]. Units of stress. A negative value is a proof up to rounding (or in
-    /// intervals: [`JumpSearch::proves`]), a positive one says that none was found: a limit along a loading is an upper bound, jumps that were
-    /// not found may gain energy nearer to the reference. It is never later than the loss of ellipticity, and earlier wherever the third
-    /// derivative of the energy along the critical wave does not vanish.
+    /// Source: Ball, Arch. Ration. Mech. Anal. 63 (1977) 337; Morrey (1952). The measure is the smallest
+    /// `2 (W(F + a (x) N) - W(F) - P : a (x) N) / |a|^2` that a search finds; see [`JumpSearch`]. Units of stress. A negative value is a proof to
+    /// rounding (or in interval arithmetic: [`JumpSearch::proves`]). A positive value means that the search found no such jump, so a limit along a
+    /// loading is an upper bound: other jumps may gain energy nearer to the reference. The limit is never later than the loss of ellipticity, and it
+    /// is earlier if the third derivative of the energy along the critical wave does not vanish.
     RankOneConvexity,
-    /// The larger principal stress acts along the larger principal stretch: `(sigma_i - sigma_j)(lambda_i - lambda_j) > 0`.
+    /// Baker-Ericksen inequalities: the larger principal stress acts along the larger principal stretch,
+    /// `(sigma_i - sigma_j)(lambda_i - lambda_j) > 0`.
     ///
     /// Source: Baker and Ericksen, J. Wash. Acad. Sci. 44 (1954) 33; for isotropic laws. The measure is the smallest
-    /// `(tau_i - tau_j) / (lambda_i^2 - lambda_j^2)`, which is the component `A_ijij` of the tangent in principal axes and so has its
-    /// limit at equibiaxial stretches. Units of stress.
+    /// `(tau_i - tau_j) / (lambda_i^2 - lambda_j^2)`, which is the component `A_ijij` of the tangent in principal axes and therefore has its limit at
+    /// equibiaxial stretches. Units of stress.
     BakerEricksen,
-    /// No rate gains energy under dead loads: `Fdot : A : Fdot > 0` for all `Fdot`.
+    /// Hill's criterion for dead loads: `Fdot : A : Fdot > 0` for all `Fdot`.
     ///
-    /// Source: Hill, J. Mech. Phys. Solids 5 (1957) 229 and 6 (1958) 236: where it holds everywhere, the rates of a body under dead loads
-    /// are unique. All nine rates are admitted, rotations too: for `Fdot = w x F` the form is that of the stress alone,
-    /// `tr(tau) |w|^2 - w . tau w`, so the condition is neutral without stress and in uniaxial tension (rotation about the load), and never holds
-    /// where two principal stresses have a negative sum, whatever the law. A value that is zero to rounding (3e-14 of the tangent) counts as held, which can move a limit by 1e-9. The measure is the smallest
-    /// eigenvalue of `A` as a matrix of nine rows. Units of stress.
+    /// Source: Hill, J. Mech. Phys. Solids 5 (1957) 229 and 6 (1958) 236: where it holds everywhere, the rates of a body under dead loads are unique.
+    /// All nine rates are admitted, including rotations. For `Fdot = w x F` the form depends on the stress alone, `tr(tau) |w|^2 - w . tau w`. The
+    /// condition is therefore neutral without stress and in uniaxial tension (rotation about the load), and never holds where two principal stresses
+    /// have a negative sum, for any law. A value that is zero to rounding (3e-14 of the tangent) counts as held, which can shift a limit by 1e-9. The
+    /// measure is the smallest eigenvalue of `A` as a 9 x 9 matrix. Units of stress.
     Hill,
-    /// No rate without rotation gains energy under dead loads: `Fdot : A : Fdot > 0` for all `Fdot = R S`, `S` symmetric.
+    /// Hill's criterion for rotation-free rates under dead loads: `Fdot : A : Fdot > 0` for all `Fdot = R S`, `S` symmetric.
     ///
-    /// The energy is convex in the right stretch tensor `U` to second order. Source: Coleman and Noll, Arch. Ration. Mech. Anal. 4
-    /// (1959) 97; in rates Hill, J. Mech. Phys. Solids 16 (1968) 229, with Biot stress and `U` as conjugate measures. The measure is the
-    /// smallest eigenvalue on these six rates. Units of stress.
+    /// The energy is convex in the right stretch tensor `U` to second order. Source: Coleman and Noll, Arch. Ration. Mech. Anal. 4 (1959) 97; in
+    /// rates Hill, J. Mech. Phys. Solids 16 (1968) 229, with Biot stress and `U` as conjugate measures. The measure is the smallest eigenvalue on
+    /// these six rates. Units of stress.
     HillRotationFree,
-    /// Stress work of second order is positive: `tau° : D > 0` for all rates of deformation `D`, with the Jaumann rate of Kirchhoff
-    /// stress.
+    /// Drucker stability: positive second-order work `tau° : D > 0` for all rates of deformation `D`, with the Jaumann rate of Kirchhoff stress.
     ///
-    /// It is `(D F) : A : (D F) + tau : D^2 > 0`. Source: Hill, J. Mech. Phys. Solids 16 (1968) 229; Leblond, Eur. J. Mech. A 11 (1992) 447: for isotropic
-    /// laws the same as convexity in the logarithmic strain. Programs that fit laws call it Drucker's stability, after Drucker, J. Appl.
-    /// Mech. 26 (1959) 101. The measure is the smallest eigenvalue on symmetric `D`. Units of stress.
+    /// The work is `(D F) : A : (D F) + tau : D^2`. Source: Hill, J. Mech. Phys. Solids 16 (1968) 229; Leblond, Eur. J. Mech. A 11 (1992) 447, who
+    /// shows the equivalence with convexity in the logarithmic strain for isotropic laws. Programs that fit laws call it Drucker stability, after
+    /// Drucker, J. Appl. Mech. 26 (1959) 101. The measure is the smallest eigenvalue on symmetric `D`. Units of stress.
     Drucker,
-    /// Drucker stability as Abaqus and other fitting codes check it: with principal axes held, `dtau_i dln(lambda_i) > 0`; of incompressible response for
-    /// `sum dln(lambda_i) = 0`.
+    /// Drucker stability as Abaqus and other fitting codes check it: with principal axes held, `dtau_i dln(lambda_i) > 0`.
     ///
-    /// The matrix `dtau_i / dln(lambda_j)` is positive definite; without compressibility (`D = 0`) the matrix with two rows that is left when the third strain
-    /// is eliminated: no pressure does work on such increments, so that neither it nor the volumetric part of the law counts. Source: Abaqus Analysis Guide,
-    /// Hyperelastic behavior of rubberlike materials, "Material stability" (checked there for stretches 0.1 to 10). The measure is the smallest eigenvalue, in
-    /// logarithmic strain of unit length. Units of stress.
+    /// The matrix `dtau_i / dln(lambda_j)` is positive definite. For incompressible response (`D = 0`) increments satisfy `sum dln(lambda_i) = 0`,
+    /// and the 2 x 2 matrix left after elimination of the third strain counts: no pressure does work on such increments, so neither the pressure nor
+    /// the volumetric part of the law matters. Source: Abaqus Analysis Guide, Hyperelastic behavior of rubberlike materials, "Material stability"
+    /// (checked there for stretches 0.1 to 10). The measure is the smallest eigenvalue for logarithmic strain of unit length. Units of stress.
     DruckerAbaqus,
     /// True stress grows with true strain (TSTS-M++): `sigma° : D > 0` for all rates of deformation `D`, with the Jaumann rate of Cauchy stress.
     ///
-    /// It is `(tau° : D - (tau : D) tr D) / J > 0`: of isotropic laws the derivative of the Cauchy stress by the logarithmic strain is positive
-    /// definite. Source: Jog and Patil, Arch. Appl. Mech. 83 (2013) 661; Wollner, Holzapfel and Neff, arXiv 2509.08597 (2025), who show that neither
-    /// it nor polyconvexity implies the other. Where the volume is kept it is Drucker's inequality. The measure is the smallest eigenvalue on
-    /// symmetric `D`. Units of stress.
+    /// The condition is `(tau° : D - (tau : D) tr D) / J > 0`. For isotropic laws the derivative of the Cauchy stress by the logarithmic strain is
+    /// positive definite. Source: Jog and Patil, Arch. Appl. Mech. 83 (2013) 661; Wollner, Holzapfel and Neff, arXiv 2509.08597 (2025), who show that
+    /// neither this condition nor polyconvexity implies the other. At constant volume it equals Drucker's inequality. The measure is the smallest
+    /// eigenvalue on symmetric `D`. Units of stress.
     TrueStressMonotonicity,
-    /// The larger principal force acts along the larger principal stretch: `(T_i - T_j)(lambda_i - lambda_j) > 0`, `T_i = dW/dlambda_i` (Biot stress).
+    /// Ordered forces: the larger principal force acts along the larger principal stretch, `(T_i - T_j)(lambda_i - lambda_j) > 0`,
+    /// `T_i = dW/dlambda_i` (Biot stress).
     ///
     /// Source: Coleman and Noll, Arch. Ration. Mech. Anal. 4 (1959) 97; Truesdell and Noll, The non-linear field theories of mechanics (1965),
-    /// section 51 (O-F inequalities); for isotropic laws. The measure is the smallest `(T_i - T_j) / (lambda_i - lambda_j)`, which is `A_ijij +
-    /// A_ijji` of the tangent in principal axes and so has its limit at equibiaxial stretches. Units of stress.
+    /// section 51 (O-F inequalities); for isotropic laws. The measure is the smallest `(T_i - T_j) / (lambda_i - lambda_j)`, which is
+    /// `A_ijij + A_ijji` of the tangent in principal axes and therefore has its limit at equibiaxial stretches. Units of stress.
     OrderedForces,
-    /// The load rises along the loading: `Pdot : Fdot > 0` along the path itself, with its traction-free faces.
+    /// Load maximum: the load rises along the loading, `Pdot : Fdot > 0` along the path itself with its traction-free faces.
     ///
-    /// Under a prescribed load the specimen runs away where this ends (Considère, Ann. Ponts Chaussées 9 (1885) 574, for bars); under a
-    /// prescribed elongation a homogeneous specimen does not notice. For a single loaded direction `Pdot : Fdot = dP/dlambda` times a
-    /// positive number. The measure is `Pdot : Fdot` with the rate by the logarithm of the stretch. Units of stress.
+    /// Under a prescribed load the specimen becomes unstable at the maximum (Considère, Ann. Ponts Chaussées 9 (1885) 574, for bars). Under a
+    /// prescribed elongation a homogeneous specimen is not affected. For a single loaded direction `Pdot : Fdot` equals `dP/dlambda` times a positive
+    /// number. The measure is `Pdot : Fdot` with the rate by the logarithm of the stretch. Units of stress.
     LoadMaximum,
-    /// No wave at a free face stands still: Biot's surface instability, of incompressible isotropic response.
+    /// Biot's surface instability: no standing wave at a free face, for incompressible isotropic response.
     ///
-    /// For waves along the principal axis `i` at a face normal to the axis `j` without traction, with the instantaneous moduli `A0` and
-    /// `eta = lambda_i / lambda_j`, it is `2 eta (beta + gamma) + alpha - gamma > 0`, `alpha = A0_ijij`, `gamma = A0_jiji`,
+    /// For waves along the principal axis `i` at a traction-free face normal to the axis `j`, with the instantaneous moduli `A0` and
+    /// `eta = lambda_i / lambda_j`, the condition is `2 eta (beta + gamma) + alpha - gamma > 0`, `alpha = A0_ijij`, `gamma = A0_jiji`,
     /// `2 beta = A0_iiii + A0_jjjj - 2 A0_iijj - 2 A0_ijji`. Source: Biot, Appl. Sci. Res. A 12 (1963) 168; Dowaikh and Ogden, IMA J. Appl. Math. 44
-    /// (1990) 261. Neo-Hooke's rubber wrinkles where `eta^3 + eta^2 + 3 eta = 1`. The measure is the smallest left side over free faces and axes in
-    /// them; waves at an angle to the axes are not looked at. Units of stress.
+    /// (1990) 261. A neo-Hookean solid wrinkles at `eta^3 + eta^2 + 3 eta = 1`. The measure is the smallest left side over the free faces and the
+    /// principal axes in them. Waves oblique to the axes are not considered. Units of stress.
     Surface,
 }
 
-/// The value of a criterion at a state; positive where it holds.
+/// Value of a criterion at a state; positive where the criterion holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measure {
-    /// The smallest value found; units of stress.
+    /// Smallest value found; units of stress.
     pub value: f64,
-    /// Values above `-neutral` count as held; zero but for criteria that are neutral at whole sets of states.
+    /// Values above `-neutral` count as held. Nonzero only for criteria that are neutral on whole sets of states.
     pub neutral: f64,
-    /// Values up to this are zero to rounding, which is not positive; as of [`AcousticMinimum::rounding`](crate::continuum::AcousticMinimum).
+    /// Values up to this are zero to rounding and do not count as positive; see [`AcousticMinimum::rounding`](crate::continuum::AcousticMinimum).
     pub zero: f64,
-    /// Along a loading, values nearer to zero than this can be rounding: their sign says nothing.
+    /// Along a loading, the sign of values smaller than this in magnitude can be rounding.
     pub rounding: f64,
-    /// The perturbation with this value.
+    /// Perturbation with the smallest value.
     pub witness: Witness,
 }
 
 impl Measure {
-    /// A number with the sign of the criterion: negative where it does not hold.
+    /// Number with the sign of the criterion: negative if it does not hold.
     pub fn signed(&self) -> f64 {
         self.value + self.neutral
     }
 
-    /// Whether the criterion holds, beyond rounding.
+    /// Returns true if the criterion holds beyond rounding.
     pub fn holds(&self) -> bool {
         if self.neutral > 0.0 {
             self.signed() > 0.0
@@ -190,7 +188,7 @@ impl Measure {
     }
 }
 
-/// The perturbation that makes a measure smallest.
+/// Perturbation that minimizes a measure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -198,48 +196,47 @@ impl Measure {
     serde(tag = "kind", rename_all = "kebab-case")
 )]
 pub enum Witness {
-    /// A plane wave: unit direction `N` (reference) and unit polarization `g`.
+    /// Plane wave with unit direction `N` (reference) and unit polarization `g`.
     Wave {
-        /// `N`.
+        /// Unit direction `N` in the reference.
         direction: [f64; 3],
-        /// `g`.
+        /// Unit polarization `g`.
         polarization: [f64; 3],
     },
-    /// A rate of the deformation gradient of unit length, `Fdot_iJ`.
+    /// Rate of the deformation gradient of unit length, `Fdot_iJ`.
     DeformationRate {
-        /// `Fdot_iJ`.
+        /// Components `Fdot_iJ` of the rate.
         rate: [[f64; 3]; 3],
     },
-    /// A rate of deformation of unit length, `D_ij`.
+    /// Rate of deformation of unit length, `D_ij`.
     StrainRate {
-        /// `D_ij`.
+        /// Components `D_ij` of the rate.
         rate: [[f64; 3]; 3],
     },
-    /// A wave along a free face that stands still.
+    /// Standing wave along a free face.
     SurfaceWave {
-        /// The unit normal of the face (reference).
+        /// Unit normal of the face (reference).
         normal: [f64; 3],
-        /// The unit direction of the wave in the face (reference).
+        /// Unit direction of the wave in the face (reference).
         direction: [f64; 3],
     },
-    /// A finite jump `a (x) N` of the deformation gradient.
+    /// Finite jump `a (x) N` of the deformation gradient.
     Jump {
-        /// `a`.
+        /// Amplitude vector `a`.
         amplitude: [f64; 3],
-        /// `N`, of unit length.
+        /// Unit normal `N` in the reference.
         direction: [f64; 3],
-        /// Whether the jump leads to the largest stretch that was looked at; the limit then depends on that, and is rough.
+        /// Whether the jump leads to the largest stretch of the search. The limit then depends on this stretch and is approximate.
         at_edge: bool,
-        /// Whether the jump leads to as good as no volume, where the law has a finite energy.
+        /// Whether the jump leads to nearly zero volume, where the law has a finite energy.
         collapses: bool,
-        /// Whether interval arithmetic proves that the jump gains energy; to rounding only where it does not, or where the law knows no
-        /// intervals.
+        /// Whether interval arithmetic proves that the jump gains energy. If false, the gain holds to rounding, or the law provides no enclosures.
         verified: bool,
     },
 }
 
 impl Criterion {
-    /// All of them, in the order of tables.
+    /// All criteria, in the order of tables.
     pub const ALL: [Self; 12] = [
         Self::StrongEllipticity,
         Self::PlaneEllipticity,
@@ -255,7 +252,7 @@ impl Criterion {
         Self::Surface,
     ];
 
-    /// The word used in files and tables.
+    /// Name of the criterion in files and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::StrongEllipticity => "strong-ellipticity",
@@ -273,7 +270,7 @@ impl Criterion {
         }
     }
 
-    /// What it is called in sentences.
+    /// Name of the criterion in sentences.
     pub fn title(self) -> &'static str {
         match self {
             Self::StrongEllipticity => "strong ellipticity",
@@ -291,7 +288,7 @@ impl Criterion {
         }
     }
 
-    /// What it demands, as a formula.
+    /// Condition as a formula.
     pub fn definition(self) -> &'static str {
         match self {
             Self::StrongEllipticity => "A_iJkL g_i N_J g_k N_L > 0 for all g, N",
@@ -315,7 +312,7 @@ impl Criterion {
         }
     }
 
-    /// Where it is from.
+    /// Reference of the criterion.
     pub fn source(self) -> &'static str {
         match self {
             Self::StrongEllipticity | Self::PlaneEllipticity => {
@@ -344,16 +341,17 @@ impl Criterion {
         }
     }
 
-    /// The criterion with a name.
+    /// Returns the criterion with a given name.
     pub fn of_name(name: &str) -> Option<Self> {
         Self::ALL
             .into_iter()
             .find(|criterion| criterion.name() == name)
     }
 
-    /// The measure at a state. `None` where the criterion is not defined: Baker-Ericksen and ordered forces for laws that are not isotropic, the load maximum
-    /// at a state without a loading, the surface at a state that is not incompressible, and rank-one convexity always, since its search needs the
-    /// law: see [`JumpSearch`].
+    /// Returns the measure at a state; `None` if the criterion is not defined there.
+    ///
+    /// Baker-Ericksen and ordered forces need an isotropic law, the load maximum needs a state with a loading, and the surface criterion needs
+    /// incompressible response. Rank-one convexity is always `None`, since its search needs the law: see [`JumpSearch`].
     ///
     /// ```
     /// use onset::kinematics::DeformationGradient;
@@ -390,14 +388,14 @@ impl Criterion {
     }
 }
 
-/// How far below zero, in units of the largest component of the tangent, rounding can leave a form that is zero.
+/// Rounding error of a form that is zero, relative to the largest component of the tangent.
 const NEUTRAL: f64 = 3e-14;
-/// How much of the largest component of the tangent can be rounding where stretches are equal. Between axes of a different stretch
-/// it grows with their ratio: the small stiffness of the one is found beside the large stiffness of the other.
+/// Rounding error relative to the largest component of the tangent for equal stretches. Between axes of different stretch it grows with their ratio,
+/// because the small stiffness is computed from numbers of the size of the large one.
 const ROUNDING: f64 = 1e-13;
 
-/// Where the ratio of the principal stretches is larger, the sign of a measure counts as rounding along a loading: the tangent in principal
-/// axes has lost too many digits.
+/// Ratio of the principal stretches above which the sign of a measure along a loading counts as rounding: the tangent in principal axes has lost too
+/// many digits.
 const LARGEST_RATIO: f64 = 1e4;
 
 fn ratio_of_stretches(response: &Response) -> f64 {
@@ -405,7 +403,7 @@ fn ratio_of_stretches(response: &Response) -> f64 {
     largest / smallest
 }
 
-/// A state at which criteria are asked: the response of a law, its principal axes, and the loading that led there.
+/// State at which criteria are evaluated: the response of a law, its principal axes, and the loading that led there.
 #[derive(Clone, Debug)]
 pub struct State {
     response: Response,
@@ -417,15 +415,15 @@ pub struct State {
     rate: Option<Matrix3<f64>>,
     /// Whether increments stay in the plane of the first two axes.
     in_plane: bool,
-    /// Where the response is incompressible: coordinate axes whose faces are free of traction.
+    /// Coordinate axes whose faces are traction-free, if the response is incompressible.
     free_faces: Option<&'static [usize]>,
 }
 
 impl State {
-    /// A state of a law, without a loading. Whether the law is isotropic is found out ([`is_isotropic`]).
+    /// Computes the state of a law without a loading. Isotropy is tested with [`is_isotropic`].
     ///
     /// # Errors
-    /// [`MaterialError`] when the response is not finite.
+    /// [`MaterialError`] if the response is not finite.
     pub fn new(
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
@@ -436,7 +434,7 @@ impl State {
         ))
     }
 
-    /// A state with a known response.
+    /// Creates a state from a known response.
     pub fn of_response(response: Response, isotropic: bool) -> Self {
         let (left, right) = principal_axes(&response.deformation);
         Self {
@@ -451,13 +449,13 @@ impl State {
         }
     }
 
-    /// The state of a law of the plane: increments and waves stay in it.
+    /// Restricts the state to two dimensions: increments and waves stay in the plane.
     pub fn in_plane(mut self) -> Self {
         self.in_plane = true;
         self
     }
 
-    /// Of orthonormal rates or strains along and across the plane those within the dimensions of the law.
+    /// Selects from orthonormal rates, along and across the plane, those within the dimensions of the law.
     fn within(&self, rates: &[Matrix3<f64>]) -> Vec<Matrix3<f64>> {
         let is_within = |rate: &&Matrix3<f64>| {
             !self.in_plane || rate.row(2).amax().max(rate.column(2).amax()) < 1e-9
@@ -465,13 +463,13 @@ impl State {
         rates.iter().filter(is_within).copied().collect()
     }
 
-    /// The state as one of incompressible response, with free faces.
+    /// Declares the response incompressible, with the given free faces.
     fn incompressible(mut self, free_faces: &'static [usize]) -> Self {
         self.free_faces = Some(free_faces);
         self
     }
 
-    /// Of orthonormal rates those that the response admits: all, or those that keep the volume.
+    /// Orthonormal rates that the response admits: all of them, or the volume-preserving subspace.
     fn admitted(&self, rates: &[Matrix3<f64>]) -> Vec<Matrix3<f64>> {
         match self.free_faces {
             None => self.within(rates),
@@ -479,18 +477,18 @@ impl State {
         }
     }
 
-    /// The stretches along principal axes.
+    /// Stretches along the principal axes.
     fn stretches(&self) -> Vector3<f64> {
         stretches_along(&self.response.deformation, &self.left, &self.right)
     }
 
-    /// The state with the rate `dF/ds` of the loading that led to it.
+    /// Adds the rate `dF/ds` of the loading that led to the state.
     pub fn with_rate(mut self, rate: Matrix3<f64>) -> Self {
         self.rate = Some(rate);
         self
     }
 
-    /// Energy, stress and tangent.
+    /// Energy, stress and tangent of the state.
     pub fn response(&self) -> &Response {
         &self.response
     }
@@ -508,12 +506,12 @@ impl State {
         }
     }
 
-    /// The smallest value of `g . Q(N) g` where it is below a level; elsewhere one above the level.
+    /// Smallest value of `g . Q(N) g` if it is below a level, otherwise some value above the level.
     fn strong_ellipticity(&self, below: f64) -> Measure {
         if self.in_plane {
             return self.plane_ellipticity();
         }
-        // The closed form takes the tangent for symmetric.
+        // The closed form assumes a symmetric tangent.
         let isotropic = self.isotropic.as_ref();
         if let Some(tangent) = isotropic.filter(|tangent| tangent.has_major_symmetry()) {
             let (value, wave) = match self.free_faces {
@@ -577,7 +575,7 @@ impl State {
         }
     }
 
-    /// The smallest `(tau° : D - (tau : D) tr D) / J` over symmetric `D`.
+    /// Smallest `(tau° : D - (tau : D) tr D) / J` over symmetric `D`.
     fn true_stress_monotonicity(&self) -> Measure {
         let jacobian = self.response.deformation.jacobian();
         let of_volume = |tau: &Matrix3<f64>, a: &Matrix3<f64>, b: &Matrix3<f64>| {
@@ -607,12 +605,13 @@ impl State {
         Some(self.of(value, witness))
     }
 
-    /// The smallest `(D F) : A : (D F) + tau : D^2` over combinations of some orthonormal rates of deformation.
+    /// Smallest `(D F) : A : (D F) + tau : D^2` over unit combinations of orthonormal rates of deformation.
     fn jaumann(&self, rates: &[Matrix3<f64>]) -> Measure {
         self.jaumann_with(rates, |_, _, _| 0.0)
     }
 
-    /// The same with another bilinear form of the Kirchhoff stress and two rates.
+    /// Smallest value over unit combinations of orthonormal rates of deformation, with `other` as the bilinear form of Kirchhoff stress and two
+    /// rates.
     fn jaumann_with(
         &self,
         rates: &[Matrix3<f64>],
@@ -636,7 +635,7 @@ impl State {
     }
 }
 
-/// Left and right principal axes in the columns of two rotations; the coordinate axes where `F` is diagonal.
+/// Left and right principal axes in the columns of two rotations; the coordinate axes if `F` is diagonal.
 fn principal_axes(f: &DeformationGradient) -> (Matrix3<f64>, Matrix3<f64>) {
     if f.is_block_diagonal::<1>() && f.components()[1][2] == 0.0 && f.components()[2][1] == 0.0 {
         return (Matrix3::identity(), Matrix3::identity());
@@ -655,7 +654,7 @@ fn wave(direction: &Vector3<f64>, polarization: &Vector3<f64>) -> Witness {
     }
 }
 
-/// Of `v` and `-v` the one whose first component that is not negligible is positive, without negligible components.
+/// Orients `v` so that its first non-negligible component is positive, and sets negligible components to zero.
 fn oriented(v: &Vector3<f64>) -> [f64; 3] {
     let clean = v.map(|x| if x.abs() < 1e-15 { 0.0 } else { x });
     let sign = match clean.iter().find(|x| **x != 0.0) {
@@ -665,7 +664,7 @@ fn oriented(v: &Vector3<f64>) -> [f64; 3] {
     [0, 1, 2].each(|i| sign * clean[i] + 0.0)
 }
 
-/// The rows of `X` or `-X`: the one whose first component that is not negligible is positive.
+/// Rows of `X`, with the sign for which the first non-negligible component is positive.
 fn rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
     let row_by_row = matrix.transpose();
     let leading = row_by_row.iter().find(|x| x.abs() > 1e-9);

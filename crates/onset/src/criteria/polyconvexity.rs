@@ -1,6 +1,6 @@
-//! What is known about polyconvexity: facts about laws, not about states.
+//! Known results on polyconvexity. They concern laws, not states.
 
-/// What is known.
+/// Status of the polyconvexity of a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -10,23 +10,23 @@
 pub enum Knowledge {
     /// The law is polyconvex with these parameters.
     Polyconvex,
-    /// It is not.
+    /// The law is not polyconvex with these parameters.
     NotPolyconvex,
-    /// Nothing is known here.
+    /// No result is recorded.
     Unknown,
 }
 
-/// What is known about the polyconvexity of a law with some parameters: that `W(F)` is a convex function of `F`, `cof F` and `det F`.
+/// Known result on the polyconvexity of a law with given parameters: `W(F)` is a convex function of `F`, `cof F` and `det F`.
 ///
-/// With growth it gives existence of equilibrium states (Ball, Arch. Ration. Mech. Anal. 63 (1977) 337), and it implies rank-one convexity and so
-/// ellipticity (not strict) at all states.
+/// With a growth condition polyconvexity implies the existence of equilibrium states (Ball, Arch. Ration. Mech. Anal. 63 (1977) 337). It implies
+/// rank-one convexity and thus (not strict) ellipticity at all states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Polyconvexity {
-    /// What is known.
+    /// Whether the law is polyconvex, if known.
     pub knowledge: Knowledge,
-    /// Why, with the condition on the parameters.
+    /// Reason, with the condition on the parameters.
     pub reason: &'static str,
-    /// Where it is proved.
+    /// Reference of the proof.
     pub source: &'static str,
 }
 
@@ -60,7 +60,7 @@ const UNKNOWN: Polyconvexity = Polyconvexity {
     source: "",
 };
 
-/// What is known about a law by its name, with its parameters by name; unknown where nothing is recorded.
+/// Returns the recorded result on the polyconvexity of a law, given the names of the law and its parameters; unknown if none is recorded.
 ///
 /// ```
 /// use onset::criteria::{Knowledge, polyconvexity};
@@ -90,7 +90,7 @@ pub fn polyconvexity(law: &str, parameters: &[(&str, f64)]) -> Polyconvexity {
             "its energy is no polyconvex function, whatever its constants",
             RAOULT,
         ),
-        // W is |F|^2, |cof F|^2 and h(J). Under F = diag(a, J/(a s), s) with large a and s, waves stop where h'' < 0.
+        // W depends on |F|^2, |cof F|^2 and h(J). Under F = diag(a, J/(a s), s) with large a and s, wave speeds vanish where h'' < 0.
         "modified-mooney-rivlin" if value("c2") > 0.0 => no(
             "with c2 > 0 its function of J is concave at large J, where ellipticity is lost at large stretches, which polyconvexity excludes",
             BALL,

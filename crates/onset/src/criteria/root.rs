@@ -2,8 +2,10 @@
 
 use crate::algebra::lowest_between;
 
-/// A zero of a function between two places at which its signs differ, by regula falsi with the Illinois rule and bisection where that
-/// is slow; down to neighboring numbers or `resolution`. `None` for values are not possible places and count as the side of `high`.
+/// Brackets a zero of a function between two places with different signs, to neighboring numbers or `resolution`.
+///
+/// Regula falsi with the Illinois rule is used, and bisection where it converges slowly. Places where the function is `None` are not possible states
+/// and count as the side of `high`.
 pub(super) fn bracket_zero(
     value: &mut impl FnMut(f64) -> Option<f64>,
     (mut low, mut at_low): (f64, f64),
@@ -24,7 +26,7 @@ pub(super) fn bracket_zero(
         } else if inside {
             secant
         } else {
-            // Beside the end that the zero is at, so that the bracket closes.
+            // The secant meets an end of the bracket: step half the resolution away from it, so that the bracket closes.
             let end = if (secant - low).abs() <= guard {
                 low
             } else {
@@ -53,8 +55,9 @@ pub(super) fn bracket_zero(
     (low, high)
 }
 
-/// A place between two others at which a function is not positive, sought where it is smallest, to `tolerance`, given a place between them
-/// with its value. `None` where it has no value somewhere on the way.
+/// Returns a place between two others where a function is not positive: minimizes from a given middle place and value, to `tolerance`.
+///
+/// The result is `None` if the function is not defined at a place that is evaluated.
 pub(super) fn dip(
     value: &mut impl FnMut(f64) -> Option<f64>,
     around: [f64; 3],
