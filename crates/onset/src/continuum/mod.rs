@@ -1,9 +1,8 @@
 //! Stability of the continuum: the acoustic tensor and strong ellipticity.
 //!
-//! A homogeneous state is strongly elliptic when every acoustic tensor
-//! `Q_ik(N) = A_iJkL N_J N_L` is positive definite (equation (28)). In one and two dimensions the
-//! smallest eigenvalue over *all* directions is found algebraically; in three it is searched for, with a lower bound that
-//! says how sure the result is. What the sign of that eigenvalue says, where rounding leaves it a sign, is [`Ellipticity`].
+//! A homogeneous state is strongly elliptic if every acoustic tensor `Q_ik(N) = A_iJkL N_J N_L` is positive definite (equation (28)). In one and two
+//! dimensions the smallest eigenvalue over *all* directions is computed algebraically. In three dimensions it is searched for, and a lower bound
+//! gives the certainty of the result. The sign of that eigenvalue, if it exceeds rounding, is its [`Ellipticity`].
 
 mod planar;
 pub(crate) mod spherical;
@@ -15,66 +14,65 @@ use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, Hyperelastic, MaterialError, PlaneTangent, Response, cofactor};
 use nalgebra::{SMatrix, SVector};
 
-/// A stiffness `T_iJkL` in `D` dimensions, the quadratic form in the direction `N` of an acoustic
-/// tensor `Q_ik(N) = T_iJkL N_J N_L`.
+/// Stiffness `T_iJkL` in `D` dimensions, which defines the acoustic tensors `Q_ik(N) = T_iJkL N_J N_L`.
 ///
-/// It is the tangent of a material, or the long-wave limit of a discretization. The latter need
-/// not have the major symmetry `T_iJkL = T_kLiJ`; eigenvalues can then be complex.
+/// It is the tangent of a material or the long-wave limit of a discretization. The latter need not have the major symmetry `T_iJkL = T_kLiJ`, and its
+/// eigenvalues can be complex.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stiffness<const D: usize>(
     [[SMatrix<f64, D, D>; D]; D],
-    /// The largest component as given, the scale of its rounding: parts that cancel in acoustic tensors, such as those of a pressure,
-    /// leave theirs.
+    /// Largest component as given, which sets the rounding error: terms that cancel in acoustic tensors, such as those of a pressure, contribute to
+    /// it.
     f64,
     /// A part `k m_iJ m_kL` that is larger than all others by far: the stiffness against changes of volume, with `m = cof F`.
     Option<(f64, SMatrix<f64, D, D>)>,
 );
 
-/// The smallest eigenvalue of the acoustic tensor over all directions.
+/// Smallest eigenvalue of the acoustic tensor over all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AcousticMinimum<const D: usize> {
-    /// The eigenvalue with the smallest real part; units of the stiffness.
+    /// Eigenvalue with the smallest real part; units of the stiffness.
     pub eigenvalue: Complex,
-    /// The unit direction `N` in which it occurs.
+    /// Unit direction `N` of the wave.
     pub direction: SVector<f64, D>,
-    /// The unit polarization `g`.
+    /// Unit polarization `g` of the wave.
     pub polarization: SVector<f64, D>,
-    /// No direction has an eigenvalue with a smaller real part than this lower bound: how sure the minimum is the global
-    /// one. In one and two dimensions the eigenvalue less rounding, by algebra. In three dimensions the bound is computed, and usually
-    /// `1e-10` of the largest component below the eigenvalue; further where the minimum is flat and no bound at once is
-    /// attained, or without major symmetry. Units of the stiffness.
+    /// Lower bound of the real parts of all eigenvalues in all directions, which shows whether the minimum is global.
+    ///
+    /// In one and two dimensions it is the algebraic eigenvalue less rounding. In three dimensions the bound is computed and is usually `1e-10` of
+    /// the largest component below the eigenvalue. The gap is larger where the minimum is flat and no bound for all directions together is attained,
+    /// or without major symmetry. Units of the stiffness.
     pub bound: f64,
-    /// Eigenvalues nearer to zero than this can be rounding: [`ROUNDING`] of the largest component of the stiffness. Units of the
-    /// stiffness.
+    /// Eigenvalues smaller than this in magnitude can be rounding: [`ROUNDING`] of the largest component of the stiffness. Units of the stiffness.
     pub rounding: f64,
-    /// Waves whose eigenvalues are complex; see [`Stiffness::flutter`].
+    /// Waves with complex eigenvalues; see [`Stiffness::flutter`].
     pub flutter: Option<AcousticFlutter<D>>,
 }
 
-/// A complex eigenvalue of an acoustic tensor: waves in its direction oscillate and grow.
+/// Complex eigenvalue of an acoustic tensor: waves in its direction oscillate with growing amplitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AcousticFlutter<const D: usize> {
-    /// The eigenvalue, its imaginary part positive; units of the stiffness.
+    /// Eigenvalue with positive imaginary part; units of the stiffness.
     pub eigenvalue: Complex,
-    /// The unit direction `N`.
+    /// Unit direction `N` of the wave.
     pub direction: SVector<f64, D>,
 }
 
-/// How much of the largest component of a stiffness can be rounding: of the law that computed it, and of the eigenvalue found.
+/// Rounding error of an acoustic eigenvalue relative to the largest component of the stiffness, including the error of the law.
 ///
-/// Held against arithmetic with sixty digits in the tests, for laws and constants at random.
+/// The tests compare it with sixty-digit arithmetic for random laws and constants.
 pub const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// A stiffness against changes of volume that is this many times the others is told apart in the search for the softest wave.
+/// Stiffness ratio of volume changes to all others from which the volumetric part is treated separately in the search for the softest wave.
 const STIFF: f64 = 1e8;
-/// How many times the others it is in that search.
+/// Reduced stiffness ratio of the volumetric part in that search.
 const ENOUGH: f64 = 1e6;
 
-/// Imaginary parts of acoustic eigenvalues below this part of the largest component are rounding: those of a double eigenvalue are
-/// as uncertain as the square root of what it is computed from.
+/// Imaginary parts of acoustic eigenvalues below this fraction of the largest component are rounding, because the error of a double eigenvalue is the
+/// square root of the error of the stiffness.
 const COMPLEX: f64 = 1.2e-7;
 
-/// What the smallest acoustic eigenvalue says of a state.
+/// Sign of the smallest acoustic eigenvalue of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -82,16 +80,16 @@ const COMPLEX: f64 = 1.2e-7;
     serde(rename_all = "kebab-case")
 )]
 pub enum Ellipticity {
-    /// It is positive. With major symmetry all wave speeds are then real, and the state is strongly elliptic.
+    /// The eigenvalue is positive. With major symmetry all wave speeds are then real, and the state is strongly elliptic.
     Elliptic,
-    /// It is zero to rounding: not positive as far as the numbers tell, nor negative. So it is for a fluid, which bears no shear.
+    /// The eigenvalue is zero to rounding, neither positive nor negative. A fluid, which has no shear stiffness, is an example.
     Undecided,
-    /// It is negative. With major symmetry some plane waves grow.
+    /// The eigenvalue is negative. With major symmetry some plane waves grow.
     Lost,
 }
 
 impl Ellipticity {
-    /// By an eigenvalue and how much of it can be rounding.
+    /// Classifies an eigenvalue, given its rounding error.
     pub fn of(eigenvalue: f64, rounding: f64) -> Self {
         if eigenvalue > rounding {
             Self::Elliptic
@@ -102,17 +100,17 @@ impl Ellipticity {
         }
     }
 
-    /// Whether it is positive.
+    /// Returns true if the eigenvalue is positive.
     pub fn is_elliptic(self) -> bool {
         self == Self::Elliptic
     }
 
-    /// Whether it is negative.
+    /// Returns true if the eigenvalue is negative.
     pub fn is_lost(self) -> bool {
         self == Self::Lost
     }
 
-    /// The word used in files.
+    /// Name of the value in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Elliptic => "elliptic",
@@ -123,7 +121,7 @@ impl Ellipticity {
 }
 
 impl<const D: usize> AcousticMinimum<D> {
-    /// What it says of the state.
+    /// Ellipticity of the state according to this eigenvalue.
     ///
     /// ```
     /// use onset::continuum::{Ellipticity, Stiffness};
@@ -142,24 +140,23 @@ impl<const D: usize> AcousticMinimum<D> {
         Ellipticity::of(self.eigenvalue.re, self.rounding)
     }
 
-    /// Whether some plane waves grow: those of an eigenvalue below zero, or of a complex one.
+    /// Returns true if some plane waves grow: an eigenvalue is negative or complex.
     pub fn has_growing_waves(&self) -> bool {
         self.ellipticity().is_lost() || self.flutter.is_some()
     }
 
-    /// Whether plane waves grow by flutter, and no others do.
+    /// Returns true if some plane waves grow by flutter and none by divergence.
     pub fn only_flutters(&self) -> bool {
         self.flutter.is_some() && !self.ellipticity().is_lost()
     }
 
-    /// The direction of the waves that grow by flutter, where no others do; otherwise that of the smallest eigenvalue.
+    /// Direction of the waves that grow by flutter if no others grow, otherwise the direction of the smallest eigenvalue.
     pub fn critical_direction(&self) -> SVector<f64, D> {
         let flutter = self.flutter.filter(|_| self.only_flutters());
         flutter.map_or(self.direction, |flutter| flutter.direction)
     }
 
-    /// The real part of the eigenvalue with the sign that [`AcousticMinimum::ellipticity`] says: zero where rounding leaves it none.
-    /// Units of the stiffness.
+    /// Real part of the eigenvalue, set to zero if it is below rounding (see [`AcousticMinimum::ellipticity`]). Units of the stiffness.
     pub fn significant(&self) -> f64 {
         match self.ellipticity() {
             Ellipticity::Undecided if !self.eigenvalue.re.is_nan() => 0.0,
@@ -167,7 +164,7 @@ impl<const D: usize> AcousticMinimum<D> {
         }
     }
 
-    /// The same of a stiffness that is larger by a factor.
+    /// Minimum of the stiffness multiplied by a factor.
     fn scaled(self, scale: f64) -> Self {
         Self {
             eigenvalue: self.eigenvalue * scale,
@@ -183,8 +180,8 @@ impl<const D: usize> AcousticMinimum<D> {
 }
 
 impl<const D: usize> Stiffness<D> {
-    /// The stiffness with components `component(i, J, k, L)`, made symmetric in `J` and `L`, which
-    /// leaves every acoustic tensor as it is.
+    /// Creates a stiffness from its components `component(i, J, k, L)`. They are symmetrized in `J` and `L`, which does not change any acoustic
+    /// tensor.
     pub fn from_fn(component: impl Fn(usize, usize, usize, usize) -> f64) -> Self {
         let mut largest = 0.0_f64;
         let blocks = array_of(|j| {
@@ -199,18 +196,17 @@ impl<const D: usize> Stiffness<D> {
         Self(blocks, largest, None)
     }
 
-    /// The part of a tangent `A_iJkL` that acts within the first `D` dimensions: all of it in 3D,
-    /// plane strain in 2D, uniaxial strain in 1D.
+    /// Part of a tangent `A_iJkL` that acts within the first `D` dimensions: all of it in 3D, plane strain in 2D, uniaxial strain in 1D.
     pub fn from_tangent(tangent: &FourthOrder) -> Self {
         Self::from_fn(|i, j, k, l| tangent[(i, j, k, l)])
     }
 
-    /// The stiffness of a material at a state.
+    /// Stiffness of a material at a state.
     pub fn of(response: &Response) -> Self {
         Self::from_tangent(&response.tangent).with_volume(&response.deformation)
     }
 
-    /// The same with what is known of the state: where the stiffness against changes of volume is larger than all others by [`STIFF`], it is told apart.
+    /// Separates the volumetric part if it exceeds all others by the factor [`STIFF`].
     fn with_volume(self, f: &DeformationGradient) -> Self {
         if D < 2 {
             return self;
@@ -228,7 +224,7 @@ impl<const D: usize> Stiffness<D> {
         Self(self.0, self.1, is_stiff.then_some((stiffness, m)))
     }
 
-    /// The same with a part `k m_iJ m_kL` more.
+    /// Adds a part `k m_iJ m_kL` to the stiffness.
     fn and_volume(&self, stiffness: f64, m: &SMatrix<f64, D, D>) -> Self {
         let blocks = array_of(|j| {
             array_of(|l| {
@@ -240,10 +236,10 @@ impl<const D: usize> Stiffness<D> {
         Self(blocks, self.1, None)
     }
 
-    /// The stiffness of a material at a state, from no more of its tangent than the dimensions need.
+    /// Stiffness of a material at a state, computed from the part of its tangent that the dimensions need.
     ///
     /// # Errors
-    /// [`MaterialError`] when the tangent over- or underflows.
+    /// [`MaterialError`] if the tangent over- or underflows.
     pub fn at(material: &dyn Hyperelastic, f: &DeformationGradient) -> Result<Self, MaterialError> {
         if D != 2 {
             return Ok(Self::of(&material.response(f)?));
@@ -251,12 +247,12 @@ impl<const D: usize> Stiffness<D> {
         Ok(Self::of_plane(&material.plane_tangent(f)?).with_volume(f))
     }
 
-    /// The stiffness with the tangent within the plane, in two dimensions.
+    /// Stiffness of the in-plane tangent, in two dimensions.
     pub(crate) fn of_plane(tangent: &PlaneTangent) -> Self {
         Self::from_fn(|i, j, k, l| tangent[2 * i + j][2 * k + l])
     }
 
-    /// The acoustic tensor `Q_ik(N) = T_iJkL N_J N_L`, equation (27). Shape `D x D`, units of the stiffness.
+    /// Acoustic tensor `Q_ik(N) = T_iJkL N_J N_L`, equation (27). Shape `D x D`, units of the stiffness.
     pub fn acoustic_tensor(&self, direction: &SVector<f64, D>) -> SMatrix<f64, D, D> {
         let mut q = SMatrix::zeros();
         for j in 0..D {
@@ -267,7 +263,7 @@ impl<const D: usize> Stiffness<D> {
         q
     }
 
-    /// The stiffness whose acoustic tensor at `n` is this one's at `m n`.
+    /// Stiffness whose acoustic tensor at `n` equals this one's at `m n`.
     pub fn with_directions_mapped(&self, m: &SMatrix<f64, D, D>) -> Self {
         let block = |a: usize, b: usize| {
             let mut sum = SMatrix::zeros();
@@ -283,12 +279,11 @@ impl<const D: usize> Stiffness<D> {
         Self(blocks, self.1 * m.norm_squared(), volume)
     }
 
-    /// The smallest eigenvalue over all directions, with direction and polarization.
+    /// Returns the smallest eigenvalue over all directions, with direction and polarization.
     ///
-    /// By the real part, where there is no major symmetry and eigenvalues can be complex. Exact (to rounding) in one and two
-    /// dimensions. In three dimensions found by going down from several directions, and compared with a lower bound of
-    /// all directions, [`AcousticMinimum::bound`]: by null Lagrangians, which is nearly always attained, or else by branch
-    /// and bound over the sphere.
+    /// Without major symmetry, where eigenvalues can be complex, the real part is minimized. The result is exact (to rounding) in one and two
+    /// dimensions. In three dimensions it is found by descents from several directions and compared with a lower bound for all directions,
+    /// [`AcousticMinimum::bound`]. The bound uses null Lagrangians, which nearly always attain it, and otherwise branch and bound over the sphere.
     ///
     /// ```
     /// use onset::continuum::Stiffness;
@@ -308,17 +303,18 @@ impl<const D: usize> Stiffness<D> {
         }
     }
 
-    /// The stiffness whose acoustic tensors are the symmetric parts of these, with the same quadratic forms `g . Q(N) g`: itself, where there is
-    /// major symmetry.
+    /// Stiffness whose acoustic tensors are the symmetric parts of these, with equal quadratic forms `g . Q(N) g`. With major symmetry it is
+    /// unchanged.
     pub fn symmetric_part(&self) -> Self {
         let symmetric = |block: SMatrix<f64, D, D>| (block + block.transpose()) * 0.5;
         Self(self.0.each(|row| row.each(symmetric)), self.1, self.2)
     }
 
-    /// The complex acoustic eigenvalue with the largest imaginary part over all directions, beyond rounding. There is none with major symmetry.
+    /// Complex acoustic eigenvalue with the largest imaginary part over all directions; `None` if none exceeds rounding, as always with major
+    /// symmetry.
     ///
-    /// By algebra in two dimensions; in three found by going down the discriminant from several directions, so that a narrow range of
-    /// directions can be missed.
+    /// It is computed algebraically in two dimensions. In three dimensions the discriminant is minimized from several directions, so a narrow range
+    /// of directions can be missed.
     ///
     /// ```
     /// use nalgebra::Vector2;
@@ -331,7 +327,7 @@ impl<const D: usize> Stiffness<D> {
     /// ```
     pub fn flutter(&self) -> Option<AcousticFlutter<D>> {
         let scale = self.magnitude();
-        // Imaginary parts are no larger than the antisymmetric part (Bendixson), of which the entries are half of these differences.
+        // Imaginary parts do not exceed the antisymmetric part (Bendixson), whose entries are half of these differences.
         let largest = 0.5 * asymmetry(&self.0) * (D * D) as f64;
         if D == 1 || !scale.is_normal() || largest <= COMPLEX * scale {
             return None;
@@ -352,11 +348,12 @@ impl<const D: usize> Stiffness<D> {
         })
     }
 
-    /// The smallest eigenvalue where it is below a level; elsewhere one above the level that a descent finds. In three dimensions
-    /// that is much cheaper where nearly the same wave goes in many directions.
+    /// Smallest eigenvalue if it is below a level, otherwise some eigenvalue above the level. In three dimensions this is much cheaper than the
+    /// minimum if nearly equal waves exist in many directions.
     pub(crate) fn minimum_below(&self, level: f64) -> AcousticMinimum<D> {
         if let Some((stiffness, m)) = &self.2 {
-            // The softest wave keeps the volume but for what the others' stiffness is of that one: as much stiffness does as leaves its search all digits.
+            // The softest wave preserves the volume up to the ratio of the other stiffnesses to the volumetric one. The reduced volumetric stiffness
+            // does not change it and leaves all digits to the search.
             let rest = self.and_volume(-stiffness, m);
             let enough = ENOUGH * rest.magnitude() / m.norm_squared();
             let found = rest.and_volume(enough, m).minimum_below(level);
@@ -369,7 +366,7 @@ impl<const D: usize> Stiffness<D> {
         }
         let scale = self.magnitude();
         if scale != 1.0 && scale.is_normal() {
-            // The products of the search must neither over- nor underflow, whatever the units.
+            // Normalize, so that the products of the search neither over- nor underflow in any units.
             let unit = self.divided(scale);
             return unit.minimum_of_unit(level / scale).scaled(scale);
         }
@@ -382,8 +379,8 @@ impl<const D: usize> Stiffness<D> {
         Self(blocks, self.1 / scale, volume)
     }
 
-    /// The same by a descent from the lowest of many directions: several times faster in two and three dimensions, for
-    /// stiffnesses that need no certainty, and without a bound.
+    /// Like [`Stiffness::minimum`] by a descent from the lowest of many directions, without a bound. Several times faster in two and three
+    /// dimensions, for uses that do not need certainty.
     pub(crate) fn minimum_by_descent(&self) -> AcousticMinimum<D> {
         let scale = self.magnitude();
         let unit = moderate_unit(scale);
@@ -413,7 +410,7 @@ impl<const D: usize> Stiffness<D> {
         }
     }
 
-    /// The largest component.
+    /// Largest component in magnitude.
     fn magnitude(&self) -> f64 {
         self.0
             .iter()
@@ -460,24 +457,25 @@ impl<const D: usize> Stiffness<D> {
         }
     }
 
-    /// Whether the state is strongly elliptic: what the smallest value of `g . Q(N) g` over all unit vectors `N` and `g` says, equation (28).
+    /// Ellipticity of the state by the smallest value of `g . Q(N) g` over all unit vectors `N` and `g`, equation (28).
+    ///
     /// That value is an eigenvalue of the symmetric part of `Q`.
     pub fn strong_ellipticity(&self) -> Ellipticity {
         let symmetric = self.symmetric_part();
         symmetric.minimum_below(f64::INFINITY).ellipticity()
     }
 
-    /// Whether the symmetric part of the acoustic tensor is positive definite in every direction, beyond rounding.
+    /// Returns true if the symmetric part of the acoustic tensor is positive definite in every direction, beyond rounding.
     pub fn is_strongly_elliptic(&self) -> bool {
         self.strong_ellipticity().is_elliptic()
     }
 
-    /// Whether there is major symmetry, rounding apart: then all acoustic eigenvalues are real.
+    /// Returns true if the stiffness has major symmetry to rounding. All acoustic eigenvalues are then real.
     pub fn has_major_symmetry(&self) -> bool {
         asymmetry(&self.0) <= COMPLEX * self.magnitude()
     }
 
-    /// The smallest eigenvalue (by real part) in one direction, and its polarization.
+    /// Smallest eigenvalue (by real part) in one direction, with its polarization.
     fn smallest_eigenpair(&self, direction: &SVector<f64, D>) -> (Complex, SVector<f64, D>) {
         let q = self
             .acoustic_tensor(direction)
@@ -495,22 +493,22 @@ impl<const D: usize> Stiffness<D> {
         )
     }
 
-    /// All eigenvalues in one direction, by increasing real part.
+    /// All eigenvalues in one direction, sorted by real part.
     fn eigenvalues(&self, direction: &SVector<f64, D>) -> [Complex; D] {
         let q = self.acoustic_tensor(direction);
         let noise = f64::EPSILON * q.amax();
         eigenvalues(&q.map(|entry| Complex::new(entry, 0.0)), noise)
     }
 
-    /// The largest real part of an eigenvalue over all directions: that of the fastest wave. Units of the stiffness.
+    /// Largest real part of an eigenvalue over all directions, which belongs to the fastest wave. Units of the stiffness.
     pub fn maximum_eigenvalue(&self) -> f64 {
-        // Q -> -Q turns the largest eigenvalue into the smallest.
+        // The transformation Q -> -Q exchanges the largest and the smallest eigenvalue.
         let negative = Self(self.0.each(|row| row.each(|block| -block)), self.1, None);
         -negative.minimum_below(f64::INFINITY).eigenvalue.re
     }
 }
 
-/// The largest difference `|T_iJkL - T_kJiL|` of blocks: how far a stiffness is from major symmetry.
+/// Largest difference `|T_iJkL - T_kJiL|` of blocks: the deviation from major symmetry.
 fn asymmetry<const D: usize>(blocks: &[[SMatrix<f64, D, D>; D]; D]) -> f64 {
     let differences = blocks
         .as_flattened()
@@ -519,14 +517,12 @@ fn asymmetry<const D: usize>(blocks: &[[SMatrix<f64, D, D>; D]; D]) -> f64 {
     differences.fold(0.0, f64::max)
 }
 
-/// The smallest acoustic eigenvalue of a tangent within the plane: what [`Stiffness::minimum`] says, faster where the coordinate axes are its
-/// mirror axes.
+/// Smallest acoustic eigenvalue of an in-plane tangent. Faster than [`Stiffness::minimum`] if the coordinate axes are mirror axes.
 pub(crate) fn plane_minimum<const D: usize>(tangent: &PlaneTangent) -> AcousticMinimum<D> {
     planar::mirrored_minimum(tangent).unwrap_or_else(|| Stiffness::of_plane(tangent).minimum())
 }
 
-/// Of `N` and `-N`, which are the same direction, the one whose first component that is not
-/// negligible is positive.
+/// Orients a direction so that its first non-negligible component is positive; `N` and `-N` are equivalent.
 fn oriented<const D: usize>(direction: SVector<f64, D>) -> SVector<f64, D> {
     let cleaned = direction.map(|component| {
         if component.abs() < 1e-15 {

@@ -1,17 +1,16 @@
-//! Directions in the plane: everything is algebraic.
+//! Extremes over directions in the plane, by algebra.
 //!
-//! With `N = (cos t/2, sin t/2)` the acoustic tensor is `Q = Q0 + Qc cos t + Qs sin t`, of first
-//! order in the doubled angle `t`. Its smallest eigenvalue is `h - sqrt(d)`, where
-//! `h = tr Q / 2` is of first and `d = ((Q11 - Q22)/2)^2 + Q12 Q21` of second order. Its stationary
-//! points obey `4 d h'^2 = d'^2`, a polynomial of fourth order with at most eight zeros; where
-//! `d < 0` (possible without major symmetry) the real part is `h`, stationary where `h' = 0`.
+//! With `N = (cos t/2, sin t/2)` the acoustic tensor is `Q = Q0 + Qc cos t + Qs sin t`, of first order in the doubled angle `t`. Its smallest
+//! eigenvalue is `h - sqrt(d)`, where `h = tr Q / 2` is of first and `d = ((Q11 - Q22)/2)^2 + Q12 Q21` of second order. Its stationary points satisfy
+//! `4 d h'^2 = d'^2`, a trigonometric polynomial of fourth order with at most eight zeros. Where `d < 0` (possible without major symmetry) the real
+//! part is `h`, stationary at `h' = 0`.
 
 use super::{AcousticMinimum, ROUNDING, Stiffness};
 use crate::algebra::{Complex, Each, TrigonometricPolynomial, array_of};
 use crate::material::PlaneTangent;
 use nalgebra::{SMatrix, SVector};
 
-/// Entries of `Q(t)` as polynomials of first order in `t`.
+/// Entries of `Q(t)` as trigonometric polynomials of first order.
 struct Entries {
     q11: TrigonometricPolynomial,
     q12: TrigonometricPolynomial,
@@ -48,13 +47,13 @@ impl Entries {
     }
 }
 
-/// A stiffness whose mirror axes are the coordinate axes, as that of an isotropic law in its principal axes: with
-/// `x = cos t`, `Q11 = a0 + a1 x` and `Q22 = b0 + b1 x` are linear and `Q12 Q21 = c (1 - x^2)`, so that all is quadratic.
+/// Stiffness whose mirror axes are the coordinate axes, as for an isotropic law in its principal axes. With `x = cos t`, `Q11 = a0 + a1 x` and
+/// `Q22 = b0 + b1 x` are linear and `Q12 Q21 = c (1 - x^2)`, so the discriminant is quadratic.
 struct Orthotropic {
     a: [f64; 2],
     b: [f64; 2],
     c: f64,
-    /// `Q12 = mixed N1 N2`.
+    /// Coefficient of `Q12 = mixed N1 N2`.
     mixed: f64,
 }
 
@@ -76,7 +75,7 @@ impl Orthotropic {
         })
     }
 
-    /// Of a tangent within the plane, divided by a scale.
+    /// Normalized stiffness of an in-plane tangent; `None` without this symmetry.
     fn of_plane(tangent: &PlaneTangent, scale: f64) -> Option<Self> {
         let t = |i: usize, j: usize, k: usize, l: usize| tangent[2 * i + j][2 * k + l] / scale;
         let even = |i: usize| t(i, 0, i, 1) + t(i, 1, i, 0) == 0.0;
@@ -98,7 +97,7 @@ impl Orthotropic {
         0.5 * (self.a[0] + self.b[0] + (self.a[1] + self.b[1]) * x)
     }
 
-    /// `((Q11 - Q22) / 2)^2 + Q12 Q21`, by powers of `x`.
+    /// Coefficients of `((Q11 - Q22) / 2)^2 + Q12 Q21` in powers of `x`.
     fn discriminant(&self) -> [f64; 3] {
         let (d0, d1) = (0.5 * (self.a[0] - self.b[0]), 0.5 * (self.a[1] - self.b[1]));
         [d0 * d0 + self.c, 2.0 * d0 * d1, d1 * d1 - self.c]
@@ -109,7 +108,7 @@ impl Orthotropic {
         self.half_trace(x) - (d0 + x * (d1 + x * d2)).max(0.0).sqrt()
     }
 
-    /// The cosine of the angle `t` of the smallest eigenvalue: an end, or where `4 d h'^2 = d'^2`.
+    /// Cosine of the angle `t` of the smallest eigenvalue: an end of the interval, or a solution of `4 d h'^2 = d'^2`.
     fn minimizing_cosine(&self) -> f64 {
         let [d0, d1, d2] = self.discriminant();
         // 4 h'^2.
@@ -120,7 +119,7 @@ impl Orthotropic {
             square * d0 - d1 * d1,
         );
         let mut best = (1.0, self.eigenvalue(1.0));
-        // Ties go to the axes, then to the directions between them.
+        // Ties are resolved in favor of the axes, then of the directions between them.
         for x in [0.0, -1.0].into_iter().chain(stationary) {
             let value = self.eigenvalue(x);
             if x.abs() <= 1.0 && value < best.1 - 4.0 * f64::EPSILON * best.1.abs() {
@@ -130,7 +129,7 @@ impl Orthotropic {
         best.0
     }
 
-    /// The smallest eigenvalue over all directions, with direction and polarization, by square roots alone.
+    /// Smallest eigenvalue over all directions, with direction and polarization, by square roots alone.
     fn minimum<const D: usize>(&self) -> AcousticMinimum<D> {
         let x = self.minimizing_cosine();
         let normal = [(0.5 * (1.0 + x)).sqrt(), (0.5 * (1.0 - x)).sqrt()];
@@ -138,7 +137,7 @@ impl Orthotropic {
         let half = 0.5 * (q11 - q22);
         let square = half * half + self.c * (1.0 - x * x);
         let root = square.max(0.0).sqrt();
-        // Of the two forms of the eigenvector the one without cancellation.
+        // Use the form of the eigenvector without cancellation.
         let q12 = self.mixed * normal[0] * normal[1];
         let g = if half > 0.0 {
             [-q12, half + root]
@@ -163,13 +162,13 @@ impl Orthotropic {
     }
 }
 
-/// The real zeros of `a x^2 + b x + c`, none where it vanishes identically; without cancellation.
+/// Real zeros of `a x^2 + b x + c` without cancellation; empty if it vanishes identically.
 fn quadratic_zeros(a: f64, b: f64, c: f64) -> impl Iterator<Item = f64> {
     let q = -0.5 * (b + (b * b - 4.0 * a * c).max(0.0).sqrt().copysign(b));
     [q / a, c / q].into_iter().filter(|x| x.is_finite())
 }
 
-/// The smallest eigenvalue of a tangent within the plane, if its mirror axes are the coordinate axes.
+/// Smallest eigenvalue of an in-plane tangent whose mirror axes are the coordinate axes; `None` otherwise.
 pub(super) fn mirrored_minimum<const D: usize>(
     tangent: &PlaneTangent,
 ) -> Option<AcousticMinimum<D>> {
@@ -191,10 +190,9 @@ pub(super) fn minimizing_direction<const D: usize>(stiffness: &Stiffness<D>) -> 
         .combine(4.0, &d_slope.times(&d_slope), -1.0);
 
     let eigenvalue = |t: f64| h.at(t) - d.at(t).max(0.0).sqrt();
-    // The axes are added for the isotropic case, in which every direction is stationary.
+    // The axes are added for the isotropic case, where every direction is stationary.
     let mut candidates = vec![0.0, std::f64::consts::FRAC_PI_2, std::f64::consts::PI];
-    // Where one eigenvalue is the same in all directions the polynomial vanishes identically, and the other
-    // one is stationary with the trace.
+    // If one eigenvalue is constant over all directions, the polynomial vanishes identically, and the other eigenvalue is stationary with the trace.
     let expected = d.magnitude() * slope.magnitude().powi(2) + d_slope.magnitude().powi(2);
     if stationary.magnitude() > 1e-13 * expected {
         candidates.extend(stationary.zero_candidates());
@@ -204,7 +202,7 @@ pub(super) fn minimizing_direction<const D: usize>(stiffness: &Stiffness<D>) -> 
     for t in candidates {
         let refined = polished(t, &h, &d);
         let value = eigenvalue(refined);
-        // A later candidate must be better than rounding, so that ties go to the axes.
+        // A later candidate must be lower by more than rounding, so that ties are resolved in favor of the axes.
         if value < best.1 - 4.0 * f64::EPSILON * best.1.abs() {
             best = (refined, value);
         }
@@ -212,18 +210,18 @@ pub(super) fn minimizing_direction<const D: usize>(stiffness: &Stiffness<D>) -> 
     direction(best.0)
 }
 
-/// The direction in which the discriminant is smallest: where it is below zero, that of the largest imaginary part.
+/// Direction of the smallest discriminant. If it is negative, the imaginary part is largest there.
 pub(super) fn fluttering_direction<const D: usize>(stiffness: &Stiffness<D>) -> SVector<f64, D> {
     direction(Entries::of(stiffness).discriminant().minimum().0)
 }
 
-/// Doubled angles at which the minimum is first looked for.
+/// Number of doubled angles from which the minimum is searched for.
 const RAYS: usize = 64;
-/// Steps of Newton's method to the minimum.
+/// Largest number of Newton steps to the minimum.
 const TURNS: usize = 16;
 
-/// The direction of the smallest eigenvalue by Newton's method from each of the lowest among equally distant directions:
-/// several times faster than the algebraic one, and the same unless two minima lie between two of them.
+/// Direction of the smallest eigenvalue by Newton's method from the lowest of equally spaced directions. Several times faster than the algebraic
+/// method, with equal results unless two minima lie between neighboring directions.
 pub(super) fn descended_direction<const D: usize>(stiffness: &Stiffness<D>) -> SVector<f64, D> {
     let entry = |i: usize, k: usize| {
         let [xx, xy, yx, yy] =
@@ -244,7 +242,7 @@ pub(super) fn descended_direction<const D: usize>(stiffness: &Stiffness<D>) -> S
         let beside = [sampled[(n + RAYS - 1) % RAYS], sampled[(n + 1) % RAYS]];
         if beside.iter().all(|other| sampled[n] <= *other) {
             let (t, value) = turned(&entries, n as f64 * std::f64::consts::TAU / RAYS as f64);
-            // Ties go to the first.
+            // Ties are resolved in favor of the first direction.
             if value < best.1 - 4.0 * f64::EPSILON * value.abs() {
                 best = (t, value);
             }
@@ -253,10 +251,10 @@ pub(super) fn descended_direction<const D: usize>(stiffness: &Stiffness<D>) -> S
     direction(best.0)
 }
 
-/// Sines and cosines of the angles.
+/// Sines and cosines of these angles.
 static RAY_TABLE: std::sync::OnceLock<[(f64, f64); RAYS]> = std::sync::OnceLock::new();
 
-/// Newton's method on the eigenvalue `h - sqrt(p)`, as long as it falls.
+/// Newton's method on the eigenvalue `h - sqrt(p)`, as long as it decreases.
 fn turned(entries: &[[f64; 3]; 4], start: f64) -> (f64, f64) {
     // An entry `e0 + e1 cos t + e2 sin t` and its derivatives.
     let at = |t: f64| {
@@ -303,7 +301,7 @@ fn turned(entries: &[[f64; 3]; 4], start: f64) -> (f64, f64) {
     (t, here[0])
 }
 
-/// `N = (cos t/2, sin t/2)` by the doubled angle `t`.
+/// Direction `N = (cos t/2, sin t/2)` at the doubled angle `t`.
 pub(crate) fn direction<const D: usize>(t: f64) -> SVector<f64, D> {
     SVector::from_fn(|i, _| {
         if i == 0 {
@@ -314,8 +312,8 @@ pub(crate) fn direction<const D: usize>(t: f64) -> SVector<f64, D> {
     })
 }
 
-/// Newton's method on the derivative of `h - sqrt(d)`, kept only while the eigenvalue falls: removes
-/// the loss of accuracy of (nearly) multiple zeros.
+/// Newton's method on the derivative of `h - sqrt(d)`, accepted only while the eigenvalue decreases. It recovers the accuracy lost at (nearly)
+/// multiple zeros.
 fn polished(start: f64, h: &TrigonometricPolynomial, d: &TrigonometricPolynomial) -> f64 {
     let (h1, d1) = (h.derivative(), d.derivative());
     let (h2, d2) = (h1.derivative(), d1.derivative());

@@ -1,14 +1,14 @@
-//! The deformation gradient, its invariants, and straight loading paths.
+//! Deformation gradient, its invariants, and straight loading paths.
 
 use crate::algebra::Each;
 use crate::real::Real;
 use nalgebra::{Matrix3, SMatrix};
 use thiserror::Error;
 
-/// A deformation gradient `F_iJ = dx_i / dX_J`, always three-dimensional.
+/// Deformation gradient `F_iJ = dx_i / dX_J`, always three-dimensional.
 ///
-/// Plane strain is `F = [[F2, 0], [0, lambda3]]`, uniaxial strain `diag(lambda, 1, 1)`.
-/// Shape 3 x 3, dimensionless, first index spatial, second index material.
+/// Plane strain is `F = [[F2, 0], [0, lambda3]]`, uniaxial strain `diag(lambda, 1, 1)`. Shape 3 x 3, dimensionless, first index spatial, second index
+/// material.
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -19,33 +19,33 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeformationGradient<R = f64>([[R; 3]; 3]);
 
-/// Principal stretches that are admitted.
+/// Smallest and largest admissible principal stretch.
 const STRETCHES: (f64, f64) = (1e-6, 1e6);
 
-/// What can be wrong with a deformation.
+/// Error of a deformation that is not admissible.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum KinematicsError {
     /// A component is not a finite number.
     #[error("the deformation gradient holds {value}, which is not a finite number")]
     NotFinite {
-        /// The offending component.
+        /// Component that is not finite.
         value: f64,
     },
     /// A principal stretch is not positive.
     #[error("stretch {index} is {value:?}; a stretch is a ratio of lengths and must be positive")]
     StretchNotPositive {
-        /// Which stretch, counted from 1.
+        /// Index of the stretch, counted from 1.
         index: usize,
-        /// Its value.
+        /// Value of the stretch.
         value: f64,
     },
-    /// The determinant is not positive: matter would be turned inside out.
+    /// The determinant is not positive, which would invert the orientation of the material.
     #[error("det F = {jacobian}; it must be positive (a volume ratio)")]
     JacobianNotPositive {
-        /// The determinant.
+        /// Determinant of the deformation gradient.
         jacobian: f64,
     },
-    /// A principal stretch is so far from one that double precision cannot tell a stiffness from rounding.
+    /// A principal stretch is so far from one that double precision cannot distinguish a stiffness from rounding.
     #[error(
         "the deformation is too extreme for double precision: principal stretches from {smallest:.1e} to {largest:.1e}, \
          admitted are {} to {}",
@@ -53,34 +53,34 @@ pub enum KinematicsError {
         STRETCHES.1
     )]
     Extreme {
-        /// The smallest principal stretch.
+        /// Smallest principal stretch of the deformation.
         smallest: f64,
-        /// The largest principal stretch.
+        /// Largest principal stretch of the deformation.
         largest: f64,
     },
-    /// The two ends of a path are the same state.
+    /// Start and end of a path are equal.
     #[error("the path leads from a state to itself")]
     EmptyPath,
     /// A loading has no state with free faces on the branch that begins at the reference.
     #[error("at the stretch {stretch} the loading has no state on its branch")]
     NoState {
-        /// The imposed stretch.
+        /// Imposed stretch of the missing state.
         stretch: f64,
     },
 }
 
 impl<R: Real> DeformationGradient<R> {
-    /// Takes the components `F_iJ` as they are, without a check; for generic numbers.
+    /// Creates a deformation gradient from its components `F_iJ` without a check; for generic numbers.
     pub fn from_components(components: [[R; 3]; 3]) -> Self {
         Self(components)
     }
 
-    /// The components `F_iJ`.
+    /// Components `F_iJ` of the deformation gradient.
     pub fn components(&self) -> &[[R; 3]; 3] {
         &self.0
     }
 
-    /// The right Cauchy-Green tensor `C_IJ = F_kI F_kJ`.
+    /// Right Cauchy-Green tensor `C_IJ = F_kI F_kJ`.
     #[inline(always)]
     pub fn right_cauchy_green(&self) -> [[R; 3]; 3] {
         let f = &self.0;
@@ -94,18 +94,18 @@ impl<R: Real> DeformationGradient<R> {
         ]
     }
 
-    /// The determinant `J = det F`.
+    /// Determinant `J = det F`.
     #[inline(always)]
     pub fn determinant(&self) -> R {
         determinant(&self.0)
     }
 
-    /// The principal invariants of `C`.
+    /// Principal invariants of `C`.
     #[inline(always)]
     pub fn invariants(&self) -> Invariants<R> {
         let c = self.right_cauchy_green();
         let minor = |i: usize, j: usize| c[i][i] * c[j][j] - c[i][j] * c[i][j];
-        // I3 = J^2 keeps full accuracy where det C would cancel.
+        // I3 = J^2 retains full accuracy where det C would cancel.
         let j = self.determinant();
         Invariants {
             first: c[0][0] + c[1][1] + c[2][2],
@@ -123,29 +123,29 @@ fn determinant<R: Real>(f: &[[R; 3]; 3]) -> R {
         + f[0][2] * (f[1][0] * f[2][1] - f[1][1] * f[2][0])
 }
 
-/// The principal invariants of `C = F^T F`, and `J`.
+/// Principal invariants of `C = F^T F`, and `J`.
 #[derive(Clone, Copy, Debug)]
 pub struct Invariants<R> {
-    /// `I1 = tr C`.
+    /// First invariant `I1 = tr C`.
     pub first: R,
-    /// `I2 = (tr(C)^2 - tr(C^2)) / 2`.
+    /// Second invariant `I2 = (tr(C)^2 - tr(C^2)) / 2`.
     pub second: R,
-    /// `I3 = det C`.
+    /// Third invariant `I3 = det C`.
     pub third: R,
-    /// `J = det F`.
+    /// Volume ratio `J = det F`.
     pub jacobian: R,
 }
 
 impl DeformationGradient {
-    /// The reference state, `F = 1`.
+    /// Reference state, `F = 1`.
     pub fn identity() -> Self {
         Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     }
 
-    /// A deformation gradient from its components, checked.
+    /// Creates a deformation gradient from its components, with a check.
     ///
     /// # Errors
-    /// [`KinematicsError`] when a component is not finite or `det F` is not a positive normal number.
+    /// [`KinematicsError`] if a component is not finite or `det F` is not a positive normal number.
     pub fn new(components: [[f64; 3]; 3]) -> Result<Self, KinematicsError> {
         if let Some(&value) = components.iter().flatten().find(|value| !value.is_finite()) {
             return Err(KinematicsError::NotFinite { value });
@@ -162,10 +162,10 @@ impl DeformationGradient {
         Ok(f)
     }
 
-    /// `F = diag(stretches)`.
+    /// Creates the deformation gradient `F = diag(stretches)`.
     ///
     /// # Errors
-    /// [`KinematicsError`] when a stretch is not positive and finite.
+    /// [`KinematicsError`] if a stretch is not positive and finite.
     pub fn from_stretches(stretches: [f64; 3]) -> Result<Self, KinematicsError> {
         for (index, &value) in stretches.iter().enumerate() {
             if !value.is_finite() {
@@ -185,10 +185,10 @@ impl DeformationGradient {
         Self::new(components)
     }
 
-    /// Plane strain from the in-plane part `[[F11, F12], [F21, F22]]` and the stretch out of plane.
+    /// Creates a plane-strain state from the in-plane part `[[F11, F12], [F21, F22]]` and the out-of-plane stretch.
     ///
     /// # Errors
-    /// [`KinematicsError`] as for [`DeformationGradient::new`].
+    /// [`KinematicsError`] under the conditions of [`DeformationGradient::new`].
     pub fn plane_strain(f: [[f64; 2]; 2], out_of_plane: f64) -> Result<Self, KinematicsError> {
         Self::new([
             [f[0][0], f[0][1], 0.0],
@@ -197,19 +197,19 @@ impl DeformationGradient {
         ])
     }
 
-    /// The volume ratio `J = det F`.
+    /// Volume ratio `J = det F`.
     pub fn jacobian(&self) -> f64 {
         self.determinant()
     }
 
-    /// The principal stretches, largest first: the singular values of `F`.
+    /// Principal stretches, largest first: the singular values of `F`.
     pub fn principal_stretches(&self) -> [f64; 3] {
         if self.is_diagonal() {
             let mut stretches = [0, 1, 2].each(|i| self.0[i][i].abs());
             stretches.sort_by(|a, b| b.total_cmp(a));
             return stretches;
         }
-        // Scaled, so that no square over- or underflows.
+        // Scaled so that no square over- or underflows.
         let scale = self.matrix().amax();
         let svd = (self.matrix() / scale).try_svd(false, false, f64::EPSILON, 200);
         let mut stretches = svd.map_or([f64::NAN; 3], |svd| {
@@ -219,7 +219,7 @@ impl DeformationGradient {
         stretches
     }
 
-    /// Whether a vanishing determinant can be an underflow.
+    /// Returns true if a vanishing determinant can be an underflow.
     fn underflows(&self) -> bool {
         self.jacobian() == 0.0
             && self
@@ -233,23 +233,23 @@ impl DeformationGradient {
                 .any(|value| *value != 0.0 && value.abs() < 1e-100)
     }
 
-    /// The components as a matrix, `F_iJ` in row `i`, column `J`.
+    /// Components as a matrix, `F_iJ` in row `i`, column `J`.
     pub fn matrix(&self) -> Matrix3<f64> {
         Matrix3::from_fn(|i, j| self.0[i][j])
     }
 
-    /// The part of `F` that a `D`-dimensional discretization sees: the leading `D x D` block.
+    /// Leading `D x D` block: the part of `F` that a `D`-dimensional discretization uses.
     pub fn leading<const D: usize>(&self) -> SMatrix<f64, D, D> {
         SMatrix::from_fn(|i, j| self.0[i][j])
     }
 
-    /// Whether the directions beyond the `D`-th are decoupled from the first `D` ones, as plane
-    /// strain (`D = 2`) and uniaxial strain (`D = 1`) demand.
+    /// Returns true if the directions beyond the `D`-th are decoupled from the first `D`, as plane strain (`D = 2`) and uniaxial strain (`D = 1`)
+    /// require.
     pub fn is_block_diagonal<const D: usize>(&self) -> bool {
         (0..3).all(|i| (0..3).all(|j| (i < D) == (j < D) || self.0[i][j] == 0.0))
     }
 
-    /// The state as it is given to a law of so many dimensions: its leading block, beyond which nothing is deformed.
+    /// State for a law in `dimension` dimensions: the leading block, with the identity in the other directions.
     ///
     /// ```
     /// use onset::kinematics::DeformationGradient;
@@ -265,12 +265,12 @@ impl DeformationGradient {
         f
     }
 
-    /// Whether all components off the diagonal are zero.
+    /// Returns true if all off-diagonal components are zero.
     pub fn is_diagonal(&self) -> bool {
         (0..3).all(|i| (0..3).all(|j| i == j || self.0[i][j] == 0.0))
     }
 
-    /// `F` with its leading `D x D` block replaced.
+    /// Replaces the leading `D x D` block of `F`.
     pub fn with_leading<const D: usize>(&self, block: &SMatrix<f64, D, D>) -> Self {
         let mut f = *self;
         for i in 0..D {
@@ -282,12 +282,12 @@ impl DeformationGradient {
     }
 }
 
-/// A path of deformation gradients over a parameter from 0 to 1.
+/// Path of deformation gradients over a parameter from 0 to 1.
 pub trait DeformationPath {
-    /// The state at the path parameter `s`.
+    /// Returns the state at the path parameter `s`.
     ///
     /// # Errors
-    /// [`KinematicsError`] where the path has no admissible state.
+    /// [`KinematicsError`] if the path has no admissible state there.
     fn at(&self, s: f64) -> Result<DeformationGradient, KinematicsError>;
 }
 
@@ -297,7 +297,7 @@ impl DeformationPath for StraightPath {
     }
 }
 
-/// A straight path of deformation gradients, `F(s) = (1 - s) F_from + s F_to`, `0 <= s <= 1`.
+/// Straight path of deformation gradients, `F(s) = (1 - s) F_from + s F_to`, `0 <= s <= 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StraightPath {
     from: DeformationGradient,
@@ -305,10 +305,10 @@ pub struct StraightPath {
 }
 
 impl StraightPath {
-    /// The straight path between two states.
+    /// Creates the straight path between two states.
     ///
     /// # Errors
-    /// [`KinematicsError::EmptyPath`] when both are the same.
+    /// [`KinematicsError::EmptyPath`] if both are equal.
     pub fn new(
         from: DeformationGradient,
         to: DeformationGradient,
@@ -320,13 +320,13 @@ impl StraightPath {
         }
     }
 
-    /// The state at the path parameter `s`.
+    /// Returns the state at the path parameter `s`.
     ///
     /// # Errors
-    /// [`KinematicsError`] where the path leaves `det F > 0`, which a straight path between two
-    /// admissible states can do when they are not both diagonal.
+    /// [`KinematicsError`] if the path leaves `det F > 0`, which a straight path between two admissible states can do when they are not both
+    /// diagonal.
     pub fn at(&self, s: f64) -> Result<DeformationGradient, KinematicsError> {
-        // The end points are met exactly, not to rounding.
+        // The end points are exact, not only to rounding.
         if s == 0.0 {
             return Ok(self.from);
         }

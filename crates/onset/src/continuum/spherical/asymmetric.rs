@@ -1,10 +1,9 @@
 //! Stiffnesses without major symmetry, whose acoustic tensors can have complex eigenvalues.
 //!
-//! All eigenvalues of a real matrix `M` of three rows have positive real parts if and only if (Routh and Hurwitz) its trace,
-//! its determinant, and `tr M m - det M` are positive, where `m` is the sum of the principal minors of two rows. The
-//! determinant alone is no test: two eigenvalues can change sign together. For `M = Q(N) - level |N|^2` the three are
-//! homogeneous polynomials in the weights of `N = alpha a + beta b + gamma c`; in a cone in which all their coefficients are
-//! positive, every real part exceeds the level.
+//! All eigenvalues of a real 3 x 3 matrix `M` have positive real parts if and only if (Routh and Hurwitz) its trace, its determinant, and
+//! `tr M m - det M` are positive, where `m` is the sum of the principal minors of order two. The determinant alone is no test: two eigenvalues can
+//! change sign together. For `M = Q(N) - level |N|^2` the three are homogeneous polynomials in the weights of `N = alpha a + beta b + gamma c`. In a
+//! cone where all their coefficients are positive, every real part exceeds the level.
 
 use super::cover::{Cover, Triangle, cover, octants};
 use super::form::Form;
@@ -12,25 +11,25 @@ use super::{Axes, Blocks, Minimum, dot, spread, symmetric_minimum};
 use crate::algebra::{Complex, Deviator, Each, array_of, eigenvalues, sort_by_value};
 use nalgebra::{Matrix3, SMatrix};
 
-/// Directions to go down from.
+/// Number of directions from which the real part is minimized.
 const STARTS: usize = 4;
-/// Of the directions that are found those which are followed to the end.
+/// Number of directions that are followed to the largest imaginary part.
 const FLUTTERING: usize = 4;
-/// Steps are this long at first,
+/// Initial step of a descent.
 const WIDE: f64 = 0.1;
-/// and no smaller than this until the best directions are known.
+/// Smallest step until the best directions are known.
 const NEAR: f64 = 1e-3;
-/// Steps down to a minimum are no smaller.
+/// Smallest step of the final descent to a minimum.
 const FINE: f64 = 1e-9;
-/// From steps of [`NEAR`] on the real part of a stiffness of magnitude one is expected to fall by less.
+/// Largest expected decrease of the real part by steps finer than [`NEAR`], for a stiffness of magnitude one.
 const REST: f64 = 1e-4;
-/// Real parts that differ by less are those of directions that a symmetry maps to each other.
+/// Real parts that differ by less belong to symmetric images of one direction.
 const IMAGE: f64 = 1e-13;
-/// Triangles per cover at most.
+/// Largest number of triangles of a cover.
 const BUDGET: usize = 6_000;
-/// Covers that may find something lower.
+/// Largest number of covers that may find a lower value.
 const COVERS: usize = 8;
-/// How far below the value found a bound is looked for, the next one where the last cannot be shown.
+/// Distances of the bound below the value found. The next one is tried if the previous bound cannot be shown.
 const RESOLUTIONS: [f64; 3] = [1e-8, 1e-4, 1e-2];
 
 type Blocks3 = [[Matrix3<f64>; 3]; 3];
@@ -74,7 +73,7 @@ pub(super) fn minimum<const D: usize>(
     }
 }
 
-/// The lowest real part, and its direction, that is found by going down from the lowest of evenly spread directions.
+/// Lowest real part found by descents from the lowest of evenly spread directions, with its direction.
 fn found(blocks: &Blocks3) -> (f64, Axes<f64>) {
     let real_part = |n: &Axes<f64>| lowest_real_part(blocks, n);
     let starts = spread(false).map(unit).map(|n| (real_part(&n), n));
@@ -91,19 +90,19 @@ fn found(blocks: &Blocks3) -> (f64, Axes<f64>) {
         .unwrap_or((f64::NAN, [1.0, 0.0, 0.0]))
 }
 
-/// The lowest first, one of those that are images of each other.
+/// Sorts the directions by their value and keeps one of each set of symmetric images.
 fn distinct(mut all: Vec<(f64, Axes<f64>)>) -> Vec<(f64, Axes<f64>)> {
     sort_by_value(&mut all, |item| item.0);
     all.dedup_by(|b, a| b.0 - a.0 <= IMAGE);
     all
 }
 
-/// The direction of the lowest real part that is found.
+/// Direction of the lowest real part found.
 pub(super) fn descended_direction<const D: usize>(blocks: &Blocks<D>) -> Axes<f64> {
     found(&in_three_dimensions(blocks)).1
 }
 
-/// The direction of the complex eigenvalue with the largest imaginary part that is found; without one, some direction.
+/// Direction of the largest imaginary part found; some direction if all eigenvalues are real.
 pub(in crate::continuum) fn fluttering_direction<const D: usize>(blocks: &Blocks<D>) -> Axes<f64> {
     let blocks = in_three_dimensions(blocks);
     let discriminant = |n: &Axes<f64>| discriminant(&combined(&blocks, n, n));
@@ -116,7 +115,7 @@ pub(in crate::continuum) fn fluttering_direction<const D: usize>(blocks: &Blocks
     let ends = spread(false).map(unit).map(|n| {
         let (value, n) = descended((discriminant(&n), n), &discriminant, [WIDE, NEAR]);
         match imaginary(&n) {
-            // Of those without a complex eigenvalue the lowest go first.
+            // Directions with real eigenvalues are sorted by the discriminant, lowest first.
             0.0 => (value.max(0.0), n),
             found => descended((found, n), &imaginary, [WIDE, NEAR]),
         }
@@ -125,7 +124,7 @@ pub(in crate::continuum) fn fluttering_direction<const D: usize>(blocks: &Blocks
     sort_by_value(&mut ends, |item| item.0);
     let followed = ends.iter().take(FLUTTERING).map(|end| match end.0 < 0.0 {
         true => descended(*end, &imaginary, [WIDE, FINE]),
-        // Complex eigenvalues between two real ones that nearly meet are found at the bottom of the discriminant only.
+        // Complex eigenvalues in a narrow range between real ones are found only by minimizing the discriminant.
         false => {
             let (_, n) = descended((discriminant(&end.1), end.1), &discriminant, [WIDE, FINE]);
             descended((imaginary(&n), n), &imaginary, [WIDE, FINE])
@@ -135,7 +134,7 @@ pub(in crate::continuum) fn fluttering_direction<const D: usize>(blocks: &Blocks
     best.map_or([1.0, 0.0, 0.0], |best| best.1)
 }
 
-/// That of the characteristic polynomial, but for a factor: negative where two eigenvalues are complex.
+/// Discriminant of the characteristic polynomial up to a factor: negative if two eigenvalues are complex.
 fn discriminant(tensor: &Matrix3<f64>) -> f64 {
     Deviator::of(&array_of(|e| tensor[(e / 3, e % 3)])).discriminant()
 }
@@ -144,7 +143,7 @@ fn lowest_real_part(blocks: &Blocks3, n: &Axes<f64>) -> f64 {
     acoustic_eigenvalues(blocks, n)[0].re
 }
 
-/// By increasing real part.
+/// Eigenvalues of the acoustic tensor, sorted by real part.
 fn acoustic_eigenvalues(blocks: &Blocks3, n: &Axes<f64>) -> [Complex; 3] {
     let tensor = combined(blocks, n, n).map(|entry| Complex::new(entry, 0.0));
     eigenvalues(&tensor, 0.0)
@@ -154,7 +153,7 @@ fn in_three_dimensions<const D: usize>(blocks: &Blocks<D>) -> Blocks3 {
     array_of(|j| array_of(|l| SMatrix::from_fn(|i, k| blocks[j][l][(i, k)])))
 }
 
-/// `T_iJkL a_J b_L`, symmetric in `a` and `b` as the stiffness is in `J` and `L`.
+/// Contraction `T_iJkL a_J b_L`, symmetric in `a` and `b` because the stiffness is symmetric in `J` and `L`.
 fn combined(blocks: &Blocks3, a: &Axes<f64>, b: &Axes<f64>) -> Matrix3<f64> {
     let mut sum = Matrix3::zeros();
     for j in 0..3 {
@@ -170,7 +169,7 @@ fn unit(n: Axes<f64>) -> Axes<f64> {
     n.each(|component| component / length)
 }
 
-/// Coordinate search on the sphere with a shrinking step, from the first down to the finest.
+/// Coordinate search on the sphere with a step that shrinks from `first` to `finest`.
 fn descended(
     (mut value, mut direction): (f64, Axes<f64>),
     objective: &impl Fn(&Axes<f64>) -> f64,
@@ -197,7 +196,7 @@ fn descended(
     (value, direction)
 }
 
-/// Whether the real parts of all eigenvalues exceed a level in the directions of a triangle.
+/// Tests whether the real parts of all eigenvalues exceed a level in the directions of a triangle.
 fn exceeds(blocks: &Blocks3, level: f64, triangle: &Triangle) -> Cover {
     let coefficient = |m: usize, n: usize| {
         let (a, b) = (&triangle[m], &triangle[n]);
@@ -243,7 +242,7 @@ fn exceeds(blocks: &Blocks3, level: f64, triangle: &Triangle) -> Cover {
     }
 }
 
-/// A homogeneous polynomial of a degree up to six in three weights: the coefficients of `alpha^i beta^j gamma^(degree - i - j)`.
+/// Homogeneous polynomial of degree up to six in three weights: the coefficients of `alpha^i beta^j gamma^(degree - i - j)`.
 #[derive(Clone, Copy)]
 struct Ternary {
     degree: usize,
@@ -258,7 +257,7 @@ impl Ternary {
         }
     }
 
-    /// The powers of `alpha` and `beta`.
+    /// Exponents of `alpha` and `beta`.
     fn powers(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
         let degree = self.degree;
         (0..=degree).flat_map(move |i| (0..=degree - i).map(move |j| (i, j)))
@@ -299,7 +298,7 @@ impl Ternary {
         }
     }
 
-    /// Whether all coefficients are positive.
+    /// Returns true if all coefficients are positive.
     fn is_positive(&self) -> bool {
         self.powers().all(|(i, j)| self.coefficients[i][j] > 0.0)
     }

@@ -1,33 +1,32 @@
 //! Branch and bound over the sphere of directions, in triangles.
 //!
 //! A direction of the cone of `a`, `b`, `c` is `N = alpha a + beta b + gamma c` with nonnegative weights, and
-//! `Q(N) - level |N|^2 = sum alpha^2 M(a, a) + ... + sum 2 alpha beta M(a, b)` with `M(a, b) = Q(a, b) - level a.b`. Where these six
-//! matrices are positive definite, every eigenvalue in the cone exceeds the level. The difference of `M(a, b)` from the
-//! value in the middle is of second order in the size of the triangle.
+//! `Q(N) - level |N|^2 = sum alpha^2 M(a, a) + ... + sum 2 alpha beta M(a, b)` with `M(a, b) = Q(a, b) - level a.b`. If these six matrices are
+//! positive definite, every eigenvalue in the cone exceeds the level. The difference of `M(a, b)` from the value at the center is of second order in
+//! the size of the triangle.
 
 use super::form::Form;
 use super::{Axes, dot};
 use crate::algebra::{Each, array_of, is_positive_definite, symmetric_eigen};
 use crate::real::Real;
 
-/// Divisions of an octant after which the directions are no longer exact in floating point.
+/// Number of divisions of an octant up to which the directions are exact in floating point.
 const DEPTH: usize = 24;
 
-/// The directions of a triangle's corners. They are on the octahedron, whose points are exact in floating point, and not
-/// of unit length.
+/// Directions of the corners of a triangle. They lie on the octahedron, whose points are exact in floating point, and are not unit vectors.
 pub(crate) type Triangle = [Axes<f64>; 3];
 
-/// What is known of a level in the directions of a triangle, or of all.
+/// Result of testing a level in the directions of a triangle, or in all directions.
 pub(crate) enum Cover<Rest = ()> {
     /// All eigenvalues exceed the level.
     Above,
-    /// In this direction they do not (as far as the numbers can tell).
+    /// Direction in which the eigenvalues do not exceed the level, to rounding.
     Fails(Axes<f64>),
-    /// Neither is known: of the sphere, the triangles that are left when the budget is exhausted.
+    /// Undecided. For the sphere: the triangles that remain when the budget is exhausted.
     Open(Rest),
 }
 
-/// The faces of the octahedron that hold all directions up to sign: one where the coordinate planes are mirrors, else four.
+/// Faces of the octahedron that contain all directions up to sign: one if the coordinate planes are mirror planes, else four.
 pub(crate) fn octants(is_orthotropic: bool) -> Vec<Triangle> {
     let signs: &[[f64; 2]] = if is_orthotropic {
         &[[1.0, 1.0]]
@@ -38,15 +37,14 @@ pub(crate) fn octants(is_orthotropic: bool) -> Vec<Triangle> {
     signs.iter().map(face).collect()
 }
 
-/// The four triangles between the corners and the middles of the edges.
+/// Divides a triangle into four at the midpoints of its edges.
 pub(crate) fn divided([a, b, c]: &Triangle) -> [Triangle; 4] {
     let middle = |p: &Axes<f64>, q: &Axes<f64>| array_of(|i| 0.5 * (p[i] + q[i]));
     let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
     [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [bc, ca, ab]]
 }
 
-/// Whether a level is exceeded in all directions of the triangles, which are divided as often as a test of one of them needs
-/// it, all of one size at a time.
+/// Tests whether a level is exceeded in all directions of the triangles. Undecided triangles are divided, one generation of equal size at a time.
 pub(crate) fn cover(
     mut triangles: Vec<Triangle>,
     budget: usize,
@@ -74,7 +72,7 @@ pub(crate) fn cover(
     Cover::Above
 }
 
-/// `Q(a, b) - level a.b`.
+/// Matrix `Q(a, b) - level a.b`.
 fn lowered<R: Real>(form: &Form<R>, level: f64, a: &Axes<R>, b: &Axes<R>) -> [[R; 3]; 3] {
     let mut matrix = form.acoustic(a, b);
     let shift = dot(a, b) * level;
@@ -84,7 +82,7 @@ fn lowered<R: Real>(form: &Form<R>, level: f64, a: &Axes<R>, b: &Axes<R>) -> [[R
     matrix
 }
 
-/// Whether the smallest eigenvalue exceeds a level in the directions of a triangle.
+/// Tests whether the smallest eigenvalue exceeds a level in the directions of a triangle.
 pub(crate) fn exceeds<R: Real>(form: &Form<R>, level: f64, triangle: &Triangle) -> Cover {
     let corners = triangle.each(|corner| corner.map(R::constant));
     let is_above =
@@ -98,8 +96,7 @@ pub(crate) fn exceeds<R: Real>(form: &Form<R>, level: f64, triangle: &Triangle) 
     }
 }
 
-/// A lower bound, not above `least`, of the smallest eigenvalue in the directions of some triangles: the largest level that
-/// passes in all of them.
+/// Lower bound, at most `least`, of the smallest eigenvalue in the directions of some triangles: the largest level that passes in all of them.
 pub(crate) fn lower_bound(form: &Form<f64>, triangles: &[Triangle], mut least: f64) -> f64 {
     for triangle in triangles {
         for (m, n) in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)] {
@@ -108,7 +105,7 @@ pub(crate) fn lower_bound(form: &Form<f64>, triangles: &[Triangle], mut least: f
             if product <= 0.0 {
                 return f64::NEG_INFINITY;
             }
-            // Eigenvalues, which take longer, only of the few pairs that lie lower than all before them.
+            // Eigenvalues take longer and are computed only for the few pairs that lie below all previous ones.
             if !is_positive_definite(&lowered(form, least, a, b)) {
                 least = least.min(symmetric_eigen(&form.acoustic(a, b)).0[0] / product);
             }

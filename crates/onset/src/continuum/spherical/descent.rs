@@ -1,19 +1,19 @@
-//! From a direction down to the next minimum of the smallest eigenvalue.
+//! Descent from a direction to the next minimum of the smallest eigenvalue.
 //!
-//! The smallest eigenvalue is not smooth where it is double, but `g . Q(N) g` is, as a function of two unit vectors, and its
-//! minimum over both is the same. With `N` fixed the best `g` is an eigenvector of `Q(N)`; with `g` fixed the best `N` is one
-//! of `P(g)_JL = T_iJkL g_i g_k`. Taking turns never goes up; Newton's method on both together ends it.
+//! The smallest eigenvalue is not smooth where it is double, but `g . Q(N) g` is smooth as a function of two unit vectors, and has the same minimum.
+//! For fixed `N` the best `g` is an eigenvector of `Q(N)`. For fixed `g` the best `N` is an eigenvector of `P(g)_JL = T_iJkL g_i g_k`. Alternating
+//! between them never increases the value, and Newton's method in both vectors completes the descent.
 
 use super::form::Form;
 use super::{Axes, dot};
 use crate::algebra::{Each, array_of, symmetric_eigen};
 
-/// Steps at most. A few are enough unless the minimum is flat, towards which steps shrink no faster than by a third each.
+/// Largest number of steps. A few suffice unless the minimum is flat, where steps shrink by no more than a third each.
 const STEPS: usize = 200;
-/// What rounding can make of a form of magnitude one.
+/// Rounding error of a form of magnitude one.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// A plane wave: unit direction, unit polarization and eigenvalue.
+/// Plane wave: unit direction, unit polarization and eigenvalue.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wave {
     pub(crate) direction: Axes<f64>,
@@ -21,7 +21,7 @@ pub(crate) struct Wave {
     pub(crate) eigenvalue: f64,
 }
 
-/// The wave of the smallest eigenvalue in a direction of any length.
+/// Wave of the smallest eigenvalue in a direction of any length.
 pub(crate) fn slowest(form: &Form<f64>, direction: &Axes<f64>) -> Wave {
     let length = dot(direction, direction).sqrt();
     let direction = direction.each(|component| component / length);
@@ -33,7 +33,7 @@ pub(crate) fn slowest(form: &Form<f64>, direction: &Axes<f64>) -> Wave {
     }
 }
 
-/// Goes down from a wave as far as it goes: by Newton's method where that goes down, by turns elsewhere.
+/// Minimizes the eigenvalue from a wave: by Newton's method where it decreases the value, otherwise by alternating steps.
 pub(crate) fn descended(form: &Form<f64>, start: Wave) -> Wave {
     let mut wave = start;
     for _ in 0..STEPS {
@@ -49,8 +49,8 @@ pub(crate) fn descended(form: &Form<f64>, start: Wave) -> Wave {
             wave = next;
             continue;
         }
-        // Nothing is gained. The direction is still known twice as well after one more step; by turns it would wander
-        // where all directions are equal.
+        // No further decrease. One more Newton step doubles the accurate digits of the direction; alternating steps would drift if all directions are
+        // equivalent.
         return match by_newton {
             Some(next) if next.eigenvalue <= wave.eigenvalue + ROUNDING => next,
             _ => wave,
@@ -59,7 +59,7 @@ pub(crate) fn descended(form: &Form<f64>, start: Wave) -> Wave {
     wave
 }
 
-/// `P(g)_JL = T_iJkL g_i g_k`.
+/// Matrix `P(g)_JL = T_iJkL g_i g_k`.
 fn polarized(form: &Form<f64>, g: &Axes<f64>) -> [[f64; 3]; 3] {
     let entry = |j: usize, l: usize| {
         let terms = (0..9).map(|n| g[n / 3] * g[n % 3] * form.at(3 * (n / 3) + j, 3 * (n % 3) + l));
@@ -75,8 +75,7 @@ fn polarized(form: &Form<f64>, g: &Axes<f64>) -> [[f64; 3]; 3] {
     p
 }
 
-/// The direction after a step of Newton's method for `g . Q(N) g` on the two unit spheres; none where the second derivative
-/// is not positive.
+/// Direction after a step of Newton's method for `g . Q(N) g` on the two unit spheres; `None` if the second derivative is not positive.
 fn newton_direction(form: &Form<f64>, wave: &Wave) -> Option<Axes<f64>> {
     let (n, g) = (&wave.direction, &wave.polarization);
     let (n_across, g_across) = (across(n), across(g));
@@ -103,7 +102,7 @@ fn newton_direction(form: &Form<f64>, wave: &Wave) -> Option<Axes<f64>> {
     }
     for i in 0..2 {
         for j in 0..2 {
-            // Both vectors move.
+            // Mixed derivative: both vectors change.
             let both = product(&dyad(&g_across[i], &n_across[j]), &of_wave);
             curvature[i][2 + j] += both;
             curvature[2 + j][i] += both;
@@ -116,7 +115,7 @@ fn newton_direction(form: &Form<f64>, wave: &Wave) -> Option<Axes<f64>> {
     }
     let mut moves = [0.0; 4];
     for (value, vector) in values.iter().zip(vectors) {
-        // Along flat valleys there is nothing to win.
+        // Along flat valleys no decrease is possible.
         if *value > 1e-10 * stiffest {
             let along: f64 = vector.iter().zip(slope).map(|(v, s)| v * s).sum();
             (0..4).for_each(|i| moves[i] -= along / value * vector[i]);
@@ -128,7 +127,7 @@ fn newton_direction(form: &Form<f64>, wave: &Wave) -> Option<Axes<f64>> {
     }))
 }
 
-/// Two unit vectors at right angles to a unit vector and to each other.
+/// Two unit vectors orthogonal to a unit vector and to each other.
 fn across(v: &Axes<f64>) -> [Axes<f64>; 2] {
     let axis = if v[0].abs() < 0.6 {
         [1.0, 0.0, 0.0]

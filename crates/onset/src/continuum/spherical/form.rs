@@ -1,28 +1,28 @@
-//! A stiffness with major symmetry as a quadratic form in displacement gradients.
+//! Stiffness with major symmetry as a quadratic form of displacement gradients.
 
 use super::Axes;
 use crate::algebra::array_of;
 use crate::real::Real;
 
-/// The pairs `i < k` of rows or `J < L` of columns of a minor.
+/// Pairs `i < k` of rows or `J < L` of columns of a minor.
 const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 
-/// How many minors `H_iJ H_kL - H_iL H_kJ` there are.
+/// Number of minors `H_iJ H_kL - H_iL H_kJ`.
 pub(crate) const MINORS: usize = 9;
 
-/// A minor `H_iJ H_kL - H_iL H_kJ` by the places of its four components, `(i J, k L)` and `(i L, k J)`.
+/// Minor `H_iJ H_kL - H_iL H_kJ` by the positions of its four components, `(i J, k L)` and `(i L, k J)`.
 pub(crate) fn minor(m: usize) -> [(usize, usize); 2] {
     let ((i, k), (j, l)) = (PAIRS[m / 3], PAIRS[m % 3]);
     [(3 * i + j, 3 * k + l), (3 * i + l, 3 * k + j)]
 }
 
-/// The form `H . T H` of displacement gradients `H`, whose components `H_iJ` are numbered `3 i + J`. Its values at `H = g (x) N`
-/// are `g . Q(N) g`.
+/// Quadratic form `H . T H` of displacement gradients `H`, whose components `H_iJ` are numbered `3 i + J`. Its values at `H = g (x) N` are
+/// `g . Q(N) g`.
 #[derive(Clone, Debug)]
 pub(crate) struct Form<R>([[R; 9]; 9]);
 
 impl<R: Real> Form<R> {
-    /// The form with the components `component(i, J, k, L)`, of which those with `3 i + J <= 3 k + L` are asked for.
+    /// Creates the form from its components `component(i, J, k, L)`. Only those with `3 i + J <= 3 k + L` are evaluated.
     pub(crate) fn from_fn(component: impl Fn(usize, usize, usize, usize) -> R) -> Self {
         Self(array_of(|p| {
             array_of(|q| {
@@ -32,22 +32,22 @@ impl<R: Real> Form<R> {
         }))
     }
 
-    /// The same with another kind of number.
+    /// Converts the components to another number type.
     pub(crate) fn map<S>(&self, number: impl Fn(R) -> S) -> Form<S> {
         Form(self.0.map(|row| row.map(&number)))
     }
 
-    /// The component at two places.
+    /// Component at two positions.
     pub(crate) fn at(&self, p: usize, q: usize) -> R {
         self.0[p][q]
     }
 
-    /// All components.
+    /// All components of the form.
     pub(crate) fn components(&self) -> impl Iterator<Item = R> {
         self.0.as_flattened().iter().copied()
     }
 
-    /// `Q(a, b)_ik = T_iJkL (a_J b_L + b_J a_L) / 2`, of which `Q(N, N)` is the acoustic tensor.
+    /// Matrix `Q(a, b)_ik = T_iJkL (a_J b_L + b_J a_L) / 2`; `Q(N, N)` is the acoustic tensor.
     pub(crate) fn acoustic(&self, a: &Axes<R>, b: &Axes<R>) -> [[R; 3]; 3] {
         let weight: Axes<Axes<R>> = array_of(|j| array_of(|l| (a[j] * b[l] + b[j] * a[l]) * 0.5));
         let mut q = [[R::constant(0.0); 3]; 3];
@@ -65,14 +65,14 @@ impl<R: Real> Form<R> {
         q
     }
 
-    /// The components of `H . T H - level |H|^2 + sum_m factors_m minor_m(H)`.
+    /// Components of `H . T H - level |H|^2 + sum_m factors_m minor_m(H)`.
     pub(crate) fn lowered(&self, level: f64, factors: &[f64; MINORS]) -> [[R; 9]; 9] {
         let mut shifted = self.0;
         for (p, row) in shifted.iter_mut().enumerate() {
             row[p] = row[p] - level;
         }
         for (m, factor) in factors.iter().enumerate() {
-            // A product of two different components has two places in the matrix.
+            // A product of two different components has two positions in the matrix.
             for ((p, q), sign) in minor(m).into_iter().zip([0.5, -0.5]) {
                 shifted[p][q] = shifted[p][q] + sign * factor;
                 shifted[q][p] = shifted[q][p] + sign * factor;
@@ -81,8 +81,10 @@ impl<R: Real> Form<R> {
         shifted
     }
 
-    /// Whether the coordinate planes are mirrors: no component has an index an odd number of times, so that a change of
-    /// sign of a component of the direction changes no eigenvalue.
+    /// Returns true if the coordinate planes are mirror planes.
+    ///
+    /// No component has an index that occurs an odd number of times, so changing the sign of a component of the direction does not change the
+    /// eigenvalues.
     pub(crate) fn is_orthotropic(&self) -> bool {
         let counts = |p: usize, q: usize| [p / 3, p % 3, q / 3, q % 3];
         (0..81).all(|n| {
@@ -100,6 +102,6 @@ impl<R: Real> Form<R> {
 }
 
 fn is_zero<R: Real>(x: R) -> bool {
-    // Of intervals only the one that holds nothing but zero.
+    // An interval is zero only if it contains nothing else.
     x.side(0.0).is_some() && (-x).side(0.0).is_some() && x.value() == 0.0
 }

@@ -1,8 +1,8 @@
-//! Directions on the sphere: a search for the minimum, and a bound that shows whether it is the global one.
+//! Directions on the sphere: a search for the minimum, and a bound that shows whether it is global.
 //!
-//! The search goes down from the best of some directions. What it finds is compared with the bound by null Lagrangians
-//! ([`polyconvexity`]), which holds for all directions at once and is usually attained. Where it is not, the sphere is
-//! divided into triangles ([`cover`]) until all of them are above the value found, or the budget is exhausted.
+//! The search descends from the best of some directions. Its result is compared with the bound by null Lagrangians ([`polyconvexity`]), which holds
+//! for all directions together and is usually attained. Otherwise the sphere is divided into triangles ([`cover`]) until all of them are above the
+//! value found, or the budget is exhausted.
 
 mod asymmetric;
 mod cover;
@@ -23,34 +23,34 @@ use cover::lower_bound;
 use descent::{descended, slowest};
 use nalgebra::SMatrix;
 
-/// A vector in space.
+/// Vector in three-dimensional space.
 pub(crate) type Axes<R> = [R; 3];
 
-/// How far below the value found a bound counts as the same, in units of the largest component.
+/// Largest gap between the value found and a bound that counts as closed, in units of the largest component.
 const RESOLUTION: f64 = 1e-10;
-/// Triangles of the sphere at most. Where the lowest waves have one speed along a whole curve of directions no number is enough: the bound stays below the value by the
-/// square of the size of the triangles along the curve.
+/// Largest number of triangles on the sphere. If the lowest waves have equal speed along a whole curve of directions, no number suffices: the gap
+/// decreases only with the square of the size of the triangles along the curve.
 const BUDGET: usize = 4_000;
-/// Covers that may find something lower.
+/// Largest number of covers that may find a lower value.
 const COVERS: usize = 20;
-/// Blocks of a stiffness of magnitude one that differ by no more than this from symmetric ones are symmetric.
+/// Blocks of a stiffness of magnitude one that differ by less than this from symmetric ones count as symmetric.
 const SYMMETRIC: f64 = 1e-13;
-/// Directions to go down from.
+/// Number of directions from which a descent starts.
 const STARTS: usize = 1;
 
-/// The minimum of a stiffness of magnitude one.
+/// Minimum of a stiffness of magnitude one.
 pub(super) struct Minimum {
     pub(super) direction: Axes<f64>,
-    /// Of the symmetric acoustic tensor; without major symmetry the eigenvalue may be complex.
+    /// Eigenpair of the symmetric acoustic tensor; `None` without major symmetry, where the eigenvalue may be complex.
     pub(super) eigenpair: Option<(f64, Axes<f64>)>,
-    /// No direction has a smaller real part.
+    /// Lower bound of the real parts in all directions.
     pub(super) bound: f64,
 }
 
-/// The blocks `T_JL` of a stiffness, each with rows `i` and columns `k`.
+/// Blocks `T_JL` of a stiffness, each with rows `i` and columns `k`.
 type Blocks<const D: usize> = [[SMatrix<f64, D, D>; D]; D];
 
-/// The minimum over all directions. That nothing is lower than it is shown, and looked for, below a level only.
+/// Minimum over all directions. The bound and the search for lower values extend only to the level `below`.
 pub(super) fn minimum<const D: usize>(blocks: &Blocks<D>, below: f64) -> Minimum {
     let form = symmetric_part(blocks);
     if asymmetry(blocks) > SYMMETRIC {
@@ -64,7 +64,7 @@ pub(super) fn minimum<const D: usize>(blocks: &Blocks<D>, below: f64) -> Minimum
     }
 }
 
-/// The direction of the lowest real part that is found by going down from some directions, without a bound.
+/// Direction of the lowest real part found by descents from some directions, without a bound.
 pub(super) fn descended_direction<const D: usize>(blocks: &Blocks<D>) -> Axes<f64> {
     if asymmetry(blocks) > SYMMETRIC {
         return asymmetric::descended_direction(blocks);
@@ -77,8 +77,8 @@ fn symmetric_part<const D: usize>(blocks: &Blocks<D>) -> Form<f64> {
     Form::from_fn(|i, j, k, l| 0.5 * (blocks[j][l][(i, k)] + blocks[j][l][(k, i)]))
 }
 
-/// The slowest wave of a form of magnitude one, and a lower bound of all eigenvalues, at least the level below which it is asked for
-/// where none is lower.
+/// Slowest wave of a form of magnitude one, with a lower bound of all eigenvalues. If no eigenvalue is lower than `below`, the bound is at least that
+/// level.
 pub(crate) fn symmetric_minimum(form: &Form<f64>, below: f64) -> (Wave, f64) {
     let is_orthotropic = form.is_orthotropic();
     let mut wave = found(form, is_orthotropic);
@@ -115,10 +115,10 @@ pub(crate) fn symmetric_minimum(form: &Form<f64>, below: f64) -> (Wave, f64) {
     (wave, bound.min(wave.eigenvalue))
 }
 
-/// The best that is found by going down from the lowest of evenly spread directions.
+/// Best wave found by descents from the lowest of evenly spread directions.
 fn found(form: &Form<f64>, is_orthotropic: bool) -> Wave {
     let mut starts: Vec<Wave> = spread(is_orthotropic).map(|n| slowest(form, &n)).collect();
-    // What differs by rounding only stays in order: the axes first.
+    // Values that differ by rounding only keep their order, with the axes first.
     sort_by_value(&mut starts, |start| (start.eigenvalue * 1e14).round());
     let mut best = starts[0];
     for start in starts.into_iter().take(STARTS) {
@@ -130,14 +130,14 @@ fn found(form: &Form<f64>, is_orthotropic: bool) -> Wave {
     best
 }
 
-/// Directions over half the sphere, or where the coordinate planes are mirrors over one octant; the axes first.
+/// Directions over half the sphere, or over one octant if the coordinate planes are mirror planes; the axes first.
 fn spread(is_orthotropic: bool) -> impl Iterator<Item = Axes<f64>> {
     const SIDE: i32 = 4;
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let least = if is_orthotropic { 0 } else { -SIDE };
     let between = (least..=SIDE)
         .flat_map(move |i| (least..=SIDE).map(move |j| (i, j, SIDE - i.abs() - j.abs())));
-    // Of opposite directions one; the axes are there already.
+    // Keep one of two opposite directions. The axes are already included.
     let is_kept = |&(i, j, k): &(i32, i32, i32)| {
         (k > 0 || (k == 0 && i > 0)) && [i, j, k].into_iter().filter(|x| *x != 0).count() > 1
     };

@@ -1,32 +1,31 @@
-//! A lower bound over all directions at once, by null Lagrangians.
+//! Lower bound over all directions together, by null Lagrangians.
 //!
-//! The minors `H_iJ H_kL - H_iL H_kJ` vanish at `H = g (x) N`, so that any multiple of them can be added to the form `H . T H`
-//! without changing an acoustic tensor. Where the form with some multiples is at least `level |H|^2` for *all* `H`, every
-//! acoustic eigenvalue is at least the level, since `|g (x) N| = 1`. (The quadratic energy is then polyconvex with that
-//! margin.) The best level is a concave problem in nine multiples; a barrier method follows its central path. In two
-//! dimensions the bound is always attained; in three it usually is, but not always, and then the sphere has to be divided.
+//! The minors `H_iJ H_kL - H_iL H_kJ` vanish at `H = g (x) N`, so any multiple of them can be added to the form `H . T H` without changing an
+//! acoustic tensor. If the form with some multiples is at least `level |H|^2` for *all* `H`, every acoustic eigenvalue is at least the level, since
+//! `|g (x) N| = 1`. (The quadratic energy is then polyconvex with that margin.) The best level is a concave problem in nine multiples; a barrier
+//! method follows its central path. In two dimensions the bound is always attained. In three it usually is; otherwise the sphere has to be divided.
 
 use super::Axes;
 use super::form::{Form, MINORS, minor};
 use crate::algebra::{Each, array_of, is_positive_definite, symmetric_eigen};
 
-/// Steps of Newton's method at most; some twenty are usual.
+/// Largest number of Newton steps; about twenty are typical.
 const STEPS: usize = 100;
-/// Unknowns: the level and the multiples.
+/// Number of unknowns: the level and the multiples.
 const UNKNOWNS: usize = 1 + MINORS;
 
-/// A level that no acoustic eigenvalue is below, and what shows it.
+/// Lower bound of all acoustic eigenvalues, with the multiples that prove it.
 #[derive(Clone, Debug)]
 pub(crate) struct Bound {
-    /// The level.
+    /// Lower bound of the eigenvalues.
     pub(crate) level: f64,
-    /// The multiples of the minors.
+    /// Multiples of the minors.
     pub(crate) factors: [f64; MINORS],
-    /// A direction that the bound suggests as the one of the minimum.
+    /// Direction in which the bound suggests the minimum.
     pub(crate) suggestion: Axes<f64>,
 }
 
-/// The best level and multiples, up to the first level that reaches a finite `target`; components of magnitude one are assumed.
+/// Computes the best level and multiples, or the first level that reaches a finite `target`. The components must be of magnitude one.
 pub(crate) fn bound(form: &Form<f64>, target: f64) -> Bound {
     let mut path = Path::new(form);
     for _ in 0..STEPS {
@@ -41,26 +40,26 @@ pub(crate) fn bound(form: &Form<f64>, target: f64) -> Bound {
     }
 }
 
-/// The way along which `weight level + ln det S` is largest, `S = T - level + sum_m factors_m minor_m`. At its points the level is
-/// below the best one by nine over the weight.
+/// Central path of maxima of `weight level + ln det S`, `S = T - level + sum_m factors_m minor_m`. On the path the level is below the best one by
+/// nine divided by the weight.
 struct Path<'a> {
     form: &'a Form<f64>,
-    /// The minors that take part.
+    /// Indices of the minors that take part.
     minors: Vec<usize>,
     level: f64,
     factors: [f64; MINORS],
     weight: f64,
-    /// `S^-1`.
+    /// Inverse `S^-1`.
     inverse: [[f64; 9]; 9],
     logarithm: f64,
 }
 
 impl<'a> Path<'a> {
     fn new(form: &'a Form<f64>) -> Self {
-        // Changes of sign leave an orthotropic form alone, but not the other minors.
+        // Sign changes of the axes leave an orthotropic form unchanged, but not the excluded minors.
         let is_orthotropic = form.is_orthotropic();
         let minors = (0..MINORS).filter(|m| !is_orthotropic || m / 3 == m % 3);
-        // Below all eigenvalues: the sum of squares is that of the components'.
+        // Start below all eigenvalues: the sum of their squares equals the sum of the squared components.
         let norm = form.components().map(|x| x * x).sum::<f64>().sqrt();
         let mut path = Self {
             form,
@@ -78,19 +77,19 @@ impl<'a> Path<'a> {
         path
     }
 
-    /// What the elimination of a matrix of nine rows may err by.
+    /// Rounding error of the elimination of a 9 x 9 matrix.
     fn rounding(&self) -> f64 {
         let trace: f64 = (0..9).map(|p| self.form.at(p, p) - self.level).sum();
         16.0 * f64::EPSILON * trace
     }
 
-    /// A step; false where none is left to make or the target is out of reach.
+    /// Takes a step. Returns false if converged or if the target cannot be reached.
     fn advance(&mut self, target: f64) -> bool {
         let count = 1 + self.minors.len();
         let x = &self.inverse;
         let square: [[f64; 9]; 9] =
             array_of(|p| array_of(|q| (0..9).map(|r| x[p][r] * x[r][q]).sum()));
-        // Of ln det S by level and multiples: the slope, and the negative of the curvature.
+        // Gradient and negative Hessian of ln det S in the level and the multiples.
         let (mut slope, mut curvature) = ([0.0; UNKNOWNS], [[0.0; UNKNOWNS]; UNKNOWNS]);
         slope[0] = -trace(x);
         curvature[0][0] = trace(&square);
@@ -124,7 +123,7 @@ impl<'a> Path<'a> {
         if decrement > 0.5 {
             return self.centered(&centering, decrement);
         }
-        // No point beyond this level exists (the dual problem has one of that value).
+        // No point beyond this level exists, because the dual problem has a point of this value.
         let gap = (9.0 + 3.0 * decrement) / self.weight;
         if self.level + gap < target && gap < 0.01 * (target - self.level - gap) {
             return false;
@@ -132,10 +131,10 @@ impl<'a> Path<'a> {
         if gap < 1e-13 {
             return false;
         }
-        // The way is nearly straight in the reciprocal of the weight: along its tangent, towards the end.
+        // The path is nearly straight in the reciprocal of the weight, so steps follow its tangent.
         let tangent: [f64; UNKNOWNS] = array_of(|a| self.weight * by_weight[a] + centering[a]);
         for short in [0.001, 0.01, 0.1, 0.25] {
-            // A third of the remaining way is kept as distance from where S is singular.
+            // Keep a third of the remaining distance from the point where S becomes singular.
             if self.is_inside(&tangent, 1.0 - short)
                 && self.moved(&tangent, 1.0 - 3.0 * short, f64::NEG_INFINITY)
             {
@@ -143,12 +142,12 @@ impl<'a> Path<'a> {
                 return true;
             }
         }
-        // The end of the tangent is too far: a little more weight, and back to the way.
+        // The end of the tangent is too far: increase the weight slightly and return to the path.
         self.weight *= 1.5;
         true
     }
 
-    /// Newton's step towards the way, as long as it goes up.
+    /// Damped Newton step toward the path, accepted if the objective increases.
     fn centered(&mut self, step: &[f64; UNKNOWNS], decrement: f64) -> bool {
         let current = self.weight * self.level + self.logarithm;
         let safe = 1.0 / (1.0 + decrement);
@@ -162,7 +161,7 @@ impl<'a> Path<'a> {
         self.moved(step, safe, f64::NEG_INFINITY)
     }
 
-    /// Level and multiples after a share of a step.
+    /// Level and multiples after a fraction of a step.
     fn after(&self, step: &[f64; UNKNOWNS], share: f64) -> (f64, [f64; MINORS]) {
         let mut factors = self.factors;
         for (a, &m) in self.minors.iter().enumerate() {
@@ -171,13 +170,13 @@ impl<'a> Path<'a> {
         (self.level + share * step[0], factors)
     }
 
-    /// Whether `S` is positive definite after a share of a step.
+    /// Returns true if `S` is positive definite after a fraction of a step.
     fn is_inside(&self, step: &[f64; UNKNOWNS], share: f64) -> bool {
         let (level, factors) = self.after(step, share);
         is_positive_definite(&self.form.lowered(level, &factors))
     }
 
-    /// Goes a share of a step if `S` stays positive definite and the weighted level with the logarithm exceeds a value.
+    /// Takes a fraction of a step if `S` stays positive definite and the objective exceeds `least`.
     fn moved(&mut self, step: &[f64; UNKNOWNS], share: f64, least: f64) -> bool {
         let (level, factors) = self.after(step, share);
         let Some((inverse, logarithm)) = inverted(&self.form.lowered(level, &factors)) else {
@@ -192,10 +191,10 @@ impl<'a> Path<'a> {
     }
 }
 
-/// The direction `N` of the dyad `g (x) N` nearest to the softest `H`: in the limit `S^-1` has no other part where the
-/// minimum is unique and the bound attained.
+/// Direction `N` of the dyad `g (x) N` nearest to the softest `H`. In the limit `S^-1` has no other part if the minimum is unique and the bound
+/// attained.
 fn suggestion(inverse: &[[f64; 9]; 9]) -> Axes<f64> {
-    // The largest eigenvector by powers: it need not be accurate.
+    // Power iteration for the dominant eigenvector, which need not be accurate.
     let mut h: [f64; 9] = array_of(|p| 1.0 + 0.1 * p as f64);
     for _ in 0..20 {
         let next: [f64; 9] = array_of(|p| (0..9).map(|q| inverse[p][q] * h[q]).sum());
@@ -214,7 +213,7 @@ fn trace(matrix: &[[f64; 9]; 9]) -> f64 {
     (0..9).map(|p| matrix[p][p]).sum()
 }
 
-/// The inverse and the logarithm of the determinant of a positive definite matrix.
+/// Inverse and logarithm of the determinant of a positive definite matrix.
 fn inverted(matrix: &[[f64; 9]; 9]) -> Option<([[f64; 9]; 9], f64)> {
     // S = L L^T, then S^-1 = L^-T L^-1.
     let mut lower = *matrix;
@@ -254,7 +253,7 @@ fn inverted(matrix: &[[f64; 9]; 9]) -> Option<([[f64; 9]; 9], f64)> {
     Some((inverse, determinant.ln()))
 }
 
-/// A positive definite matrix of the first rows, `D^-1 L L^T D^-1` with `D` that makes the diagonal one.
+/// Factorized positive definite matrix, `D^-1 L L^T D^-1`, where `D` scales the diagonal to one.
 struct Factored {
     count: usize,
     scale: [f64; UNKNOWNS],
@@ -262,7 +261,7 @@ struct Factored {
 }
 
 impl Factored {
-    /// From the entries on and below the diagonal.
+    /// Factorizes the leading `count` rows from the entries on and below the diagonal.
     fn new(mut matrix: [[f64; UNKNOWNS]; UNKNOWNS], count: usize) -> Option<Self> {
         let scale = array_of(|i| {
             if i < count {
@@ -275,7 +274,7 @@ impl Factored {
             for j in 0..=i {
                 matrix[i][j] *= scale[i] * scale[j];
             }
-            // Against rounding where the matrix is nearly singular.
+            // Guard against rounding if the matrix is nearly singular.
             matrix[i][i] += 1e-14;
         }
         for k in 0..count {
@@ -335,14 +334,14 @@ mod tests {
             let lowest = f64::min(mu, lambda + 2.0 * mu);
             let found = bound(&form, lowest);
             assert!((found.level - lowest).abs() < 1e-10, "{}", found.level);
-            // Rotations have no energy: without the minors nothing above zero is a bound.
+            // Rotations have no energy: without the minors no level above zero is a bound.
             assert!(!is_positive_definite(&form.lowered(1e-9, &[0.0; MINORS])));
         }
     }
 
     #[test]
     fn no_multiples_of_minors_make_chois_form_a_sum_of_squares() {
-        // It is zero at some g (x) N and nowhere negative.
+        // It is zero at some g (x) N and nonnegative everywhere.
         let form = Form::from_fn(|i, j, k, l| {
             let is_on_diagonal = i == j && k == l;
             let diagonal = if i == k { 1.0 } else { -1.0 };
