@@ -1,4 +1,4 @@
-//! A discretization and a material in `D` dimensions, which answer without them.
+//! A discretization and a material in `D` dimensions behind the interface without `D`.
 
 use super::in_space::InSpace;
 use super::{Analysis, FiniteBodyGround, FiniteBodyStep, PatchParticle, PlaneWaves, SteppedWaves};
@@ -27,7 +27,7 @@ use crate::verdict::{
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use std::sync::{Arc, OnceLock};
 
-/// The eigenvalues of the acoustic tensor in some directions, the smallest first.
+/// Eigenvalues of the acoustic tensor in the given directions, sorted in increasing order.
 pub(super) fn acoustic_eigenvalues<const D: usize>(
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
@@ -44,7 +44,7 @@ pub(super) fn acoustic_eigenvalues<const D: usize>(
     Ok(directions.iter().map(of).collect())
 }
 
-/// The smallest acoustic eigenvalue of a material.
+/// Smallest acoustic eigenvalue of a material.
 pub(super) fn acoustic_minimum<const D: usize>(
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
@@ -53,7 +53,7 @@ pub(super) fn acoustic_minimum<const D: usize>(
     Ok(Stiffness::<D>::of(&response).minimum().in_3d())
 }
 
-/// A discretization and a material, with what their states share once a state has been asked about.
+/// Discretization and material, with the data shared by their states computed on first use.
 pub(super) struct Body<const D: usize> {
     discretization: Box<dyn Discretization<D>>,
     material: Arc<dyn Hyperelastic>,
@@ -61,13 +61,13 @@ pub(super) struct Body<const D: usize> {
     foundation: OnceLock<Result<Foundation<D>, MethodError>>,
 }
 
-/// The waves of a state and of the continuum beside it.
+/// Waves of a state and of the continuum.
 struct Waves<const D: usize> {
     waves: StateWaves<D>,
     stiffness: Stiffness<D>,
     density: f64,
     is_periodic: bool,
-    /// From the wave vectors of the waves to reference wave vectors.
+    /// Map from the wave vectors of the waves to reference wave vectors.
     to_reference: SMatrix<f64, D, D>,
 }
 
@@ -107,7 +107,7 @@ impl<const D: usize> Body<D> {
     }
 }
 
-/// The first components of a vector of which there may be more or fewer.
+/// Converts components to a vector of `D` dimensions, truncated or padded with zeros.
 fn vector<const D: usize>(components: &[f64]) -> SVector<f64, D> {
     SVector::from_fn(|i, _| components.get(i).copied().unwrap_or(0.0))
 }
@@ -211,7 +211,7 @@ impl<const D: usize> Analysis for Body<D> {
     }
 
     fn waves(&self, f: &DeformationGradient) -> Result<Box<dyn PlaneWaves>, MethodError> {
-        // A law that carries no waves at rest has no scale of wave speeds, of which the waves themselves know nothing.
+        // The waves themselves do not need a scale of wave speeds, which does not exist for a law without waves in the reference configuration.
         let scale = self.speed_squared().unwrap_or(1.0);
         let zone = || ZoneSearch::of_lattice(*self.discretization.crystal().lattice(), scale);
         let waves = StateWaves::of(&*self.discretization, &*self.material, f, scale, zone)?;
@@ -224,8 +224,8 @@ impl<const D: usize> Analysis for Body<D> {
                 .discretization
                 .enclosed()
                 .is_none_or(Method::is_periodic),
-            // On the regular lattice particles that have not moved stand for deformed ones: there the wave vector is spatial, and
-            // that of the reference F^T k.
+            // With a regular lattice the undeformed particles represent deformed ones: the wave vector is spatial, and the reference wave vector is
+            // F^T k.
             to_reference: match self.is_regular() {
                 true => f.leading::<D>().transpose(),
                 false => SMatrix::identity(),

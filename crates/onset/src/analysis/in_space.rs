@@ -1,4 +1,4 @@
-//! Answers of fewer dimensions as answers in space: vectors get zeros beyond their dimensions.
+//! Conversion of results to three dimensions: vectors are padded with zeros.
 
 use crate::bloch::{Mode, SpectrumSummary};
 use crate::certificate::Certificate;
@@ -7,12 +7,12 @@ use crate::measures::{SpuriousMode, SpuriousModes};
 use crate::verdict::{Assessment, MaterialAssessment, SurveyedState, WeakestMode};
 use nalgebra::{SVector, Scalar};
 
-/// What has a counterpart in space.
+/// Type whose values convert to three dimensions.
 pub(super) trait InSpace {
-    /// The counterpart.
+    /// Type of the converted value.
     type Shown;
 
-    /// The same, in space.
+    /// Converts the value to three dimensions.
     fn in_3d(&self) -> Self::Shown;
 }
 

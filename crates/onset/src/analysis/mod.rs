@@ -1,9 +1,8 @@
-//! A method and a material in any number of dimensions: the questions that programs ask, without a number of dimensions in their types.
+//! Analysis of a method and a material in any number of dimensions, without the dimension as a type parameter.
 //!
-//! Everything below this room is written for a lattice of `D` dimensions. Here, and only here, `D` becomes a number of the run: of a
-//! [`MethodChoices`] and a material [`analysis`] makes an [`Analysis`]. Its answers are those of the other rooms for `D = 3`, in which
-//! vectors of a line or a plane have zeros beyond their dimensions; reference wave vectors that are asked for are slices of
-//! [`Analysis::dimension`] components.
+//! The rooms below are generic over a lattice of `D` dimensions. Here, and only here, `D` becomes a run-time number: [`analysis`] creates an
+//! [`Analysis`] from [`MethodChoices`] and a material. Its results are those of the other rooms for `D = 3`, where vectors of a line or a plane are
+//! padded with zeros. Reference wave vectors are passed as slices of [`Analysis::dimension`] components.
 
 mod body;
 mod in_space;
@@ -27,198 +26,206 @@ use body::{Body, acoustic_eigenvalues, acoustic_minimum};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::sync::Arc;
 
-/// A discretization and a material, ready to be asked.
+/// A discretization with a material, ready for analysis.
 pub trait Analysis: Send + Sync {
-    /// The number of space dimensions.
+    /// Number of space dimensions.
     fn dimension(&self) -> usize;
 
-    /// The distance of the particles; length.
+    /// Particle spacing; length.
     fn spacing(&self) -> f64;
 
-    /// The particles of a cell.
+    /// Number of particles of a cell.
     fn sites(&self) -> usize;
 
-    /// See [`Discretization::neighbors`](crate::scheme::Discretization::neighbors).
+    /// Number of neighbors of a particle; see [`Discretization::neighbors`](crate::scheme::Discretization::neighbors).
     fn neighbors(&self) -> f64;
 
-    /// Whether particles that have not moved stand for deformed ones.
+    /// Returns true if undeformed particles represent the deformed state.
     fn is_regular(&self) -> bool;
 
-    /// The scale `c^2` of wave speeds. Length^2/time^2.
+    /// Squared wave speed `c^2` that scales the measures. Length^2/time^2.
     ///
     /// # Errors
-    /// [`MethodError`] when the material in the reference state cannot be evaluated, or carries no waves.
+    /// [`MethodError`] if the material in the reference state cannot be evaluated, or has no waves there.
     fn speed_squared(&self) -> Result<f64, MethodError>;
 
-    /// The same, prepared for many states; see [`Survey::for_many_states`](crate::verdict::Survey::for_many_states).
+    /// Prepares the analysis for many states; see [`Survey::for_many_states`](crate::verdict::Survey::for_many_states).
     ///
     /// # Errors
-    /// [`MethodError`] when the method cannot be evaluated.
+    /// [`MethodError`] if the method cannot be evaluated.
     fn for_many_states(self: Box<Self>) -> Result<Box<dyn Analysis>, MethodError>;
 
-    /// The verdict on a state with its evidence.
+    /// Returns the verdict on a state with its evidence.
     ///
     /// # Errors
-    /// [`MethodError`] when material or method cannot be evaluated there.
+    /// [`MethodError`] if material or method cannot be evaluated there.
     fn assess(&self, f: &DeformationGradient) -> Result<Assessment<3>, MethodError> {
         self.assess_unless(f, &|| false)
     }
 
-    /// The same, given up as soon as nobody waits for it any more.
+    /// Like [`Analysis::assess`], with cancellation through `is_ended`.
     ///
     /// # Errors
-    /// [`MethodError::GivenUp`] then, and as [`Analysis::assess`].
+    /// [`MethodError::GivenUp`] after cancellation, others as for [`Analysis::assess`].
     fn assess_unless(
         &self,
         f: &DeformationGradient,
         is_ended: IsEnded<'_>,
     ) -> Result<Assessment<3>, MethodError>;
 
-    /// The verdict on a state and how perturbations develop, several times faster; given the witnesses of the states beside it, where these are
-    /// known: see [`Survey::judge_beside`](crate::verdict::Survey::judge_beside).
+    /// Returns the verdict on a state and the type of instability, several times faster than [`Analysis::assess`].
+    ///
+    /// Witnesses of neighboring states can be given if they are known: see [`Survey::judge_beside`](crate::verdict::Survey::judge_beside).
     ///
     /// # Errors
-    /// [`MethodError`] when material or method cannot be evaluated there.
+    /// [`MethodError`] if material or method cannot be evaluated there.
     fn judge(
         &self,
         f: &DeformationGradient,
         beside: Option<&[SVector<f64, 3>]>,
     ) -> Result<Judged<3>, MethodError>;
 
-    /// What a map shows of states, each as it would be computed alone.
+    /// Returns the data of a map at many states. Each result is independent of the other states.
     fn states(&self, states: &[DeformationGradient]) -> Vec<Result<SurveyedState<3>, MethodError>>;
 
-    /// The phase of the particles.
+    /// Returns whether the particles are stable at a state, and how they lose stability.
     ///
     /// # Errors
-    /// [`MethodError`] when the state cannot be evaluated for another reason than its support or the law's domain.
+    /// [`MethodError`] if the state cannot be evaluated for a reason other than its support or the domain of the law.
     fn probe(&self, f: &DeformationGradient) -> Result<Probe, MethodError>;
 
-    /// The smallest acoustic eigenvalue of the material for waves in the dimensions of the method.
+    /// Returns the smallest acoustic eigenvalue of the material for waves in the dimensions of the method.
     ///
     /// # Errors
-    /// [`MaterialError`] when the material cannot be evaluated there.
+    /// [`MaterialError`] if the material cannot be evaluated there.
     fn acoustic_minimum(
         &self,
         f: &DeformationGradient,
     ) -> Result<AcousticMinimum<3>, MaterialError>;
 
-    /// All losses and returns of the stability of the particles along a path.
+    /// Returns all losses and recoveries of the stability of the particles along a path.
     ///
     /// # Errors
-    /// [`PathError`] when a state cannot be evaluated.
+    /// [`PathError`] if a state cannot be evaluated.
     fn scan(&self, path: &dyn DeformationPath) -> Result<PathScan, PathError>;
 
-    /// What is proved of a state. Waves of a method whose force constants are not enclosed in intervals are undecided.
+    /// Returns the certificate of a state. Waves of a method without enclosed force constants are undecided.
     ///
     /// # Errors
-    /// [`MethodError`] when the material cannot be evaluated there, or a method of which waves are proved.
+    /// [`MethodError`] if the material, or a method with enclosed force constants, cannot be evaluated there.
     fn certify(
         &self,
         f: &DeformationGradient,
         tolerance: f64,
     ) -> Result<Certificate<3>, MethodError>;
 
-    /// The extremes of the spectrum at a state.
+    /// Returns the extremes of the spectrum at a state.
     ///
     /// # Errors
-    /// [`MethodError`] when material or method cannot be evaluated there.
+    /// [`MethodError`] if material or method cannot be evaluated there.
     fn spectrum(&self, f: &DeformationGradient) -> Result<SpectrumSummary<3>, MethodError>;
 
-    /// The plane waves of a state.
+    /// Returns the plane waves of a state.
     ///
     /// # Errors
-    /// [`MethodError`] when material or method cannot be evaluated there.
+    /// [`MethodError`] if material or method cannot be evaluated there.
     fn waves(&self, f: &DeformationGradient) -> Result<Box<dyn PlaneWaves>, MethodError>;
 
-    /// `D(k)` by what codes integrate of it: positions, and the stress and the density that particles carry along; see
-    /// [`Discretization::carried`](crate::scheme::Discretization::carried). All of it follows the positions where the method tells no parts apart. 1/time^2.
+    /// Splits `D(k)` into the contributions of positions, and of the stress and the density that particles carry and codes integrate. 1/time^2.
+    ///
+    /// Everything is assigned to the positions if the method does not distinguish these parts; see
+    /// [`Discretization::carried`](crate::scheme::Discretization::carried).
     ///
     /// # Errors
-    /// [`MethodError`] when material or method cannot be evaluated there.
+    /// [`MethodError`] if material or method cannot be evaluated there.
     fn parts(&self, f: &DeformationGradient, k: &[f64]) -> Result<WaveParts, MethodError>;
 
-    /// The squared norm of the discrete gradient of a wave over that of the exact one, where the method tells it.
+    /// Returns the ratio of the squared norms of the discrete and the exact gradient of a wave; `None` if the method does not provide it.
     ///
     /// # Errors
-    /// [`MethodError`] when the method cannot be evaluated there.
+    /// [`MethodError`] if the method cannot be evaluated there.
     fn gradient_norm(&self, f: &DeformationGradient, k: &[f64])
     -> Result<Option<f64>, MethodError>;
 
-    /// A reference wave vector in the deformed lattice, `F^-T k`; of a regular lattice `k` itself.
+    /// Wave vector `F^-T k` in the deformed lattice of a reference wave vector; for a regular lattice `k` itself.
     fn spatial(&self, f: &DeformationGradient, k: &SVector<f64, 3>) -> SVector<f64, 3>;
 
-    /// The reciprocal vectors of the reference lattice, as many as there are dimensions. 1/length.
+    /// Reciprocal vectors of the reference lattice, one per dimension. 1/length.
     fn reciprocal(&self) -> Vec<SVector<f64, 3>>;
 
-    /// A wave vector in units of the reciprocal vectors.
+    /// Coordinates of a wave vector in units of the reciprocal vectors.
     fn fractional(&self, k: &SVector<f64, 3>) -> Vec<f64>;
 
-    /// The rotations and reflections that map the reference lattice onto itself, the identity first; see
+    /// Rotations and reflections that map the reference lattice onto itself, the identity first; see
     /// [`BravaisLattice::holohedry`](crate::lattice::BravaisLattice::holohedry).
     fn holohedry(&self) -> Vec<SMatrix<f64, 3, 3>>;
 
-    /// The usual path through a zone: names and reference wave vectors of its corners; without a name of the zone, of the named lattice that the
-    /// particles are on, however it is described. 1/length.
+    /// Standard path through a zone: names and reference wave vectors of its corners. 1/length.
+    ///
+    /// Without the name of a zone, it is the zone of the named lattice on which the particles lie, regardless of the description of their cell.
     fn zone_path(&self, zone: Option<LatticeKind>) -> Vec<(&'static str, Vec<f64>)>;
 
-    /// Whether forces depend on velocities.
+    /// Returns true if forces depend on velocities.
     fn is_damped(&self) -> bool;
 
-    /// Whether the method has a step of its own, whatever the integrator; see
+    /// Returns true if the method defines its own time step, independent of the integrator; see
     /// [`Discretization::transferred`](crate::scheme::Discretization::transferred).
     fn is_transferred(&self) -> bool;
 
-    /// The waves of a state in steps of time, where the method has a step of its own.
+    /// Returns the waves of a state in discrete time; `None` unless the method defines its own time step.
     ///
     /// # Errors
-    /// [`MethodError`] when material or method cannot be evaluated there.
+    /// [`MethodError`] if material or method cannot be evaluated there.
     fn transferred(
         &self,
         f: &DeformationGradient,
     ) -> Result<Option<Box<dyn SteppedWaves>>, MethodError>;
 
-    /// The largest stable time steps of the integrators at a state, where damping makes them differ; none otherwise. Time. They are given up as
-    /// soon as nobody waits for them any more.
+    /// Returns the largest stable time steps of the integrators at a state, with cancellation through `is_ended`. Time.
+    ///
+    /// The result is empty unless damping makes the time steps differ.
     ///
     /// # Errors
-    /// [`MethodError::GivenUp`] then, others when material or method cannot be evaluated there.
+    /// [`MethodError::GivenUp`] after cancellation, others if material or method cannot be evaluated there.
     fn damped_time_steps_unless(
         &self,
         f: &DeformationGradient,
         is_ended: IsEnded<'_>,
     ) -> Result<Vec<(Integrator, f64)>, MethodError>;
 
-    /// The largest stable time step of an integrator at a state, damping included; of a method with a step of its own that of it. Time.
+    /// Returns the largest stable time step of an integrator at a state, including damping. Time.
+    ///
+    /// For a method that defines its own time step, it is the limit of that step.
     ///
     /// # Errors
-    /// [`MethodError`] when material or method cannot be evaluated there.
+    /// [`MethodError`] if material or method cannot be evaluated there.
     fn critical_time_step(
         &self,
         f: &DeformationGradient,
         integrator: Integrator,
     ) -> Result<f64, MethodError>;
 
-    /// The waves of the reference configuration that the method does not resist, or too little.
+    /// Returns the zero-energy and weakly controlled modes of the reference configuration.
     ///
     /// # Errors
-    /// [`MethodError`] when material or method cannot be evaluated.
+    /// [`MethodError`] if material or method cannot be evaluated.
     fn spurious_modes(&self, threshold: f64) -> Result<SpuriousModes<3>, MethodError>;
 
-    /// The masses of the particles of a cell, those of consistent mass matrices summed by rows; mass (per unit of the dimensions that are left out).
+    /// Returns the masses of the particles of a cell; for consistent mass matrices the row sums. Mass (per unit of the omitted dimensions).
     ///
     /// # Errors
-    /// [`MethodError`] when material or method cannot be evaluated there.
+    /// [`MethodError`] if material or method cannot be evaluated there.
     fn masses(&self, f: &DeformationGradient) -> Result<Vec<f64>, MethodError>;
 
-    /// The particles of a periodic patch with so many cells along each primitive vector.
+    /// Returns the particles of a periodic patch with `cells` cells along each primitive vector.
     fn patch(&self, cells: usize) -> Vec<PatchParticle>;
 
-    /// Does something with the motion of a periodic patch about a homogeneous state; `cells` along each primitive vector, at least as many
-    /// numbers as dimensions.
+    /// Calls `work` with the motion of a periodic patch about a homogeneous state.
+    ///
+    /// The patch has `cells` cells along each primitive vector; at least one number per dimension is needed.
     ///
     /// # Errors
-    /// [`MethodError`] when material or method cannot be evaluated there.
+    /// [`MethodError`] if material or method cannot be evaluated there.
     fn with_motion(
         &self,
         f: &DeformationGradient,
@@ -226,10 +233,10 @@ pub trait Analysis: Send + Sync {
         work: &mut dyn FnMut(&mut dyn PatchMotion),
     ) -> Result<(), MethodError>;
 
-    /// Does something with a body of particles of the method, between the pieces of which there can be a contact.
+    /// Calls `work` with a body of particles of the method. Contact between the pieces of the body is optional.
     ///
     /// # Errors
-    /// [`BodyError`] when the method has no bodies, and when particles or grips cannot be.
+    /// [`BodyError`] if the method has no bodies, or if particles or grips are not admissible.
     fn with_body(
         &self,
         particles: &BodyParticles,
@@ -238,105 +245,107 @@ pub trait Analysis: Send + Sync {
         work: &mut dyn FnMut(&mut dyn BodyMotion),
     ) -> Result<(), BodyError>;
 
-    /// A time step of central differences for all finite bodies at a state, given that of the infinite lattice; `None` where nothing is known of them.
+    /// Returns a stable time step of central differences for all finite bodies at a state, given the step of the infinite lattice.
+    ///
+    /// The result is `None` if no step is known.
     ///
     /// # Errors
-    /// [`MethodError`] when material or method cannot be evaluated there.
+    /// [`MethodError`] if material or method cannot be evaluated there.
     fn finite_bodies(
         &self,
         f: &DeformationGradient,
         lattice: f64,
     ) -> Result<Option<FiniteBodyStep>, MethodError>;
 
-    /// The errors of frequencies at wavelengths in particle spacings.
+    /// Returns the frequency errors at wavelengths given in particle spacings.
     ///
     /// # Errors
-    /// [`MethodError`] when material or method cannot be evaluated.
+    /// [`MethodError`] if material or method cannot be evaluated.
     fn dispersion_errors(&self, wavelengths: &[f64]) -> Result<Vec<DispersionError>, MethodError>;
 
-    /// The error of the stiffness that long waves feel.
+    /// Returns the consistency error of the long-wavelength modulus.
     ///
     /// # Errors
-    /// [`MethodError`] when material or method cannot be evaluated.
+    /// [`MethodError`] if material or method cannot be evaluated.
     fn long_wave_error(&self) -> Result<f64, MethodError>;
 
-    /// The first instability of material and method along a loading up to a stretch.
+    /// Returns the first instabilities of material and method along a loading up to a stretch.
     ///
     /// # Errors
-    /// [`MethodError`] when a state cannot be evaluated for another reason than its support or the law's domain.
+    /// [`MethodError`] if a state cannot be evaluated for a reason other than its support or the domain of the law.
     fn onset(&self, load: Load, end: f64) -> Result<OnsetPair, MethodError>;
 
-    /// Shares of a window of states on which method and material differ.
+    /// Returns the area fractions of a window of states where method and material disagree.
     ///
     /// # Errors
-    /// [`MethodError`] when a state cannot be evaluated for another reason than its support or the law's domain.
+    /// [`MethodError`] if a state cannot be evaluated for a reason other than its support or the domain of the law.
     fn fidelity(&self, window: &StateWindow) -> Result<Fidelity, MethodError>;
 }
 
-/// The plane waves of a state. Wave vectors are reference ones, with as many components as there are dimensions; 1/length.
+/// Plane waves of a state. Wave vectors are reference wave vectors with one component per dimension; 1/length.
 pub trait PlaneWaves: Send + Sync {
-    /// `D(k)`; 1/time^2.
+    /// Dynamical matrix `D(k)`; 1/time^2.
     fn dynamical_matrix_at(&self, k: &[f64]) -> DMatrix<Complex>;
 
-    /// All `omega^2` without damping, by increasing real part; 1/time^2.
+    /// All `omega^2` without damping, sorted by real part; 1/time^2.
     fn omega_squared(&self, k: &[f64]) -> Vec<Complex>;
 
-    /// All `omega`, damping included; 1/time.
+    /// All frequencies `omega`, including damping; 1/time.
     fn frequencies(&self, k: &[f64]) -> Vec<Complex>;
 
-    /// The wave vector of the searched zone that has the same waves: `k` itself where `D(k)` is periodic, otherwise the equivalent one of
-    /// the first zone; 1/length.
+    /// Wave vector of the searched zone with equal waves: `k` itself if `D(k)` is periodic, otherwise its equivalent in the first zone; 1/length.
     fn folded(&self, k: &[f64]) -> Vec<f64>;
 
-    /// How many times a wave vector fits into the searched zone; infinite for zero.
+    /// Factor by which a wave vector can be extended within the searched zone; infinite for zero.
     fn reach(&self, k: &[f64]) -> f64;
 
-    /// Those of the continuum, the eigenvalues of `Q(k) / rho0`; 1/time^2.
+    /// Squared frequencies of the continuum, the eigenvalues of `Q(k) / rho0`; 1/time^2.
     fn continuum_omega_squared(&self, k: &[f64]) -> Vec<f64>;
 }
 
-/// The plane waves of a state in steps of time, of a method with a step of its own; see
-/// [`TransferredWaves`](crate::time_step::TransferredWaves). Wave vectors as those of [`PlaneWaves`].
+/// Plane waves of a state in discrete time, for a method that defines its own time step.
+///
+/// See [`TransferredWaves`](crate::time_step::TransferredWaves). Wave vectors are as in [`PlaneWaves`].
 pub trait SteppedWaves: Send + Sync {
-    /// The rates `s = ln(z)/dt` of all solutions `exp(s t)` at whole steps, by increasing real part of `omega^2`; 1/time.
+    /// Rates `s = ln(z)/dt` of all solutions `exp(s t)` at whole steps, sorted by the real part of `omega^2`; 1/time.
     fn rates(&self, k: &[f64], step: f64) -> Vec<Complex>;
 
-    /// The rate with the largest real part over the zone with its wave vector; zero where no wave grows. 1/time, 1/length.
+    /// Rate with the largest real part over the zone, with its wave vector; zero if no wave grows. 1/time, 1/length.
     fn fastest(&self, step: f64, is_ended: IsEnded<'_>) -> (Complex, Vec<f64>);
 
-    /// The largest stable step; infinite where nothing oscillates. Time.
+    /// Largest stable step; infinite if nothing oscillates. Time.
     fn critical_time_step(&self, is_ended: IsEnded<'_>) -> f64;
 
-    /// The largest stable step of an isolated, unstressed material point; none of laws with stress in the reference state. Time.
+    /// Largest stable step of an isolated, unstressed material point; `None` for laws with stress in the reference state. Time.
     fn isolated_point(&self) -> Option<f64>;
 }
 
-/// A particle of a patch.
+/// Particle of a periodic patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchParticle {
-    /// Its number in its cell.
+    /// Index of the particle in its cell.
     pub site: usize,
-    /// Where it is in the reference state; length.
+    /// Position in the reference state; length.
     pub position: SVector<f64, 3>,
 }
 
-/// A time step with which finite bodies of a lattice are stable under central differences.
+/// Stable time step of central differences for finite bodies of a lattice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FiniteBodyStep {
-    /// Time.
+    /// Time step of central differences.
     pub time_step: f64,
-    /// Why it suffices.
+    /// Reason why the step is stable.
     pub ground: FiniteBodyGround,
 }
 
-/// Why a time step suffices for finite bodies.
+/// Reason why a time step is stable for finite bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FiniteBodyGround {
-    /// Proved for any body: single elements or material points bound it, and a body of one attains it.
+    /// Proved for any body: the step of a single element or material point is a bound, and a body of one attains it.
     Parts,
-    /// Proved for any body: it has the positive semidefinite interactions of the lattice, and not all of them.
+    /// Proved for any body: it has a subset of the interactions of the lattice, which are positive semidefinite.
     Lattice,
-    /// Found: the smallest of free blocks from three particles thick on.
+    /// Computed: the smallest step of free blocks that are at least three particles thick.
     Blocks,
 }
 
@@ -351,7 +360,7 @@ macro_rules! in_dimension {
     };
 }
 
-/// A method with a material.
+/// Creates the analysis of a method with a material.
 ///
 /// ```
 /// use onset::analysis::analysis;
@@ -368,7 +377,7 @@ macro_rules! in_dimension {
 /// ```
 ///
 /// # Errors
-/// [`MethodError`] when the method cannot be set up.
+/// [`MethodError`] if the method cannot be set up.
 pub fn analysis(
     method: &MethodChoices,
     material: Arc<dyn Hyperelastic>,
@@ -382,10 +391,10 @@ pub fn analysis(
     in_dimension!(method.dimension(), of(method, material))
 }
 
-/// Like [`analysis`], in the cell that the choices describe, of which patches are made.
+/// Like [`analysis`], but in the cell that the choices describe, which patches use, not in the primitive cell.
 ///
 /// # Errors
-/// [`MethodError`] when the method cannot be set up.
+/// [`MethodError`] if the method cannot be set up.
 pub fn described_analysis(
     method: &MethodChoices,
     material: Arc<dyn Hyperelastic>,
@@ -399,7 +408,7 @@ pub fn described_analysis(
     in_dimension!(method.dimension(), of(method, material))
 }
 
-/// Numbers of particles of a described cell and of its primitive cell, in which questions are answered.
+/// Numbers of particles of a described cell and of the primitive cell used by the analysis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ReducedCell {
@@ -409,7 +418,7 @@ pub struct ReducedCell {
     pub primitive: usize,
 }
 
-/// The reduction of the cell of a method. `None` if the described cell is primitive, and for methods that cannot be set up.
+/// Returns the reduction of the cell of a method; `None` if the described cell is primitive or if the method cannot be set up.
 pub fn reduced_cell(method: &MethodChoices) -> Option<ReducedCell> {
     fn of<const D: usize>(method: &MethodChoices) -> Option<ReducedCell> {
         let [described, primitive] = method.sites::<D>()?;
@@ -421,10 +430,10 @@ pub fn reduced_cell(method: &MethodChoices) -> Option<ReducedCell> {
     in_dimension!(method.dimension(), of(method))
 }
 
-/// Whether a method can be set up, whatever the material.
+/// Checks that a method can be set up, independent of the material.
 ///
 /// # Errors
-/// [`MethodError`] when it cannot.
+/// [`MethodError`] if the method cannot be set up.
 pub fn check_method(method: &MethodChoices) -> Result<(), MethodError> {
     fn of<const D: usize>(method: &MethodChoices) -> Result<(), MethodError> {
         method.discretization::<D>().map(drop)
@@ -432,10 +441,10 @@ pub fn check_method(method: &MethodChoices) -> Result<(), MethodError> {
     in_dimension!(method.dimension(), of(method))
 }
 
-/// Whether waves of a material grow at a state, for perturbations in so many dimensions; see [`probe_material`].
+/// Returns whether waves of a material grow at a state, for perturbations in `dimension` dimensions; see [`probe_material`].
 ///
 /// # Errors
-/// [`MaterialError`] when the response is not finite.
+/// [`MaterialError`] if the response is not finite.
 pub fn probe_material_in(
     dimension: usize,
     material: &dyn Hyperelastic,
@@ -444,10 +453,10 @@ pub fn probe_material_in(
     in_dimension!(dimension, probe_material(material, f))
 }
 
-/// All losses and returns of strong ellipticity along a path, for perturbations in so many dimensions; see [`scan_material`].
+/// Returns all losses and recoveries of strong ellipticity along a path, for perturbations in `dimension` dimensions; see [`scan_material`].
 ///
 /// # Errors
-/// [`PathError`] when a state of the path cannot be evaluated.
+/// [`PathError`] if a state of the path cannot be evaluated.
 pub fn scan_material_in(
     dimension: usize,
     material: &dyn Hyperelastic,
@@ -456,10 +465,10 @@ pub fn scan_material_in(
     in_dimension!(dimension, scan_material(material, path))
 }
 
-/// The smallest acoustic eigenvalue of a material for perturbations in so many dimensions.
+/// Returns the smallest acoustic eigenvalue of a material for perturbations in `dimension` dimensions.
 ///
 /// # Errors
-/// [`MaterialError`] when the response is not finite.
+/// [`MaterialError`] if the response is not finite.
 pub fn acoustic_minimum_in(
     dimension: usize,
     material: &dyn Hyperelastic,
@@ -468,10 +477,10 @@ pub fn acoustic_minimum_in(
     in_dimension!(dimension, acoustic_minimum(material, f))
 }
 
-/// The eigenvalues of the acoustic tensor of a material, the smallest first, in some directions of so many dimensions; stress.
+/// Returns the eigenvalues of the acoustic tensor of a material in the given directions of `dimension` dimensions, sorted; units of stress.
 ///
 /// # Errors
-/// [`MaterialError`] when the response is not finite.
+/// [`MaterialError`] if the response is not finite.
 pub fn acoustic_eigenvalues_in(
     dimension: usize,
     material: &dyn Hyperelastic,

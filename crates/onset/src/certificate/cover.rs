@@ -1,4 +1,4 @@
-//! The zone covered by boxes on each of which stability is proved, or a wave that grows.
+//! Covers of the zone by boxes. On each box stability is proved, or a growing wave is found.
 
 use super::expansion::{Expansion, Region};
 use super::patch::{is_positive, smallest};
@@ -7,56 +7,56 @@ use crate::algebra::Each;
 use crate::real::{Interval, Real};
 use std::collections::VecDeque;
 
-/// A number a little above pi with few binary digits, so that boxes are bisected without rounding.
+/// Number slightly above pi with few binary digits, so that boxes are bisected without rounding.
 const HALF_PERIOD: f64 = 25736.0 / 8192.0;
-/// Boxes of the first cover along the half period.
+/// Number of boxes along the half period in the first cover.
 const FIRST: f64 = 4.0;
-/// Boxes after which candidates are asked for: as much work as a search in floating point.
+/// Number of boxes before candidate waves are requested: about the cost of a floating-point search.
 const BEFORE_CANDIDATES: usize = 2_000;
 /// Widest zone, in half periods, of a lattice whose dynamical matrix is not periodic.
 const WIDEST: f64 = 16.0;
 
-/// What is asked of a cover. Measures are those of `D` against `L = sum_i (1 - cos theta_i)`.
+/// Zone, tolerances and budget of a cover. Measures compare `D` with `L = sum_i (1 - cos theta_i)`.
 pub(super) struct Question<'a> {
-    /// The half planes `m.theta <= offset` that bound the zone; empty when `D` is periodic.
+    /// Half planes `m.theta <= offset` that bound the zone; empty if `D` is periodic.
     pub(super) zone: &'a [([f64; 2], f64)],
-    /// The largest phase in the zone.
+    /// Largest phase in the zone.
     pub(super) farthest: f64,
-    /// Growth rates up to the root of this are no instability; in units of `D`.
+    /// Largest squared growth rate that does not count as instability, in units of `D`.
     pub(super) growth_squared: f64,
-    /// The part of the smallest measure seen that is to be proved.
+    /// Fraction of the smallest sampled measure that must be proved.
     pub(super) share: f64,
-    /// Boxes beyond which the cover is given up.
+    /// Largest number of boxes.
     pub(super) budget: usize,
 }
 
-/// What a cover found.
+/// Result of a cover.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Finding {
-    /// The measure is at least this everywhere.
+    /// Lower bound of the measure over the whole zone.
     Bounded(f64),
-    /// A wave grows: confirmed in intervals.
+    /// A growing wave, confirmed in interval arithmetic.
     Grows(GrowingWave),
-    /// Boxes remain. The smallest measure seen, and whether growth alone is in question.
+    /// Undecided boxes remain. `measure` is the smallest sampled one, and `is_growth` is true if only the growth of oscillations is undecided.
     Open { measure: f64, is_growth: bool },
 }
 
-/// A wave that grows.
+/// Growing wave, confirmed in interval arithmetic.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GrowingWave {
-    /// The phases `k.a_i`.
+    /// Phases `k.a_i` of the wave.
     pub(super) phases: [f64; 2],
     /// Bounds of the real part of `omega^2`, in units of `D`.
     pub(super) omega_squared: Interval,
-    /// A lower bound of the squared growth rate.
+    /// Lower bound of the squared growth rate.
     pub(super) growth_squared: f64,
 }
 
-/// How one attempt to prove a measure ended.
+/// Result of one attempt to prove a lower bound of the measure.
 enum Attempt {
     Proved,
     Grows(GrowingWave),
-    /// A wave of a smaller measure than can be proved.
+    /// A wave with a smaller measure than the target was found.
     Lower(f64),
     Exhausted {
         is_growth: bool,
@@ -65,7 +65,7 @@ enum Attempt {
 
 /// Covers the zone.
 ///
-/// Where many boxes remain, the waves that `candidates` finds by other means are looked at before the work goes on.
+/// If many boxes remain, the waves that `candidates` returns are examined before the cover continues.
 pub(super) fn cover(
     waves: &Waves,
     question: &Question,
@@ -97,7 +97,7 @@ pub(super) fn cover(
     }
 }
 
-/// What the center of a box shows.
+/// Result at the center of a box.
 enum Seen {
     Grows(GrowingWave),
     Measure(f64),
@@ -113,7 +113,7 @@ impl Cover<'_> {
         self.expansion.waves
     }
 
-    /// Whether long waves are covered along rays, which needs `D(0) = 0`.
+    /// Returns true if long waves are covered along rays, which requires `D(0) = 0`.
     fn has_rays(&self) -> bool {
         self.waves().rigid.is_none()
     }
@@ -140,7 +140,7 @@ impl Cover<'_> {
             .collect()
     }
 
-    /// The boxes of phases of a regular cover of half of the zone: `-k` is as good as `k`.
+    /// Boxes of phases of a regular cover of half of the zone, since `k` and `-k` are equivalent.
     fn phases(&self, half: f64) -> Vec<Region> {
         let count = (self.question.farthest / (2.0 * half)).ceil() as i64;
         let along = |index: i64| (2.0 * index as f64 + 1.0) * half;
@@ -168,7 +168,7 @@ impl Cover<'_> {
         samples
     }
 
-    /// Whether a box has no point in common with the zone. Dropped only well outside, so that rounding cannot matter.
+    /// Returns true if a box lies outside the zone, with a margin that exceeds rounding.
     fn is_outside(&self, region: &Region) -> bool {
         let Region::Phases { center, half } = *region else {
             return false;
@@ -179,11 +179,11 @@ impl Cover<'_> {
         })
     }
 
-    /// Looks at the center of a box.
+    /// Evaluates the center of a box.
     fn seen(&self, region: &Region) -> Seen {
         let (at_center, phases, laplacian) = self.center(region);
         if !self.is_inside(phases) {
-            // The box reaches into the zone, its center does not: it says nothing.
+            // The box overlaps the zone but its center lies outside, so the center gives no information.
             return Seen::Measure(f64::INFINITY);
         }
         let measure = smallest(&at_center) / laplacian;
@@ -198,7 +198,7 @@ impl Cover<'_> {
         Seen::Measure(measure)
     }
 
-    /// `D` at the center of a box, the phases there, and `L`; for rays in units of `r^2`.
+    /// Matrix `D` at the center of a box, the phases there, and `L`; for rays in units of `r^2`.
     fn center(&self, region: &Region) -> (Entries, [f64; 2], f64) {
         match *region {
             Region::Phases { center, .. } => {
@@ -216,7 +216,7 @@ impl Cover<'_> {
                     r2: (0.0, 0.0),
                 };
                 let values = self.expansion.patch(&point, 0.0).each(|patch| patch.value);
-                // Long enough for the rest, short enough for the limit to show.
+                // The length is a compromise: rounding dominates for shorter wave vectors, terms of higher order for longer ones.
                 let r = if r2.0 > 0.0 {
                     r2.0.sqrt()
                 } else {
@@ -238,7 +238,7 @@ impl Cover<'_> {
         zone.all(|(m, offset)| m[0] * phases[0] + m[1] * phases[1] <= offset * (1.0 + 1e-9))
     }
 
-    /// The wave at these phases, if it grows certainly.
+    /// Wave at the given phases, if its growth is certain.
     fn confirmed(&self, phases: [f64; 2]) -> Option<GrowingWave> {
         let [m11, m12, m21, m22] = self.expansion.confirmed(phases);
         let half_trace = (m11 + m22) * 0.5;
@@ -249,12 +249,12 @@ impl Cover<'_> {
         let root = Interval::new(root.low.max(0.0), root.high).sqrt();
         let mut omega_squared = half_trace - root;
         if determinant.high < 0.0 || (half_trace.high < 0.0 && discriminant.low >= 0.0) {
-            // Real eigenvalues, one of them negative at least: where both signs occur, without the cancellation.
+            // The eigenvalues are real and at least one is negative. If the signs differ, divide to avoid cancellation.
             let larger = half_trace + root;
             if determinant.high < 0.0 && larger.low > 0.0 {
                 omega_squared = determinant / larger;
             }
-            // How negative has to be certain too.
+            // The magnitude of the negative value must be certain too.
             if omega_squared.high < 0.0 {
                 return Some(GrowingWave {
                     phases,
@@ -286,22 +286,22 @@ impl Cover<'_> {
         None
     }
 
-    /// The growth that is tolerated on a box, for the test of the discriminant.
+    /// Coefficients of the tolerated growth on a box, for the test of the discriminant.
     fn growth(&self, region: &Region) -> Option<(f64, f64)> {
         if self.waves().is_symmetric {
             return None;
         }
-        // A growth rate g at most: -disc <= 4 g^2 (g^2 + trace / 2).
+        // A growth rate of at most g: -disc <= 4 g^2 (g^2 + trace / 2).
         let g = self.question.growth_squared;
         Some(match *region {
             Region::Phases { .. } => (4.0 * g * g * (1.0 - 1e-15), 2.0 * g),
-            // In units of r^4: the trace of D / r^2 over r^2.
+            // In units of r^4: the trace of D / r^2 divided by r^2.
             Region::Rays { r2, .. } => (0.0, 2.0 * g / (r2.0 + r2.1) * (1.0 - 1e-15)),
         })
     }
 
     fn finding(&self, budget: usize) -> Finding {
-        // What a few waves show is the start of the proof, and often the end of it.
+        // A few samples give the first target and often a growing wave.
         let mut smallest = f64::INFINITY;
         for region in self.samples() {
             match self.seen(&region) {
@@ -310,7 +310,7 @@ impl Cover<'_> {
             }
         }
         loop {
-            // Zero to rounding, or below: what can be had is a witness.
+            // If the target is zero to rounding or less, only a growing wave can be found.
             let target = self.question.share * smallest.max(0.0);
             match self.attempt(target, budget) {
                 Attempt::Proved => return Finding::Bounded(target.next_down()),
@@ -326,10 +326,10 @@ impl Cover<'_> {
         }
     }
 
-    /// Tries to prove the measure `target` everywhere.
+    /// Tries to prove that the measure is at least `target` everywhere.
     fn attempt(&self, target: f64, budget: usize) -> Attempt {
         let first = HALF_PERIOD / (2.0 * FIRST);
-        // Of the long waves as much as the rest of the expansion leaves to be proved.
+        // Long waves are covered by rays as far as the remainder of the expansion is small against the target.
         let mut inner = 2.0 * first;
         let limit = (0.1 * target / self.expansion.sixth()).sqrt().sqrt();
         while inner > limit && inner > 1e-4 {
@@ -371,7 +371,7 @@ impl Cover<'_> {
     }
 }
 
-/// Whether a box lies in the square of the long waves.
+/// Returns true if a box lies in the square of the long waves.
 fn is_within(region: &Region, inner: f64) -> bool {
     match *region {
         Region::Phases { center, half } => center.iter().all(|x| x.abs() + half <= inner),

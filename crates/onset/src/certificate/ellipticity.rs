@@ -4,24 +4,24 @@ use super::patch::{MatrixPatch, Patch, is_positive, smallest};
 use crate::algebra::{Each, array_of};
 use crate::real::{Interval, Real};
 
-/// The part `A_iJkL` of a tangent within the dimensions of the lattice, by entries `ik` of `11, 12, 21, 22` and by
-/// powers of `s` in the direction `N = (1, s)`.
+/// Components `A_iJkL` of a tangent within the dimensions of the lattice, by entries `ik` in the order `11, 12, 21, 22` and by powers of `s` in the
+/// direction `N = (1, s)`.
 pub(super) struct Acoustic {
     dimension: usize,
     powers: [[Interval; 4]; 3],
 }
 
-/// What is known of the smallest acoustic eigenvalue.
+/// Proved bounds of the smallest acoustic eigenvalue.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Proved {
-    /// At least this, in every direction.
+    /// Lower bound of the eigenvalue in every direction.
     Bounded(f64),
-    /// In this direction it is within these bounds, and negative.
+    /// Direction in which the eigenvalue lies within these negative bounds.
     Refuted {
         direction: [f64; 2],
         eigenvalue: Interval,
     },
-    /// The smallest eigenvalue seen.
+    /// Undecided; the smallest sampled eigenvalue.
     Open { eigenvalue: f64 },
 }
 
@@ -31,7 +31,7 @@ impl Acoustic {
             array_of(|e| {
                 let (i, k) = (e / 2, e % 2);
                 if D == 1 {
-                    // The single entry stands on both places of the diagonal.
+                    // In one dimension the single entry fills both places of the diagonal.
                     let is_entry = m == 0 && i == k;
                     return if is_entry {
                         tangent[0][0][0][0]
@@ -52,7 +52,7 @@ impl Acoustic {
         }
     }
 
-    /// `Q - shift |N|^2` on `|s - center| <= half`.
+    /// Enclosure of `Q - shift |N|^2` on `|s - center| <= half`.
     fn patch(&self, chart: usize, center: f64, half: f64, shift: f64) -> MatrixPatch {
         array_of(|e| {
             let is_diagonal = e == 0 || e == 3;
@@ -73,7 +73,7 @@ impl Acoustic {
         })
     }
 
-    /// The smallest eigenvalue in the direction `N`, in intervals.
+    /// Enclosure of the smallest eigenvalue in the direction `N`.
     fn eigenvalue(&self, direction: [f64; 2]) -> Interval {
         let [x, y] = direction.map(Interval::point);
         let squared = x.square() + y.square();
@@ -83,7 +83,7 @@ impl Acoustic {
         };
         let (half, coupling) = ((entry(0) - entry(3)) * 0.5, entry(1) * entry(2));
         let discriminant = half.square() + coupling;
-        // The tangent has an energy: the acoustic tensor is symmetric.
+        // The tangent derives from an energy, so the acoustic tensor is symmetric.
         let discriminant = Interval::new(discriminant.low.max(0.0), discriminant.high.max(0.0));
         (entry(0) + entry(3)) * 0.5 - discriminant.sqrt()
     }

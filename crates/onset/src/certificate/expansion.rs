@@ -1,31 +1,31 @@
-//! Expansions of a sum of cosines: at a wave vector, and at the limit of long waves along a direction.
+//! Expansions of a sum of cosines at a wave vector and in the limit of long waves along a direction.
 
 use super::patch::{MatrixPatch, Patch};
 use super::waves::{Entries, Waves};
 use crate::algebra::{Each, array_of};
 use crate::real::{Interval, Real};
 
-/// What the expansions of one sum share.
+/// Moments of a sum of cosines that all its expansions use.
 pub(super) struct Expansion<'a> {
     pub(super) waves: &'a Waves,
-    /// The vectors `n` of the terms.
+    /// Vectors `n` of the terms.
     vectors: Vec<[f64; 2]>,
-    /// `sum |C_n| |n|^m`, the largest of all entries, `m = 0 ..= 6`; with `|n| = |n_1| + |n_2|`.
+    /// Bounds `sum |C_n| |n|^m`, the largest of all entries, `m = 0 ..= 6`; with `|n| = |n_1| + |n_2|`.
     sizes: [f64; 7],
-    /// `sum C_n n_1^a n_2^b / 2`, `a + b = 2`, by `b`.
+    /// Second moments `sum C_n n_1^a n_2^b / 2`, `a + b = 2`, indexed by `b`.
     second: [Entries; 3],
-    /// `sum C_n n_1^a n_2^b / 24`, `a + b = 4`, by `b`.
+    /// Fourth moments `sum C_n n_1^a n_2^b / 24`, `a + b = 4`, indexed by `b`.
     fourth: [Entries; 5],
     /// Relative rounding error of sums over all vectors.
     rounding: f64,
 }
 
-/// A box of wave vectors, by phases or by direction and squared length.
+/// Box of wave vectors, in phases or in direction and squared length.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Region {
-    /// `|theta_i - center_i| <= half`.
+    /// Square `|theta_i - center_i| <= half` of phases.
     Phases { center: [f64; 2], half: f64 },
-    /// `theta = r (1, s)` on the first chart, `r (s, 1)` on the second; `r^2` and `s` by center and half width.
+    /// Sector `theta = r (1, s)` on the first chart, `r (s, 1)` on the second; `r^2` and `s` are given by center and half width.
     Rays {
         chart: usize,
         s: (f64, f64),
@@ -79,13 +79,12 @@ impl<'a> Expansion<'a> {
             && self.waves.long_error.is_finite()
     }
 
-    /// The bound of the terms beyond those of fourth order, for `|theta|_max = r`: `r^6` times this, `r^4` in units of
-    /// `r^2`.
+    /// Bound of the remainder beyond fourth order for `|theta|_max = r`: `r^6` times this number, or `r^4` times it in units of `r^2`.
     pub(super) fn sixth(&self) -> f64 {
         self.sizes[6] / 720.0
     }
 
-    /// `D - shift L` on a box, in units of `r^2` for rays; `L = sum_i (1 - cos theta_i)`.
+    /// Enclosure of `D - shift L` on a box, in units of `r^2` for rays; `L = sum_i (1 - cos theta_i)`.
     pub(super) fn patch(&self, region: &Region, shift: f64) -> MatrixPatch {
         match *region {
             Region::Phases { center, half } => self.at_phases(center, half, shift),
@@ -142,7 +141,7 @@ impl<'a> Expansion<'a> {
         })
     }
 
-    /// `D / r^2 = Q2(s) - r^2 Q4(s) + rest`, from `1 - cos x = x^2/2 - x^4/24 + rest`, `|rest| <= x^6/720`.
+    /// Enclosure `D / r^2 = Q2(s) - r^2 Q4(s) + rest`, from `1 - cos x = x^2/2 - x^4/24 + rest`, `|rest| <= x^6/720`.
     fn on_rays(&self, chart: usize, s: (f64, f64), r2: (f64, f64), shift: f64) -> MatrixPatch {
         let far = r2.0 + r2.1;
         let rest = far * far * (self.sixth() + 2.0 * shift / 720.0)
@@ -177,7 +176,7 @@ impl<'a> Expansion<'a> {
         })
     }
 
-    /// `D` at given phases in intervals, for the confirmation of a witness.
+    /// Interval enclosure of `D` at given phases, to confirm a witness.
     pub(super) fn confirmed(&self, phases: [f64; 2]) -> [Interval; 4] {
         let waves = self.waves;
         let mut sums = waves.rigid.unwrap_or([Interval::ZERO; 4]);
@@ -187,7 +186,7 @@ impl<'a> Expansion<'a> {
                 let n = Interval::around(waves.sites[term.site][i], 4) + f64::from(term.cell[i]);
                 angle = angle + n * phases[i];
             }
-            // 1 - cos x = 2 sin^2(x / 2), accurate also for long waves.
+            // 1 - cos x = 2 sin^2(x / 2) is accurate for long waves too.
             let weight = (angle * 0.5).sin().square() * 2.0;
             for e in 0..4 {
                 sums[e] = sums[e] + weight * term.coefficient[e];
@@ -204,7 +203,7 @@ fn vector(waves: &Waves, cell: [i32; 2], site: usize) -> [f64; 2] {
     [0, 1].each(|i| waves.sites[site][i] + f64::from(cell[i]))
 }
 
-/// The coefficients of a polynomial about a center, for an argument in units of a half width.
+/// Coefficients of a polynomial about a center, for an argument in units of a half width.
 fn taylor<const N: usize>(coefficients: &[f64; N], center: f64, half: f64) -> [f64; 5] {
     let mut result = [0.0; 5];
     let mut shifted = *coefficients;
@@ -220,7 +219,7 @@ fn taylor<const N: usize>(coefficients: &[f64; N], center: f64, half: f64) -> [f
     result
 }
 
-/// Cosines and sines of `n.theta` from powers of the phases of the axes.
+/// Cosines and sines of `n.theta`, computed from powers of the phases of the axes.
 struct Phases {
     powers: [Vec<(f64, f64)>; 2],
     sites: Vec<(f64, f64)>,
@@ -282,7 +281,7 @@ mod tests {
     use crate::real::Interval;
     use nalgebra::Vector2;
 
-    /// One method for every value of every choice, the others running through theirs.
+    /// Methods in which every value of every choice occurs at least once.
     fn methods() -> Vec<Method<2>> {
         use Linearization::{Exact, ExactPlaneWave, FrozenNormalization, Paper, PaperInterpolated};
         let linearizations = [
@@ -377,7 +376,7 @@ mod tests {
         }
     }
 
-    /// What a patch says at a point of its box, with its rest.
+    /// Bounds of a patch at a point of its box, with its remainder.
     fn bounds(patch: &super::Patch, x: [f64; 2]) -> Interval {
         let [a, b, c] = patch.curvature;
         let value = patch.value
@@ -455,7 +454,7 @@ mod tests {
 
     #[test]
     fn volumes_and_places_hold_the_ideal_ones() {
-        // Nodes have a third of the cell each, as the two centroids do: the Voronoi cells are hexagons.
+        // Each node has a third of the cell, as each of the two centroids does: the Voronoi cells are hexagons.
         let method = Method::<2>::new(KernelMethodChoices::default()).expect("a method");
         let cell = 0.5 * 3.0_f64.sqrt();
         for point in method.quadrature_points() {

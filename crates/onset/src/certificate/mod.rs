@@ -1,12 +1,15 @@
 //! Proofs of stability and of instability.
 //!
-//! [`judge`](crate::verdict::judge) samples the zone and follows its wells: very likely right, but no proof. A
-//! [`Certificate`] says of material and discretization each that they are proved stable, with a lower bound over *all*
-//! directions or wave vectors; proved unstable, with a wave of which intervals confirm that it grows; or undecided.
+//! [`judge`](crate::verdict::judge) samples the zone and follows local minima: its verdict is very likely right, but not proved. A [`Certificate`]
+//! classifies material and discretization separately as one of:
 //!
-//! What is proved is a statement on the linearized equations of a perfect infinite lattice as this crate defines them, with the
-//! state and all constants taken as the doubles that they are. It assumes that the processor computes as IEEE 754 says and
-//! that the elementary functions of the platform are within four units in the last place. The book derives the bounds.
+//! - proved stable, with a lower bound over *all* directions or wave vectors,
+//! - proved unstable, with a wave whose growth interval arithmetic confirms,
+//! - undecided.
+//!
+//! A proof concerns the linearized equations of a perfect infinite lattice as this crate defines them, with the state and all constants taken as the
+//! exact values of their doubles. It assumes that the processor complies with IEEE 754 and that the elementary functions of the platform are accurate
+//! to four units in the last place. The book derives the bounds.
 
 mod cover;
 mod ellipticity;
@@ -33,91 +36,89 @@ use cover::{Finding, GrowingWave, Question, cover};
 use ellipticity::{Acoustic, Proved};
 use nalgebra::SVector;
 
-/// Growth rates of oscillations up to this fraction of sound speed over spacing are no instability, as in
-/// [`ZoneSearch`]. Where two branches cross, the discriminant touches zero, and no computation
-/// with rounding can prove that it does not pass.
+/// Largest growth rate of oscillations that does not count as instability, in units of sound speed over spacing, as in [`ZoneSearch`].
+///
+/// Where two branches cross, the discriminant touches zero, and no computation with rounding can prove that it does not become negative.
 pub const GROWTH: f64 = 1e-7;
 
-/// The part of the smallest measure seen that is proved as its lower bound, unless asked otherwise.
+/// Default fraction of the smallest sampled measure that is proved as a lower bound.
 const SHARE: f64 = 0.5;
-/// Boxes per cover, unless asked otherwise.
+/// Default number of boxes per cover.
 const BUDGET: usize = 100_000;
-/// Intervals of directions per proof of ellipticity.
+/// Largest number of intervals of directions per proof of ellipticity.
 const DIRECTIONS: usize = 2_000;
 
-/// What is proved of material and discretization at a state.
+/// Proved statements about material and discretization at a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Certificate<const D: usize> {
-    /// Strong ellipticity. Measures are acoustic eigenvalues over `rho0 c^2`, witnesses directions `N`.
+    /// Strong ellipticity of the material. Measures are acoustic eigenvalues divided by `rho0 c^2`, witnesses are directions `N`.
     pub material: Certainty<D>,
-    /// Waves of the discretization. Measures are `Re omega^2 / (c^2 |k|_h^2)`, witnesses wave vectors.
+    /// Stability of the waves of the discretization. Measures are `Re omega^2 / (c^2 |k|_h^2)`, witnesses are wave vectors.
     pub discretization: Certainty<D>,
 }
 
-/// A three-valued answer, and what carries it.
+/// Three-valued result of a proof, with its evidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Certainty<const D: usize> {
-    /// The measure is at least the bound everywhere, and no oscillation grows faster than [`GROWTH`].
+    /// Proved stable: the measure has a positive lower bound, and no oscillation grows faster than [`GROWTH`].
     Stable {
-        /// A positive lower bound of the measure over the whole zone, the limit of long waves included.
+        /// Positive lower bound of the measure over the whole zone, the limit of long waves included.
         bound: f64,
     },
-    /// All `omega^2 >= 0`, and a wave of finite length is a zero-energy mode at any state: the quadrature does not see it.
+    /// All `omega^2 >= 0`, and a wave of finite length is a zero-energy mode at any state: its strain vanishes at every quadrature point.
     ZeroEnergy {
-        /// Its reference wave vector.
+        /// Reference wave vector of the mode.
         wave_vector: SVector<f64, D>,
     },
-    /// A wave grows.
+    /// Proved unstable: a wave grows.
     Unstable {
-        /// One that does.
+        /// Wave whose growth is confirmed.
         witness: Witness<D>,
     },
-    /// Neither is proved.
+    /// Neither stability nor instability is proved.
     Undecided {
-        /// The smallest measure seen; NaN when none could be evaluated.
+        /// Smallest sampled measure; NaN if none could be evaluated.
         measure: f64,
-        /// Why.
+        /// Reason why the proof failed.
         reason: Reason,
     },
 }
 
-/// A wave that certainly grows, or a direction in which ellipticity is certainly lost.
+/// Wave that certainly grows, or direction in which ellipticity is certainly lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Witness<const D: usize> {
-    /// Reference wave vector, 1/length; of a material the direction `N`.
+    /// Reference wave vector, 1/length; for a material the direction `N`.
     pub wave_vector: SVector<f64, D>,
-    /// The phases `k.a_i` at which the wave was confirmed, exactly; of a material `N` again.
+    /// Exact phases `k.a_i` at which the wave was confirmed; for a material the direction `N`.
     pub phases: SVector<f64, D>,
     /// Bounds of the measure.
     pub measure: Interval,
-    /// A lower bound of the growth rate in units of sound speed over spacing; of a material, where waves of any length
-    /// grow, of sound speed times wave number.
+    /// Lower bound of the growth rate in units of sound speed over spacing. For a material, where waves of any length grow, in units of sound speed
+    /// times wave number.
     pub growth_rate: f64,
 }
 
-/// Why a state is undecided.
+/// Reason why a state is undecided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
     /// The measure is within the stated tolerance of zero.
     WithinTolerance,
-    /// The measure is proved or seen positive where the work stopped, but oscillations may grow a little faster than
-    /// [`GROWTH`].
+    /// The measure is positive, proved or sampled, but oscillations may grow slightly faster than [`GROWTH`].
     Growth,
     /// The number of boxes was exhausted although the measure is beyond the tolerance.
     Budget,
-    /// Inversion does not map the quadrature points onto themselves; such sets are not covered.
+    /// The quadrature points have no inversion symmetry, which the proof requires.
     NoInversionCenter,
-    /// The lattice is three-dimensional; its waves are not covered.
+    /// The lattice is three-dimensional. The proof covers waves in one and two dimensions.
     Dimension,
     /// The enclosures are not finite at this state.
     NotFinite,
-    /// The method, its approximation or its quadrature is one whose force constants are not enclosed in intervals: its waves are
-    /// searched, and not proved.
+    /// No interval enclosure is implemented for the force constants of this method, approximation or quadrature. Its waves are searched, not proved.
     Method,
 }
 
 impl Reason {
-    /// All of them, in the order of their flags in files.
+    /// All reasons, in the order of their flags in files.
     pub const ALL: [Self; 7] = [
         Self::WithinTolerance,
         Self::Growth,
@@ -128,7 +129,7 @@ impl Reason {
         Self::Method,
     ];
 
-    /// The word used in files and legends.
+    /// Name of the reason in files and legends.
     pub fn name(self) -> &'static str {
         match self {
             Self::WithinTolerance => "within-tolerance",
@@ -143,7 +144,7 @@ impl Reason {
 }
 
 impl<const D: usize> Certificate<D> {
-    /// The verdict and how perturbations develop, where what is proved goes before what a search has found.
+    /// Verdict and type of instability, with proved statements taking precedence over the results of a search.
     pub fn corrected(&self, found: &SurveyedState<D>) -> (Verdict, Stability) {
         let material_grows = match self.material {
             Certainty::Stable { .. } => false,
@@ -152,7 +153,7 @@ impl<const D: usize> Certificate<D> {
         };
         let searched = found.stability;
         let (stability, has_zero_mode) = match &self.discretization {
-            // That no wave grows does not say what holds it: a zero-energy mode can be held by stress alone.
+            // Even if no wave grows, a zero-energy mode can be stabilized by stress alone.
             Certainty::Stable { .. } => {
                 let has_zero_mode = found.verdict == Verdict::ZeroEnergy;
                 (Stability::Stable, has_zero_mode)
@@ -175,7 +176,7 @@ impl<const D: usize> Certificate<D> {
 }
 
 impl<const D: usize> Witness<D> {
-    /// How the wave grows: it diverges unless its measure may be positive.
+    /// Type of growth: divergence, or flutter if the measure may be positive.
     pub fn stability(&self) -> Stability {
         if self.measure.high < 0.0 {
             Stability::Divergence
@@ -186,7 +187,7 @@ impl<const D: usize> Witness<D> {
 }
 
 impl<const D: usize> Certainty<D> {
-    /// The word used in files and legends.
+    /// Name of the result in files and legends.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Stable { .. } => "proved-stable",
@@ -196,7 +197,7 @@ impl<const D: usize> Certainty<D> {
         }
     }
 
-    /// The same with the first components of its vectors, zeros where there are more.
+    /// Converts to `E` dimensions: vectors are truncated or padded with zeros.
     pub(crate) fn in_dimensions<const E: usize>(&self) -> Certainty<E> {
         let vector = |v: &SVector<f64, D>| SVector::from_fn(|i, _| if i < D { v[i] } else { 0.0 });
         match *self {
@@ -216,12 +217,12 @@ impl<const D: usize> Certainty<D> {
         }
     }
 
-    /// Whether stability or instability is proved.
+    /// Returns true if stability or instability is proved.
     pub fn is_decided(&self) -> bool {
         !matches!(self, Self::Undecided { .. })
     }
 
-    /// Of what nothing is proved, for a reason that no measure tells.
+    /// Undecided result for a reason that is independent of a measure.
     fn unproved(reason: Reason) -> Self {
         Self::Undecided {
             measure: f64::NAN,
@@ -243,8 +244,9 @@ impl<const D: usize> Certainty<D> {
     }
 }
 
-/// Proves stability or instability of a material and a discretization at a homogeneous state. All states get
-/// the same work; one that stays undecided says whether its measure is within `tolerance` of zero. For many states of one
+/// Proves stability or instability of a material and a discretization at a homogeneous state.
+///
+/// All states receive equal effort. For an undecided state the reason distinguishes measures within `tolerance` of zero. For many states of one
 /// discretization, [`Certifier`] is faster.
 ///
 /// ```
@@ -268,7 +270,7 @@ impl<const D: usize> Certainty<D> {
 /// ```
 ///
 /// # Errors
-/// [`MethodError`] when the method or the material cannot be evaluated at the state.
+/// [`MethodError`] if the method or the material cannot be evaluated at the state.
 pub fn certify<const D: usize>(
     discretization: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
@@ -278,43 +280,44 @@ pub fn certify<const D: usize>(
     Certifier::new(discretization, material, tolerance)?.certify(f)
 }
 
-/// What the certificates of one discretization and one material have in common.
+/// Certifier of states of one discretization and one material. Proofs that do not depend on the state are made once.
 pub struct Certifier<'a, const D: usize> {
     density: f64,
-    /// The method of which force constants are enclosed; of the waves of others nothing is proved.
+    /// Method whose force constants are enclosed; `None` if no enclosure exists, so that nothing about the waves is proved.
     method: Option<&'a Method<D>>,
     material: &'a dyn Hyperelastic,
     tolerance: f64,
     share: f64,
     budget: usize,
-    /// `c^2`.
+    /// Squared wave speed `c^2`.
     speed_squared: f64,
-    /// Lagrangian kernels: what is proved of the discrete gradient, of which no state knows.
+    /// Proved bound of the discrete gradient with Lagrangian kernels, which does not depend on the state.
     gradient: Option<Gradient<D>>,
 }
 
-/// What is proved of a method and a material before any state: what [`Certifier::new`] spends its time on, to be kept where a
-/// certifier cannot be, because it borrows.
+/// State-independent proofs of a method and a material.
+///
+/// They take most of the time of [`Certifier::new`]. They can be stored where a certifier cannot, because it borrows.
 #[derive(Clone, Copy, Debug)]
 pub struct Foundation<const D: usize> {
     speed_squared: f64,
     gradient: Option<Gradient<D>>,
 }
 
-/// The discrete gradient of a Lagrangian method.
+/// Proved property of the discrete gradient of a Lagrangian method.
 #[derive(Clone, Copy, Debug)]
 enum Gradient<const D: usize> {
-    /// `sum_q V_q |B_q|^2 / (rho V0) >= bound L`.
+    /// Bound in `sum_q V_q |B_q|^2 / (rho V0) >= bound L`.
     Bounded(f64),
-    /// It vanishes for the wave with these phases.
+    /// Phases of a wave whose discrete gradient vanishes.
     Vanishes(SVector<f64, D>),
 }
 
 impl<'a, const D: usize> Certifier<'a, D> {
-    /// Proves once what can be proved without a state.
+    /// Creates a certifier and makes the proofs that do not depend on the state.
     ///
     /// # Errors
-    /// [`MethodError`] when the material in the reference state or a Lagrangian method cannot be evaluated.
+    /// [`MethodError`] if the material in the reference state or a Lagrangian method cannot be evaluated.
     pub fn new(
         discretization: &'a dyn Discretization<D>,
         material: &'a dyn Hyperelastic,
@@ -334,7 +337,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
         Ok(certifier)
     }
 
-    /// What this certifier knows before any state.
+    /// State-independent proofs of this certifier.
     pub fn foundation(&self) -> Foundation<D> {
         Foundation {
             speed_squared: self.speed_squared,
@@ -342,7 +345,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
         }
     }
 
-    /// A certifier on the foundation of another one. Proofs hold only if that was of the same discretization and the same material.
+    /// Creates a certifier from the state-independent proofs of another one, which must have the same discretization and material.
     pub fn founded(
         foundation: Foundation<D>,
         discretization: &'a dyn Discretization<D>,
@@ -361,23 +364,22 @@ impl<'a, const D: usize> Certifier<'a, D> {
         }
     }
 
-    /// With a share of the true minimum, up to 0.95, that is to be proved as the lower bound. The nearer to one, the
-    /// more work.
+    /// Sets the fraction of the true minimum, up to 0.95, to prove as a lower bound. Fractions near one take more work.
     pub fn with_share(mut self, share: f64) -> Self {
         self.share = share.clamp(0.01, 0.95);
         self
     }
 
-    /// With a number of boxes after which a state is undecided.
+    /// Sets the number of boxes after which a state is undecided.
     pub fn with_budget(mut self, boxes: usize) -> Self {
         self.budget = boxes;
         self
     }
 
-    /// The certificate of a state.
+    /// Returns the certificate of a state.
     ///
     /// # Errors
-    /// [`MethodError`] when the material cannot be evaluated there, or a method of which waves are proved.
+    /// [`MethodError`] if the material, or a method with enclosed force constants, cannot be evaluated there.
     pub fn certify(&self, f: &DeformationGradient) -> Result<Certificate<D>, MethodError> {
         if !f.is_block_diagonal::<D>() {
             return Err(MethodError::NotPlanar { dimension: D });
@@ -400,7 +402,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
         })
     }
 
-    /// Of the waves of a three-dimensional lattice nothing is proved, of the material three-dimensional ellipticity.
+    /// Certificate for a three-dimensional lattice: ellipticity is proved for the material, and nothing for the waves.
     fn in_three_dimensions(&self, f: &DeformationGradient) -> Result<Certificate<D>, MethodError> {
         let proof = certify_3d(self.material, f, self.tolerance)?.certainty;
         Ok(Certificate {
@@ -420,7 +422,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
     fn of_material(&self, ellipticity: Proved) -> Certainty<D> {
         let scale = self.density * self.speed_squared;
         match ellipticity {
-            // The scale is a double of its own: two roundings.
+            // The scale is itself a rounded double, so two roundings occur.
             Proved::Bounded(bound) if bound > 0.0 => Certainty::Stable {
                 bound: bound / scale * (1.0 - 4.0 * f64::EPSILON),
             },
@@ -454,7 +456,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
         ellipticity: Proved,
     ) -> Result<Certainty<D>, MethodError> {
         let is_imposed = method.choices().background == Background::Imposed;
-        // One tangent at all points, elliptic: the theorem.
+        // The tangents at all points are equal and elliptic, so the theorem applies.
         if let (Some(gradient), true, Proved::Bounded(bound)) =
             (self.gradient, is_imposed, ellipticity)
             && bound > 0.0
@@ -468,7 +470,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
             Err(reason) => return Ok(Certainty::unproved(reason)),
         };
         if let Some(gradient) = self.gradient {
-            // Different tangents at the points, each elliptic: the same proof, with the least of them.
+            // The tangents differ but are all elliptic: the theorem applies with the smallest bound.
             let mut least = f64::INFINITY;
             for point in &points {
                 least = match self.ellipticity(&point.deformation, hint) {
@@ -484,7 +486,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
         Ok(self.of_waves(method, f, &waves))
     }
 
-    /// Strong ellipticity at all points with positive volumes, and inversion symmetry: `D >= bound sum_q V_q |B_q|^2`.
+    /// Theorem for strong ellipticity at all points, positive volumes and inversion symmetry: `D >= bound sum_q V_q |B_q|^2`.
     fn by_theorem(&self, method: &Method<D>, gradient: Gradient<D>, bound: f64) -> Certainty<D> {
         match gradient {
             Gradient::Bounded(gradient) => Certainty::Stable {
@@ -530,7 +532,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
         }
     }
 
-    /// The phases of the waves that the search in floating point thinks to grow.
+    /// Phases of the waves that grow according to the floating-point search.
     fn candidates(&self, method: &Method<D>, f: &DeformationGradient) -> Vec<[f64; 2]> {
         let search = ZoneSearch::new(method, f, self.speed_squared);
         let matrix = dynamical_matrix(method, self.material, f);
@@ -565,13 +567,13 @@ impl<'a, const D: usize> Certifier<'a, D> {
         }
     }
 
-    /// `omega^2 / L` as a measure: `c^2 |k|_h^2 = 2 c^2 L / spacing^2`, since all primitive vectors have that length.
+    /// Converts `omega^2 / L` to the measure: `c^2 |k|_h^2 = 2 c^2 L / spacing^2`, since all primitive vectors have length `spacing`.
     fn scaled(&self, method: &Method<D>, measure: f64) -> f64 {
         let spacing = method.choices().spacing;
         measure * spacing * spacing / (2.0 * self.speed_squared)
     }
 
-    /// The discrete gradient of a Lagrangian method over the zone.
+    /// Bounds the discrete gradient of a Lagrangian method over the zone.
     fn gradient(&self, method: &Method<D>) -> Result<Option<Gradient<D>>, MethodError> {
         let identity = DeformationGradient::identity();
         let order = crate::approximation::Order::First;
@@ -613,7 +615,7 @@ fn wave_vector<const D: usize>(method: &Method<D>, phases: &SVector<f64, D>) -> 
     method.lattice().reciprocal() * phases / std::f64::consts::TAU
 }
 
-/// The half planes of phases that bound the zone, and the largest phase in it.
+/// Half planes of phases that bound the zone, and the largest phase in it.
 fn zone<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,
@@ -640,8 +642,8 @@ fn zone<const D: usize>(
     (half_planes, farthest * (1.0 + 1e-6))
 }
 
-/// The phases `pi m` of a wave of which no quadrature point feels a gradient. Where a point is an inversion center and
-/// all phases relative to it are 0 or pi, the gradients of mirrored neighbors cancel.
+/// Phases `pi m` of a wave whose gradient vanishes at every quadrature point. At a point that is an inversion center, with all phases relative to it
+/// equal to 0 or pi, the gradients of mirrored neighbors cancel.
 fn zero_energy_phases<const D: usize>(points: &[QuadraturePoint<D>]) -> Option<SVector<f64, D>> {
     let is_integer = |x: f64| (x - x.round()).abs() <= 1e-14;
     let are_centers = points
@@ -658,7 +660,7 @@ fn planar<const D: usize>(v: &SVector<f64, D>) -> [f64; 2] {
     [0, 1].each(|i| if i < D { v[i] } else { 0.0 })
 }
 
-/// A lower bound of a square root.
+/// Lower bound of a square root.
 fn lower_root(x: f64) -> f64 {
     x.max(0.0).sqrt().next_down().max(0.0)
 }

@@ -1,12 +1,12 @@
-//! Functions on a box as quadratic polynomials with a bounded rest.
+//! Enclosures of functions on a box by quadratic polynomials with a bounded remainder.
 
 use super::waves::Entries;
 use crate::algebra::Each;
 
-/// Rounding of one operation on patches, in units of the magnitudes of its operands: at most 30 roundings.
+/// Rounding error of one operation on patches, in units of the magnitudes of its operands: at most 30 roundings.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// `value + slope . x + x . curvature x + rest`, `x` in `[-1, 1]^2`, `|rest| <= rest`.
+/// Enclosure `value + slope . x + x . curvature x + rest`, `x` in `[-1, 1]^2`, `|rest| <= rest`.
 ///
 /// The curvature is stored as the coefficients of `x1^2`, `x1 x2`, `x2^2`.
 #[derive(Clone, Copy, Debug)]
@@ -26,12 +26,12 @@ impl Patch {
         self.curvature.iter().map(|x| x.abs()).sum()
     }
 
-    /// A bound of the absolute value on the box.
+    /// Bound of the absolute value on the box.
     fn magnitude(&self) -> f64 {
         self.value.abs() + self.slopes() + self.curvatures() + self.rest
     }
 
-    /// `a self + b other`.
+    /// Linear combination `a self + b other`.
     pub(super) fn combined(&self, a: f64, other: &Self, b: f64) -> Self {
         let mix = |x: f64, y: f64| a * x + b * y;
         let rest = a.abs() * self.rest + b.abs() * other.rest;
@@ -43,7 +43,7 @@ impl Patch {
         }
     }
 
-    /// The product; what is of third and fourth order goes to the rest.
+    /// Product of two patches. Terms of third and fourth order are added to the remainder.
     pub(super) fn times(&self, other: &Self) -> Self {
         let (a, b) = (self, other);
         let (a_size, b_size) = (a.magnitude(), b.magnitude());
@@ -67,9 +67,9 @@ impl Patch {
         }
     }
 
-    /// A lower bound on the box.
+    /// Lower bound on the box.
     pub(super) fn lower(&self) -> f64 {
-        // Along one axis: the vertex of the parabola where that lies inside, an end otherwise.
+        // Along one axis: the vertex of the parabola if it lies inside, otherwise an end.
         let along = |slope: f64, curvature: f64| {
             let slope = slope.abs();
             if slope < 2.0 * curvature {
@@ -84,12 +84,12 @@ impl Patch {
         self.value - self.rest + apart.max(self.vertex()) - ROUNDING * self.magnitude()
     }
 
-    /// The lowest point of the quadratic part over the plane: where two branches cross in a cone, the discriminant is
-    /// a well that touches zero, and only the well as a whole says so.
+    /// Minimum of the quadratic part over the whole plane. Where two branches cross in a cone, the discriminant has a minimum that touches zero, and
+    /// only this estimate shows that it is not negative.
     fn vertex(&self) -> f64 {
         let ([a, b, c], [p, q]) = (self.curvature, self.slope);
         let determinant = 4.0 * a * c - b * b;
-        // Far enough from a valley for the rounding of the quotient to be small.
+        // Require a nearly isotropic minimum, so that rounding of the quotient is small.
         if a > 0.0 && determinant > 1e-3 * a * c {
             -(c * p * p - b * p * q + a * q * q) / determinant * (1.0 + 1e-9)
         } else {
@@ -98,17 +98,17 @@ impl Patch {
     }
 }
 
-/// A matrix on a box, entries `11, 12, 21, 22`.
+/// Matrix-valued patch with the entries `11, 12, 21, 22`.
 pub(super) type MatrixPatch = [Patch; 4];
 
-/// Whether both eigenvalues have a positive real part on the box, and no oscillation grows noticeably.
+/// Returns true if both eigenvalues have positive real parts on the box, and oscillations grow no faster than tolerated.
 ///
-/// The real parts are positive if and only if trace and determinant are. `growth` is `None` for symmetric matrices;
-/// otherwise `(a, b)`: the discriminant `((m11 - m22)/2)^2 + m12 m21` must exceed `-(a + b trace)`.
+/// The real parts are positive if and only if trace and determinant are. `growth` is `None` for symmetric matrices. Otherwise, with `(a, b)`, the
+/// discriminant `((m11 - m22)/2)^2 + m12 m21` must exceed `-(a + b trace)`.
 pub(super) fn is_positive(matrix: &MatrixPatch, growth: Option<(f64, f64)>) -> bool {
     let [m11, m12, m21, m22] = matrix;
     let trace = m11.combined(1.0, m22, 1.0);
-    // NaN exceeds nothing: it is no proof.
+    // Comparisons with NaN are false, so NaN is no proof.
     let is_above_zero = |patch: &Patch| patch.lower() > 0.0;
     if !is_above_zero(&trace) {
         return false;
@@ -126,7 +126,7 @@ pub(super) fn is_positive(matrix: &MatrixPatch, growth: Option<(f64, f64)>) -> b
     discriminant.combined(1.0, &trace, factor).lower() + constant > 0.0
 }
 
-/// The smaller eigenvalue of a real matrix, by real part.
+/// Smaller eigenvalue of a real matrix, by real part.
 pub(super) fn smallest(m: &Entries) -> f64 {
     let half = 0.5 * (m[0] - m[3]);
     let discriminant = half * half + m[1] * m[2];
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn a_well_that_touches_zero_is_known_to_do_so() {
-        // (x + y)^2 + x^2, as a discriminant is at a crossing.
+        // (x + y)^2 + x^2, like a discriminant at a crossing.
         let well = Patch {
             value: 1e-12,
             slope: [0.0; 2],

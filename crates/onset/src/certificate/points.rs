@@ -1,7 +1,7 @@
-//! Quadrature points, neighbors and shape functions in intervals.
+//! Interval enclosures of quadrature points, neighbors and shape functions.
 //!
-//! The same definitions as in [`crate::method`] and [`crate::approximation`], written a second time: what is proved does not
-//! rest on the floating-point path.
+//! The definitions of [`crate::method`] and [`crate::approximation`] are implemented independently here, so that a proof does not rely on the
+//! floating-point code.
 
 use super::Reason;
 use crate::algebra::{Each, array_of};
@@ -10,24 +10,24 @@ use crate::kinematics::DeformationGradient;
 use crate::method::{Background, CurrentLattice, Frame, MAXIMUM_NEIGHBORS, Method, SupportSize};
 use crate::real::{Interval, Real};
 
-/// Units in the last place by which places of quadrature points and primitive vectors can be off the ideal ones.
+/// Error of the places of quadrature points and primitive vectors, in units in the last place.
 const PLACE_ULPS: u32 = 4;
-/// Units in the last place by which Voronoi volumes can be off the ideal ones.
+/// Error of Voronoi volumes, in units in the last place.
 const VOLUME_ULPS: u32 = 64;
-/// Distance of lattice coordinates below which two places are the same.
+/// Distance in lattice coordinates below which two places are equal.
 const SAME_PLACE: f64 = 2e-16;
 
-/// Distance of the rim, in support radii, within which [`Kernel::weight`](crate::kernel::Kernel::weight) counts no neighbor.
+/// Distance from the edge of the support, in support radii, within which [`Kernel::weight`](crate::kernel::Kernel::weight) ignores a neighbor.
 const ON_THE_RIM: f64 = 1e-12;
 
-/// Up to three coefficients or basis functions; with fewer, the rest are zero.
+/// Up to three coefficients or basis functions; unused entries are zero.
 type Basis = [Interval; 3];
 type BasisMatrix = [Basis; 3];
 type Square<const D: usize> = [[Interval; D]; D];
 
-/// A quadrature point, which stands for its mirror image too.
+/// Quadrature point, which also represents its mirror image.
 pub(super) struct Point<const D: usize> {
-    /// `V_q / (rho V0)` of the point and of its image together.
+    /// Factor `V_q / (rho V0)` of the point and its image together.
     pub(super) factor: Interval,
     pub(super) is_node: bool,
     pub(super) place: [f64; D],
@@ -39,23 +39,23 @@ pub(super) struct Point<const D: usize> {
     pub(super) has_balanced_gradients: bool,
 }
 
-/// A particle in the support of a quadrature point, with its shape function and all derivatives of that.
+/// Particle in the support of a quadrature point, with its shape function and all derivatives of the function.
 pub(super) struct Neighbor<const D: usize> {
-    /// Lattice coordinates, relative to the cell of the point.
+    /// Lattice coordinates relative to the cell of the point.
     pub(super) cell: [i32; D],
     pub(super) value: Interval,
     pub(super) gradient: [Interval; D],
     pub(super) hessian: Square<D>,
     pub(super) frozen_hessian: Square<D>,
-    /// `a = p W` and its derivatives by the position.
+    /// Weighted basis `a = p W` and its derivatives by the position.
     pub(super) a: Basis,
     pub(super) a1: [Basis; D],
-    /// `d alpha / d x_K,t` and its derivative by the evaluation point, `[j][t]`.
+    /// Derivative `d alpha / d x_K,t` and its derivative by the evaluation point, `[j][t]`.
     pub(super) shift: [Basis; D],
     pub(super) shift1: [[Basis; D]; D],
 }
 
-/// One weight with its place in the basis.
+/// Weight of a particle with its position in the basis.
 struct Term<const D: usize> {
     cell: [i32; D],
     position: [Interval; D],
@@ -67,18 +67,19 @@ struct Term<const D: usize> {
     a2: [[Basis; D]; D],
 }
 
-/// How kernels are laid out at a state.
+/// Support and metric of the kernels at a state.
 struct Layout<const D: usize> {
     vectors: Square<D>,
     metric: Square<D>,
     radius: Interval,
 }
 
-/// The quadrature points of one cell, one of each pair that inversion maps to each other.
+/// Returns the quadrature points of one cell, one of each pair that inversion maps to each other.
 ///
 /// # Errors
-/// [`Reason::Method`] for approximations and quadratures that are not written down here; [`Reason::NoInversionCenter`] when inversion does not map the set onto itself; [`Reason::NotFinite`] when the deformed
-/// lattice is so thin that intervals do not tell it from a degenerate one.
+/// - [`Reason::Method`] for approximations and quadratures that are not implemented here
+/// - [`Reason::NoInversionCenter`] if inversion does not map the set onto itself
+/// - [`Reason::NotFinite`] if the deformed lattice is so thin that intervals do not distinguish it from a degenerate one
 pub(super) fn points<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,
@@ -176,8 +177,8 @@ fn enclosed<const D: usize>(
         terms.extend(term(method, layout, cell, position, basis));
     }
     let raw = (approximation == Approximation::Raw).then(|| raw_factor(method, layout));
-    // Three triangles meet in each centroid of the hexagonal reference lattice as two axes do in a center: a
-    // vector that its symmetry leaves in place is zero.
+    // Three triangles meet in each centroid of the hexagonal reference lattice, as two axes do in a center. A vector that is invariant under this
+    // symmetry is zero.
     let is_regular = discretization.frame == Frame::Lagrangian
         || discretization.current_lattice == CurrentLattice::Regular;
     let is_centroid = is_regular
@@ -197,8 +198,8 @@ fn enclosed<const D: usize>(
     })
 }
 
-/// A particle's weight, unless it is certainly outside of the support. One of which that is not certain is taken in, with
-/// intervals that hold zero as well: whether the kernel ends smoothly at the rim or not, they hold what the weight is on both sides.
+/// Weight of a particle, or `None` if it is certainly outside the support. In doubtful cases the intervals include zero, so they contain the weight
+/// on both sides of the edge even if the kernel does not end smoothly.
 fn term<const D: usize>(
     method: &Method<D>,
     layout: &Layout<D>,
@@ -220,7 +221,7 @@ fn term<const D: usize>(
     }
     let in_unit: Square<D> = array_of(|j| {
         array_of(|t| {
-            // |y_j y_t / q| <= q also at the center.
+            // |y_j y_t / q| <= q also holds at the center.
             let ratio = if q.low > 0.0 {
                 y[j] * y[t] / q
             } else {
@@ -273,14 +274,14 @@ fn term<const D: usize>(
     })
 }
 
-/// Particle volume over the integral of the weight.
+/// Particle volume divided by the integral of the weight.
 fn raw_factor<const D: usize>(method: &Method<D>, layout: &Layout<D>) -> Interval {
     let unit = method.choices().kernel.enclosed_integral::<D>();
     let integral = unit * layout.radius.powi(D as i32) / determinant(&layout.metric).abs();
     determinant(&layout.vectors).abs() / integral
 }
 
-/// The shape functions `alpha . p W` with `M alpha = e_0`, or with a constant `alpha` for raw weights.
+/// Shape functions `alpha . p W` with `M alpha = e_0`, or with a constant `alpha` for raw weights.
 fn shape_functions<const D: usize>(
     terms: &[Term<D>],
     basis: usize,
@@ -356,20 +357,20 @@ fn shape_functions<const D: usize>(
     terms.iter().map(neighbor).collect()
 }
 
-/// `(p_,j (x) a + p (x) a_,j) v`.
+/// First-derivative moment `(p_,j (x) a + p (x) a_,j) v`.
 fn first_moment<const D: usize>(term: &Term<D>, j: usize, v: &Basis) -> Basis {
     let (along, across) = (dot(&term.a, v), dot(&term.a1[j], v));
     array_of(|b| term.basis1[j][b] * along + term.basis[b] * across)
 }
 
-/// `(p_,j (x) a_,t + p_,t (x) a_,j + p (x) a_,jt) v`.
+/// Second-derivative moment `(p_,j (x) a_,t + p_,t (x) a_,j + p (x) a_,jt) v`.
 fn second_moment<const D: usize>(term: &Term<D>, j: usize, t: usize, v: &Basis) -> Basis {
     let (own, other) = (dot(&term.a1[j], v), dot(&term.a1[t], v));
     let both = dot(&term.a2[j][t], v);
     array_of(|b| term.basis1[j][b] * other + term.basis1[t][b] * own + term.basis[b] * both)
 }
 
-/// The deformation gradient that a quadrature point carries.
+/// Deformation gradient stored at a quadrature point.
 fn carried<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,
@@ -407,7 +408,7 @@ fn carried<const D: usize>(
     DeformationGradient::from_components(components)
 }
 
-/// The cells with lattice coordinates within `reach` of a place; `None` when there are too many.
+/// Cells with lattice coordinates within `reach` of a place; `None` if there are too many.
 fn cells<const D: usize>(place: &[Interval; D], reach: &[f64; D]) -> Option<Vec<[i32; D]>> {
     let boxes: f64 = reach.iter().map(|r| 2.0 * r + 3.0).product();
     if boxes.is_nan() || boxes > 1e4 * MAXIMUM_NEIGHBORS as f64 {
@@ -451,7 +452,7 @@ fn image<const D: usize>(m: &Square<D>, v: &[Interval; D]) -> [Interval; D] {
     array_of(|i| sum((0..D).map(|j| m[i][j] * v[j])))
 }
 
-/// The determinant in one and two dimensions; nothing is known of it in others.
+/// Determinant in one and two dimensions; unbounded in others.
 fn determinant<const D: usize>(m: &Square<D>) -> Interval {
     match D {
         1 => m[0][0],
@@ -460,7 +461,7 @@ fn determinant<const D: usize>(m: &Square<D>) -> Interval {
     }
 }
 
-/// The inverse in one and two dimensions; nothing is known of it in others.
+/// Inverse in one and two dimensions; unbounded in others.
 fn inverse<const D: usize>(m: &Square<D>) -> Square<D> {
     let determinant = determinant(m);
     array_of(|i| {
@@ -497,10 +498,10 @@ fn add_outer(m: &mut BasisMatrix, a: &Basis, b: &Basis, basis: usize) {
     }
 }
 
-/// The inverse of the leading block, by cofactors.
+/// Inverse of the leading block, by cofactors.
 fn inverse_of_basis(m: &BasisMatrix, basis: usize) -> BasisMatrix {
     let mut result = [[Interval::ZERO; 3]; 3];
-    // Padded with ones on the diagonal, one formula does for all sizes.
+    // Padded with ones on the diagonal, so that one formula holds for all sizes.
     let mut padded = *m;
     for b in basis..3 {
         padded[b][b] = Interval::point(1.0);

@@ -1,8 +1,8 @@
 //! Strong ellipticity over all directions in three dimensions.
 //!
-//! Proved in intervals, for all stiffnesses with components in them: by null Lagrangians where these suffice (one matrix of nine
-//! rows is shown to be positive definite), otherwise by covering the sphere with triangles. Refuted by one direction and one
-//! polarization whose energy is certainly negative.
+//! Proofs hold for all stiffnesses whose components lie in the given intervals. Null Lagrangians are tried first (one 9 x 9 matrix is shown to be
+//! positive definite); otherwise triangles cover the sphere. Strong ellipticity is refuted by one direction and one polarization whose energy is
+//! certainly negative.
 
 use super::{Certainty, Reason, Witness, lower_root};
 use crate::algebra::{Each, is_positive_definite};
@@ -15,22 +15,24 @@ use crate::material::{Hyperelastic, MaterialError, ResponseEnclosure};
 use crate::real::Interval;
 use nalgebra::Vector3;
 
-/// The parts of the smallest eigenvalue found that are tried as its lower bound.
+/// Fractions of the smallest eigenvalue found that are tried as its lower bound.
 const SHARES: [f64; 5] = [0.999, 0.9, 0.5, 0.1, 1e-3];
-/// Triangles of the sphere per share.
+/// Largest number of triangles of the sphere per fraction.
 const BUDGET: usize = 20_000;
 
-/// What is proved of the smallest acoustic eigenvalue over all directions in three dimensions.
+/// Proved statement on the smallest acoustic eigenvalue over all directions in three dimensions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpaceCertificate {
-    /// The answer. Measures are acoustic eigenvalues over a given one, witnesses directions `N`.
+    /// Result of the proof. Measures are acoustic eigenvalues in units of a given scale, witnesses are directions `N`.
     pub certainty: Certainty<3>,
-    /// The polarization `g` (of any length) with which the witness was confirmed: `g . Q(N) g < 0`.
+    /// Polarization `g` (of any length) with which the witness was confirmed: `g . Q(N) g < 0`.
     pub polarization: Option<Vector3<f64>>,
 }
 
-/// Proves or refutes that a state of a material is strongly elliptic in three dimensions. Measures are in units of the largest acoustic
-/// eigenvalue of the material in the reference state; `tolerance` says from where a measure that is left undecided is not near zero.
+/// Proves or refutes that a state of a material is strongly elliptic in three dimensions.
+///
+/// Measures are in units of the largest acoustic eigenvalue of the material in the reference state. An undecided measure within `tolerance` of zero
+/// is reported as such.
 ///
 /// ```
 /// use onset::certificate::{Certainty, certify_3d};
@@ -48,7 +50,7 @@ pub struct SpaceCertificate {
 /// ```
 ///
 /// # Errors
-/// [`MaterialError`] when the material cannot be evaluated in the reference state.
+/// [`MaterialError`] if the material cannot be evaluated in the reference state.
 pub fn certify_3d(
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
@@ -66,7 +68,7 @@ pub fn certify_3d(
 }
 
 impl SpaceCertificate {
-    /// Proves or refutes strong ellipticity for all states of an enclosure at once. Measures are in units of `scale`.
+    /// Proves or refutes strong ellipticity for all states of an enclosure together. Measures are in units of `scale`.
     pub fn of(enclosure: &ResponseEnclosure, scale: f64, tolerance: f64) -> Self {
         let form = Form::from_fn(|i, j, k, l| enclosure.tangent[i][j][k][l]);
         let largest = form.components().map(Interval::magnitude);
@@ -78,7 +80,7 @@ impl SpaceCertificate {
                 reason: Reason::NotFinite,
             });
         }
-        // Components of magnitude one, by a power of two.
+        // Normalize the components by a power of two.
         let unit = 2.0_f64.powi(-(largest.log2().round().clamp(-1000.0, 1000.0) as i32));
         let form = form.map(|component| component * unit);
         let in_units = |value: Interval| value / Interval::point(unit) / Interval::point(scale);
@@ -118,7 +120,7 @@ impl SpaceCertificate {
         energy: Interval,
         in_units: impl Fn(Interval) -> Interval,
     ) -> Self {
-        // The eigenvalue is not above the energy, and above levels that the acoustic tensor exceeds.
+        // The eigenvalue does not exceed the energy, and exceeds any level that the acoustic tensor exceeds.
         let point = [wave.direction; 3];
         let below = [1e-14, 1e-12, 1e-9, 1e-6, 1e-3].each(|distance| energy.low - distance);
         let exceeded = below
@@ -143,7 +145,7 @@ impl SpaceCertificate {
     }
 }
 
-/// `g . Q(N) g / (|g|^2 |N|^2)`.
+/// Scaled energy `g . Q(N) g / (|g|^2 |N|^2)`.
 fn energy(form: &Form<Interval>, wave: &Wave) -> Interval {
     let n = wave.direction.map(Interval::point);
     let g = wave.polarization.map(Interval::point);
@@ -153,7 +155,7 @@ fn energy(form: &Form<Interval>, wave: &Wave) -> Interval {
     dot(&force, &g) / (squared(g) * squared(n))
 }
 
-/// Whether all eigenvalues of all forms in the intervals exceed a level, of which the middle one has the smallest `found`.
+/// Returns true if all eigenvalues of all forms in the intervals exceed a level; `found` is the smallest eigenvalue of the middle form.
 fn is_above(form: &Form<Interval>, middle: &Form<f64>, found: f64, level: f64) -> bool {
     let at_once = bound(middle, 0.5 * (level + found));
     if is_positive_definite(&form.lowered(level, &at_once.factors)) {

@@ -1,4 +1,4 @@
-//! The dynamical matrix as a sum of cosines whose distance from the exact one is bounded.
+//! The dynamical matrix as a sum of cosines with a bounded error.
 
 use super::points::{Neighbor, Point};
 use crate::algebra::{Each, array_of};
@@ -6,16 +6,16 @@ use crate::material::{Hyperelastic, ResponseEnclosure};
 use crate::method::{Frame, Linearization, Method};
 use crate::real::Interval;
 
-/// The entries `11, 12, 21, 22` of a matrix. In one dimension the single entry stands at `11` and `22`.
+/// Entries `11, 12, 21, 22` of a matrix. In one dimension the single entry is stored at `11` and `22`.
 pub(super) type Entries = [f64; 4];
 
-/// `D = rigid + sum_n C_n (1 - cos n.theta)`, `theta_i = k.a_i`, over half of the vectors `n`.
+/// Sum `D = rigid + sum_n C_n (1 - cos n.theta)`, `theta_i = k.a_i`, over half of the vectors `n`.
 ///
-/// Real, because inversion maps the set of quadrature points onto itself. The coefficients are doubles, taken as they
-/// are; the exact dynamical matrix differs from the sum by no more than the stated errors.
+/// The sum is real because inversion maps the set of quadrature points onto itself. The coefficients are taken as exact doubles. The exact dynamical
+/// matrix differs from the sum by no more than the stated errors.
 pub(super) struct Waves {
     pub(super) terms: Vec<Term>,
-    /// Where in its cell a vector ends; the lattice point first.
+    /// Positions of the ends of vectors in their cell, starting with the lattice point.
     pub(super) sites: Vec<[f64; 2]>,
     /// Largest lattice coordinate of a cell.
     pub(super) reach: usize,
@@ -23,14 +23,14 @@ pub(super) struct Waves {
     pub(super) error: f64,
     /// Bound of `sum |delta C_n| |n|^2 / 2`, `|n| = |n_1| + |n_2|`.
     pub(super) long_error: f64,
-    /// `D(0)` where it is not zero by the partition of unity or by symmetry.
+    /// Matrix `D(0)` if it does not vanish by the partition of unity or by symmetry.
     pub(super) rigid: Option<[Interval; 4]>,
-    /// Whether `D` is symmetric, as the second derivative of an energy is.
+    /// Whether `D` is symmetric, like the second derivative of an energy.
     pub(super) is_symmetric: bool,
     pub(super) dimension: usize,
 }
 
-/// One vector `n = cell + site` with its coefficient.
+/// Vector `n = cell + site` with its coefficient.
 #[derive(Clone, Copy)]
 pub(super) struct Term {
     pub(super) cell: [i32; 2],
@@ -38,19 +38,18 @@ pub(super) struct Term {
     pub(super) coefficient: Entries,
 }
 
-/// Stress and tangent that a quadrature point multiplies gradients with.
+/// Stress and tangent that multiply gradients at a quadrature point.
 struct Stiffness<const D: usize> {
-    /// `a_ijkl`, or `A_iJkL` in the reference frame, times the factor of the point.
+    /// Tangent `a_ijkl`, or `A_iJkL` in the reference frame, times the factor of the point.
     tangent: [[[[Interval; D]; D]; D]; D],
-    /// `sigma_ij` times the factor of the point; zero in the reference frame.
+    /// Stress `sigma_ij` times the factor of the point; zero in the reference frame.
     stress: [[Interval; D]; D],
 }
 
-/// One channel of the pair interaction: the block between particles `I` and `K` is `sum_c left_c(I) right_c(K)`, entry
-/// by entry.
+/// One channel of the pair interaction: the block between particles `I` and `K` is `sum_c left_c(I) right_c(K)`, entry by entry.
 type Channel = [[Interval; 4]; 2];
 
-/// The dynamical matrix of a method and a material.
+/// Dynamical matrix of a method and a material.
 pub(super) fn dynamical_waves<const D: usize>(
     method: &Method<D>,
     material: &dyn Hyperelastic,
@@ -70,7 +69,7 @@ pub(super) fn dynamical_waves<const D: usize>(
     assembled(method, points, &stiffnesses, method.choices().frame)
 }
 
-/// The squared norm of the discrete gradient, `sum_q V_q |B_q|^2 / (rho V0)`, on the diagonal.
+/// Squared norm of the discrete gradient, `sum_q V_q |B_q|^2 / (rho V0)`, on the diagonal.
 pub(super) fn gradient_waves<const D: usize>(method: &Method<D>, points: &[Point<D>]) -> Waves {
     let zero = Interval::ZERO;
     let stiffness = |point: &Point<D>| {
@@ -130,7 +129,7 @@ fn stiffness<const D: usize>(
     stiffness
 }
 
-/// Matrices `D x D` as entries.
+/// Entries of a `D x D` matrix.
 fn entries<const D: usize>(entry: impl Fn(usize, usize) -> Interval) -> [Interval; 4] {
     if D == 1 {
         let only = entry(0, 0);
@@ -140,7 +139,7 @@ fn entries<const D: usize>(entry: impl Fn(usize, usize) -> Interval) -> [Interva
     }
 }
 
-/// The channels of a neighbor, as the one that feels a force and as the one that moves.
+/// Channels of a neighbor: first as the particle that receives the force, then as the particle that moves.
 fn channels<const D: usize>(
     point: &Point<D>,
     neighbor: &Neighbor<D>,
@@ -152,7 +151,7 @@ fn channels<const D: usize>(
     let gradient = &neighbor.gradient;
     let mut channels = Vec::with_capacity(D + 7);
     for l in 0..D {
-        // grad phi_I . a : grad phi_K, and sigma_il delta_jk, which volume and stress change leave together.
+        // grad phi_I . a : grad phi_K, and the term sigma_il delta_jk left by the changes of volume and stress together.
         let left = entries::<D>(|i, k| {
             (0..D).fold(stress[i][l] * gradient[k], |sum, j| {
                 sum + gradient[j] * tangent[i][j][k][l]
@@ -186,7 +185,7 @@ fn channels<const D: usize>(
     channels
 }
 
-/// `sigma_ij phi_I,jk`: what the motion of the quadrature point changes.
+/// Effect `sigma_ij phi_I,jk` of the motion of the quadrature point.
 fn kernel_motion<const D: usize>(
     neighbor: &Neighbor<D>,
     stiffness: &Stiffness<D>,
@@ -204,7 +203,7 @@ fn kernel_motion<const D: usize>(
     })
 }
 
-/// Magnitudes and radii of one side of a channel, summed over the neighbors, plain and with `|n|^2`.
+/// Magnitudes and radii of one side of a channel, summed over the neighbors, unweighted and weighted with `|n|^2`.
 #[derive(Clone, Copy, Default)]
 struct Sums {
     size: f64,
@@ -246,7 +245,7 @@ impl Assembly {
         }
     }
 
-    /// Adds all pairs of neighbors of a point. Particles `I = K` go to the vector zero, which no phase multiplies.
+    /// Adds all pairs of neighbors of a point. Pairs `I = K` are assigned to the zero vector, which has no phase factor.
     fn add_pairs(&mut self, cells: &[[i32; 2]], place: [f64; 2], channels: &[Vec<Channel>]) {
         let count = channels.first().map_or(0, Vec::len);
         let side = |which: usize| -> Vec<Entries> {
@@ -275,7 +274,7 @@ impl Assembly {
                 }
             }
         }
-        // Each force constant is a sum of at most this many products, in whatever order.
+        // Each force constant is a sum of at most this many products, in any order.
         let additions = (4 * count + 4 * self.neighbors + 64) as f64;
         let rounding = additions * f64::EPSILON;
         for c in 0..count {
@@ -303,7 +302,7 @@ impl Assembly {
         }
     }
 
-    /// Adds single vectors: the motion of a quadrature point with its own wave.
+    /// Adds the terms of single vectors: the motion of a quadrature point with its own wave.
     fn add_motion(&mut self, cell: [i32; 2], site: Option<usize>, motion: &[Interval; 4]) {
         let coefficient = motion.map(Interval::midpoint);
         let place = site.map_or([0.0; 2], |site| self.sites[site]);
@@ -323,13 +322,13 @@ impl Assembly {
             Some(site) => self.loose.push(Term {
                 cell: cell.each(|n| -n),
                 site,
-                // The mirror image, which is taken together or listed too, makes a cosine of the phase.
+                // The mirror image, which is combined with this point or listed too, turns the phase factor into a cosine.
                 coefficient: coefficient.each(|x| -x),
             }),
         }
     }
 
-    /// Adds to the errors: the one of an entry is that of `Phi(R)`, twice of which reaches `C_n` at most.
+    /// Adds to the errors: an error of `Phi(R)` contributes at most twice to `C_n`.
     fn spread(&mut self, error: f64, long: f64) {
         self.error += 2.0 * error;
         self.long_error += 2.0 * long;
@@ -395,7 +394,7 @@ fn assembled<const D: usize>(
     finished(assembly, rigid, frame)
 }
 
-/// What a rigid translation costs at a point: nothing where the functions are a partition of unity.
+/// Force constant of a rigid translation at a point; `None` if the functions are a partition of unity.
 fn rigid_part<const D: usize>(
     method: &Method<D>,
     point: &Point<D>,
@@ -450,7 +449,7 @@ fn rigid_part<const D: usize>(
     }))
 }
 
-/// Folds `R` and `-R`: `C_n = -(Phi(R) + Phi(-R))`.
+/// Combines `R` and `-R`: `C_n = -(Phi(R) + Phi(-R))`.
 fn finished(assembly: Assembly, rigid: Option<[Interval; 4]>, frame: Frame) -> Waves {
     let side = 2 * assembly.reach + 1;
     let middle = assembly.blocks.len() / 2;
@@ -484,7 +483,7 @@ fn finished(assembly: Assembly, rigid: Option<[Interval; 4]>, frame: Frame) -> W
         terms,
         sites: assembly.sites,
         reach: reach.unwrap_or(0) as usize,
-        // Of the bound itself.
+        // Rounding of the bound itself.
         error: assembly.error * (1.0 + 1e-9) + f64::MIN_POSITIVE,
         long_error: assembly.long_error * (1.0 + 1e-9) + f64::MIN_POSITIVE,
         rigid,
