@@ -1,4 +1,4 @@
-//! How faithful the discretization of a study is to its material.
+//! Fidelity of a discretization: agreement of its stability boundary with the material's.
 
 use crate::answers::ProblemError;
 use crate::number::{told, vector};
@@ -11,100 +11,100 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// Rays from the reference state.
+/// Number of rays from the reference state.
 const RAYS: usize = 360;
 
-/// Asks for the phase of a state.
+/// Probe that returns the phase and the measure of a state.
 pub(super) type Ask<'a> = &'a (dyn Fn([f64; 2]) -> Result<Probe, ProblemError> + Sync);
 
-/// How faithful a discretization is over the window of a study.
+/// Fidelity of a discretization over the window of a study.
 #[derive(Clone, Debug, Serialize)]
 pub struct Fidelity {
-    /// Area of the window, in the product of the units of its axes, as all areas.
+    /// Area of the window; all areas are in the product of the units of its axes.
     pub window_area: f64,
-    /// Where the material is strongly elliptic.
+    /// Area where the material is strongly elliptic.
     pub elliptic_area: f64,
-    /// Elliptic, but the particles are unstable.
+    /// Area where the material is elliptic and the particles are unstable.
     pub false_instability_area: f64,
-    /// The same as a share of the elliptic area; `null` without one.
+    /// False-instability area as a share of the elliptic area; `null` without an elliptic area.
     pub false_instability_share: Option<f64>,
-    /// Not elliptic, but the particles are stable.
+    /// Area where the material is not elliptic and the particles are stable.
     pub suppressed_instability_area: f64,
-    /// The same as a share of the elliptic area; `null` without one.
+    /// Suppressed-instability area as a share of the elliptic area; `null` without an elliptic area.
     pub suppressed_instability_share: Option<f64>,
-    /// Where the discretization is not defined.
+    /// Area where the discretization is undefined.
     pub undefined_area: f64,
-    /// How far the boundaries are apart; `null` when there are not both.
+    /// Distance between the two boundaries; `null` if either is missing.
     pub hausdorff: Option<Apart>,
-    /// Onsets along rays from the reference state; `null` unless the axes are the two stretches and the window holds it.
+    /// Onsets along rays from the reference state; `null` unless the axes are the two stretches and the window contains that state.
     pub rays: Option<Rays>,
 }
 
-/// The distance of two boundaries.
+/// Distance between two boundaries.
 #[derive(Clone, Debug, Serialize)]
 pub struct Apart {
-    /// The Hausdorff distance: the larger one of both directions.
+    /// Hausdorff distance: the larger of the two one-sided distances.
     pub distance: f64,
-    /// The largest distance of a point of the material's boundary from that of the discretization.
+    /// Largest distance of a point on the material's boundary from the boundary of the discretization.
     pub from_material: f64,
-    /// Where that is.
+    /// Point on the material's boundary with this distance.
     pub from_material_at: [f64; 2],
-    /// The largest distance of a point of the discretization's boundary from that of the material.
+    /// Largest distance of a point on the boundary of the discretization from the material's boundary.
     pub from_discretization: f64,
-    /// Where that is.
+    /// Point on the boundary of the discretization with this distance.
     pub from_discretization_at: [f64; 2],
-    /// `axes` when distances are in the coordinates of the axes, `window` when their units differ and distances are in
-    /// fractions of the window.
+    /// Unit of the distances.
+    ///
+    /// `axes` for the coordinates of the axes; `window` for fractions of the window, if the units of the axes differ.
     pub unit: &'static str,
 }
 
 /// Onsets along straight rays of stretches from the reference state.
 #[derive(Clone, Debug, Serialize)]
 pub struct Rays {
-    /// How many, at equal angles.
+    /// Number of rays, at equal angles.
     pub count: usize,
-    /// On how many both lose stability within the window.
+    /// Number of rays along which both lose stability within the window.
     pub both: usize,
-    /// On how many only the material does.
+    /// Number of rays along which only the material loses stability.
     pub only_material: usize,
-    /// On how many only the particles do.
+    /// Number of rays along which only the particles lose stability.
     pub only_discretization: usize,
-    /// On how many the discretization is undefined before it loses stability.
+    /// Number of rays along which the discretization is undefined before it loses stability.
     pub undefined: usize,
-    /// The largest distance `[sum (lambda_i^num - lambda_i^exact)^2]^(1/2)` of the two onsets relative to the exact
-    /// stretch.
+    /// Ray with the largest distance of the onsets, `[sum (lambda_i^num - lambda_i^exact)^2]^(1/2)`, relative to the exact stretch.
     pub worst: Option<WorstRay>,
-    /// The largest error of the Cauchy stress at the onset, relative to the exact one.
+    /// Ray with the largest error of the Cauchy stress at onset, relative to the exact stress.
     pub worst_stress: Option<WorstStress>,
 }
 
-/// The ray with the largest distance of onsets.
+/// Ray with the largest distance of onsets.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct WorstRay {
     /// Stretches at the onset of the material.
     pub material: [f64; 2],
     /// Stretches at the onset of the particles.
     pub discretization: [f64; 2],
-    /// The distance.
+    /// Distance between the two onsets.
     pub error: f64,
-    /// The distance over the norm of the stretches of the material's onset.
+    /// Distance over the norm of the stretches at the material's onset.
     pub relative: f64,
 }
 
-/// The ray with the largest error of stress.
+/// Ray with the largest error of stress.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct WorstStress {
     /// Stretches at the onset of the material.
     pub material: [f64; 2],
     /// Stretches at the onset of the particles.
     pub discretization: [f64; 2],
-    /// The Frobenius norm of the difference of Cauchy stresses; stress.
+    /// Frobenius norm of the difference of the Cauchy stresses; stress.
     pub error: f64,
-    /// The same over the norm of the stress at the material's onset.
+    /// Error over the norm of the stress at the material's onset.
     pub relative: f64,
 }
 
-/// What has been traced.
+/// Traced boundaries of a study.
 pub(super) struct Traced<'a> {
     pub(super) study: &'a Study,
     pub(super) window: Window,
@@ -171,7 +171,7 @@ fn apart(traced: &Traced<'_>) -> Option<Apart> {
     })
 }
 
-/// Whether rays of stretches can be drawn: the axes are the two stretches, and the window holds the reference state.
+/// Returns true if the axes are the two stretches and the window contains the reference state.
 fn has_rays(traced: &Traced<'_>) -> bool {
     let [first, second] = traced.study.plane();
     let names = [first.quantity, second.quantity];
@@ -194,7 +194,7 @@ fn rays(
         return Ok(None);
     }
     let along = |n: usize| -> Result<([f64; 2], [RayOnset; 2]), ProblemError> {
-        // Turned a little, so that no ray leads along the edge of the window.
+        // Angles are offset by half a step, so that no ray follows the edge of the window.
         let (sine, cosine) = (TAU * (n as f64 + 0.5) / RAYS as f64).sin_cos();
         let ray = ([1.0, 1.0], [cosine, sine]);
         let onset = |of: usize| onset_along(traced.window, traced.boundaries[of], probes[of], ray);

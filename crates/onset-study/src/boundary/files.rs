@@ -1,4 +1,4 @@
-//! Boundaries as files: GeoJSON-like curves in the coordinates of the axes, and a table of vertices.
+//! Boundaries as files: GeoJSON curves in the coordinates of the axes, and a table of vertices.
 
 use super::{Boundaries, CurveSummary, Owner};
 use crate::json;
@@ -6,7 +6,7 @@ use crate::output::{Files, text};
 use onset::verdict::boundary::{Curve, End};
 use serde_json::{Value, json};
 
-/// The word for an end.
+/// Name of an end of a curve.
 pub(super) fn word(end: End) -> &'static str {
     match end {
         End::Edge => "edge",
@@ -17,8 +17,9 @@ pub(super) fn word(end: End) -> &'static str {
     }
 }
 
-/// The boundaries as a FeatureCollection. Open curves are LineStrings, closed ones Polygons of one ring, in the
-/// coordinates of the two axes. A ring runs with its more stable side to the left.
+/// Boundaries as a FeatureCollection in the coordinates of the two axes.
+///
+/// Open curves are LineStrings, closed curves are Polygons with one ring. The more stable side is to the left of a ring.
 pub fn geojson(boundaries: &Boundaries) -> Value {
     let study = &boundaries.study;
     let feature = |(of, curve): (Owner, &Curve)| {
@@ -55,7 +56,7 @@ pub fn geojson(boundaries: &Boundaries) -> Value {
     })
 }
 
-/// The vertices as a table, curve after curve; of a closed one the last row is the first.
+/// Vertices as a table, curve by curve; the last row of a closed curve repeats the first.
 pub fn csv(boundaries: &Boundaries) -> String {
     let [first, second] = boundaries.study.plane();
     let column = |name: &str| name.replace(['-', '.'], "_");
@@ -81,10 +82,10 @@ pub fn csv(boundaries: &Boundaries) -> String {
     text
 }
 
-/// The boundaries as `boundary.geojson` and `boundary.csv`.
+/// Boundaries as `boundary.geojson` and `boundary.csv`.
 ///
 /// # Errors
-/// [`serde_json::Error`] when a value cannot be written as JSON.
+/// [`serde_json::Error`] if a value cannot be written as JSON.
 pub fn files(boundaries: &Boundaries) -> Result<Files, serde_json::Error> {
     Ok(vec![
         text("boundary.geojson", json::document(&geojson(boundaries))?),

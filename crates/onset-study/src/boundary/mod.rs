@@ -1,5 +1,4 @@
-//! The boundaries of a study: where its material and its discretization lose stability, as curves, and how faithful the
-//! one is to the other.
+//! Boundaries of a study: the curves where its material and its discretization lose stability, and how well they agree.
 
 mod fidelity;
 mod files;
@@ -20,43 +19,43 @@ use serde::Serialize;
 use std::time::Instant;
 use thiserror::Error;
 
-/// Cells of the grid of seeds along an axis: as many as the study has states, within these bounds.
+/// Smallest and largest number of seed cells along an axis; in between, the number of states in the study.
 const SEEDS_OF_MATERIAL: (usize, usize) = (96, 192);
 const SEEDS_OF_PARTICLES: (usize, usize) = (32, 96);
-/// States that may be asked for one curve: a material answers in a hundredth of the time of its discretization.
+/// Largest number of states evaluated for one curve. The material takes about a hundredth of the time of its discretization.
 const MATERIAL_BUDGET: usize = 200_000;
 const PARTICLES_BUDGET: usize = 10_000;
 
-/// Why the boundaries of a study cannot be traced.
+/// Reason why the boundaries of a study cannot be traced.
 #[derive(Debug, Error)]
 pub enum BoundaryError {
-    /// Boundaries are curves.
+    /// Study without exactly two axes; boundaries are curves in a plane.
     #[error(
         "the study has {axes} axes; a boundary is traced in a plane of two\n  hint: hold one of {names} fixed under [state], [material] or [discretization] and remove its axis"
     )]
     NotAPlane {
-        /// How many there are.
+        /// Number of axes.
         axes: usize,
-        /// Their names.
+        /// Names of the axes.
         names: String,
     },
-    /// Material or discretization.
+    /// Error of material or discretization.
     #[error(transparent)]
     Problem(#[from] ProblemError),
 }
 
-/// Whose boundary.
+/// Owner of a boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Owner {
-    /// Of strong ellipticity.
+    /// The material: boundary of strong ellipticity.
     Material,
-    /// Of the stability of the particles.
+    /// The discretization: boundary of the stability of the particles.
     Discretization,
 }
 
 impl Owner {
-    /// The word used in files.
+    /// Name in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Material => "material",
@@ -65,19 +64,19 @@ impl Owner {
     }
 }
 
-/// How boundaries are traced.
+/// Options for tracing boundaries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tracing {
-    /// Tell flutter from divergence.
+    /// Whether to distinguish flutter from divergence.
     pub flutter: bool,
-    /// Measure how faithful the discretization is.
+    /// Whether to compute the fidelity of the discretization.
     pub fidelity: bool,
-    /// Give up at this time.
+    /// Deadline for the computation.
     pub until: Option<Instant>,
 }
 
 impl Tracing {
-    /// An error when there is no time left, or nobody waits.
+    /// Returns an error after the deadline or a cancellation.
     fn in_time(&self, watch: &dyn Watch) -> Result<(), ProblemError> {
         let is_late = self.until.is_some_and(|end| Instant::now() >= end);
         match is_late || watch.is_ended() {
@@ -87,46 +86,47 @@ impl Tracing {
     }
 }
 
-/// Who is told what is going on.
+/// Observer of the progress, which may cancel the computation.
 pub trait Watch: Sync {
-    /// So many states more have been asked.
+    /// Reports a number of further evaluated states.
     fn asked(&self, states: u64);
 
-    /// Whether nobody waits for the answer any more.
+    /// Returns true if the caller has cancelled.
     fn is_ended(&self) -> bool {
         false
     }
 }
 
-/// Watches nothing.
+/// Observer that ignores the progress and never cancels.
 impl Watch for () {
     fn asked(&self, _: u64) {}
 }
 
-/// The boundaries of a study.
+/// Boundaries of a study.
 #[derive(Clone, Debug)]
 pub struct Boundaries {
-    /// The study.
+    /// Study whose boundaries are traced.
     pub study: Study,
-    /// The window of its axes.
+    /// Window of the two axes.
     pub window: Window,
-    /// Where strong ellipticity is lost or regained.
+    /// Boundary where strong ellipticity is lost or regained.
     pub material: Boundary,
-    /// Where the stability of the particles is lost or regained, or they are not defined.
+    /// Boundary where the stability of the particles, or the definition of the method, is lost or regained.
     pub discretization: Boundary,
-    /// What fills the window where there is no boundary.
+    /// Phases of a window without boundaries.
     pub throughout: Throughout,
-    /// How faithful the discretization is, where that was asked for.
+    /// Fidelity of the discretization, if requested.
     pub fidelity: Option<Fidelity>,
-    /// What a reader must know of law and method.
+    /// Notes on law and method.
     pub notes: Vec<String>,
 }
 
 impl Boundaries {
-    /// Traces the boundaries of a study of two axes.
+    /// Traces the boundaries of a study with two axes.
     ///
     /// # Errors
-    /// [`BoundaryError`] when it has three, no time is left, or a state cannot be evaluated for another reason than its support.
+    /// [`BoundaryError`] if the study does not have two axes, the deadline has passed, or a state cannot be evaluated for any reason other than the
+    /// support.
     pub fn of(study: &Study, tracing: Tracing, watch: &dyn Watch) -> Result<Self, BoundaryError> {
         let [first, second] = plane(study)?;
         let window = Window {
@@ -201,7 +201,7 @@ impl Boundaries {
         })
     }
 
-    /// All curves, with whose they are.
+    /// All curves with their owners.
     pub fn curves(&self) -> impl Iterator<Item = (Owner, &Curve)> {
         let material = self.material.curves.iter();
         let discretization = self.discretization.curves.iter();
@@ -210,7 +210,7 @@ impl Boundaries {
             .chain(discretization.map(|curve| (Owner::Discretization, curve)))
     }
 
-    /// What was found, without the vertices.
+    /// Summary of the boundaries, without vertices.
     pub fn summary(&self) -> Summary {
         Summary {
             title: self.study.title.clone(),
@@ -242,7 +242,7 @@ fn plane(study: &Study) -> Result<[Axis; 2], BoundaryError> {
     })
 }
 
-/// The phase of a window in which no boundary has been seen.
+/// Phase of a window without a boundary.
 fn filling(
     boundary: &Boundary,
     probe: impl Fn() -> Result<Probe, ProblemError>,
@@ -251,10 +251,10 @@ fn filling(
     is_one_phase.then(|| Ok(probe()?.0)).transpose()
 }
 
-/// Stable or not, whatever kind of instability it is.
+/// Probe that does not distinguish kinds of instability.
 fn merged((phase, measure): Probe) -> Probe {
     match phase {
-        // The measure of flutter is not that of its boundary.
+        // The measure of flutter does not vanish on the merged boundary.
         Phase::Flutter => (Phase::Unstable, f64::NAN),
         other => (other, measure),
     }
@@ -278,56 +278,56 @@ fn trace(
     trace_boundary_from(window, &fineness, &grid, probe)
 }
 
-/// What was found, in short.
+/// Summary of the boundaries of a study.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// Title of the study.
     pub title: String,
-    /// Names of its axes.
+    /// Names of the two axes.
     pub axes: [String; 2],
-    /// The curves.
+    /// Summaries of the curves.
     pub curves: Vec<CurveSummary>,
-    /// What fills the window where there is no boundary.
+    /// Phases of a window without boundaries.
     pub throughout: Throughout,
-    /// Whether every change of phase that was seen lies on a curve that was followed to its end.
+    /// Whether every detected change of phase lies on a completely traced curve.
     pub is_complete: bool,
-    /// Places where the phase changes, but no curve could be followed.
+    /// Points where the phase changes, but no curve could be traced.
     pub unresolved: Vec<[f64; 2]>,
-    /// How faithful the discretization is.
+    /// Fidelity of the discretization, if requested.
     pub fidelity: Option<Fidelity>,
-    /// What a reader must know of law and method.
+    /// Notes on law and method.
     pub notes: Vec<String>,
 }
 
-/// The phases of windows in which no boundary, and no place of changing phase, was seen; `None` where there was one.
+/// Phases of a window without boundaries; `None` if a change of phase was detected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Throughout {
-    /// That of the material.
+    /// Phase of the material.
     pub material: Option<Phase>,
-    /// That of the discretization.
+    /// Phase of the discretization.
     pub discretization: Option<Phase>,
 }
 
-/// A curve without its vertices.
+/// Curve without its vertices.
 #[derive(Clone, Debug, Serialize)]
 pub struct CurveSummary {
-    /// Whose boundary it is.
+    /// Owner of the boundary.
     pub of: Owner,
-    /// The phase to the left of its direction.
+    /// Phase to the left of the curve's direction.
     pub left: Phase,
-    /// The phase to the right.
+    /// Phase to the right of the curve's direction.
     pub right: Phase,
-    /// Whether it ends where it starts.
+    /// Whether the curve is closed.
     pub closed: bool,
-    /// Why an open curve starts and ends: `edge`, `phase`, `meets`, `lost`, `budget`.
+    /// Reasons why an open curve starts and ends: `edge`, `phase`, `meets`, `lost`, `budget`.
     pub ends: Option<[&'static str; 2]>,
     /// Arc length in the coordinates of the axes.
     pub length: f64,
     /// Number of vertices.
     pub vertices: usize,
-    /// Where smooth branches meet.
+    /// Points where smooth branches meet.
     pub corners: Vec<[f64; 2]>,
-    /// The largest half bracket of a vertex.
+    /// Largest half width of a bracket that contains a vertex.
     pub accuracy: f64,
 }
 
@@ -347,7 +347,7 @@ impl CurveSummary {
     }
 }
 
-/// Where a curve ends, in words.
+/// Describes where a curve ends.
 fn place(end: &str) -> &str {
     match end {
         "edge" => "the edge of the window",

@@ -1,4 +1,4 @@
-//! The states of a study, asked one by one.
+//! Evaluation of single states of a study.
 
 use crate::answers::{Problem, ProblemError, notes, zero_energy};
 use crate::settings::Study;
@@ -8,7 +8,7 @@ use onset::kinematics::DeformationGradient;
 use onset::method::MethodError;
 use onset::verdict::{Probe, Verdict};
 
-/// The questions, with what all states of a study share: nothing when an axis varies material or discretization.
+/// Probes of a study; the problem is shared unless an axis varies material or discretization.
 pub(super) struct Probes<'s> {
     study: &'s Study,
     shared: Option<Problem>,
@@ -23,7 +23,7 @@ impl<'s> Probes<'s> {
         Ok(Self { study, shared })
     }
 
-    /// Asks at a state with its problem.
+    /// Evaluates a function at a state with its problem.
     fn asked<T>(
         &self,
         at: [f64; 2],
@@ -36,13 +36,13 @@ impl<'s> Probes<'s> {
         })
     }
 
-    /// What a reader must know of law and method, with what the method is at rest; nothing where an axis varies them.
+    /// Notes on law, method and zero-energy modes in the reference configuration; empty if an axis varies them.
     pub(super) fn notes(&self) -> Vec<String> {
         let Some(problem) = &self.shared else {
             return Vec::new();
         };
         let mut notes = notes(&problem.settings, &*problem.material);
-        // A law without an answer at rest is no news here.
+        // A law without a response in the reference configuration is reported elsewhere.
         let judged = problem
             .analysis
             .judge(&DeformationGradient::identity(), None);
@@ -52,7 +52,7 @@ impl<'s> Probes<'s> {
         notes
     }
 
-    /// Strong ellipticity.
+    /// Phase and measure for strong ellipticity.
     pub(super) fn material(&self, at: [f64; 2]) -> Result<Probe, ProblemError> {
         self.asked(at, |problem, f| {
             let material = &*problem.material;
@@ -60,12 +60,12 @@ impl<'s> Probes<'s> {
         })
     }
 
-    /// The stability of the particles.
+    /// Phase and measure for the stability of the particles.
     pub(super) fn discretization(&self, at: [f64; 2]) -> Result<Probe, ProblemError> {
         self.asked(at, |problem, f| problem.analysis.probe(f))
     }
 
-    /// The Cauchy stress.
+    /// Cauchy stress at a state.
     pub(super) fn cauchy(&self, at: [f64; 2]) -> Result<Matrix3<f64>, ProblemError> {
         self.asked(at, |problem, f| Ok(problem.material.response(f)?.cauchy()))
     }

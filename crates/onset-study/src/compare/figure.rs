@@ -1,4 +1,4 @@
-//! The table of a comparison as a figure: one line for each method.
+//! Figure of a comparison: one line for each method.
 
 use super::table::percent;
 use super::{Measured, Table};
@@ -6,19 +6,19 @@ use crate::figure::{Arrows, Axis, Color, Figure, Marker, Panel, Points, Rule, pa
 use crate::number::counted;
 use onset::measures::{Load, StretchOnset};
 
-/// Numbers of this size and smaller are drawn at it: a logarithmic axis has no zero.
+/// Smallest value on the logarithmic axis of errors; smaller values are drawn there.
 const SMALLEST: f64 = 1e-4;
 
-/// How a loading is drawn.
+/// Marker of a loading.
 struct Look {
     color: Color,
     marker: Marker,
     filled: bool,
-    /// How far its markers lie beside the line of the method, of which the next is 1 away.
+    /// Vertical offset of its markers from the line of the method; lines are 1 apart.
     shift: f64,
 }
 
-/// The looks of [`Load::ALL`]: triangles for tension, bodies for compression, and colors that color-blind readers tell apart.
+/// Markers of [`Load::ALL`]: triangles for tension, solid shapes for compression, in colors for color-blind readers.
 const LOOKS: [Look; 4] = [
     Look {
         color: palette::LOADS[0],
@@ -47,7 +47,7 @@ const LOOKS: [Look; 4] = [
 ];
 
 impl Table {
-    /// Onsets against the material's, wrong verdicts, errors of frequencies, and time steps: a line for each method.
+    /// Figure with onsets, wrong verdicts, frequency errors and time steps, one line for each method.
     pub fn figure(&self) -> Figure {
         let title = if self.title.is_empty() {
             "Methods side by side"
@@ -77,19 +77,19 @@ impl Table {
         rows.filter_map(|(n, row)| Some((self.height(n), row.measured.as_ref().ok()?)))
     }
 
-    /// The line of a method: the first one on top.
+    /// Vertical position of a method; the first one is at the top.
     fn height(&self, number: usize) -> f64 {
         (self.rows.len() - number) as f64
     }
 
-    /// The axis of the methods.
+    /// Axis of the methods.
     fn methods(&self) -> Axis {
         let ticks = self.rows.iter().enumerate();
         let ticks = ticks.map(|(n, row)| (self.height(n), row.name.clone()));
         Axis::linear("", (0.4, self.rows.len() as f64 + 0.6)).ticks(ticks)
     }
 
-    /// A marker where a loading destabilizes a method; an arrow out of the window where it does not.
+    /// Panel of onsets: a marker at the onset of instability for each loading, or an arrow out of the window.
     fn onsets(&self) -> Panel {
         let ends = [self.options.compression, self.options.tension];
         let reach = 0.06 * (ends[1] - ends[0]);
@@ -110,7 +110,7 @@ impl Table {
             }
             let (mut points, mut beyond, mut undefined) = (Vec::new(), Vec::new(), Vec::new());
             for (height, m) in self.measured() {
-                // A little apart, so that loadings that end alike do not hide each other.
+                // Offset, so that equal onsets of different loadings remain visible.
                 let height = height + look.shift;
                 match of(m).map(|pair| pair.method) {
                     Some(StretchOnset::NotBefore(end)) => beyond.push((end, height)),
@@ -192,7 +192,7 @@ impl Table {
     }
 }
 
-/// The panel with points, if there are any: the legend names what is there.
+/// Adds points to a panel, unless there are no points; the legend then omits them.
 fn with_some(panel: Panel, points: Points) -> Panel {
     if points.points.is_empty() {
         panel

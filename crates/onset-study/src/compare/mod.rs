@@ -1,7 +1,7 @@
-//! Methods side by side: the same questions, asked of each of them for one material.
+//! Comparison of methods: the same measures for each of them, with one material.
 //!
-//! A [`Comparison`] is evaluated to a [`Table`], with one [`Row`] for each method, which becomes a text, a CSV file, a page and a
-//! figure. [`recommended`] ranks the rows by [`rules`].
+//! A [`Comparison`] is evaluated to a [`Table`] with one [`Row`] per method. The table is written as text, CSV, page and figure. [`recommended`]
+//! ranks the rows by [`rules`].
 
 mod figure;
 mod page;
@@ -24,7 +24,7 @@ use crate::settings::{Candidate, Comparison};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Names and texts of the comparisons of the methods that the program knows, by the number of dimensions less one.
+/// Names and texts of the built-in comparisons of all methods, by the number of dimensions minus one.
 pub const PANELS: [(&str, &str); 3] = [
     (
         "comparisons/methods-1d.toml",
@@ -41,12 +41,12 @@ pub const PANELS: [(&str, &str); 3] = [
 ];
 
 impl Table {
-    /// Asks all methods of a comparison, on all cores; `told` is called with the name of each when it is done.
+    /// Evaluates all methods of a comparison on all cores; `told` is called with the name of each finished method.
     ///
-    /// A method that cannot be evaluated in the reference state has a row that says why.
+    /// The row of a method that cannot be evaluated in the reference state holds the reason.
     ///
     /// # Errors
-    /// [`ProblemError`] when the material is not admissible.
+    /// [`ProblemError`] if the material is not admissible.
     pub fn of(comparison: &Comparison, told: impl Fn(&str) + Sync) -> Result<Self, ProblemError> {
         let material = comparison
             .common
@@ -82,7 +82,7 @@ impl Table {
 }
 
 impl Table {
-    /// Why no method of the table can be evaluated; `None` where one can.
+    /// Reason why no method of the table can be evaluated; `None` if at least one can.
     pub fn failure(&self) -> Option<String> {
         let first = self.rows.first()?;
         let why = first.measured.as_ref().err()?;
@@ -95,10 +95,10 @@ impl Table {
         })
     }
 
-    /// The table as `compare.html`, `compare.csv`, `compare.svg` and `compare.png`.
+    /// Table as `compare.html`, `compare.csv`, `compare.svg` and `compare.png`.
     ///
     /// # Errors
-    /// [`FigureError`] when the figure is too large.
+    /// [`FigureError`] if the figure is too large.
     pub fn files(&self) -> Result<Files, FigureError> {
         let mut files = vec![
             text("compare.html", self.html()),

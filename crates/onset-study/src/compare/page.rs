@@ -1,4 +1,4 @@
-//! The table of a comparison as a page that needs nothing else.
+//! Table of a comparison as a self-contained page.
 
 use super::Table;
 use super::rank::{recommended, rules};
@@ -6,7 +6,7 @@ use crate::html::{embedded, escaped};
 use crate::number::counted;
 use onset::measures::{Load, StretchOnset};
 
-/// Heads of columns break, and a page that is too narrow still scrolls the table, under the name of the method.
+/// Style sheet: column heads may wrap, and narrow pages scroll the table while the names of the methods stay visible.
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;margin:2rem auto;padding:0 1rem;max-width:100rem;color:#111}\
 p,dl,ol,ul{max-width:76rem}h1{font-size:1.4rem}h2{font-size:1.1rem;margin-top:1.6rem}.wide{overflow-x:auto;max-width:100%}\
 table{border-collapse:collapse;font-size:13px}\
@@ -17,7 +17,7 @@ svg{max-width:100%;height:auto}small{color:#444}dl{display:grid;grid-template-co
 dt{font-weight:600}dd{margin:0}@media print{.wide{overflow:visible}table{font-size:8px}}";
 
 impl Table {
-    /// The table as a page, with the figure and the ranking.
+    /// Page with the table, the figure and the ranking.
     pub fn html(&self) -> String {
         let title = if self.title.is_empty() {
             "Methods side by side"
@@ -112,7 +112,7 @@ impl Table {
         page
     }
 
-    /// Where the material itself loses ellipticity, and where it keeps it, as sentences.
+    /// Sentences on the loadings that cause loss of ellipticity of the material, and on the others.
     fn material_onsets(&self) -> String {
         let loads = Load::ALL.into_iter();
         let told: Vec<(String, bool)> = loads

@@ -1,4 +1,4 @@
-//! Which method for this material? By rules that are printed.
+//! Ranking of methods for a material, by rules that are printed.
 
 use super::thresholds::{OF_RECOMMENDATIONS, Thresholds, percent};
 use super::{Measured, Table};
@@ -7,7 +7,7 @@ use crate::number::counted;
 use serde::Serialize;
 use std::fmt;
 
-/// The rules, in the order in which they are applied.
+/// Rules, in the order of their application.
 pub fn rules(limits: &Thresholds) -> [String; 6] {
     let (wrong, weak) = (percent(limits.wrong), percent(limits.weak));
     [
@@ -39,49 +39,51 @@ pub fn rules(limits: &Thresholds) -> [String; 6] {
     ]
 }
 
-/// A method with its place.
+/// Method with its rank.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Ranked {
-    /// How it is called.
+    /// Name of the method.
     pub name: String,
-    /// The rule that excludes it, counted from 1, with the number; `None` when it is recommended.
+    /// Number of the excluding rule, counted from 1, and the reason; `None` if the method is recommended.
     pub excluded: Option<(usize, String)>,
-    /// The score of rule 6; the smaller the better. Infinite where a wave of the material has no frequency, as the transverse ones of a fluid.
+    /// Score of rule 6, smaller is better.
+    ///
+    /// Infinite if some waves of the material have zero frequency, such as transverse waves of a fluid.
     pub score: f64,
-    /// The cost: neighbors over the Courant number.
+    /// Cost: number of neighbors over the Courant number.
     pub cost: f64,
 }
 
-/// Which methods of a table to take, and why.
+/// Recommended methods of a table, with the reasons.
 #[derive(Clone, Debug, Serialize)]
 pub struct Recommendation {
-    /// The rules.
+    /// Rules of the ranking.
     pub rules: [String; 6],
-    /// The methods, the recommended ones first and best first.
+    /// Methods by rank: recommended ones first, best first.
     pub ranking: Vec<Ranked>,
-    /// What another limit would change.
+    /// Changes for other limits.
     pub dependence: Vec<Dependence>,
-    /// What was measured.
+    /// Measures of all methods.
     pub table: Table,
 }
 
-/// What a limit that is halved or doubled changes.
+/// Change of the recommendation for a limit that is halved or doubled.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Dependence {
-    /// The limit.
+    /// Name of the limit.
     pub threshold: &'static str,
-    /// What it would be.
+    /// Changed value of the limit.
     pub value: f64,
-    /// The method that would be first.
+    /// Best method with the changed limit.
     pub best: Option<String>,
-    /// Methods that would be recommended too.
+    /// Additional recommended methods.
     pub more: Vec<String>,
-    /// Methods that would not be recommended any more.
+    /// Methods that are no longer recommended.
     pub less: Vec<String>,
 }
 
 impl Ranked {
-    /// The score, or the cost where there is none, with so many digits.
+    /// Score with the given number of digits, or the cost if the score is infinite.
     pub(super) fn measure(&self, digits: usize) -> String {
         match self.score.is_infinite() {
             true => format!("cost {:.digits$}", self.cost),
@@ -90,7 +92,7 @@ impl Ranked {
     }
 }
 
-/// By what recommended methods are in order.
+/// Criterion by which recommended methods are sorted.
 fn recommended_by(good: &[&Ranked]) -> &'static str {
     match good.iter().all(|ranked| ranked.score.is_infinite()) {
         true => {
@@ -137,7 +139,7 @@ impl Recommendation {
         }
     }
 
-    /// The ranking as CSV.
+    /// Ranking as CSV.
     pub fn csv(&self) -> String {
         let mut text = String::from("place,method,score,rule,why\n");
         for (n, ranked) in self.ranking.iter().enumerate() {
@@ -156,7 +158,7 @@ impl Recommendation {
         text
     }
 
-    /// What another limit would change, in words.
+    /// Changes for other limits, as sentences.
     fn told_dependence(&self) -> Vec<String> {
         let good = self.ranking.iter().find(|ranked| ranked.excluded.is_none());
         let best = good.map(|ranked| ranked.name.as_str());
@@ -238,8 +240,9 @@ impl fmt::Display for Recommendation {
     }
 }
 
-/// The methods of a table, the recommended ones first and best first; then the others by the rule that excludes them, the last
-/// rule first.
+/// Methods of a table by rank.
+///
+/// Recommended methods come first, best first. The others follow by the rule that excludes them, the last rule first.
 pub fn recommended(table: &Table) -> Vec<Ranked> {
     ranked(table, &table.thresholds)
 }
@@ -277,7 +280,7 @@ fn ranked(table: &Table, limits: &Thresholds) -> Vec<Ranked> {
     ranked
 }
 
-/// The first rule that excludes a method.
+/// First rule that excludes a method.
 fn excluded(measured: &Measured, limits: &Thresholds) -> Option<(usize, String)> {
     let share_of = |share: f64| format!("{:.2} %", 100.0 * share);
     let fidelity = &measured.fidelity;

@@ -1,4 +1,4 @@
-//! What is measured of one method.
+//! Measures of one method.
 
 use crate::answers::{BodyStepAnswer, OF_LATTICE, Problem, ProblemError};
 use crate::settings::{CompareSettings, Effective, Settings};
@@ -10,24 +10,24 @@ use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 use std::sync::Arc;
 
-/// Wavelengths, in particle spacings, at which frequencies are compared.
+/// Wavelengths at which frequencies are compared, in particle spacings.
 pub const WAVELENGTHS: [f64; 3] = [4.0, 8.0, 16.0];
 
-/// A method of a comparison.
+/// Row of a method in a comparison.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// How it is called.
+    /// Name of the method.
     pub name: String,
-    /// Every choice in effect.
+    /// All settings in effect.
     pub settings: Effective,
-    /// What a reader must know of the method.
+    /// Notes on the method.
     pub notes: Vec<String>,
-    /// What is measured, or why nothing is.
+    /// Measures, or the reason why the method cannot be evaluated.
     #[serde(flatten, serialize_with = "outcome")]
     pub measured: Result<Measured, String>,
 }
 
-/// What is measured as `measured`, or why nothing is as `note`.
+/// Serializes the measures as `measured`, or the reason for their absence as `note`.
 pub(crate) fn outcome<S: Serializer>(
     measured: &Result<Measured, String>,
     serializer: S,
@@ -38,55 +38,56 @@ pub(crate) fn outcome<S: Serializer>(
     fields.end()
 }
 
-/// What is measured of a method; of the reference configuration unless said otherwise.
+/// Measures of a method, in the reference configuration unless stated otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Measured {
-    /// Wave vectors with zero-energy modes, of `k` and `-k` one; of lines and surfaces of them that are connected one.
+    /// Number of wave vectors with zero-energy modes. `k` and `-k` count once, and so does each connected line or surface.
     pub zero_modes: usize,
-    /// How far zero-energy modes extend at most; `None` where there are none.
+    /// Largest extent of the zero-energy modes; `None` without such modes.
     pub zero_extent: Option<Extent>,
-    /// Whether all of them have been found.
+    /// Whether all zero-energy modes have been found.
     pub zero_modes_complete: bool,
-    /// Minima of the relative frequency below the limit of weakness.
+    /// Number of minima of the relative frequency below the limit of weak control.
     pub weak_modes: usize,
-    /// The lowest frequency of a wave over that of the material's slowest wave with the same wave vector; 0 with zero-energy
-    /// modes, 1 where no wave is slower than the material's, no number where nothing can be compared.
+    /// Smallest ratio of a wave's frequency to the frequency of the slowest material wave with the same wave vector.
+    ///
+    /// 0 with zero-energy modes, 1 if no wave is slower than in the material, NaN if nothing can be compared.
     pub weakest: f64,
     /// Errors of frequencies.
     pub dispersion: Vec<DispersionError>,
-    /// The largest error of a component of the long-wavelength moduli.
+    /// Largest error of a component of the long-wavelength moduli.
     pub long_wave_error: f64,
-    /// Where stability ends.
+    /// Onsets of instability for each loading.
     pub onsets: Vec<OnsetPair>,
     /// Verdicts over the window of states.
     pub fidelity: Fidelity,
-    /// The critical time step; time.
+    /// Critical time step; time.
     pub critical_time_step: f64,
-    /// The body whose critical time step that is.
+    /// Body to which the critical time step applies: infinite lattice or finite body.
     pub critical_time_step_of: &'static str,
-    /// The body of the study, in the reference state; left out of methods without bodies.
+    /// Critical time step of the body in the study, in the reference state; omitted for methods without bodies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<BodyStepAnswer>,
-    /// The same times the speed of sound over the particle spacing.
+    /// Courant number: critical time step times the speed of sound over the particle spacing.
     pub courant: f64,
-    /// The same of the body.
+    /// Courant number of the body in the study.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body_courant: Option<f64>,
-    /// Particles that an evaluation of the forces on one particle looks at.
+    /// Number of particles visited by an evaluation of the forces on one particle.
     pub neighbors: f64,
 }
 
 impl Measured {
-    /// Whether a wave is slower than a share of the material's slowest.
+    /// Returns true if a wave is slower than the given fraction of the slowest material wave.
     pub(crate) fn is_weak(&self, share: f64) -> bool {
         self.weakest < share
     }
 
-    /// Asks a method everything, of a material that may be shared.
+    /// Evaluates all measures of a method; the material may be shared.
     ///
     /// # Errors
-    /// [`ProblemError`] when the method is not admissible, or cannot be evaluated at a state for another reason than its support or
-    /// the law's domain.
+    /// [`ProblemError`] if the method is not admissible, or cannot be evaluated at a state for any reason other than its support or the domain of the
+    /// law.
     pub fn of(
         settings: &Settings,
         material: Arc<dyn Hyperelastic>,
@@ -142,7 +143,7 @@ impl Measured {
         })
     }
 
-    /// The error of the frequencies at a wavelength; not a number when it has not been asked for.
+    /// Error of the frequencies at a wavelength; NaN if it was not computed.
     pub fn dispersion_at(&self, particles: f64) -> f64 {
         let mut known = self.dispersion.iter();
         known
@@ -150,8 +151,9 @@ impl Measured {
             .map_or(f64::NAN, |error| error.error)
     }
 
-    /// A number to compare the cost of simulating a given time: particles looked at for every speed-of-sound passage
-    /// of a spacing, `neighbors / courant`.
+    /// Cost of simulating a given time, `neighbors / courant`.
+    ///
+    /// Number of particles visited while sound travels one spacing.
     pub fn cost(&self) -> f64 {
         self.neighbors / self.courant
     }

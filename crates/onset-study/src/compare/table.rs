@@ -1,4 +1,4 @@
-//! The table of a comparison, as text and as CSV.
+//! Table of a comparison, as text and as CSV.
 
 use super::row::{Measured, Row, WAVELENGTHS};
 use super::thresholds::Thresholds;
@@ -9,35 +9,35 @@ use crate::settings::CompareSettings;
 use onset::measures::{Extent, Load, StretchOnset};
 use serde::Serialize;
 
-/// All methods of a comparison.
+/// Measures of all methods in a comparison.
 #[derive(Clone, Debug, Serialize)]
 pub struct Table {
-    /// What the comparison shows.
+    /// Title of the comparison.
     pub title: String,
-    /// What a reader must know of the law.
+    /// Notes on the law.
     pub notes: Vec<String>,
-    /// The law.
+    /// Name of the law.
     pub material: String,
-    /// Space dimensions.
+    /// Number of space dimensions.
     pub dimension: usize,
-    /// What was asked.
+    /// Options of the comparison.
     pub options: CompareSettings,
-    /// The limits by which methods are recommended.
+    /// Limits by which methods are recommended.
     pub thresholds: Thresholds,
-    /// How sure the verdicts and onsets are: `searched`.
+    /// Evidence for verdicts and onsets: `searched`.
     pub evidence: Evidence,
-    /// One for each method, in the order of the file.
+    /// Rows of the methods, in the order of the file.
     pub rows: Vec<Row>,
 }
 
-/// A column of the table: its short head, what it means, and the cell of a method.
+/// Column of the table: its short head, its meaning, and the cell of a method.
 pub(super) struct Column {
     pub(super) head: String,
-    /// The head in the CSV file.
+    /// Head of the column in the CSV file.
     pub(super) name: String,
     pub(super) meaning: String,
     pub(super) cell: Box<dyn Fn(&Measured) -> String>,
-    /// The number behind the cell, for the CSV file.
+    /// Unrounded value of a cell, for the CSV file.
     pub(super) number: Box<dyn Fn(&Measured) -> f64>,
 }
 
@@ -59,7 +59,7 @@ fn column(
 }
 
 impl Table {
-    /// The columns after the name.
+    /// Columns after the name.
     pub(super) fn columns(&self) -> Vec<Column> {
         let mut columns = vec![
             Column {
@@ -173,7 +173,7 @@ impl Table {
         columns
     }
 
-    /// Where the material loses stability along a loading, which all rows agree on, in words.
+    /// Onset of the material along a loading, in words; equal in all rows, and empty if it was not computed.
     fn material_onset(&self, load: Load) -> String {
         match self.material_onset_of(load) {
             None => String::new(),
@@ -182,7 +182,7 @@ impl Table {
         }
     }
 
-    /// The same as a number.
+    /// Onset of the material along a loading; equal in all rows, and `None` if it was not computed.
     pub(super) fn material_onset_of(&self, load: Load) -> Option<StretchOnset> {
         let mut pairs = self
             .rows
@@ -194,7 +194,7 @@ impl Table {
             .map(|pair| pair.material)
     }
 
-    /// The table as CSV: numbers with all digits, empty where there is none.
+    /// Table as CSV, with all digits, and empty cells for missing numbers.
     pub fn csv(&self) -> String {
         let columns = self.columns();
         let mut text = String::from("method");
@@ -220,7 +220,7 @@ impl Table {
         text
     }
 
-    /// What a reader must know of the law, and of methods by their names.
+    /// Notes on the law, and on methods with their names.
     pub(super) fn all_notes(&self) -> Vec<String> {
         let of_rows = self.rows.iter().flat_map(|row| {
             let named = |note: &String| format!("{}: {note}", row.name);
@@ -229,7 +229,7 @@ impl Table {
         self.notes.iter().cloned().chain(of_rows).collect()
     }
 
-    /// The columns and their meaning, a line each.
+    /// Heads of the columns with their meanings.
     pub(super) fn legend(&self) -> Vec<(String, String)> {
         let columns = self.columns().into_iter();
         columns
@@ -302,7 +302,7 @@ impl std::fmt::Display for Table {
     }
 }
 
-/// The head of a loading's column.
+/// Head of the column of a loading.
 pub(super) fn short(load: Load) -> &'static str {
     match load {
         Load::UniaxialStrainTension => "uni. +",
@@ -312,7 +312,7 @@ pub(super) fn short(load: Load) -> &'static str {
     }
 }
 
-/// An onset in words.
+/// Formats an onset in words.
 pub(super) fn told(onset: StretchOnset) -> String {
     match onset {
         StretchOnset::AtRest => "at F = 1".to_owned(),
@@ -323,7 +323,7 @@ pub(super) fn told(onset: StretchOnset) -> String {
     }
 }
 
-/// A share or an error in percent.
+/// Formats a fraction or an error in percent.
 pub(super) fn percent(share: f64) -> String {
     match 100.0 * share {
         percent if !percent.is_finite() => "-".to_owned(),

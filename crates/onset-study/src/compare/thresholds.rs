@@ -1,17 +1,17 @@
-//! The limits by which methods are recommended and coefficients tuned.
+//! Limits for recommending methods and tuning coefficients.
 
 use serde::Serialize;
 
-/// Limits of what counts as wrong.
+/// Limits between acceptable and wrong results.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Thresholds {
-    /// The frequency of a wave over that of the material's slowest wave, below which the wave is too weak.
+    /// Ratio of a wave's frequency to that of the slowest material wave, below which the wave is weakly controlled.
     pub weak: f64,
-    /// Share of the window of states on which verdicts may be wrong.
+    /// Largest share of the window of states with wrong verdicts.
     pub wrong: f64,
-    /// Relative error of the stiffness of long waves.
+    /// Largest relative error of the long-wavelength moduli.
     pub long_waves: f64,
-    /// Share of the material's strain at onset by which the method's onset may come later.
+    /// Largest delay of a method's onset, as a fraction of the material's strain at onset.
     pub later: f64,
     /// Wavelength at which frequencies are compared, in particle spacings.
     pub wavelength: f64,
@@ -29,7 +29,7 @@ impl Default for Thresholds {
     }
 }
 
-/// A limit that can be varied: its name as an option, and where it stands.
+/// Limit that can be varied: its name as an option, and access to its value.
 type Limit = (&'static str, fn(&mut Thresholds) -> &mut f64);
 
 const WEAK: Limit = ("weak", |limits| &mut limits.weak);
@@ -37,13 +37,13 @@ const WRONG: Limit = ("wrong", |limits| &mut limits.wrong);
 const LONG_WAVES: Limit = ("long-waves", |limits| &mut limits.long_waves);
 const LATER: Limit = ("later", |limits| &mut limits.later);
 
-/// The limits that recommendations depend on.
+/// Limits that affect recommendations.
 pub(super) const OF_RECOMMENDATIONS: [Limit; 3] = [WEAK, WRONG, LONG_WAVES];
-/// The limits that tuning depends on.
+/// Limits that affect tuning.
 pub(crate) const OF_TUNING: [Limit; 3] = [WEAK, WRONG, LATER];
 
 impl Thresholds {
-    /// The same with each of some limits halved, and doubled: its name, its value then, and all limits then.
+    /// Variants with one limit halved or doubled: its name, its new value, and all limits.
     pub(crate) fn varied(&self, limits: &[Limit]) -> Vec<(&'static str, f64, Self)> {
         let with = |(name, limit): &Limit, factor: f64| {
             let mut varied = *self;
@@ -57,7 +57,7 @@ impl Thresholds {
     }
 }
 
-/// A share in percent, as short as it can be told.
+/// Formats a fraction in percent, with as few digits as needed.
 pub(crate) fn percent(share: f64) -> String {
     format!("{} %", crate::number::told(100.0 * share))
 }

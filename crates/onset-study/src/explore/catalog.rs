@@ -1,11 +1,11 @@
-//! What a page shows beside answers: the options of `onset list`, the classes of maps with their colors, and the zoo.
+//! Contents of a page apart from answers: the options of `onset list`, the classes of maps with their colors, and the zoo.
 
 use super::zoo::{Entry, entries};
 use crate::catalog::{Topic, topics};
 use crate::domain::Class;
 use serde::Serialize;
 
-/// What there is.
+/// Options, classes and zoo.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Catalog {
     version: &'static str,
@@ -14,7 +14,7 @@ pub(super) struct Catalog {
     zoo: Vec<Entry>,
 }
 
-/// What a state of a map can be.
+/// Class of a state in a map.
 #[derive(Clone, Debug, Serialize)]
 struct ShownClass {
     name: &'static str,

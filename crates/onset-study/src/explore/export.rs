@@ -1,4 +1,4 @@
-//! A question in the forms in which it is asked elsewhere, and its map as files.
+//! Export of a question to other forms, and of its map to files.
 
 use super::map::{LEVELS, Maps};
 use super::{Question, Refusal, Waiting, map};
@@ -10,10 +10,10 @@ use crate::shell::quoted;
 use onset::bloch::IsEnded;
 use std::time::Instant;
 
-/// Words that Python keeps for itself, among the names of parameters.
+/// Reserved words of Python among the names of parameters.
 const KEPT: [&str; 2] = ["lambda", "yield"];
 
-/// The question, or its map, in a form: `toml`, `command`, `python`, `svg` or `csv`.
+/// Exports the question, or its map, as `toml`, `command`, `python`, `svg` or `csv`.
 pub(super) fn export(
     question: &Question,
     trust: &Trust,
@@ -44,7 +44,7 @@ pub(super) fn export(
     }
 }
 
-/// The question as a command line.
+/// Question as a command line.
 fn command(question: &Question, settings: &Settings) -> String {
     let set = assigned(settings, None);
     let set = set
@@ -57,7 +57,7 @@ fn command(question: &Question, settings: &Settings) -> String {
     )
 }
 
-/// The question in Python.
+/// Question as a Python call.
 fn python(question: &Question, settings: &Settings) -> String {
     let all = assigned(settings, None);
     let of = |section: &str, first: &str| -> String {
@@ -87,7 +87,7 @@ fn python(question: &Question, settings: &Settings) -> String {
     )
 }
 
-/// A value as Python writes it: a number, or a text, whose escapes are those of JSON.
+/// Python literal of a value: a number, or a text with the escapes of JSON.
 fn literal(value: &str) -> String {
     match value.parse::<f64>() {
         Ok(number) if number.is_finite() => value.to_owned(),

@@ -1,4 +1,4 @@
-//! What a question can set: the keys that its law and its method read, with their values.
+//! Form of a question: the keys that its law and its method read, with their values.
 
 use super::{Question, Refusal};
 use crate::catalog::KeyEntry;
@@ -7,38 +7,39 @@ use onset::formula::Formula;
 use onset::material::{Admitted, Parameter};
 use serde::Serialize;
 
-/// The fields of a form.
+/// Fields of a form.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Form {
-    /// Space dimensions.
+    /// Number of space dimensions.
     dimension: usize,
-    /// The keys that law and method read, in the order of the documentation.
+    /// Keys that law and method read, in the order of the documentation.
     fields: Vec<Field>,
-    /// The assignments without those that nothing reads any more.
+    /// Assignments, without those that are no longer read.
     set: Vec<String>,
-    /// Parameters of a typed energy that have no value yet.
+    /// Parameters of a user-defined energy that have no value yet.
     missing: Vec<String>,
 }
 
-/// A key with its value.
+/// Key with its value.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct Field {
     #[serde(flatten)]
     key: KeyEntry,
-    /// The words that it takes.
+    /// Words that the key accepts.
     words: Vec<&'static str>,
-    /// What it takes beside words: `number`, `whole`, `switch`, `text`, or nothing.
+    /// Further values that the key accepts: `number`, `whole`, `switch`, `text`, or none.
     takes: Option<&'static str>,
-    /// Its value.
+    /// Value of the key.
     value: Value,
-    /// Whether that is the default.
+    /// Whether the value is the default.
     is_default: bool,
-    /// The ends of a slider, where it takes a number.
+    /// Range of a slider, for numbers.
     slider: Option<[f64; 2]>,
 }
 
-/// The form of a question. A choice that was made for another law or method is left out, as a page keeps what was set when another method is
-/// chosen.
+/// Form of a question.
+///
+/// A page keeps its assignments when another law or method is chosen; those that are no longer read are omitted.
 pub(super) fn form(question: &Question, trust: &Trust) -> Result<Form, Refusal> {
     let set = read(question)?;
     let own = Question {
@@ -51,7 +52,7 @@ pub(super) fn form(question: &Question, trust: &Trust) -> Result<Form, Refusal> 
     }
     super::question::permit(&mut settings.material, trust)?;
     let effective = settings.effective();
-    // Moduli as they were set, not what follows from them.
+    // Moduli are shown as they were set, without derived moduli.
     let (moduli, follows) = settings.moduli();
     let moduli = moduli.iter().map(|(name, choice)| (*name, choice));
     let others = effective.choices();
@@ -87,7 +88,7 @@ pub(super) fn form(question: &Question, trust: &Trust) -> Result<Form, Refusal> 
     })
 }
 
-/// The assignments that are read. What is read depends on the others, so that it is asked again until nothing is left out any more.
+/// Assignments that are read. Reading one may depend on others, so the selection is repeated until nothing changes.
 fn read(question: &Question) -> Result<Vec<String>, Refusal> {
     let mut set = question.set.clone();
     loop {
@@ -135,7 +136,7 @@ fn field(settings: &Settings, key: &'static Key, value: Value, is_default: bool)
     }
 }
 
-/// The ends of a slider: as far as the law admits, and otherwise some times the default, so that the value is within.
+/// Range of a slider: the limits of the law, or otherwise a multiple of the default; it includes the value.
 fn slider(key: &Key, parameter: Option<&Parameter>, value: &Value) -> Option<[f64; 2]> {
     if let Some([least, most]) = key.kind.limits() {
         return Some([f64::from(least), f64::from(most)]);
@@ -165,7 +166,7 @@ fn slider(key: &Key, parameter: Option<&Parameter>, value: &Value) -> Option<[f6
     Some([low.min(value), high.max(value)])
 }
 
-/// The parameters of a typed energy that have no value.
+/// Parameters of a user-defined energy without a value.
 fn missing(settings: &Settings) -> Vec<String> {
     let Some(Value::Word(text)) = settings.material.given("energy") else {
         return Vec::new();

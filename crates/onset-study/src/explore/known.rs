@@ -1,5 +1,7 @@
-//! What has been found of the states that were asked about last. The sentence, the mode and the dispersion of a state, which a page asks for at the
-//! same time, stand on one assessment; and states of one material and method on what these are made of.
+//! Cache of recent states.
+//!
+//! A page requests the sentence, the mode and the dispersion of a state simultaneously; they share one assessment. States with the same material and
+//! method share the problem.
 
 use super::{Question, Refusal};
 use crate::answers::{Problem, ProblemError, Strain};
@@ -8,24 +10,24 @@ use onset::bloch::IsEnded;
 use onset::verdict::Assessment;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// How many states are remembered.
+/// Number of cached states.
 const REMEMBERED: usize = 8;
 
-/// A state, assessed.
+/// Assessed state.
 pub(super) struct Known {
     pub(super) problem: Arc<Problem>,
     pub(super) strain: Strain,
     pub(super) assessment: Assessment<3>,
 }
 
-/// The place of a state, which the first who asks fills, while others wait for it.
+/// Cache entry of a state. The first request fills it while other requests wait.
 struct Place {
     set: Vec<String>,
     stretch: String,
     known: Mutex<Option<Arc<Known>>>,
 }
 
-/// The states that were asked about last.
+/// Cache of recent states.
 #[derive(Default)]
 pub(super) struct States(Mutex<Vec<Arc<Place>>>);
 
@@ -34,7 +36,7 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl States {
-    /// The state of a question, assessed.
+    /// Assessed state of a question.
     pub(super) fn of(
         &self,
         question: &Question,
@@ -46,7 +48,7 @@ impl States {
         if let Some(known) = &*known {
             return Ok(Arc::clone(known));
         }
-        // Whoever has filled the place for nobody has left it empty.
+        // A cancelled request may have left the entry empty.
         if is_ended() {
             return Err(Refusal::GivenUp);
         }
@@ -61,7 +63,7 @@ impl States {
             problem,
             strain,
         });
-        // A library can be another one the next time.
+        // A library may have changed by the next request.
         if !found.problem.settings.material.is_library() {
             *known = Some(Arc::clone(&found));
         }
@@ -86,13 +88,13 @@ impl States {
         place
     }
 
-    /// Material and method of another state of which both are the same.
+    /// Problem of another cached state with the same material and method.
     fn problem(&self, question: &Question) -> Option<Arc<Problem>> {
         let places = locked(&self.0);
         let alike = places.iter().filter(|own| own.set == question.set);
         alike
             .filter_map(|own| {
-                // One that is about to be filled is not waited for.
+                // Entries that are still being filled are skipped.
                 let known = own.known.try_lock().ok()?;
                 Some(Arc::clone(&known.as_ref()?.problem))
             })

@@ -1,4 +1,4 @@
-//! The map of a window, coarse first, then finer where its verdicts change.
+//! Map of a window: first coarse, then refined where its verdicts change.
 
 use super::{Question, Refusal};
 use crate::domain::{Class, Domain};
@@ -7,31 +7,31 @@ use onset::bloch::IsEnded;
 use serde::Serialize;
 use std::sync::{Mutex, PoisonError};
 
-/// States along an axis of the coarsest map, by dimension: a state in space takes a hundred times as long as one in the plane.
+/// Number of states along an axis of the coarsest map, by dimension. A state in 3D takes a hundred times as long as a state in 2D.
 const COARSEST: [usize; 3] = [12, 12, 6];
-/// How often they are halved at most.
+/// Largest number of refinements.
 pub(super) const LEVELS: u32 = 3;
-/// States along an axis of the finest map in the plane.
+/// Number of states along an axis of the finest map in 2D.
 pub(super) const FINEST: usize = COARSEST[1] << LEVELS;
-/// States along an axis between which boundaries are looked for; they are traced from there as exactly as by the command.
+/// Number of states along an axis between which boundaries are searched; tracing then is as exact as in the command.
 pub(super) const OF_CURVES: usize = 32;
-/// How many maps are remembered.
+/// Number of cached maps.
 const REMEMBERED: usize = 8;
 
-/// A map as a page shows it.
+/// Map as shown by a page.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct ShownMap {
-    /// The axes.
+    /// Axes of the map.
     pub(super) axes: [ShownAxis; 2],
-    /// The number of the class of each state among those of the catalog, the first axis running fastest; `null` where none is stored.
+    /// Class of each state as an index into the catalog, the first axis running fastest; `null` for states that are not stored.
     pub(super) classes: Vec<Option<u8>>,
-    /// How often its states were halved.
+    /// Number of refinements.
     pub(super) level: u32,
-    /// Whether it is the finest.
+    /// Whether this is the finest level.
     pub(super) is_finest: bool,
 }
 
-/// An axis as a page shows it.
+/// Axis as shown by a page.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct ShownAxis {
     name: String,
@@ -40,7 +40,7 @@ pub(super) struct ShownAxis {
     states: usize,
 }
 
-/// The axes of a study, in so many cells.
+/// Axes of a study, with the given numbers of cells.
 pub(super) fn axes(study: &Study, cells: (usize, usize)) -> [ShownAxis; 2] {
     let [first, second] = study.plane();
     let units = study.settings.units();
@@ -52,18 +52,18 @@ pub(super) fn axes(study: &Study, cells: (usize, usize)) -> [ShownAxis; 2] {
     })
 }
 
-/// The number of a class among all.
+/// Index of a class in the catalog.
 pub(super) fn number(class: Class) -> Option<u8> {
     let place = Class::ALL.iter().position(|other| *other == class);
     place.map(|place| place as u8)
 }
 
-/// The maps that were asked for last, by the text of their studies.
+/// Cache of recent maps, by the text of their studies.
 #[derive(Default)]
 pub(super) struct Maps(Mutex<Vec<(String, Domain)>>);
 
 impl Maps {
-    /// The map of a question at the fineness that it asks for.
+    /// Map of a question at the requested level.
     pub(super) fn shown(
         &self,
         question: &Question,
@@ -81,7 +81,7 @@ impl Maps {
         })
     }
 
-    /// The same as a map: the coarser one, halved.
+    /// Map of a question as a domain, obtained by refinement of the previous level.
     pub(super) fn domain(
         &self,
         question: &Question,

@@ -1,8 +1,8 @@
-//! Questions of a page and their answers: the documents of the command, asked one at a time while somebody turns a slider.
+//! Questions of a page and their answers: the documents of the command, computed while the user moves a slider.
 //!
-//! A [`Question`] is what is written after the command (`--set`, `--stretch`) and a window of states. An [`Explorer`] answers with the
-//! documents of `onset ... --json`, made by the same functions. A question can come from anywhere, also from a link that a stranger made: it
-//! reads no file, and starts a library only if the user allows it.
+//! A [`Question`] contains the arguments of a command (`--set`, `--stretch`) and a window of states. An [`Explorer`] returns the documents of `onset
+//! ... --json`, built by the same functions. Questions are not trusted, since a link may come from a stranger: they read no files, and start a
+//! library only if the user allows it.
 //!
 //! ```
 //! use onset_study::explore::{Explorer, Question};
@@ -40,19 +40,19 @@ use serde::Serialize;
 use std::fmt::Display;
 use std::time::{Duration, Instant};
 
-/// How long the boundaries of a window may take.
+/// Time limit for the boundaries of a window.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// Why there is no answer.
+/// Reason why a question has no answer.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
-    /// There is no such question.
+    /// Unknown name of a question.
     #[error("there is no question `{0}`")]
     Unknown(String),
-    /// What was asked is wrong; the text of the command, with its hint.
+    /// Invalid input, with the message and the hint of the command.
     #[error("{0}")]
     Input(String),
-    /// Nobody waits for the answer any more, or it would take too long.
+    /// Request that was cancelled, or exceeded the time limit.
     #[error("given up: it took too long, or something else was asked")]
     GivenUp,
 }
@@ -93,7 +93,7 @@ impl From<MapError> for Refusal {
     }
 }
 
-/// Whether somebody waits for curves.
+/// Observer of boundaries that passes on cancellations.
 struct Waiting<'a>(IsEnded<'a>);
 
 impl Watch for Waiting<'_> {
@@ -104,19 +104,19 @@ impl Watch for Waiting<'_> {
     }
 }
 
-/// What answers the questions of a page.
+/// Server of the questions of a page.
 pub struct Explorer {
     /// Libraries that the user allows.
     trust: Trust,
-    /// The map that was opened.
+    /// Map opened by the user.
     stored: Option<Stored>,
-    /// The states and the maps that were asked for last.
+    /// Caches of recent states and maps.
     states: States,
     maps: Maps,
 }
 
 impl Explorer {
-    /// Answers questions, with the libraries that the user allows, and a map that was opened.
+    /// Explorer with the libraries that the user allows, and a map opened by the user.
     pub fn new(trust: Trust, stored: Option<Stored>) -> Self {
         Self {
             trust,
@@ -126,11 +126,13 @@ impl Explorer {
         }
     }
 
-    /// The document of an answer: that of `onset NAME --json` for `state` and `dispersion`, curves as `onset boundary --out` writes them for
-    /// `boundary`, and what a page needs beside them. `is_ended` tells that nobody waits for it any more.
+    /// Document that answers a question.
+    ///
+    /// `state` and `dispersion` return the documents of `onset NAME --json`, and `boundary` returns curves as in the files of `onset boundary --out`.
+    /// Other names return further data for the page. `is_ended` returns true once the request is cancelled.
     ///
     /// # Errors
-    /// [`Refusal`] with the text of the command.
+    /// [`Refusal`] with the message of the command.
     pub fn answer(
         &self,
         name: &str,

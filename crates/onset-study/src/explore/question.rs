@@ -1,41 +1,41 @@
-//! What a page asks.
+//! Questions of a page.
 
 use super::{Refusal, map};
 use crate::answers::{Problem, Strain, assigned, numbers};
 use crate::settings::{Axis, MaterialSettings, Quantity, Settings, Study, Trust};
 use serde::{Deserialize, Serialize};
 
-/// What is asked: what is written after the command, and a window of states.
+/// Question of a page: the arguments of a command, and a window of states.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Question {
-    /// Assignments as after `--set`.
+    /// Assignments, as for `--set`.
     pub set: Vec<String>,
-    /// Principal stretches as after `--stretch`.
+    /// Principal stretches, as for `--stretch`.
     pub stretch: String,
-    /// The window of the map.
+    /// Window of the map.
     pub window: Window,
-    /// How often the states of a map are to be halved.
+    /// Number of refinements of the map.
     pub level: u32,
-    /// The path of a diagram through the zone, as after `--path`; the usual one when empty.
+    /// Path of a diagram through the zone, as for `--path`; empty for the default path.
     pub path: String,
-    /// In which form a question is to be written.
+    /// Form of an exported question.
     pub form: String,
-    /// A study that is opened.
+    /// Text of a study to open.
     pub text: String,
 }
 
-/// A window of states: two axes of a study and their ranges.
+/// Window of states: two axes of a study and their ranges.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Window {
-    /// What they vary: `stretch-1` to `stretch-3`, or a key that takes a number.
+    /// Quantities of the axes: `stretch-1` to `stretch-3`, or a key with a numeric value.
     pub axes: [String; 2],
-    /// Their ends.
+    /// Ranges of the axes.
     pub ranges: [[f64; 2]; 2],
 }
 
-/// Displacements of a cell, at most: a page asks many questions, of which the last one counts.
+/// Largest number of displacements in a cell, to keep answers fast.
 const UNKNOWNS: usize = 96;
 
 impl Default for Window {
@@ -48,23 +48,23 @@ impl Default for Window {
 }
 
 impl Question {
-    /// A question as a page sends it.
+    /// Parses a question sent by a page.
     ///
     /// # Errors
-    /// [`Refusal`] when it is something else.
+    /// [`Refusal`] if the text is not a valid question.
     pub fn parse(text: &str) -> Result<Self, Refusal> {
         serde_json::from_str(text)
             .map_err(|error| Refusal::Input(format!("the question cannot be read: {error}")))
     }
 
-    /// Material and discretization, of which a library is loaded only if the user allows it.
+    /// Material and discretization; a library is loaded only if the user allows it.
     pub(super) fn settings(&self, trust: &Trust) -> Result<Settings, Refusal> {
         let mut settings = Settings::of_file("", "", &self.set, &[])?;
         permit(&mut settings.material, trust)?;
         Ok(settings)
     }
 
-    /// Material and discretization, ready to be asked.
+    /// Problem of the question.
     pub(super) fn problem(&self, trust: &Trust) -> Result<Problem, Refusal> {
         let problem = Problem::new(self.settings(trust)?)?;
         let unknowns = problem.dimension() * problem.analysis.sites();
@@ -76,7 +76,7 @@ impl Question {
         Ok(problem)
     }
 
-    /// The state.
+    /// Strain state of the question.
     pub(super) fn strain(&self, problem: &Problem) -> Result<Strain, Refusal> {
         Ok(Strain::of_stretches(
             "--stretch",
@@ -85,7 +85,7 @@ impl Question {
         )?)
     }
 
-    /// The study of the window, in so many states along each axis.
+    /// Study of the window, with the given number of states along each axis.
     pub(super) fn study(&self, trust: &Trust, states: usize) -> Result<Study, Refusal> {
         let mut text = String::from("title = \"\"\n");
         let state = self.held()?;
@@ -102,7 +102,7 @@ impl Question {
                 quantity.name()
             ));
         }
-        // A window of a key is read with what is set beside it: both at once, for the text alone may not be a study.
+        // The key of an axis may be valid only together with other assignments, so that both are read in one step.
         let is_varied = |assignment: &&String| {
             let name = assignment.split('=').next().unwrap_or_default().trim();
             self.window.axes.iter().any(|axis| axis == name)
@@ -113,7 +113,7 @@ impl Question {
         Ok(study)
     }
 
-    /// The stretches that no axis varies, where they are not one.
+    /// Stretches that no axis varies, unless they are 1.
     fn held(&self) -> Result<Vec<(&'static str, f64)>, Refusal> {
         let stretches = numbers("--stretch", &self.stretch)?;
         let names = ["stretch-1", "stretch-2", "stretch-3"];
@@ -125,7 +125,7 @@ impl Question {
     }
 }
 
-/// What an axis of a window varies.
+/// Quantity varied by an axis of a window.
 fn explored(name: &str) -> Result<Quantity, Refusal> {
     match Quantity::of_name(name) {
         Some(quantity @ (Quantity::Stretch(_) | Quantity::Setting(_))) => Ok(quantity),
@@ -135,23 +135,23 @@ fn explored(name: &str) -> Result<Quantity, Refusal> {
     }
 }
 
-/// Refuses a library that the user has not allowed, before anything of it is looked at: a link is the word of whoever made it.
+/// Refuses a library that the user has not allowed, before it is accessed: the author of a link is not trusted.
 pub(super) fn permit(material: &mut MaterialSettings, trust: &Trust) -> Result<(), Refusal> {
     material.of_question();
     material.allow(trust);
     Ok(material.permitted()?)
 }
 
-/// A study as a question.
+/// Study as a question.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Opened {
-    /// Its title.
+    /// Title of the study.
     title: String,
-    /// The question: the middle of its window.
+    /// Question at the center of the window.
     question: Question,
 }
 
-/// A study that is opened: nothing of it is loaded or computed.
+/// Opens a study as a question, without loading or computing anything.
 pub(super) fn opened(text: &str) -> Result<Opened, Refusal> {
     if !text.contains("[[axes]]") {
         let settings = Settings::of_file("study", text, &[] as &[&str], &[])?;
@@ -168,15 +168,15 @@ pub(super) fn opened(text: &str) -> Result<Opened, Refusal> {
 }
 
 impl Question {
-    /// Settings as a question about the undeformed state.
+    /// Question about the reference state with the given settings.
     pub fn of_settings(settings: &Settings) -> Self {
         of_settings(settings)
     }
 
-    /// A study as a question about the middle of its window; nothing of it is loaded.
+    /// Question about the center of a study's window, without loading anything.
     ///
     /// # Errors
-    /// [`Refusal`] for what is no study, and one whose states the page does not show.
+    /// [`Refusal`] for an invalid study, or one whose states the page cannot show.
     pub fn of_text(text: &str) -> Result<Self, Refusal> {
         Ok(opened(text)?.question)
     }
@@ -190,7 +190,7 @@ fn of_settings(settings: &Settings) -> Question {
     }
 }
 
-/// A study as a question: its first two axes are the window, whose middle is the state; of a third one its middle.
+/// Question about a study: its first two axes form the window. The state is at the center of the window and of a third axis.
 pub(super) fn of_study(study: &Study) -> Result<Question, Refusal> {
     let middle = |axis: &Axis| 0.5 * (axis.range.0 + axis.range.1);
     let coordinates: Vec<f64> = study.axes.iter().map(middle).collect();

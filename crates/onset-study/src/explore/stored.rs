@@ -1,4 +1,4 @@
-//! A stored map that a page shows.
+//! Stored map shown by a page.
 
 use super::map::{LEVELS, ShownMap, axes, number};
 use super::question::of_study;
@@ -7,32 +7,32 @@ use crate::plot::{PlotError, Section};
 use serde::Serialize;
 use std::path::Path;
 
-/// A stored map: of one with three axes the section in the middle of the third.
+/// Stored map, or the section at the middle of the third axis.
 pub struct Stored(Section);
 
-/// What is shown of it.
+/// Content of a stored map for a page.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Shown {
     title: String,
-    /// Where on the third axis it is.
+    /// Position of the section on the third axis.
     section: Option<String>,
     question: Question,
     map: ShownMap,
 }
 
 impl Stored {
-    /// Opens a store; no library that it names is loaded.
+    /// Opens a store, without loading the library that it names.
     ///
     /// # Errors
-    /// [`PlotError`] when it is none, or cannot be read.
+    /// [`PlotError`] if it is not a store, or cannot be read.
     pub fn open(path: &Path) -> Result<Self, PlotError> {
         Section::middle(path).map(Self)
     }
 
-    /// The question that it answers.
+    /// Question about the stored map.
     ///
     /// # Errors
-    /// [`Refusal`] when its axes are not those of a page.
+    /// [`Refusal`] if a page cannot show its axes.
     pub fn question(&self) -> Result<Question, Refusal> {
         of_study(&self.0.study)
     }

@@ -65,7 +65,7 @@ fn a_map_has_the_verdicts_of_its_states_and_becomes_finer() {
         last = states;
         assert_eq!(map["is_finest"], level == map::LEVELS);
     }
-    // Those of the coarsest are asked one by one, like these.
+    // The coarsest level evaluates states one by one, as here.
     question.level = 0;
     let map = asked("map", &question);
     let n = map["axes"][0]["states"].as_u64().expect("states") as usize;
@@ -223,7 +223,7 @@ fn a_study_is_opened_as_a_question_that_asks_for_the_same() {
         let settings = Settings::of_file("study", text, &[] as &[&str], &[]).expect("settings");
         let expected = serde_json::to_value(settings.effective()).expect("JSON");
         assert_eq!(state["settings"], expected);
-        // Written out as a study it is the same again.
+        // Exported as a study and opened again, the question is unchanged.
         opening.form = "toml".to_owned();
         let written = asked(
             "export",

@@ -1,29 +1,29 @@
-//! Instabilities that people have met in particle codes, as questions: the zoo of the repository.
+//! Zoo of the repository: instabilities reported for particle codes, as questions.
 
 use super::Question;
 use serde::{Deserialize, Serialize};
 
-/// An entry.
+/// Entry of the zoo.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Entry {
-    /// What was seen, in a few words.
+    /// Title of the report.
     pub title: String,
-    /// What was seen.
+    /// Reported behavior.
     pub seen: String,
-    /// Where.
+    /// Source of the report.
     #[serde(rename = "where")]
     pub place: String,
-    /// What the report does not say.
+    /// Assumptions where the report gives no details.
     pub assumed: String,
-    /// The question to `onset state`.
+    /// Question for `onset state`.
     pub question: Question,
-    /// What helps, where something is known to.
+    /// Known remedy, if any.
     pub remedy: Option<String>,
-    /// The question with the remedy.
+    /// Question with the remedy.
     pub remedy_question: Option<Question>,
 }
 
-/// A file of the zoo, as far as it is shown.
+/// File of the zoo, limited to the displayed keys.
 #[derive(Deserialize)]
 #[serde(rename_all = "kebab-case")]
 struct Written {
@@ -66,7 +66,7 @@ pub(super) const FILES: &[(&str, &str)] = files![
     "trixi-371-wendland.toml",
 ];
 
-/// The entries whose questions a page can show: those of principal stretches.
+/// Entries that a page can show: those about principal stretches.
 pub fn entries() -> Vec<Entry> {
     FILES.iter().filter_map(|(_, text)| entry(text)).collect()
 }
@@ -84,7 +84,7 @@ fn entry(text: &str) -> Option<Entry> {
     })
 }
 
-/// Arguments of `onset state` as a question; `None` where they are not stretches and assignments alone.
+/// Question with the arguments of `onset state`; `None` if they are not stretches and assignments only.
 fn question(arguments: &[String]) -> Option<Question> {
     let mut question = Question::default();
     for pair in arguments.chunks(2) {

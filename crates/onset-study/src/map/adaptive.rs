@@ -1,22 +1,22 @@
-//! Refinement: states are computed where the finding changes or may change, and filled in elsewhere.
+//! Adaptive refinement: states are computed near boundaries of the finding, and filled in elsewhere.
 //!
-//! States on a coarse stride are the corners of cells. A cell is halved where the findings at its corners differ; where a
-//! boundary may pass between corners of one finding, as the signed measures there tell; and where a state that a neighboring
-//! cell has computed says otherwise. In the end the states of a cell are all corners, or all have one finding. A pocket smaller
-//! than a cell of the coarse stride, of which no measure tells, can be missed.
+//! States on a coarse stride are the corners of cells. A cell is halved in three cases: if the findings at its corners differ; if the signed measures
+//! indicate that a boundary may pass between corners with the same finding; or if a state computed for a neighboring cell contradicts its corners. In
+//! the end all states of a cell are corners, or all have one finding. A pocket smaller than a cell of the coarse stride can be missed if no measure
+//! indicates it.
 
 use super::record::{Finding, Outcomes, Record};
 use crate::store::{ravel, unravel};
 use onset::bloch::Stability;
 use std::ops::Range;
 
-/// Measures of smaller change are constant: a zero-energy mode has a measure of zero, to rounding.
+/// Largest change of a measure that counts as constant: the measure of a zero-energy mode is zero to rounding.
 const NOISE: f64 = 1e-9;
 
-/// States over which measures are smooth: shorter cells must be nearer to a boundary to be halved.
+/// Number of states over which measures are smooth. Shorter cells are halved only if they are nearer to a boundary.
 const SMOOTH: usize = 4;
 
-/// A box of states, both ends included.
+/// Box of states, both ends included.
 #[derive(Clone, Debug)]
 struct Cell {
     low: Vec<usize>,
@@ -24,7 +24,7 @@ struct Cell {
 }
 
 impl Cell {
-    /// Its states at steps of its edges: the corners. An axis without extent has one.
+    /// Corners of the cell; an axis without extent has a single end.
     fn corners(&self) -> Vec<Vec<usize>> {
         let ends = |(low, high): (&usize, &usize)| {
             if low == high {
@@ -43,7 +43,7 @@ impl Cell {
         )
     }
 
-    /// Its states as runs of numbers in a tile: its rows along the axis that runs fastest.
+    /// States of the cell as index ranges in the tile: rows along the fastest axis.
     fn rows(&self, extent: &[usize]) -> impl Iterator<Item = Range<usize>> {
         let last = extent.len() - 1;
         let length = self.high[last] - self.low[last] + 1;
@@ -58,7 +58,7 @@ impl Cell {
         })
     }
 
-    /// Whether there are states that are no corners.
+    /// Returns true if the cell has states that are not corners.
     fn is_divisible(&self) -> bool {
         self.low
             .iter()
@@ -66,13 +66,13 @@ impl Cell {
             .any(|(low, high)| high - low > 1)
     }
 
-    /// Its longest edge.
+    /// Longest edge of the cell, in states.
     fn span(&self) -> usize {
         let edges = self.low.iter().zip(&self.high);
         edges.map(|(low, high)| high - low).max().unwrap_or(0)
     }
 
-    /// Its halves along every axis that can be halved.
+    /// Halves of the cell along every axis that can be halved.
     fn halves(&self) -> Vec<Self> {
         let parts = |(low, high): (&usize, &usize)| {
             let middle = low.midpoint(*high);
@@ -93,7 +93,7 @@ impl Cell {
     }
 }
 
-/// All tuples with one element of each list, the last running fastest.
+/// All tuples with one element from each list, the last running fastest.
 fn product<T: Copy>(lists: &[Vec<T>]) -> Vec<Vec<T>> {
     let shape: Vec<usize> = lists.iter().map(Vec::len).collect();
     let tuple = |index| {
@@ -111,8 +111,7 @@ fn cells(intervals: &[Vec<(usize, usize)>]) -> Vec<Cell> {
     product(intervals).into_iter().map(cell).collect()
 }
 
-/// The cells of a coarse stride. The last state along each axis is a corner, so that the cells fill the tile and no state outside
-/// it is needed.
+/// Cells on a coarse stride. The last state along each axis is a corner, so that the cells fill the tile without states outside it.
 fn coarse(extent: &[usize], stride: usize) -> Vec<Cell> {
     let along = |states: &usize| {
         let last = states - 1;
@@ -127,15 +126,15 @@ fn coarse(extent: &[usize], stride: usize) -> Vec<Cell> {
     cells(&extent.iter().map(along).collect::<Vec<_>>())
 }
 
-/// The states of a tile while it is refined.
+/// States of a tile during refinement.
 struct Tile<'a> {
     extent: &'a [usize],
-    /// Of each state the number of its record, [`OPEN`] where it is not computed.
+    /// Number of the record for each state, or [`OPEN`] if it is not computed.
     numbers: Vec<u32>,
     records: Vec<(usize, Record)>,
 }
 
-/// No number of a record.
+/// Marker for a state without a record.
 const OPEN: u32 = u32::MAX;
 
 impl<'a> Tile<'a> {
@@ -160,7 +159,7 @@ impl<'a> Tile<'a> {
         self.records.get(number as usize).map(|(_, record)| record)
     }
 
-    /// The corners of cells that are not computed yet.
+    /// Corners of the cells that are not computed yet.
     fn missing(&self, cells: &[Cell]) -> Vec<usize> {
         let mut missing: Vec<usize> = cells
             .iter()
@@ -173,7 +172,7 @@ impl<'a> Tile<'a> {
         missing
     }
 
-    /// The one finding at all corners, where no boundary can pass between them.
+    /// Common finding of all corners, or `None` if a boundary may pass between them.
     fn agreed(&self, cell: &Cell, longest: usize) -> Option<Finding> {
         let corners = cell.corners();
         let records: Vec<&Record> = corners
@@ -187,7 +186,7 @@ impl<'a> Tile<'a> {
         (agree && !may_change(&records, finding, nearness.min(1.0))).then_some(finding)
     }
 
-    /// Whether a state that was computed contradicts the corners.
+    /// Returns true if a computed state in the cell contradicts its corners.
     fn is_contradicted(&self, cell: &Cell, finding: Finding) -> bool {
         let differs = |number: &u32| {
             let known = self.known(*number);
@@ -197,9 +196,9 @@ impl<'a> Tile<'a> {
             .any(|row| self.numbers[row].iter().any(differs))
     }
 
-    /// Every state: as computed, or as the corners of its cell.
+    /// All states of the tile: computed, or filled in from the corners of the cell.
     fn filled(mut self, agreed: &[(Cell, Finding)]) -> Outcomes {
-        // Cells fill the tile, so that every state is known.
+        // Cells fill the tile, so every state has a finding.
         let mut findings = vec![Finding::UNDEFINED; self.numbers.len()];
         for (cell, finding) in agreed {
             for row in cell.rows(self.extent) {
@@ -217,9 +216,11 @@ impl<'a> Tile<'a> {
     }
 }
 
-/// Whether a boundary may pass between states of one finding. Each measure is a boundary of something, but only of what matters
-/// there: particles that are stable lose it with the scaled minimum, and their verdict changes with ellipticity; where they are
-/// unstable, the verdict is the material's if it is not elliptic and its long waves grow in the particles too.
+/// Returns true if a boundary may pass between states of one finding.
+///
+/// Each measure vanishes on some boundary, but only relevant boundaries count. Stable particles lose stability where the scaled minimum vanishes, and
+/// their verdict changes with ellipticity. For unstable particles the verdict is physical if the material is not elliptic and long waves of the
+/// particles grow too.
 fn may_change(records: &[&Record], finding: Finding, nearness: f64) -> bool {
     let [acoustic, scaled, long_wave] =
         [0, 1, 2].map(|measure| Signs::of(records, measure, nearness));
@@ -233,7 +234,7 @@ fn may_change(records: &[&Record], finding: Finding, nearness: f64) -> bool {
         }
 }
 
-/// The signs that a measure may have in a cell.
+/// Signs that a measure may have in a cell.
 #[derive(Clone, Copy)]
 struct Signs {
     negative: bool,
@@ -241,9 +242,10 @@ struct Signs {
 }
 
 impl Signs {
-    /// The signs at the corners; both where the measure is as near to zero as `nearness` of its change from corner to corner. What a
-    /// smooth measure can do between corners shrinks with the square of the cell, its change with the cell, so that `nearness` may
-    /// shrink with the cell.
+    /// Signs at the corners, or both signs if the measure is close to zero.
+    ///
+    /// Close means within `nearness` times its change between corners. The error of linear interpolation is proportional to the square of the cell
+    /// size, and the change is proportional to the cell size; `nearness` may therefore shrink with the cell.
     fn of(records: &[&Record], measure: usize, nearness: f64) -> Self {
         let values = || records.iter().map(|record| record.measures[measure]);
         let low = values().fold(f64::INFINITY, f64::min);
@@ -261,10 +263,10 @@ impl Signs {
     }
 }
 
-/// What is known about every state of a tile. `evaluate` computes states by their numbers in the tile.
+/// Computes and fills in all states of a tile. `evaluate` computes states by their numbers in the tile.
 ///
 /// # Errors
-/// Those of `evaluate`.
+/// Errors of `evaluate`.
 pub(super) fn refine<E>(
     extent: &[usize],
     stride: usize,
@@ -272,7 +274,7 @@ pub(super) fn refine<E>(
 ) -> Result<Outcomes, E> {
     let mut tile = Tile::new(extent);
     let mut open = coarse(extent, stride.max(1));
-    // A small tile has no cells of the whole stride.
+    // A small tile has no cells of the full stride.
     let longest = open.iter().map(Cell::span).max().unwrap_or(1).max(1);
     let mut agreed: Vec<(Cell, Finding)> = Vec::new();
     while !open.is_empty() {
@@ -306,7 +308,7 @@ mod tests {
     use std::cell::Cell as Count;
     use std::convert::Infallible;
 
-    /// A state of a material that is elliptic where a measure is positive, and of particles that say the same.
+    /// State of a material that is elliptic where `measure` is positive, with particles that agree.
     fn faithful(measure: f64) -> Record {
         let (verdict, stability) = if measure >= 0.0 {
             (Verdict::Stable, Stability::Stable)
@@ -323,8 +325,7 @@ mod tests {
         }
     }
 
-    /// Refines a tile of states of which a function of the place tells all, compares with all states, and returns the fraction of
-    /// states that were computed.
+    /// Refines a tile whose records follow from the position, compares with a full computation, and returns the fraction of computed states.
     fn refined(extent: &[usize], stride: usize, record: impl Fn(&[usize]) -> Record) -> f64 {
         let count = Count::new(0);
         let evaluate = |states: &[usize]| {
@@ -389,7 +390,7 @@ mod tests {
 
     #[test]
     fn a_boundary_without_measures_is_followed_from_cell_to_cell() {
-        // A wedge that is wider than a coarse cell at one side only, of undefined states.
+        // A wedge of undefined states, wider than a coarse cell only at one side.
         let wedge = |place: &[usize]| {
             let (row, column) = (place[0] as f64, place[1] as f64);
             if (row - 20.0).abs() < 0.45 * column {
@@ -420,7 +421,7 @@ mod tests {
 
     #[test]
     fn a_measure_that_decides_nothing_is_not_followed() {
-        // The kernel's own instability everywhere, in a material that is elliptic on one side.
+        // Numerical instability everywhere, in a material that is elliptic on one side.
         let record = |place: &[usize]| Record {
             finding: Finding {
                 verdict: Some(Verdict::Numerical),

@@ -1,8 +1,8 @@
-//! Processor time of a piece of work, which other work on the same cores does not lengthen.
+//! Processor time of a piece of work, unaffected by other work on the same cores.
 
 use std::time::Duration;
 
-/// Runs from when it is made, on the thread that made it.
+/// Clock of the current thread, running since its creation.
 pub(super) struct Clock(Duration);
 
 impl Clock {
@@ -10,7 +10,7 @@ impl Clock {
         Self(now())
     }
 
-    /// The processor time that this thread has spent since.
+    /// Processor time of this thread since the start of the clock.
     pub(super) fn elapsed(&self) -> Duration {
         now().saturating_sub(self.0)
     }
@@ -26,7 +26,7 @@ fn now() -> Duration {
     )
 }
 
-/// Without a clock of processor time that of the wall.
+/// Wall-clock time, on systems without a clock of processor time.
 #[cfg(not(unix))]
 fn now() -> Duration {
     use std::sync::LazyLock;

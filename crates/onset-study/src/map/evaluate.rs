@@ -1,4 +1,4 @@
-//! The one place at which a map computes a state.
+//! Evaluation of one state of a map.
 
 use super::record::{Finding, Proof, Record};
 use crate::answers::{Problem, ProblemError};
@@ -12,28 +12,29 @@ use onset::method::MethodError;
 use onset::time_step::Integrator;
 use onset::verdict::SurveyedState;
 
-/// Material and discretization, ready to be asked about states.
+/// Material and discretization, prepared for the evaluation of states.
 pub struct Evaluator {
     settings: Settings,
-    /// Nothing where the support holds too few or too many particles in the reference state.
+    /// Analysis, or `None` if the support holds too few or too many particles in the reference configuration.
     analysis: Option<Box<dyn Analysis>>,
     /// `rho c^2`, the scale of acoustic eigenvalues; stress.
     stiffness: f64,
-    /// From where on an undecided measure is not near zero, if proofs are asked for.
+    /// Magnitude above which an undecided measure is not near zero; `None` if no proofs are requested.
     tolerance: Option<f64>,
     /// Integrator whose critical time step is stored.
     integrator: Integrator,
     is_damped: bool,
-    /// Whether the method has a step of its own.
+    /// Whether the method defines its time step.
     is_transferred: bool,
 }
 
 impl Evaluator {
-    /// Prepares settings, for `many` states if it pays to spend some milliseconds before the first. A method whose support
-    /// holds too few or too many particles in the reference state is admitted: all its states are undefined.
+    /// Prepares the settings, with some extra milliseconds of set-up if `many` states will follow.
+    ///
+    /// A method whose support holds too few or too many particles in the reference configuration is accepted: all its states are undefined.
     ///
     /// # Errors
-    /// [`ProblemError`] when the settings are not admissible.
+    /// [`ProblemError`] if the settings are not admissible.
     pub fn new(settings: Settings, map: &MapSettings, many: bool) -> Result<Self, ProblemError> {
         let analysis = match Problem::new(settings.clone()) {
             Ok(problem) => Some(problem.analysis),
@@ -62,10 +63,10 @@ impl Evaluator {
         Ok(evaluator)
     }
 
-    /// Computes states, each as it would be computed alone.
+    /// Computes states; results do not depend on the grouping of states.
     ///
     /// # Errors
-    /// [`ProblemError`] when the material or the method cannot be evaluated at one for another reason than its support.
+    /// [`ProblemError`] if material or method cannot be evaluated at a state for any reason other than the support.
     pub fn records(&self, states: &[DeformationGradient]) -> Vec<Result<Record, ProblemError>> {
         let Some(analysis) = self.analysis.as_deref() else {
             return states.iter().map(|_| Ok(Record::UNDEFINED)).collect();
@@ -89,7 +90,7 @@ impl Evaluator {
                     let step = analysis.critical_time_step(f, self.integrator)?;
                     record.critical_time_step = if step.is_finite() { step } else { f64::NAN };
                 } else {
-                    // The record has the step of central differences.
+                    // The record holds the time step of central differences.
                     let reach = Integrator::CentralDifferences.undamped_reach();
                     record.critical_time_step *= self.integrator.undamped_reach() / reach;
                 }
@@ -113,7 +114,7 @@ impl Evaluator {
         }
     }
 
-    /// The step and the growth rate of a method with a step of its own.
+    /// Time step and growth rate of a method that defines its time step.
     fn in_discrete_time(
         &self,
         analysis: &dyn Analysis,
@@ -152,7 +153,7 @@ impl Evaluator {
         self.with_continuum(&state.acoustic, record)
     }
 
-    /// What is proved goes before what the search has found.
+    /// Record corrected by a certificate: proofs take precedence over the search.
     fn certified(
         &self,
         record: Record,
@@ -191,7 +192,7 @@ impl Evaluator {
             ..record
         }
     }
-    /// A vector, with components that do not exist where there are fewer dimensions.
+    /// Components of a vector; those beyond the number of dimensions are NaN.
     fn components(&self, vector: &SVector<f64, 3>) -> [f64; 3] {
         let dimension = self
             .analysis

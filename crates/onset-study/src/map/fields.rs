@@ -1,4 +1,4 @@
-//! What of a state is stored: the table of fields, each with how its value is taken.
+//! Fields stored for each state: the table of fields, with the function that computes each value.
 
 use super::record::{Certainty, Finding, Outcomes, Proof, Record};
 use crate::settings::MapSettings;
@@ -7,37 +7,37 @@ use onset::bloch::Stability;
 use onset::certificate::Reason;
 use onset::verdict::Verdict;
 
-/// The field that is written last.
+/// Name of the field with the verdict, which is written last.
 pub const VERDICT: &str = "verdict";
 
-/// What is proved about the particles.
+/// Name of the field with the certainty for the particles.
 pub const CERTAINTY: &str = "certainty";
-/// What is proved about the material.
+/// Name of the field with the certainty for the material.
 pub const CERTAINTY_MATERIAL: &str = "certainty_material";
-/// Why the particles are undecided.
+/// Name of the field with the reason why the particles are undecided.
 pub(super) const REASON: &str = "undecided_because";
-/// Whether the proof corrects the search.
+/// Name of the field that flags corrections of the search by a proof.
 pub(super) const CORRECTED: &str = "corrected";
-/// The first meaning of [`REASON`].
+/// First meaning of [`REASON`].
 const NO_REASON: &str = "decided-or-not-asked";
 
-/// How the value of a field is taken from what is known about a state.
+/// Function that computes the value of a field for a state.
 #[derive(Clone, Copy, Debug)]
 enum Taken {
-    /// A flag of what a state is.
+    /// Flag for the finding at a state.
     Word(fn(Finding) -> i8),
-    /// A flag of what was computed, if it was; -1 where there is none.
+    /// Flag for a computed record; -1 if the flag does not apply.
     Flag(fn(Option<&Record>) -> i8),
-    /// A number where the state was computed.
+    /// Number, for computed states only.
     Number(fn(&Record) -> f64),
-    /// A vector where the state was computed.
+    /// Vector, for computed states only.
     Vector(fn(&Record) -> [f64; 3]),
 }
 
-/// The fields of a map with how they are taken.
+/// Fields of a map, each with the function that computes its value.
 pub(super) struct Table(Vec<(Field, Taken)>);
 
-/// The fields of a map, in the order of the store.
+/// Fields of a map, in the order of the store.
 pub fn fields(map: &MapSettings) -> Vec<Field> {
     Table::of(map).fields()
 }
@@ -57,7 +57,7 @@ impl Table {
         self.0.iter().map(|(field, _)| field.clone()).collect()
     }
 
-    /// The columns of a tile.
+    /// Columns of a tile.
     pub(super) fn columns(&self, outcomes: &Outcomes, components: usize) -> Vec<Column> {
         let Outcomes { findings, computed } = outcomes;
         let numbers = |components: usize, take: &dyn Fn(&Record, &mut [f64])| {
@@ -91,20 +91,20 @@ impl Table {
     }
 }
 
-/// The words of the verdicts, in the order of their flags.
+/// Names of the verdicts, in the order of their flags.
 pub(super) fn verdicts() -> Vec<&'static str> {
     let names = Verdict::ALL.iter().map(|verdict| verdict.name());
     names.chain(["undefined"]).collect()
 }
 
-/// The ways in which perturbations develop, in the order of their flags.
+/// Names of the kinds of stability, in the order of their flags.
 const STABILITIES: [(Stability, &str); 3] = [
     (Stability::Stable, "stable"),
     (Stability::Flutter, "flutter"),
     (Stability::Divergence, "divergence"),
 ];
 
-/// The flag of an element of a list; the one after the last where there is none.
+/// Index of an element in a list; the length of the list if it is missing.
 fn flag<T: PartialEq>(list: &[T], element: Option<T>) -> i8 {
     element
         .and_then(|element| list.iter().position(|other| *other == element))

@@ -1,9 +1,8 @@
-//! What a map will cost, told before it is computed.
+//! Forecast of the cost of a map before it is computed.
 //!
-//! Of an adaptive map states on a grid over the whole window are computed, on finer and finer grids while time allows, and the
-//! refinement is rehearsed with what lies between them, interpolated, in the place of states: that tells which states it will compute.
-//! Some of the states of a map, spread evenly over them, are then computed as the map computes them, and timed by the clock of the
-//! processor, which nothing else on the machine makes slower.
+//! For an adaptive map, states are computed on successively finer grids over the window while time allows. The refinement is then rehearsed with
+//! values interpolated on this grid, which predicts the states that it will compute. Some states of the map, spread evenly over it, are then computed
+//! as in the map and timed by processor time, which other processes do not affect.
 
 use super::adaptive::refine;
 use super::clock::Clock;
@@ -19,43 +18,44 @@ use std::collections::BTreeSet;
 use std::convert::Infallible;
 use std::time::{Duration, Instant};
 
-/// States of the grid along each axis, one grid after the other.
+/// Number of grid points along each axis, for successively finer grids.
 const GRIDS: [usize; 6] = [2, 3, 5, 9, 17, 33];
-/// Tiles of an adaptive map that are rehearsed, evenly chosen.
+/// Largest number of tiles whose refinement is rehearsed, evenly chosen.
 const REHEARSED: usize = 200;
-/// States that are timed: first ones, those that are computed together then, at first and at most, so that they fill the lanes of
-/// vectors as those of a map do, and all.
+/// Numbers of timed states: in the first group, in the initial batch, in the largest batch, and in total.
+///
+/// Batches fill the vector lanes as in a map.
 const FIRST: usize = 4;
 const BATCH: usize = 16;
 const LARGEST_BATCH: usize = 128;
 const TIMED: usize = 512;
-/// The time after which no finer grid is begun and no more states are timed, where nobody says otherwise.
+/// Default time limit: afterwards no finer grid is started and no more states are timed.
 pub const PATIENCE: Duration = Duration::from_millis(600);
 
-/// What a map will cost.
+/// Predicted cost of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
-    /// Its tiles.
+    /// Number of tiles in the map.
     pub tiles: usize,
-    /// How many states will be computed; others are filled in.
+    /// Number of states that will be computed; the others are filled in.
     pub evaluations: u64,
-    /// How often material and method will be set up.
+    /// Number of set-ups of material and method.
     pub preparations: u64,
-    /// How many states were computed to tell.
+    /// Number of states computed for the forecast.
     pub sampled: usize,
-    /// Processor time of a state, in the company of others as in the map; seconds.
+    /// Processor time per state, in batches as in the map; seconds.
     pub seconds_per_state: f64,
-    /// Processor time of setting up material and method; seconds.
+    /// Processor time per set-up of material and method; seconds.
     pub seconds_per_preparation: f64,
-    /// Processor time of choosing the states of an adaptive map and of filling in the others; seconds.
+    /// Processor time for the refinement of an adaptive map; seconds.
     pub seconds_of_refinement: f64,
 }
 
 impl Forecast {
-    /// For a study. Finer grids are begun, and states are timed, until `patience` is over.
+    /// Forecast for a study. New grids and timings start until `patience` has elapsed.
     ///
     /// # Errors
-    /// [`ProblemError`] when the material or the discretization is not admissible.
+    /// [`ProblemError`] if the material or the discretization is not admissible.
     pub fn of(study: &Study, patience: Duration) -> Result<Self, ProblemError> {
         let tiling = tiling(study);
         let clock = Clock::start();
@@ -102,24 +102,24 @@ impl Forecast {
     }
 }
 
-/// The work of a map.
+/// Work of a map, in states and set-ups.
 struct Work {
-    /// States of the map along each dimension, slowest first.
+    /// Number of states along each dimension, slowest first.
     shape: Vec<usize>,
-    /// Numbers of states that will be computed, as far as known; all where there are none.
+    /// Numbers of the states that will be computed, as far as known; empty for all states.
     states: Vec<usize>,
-    /// How many will be computed.
+    /// Number of states that will be computed.
     evaluations: u64,
-    /// Materials and methods that will be set up for them.
+    /// Number of materials and methods that will be set up for them.
     preparations: u64,
-    /// Processor time of choosing them; seconds.
+    /// Processor time of the refinement; seconds.
     refining: f64,
 }
 
 impl Work {
-    /// Of a map of which every state is computed.
+    /// Work of a map that computes every state.
     fn of_all(study: &Study, tiling: &Tiling) -> Self {
-        // The sum over all tiles of what `prepared_in` has for each is the product of the sums along the axes.
+        // The sum of `prepared_in` over all tiles is the product of the sums along the axes.
         let axes = study.axes.iter().rev();
         let along = axes.zip(tiling.shape.iter().zip(tiling.grid()));
         let preparations = along.map(|(axis, (states, tiles))| match axis.quantity {
@@ -135,7 +135,7 @@ impl Work {
         }
     }
 
-    /// Of an adaptive map.
+    /// Work of an adaptive map.
     fn rehearsed(study: &Study, tiling: &Tiling, sample: &Sample<'_>) -> Self {
         let tiles = tiling.tiles();
         let some = tiles.min(REHEARSED);
@@ -176,7 +176,7 @@ impl Work {
         }
     }
 
-    /// The number of the n-th state that is timed.
+    /// Number of the n-th timed state.
     fn timed(&self, n: usize) -> usize {
         match self.states.len() {
             0 => ravel(&spread(n, &self.shape), &self.shape),
@@ -185,8 +185,9 @@ impl Work {
     }
 }
 
-/// The n-th of places that lie evenly in a box, however many they are: multiples of the powers of the root of
-/// \( x^{d+1} = x + 1 \), which for one dimension is the golden ratio (Roberts 2018).
+/// The n-th point of an evenly spread sequence in a box, for any number of points.
+///
+/// Coordinates are multiples of powers of the root of \( x^{d+1} = x + 1 \), the golden ratio in one dimension (Roberts 2018).
 fn spread(n: usize, shape: &[usize]) -> Vec<usize> {
     let order = shape.len() as f64 + 1.0;
     let root = (0..64).fold(1.5_f64, |x, _| (1.0 + x).powf(order.recip()));
@@ -197,7 +198,7 @@ fn spread(n: usize, shape: &[usize]) -> Vec<usize> {
     shape.iter().enumerate().map(along).collect()
 }
 
-/// Processor times of states.
+/// Processor times of states and set-ups.
 #[derive(Default)]
 struct Timing {
     states: usize,
@@ -206,7 +207,7 @@ struct Timing {
 }
 
 impl Timing {
-    /// Of some states of a map, more and more together until `patience` is over.
+    /// Times states of a map, in growing batches until `patience` has elapsed.
     fn of(
         study: &Study,
         shared: Option<&Evaluator>,
@@ -219,7 +220,7 @@ impl Timing {
             let places: Vec<Vec<f64>> = numbers.map(|state| study.coordinates(state)).collect();
             Self::of_states(study, shared, &places)
         };
-        // These find caches empty and lanes half full: they count only where there is no time for more.
+        // The first states find caches empty and vector lanes half full. They count only if no time remains for more.
         let first = batch_at(0, FIRST.min(most))?;
         let (mut timing, mut batch) = (Self::default(), BATCH);
         let one = |timing: &Self| timing.spent() / timing.states.max(1) as u32;
@@ -241,7 +242,7 @@ impl Timing {
         Ok(timing)
     }
 
-    /// Of states at some coordinates, computed as the map computes them.
+    /// Times states at the given coordinates, computed as in the map.
     fn of_states(
         study: &Study,
         shared: Option<&Evaluator>,
@@ -258,7 +259,7 @@ impl Timing {
                 let evaluator = Evaluator::new(study.settings_at(place)?, &study.map, false)?;
                 let _ = evaluator.records(&f);
                 let both = clock.elapsed();
-                // The first state of a method prepares what the others find.
+                // The first state of a method also fills caches that later states use.
                 let clock = Clock::start();
                 let _ = evaluator.records(&f);
                 let alone = clock.elapsed();
@@ -285,7 +286,7 @@ impl Timing {
     }
 }
 
-/// Materials and methods in a tile along each of its dimensions: as many as states where a setting varies, otherwise one.
+/// Number of materials and methods in a tile along each dimension: the number of states if a setting varies, one otherwise.
 fn prepared_in<'a>(study: &'a Study, tile: &'a Tile) -> impl Iterator<Item = usize> + 'a {
     let axes = study.axes.iter().rev().zip(&tile.extent);
     axes.map(|(axis, states)| match axis.quantity {
@@ -294,7 +295,7 @@ fn prepared_in<'a>(study: &'a Study, tile: &'a Tile) -> impl Iterator<Item = usi
     })
 }
 
-/// States on the finest grid for which there is time.
+/// Sample on the finest grid that the time allows.
 fn sampled<'a>(
     study: &Study,
     tiling: &'a Tiling,
@@ -304,7 +305,7 @@ fn sampled<'a>(
     let start = Instant::now();
     let mut sample = Sample::of(study, tiling, shared, GRIDS[0])?;
     for count in &GRIDS[1..] {
-        // A grid twice as fine has so many times as many states.
+        // A grid twice as fine has 2^d times as many states.
         let growth = 2_u32.pow(tiling.shape.len() as u32);
         if sample.is_all() || start.elapsed() + growth * sample.time > patience {
             break;
@@ -314,13 +315,13 @@ fn sampled<'a>(
     Ok(sample)
 }
 
-/// States on a grid over the whole window.
+/// Sample of states on a grid over the whole window.
 struct Sample<'a> {
-    /// States of the map along each dimension, slowest first, and points of the grid.
+    /// Number of states of the map along each dimension, slowest first.
     shape: &'a [usize],
     grid: Vec<usize>,
     records: Vec<Record>,
-    /// How long they took.
+    /// Processor time of the sample.
     time: Duration,
 }
 
@@ -350,7 +351,7 @@ impl<'a> Sample<'a> {
             .iter()
             .map(|place| study.deformation_at(place))
             .collect::<Result<_, _>>()?;
-        // States that cannot be computed are told about elsewhere.
+        // Errors at states are reported by the map itself.
         let known = |record: Result<Record, ProblemError>| record.unwrap_or(Record::UNDEFINED);
         match shared {
             Some(evaluator) => {
@@ -369,12 +370,12 @@ impl<'a> Sample<'a> {
         Ok(sample)
     }
 
-    /// Whether every state of the map is a point of the grid.
+    /// Returns true if every state of the map is a grid point.
     fn is_all(&self) -> bool {
         self.grid == self.shape
     }
 
-    /// The number of the state at a point of the grid.
+    /// Number of the state at a grid point.
     fn state(&self, point: usize) -> usize {
         let place = unravel(point, &self.grid);
         let along = place.iter().zip(&self.grid).zip(self.shape);
@@ -384,8 +385,9 @@ impl<'a> Sample<'a> {
         ravel(&along.map(state).collect::<Vec<_>>(), self.shape)
     }
 
-    /// What a state is likely to be: measures between those of the points around it, and the finding of the nearest of them that has the
-    /// same signs of measures.
+    /// Interpolated record at a state.
+    ///
+    /// Measures are interpolated between the surrounding grid points. The finding is taken from the nearest point whose measures have the same signs.
     fn likely(&self, place: &[usize]) -> Record {
         let dimensions = self.shape.len();
         let (mut low, mut share) = (vec![0; dimensions], vec![0.0; dimensions]);

@@ -1,4 +1,4 @@
-//! What the store of a map holds.
+//! Layout of the store of a map.
 
 use super::fields::fields;
 use crate::settings::{Axis, MapSettings, Study, Units};
@@ -6,23 +6,23 @@ use crate::store::{Dimension, LIBRARY, Layout, Tiling};
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
-/// States of a tile along an axis: as many of them in space as in the plane, so that a tile takes the same memory.
+/// Edge of a tile in states: with three axes smaller than with two, so that a tile needs the same memory.
 pub(crate) fn edge(tile: usize, axes: usize) -> usize {
     let edge = (tile as f64).powf(2.0 / axes as f64).round() as usize;
     edge.max(1)
 }
 
-/// The layout of the store of a study as this program computes it here.
+/// Layout of the store of a study, as computed by this program.
 pub(super) fn layout(study: &Study) -> Layout {
     of_attributes(study, attributes(study))
 }
 
-/// The layout of a store of a study that says by itself what computed it.
+/// Layout of a store whose attributes record the program that computed it.
 pub(crate) fn stored_layout(study: &Study, stored: &Map<String, Value>) -> Layout {
     of_attributes(study, stored.clone())
 }
 
-/// How the states of a study are cut into tiles.
+/// Division of the states of a study into tiles.
 pub(crate) fn tiling(study: &Study) -> Tiling {
     let edge = edge(study.map.tile, study.axes.len());
     let shape: Vec<usize> = study.axes.iter().rev().map(|axis| axis.count).collect();
@@ -81,8 +81,7 @@ fn attributes(study: &Study) -> Map<String, Value> {
         .collect()
 }
 
-/// What decides the numbers of a map, as a sum: the study, whatever it is called and whichever numbers are stored, and what
-/// computed them.
+/// Checksum of everything that determines the numbers of a map: the study without its title and stored outputs, and the program.
 fn identity(study: &Study, attributes: &Map<String, Value>) -> String {
     let mut same = study.clone();
     same.title.clear();

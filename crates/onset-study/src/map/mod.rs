@@ -1,8 +1,7 @@
-//! Maps: what every state of a study is, computed tile by tile into a store.
+//! Maps: the states of a study, computed tile by tile into a store.
 //!
-//! A [`Plan`] is a study made ready: its [layout](Plan::layout) is that of the store, its tiles are computed by
-//! [`Plan::run`], on all cores and in any order, always with the same result. What is computed at a state is a [`Record`]; what
-//! of it is stored, the table [`fields`].
+//! A [`Plan`] is a prepared study. Its [layout](Plan::layout) is the layout of the store; [`Plan::run`] computes its tiles on all cores. The result
+//! does not depend on their order. A [`Record`] holds the results at a state, and [`fields`] lists the stored part.
 
 mod adaptive;
 mod clock;

@@ -1,26 +1,27 @@
-//! Parts of a map, which several processes compute.
+//! Parts of a map, computed by several processes.
 
 use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
-/// Which tiles of a map are computed.
+/// Selection of the tiles of a map.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// From one to before another, `0..64`.
+    /// Range of tiles, `0..64`, without its end.
     Range(Range<usize>),
-    /// A share of so many, counted from 1, `2/8`. Its tiles lie evenly among all, so that shares take about as long as each other also where some
-    /// states of a map are dearer than others.
+    /// One of `of` shares, counted from 1, as in `2/8`.
+    ///
+    /// Its tiles are spread evenly over the map, so that shares take about the same time even if some states are more expensive than others.
     Share {
-        /// Which.
+        /// Number of the share, from 1.
         number: usize,
-        /// How many there are.
+        /// Number of shares.
         of: usize,
     },
 }
 
 impl Part {
-    /// The numbers of its tiles in a map of so many.
+    /// Numbers of the selected tiles in a map of `all` tiles.
     pub fn tiles(&self, all: usize) -> Vec<usize> {
         match self {
             Self::Range(range) => (range.start..range.end.min(all)).collect(),

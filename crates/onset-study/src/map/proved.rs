@@ -1,4 +1,4 @@
-//! How many states of a map are proved to be what.
+//! Counts of proved states in a map.
 
 use super::record::{Certainty, Proof};
 use super::summary::Share;
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::Add;
 
-/// Counts of states.
+/// Counts of states by certainty, reason and correction.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Proofs {
     certainties: [u64; Certainty::ALL.len()],
@@ -18,7 +18,7 @@ pub(super) struct Proofs {
 }
 
 impl Proofs {
-    /// Counts states of which the same is proved.
+    /// Adds a number of states with the given proof.
     pub(super) fn count(&mut self, proof: &Proof, states: u64) {
         let add = |counts: &mut [u64], place: Option<usize>| {
             if let Some(count) = place.and_then(|place| counts.get_mut(place)) {
@@ -35,7 +35,7 @@ impl Proofs {
         self.corrected += states * u64::from(proof.corrects);
     }
 
-    /// States of which the verdict on the particles is proved.
+    /// Number of states whose verdict on the particles is proved.
     pub(super) fn decided(&self) -> u64 {
         let own = Certainty::ALL.iter().zip(self.certainties);
         let decided = own.filter(|(certainty, _)| certainty.name().starts_with("proved"));
@@ -46,7 +46,7 @@ impl Proofs {
         count(&mut self.certainties, flags, 0);
     }
 
-    /// The first flag says that there is no reason.
+    /// Counts reasons; flag 0 means that no reason applies.
     pub(super) fn count_reasons(&mut self, flags: &[i8]) {
         count(&mut self.reasons, flags, 1);
     }
@@ -77,7 +77,7 @@ impl Proofs {
     }
 }
 
-/// Counts flags, of which those below the first count nothing.
+/// Counts flags; flags below `first` are ignored.
 fn count(counts: &mut [u64], flags: &[i8], first: i8) {
     for flag in flags {
         let place = usize::try_from(i16::from(*flag) - i16::from(first));
@@ -99,14 +99,14 @@ impl Add for Proofs {
     }
 }
 
-/// How many states are proved to be what, over the tiles of a run.
+/// Numbers of proved states, over the tiles of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Proved {
-    /// What is proved about the particles.
+    /// States by certainty for the particles.
     pub certainty: BTreeMap<&'static str, Share>,
-    /// Why states are undecided.
+    /// Undecided states by reason.
     pub undecided: BTreeMap<&'static str, Share>,
-    /// States of which the proof corrects verdict or stability of the search.
+    /// Number of states where the proof corrects verdict or stability of the search.
     pub corrected: u64,
 }
 

@@ -1,44 +1,43 @@
-//! What is known about a state of a map.
+//! Results at a state of a map.
 
 use onset::bloch::Stability;
 use onset::certificate::{self, Certificate, Reason};
 use onset::verdict::Verdict;
 
-/// What a state is, in words.
+/// Verdict and stability of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Finding {
-    /// The origin of the first instability; `None` where the method cannot be evaluated, because its support holds too
-    /// few or too many particles.
+    /// Origin of the first instability; `None` if the support holds too few or too many particles for the method.
     pub verdict: Option<Verdict>,
-    /// How perturbations of the particles develop.
+    /// Stability of the particles: stable, flutter or divergence.
     pub stability: Option<Stability>,
 }
 
 impl Finding {
-    /// Where the method cannot be evaluated.
+    /// Finding at a state where the method cannot be evaluated.
     pub const UNDEFINED: Self = Self {
         verdict: None,
         stability: None,
     };
 }
 
-/// What has been proved about material or particles at a state.
+/// Proof status of material or particles at a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Certainty {
-    /// No proof was asked for, or there is nothing to prove because the method cannot be evaluated.
+    /// No proof was requested, or the method cannot be evaluated.
     NotAsked,
-    /// No wave grows: a proof over the whole zone, or over all directions.
+    /// No wave grows, proved over the whole zone or over all directions.
     ProvedStable,
-    /// A wave grows: a proof by that wave.
+    /// A wave grows, proved by this wave.
     ProvedUnstable,
     /// All `omega^2 >= 0`, and a wave of finite length is a zero-energy mode.
     ProvedZeroEnergy,
-    /// None of them.
+    /// Neither stability nor instability could be proved.
     Undecided,
 }
 
 impl Certainty {
-    /// All of them, in the order of their flags.
+    /// All certainties, in the order of their flags.
     pub const ALL: [Self; 5] = [
         Self::NotAsked,
         Self::ProvedStable,
@@ -47,7 +46,7 @@ impl Certainty {
         Self::Undecided,
     ];
 
-    /// The word used in files and on the command line.
+    /// Name in files and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::NotAsked => "not-asked",
@@ -70,25 +69,25 @@ impl From<&certificate::Certainty<3>> for Certainty {
     }
 }
 
-/// What has been proved about a state.
+/// Proved facts about a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proof {
-    /// Strong ellipticity.
+    /// Certainty for the material, on strong ellipticity.
     pub material: Certainty,
-    /// The bound of the acoustic eigenvalue over `rho0 c^2`: from below where elliptic, from above where not.
+    /// Bound on the acoustic eigenvalue over `rho0 c^2`: a lower bound if elliptic, an upper bound otherwise.
     pub material_bound: f64,
-    /// Waves of the particles.
+    /// Certainty for the waves of the particles.
     pub particles: Certainty,
-    /// The bound of the scaled minimum: from below where stable, from above where unstable.
+    /// Bound on the scaled minimum: a lower bound if stable, an upper bound if unstable.
     pub bound: f64,
-    /// Why the particles are undecided.
+    /// Reason why the particles are undecided.
     pub reason: Option<Reason>,
-    /// Whether the verdict or the stability is another than that of the search.
+    /// Whether the proof contradicts verdict or stability of the search.
     pub corrects: bool,
 }
 
 impl Proof {
-    /// Nothing is proved.
+    /// Proof of a state without certificate.
     pub const NONE: Self = Self {
         material: Certainty::NotAsked,
         material_bound: f64::NAN,
@@ -98,7 +97,7 @@ impl Proof {
         corrects: false,
     };
 
-    /// Of a certificate.
+    /// Proof from a certificate.
     pub(super) fn of(certificate: &Certificate<3>, corrects: bool) -> Self {
         Self {
             material: (&certificate.material).into(),
@@ -123,35 +122,35 @@ fn bound(proved: &certificate::Certainty<3>) -> f64 {
     }
 }
 
-/// All that is computed at a state. Numbers that do not exist there are NaN.
+/// All results at a state. Numbers that do not exist there are NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record {
-    /// What it is.
+    /// Verdict and stability.
     pub finding: Finding,
-    /// The smallest acoustic eigenvalue of the continuum; stress.
+    /// Smallest acoustic eigenvalue of the continuum; stress.
     pub acoustic_minimum: f64,
-    /// The reference direction of that wave, a unit vector.
+    /// Reference direction of the wave with the smallest acoustic eigenvalue, a unit vector.
     pub acoustic_direction: [f64; 3],
     /// `min Re omega^2 / (c^2 |k|_h^2)` over the zone and the long-wave limit.
     pub scaled_minimum: f64,
-    /// The reference wave vector of that minimum, 1/length; in the limit of long waves its unit direction.
+    /// Reference wave vector of the scaled minimum, 1/length; in the long-wave limit its unit direction.
     pub wave_vector: [f64; 3],
-    /// Whether that minimum is the limit of long waves; `None` where there is no minimum.
+    /// Whether the scaled minimum is attained in the long-wave limit; `None` if it does not exist.
     pub is_long_wave: Option<bool>,
-    /// The smallest `Re omega^2` over the zone; 1/time^2.
+    /// Smallest `Re omega^2` over the zone; 1/time^2.
     pub lowest_omega_squared: f64,
-    /// The growth rate of the fastest growing mode, zero when stable; 1/time.
+    /// Growth rate of the fastest growing mode, zero if stable; 1/time.
     pub growth_rate: f64,
-    /// The critical time step of central differences; time.
+    /// Critical time step of central differences; time.
     pub critical_time_step: f64,
-    /// Signed measures, smooth almost everywhere, whose zeros are the boundaries of the verdicts; without dimension.
+    /// Signed dimensionless measures, smooth almost everywhere, whose zeros are the boundaries between verdicts.
     pub measures: [f64; 3],
-    /// What has been proved.
+    /// Proved facts about the state.
     pub proof: Proof,
 }
 
 impl Record {
-    /// Nothing but that the method cannot be evaluated.
+    /// Record of a state where the method cannot be evaluated.
     pub const UNDEFINED: Self = Self {
         finding: Finding::UNDEFINED,
         acoustic_minimum: f64::NAN,
@@ -167,17 +166,17 @@ impl Record {
     };
 }
 
-/// What a map says about the states of a tile, last dimension running fastest.
+/// Results for the states of a tile, last dimension running fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcomes {
-    /// What they are.
+    /// Verdict and stability of each state.
     pub findings: Vec<Finding>,
-    /// What was computed, with the numbers of the states, increasing; the finding at others follows from the surroundings.
+    /// Records of the computed states, by increasing number; findings at other states are filled in from their surroundings.
     pub computed: Vec<(usize, Record)>,
 }
 
 impl From<Vec<Record>> for Outcomes {
-    /// All of them were computed.
+    /// Outcomes of a tile whose states are all computed.
     fn from(records: Vec<Record>) -> Self {
         Self {
             findings: records.iter().map(|record| record.finding).collect(),

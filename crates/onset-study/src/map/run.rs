@@ -1,4 +1,4 @@
-//! The computation of a map: tile by tile, on all cores, into a store.
+//! Computation of a map: tile by tile, on all cores, into a store.
 
 use super::fields::{CERTAINTY, CORRECTED, REASON, VERDICT};
 use super::part::Part;
@@ -13,41 +13,41 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 use thiserror::Error;
 
-/// Why a map cannot be computed.
+/// Reason why a map cannot be computed.
 #[derive(Debug, Error)]
 pub enum MapError {
-    /// Its material or discretization.
+    /// Error in material or discretization.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// A state.
+    /// Error at a state.
     #[error("at {place}: {source}")]
     State {
-        /// Its coordinates.
+        /// Coordinates of the state, as text.
         place: String,
-        /// What is wrong.
+        /// Underlying error.
         source: Box<ProblemError>,
     },
-    /// Tiles that the map does not have.
+    /// Selection of tiles that the map does not have.
     #[error(
         "the map has {}, numbered from 0; {asked} are none of them\n  hint: --tiles 0..{tiles} are all",
         counted(*tiles, "tile")
     )]
     Tiles {
-        /// What was asked for.
+        /// Requested selection.
         asked: Part,
-        /// How many there are.
+        /// Number of tiles in the map.
         tiles: usize,
     },
-    /// The store.
+    /// Error of the store.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// Who watches has no time left for a tile that has begun.
+    /// Interruption before a started tile was finished.
     #[error("interrupted")]
     Interrupted,
 }
 
 impl MapError {
-    /// Whether what was asked for is wrong, and not the machine.
+    /// Returns true if the request is at fault, and false for failures of the machine.
     pub fn is_input(&self) -> bool {
         match self {
             Self::Store(error) => error.is_input(),
@@ -56,34 +56,35 @@ impl MapError {
     }
 }
 
-/// Who watches a map being computed, and may end it.
+/// Observer of the computation of a map, which may end it.
 pub trait Watch: Sync {
-    /// Some states are done.
+    /// Reports a number of finished states.
     fn advance(&self, states: u64);
 
-    /// Whether no further tile is to be begun.
+    /// Returns true if no further tile should be started.
     fn is_interrupted(&self) -> bool;
 
-    /// Whether tiles that have begun are to be given up.
+    /// Returns true if started tiles should be abandoned.
     fn is_out_of_time(&self) -> bool {
         false
     }
 }
 
-/// Below this many tiles for each core, states are shared out instead of tiles.
+/// Number of tiles per core below which states are distributed instead of tiles.
 const TILES_PER_CORE: usize = 4;
-/// States of the tiles that are computed at once: what is known of them is kept until their tile is done, a few hundred bytes each,
-/// so that memory does not grow with the number of cores.
+/// Largest number of states in tiles computed simultaneously.
+///
+/// Results of a tile are kept until it is finished, a few hundred bytes per state; the limit keeps memory independent of the number of cores.
 const STATES_AT_ONCE: usize = 1 << 20;
 
-/// What is done with a tile, and what comes of it, if anything.
+/// Action on a tile, with its counts if it completes.
 type Action<'a> = dyn Fn(usize) -> Result<Option<Tally>, MapError> + Sync + 'a;
 
 impl Plan {
-    /// The tiles of a part that the map has; all when none is given. The end of a range may lie beyond the last.
+    /// Numbers of the existing tiles in a part, or of all tiles without a part. The end of a range may exceed the last tile.
     ///
     /// # Errors
-    /// [`MapError::Tiles`] when none of them exists.
+    /// [`MapError::Tiles`] if none of the tiles exists.
     pub fn tiles(&self, asked: Option<Part>) -> Result<Vec<usize>, MapError> {
         let tiles = self.tiling.tiles();
         let Some(asked) = asked else {
@@ -96,10 +97,10 @@ impl Plan {
         }
     }
 
-    /// Computes those of some tiles that are not done, and checks those that are.
+    /// Computes unfinished tiles among those given, and checks the finished tiles.
     ///
     /// # Errors
-    /// [`MapError`] when a state cannot be computed, or the store not be read or written. Tiles that are done stay so.
+    /// [`MapError`] if a state cannot be computed, or the store cannot be read or written. Finished tiles remain in the store.
     pub fn run(
         &self,
         store: &dyn ResultStore,
@@ -123,8 +124,8 @@ impl Plan {
         let are_few = |tiles: &[usize]| {
             tiles.len().min(at_once) < TILES_PER_CORE * rayon::current_num_threads()
         };
-        // Of several who work on a store, each computes first what nobody else does. What others have begun and not done in the end is computed here
-        // too, until it is done anywhere: nobody waits for one who is slow, stopped or gone.
+        // Several processes may share a store. Each first computes the tiles that no other process has started. Tiles started elsewhere but still
+        // unfinished are then computed here too, until some process finishes them; no process depends on a slow or stopped one.
         let by_state = are_few(&open);
         let elsewhere = Mutex::new(Vec::new());
         let of_others = || elsewhere.lock().unwrap_or_else(PoisonError::into_inner);
@@ -155,7 +156,7 @@ impl Plan {
         ))
     }
 
-    /// Computes a tile, until it is done anywhere; `None` where the run is interrupted.
+    /// Computes a tile until some process has finished it; `None` if the run is interrupted.
     fn computed(
         &self,
         store: &dyn ResultStore,
@@ -163,7 +164,7 @@ impl Plan {
         by_state: bool,
         watch: &dyn Watch,
     ) -> Result<Option<Tally>, MapError> {
-        // Another process may have been faster.
+        // Another process may have finished the tile in the meantime.
         if store.is_done(tile)? {
             return self.checked(store, tile, watch).map(Some);
         }
@@ -188,7 +189,7 @@ impl Plan {
         Ok(Some(Tally::computed(&outcomes)))
     }
 
-    /// Does something with some tiles, so many at once, on all cores, and adds up what comes of it; no more once the run is interrupted.
+    /// Applies an action to tiles in groups of `at_once` on all cores, and sums the counts; stops after an interruption.
     fn each(
         &self,
         tiles: &[usize],
@@ -211,7 +212,7 @@ impl Plan {
             })
     }
 
-    /// Reads all of a tile that is done, so that damage is found where it would be built upon.
+    /// Reads a finished tile completely, to detect damage before results depend on it.
     fn checked(
         &self,
         store: &dyn ResultStore,
@@ -236,12 +237,12 @@ impl Plan {
     }
 }
 
-/// Watches a tile that another process may compute too.
+/// Observer of a tile that another process may compute too.
 struct Race<'a> {
     store: &'a dyn ResultStore,
     tile: usize,
     watch: &'a dyn Watch,
-    /// States of the tile that have not been told of as done: each is told of once, whoever computes it.
+    /// Number of states of the tile not yet reported as finished. Each state is reported once, by any process.
     left: AtomicU64,
 }
 
@@ -257,7 +258,7 @@ impl Watch for Race<'_> {
     }
 
     fn is_out_of_time(&self) -> bool {
-        // What cannot be read is told where the tile is written.
+        // A read error is reported when the tile is written.
         self.watch.is_out_of_time() || self.store.is_done(self.tile).unwrap_or(false)
     }
 }

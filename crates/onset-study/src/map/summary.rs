@@ -1,4 +1,4 @@
-//! What came of a run, in words and numbers.
+//! Summary of a run, as text and numbers.
 
 use super::fields::verdicts;
 use super::proved::Proofs;
@@ -19,18 +19,18 @@ use std::time::Duration;
 pub(super) struct Tally {
     verdicts: [u64; Verdict::ALL.len() + 1],
     evaluated: u64,
-    /// What is proved.
+    /// Counts of proved states.
     pub(super) proofs: Proofs,
-    /// States that this run has computed.
+    /// Number of states computed by this run.
     fresh: u64,
-    /// Tiles that were done.
+    /// Number of tiles that were already finished.
     pub(super) found: usize,
-    /// Tiles that this run has computed.
+    /// Number of tiles computed by this run.
     pub(super) computed: usize,
 }
 
 impl Tally {
-    /// Of a tile that this run has computed.
+    /// Counts of a tile computed by this run.
     pub(super) fn computed(outcomes: &Outcomes) -> Self {
         let Outcomes { findings, computed } = outcomes;
         let states = computed.len() as u64;
@@ -43,7 +43,7 @@ impl Tally {
         for run in findings.chunk_by(PartialEq::eq) {
             let verdict = run[0].verdict;
             let number = Verdict::ALL.iter().position(|v| Some(*v) == verdict);
-            // The last counts what is undefined.
+            // The last counter is for undefined states.
             tally.verdicts[number.unwrap_or(Verdict::ALL.len())] += run.len() as u64;
         }
         for (_, record) in computed {
@@ -85,42 +85,42 @@ impl Add for Tally {
     }
 }
 
-/// States of one verdict.
+/// Number and share of the states with one verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// How many.
+    /// Number of states.
     pub states: u64,
-    /// Their part of all states of the run.
+    /// Fraction of all states of the run.
     pub share: f64,
 }
 
-/// What came of a run.
+/// Results of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// The study.
+    /// Title of the study.
     pub title: String,
-    /// States of the tiles of this run that are done.
+    /// Number of states in the finished tiles of this run.
     pub states: u64,
-    /// Those of them that were computed, by this run or before; the verdict of the others follows from their surroundings.
+    /// Number of computed states, by this run or earlier; the verdicts of the others are filled in from their surroundings.
     pub evaluated: u64,
-    /// How many states are what, over the tiles of this run.
+    /// Number of states by verdict, over the tiles of this run.
     pub verdicts: BTreeMap<&'static str, Share>,
-    /// What is proved, where proofs were asked for.
+    /// Proved states, if proofs were requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub proofs: Option<Proved>,
-    /// How sure the verdicts are, in states: `proved` where certificates decide, `searched` elsewhere.
+    /// Number of states by evidence: `proved` if certified, `searched` otherwise.
     pub evidence: BTreeMap<&'static str, Share>,
-    /// Tiles that this run has computed.
+    /// Number of tiles computed by this run.
     pub tiles_computed: usize,
-    /// Tiles of this run that were done already, or that another process has done meanwhile.
+    /// Number of tiles that were finished before, or by another process during the run.
     pub tiles_found: usize,
-    /// Tiles of the store that are done.
+    /// Number of finished tiles in the store.
     pub tiles_done: usize,
-    /// All tiles of the store.
+    /// Number of all tiles of the store.
     pub tiles: usize,
-    /// How long it took.
+    /// Duration of the run; seconds.
     pub seconds: f64,
-    /// States that this run has computed, a second.
+    /// States computed by this run per second.
     pub states_per_second: f64,
 }
 
@@ -169,7 +169,7 @@ impl Summary {
         }
     }
 
-    /// Whether all tiles of the store are done.
+    /// Returns true if all tiles of the store are finished.
     pub fn is_complete(&self) -> bool {
         self.tiles_done == self.tiles
     }

@@ -1,4 +1,4 @@
-//! A study made ready to be computed, and the computation of one tile.
+//! Preparation of a study, and computation of one tile.
 
 use super::adaptive::refine;
 use super::evaluate::Evaluator;
@@ -16,36 +16,35 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// States that are computed together: enough that what is shared among them costs little, and few enough to be shared out
-/// among cores.
+/// Largest number of states in a batch: large enough to share set-up costs, small enough to distribute batches among cores.
 const PART: usize = 512;
 
-/// A study made ready.
+/// Study prepared for computation.
 pub struct Plan {
     pub(super) study: Study,
     pub(super) tiling: Tiling,
     layout: Layout,
     table: Table,
-    /// For all states, where no axis varies material or discretization.
+    /// Evaluator for all states, if no axis varies material or discretization.
     evaluator: Option<Evaluator>,
 }
 
-/// How the work on a tile is done.
+/// Options for the work on a tile.
 #[derive(Clone, Copy)]
 pub(super) struct Work<'a> {
-    /// Whether the states of a tile are shared out among the cores.
+    /// Whether the states of a tile are distributed among the cores.
     pub(super) by_state: bool,
-    /// Who watches.
+    /// Observer of the computation.
     pub(super) watch: &'a dyn Watch,
 }
 
 impl Plan {
-    /// Makes a study ready.
+    /// Prepares a study.
     ///
     /// # Errors
-    /// [`MapError`] when its material or discretization is not admissible.
+    /// [`MapError`] if its material or discretization is not admissible.
     pub fn new(study: &Study) -> Result<Self, MapError> {
-        // All processes of this run, and all that go on with its store, compute with the same library.
+        // All processes of this run, and all that resume its store, must use the same library.
         let mut study = study.clone();
         study
             .settings
@@ -68,17 +67,17 @@ impl Plan {
         })
     }
 
-    /// What a store of the map holds.
+    /// Layout of the store of the map.
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// How the states are cut into tiles.
+    /// Division of the states into tiles.
     pub fn tiling(&self) -> &Tiling {
         &self.tiling
     }
 
-    /// What is known about every state of a tile, last dimension running fastest.
+    /// Results for all states of a tile, last dimension running fastest.
     pub(super) fn outcomes(&self, tile: &Tile, work: Work<'_>) -> Result<Outcomes, MapError> {
         let states = States::new(self, tile);
         let pace = Pace::default();
@@ -100,7 +99,7 @@ impl Plan {
         };
         let evaluate = |batch: &[usize]| -> Result<Vec<Record>, MapError> {
             let parts: Result<Vec<Vec<Record>>, MapError> = if work.by_state {
-                // Few states that take long each are shared out too.
+                // Small numbers of slow states are distributed too.
                 let shares = 4 * rayon::current_num_threads();
                 let part = batch.len().div_ceil(shares).clamp(1, PART);
                 batch.par_chunks(part).map(&some).collect()
@@ -118,14 +117,15 @@ impl Plan {
         Ok(evaluate(&all)?.into())
     }
 
-    /// The columns of a tile in the order of the layout.
+    /// Columns of a tile, in the order of the layout.
     pub(super) fn columns(&self, outcomes: &Outcomes) -> Vec<Column> {
         self.table.columns(outcomes, self.layout.components)
     }
 }
 
-/// How many states are computed between two looks at whether the tile is given up: one at first, then as many as are soon done. What is found does
-/// not depend on it.
+/// Number of states computed between two checks for cancellation: initially one, then adapted to the time per state.
+///
+/// Results do not depend on it.
 struct Pace(AtomicUsize);
 
 impl Default for Pace {
@@ -135,7 +135,7 @@ impl Default for Pace {
 }
 
 impl Pace {
-    /// States that take less are followed by more at once, states that take longer by fewer.
+    /// Batches that take less time are followed by larger batches.
     const SOON: Duration = Duration::from_millis(50);
     const LONG: Duration = Duration::from_millis(250);
 
@@ -152,13 +152,13 @@ impl Pace {
     }
 }
 
-/// The states of a tile.
+/// States of a tile.
 struct States<'a> {
     plan: &'a Plan,
     tile: &'a Tile,
-    /// The extent of the tile along dimensions that vary material or discretization, one along the others.
+    /// Extent of the tile along dimensions that vary material or discretization; one along the others.
     varied: Vec<usize>,
-    /// Evaluators, one for each material and discretization in the tile, made when first needed.
+    /// Evaluators, one for each material and discretization in the tile, created on first use.
     evaluators: Vec<OnceLock<Evaluator>>,
 }
 
@@ -185,7 +185,7 @@ impl<'a> States<'a> {
         }
     }
 
-    /// Computes the states with some numbers in the tile.
+    /// Computes the states with the given numbers in the tile.
     fn records(&self, states: &[usize]) -> Result<Vec<Record>, MapError> {
         let deformations = states
             .iter()
@@ -212,7 +212,7 @@ impl<'a> States<'a> {
             .collect()
     }
 
-    /// Computes a state with the material and the discretization that it has.
+    /// Computes a state with its material and discretization.
     fn varied_record(&self, state: usize, f: &DeformationGradient) -> Result<Record, MapError> {
         let place = unravel(state, &self.tile.extent);
         let coordinates = self.coordinates(state);

@@ -1,4 +1,4 @@
-//! Boundaries of stability as curves, found by bisection along straight paths.
+//! Stability boundaries as curves, by bisection along straight paths.
 
 use crate::answers::ProblemError;
 use onset::analysis::{Analysis, scan_material_in};
@@ -7,12 +7,12 @@ use onset::material::Hyperelastic;
 use onset::verdict::{Onset, PathScan};
 use rayon::prelude::*;
 
-/// A plane-strain state of principal stretches.
+/// Plane-strain state with the given principal stretches.
 pub fn state(a: f64, b: f64) -> Result<DeformationGradient, ProblemError> {
     Ok(DeformationGradient::from_stretches([a, b, 1.0])?)
 }
 
-/// The first onset between two states, as a fraction of the path; `None` when there is none.
+/// First onset between two states, as a fraction of the path; `None` without an onset.
 pub fn onset(scan: &PathScan) -> Option<f64> {
     scan.onset().map(|onset| match onset {
         Onset::AtStart => 0.0,
@@ -20,8 +20,9 @@ pub fn onset(scan: &PathScan) -> Option<f64> {
     })
 }
 
-/// The boundary of strong ellipticity: for each first stretch, all second stretches between two limits at which
-/// ellipticity is lost or regained.
+/// Boundary of strong ellipticity.
+///
+/// For each first stretch, lists all second stretches between the limits where ellipticity is lost or regained.
 pub fn material_boundary(
     material: &dyn Hyperelastic,
     firsts: &[f64],
@@ -41,8 +42,7 @@ pub fn material_boundary(
     Ok(lists?.into_iter().flatten().collect())
 }
 
-/// First onset of the material and of a discretization along a straight path of principal stretches, as the
-/// stretch ratio along it.
+/// First onsets of material and discretization along a straight path of principal stretches, as stretch ratios along it.
 pub fn onsets(
     method: &dyn Analysis,
     material: &dyn Hyperelastic,

@@ -1,6 +1,6 @@
-//! The claims of the paper, one function each: what it says, what is computed, whether it holds.
+//! Claims of the paper, one function each: the statement, the computation, and the verdict.
 //!
-//! A verdict is decided from the computed numbers; that it is the recorded one is checked apart.
+//! A verdict is decided from computed numbers; the comparison with the recorded verdict is separate.
 
 use super::ReproduceError;
 use super::boundary::{onset, onsets, state};
@@ -20,15 +20,15 @@ use serde::Serialize;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// Whether a claim holds.
+/// Verdict on a claim.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "verdict", content = "condition")]
 pub enum ClaimVerdict {
-    /// As the paper says.
+    /// The claim holds as published.
     Reproduced,
-    /// Under some choices only.
+    /// The claim holds only under the given condition.
     ReproducedOnlyFor(String),
-    /// Not so.
+    /// The claim does not hold.
     Contradicted,
 }
 
@@ -41,7 +41,7 @@ impl ClaimVerdict {
         }
     }
 
-    /// The kind, without its condition.
+    /// Name of the verdict, without its condition.
     pub fn word(&self) -> &'static str {
         match self {
             Self::Reproduced => "reproduced",
@@ -62,30 +62,30 @@ impl std::fmt::Display for ClaimVerdict {
     }
 }
 
-/// A claim with what was found.
+/// Claim with its verification.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Claim {
-    /// `C1` to `C17`.
+    /// Identifier, `C1` to `C17`.
     pub id: &'static str,
-    /// Where in the paper.
+    /// Section or figure of the paper.
     pub place: &'static str,
-    /// What the paper says.
+    /// Statement of the paper.
     pub paper: &'static str,
-    /// What was computed.
+    /// Computed result.
     pub computed: String,
-    /// Under which choices.
+    /// Choices of the computation.
     pub choices: &'static str,
-    /// Whether it holds.
+    /// Verdict on the claim.
     #[serde(flatten)]
     pub verdict: ClaimVerdict,
-    /// The number that decides.
+    /// Number that decides the verdict.
     pub number: f64,
-    /// The verdict on record.
+    /// Recorded verdict.
     pub recorded: &'static str,
 }
 
 impl Claim {
-    /// Whether the verdict is the one on record.
+    /// Returns true if the verdict agrees with the recorded one.
     pub fn is_as_recorded(&self) -> bool {
         self.verdict.word() == self.recorded
     }
@@ -93,7 +93,7 @@ impl Claim {
 
 type Checked = Result<Claim, ReproduceError>;
 
-/// All claims, in order.
+/// Functions that check the claims, in order.
 pub const ALL: [fn() -> Checked; 17] = [
     c1, c2, c3, c4, c5, c6, c7, c8, c9, c10, c11, c12, c13, c14, c15, c16, c17,
 ];
@@ -155,7 +155,7 @@ fn omega_squared(
     Ok([0, 1].map(|branch| values[branch].re))
 }
 
-/// The largest `|omega^2|` of several wave vectors and states.
+/// Largest `|omega^2|` over several wave vectors and states.
 fn largest_frequency(
     discretization: KernelMethodChoices,
     points: &[[f64; 2]],
@@ -171,7 +171,7 @@ fn largest_frequency(
     Ok(largest)
 }
 
-/// How many of some states are stable, flutter, or diverge or have no discretization.
+/// Numbers of stable states, of states with flutter, and of states with divergence or without a discretization.
 fn count(
     discretization: KernelMethodChoices,
     material: &Arc<dyn Hyperelastic>,
@@ -185,7 +185,7 @@ fn count(
                 Stability::Flutter => 1,
                 Stability::Divergence => 2,
             }),
-            // Without a discretization there is nothing to be stable.
+            // A state without a discretization counts as unstable.
             Err(error) if error.is_about_support() => Ok(2),
             Err(error) => Err(error.into()),
         }
@@ -391,7 +391,7 @@ fn c7() -> Checked {
     )
 }
 
-/// The supports at which hexagonal stress points are deficient at K, to ten digits.
+/// Supports at which hexagonal stress points are rank-deficient at K, to ten digits.
 const DEFICIENT_SUPPORTS: [f64; 4] = [2.2750687324, 2.4014170277, 3.7267653927, 4.0162479014];
 
 fn c8() -> Checked {
@@ -437,7 +437,7 @@ fn c8() -> Checked {
     })
 }
 
-/// The largest relative difference between onsets of material and particles along straight paths.
+/// Largest relative difference between onsets of material and particles along straight paths.
 fn largest_difference(
     material: &Arc<dyn Hyperelastic>,
     supports: &[f64],
@@ -460,7 +460,7 @@ fn largest_difference(
                     .into_iter()
                     .fold(0.0, f64::max)
             }
-            // A path that shows no onset shows nothing.
+            // A path without an onset proves nothing.
             _ => f64::INFINITY,
         })
     };
@@ -615,7 +615,7 @@ fn c11() -> Checked {
     })
 }
 
-/// A relative error in words.
+/// Formats a relative error.
 fn small(error: f64) -> String {
     if error < 1e-15 {
         "less than 1e-15".to_owned()
@@ -624,7 +624,7 @@ fn small(error: f64) -> String {
     }
 }
 
-/// The ratio of stretches at which Blatz-Ko loses ellipticity in the plane.
+/// Ratio of stretches at which the Blatz-Ko material loses ellipticity in the plane.
 const RATIO: f64 = 3.732_050_807_568_877;
 
 fn c12() -> Checked {

@@ -1,4 +1,4 @@
-//! The figures of the paper.
+//! Figures of the paper.
 
 use super::boundary::{material_boundary, onsets, state};
 use super::{ReproduceError, StudyResult, study};
@@ -20,23 +20,23 @@ use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// A figure with the data that it shows.
+/// Figure with its data.
 pub struct Plate {
-    /// The drawing.
+    /// Drawing of the figure.
     pub figure: Figure,
     /// Tables by name.
     pub tables: Vec<(String, String)>,
 }
 
-/// A figure to be made.
+/// Recipe for a figure.
 pub struct Recipe {
-    /// Its file name.
+    /// File name without extension.
     pub name: &'static str,
-    /// Makes it.
+    /// Computes the figure.
     pub make: fn() -> Result<Plate, ReproduceError>,
 }
 
-/// All figures, in the order of the paper.
+/// Recipes of all figures, in the order of the paper.
 pub const ALL: [Recipe; 8] = [
     Recipe {
         name: "figure-02",
@@ -106,19 +106,19 @@ fn pairs(points: &[(f64, f64)]) -> String {
     )
 }
 
-/// The boundary of strong ellipticity within a window.
+/// Boundary of strong ellipticity within a window.
 fn continuum_boundary(study: &Study, count: usize) -> Result<Vec<(f64, f64)>, ReproduceError> {
     let problem = Problem::new(study.settings.clone())?;
     let [first, second] = study.plane();
     Ok(material_boundary(
         &*problem.material,
         &spread(first.range, count),
-        // A little beyond the window, so that the curve reaches its edge.
+        // The range exceeds the window slightly, so that the curve reaches its edge.
         (second.range.0, 1.15 * second.range.1),
     )?)
 }
 
-/// The continuum alone, as a map with the exact verdict on ellipticity.
+/// Map of the material alone, with the exact verdict on ellipticity.
 fn ellipticity_map(study: &Study) -> Result<crate::figure::Regions, ReproduceError> {
     let problem = Problem::new(study.settings.clone())?;
     let [first, second] = study.plane();
@@ -143,7 +143,7 @@ fn ellipticity_map(study: &Study) -> Result<crate::figure::Regions, ReproduceErr
     ))
 }
 
-/// A kernel method with a material.
+/// Analysis of a kernel method with a material.
 fn of_kernels(
     choices: KernelMethodChoices,
     material: Arc<dyn Hyperelastic>,
@@ -191,7 +191,7 @@ fn figure_02() -> Result<Plate, ReproduceError> {
     })
 }
 
-/// The displacement of a particle in a mode with a given phase origin, `cos(k.X)`.
+/// Displacement of a particle in a mode, `cos(k.X)`.
 fn displacement(k: &Vector2<f64>, x: &Vector2<f64>) -> f64 {
     k.dot(x).cos()
 }
@@ -386,7 +386,7 @@ fn figure_10() -> Result<Plate, ReproduceError> {
     )
 }
 
-/// A title as part of a file name.
+/// Title as part of a file name.
 fn slug(title: &str) -> String {
     let words = title.split(|c: char| !c.is_ascii_alphanumeric() && c != '.');
     words
@@ -478,7 +478,7 @@ fn figure_08() -> Result<Plate, ReproduceError> {
     // The two-dimensional boundary from the acoustic tensor of plane waves, along circles around the origin.
     let boundary = continuum_boundary(&study, 80)?;
     let (upper, lower): (Vec<_>, Vec<_>) = boundary.iter().copied().partition(|(a, b)| b > a);
-    // The three-dimensional one by bisection of the smallest eigenvalue over all directions in three dimensions.
+    // The three-dimensional boundary by bisection of the smallest eigenvalue over all directions in three dimensions.
     let spatial = |f: &DeformationGradient| -> Result<f64, ProblemError> {
         let minimum = acoustic_minimum_in(3, &material, f).map_err(MethodError::from)?;
         Ok(minimum.eigenvalue.re)

@@ -1,4 +1,4 @@
-//! The paper from end to end: its figures, its claims, and a report.
+//! Reproduction of the paper: its figures, its claims, and a report.
 
 mod boundary;
 mod claims;
@@ -16,19 +16,19 @@ use onset::method::MethodError;
 use std::path::Path;
 use thiserror::Error;
 
-/// Why the paper cannot be reproduced.
+/// Reason why the paper cannot be reproduced.
 #[derive(Debug, Error)]
 pub enum ReproduceError {
-    /// A computation failed.
+    /// Failed computation.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// A study file of the paper is wrong.
+    /// Invalid study file of the paper.
     #[error(transparent)]
     Study(#[from] SettingError),
-    /// A figure cannot be written.
+    /// Figure that cannot be drawn.
     #[error(transparent)]
     Figure(#[from] FigureError),
-    /// A file cannot be written.
+    /// File that cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
 }
@@ -39,14 +39,15 @@ impl From<MethodError> for ReproduceError {
     }
 }
 
-/// How many steps [`run`] reports.
+/// Number of steps that [`run`] reports.
 pub const STEPS: usize = figures::ALL.len() + claims::ALL.len();
 
-/// Computes every figure and checks every claim, and writes figures, data and an HTML report into a folder, all of them when the
-/// last is there. `progress` is told the name of each step when it is done.
+/// Computes every figure, checks every claim, and writes figures, data and an HTML report into a folder.
+///
+/// Files are written after all computations. `progress` receives the name of each finished step.
 ///
 /// # Errors
-/// [`ReproduceError`] when something cannot be computed or written; that the folder cannot be is told before the work.
+/// [`ReproduceError`] if something cannot be computed or written; an unusable folder is reported before the computations.
 pub fn run(out: &Path, progress: &dyn Fn(&str)) -> Result<Report, ReproduceError> {
     let output = Output::at(out, &[REPORT, CLAIMS])?;
     let (mut drawn, mut files) = (Vec::new(), Vec::new());
@@ -78,12 +79,12 @@ pub fn run(out: &Path, progress: &dyn Fn(&str)) -> Result<Report, ReproduceError
     Ok(report)
 }
 
-/// The page with all figures and claims.
+/// File name of the page with all figures and claims.
 const REPORT: &str = "report.html";
-/// The table of all claims.
+/// File name of the table of all claims.
 const CLAIMS: &str = "claims.csv";
 
-/// A study of the paper; the folder `studies/` of the repository links to it.
+/// Study of the paper; the folder `studies/` of the repository links to it.
 macro_rules! study {
     ($name:literal) => {
         $crate::settings::Study::parse(
@@ -94,5 +95,5 @@ macro_rules! study {
 }
 use study;
 
-/// The type of a study constructor, so that lists of them read well.
+/// Result of a study constructor, for readable lists of studies.
 type StudyResult = Result<Study, SettingError>;

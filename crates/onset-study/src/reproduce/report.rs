@@ -1,13 +1,13 @@
-//! The result of a reproduction: a table for the terminal, a page for the reader, a table for a program.
+//! Report of a reproduction, as text for the terminal, as a page, and as a table.
 
 use super::claims::{Claim, ClaimVerdict};
 use crate::csv;
 use serde::Serialize;
 
-/// The claims with what was found, and the figures.
+/// Verified claims, and the figures.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
-    /// One row a claim.
+    /// Claims, one row each.
     pub claims: Vec<Claim>,
     /// File name, title and caption of each figure.
     #[serde(serialize_with = "figure_names")]
@@ -22,12 +22,12 @@ fn figure_names<S: serde::Serializer>(
 }
 
 impl Report {
-    /// Whether every verdict is the one on record.
+    /// Returns true if every verdict agrees with the recorded one.
     pub fn is_as_recorded(&self) -> bool {
         self.claims.iter().all(Claim::is_as_recorded)
     }
 
-    /// Counts of the verdicts, with the claims that do not simply hold, and whether these are the verdicts on record.
+    /// Counts of the verdicts, with the claims that do not hold without condition, and the agreement with the recorded verdicts.
     pub fn summary(&self) -> String {
         let of = |is_meant: &dyn Fn(&Claim) -> bool| -> Vec<&str> {
             let meant = self.claims.iter().filter(|claim| is_meant(claim));
@@ -53,7 +53,7 @@ impl Report {
         )
     }
 
-    /// The claims as a table.
+    /// Claims as a CSV table.
     pub fn csv(&self) -> String {
         let mut text = String::from("id,place,paper,computed,choices,verdict,number,recorded\n");
         for claim in &self.claims {
@@ -73,7 +73,7 @@ impl Report {
         text
     }
 
-    /// The report as a page that needs nothing but the figures beside it.
+    /// Report as a page that needs no files except the figures next to it.
     pub fn html(&self) -> String {
         let rows: String = self.claims.iter().map(row).collect();
         let figures: String = self
@@ -133,7 +133,7 @@ fn row(claim: &Claim) -> String {
     )
 }
 
-/// A number as one would write it in a table.
+/// Formats a number for a table.
 fn shown(number: f64) -> String {
     if number == 0.0 || number.fract() == 0.0 && number.abs() < 1e6 {
         format!("{number:.0}")

@@ -1,4 +1,4 @@
-//! What a run says of a prediction.
+//! Comparison of a run with its prediction.
 
 use super::checkpoint::Progress;
 use super::plan::{COLUMNS, Plan};
@@ -15,73 +15,73 @@ use std::path::PathBuf;
 
 pub use crate::verify::Outcome;
 
-/// A rate that was measured.
+/// Measured rate of a wave.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Measured {
-    /// The rate; 1/time.
+    /// Rate of the fitted solution; 1/time.
     pub rate: Rate,
-    /// How far it is from the predicted one, over that; of a zero-energy mode over the largest frequency of the patch.
+    /// Difference from the predicted rate, relative to that rate; for a zero-energy mode, relative to the largest frequency of the patch.
     pub difference: f64,
-    /// How far it may be from the true one, over the same.
+    /// Uncertainty of the rate, relative to the same quantity.
     pub uncertainty: f64,
-    /// What is left of the record, root mean square, over its largest amplitude.
+    /// Root mean square of the residual over the largest amplitude of the record.
     pub residual: f64,
-    /// Samples of the record.
+    /// Number of samples in the record.
     pub samples: usize,
 }
 
-/// A run beside its prediction.
+/// Results of a run against its prediction.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SimulateAnswer {
-    /// Whether they agree.
+    /// Outcome of the comparison.
     pub outcome: Outcome,
-    /// Why, where it is undecided; empty otherwise.
+    /// Reason if undecided; empty otherwise.
     pub reason: String,
     /// Whether the run was interrupted.
     pub interrupted: bool,
-    /// `wave`, `critical` or `noise`.
+    /// Kind of the initial perturbation: `wave`, `critical` or `noise`.
     pub mode: &'static str,
-    /// Cells along each primitive vector.
+    /// Number of cells along each primitive vector.
     pub cells: Vec<usize>,
-    /// Particles.
+    /// Number of particles.
     pub particles: usize,
-    /// The deformation gradient of the homogeneous state.
+    /// Deformation gradient of the homogeneous state.
     pub deformation_gradient: [[f64; 3]; 3],
-    /// The measured wave: reference wave vector; 1/length.
+    /// Reference wave vector of the measured wave; 1/length.
     pub wave_vector: Vec<f64>,
-    /// Which of its waves.
+    /// Branch of the measured wave, counted from 1 by increasing `omega^2`.
     pub branch: usize,
     /// `omega^2` of the linearized equations, real and imaginary part; 1/time^2.
     pub omega_squared: [f64; 2],
-    /// Whether no force answers the wave.
+    /// Whether the wave is a zero-energy mode.
     pub has_zero_energy: bool,
-    /// The integrator.
+    /// Name of the integrator.
     pub integrator: &'static str,
-    /// Time.
+    /// Time step of the run; time.
     pub time_step: f64,
-    /// The largest stable step for the waves of the patch; time.
+    /// Largest stable time step for the waves of the patch; time.
     pub critical_time_step: f64,
-    /// Steps of the run.
+    /// Number of steps requested.
     pub steps: u64,
-    /// Steps that were taken.
+    /// Number of steps taken.
     pub steps_taken: u64,
-    /// The rate in continuous time; 1/time.
+    /// Rate in continuous time; 1/time.
     pub continuous: Rate,
-    /// The rate in discrete time, as the record tells it; 1/time.
+    /// Rate in discrete time, as it appears in the record; 1/time.
     pub predicted: Rate,
-    /// What was measured; none where the record tells nothing.
+    /// Measured rate, or `None` if the record does not determine one.
     pub measured: Option<Measured>,
-    /// The difference that counts as agreement.
+    /// Largest relative difference that counts as agreement.
     pub tolerance: f64,
-    /// The largest change of the energy in the history, over the largest sum of the sizes of kinetic and potential energy.
+    /// Largest change of the energy in the history, over the largest sum of the magnitudes of kinetic and potential energy.
     pub energy_drift: f64,
-    /// The largest displacement of a particle from the homogeneous state in the history; length.
+    /// Largest displacement of a particle from the homogeneous state in the history; length.
     pub largest_displacement: f64,
-    /// What a reader must know of law and method.
+    /// Notes on law and method.
     pub notes: Vec<String>,
-    /// Every choice in effect.
+    /// All settings in effect.
     pub settings: Effective,
-    /// Files that were written.
+    /// Paths of the files written.
     #[serde(skip)]
     pub files: Vec<PathBuf>,
 }
@@ -156,11 +156,11 @@ impl SimulateAnswer {
     }
 }
 
-/// Displacements in particle spacings beyond which motions are not those of linearized equations.
+/// Displacement in particle spacings beyond which the linearized equations do not apply.
 const SMALL: f64 = 0.01;
-/// What other waves of a noise change a rate by.
+/// Largest relative difference from the predicted rate of a measured rate in noise, where other waves change it.
 const NOISE: f64 = 0.01;
-/// The fewest samples of a record.
+/// Smallest number of samples in a record.
 const FEWEST: usize = 16;
 
 type Verdict = (Outcome, String, Option<Measured>);
@@ -169,7 +169,9 @@ fn undecided(reason: String) -> Verdict {
     (Outcome::Undecided, reason, None)
 }
 
-/// What a run that does not agree is not a test of: linearized equations beyond small displacements, and of noise, and of a wave that others overrun.
+/// Replaces disagreement by an undecided outcome if the run does not test the linearized equations.
+///
+/// This is the case for large displacements, for noise, and for a wave that faster growing waves overrun.
 fn explained(
     (outcome, reason): (Outcome, String),
     plan: &Plan,
@@ -209,7 +211,7 @@ fn explained(
     }
 }
 
-/// A wave that travels, grows or decays: the fit of its rates.
+/// Outcome for a wave that travels, grows or decays: compares its fitted rates with the prediction.
 fn moving(plan: &Plan, progress: &Progress) -> Verdict {
     let rates = plan.rates();
     let samples: Vec<(f64, f64)> = progress.samples.iter().map(|[t, y]| (*t, *y)).collect();
@@ -247,7 +249,9 @@ fn moving(plan: &Plan, progress: &Progress) -> Verdict {
     (outcome, reason, Some(measured))
 }
 
-/// A zero-energy mode stays where it is. A rate `s` would bend its record: `y = y0 (1 + s^2 t^2 / 2)`, in units of the largest frequency of the patch.
+/// Outcome for a zero-energy mode, whose amplitude stays constant.
+///
+/// A rate `s` would bend its record: `y = y0 (1 + s^2 t^2 / 2)`. Rates are in units of the largest frequency of the patch.
 fn standing(plan: &Plan, patch: &dyn PatchMotion, progress: &Progress) -> Verdict {
     let samples = &progress.samples;
     let (Some([_, first]), Some([end, _])) = (samples.first(), samples.last()) else {
@@ -296,7 +300,7 @@ fn standing(plan: &Plan, patch: &dyn PatchMotion, progress: &Progress) -> Verdic
     (outcome, reason, Some(measured))
 }
 
-/// A rate in words; growth below a share of the rate is rounding, or not told apart from none.
+/// Formats a rate in words; growth below the given fraction of the rate is printed as zero.
 fn rate_in_words(rate: &Rate, share: f64, units: Units) -> String {
     let size = rate.growth.hypot(rate.frequency);
     let growth = || {
@@ -317,7 +321,7 @@ fn rate_in_words(rate: &Rate, share: f64, units: Units) -> String {
     }
 }
 
-/// A relative error by its size; what only rounding makes is zero.
+/// Formats a relative error; rounding errors are printed as zero.
 fn size(error: f64) -> String {
     match error <= 4.0 * f64::EPSILON {
         true => "0".to_owned(),
@@ -325,7 +329,7 @@ fn size(error: f64) -> String {
     }
 }
 
-/// A deformation gradient: its stretches, or its rows.
+/// Formats a deformation gradient as stretches, or as rows if it is not diagonal.
 fn state(f: &[[f64; 3]; 3]) -> String {
     let is_diagonal = (0..3).all(|i| (0..3).all(|j| i == j || f[i][j] == 0.0));
     match is_diagonal {

@@ -1,4 +1,4 @@
-//! A body with its grips, run.
+//! Run of a body with grips.
 
 use super::picture::{DRAWN, figure};
 use super::plan::{Duration, HALF, Pace, checked, every, fields, mark, refused, stable};
@@ -14,7 +14,7 @@ use serde_json::json;
 use std::fmt;
 use std::path::PathBuf;
 
-/// The columns of the history of a body.
+/// Columns of the history of a body.
 const COLUMNS: &[&str] = &[
     "step",
     "time",
@@ -33,18 +33,18 @@ const COLUMNS: &[&str] = &[
     "largest_volume_ratio",
 ];
 
-/// What is asked for.
+/// Body to be run, with its start and duration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyQuestion {
-    /// The body and its grips.
+    /// Body and grips.
     pub body: BodySettings,
-    /// The homogeneous deformation at the start; none when left out.
+    /// Homogeneous deformation at the start; `None` for the reference configuration.
     pub f: Option<DeformationGradient>,
-    /// The largest random displacement along each axis at the start, in particle spacings.
+    /// Largest random displacement along each axis at the start, in particle spacings.
     pub amplitude: f64,
-    /// Of the random displacements.
+    /// Seed of the random displacements.
     pub seed: u64,
-    /// How long, and in which steps.
+    /// Duration, step size and output of the run.
     pub pace: Pace,
 }
 
@@ -54,49 +54,51 @@ impl BodyQuestion {
     }
 }
 
-/// What became of a body.
+/// Results of the run of a body.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BodyAnswer {
     /// Whether the run was interrupted.
     pub interrupted: bool,
-    /// Particles.
+    /// Number of particles.
     pub particles: usize,
-    /// What the engine keeps for a particle; bytes.
+    /// Memory of the engine per particle; bytes.
     pub bytes_per_particle: f64,
-    /// Time.
+    /// Time step of the run; time.
     pub time_step: f64,
-    /// A step below the largest stable one at the start; time.
+    /// Lower bound on the largest stable time step at the start; time.
     pub critical_time_step: f64,
-    /// Steps of the run.
+    /// Number of steps requested.
     pub steps: u64,
-    /// Steps that were taken.
+    /// Number of steps taken.
     pub steps_taken: u64,
-    /// At the end; energy.
+    /// Kinetic energy at the end; energy.
     pub kinetic_energy: f64,
-    /// At the end; energy.
+    /// Strain energy at the end; energy.
     pub strain_energy: f64,
-    /// Of the grips, up to the end; energy.
+    /// Work of the grips up to the end; energy.
     pub work_of_grips: f64,
-    /// The largest change of kinetic and strain energy less the work of the grips in the history, over the largest of their sizes. With a penalty it holds
-    /// the work of that too, which has no potential.
+    /// Relative drift of the energy balance in the history.
+    ///
+    /// The largest change of kinetic plus strain energy minus the work of the grips, over the largest of these magnitudes. With a penalty the drift
+    /// includes the work of the penalty forces, which have no potential.
     pub energy_drift: f64,
-    /// The largest displacement of a particle in the history; length.
+    /// Largest displacement of a particle in the history; length.
     pub largest_displacement: f64,
-    /// The smallest and the largest volume ratio of a particle in the history.
+    /// Smallest and largest volume ratio of a particle in the history.
     pub volume_ratios: [f64; 2],
-    /// What a reader must know of law and method.
+    /// Notes on law and method.
     pub notes: Vec<String>,
-    /// Every choice in effect.
+    /// All settings in effect.
     pub settings: Effective,
-    /// Files that were written.
+    /// Paths of the files written.
     #[serde(skip)]
     pub files: Vec<PathBuf>,
 }
 
-/// Runs a body; into a folder, where there is one.
+/// Runs a body, and writes its results into a folder if one is given.
 ///
 /// # Errors
-/// [`SimulateError`] for a body that cannot be run, a motion that breaks down, and files that cannot be written.
+/// [`SimulateError`] for a body that cannot be run, a motion that breaks down, or files that cannot be written.
 pub fn run_body(
     problem: &Problem,
     question: &BodyQuestion,
@@ -222,7 +224,7 @@ fn run(
     if !is_interrupted {
         last = keeper.collection();
         if place.is_some() && problem.dimension() == 2 && moving.places.len() <= DRAWN {
-            // A run that had come to its end has evaluated nothing.
+            // If the run was already complete, no forces have been evaluated yet.
             let evaluated = moving.body.quantities(course.step);
             evaluated.map_err(|fault| keeper.failed(fault))?;
             let time = course.step * course.steps as f64;

@@ -1,32 +1,32 @@
-//! Checkpoints: all that a run needs to go on, and to end with the same bytes.
+//! Checkpoints: all data needed to resume a run so that it ends with identical files.
 //!
-//! Eight bytes that name the format, the mark of the run, how many numbers follow of each kind, the numbers, and a CRC-32C of all of it; everything with
-//! the lowest byte first.
+//! A checkpoint holds eight bytes that name the format, the identifier of the run, the counts of each kind of number, the numbers, and a CRC-32C of
+//! all of these; everything is little-endian.
 
 use super::SimulateError;
 use onset::motion::PatchState;
 use std::path::Path;
 
-/// The file of a checkpoint.
+/// Name of the checkpoint file.
 pub const CHECKPOINT: &str = "checkpoint.onset";
 
 const FORMAT: &[u8; 8] = b"onsetck3";
-/// Digits of a mark.
+/// Number of digits in an identifier.
 const MARK: usize = 12;
-/// What a run has come to.
+/// Progress of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Progress {
     pub(super) state: PatchState,
-    /// Lines of numbers, one after the other.
+    /// Lines of the history, concatenated.
     pub(super) history: Vec<f64>,
-    /// Times and amplitudes.
+    /// Times and amplitudes of the record.
     pub(super) samples: Vec<[f64; 2]>,
-    /// The displacements of the fields so far, one field after the other; of small patches only.
+    /// Displacements of the fields so far, concatenated; kept for small patches only.
     pub(super) fields: Vec<f64>,
 }
 
 impl Progress {
-    /// The bytes of a checkpoint.
+    /// Encodes a checkpoint.
     pub(super) fn bytes(&self, mark: &str) -> Vec<u8> {
         let mut bytes = FORMAT.to_vec();
         bytes.extend(mark.as_bytes());
@@ -57,7 +57,7 @@ impl Progress {
         bytes
     }
 
-    /// Reads a checkpoint of a run with a mark and a start with as many numbers.
+    /// Decodes a checkpoint of a run with the given identifier, whose numbers must match the sizes of `start`.
     pub(super) fn of_bytes(
         path: &Path,
         bytes: &[u8],
@@ -91,7 +91,7 @@ impl Progress {
         let numbers: Vec<f64> = numbers.iter().map(|own| f64::from_le_bytes(*own)).collect();
         let [step, components, carried, lines, samples, fields] = counts;
         let (size, tensors) = (start.displacements.len(), start.deformations.len());
-        // The work is one number.
+        // The work is a single number.
         let total = lines
             .checked_add(1)
             .and_then(|all| all.checked_add(samples.checked_mul(2)?))

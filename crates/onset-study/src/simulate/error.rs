@@ -1,4 +1,4 @@
-//! What is wrong with a simulation.
+//! Errors of a simulation.
 
 use crate::answers::{ProblemError, hint_on_body};
 use crate::output::OutputError;
@@ -8,65 +8,65 @@ use onset::motion::{BodyError, Fault};
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// Why there is no answer.
+/// Reason why a simulation gives no answer.
 #[derive(Debug, Error)]
 pub enum SimulateError {
-    /// The study.
+    /// Error in the study.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// The method or the law at the homogeneous state.
+    /// Error of method or law at the homogeneous state.
     #[error(transparent)]
     Method(#[from] MethodError),
-    /// A body as a study has it.
+    /// Error in the settings of a body.
     #[error(transparent)]
     Setting(#[from] SettingError),
-    /// A body that cannot be.
+    /// Body that cannot be created.
     #[error("{source}\n  hint: {}", hint_on_body(source))]
     Body {
-        /// Why.
+        /// Reason for the refusal.
         #[from]
         source: BodyError,
     },
-    /// A choice that cannot be.
+    /// Choice that is not supported.
     #[error("{what}\n  hint: {hint}")]
     Refused {
-        /// What is wrong.
+        /// Error in the choice, as a sentence.
         what: String,
-        /// What to do.
+        /// Remedy for the user.
         hint: String,
     },
-    /// A checkpoint that is none, or not of this run.
+    /// File that is not a checkpoint, or not a checkpoint of this run.
     #[error("{}: {what}\n  hint: {hint}", path.display())]
     Checkpoint {
-        /// The file.
+        /// Path of the checkpoint.
         path: PathBuf,
-        /// What is wrong.
+        /// Error in the file, as a sentence.
         what: String,
-        /// What to do.
+        /// Remedy for the user.
         hint: &'static str,
     },
-    /// A motion that cannot go on.
+    /// Motion that breaks down.
     #[error("{fault}\n  hint: {hint}{}", kept(checkpoint))]
     Fault {
-        /// When and where.
+        /// Time, place and reason of the failure.
         fault: Box<Fault>,
-        /// What to do.
+        /// Remedy for the user.
         hint: String,
-        /// The last checkpoint: the file, and its step.
+        /// Path and step of the last checkpoint.
         checkpoint: Option<(PathBuf, u64)>,
     },
-    /// A file that cannot be written.
+    /// File that cannot be written.
     #[error("{source}{}", kept(checkpoint))]
     Output {
-        /// What is in the way.
+        /// Underlying error.
         source: OutputError,
-        /// The last checkpoint.
+        /// Path and step of the last checkpoint.
         checkpoint: Option<(PathBuf, u64)>,
     },
 }
 
 impl SimulateError {
-    /// Whether the input is at fault, not the machine or the motion.
+    /// Returns true if the input is at fault, and not the machine or the motion.
     pub fn is_input(&self) -> bool {
         !matches!(self, Self::Fault { .. } | Self::Output { .. })
     }

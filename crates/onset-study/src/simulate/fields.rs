@@ -1,16 +1,18 @@
-//! Fields of a patch for ParaView and its kin: VTK's XML formats, as text.
+//! Fields of a patch in VTK's XML formats, for ParaView and similar programs.
 //!
-//! A crate for VTK (vtkio) would bring a tree of its own for what is forty lines of XML here.
+//! Forty lines of XML do not justify a dependency such as `vtkio`.
 
 use onset::motion::PatchState;
 use std::fmt::Write;
 
-/// The name of a field.
+/// File name of a field.
 pub(super) fn name(number: usize) -> String {
     format!("field-{number:04}.vtu")
 }
 
-/// Particles at their current places with the vectors `displacement`, from the places that are given, and `velocity`; and with numbers that have names.
+/// Particles at their current positions, with vectors `displacement` and `velocity` and named scalars.
+///
+/// Displacements are relative to `places`.
 pub(super) fn vtu(
     dimension: usize,
     places: &[[f64; 3]],
@@ -71,13 +73,13 @@ pub(super) fn vtu(
     };
     numbers("connectivity", "Int64", &|n| n);
     numbers("offsets", "Int64", &|n| n + 1);
-    // A vertex.
+    // Type 1 is a vertex.
     numbers("types", "UInt8", &|_| 1);
     text.push_str("</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
     text
 }
 
-/// The fields with their times.
+/// Collection of the fields with their times.
 pub(super) fn pvd(times: &[f64]) -> String {
     let mut text = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n",

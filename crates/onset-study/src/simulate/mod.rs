@@ -1,9 +1,9 @@
-//! Predictions seen in motion: a periodic patch of particles, run step by step, beside what its linearized equations say.
+//! Simulations: a periodic patch of particles, run step by step and compared with its linearized equations.
 //!
-//! A [`Question`] says which patch, which wave or noise, how steps are taken and for how long. [`simulate`] runs it with the nonlinear forces of
-//! the method ([`onset::motion`]), keeps histories, fields and checkpoints in a folder, and measures the rate of a wave, which it holds against the
-//! predicted one in discrete time with the fit and the words of [`verify`](crate::verify). A [`BodyQuestion`] is about a body with free surfaces and
-//! grips, for which no rate is predicted: [`run_body`] runs it, and keeps it in the same way.
+//! A [`Question`] specifies the patch, the wave or noise, the time integration and the duration. [`simulate`] runs it with the nonlinear forces of
+//! the method ([`onset::motion`]) and keeps histories, fields and checkpoints in a folder. It measures the rate of a wave and compares it with the
+//! predicted rate in discrete time, with the fit and the outcomes of [`verify`](crate::verify). A [`BodyQuestion`] describes a body with free
+//! surfaces and grips; its rates are not predicted. [`run_body`] runs it with the same kinds of output.
 
 mod answer;
 mod body;

@@ -1,16 +1,17 @@
-//! A run that moves, in a page that needs nothing else.
+//! Page with an animation of a run, in a single self-contained file.
 
 use super::SimulateAnswer;
 use crate::html::escaped;
 use crate::modes::{STYLE, moving_particles};
 
-/// The largest displacement that is shown, in particle spacings.
+/// Largest displacement in the animation, in particle spacings.
 const SHOWN: f64 = 0.3;
-/// A turn of the pictures, in seconds.
+/// Duration of one loop of the animation; seconds.
 const SECONDS: u32 = 4;
 
-/// What the command tells, with the fields of the run one after the other, displacements magnified. `fields` are displacements, one field after the
-/// other.
+/// Page with the printed answer and an animation of the fields, with displacements magnified.
+///
+/// `fields` holds the displacements of all fields, concatenated.
 pub(super) fn page(
     answer: &SimulateAnswer,
     places: &[[f64; 3]],

@@ -1,4 +1,4 @@
-//! A patch about a homogeneous state, run beside its prediction.
+//! Run of a patch around a homogeneous state, compared with its prediction.
 
 use super::page::page;
 use super::plan::Plan;
@@ -10,17 +10,17 @@ use crate::output::text;
 use onset::method::MethodError;
 use onset::motion::{Fault, PatchMotion, PatchState};
 
-/// Runs a patch; into a folder, where there is one.
+/// Runs a patch, and writes its results into a folder if one is given.
 ///
 /// # Errors
-/// [`SimulateError`] for a question that cannot be run, a motion that breaks down, and files that cannot be written.
+/// [`SimulateError`] for a question that cannot be run, a motion that breaks down, or files that cannot be written.
 pub fn simulate(
     problem: &Problem,
     question: &Question,
     place: Option<&Place>,
     watch: &dyn Watch,
 ) -> Result<SimulateAnswer, SimulateError> {
-    // Cells of a patch are those that the settings describe.
+    // Patches are built from the cell in the settings, not from a reduced cell.
     let described = match reduced(&problem.settings) {
         Some(_) => Some(problem.described()?),
         None => None,
@@ -68,7 +68,7 @@ fn run(
     Ok(answer)
 }
 
-/// Where the particles of the homogeneous state are; length.
+/// Positions of the particles in the homogeneous state; length.
 fn current(question: &Question, patch: &dyn PatchMotion) -> Vec<[f64; 3]> {
     let f = question.f.components();
     let dimension = patch.dimension();
@@ -83,7 +83,7 @@ fn current(question: &Question, patch: &dyn PatchMotion) -> Vec<[f64; 3]> {
 
 struct MovingPatch<'a> {
     plan: &'a Plan,
-    /// Of the homogeneous state.
+    /// Positions of the particles in the homogeneous state.
     places: Vec<[f64; 3]>,
     patch: &'a mut dyn PatchMotion,
 }

@@ -1,25 +1,25 @@
-//! A body drawn: its particles where they are, colored by how much they are stretched.
+//! Picture of a body: particles at their current positions, colored by stretch.
 
 use crate::figure::{Axis, ColorMap, Figure, Panel, Points};
 use crate::number::told;
 use crate::settings::Units;
 use onset::motion::BodyMotion;
 
-/// Particles that are drawn at most.
+/// Largest number of particles in a picture.
 pub(super) const DRAWN: usize = 50_000;
-/// Colors.
+/// Number of color classes.
 const CLASSES: usize = 8;
-/// The width of the picture; pixels.
+/// Width of the picture; pixels.
 const WIDTH: f64 = 760.0;
 
-/// The largest principal stretch in the plane.
+/// Largest principal stretch in the plane.
 fn stretch(f: &[[f64; 3]; 3]) -> f64 {
     let c = |a: usize, b: usize| (0..2).map(|i| f[i][a] * f[i][b]).sum::<f64>();
     let (mean, half) = (0.5 * (c(0, 0) + c(1, 1)), 0.5 * (c(0, 0) - c(1, 1)));
     (mean + half.hypot(c(0, 1))).sqrt()
 }
 
-/// The particles of a plane body at the last evaluation of its forces.
+/// Figure of a plane body, with the particles at the last evaluation of its forces.
 pub(super) fn figure(body: &dyn BodyMotion, time: f64, units: Units) -> Figure {
     let state = body.state();
     let places: Vec<(f64, f64)> = body

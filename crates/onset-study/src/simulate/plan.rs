@@ -1,4 +1,4 @@
-//! What is run, settled before the first step.
+//! Plan of a run, fixed before the first step.
 
 use super::SimulateError;
 use super::run::Course;
@@ -11,71 +11,71 @@ use serde_json::json;
 use sha2::{Digest, Sha256};
 use std::f64::consts::PI;
 
-/// What is moved at the start.
+/// Initial perturbation of a patch.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Seeded {
-    /// One wave, by its reference wave vector; 1/length.
+    /// One wave, given by its reference wave vector; 1/length.
     Wave(Vec<f64>),
-    /// One wave, by how many times it turns along each side of the patch.
+    /// One wave, given by the number of wavelengths along each side of the patch.
     Turns(Vec<i64>),
-    /// The wave of the patch with the least `omega^2`.
+    /// The wave of the patch with the smallest `omega^2`.
     Critical,
-    /// Every particle at random; that wave is measured.
+    /// Random displacements of all particles; the wave with the smallest `omega^2` is measured.
     Noise,
 }
 
-/// For how long.
+/// Duration of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Duration {
-    /// As the wave asks for: about a period, or four e-folding times.
+    /// Duration that suits the wave: about a period, or four e-folding times.
     Natural,
-    /// Steps.
+    /// Number of steps.
     Steps(u64),
-    /// Time.
+    /// Simulated time.
     Time(f64),
 }
 
-/// How long a run is, in which steps, and what is kept of it.
+/// Duration, step size and output of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
-    /// For how long.
+    /// Duration of the run.
     pub duration: Duration,
-    /// The step over the largest stable one; a half, or less where a wave asks for it, when left out.
+    /// Ratio of the step to the largest stable step; `None` for one half, or less if the wave requires it.
     pub fraction: Option<f64>,
-    /// The step itself, instead of that.
+    /// Time step, in place of `fraction`; time.
     pub time_step: Option<f64>,
-    /// Whether a step above the largest stable one is meant.
+    /// Whether a step above the largest stable step is intended.
     pub is_supercritical: bool,
-    /// Steps between lines of the history; about four hundred lines when left out.
+    /// Number of steps between lines of the history; `None` for about four hundred lines.
     pub every: Option<u64>,
-    /// Fields that are written, from the first step to the last.
+    /// Number of fields written, from the first step to the last.
     pub fields: u64,
 }
 
-/// What is asked for.
+/// Patch to be run, with its perturbation, time integration and duration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
-    /// The homogeneous state.
+    /// Deformation gradient of the homogeneous state.
     pub f: DeformationGradient,
-    /// Cells of the patch along each primitive vector.
+    /// Number of cells along each primitive vector, or one number for all.
     pub cells: Vec<usize>,
-    /// What is moved.
+    /// Initial perturbation.
     pub seeded: Seeded,
-    /// Which of the waves with a wave vector, counted from 1 by increasing `omega^2`.
+    /// Branch of the wave, counted from 1 by increasing `omega^2`.
     pub branch: usize,
-    /// The largest displacement at the start, in particle spacings.
+    /// Largest displacement at the start, in particle spacings.
     pub amplitude: f64,
-    /// Of the noise.
+    /// Seed of the noise.
     pub seed: u64,
-    /// How long, and in which steps.
+    /// Duration, step size and output of the run.
     pub pace: Pace,
-    /// How steps are taken; velocity Verlet where nobody says. A transfer of material points has a step of its own.
+    /// Time integration; `None` for velocity Verlet. A transfer of material points defines its own step.
     pub stepper: Option<Stepper>,
-    /// The relative difference of rates that counts as agreement.
+    /// Relative difference of rates that counts as agreement.
     pub tolerance: f64,
 }
 
-/// The columns of the history of a patch.
+/// Columns of the history of a patch.
 pub(super) const COLUMNS: &[&str] = &[
     "step",
     "time",
@@ -89,11 +89,11 @@ pub(super) const COLUMNS: &[&str] = &[
     "amplitude",
 ];
 
-/// A run of a patch, settled.
+/// Plan of the run of a patch.
 pub(super) struct Plan {
     pub(super) course: Course,
     pub(super) stepper: Stepper,
-    /// In a word.
+    /// Name of the integrator.
     pub(super) integrator: &'static str,
     pub(super) cells: Vec<usize>,
     pub(super) seeding: &'static str,
@@ -101,32 +101,32 @@ pub(super) struct Plan {
     pub(super) wave: SteppedWave,
 }
 
-/// The most particles.
+/// Largest number of particles.
 const PARTICLES: usize = 1_000_000;
-/// The most waves of a patch, which all are computed.
+/// Largest number of waves in a patch; all of them are computed.
 const WAVES: usize = 200_000;
-/// The most numbers of a page with moving particles.
+/// Largest number of displacements in a page with an animation.
 pub(super) const SHOWN: usize = 100_000;
-/// Lines of a history.
+/// Default number of lines in a history.
 const LINES: u64 = 400;
-/// The most of them.
+/// Largest number of lines in a history.
 const MOST_LINES: u64 = 1_000_000;
-/// The most steps.
+/// Largest number of steps.
 const STEPS: u64 = 10_000_000_000;
-/// The fewest of a run whose length is not told.
+/// Smallest number of steps if the duration is not given.
 const FEWEST: f64 = 160.0;
-/// Steps of a zero-energy mode whose length is not told.
+/// Number of steps of a zero-energy mode if the duration is not given.
 const OF_ZERO_ENERGY: f64 = 1000.0;
-/// The step over the largest stable one where nobody says.
+/// Default ratio of the step to the largest stable step.
 pub(super) const HALF: f64 = 0.5;
-/// The most samples of a record.
+/// Largest number of samples in a record.
 const SAMPLES: u64 = 400;
-/// Samples of a period, and of an e-folding time.
+/// Number of samples per period, and per e-folding time.
 const OF_PERIOD: f64 = 20.0;
 const OF_GROWTH: f64 = 40.0;
-/// E-folding times that are looked at: beyond, a wave that grows is no small one.
+/// Number of e-folding times in a record; beyond, a growing wave is no longer small.
 const E_FOLDINGS: f64 = 4.0;
-/// A wave vector may miss the nearest one that fits by this share of a turn, as when typed.
+/// Relative tolerance of a wave vector that fits the patch, in wavelengths; allows for typed digits.
 const TYPED: f64 = 1e-6;
 
 pub(super) fn refused(what: impl Into<String>, hint: impl Into<String>) -> SimulateError {
@@ -137,7 +137,7 @@ pub(super) fn refused(what: impl Into<String>, hint: impl Into<String>) -> Simul
 }
 
 impl Question {
-    /// The cells along each primitive vector, checked.
+    /// Number of cells along each primitive vector, after checks.
     pub(super) fn patch(&self, problem: &Problem) -> Result<Vec<usize>, SimulateError> {
         let dimension = problem.dimension();
         let cells = match self.cells[..] {
@@ -170,7 +170,7 @@ impl Question {
 }
 
 impl Plan {
-    /// Settles a question on its patch.
+    /// Plans the run of a question on its patch.
     pub(super) fn new(
         problem: &Problem,
         question: &Question,
@@ -251,7 +251,7 @@ impl Plan {
         })
     }
 
-    /// The two rates of the wave as its record tells them; of those that travel that with the positive frequency first.
+    /// The two rates of the wave as they appear in its record; for a traveling wave the rate with positive frequency first.
     pub(super) fn rates(&self) -> [Complex; 2] {
         let rates = self.wave.rates(self.course.step, self.course.sampling);
         match rates[0].im.abs() > 1e-9 * rates[0].norm() {
@@ -264,12 +264,12 @@ impl Plan {
     }
 }
 
-/// Whether a wave that turns nowhere costs nothing: a translation of the whole patch.
+/// Returns true if the wave is a translation of the whole patch.
 fn is_translation(wave: &PatchWave) -> bool {
     wave.has_zero_energy && wave.turns.iter().all(|turns| *turns == 0)
 }
 
-/// The wave that is seeded or measured.
+/// Wave that is seeded or measured.
 fn chosen(
     problem: &Problem,
     question: &Question,
@@ -344,7 +344,7 @@ fn chosen(
     })
 }
 
-/// How many times a wave turns along each side of the patch.
+/// Number of wavelengths along each side of the patch.
 fn turns_of(problem: &Problem, k: &[f64], cells: &[usize]) -> Result<Vec<i64>, SimulateError> {
     if k.len() != cells.len() {
         return Err(refused(
@@ -392,7 +392,7 @@ fn turns_of(problem: &Problem, k: &[f64], cells: &[usize]) -> Result<Vec<i64>, S
     Ok(turns.iter().map(|turns| turns.round() as i64).collect())
 }
 
-/// How steps are taken, with its name.
+/// Time integration with its name.
 fn stepped(
     problem: &Problem,
     question: &Question,
@@ -417,9 +417,9 @@ fn step(
     critical: f64,
     wave: &PatchWave,
 ) -> Result<f64, SimulateError> {
-    // The step of a transfer that the study sets.
+    // Step of a transfer, as set by the study.
     let own = problem.settings.method.time_step;
-    // What grows or travels fast is resolved by at least so many steps.
+    // A growing or traveling wave is resolved by at least `FEWEST` steps.
     let resolved = natural(wave, wave.rate).map_or(f64::INFINITY, |time| time / FEWEST);
     let step = match (question.pace.time_step, question.pace.fraction) {
         (Some(step), _) => step,
@@ -446,7 +446,7 @@ fn step(
     stable(step, critical, question.pace.is_supercritical)
 }
 
-/// A step, unless it is above the largest stable one and not meant to be.
+/// Returns the step, or an error if it is above the largest stable step without permission.
 pub(super) fn stable(
     step: f64,
     critical: f64,
@@ -466,14 +466,14 @@ pub(super) fn stable(
     Ok(step)
 }
 
-/// Marks the checkpoints of a run: the first twelve digits of the SHA-256 sum of all that decides about it.
+/// Identifier of the checkpoints of a run: the first twelve digits of the SHA-256 sum of all its inputs.
 pub(super) fn mark(decisive: &serde_json::Value) -> String {
     let sum = Sha256::digest(decisive.to_string().as_bytes());
     let digits = sum.iter().take(6).map(|byte| format!("{byte:02x}"));
     digits.collect()
 }
 
-/// Steps between lines of the history.
+/// Number of steps between lines of the history.
 pub(super) fn every(asked: Option<u64>, steps: u64) -> Result<u64, SimulateError> {
     let every = asked.unwrap_or(steps.div_ceil(LINES)).max(1);
     if steps / every > MOST_LINES {
@@ -488,7 +488,7 @@ pub(super) fn every(asked: Option<u64>, steps: u64) -> Result<u64, SimulateError
     Ok(every)
 }
 
-/// The steps after which so many fields are written.
+/// Steps after which the given number of fields is written.
 pub(super) fn fields(count: u64, steps: u64) -> Vec<u64> {
     let last = count.saturating_sub(1).max(1);
     let mut fields: Vec<u64> = (0..count)
@@ -498,8 +498,9 @@ pub(super) fn fields(count: u64, steps: u64) -> Vec<u64> {
     fields
 }
 
-/// How long a wave is followed where nobody says: a period, some e-folding times where it grows, one where it decays and no longer travels. None of zero-energy
-/// modes, which have no time. Time.
+/// Default duration for a wave: a period, some e-folding times of growth, or one e-folding time of decay without oscillation.
+///
+/// `None` for zero-energy modes, which have no time scale. Time.
 fn natural(wave: &PatchWave, rate: Complex) -> Option<f64> {
     let size = rate.norm();
     if size == 0.0 {
@@ -526,7 +527,7 @@ fn steps(question: &Question, wave: &SteppedWave, step: f64) -> Result<u64, Simu
     checked(count, step)
 }
 
-/// A number of steps, unless it is none or beyond all patience.
+/// Checked number of steps: at least one, and at most the limit.
 pub(super) fn checked(count: f64, step: f64) -> Result<u64, SimulateError> {
     match count >= 1.0 && count <= STEPS as f64 {
         true => Ok(count as u64),
@@ -539,7 +540,7 @@ pub(super) fn checked(count: f64, step: f64) -> Result<u64, SimulateError> {
     }
 }
 
-/// Steps between samples, and how many samples there are.
+/// Number of steps between samples, and number of samples.
 fn sampled(wave: &SteppedWave, step: f64, steps: u64) -> (u32, u64) {
     let whole = |every: f64| every.floor().clamp(1.0, 1e9) as u32;
     if wave.wave.has_zero_energy {
@@ -548,7 +549,7 @@ fn sampled(wave: &SteppedWave, step: f64, steps: u64) -> (u32, u64) {
     }
     let phase = wave.factors[0].arg().abs();
     let growth = wave.factors[0].norm().ln().abs();
-    // What turns by more than a quarter in a step is looked at in every second.
+    // A wave whose phase advances by more than a quarter period per step is sampled in every second step.
     let every = match (phase > 0.5 * PI, phase > growth) {
         (true, _) => 2,
         (false, true) => whole(2.0 * PI / (OF_PERIOD * phase)),

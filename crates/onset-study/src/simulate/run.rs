@@ -1,4 +1,4 @@
-//! A run: steps, what is kept of them, and how it goes on after an end before the end. The same for patches and bodies.
+//! A run of a patch or a body: steps, output, and resumption from a checkpoint.
 
 use super::checkpoint::{CHECKPOINT, Progress};
 use super::{SimulateError, fields};
@@ -10,90 +10,89 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// How often a checkpoint is written where nobody says after how many steps.
+/// Default time between checkpoints.
 const INTERVAL: Duration = Duration::from_secs(5);
-/// Steps between two looks at the clock.
+/// Number of steps between checks of the clock.
 const LOOK: u64 = 64;
 
-/// Where a run is kept.
+/// Folder for the output of a run.
 #[derive(Clone, Debug)]
 pub struct Place {
-    /// The folder.
+    /// Path of the folder.
     pub folder: PathBuf,
-    /// Whether to go on from the checkpoint that is there.
+    /// Whether to resume from an existing checkpoint.
     pub is_resumed: bool,
-    /// Whether to begin anew in spite of it.
+    /// Whether to overwrite an existing checkpoint.
     pub is_overwritten: bool,
-    /// Steps between checkpoints; some seconds when left out.
+    /// Number of steps between checkpoints; `None` for a few seconds.
     pub checkpoint: Option<u64>,
 }
 
-/// Whoever watches a run.
+/// Observer of a run, which may end it.
 pub trait Watch {
-    /// So many steps are done, of so many.
+    /// Reports `done` of `all` steps.
     fn advance(&self, done: u64, all: u64);
 
-    /// Whether the run shall end here.
+    /// Returns true if the run should end now.
     fn is_interrupted(&self) -> bool;
 }
 
-/// What is run, and how long, settled before the first step.
+/// Course of a run, fixed before the first step.
 pub(super) struct Course {
-    /// Marks the checkpoints of the run.
+    /// Identifier in the checkpoints of the run.
     pub(super) mark: String,
-    /// Time.
+    /// Time step; time.
     pub(super) step: f64,
-    /// The largest stable step; time.
+    /// Largest stable time step; time.
     pub(super) critical: f64,
     pub(super) steps: u64,
-    /// Steps between lines of the history.
+    /// Number of steps between lines of the history.
     pub(super) every: u64,
-    /// Steps between samples of the record that is fitted, and how many there are at most.
+    /// Number of steps between samples of the fitted record.
     pub(super) sampling: u32,
     pub(super) samples: u64,
-    /// The steps after which fields are written.
+    /// Steps after which fields are written.
     pub(super) fields: Vec<u64>,
     /// Whether fields are kept for a page.
     pub(super) is_shown: bool,
-    /// The columns of the history, step and time first.
+    /// Columns of the history, step and time first.
     pub(super) columns: &'static [&'static str],
     pub(super) start: PatchState,
-    /// What to do where the motion grows beyond its law.
+    /// Remedy for a motion that grows beyond the range of its law.
     pub(super) grown: &'static str,
 }
 
-/// What moves.
+/// Moving particles: a patch or a body.
 pub(super) trait Moving {
-    /// One step.
+    /// Advances by one step.
     fn advance(&mut self) -> Result<(), Box<Fault>>;
 
-    /// The state.
     fn state(&self) -> PatchState;
 
-    /// A line of the history, after step and time.
+    /// Line of the history, after step and time.
     fn line(&mut self) -> Result<Vec<f64>, Box<Fault>>;
 
-    /// A sample of the record; of what is fitted only.
+    /// Sample of the record; used for fitted records only.
     fn sample(&self) -> f64;
 
-    /// The particles as a field of VTK.
+    /// Particles as a VTK field.
     fn field(&mut self) -> Result<String, Box<Fault>>;
 }
 
-/// A run, kept in its folder.
+/// Run with its output in a folder.
 pub(super) struct Keeper<'a> {
     course: &'a Course,
     place: Option<&'a Place>,
     pub(super) progress: Progress,
-    /// Fields that wait for the next checkpoint.
+    /// Fields to be written with the next checkpoint.
     pending: Files,
-    /// The last checkpoint, and its step.
+    /// Path and step of the last checkpoint.
     last: Option<(PathBuf, u64)>,
     written: Instant,
 }
 
 impl<'a> Keeper<'a> {
-    /// At the start, or at the checkpoint.
+    /// Keeper at the start of the run, or at its checkpoint.
     pub(super) fn begun(
         course: &'a Course,
         place: Option<&'a Place>,
@@ -113,7 +112,7 @@ impl<'a> Keeper<'a> {
         })
     }
 
-    /// All steps that are left; tells whether it was interrupted. What moves is in the state of [`Self::progress`].
+    /// Runs all remaining steps and returns true if interrupted. `moving` must be in the state of [`Self::progress`].
     pub(super) fn follow(
         &mut self,
         moving: &mut dyn Moving,
@@ -142,7 +141,7 @@ impl<'a> Keeper<'a> {
         Ok(is_interrupted)
     }
 
-    /// The table of the fields, at the end of a run with some.
+    /// Collection of the fields, at the end of a run that writes fields.
     pub(super) fn collection(&self) -> Files {
         let course = self.course;
         if course.fields.is_empty() {
@@ -152,7 +151,7 @@ impl<'a> Keeper<'a> {
         vec![text("fields.pvd", fields::pvd(&times.collect::<Vec<_>>()))]
     }
 
-    /// Takes down what is due after a step.
+    /// Records the output that is due after a step.
     fn look(&mut self, moving: &mut dyn Moving, step: u64) -> Result<(), SimulateError> {
         let course = self.course;
         let time = step as f64 * course.step;
@@ -187,7 +186,7 @@ impl<'a> Keeper<'a> {
         }
     }
 
-    /// Writes a checkpoint with all that belongs to it.
+    /// Writes a checkpoint with all pending output.
     pub(super) fn keep(
         &mut self,
         moving: &dyn Moving,
@@ -203,7 +202,7 @@ impl<'a> Keeper<'a> {
             "history.csv",
             history(self.course.columns, &self.progress.history),
         ));
-        // Last: whatever a checkpoint counts is there before it.
+        // The checkpoint is written last, so that everything it counts exists.
         files.push(text(CHECKPOINT, self.progress.bytes(&self.course.mark)));
         let written = write(&place.folder, &files).map_err(|source| SimulateError::Output {
             source,
@@ -214,7 +213,7 @@ impl<'a> Keeper<'a> {
         Ok(written)
     }
 
-    /// What to tell of a motion that ends.
+    /// Error for a motion that breaks down.
     pub(super) fn failed(&self, fault: Box<Fault>) -> SimulateError {
         let hint = match fault.ground {
             _ if self.course.step > self.course.critical => {
@@ -234,7 +233,7 @@ impl<'a> Keeper<'a> {
     }
 }
 
-/// The start, or the checkpoint.
+/// Progress at the start, or at the checkpoint.
 fn begun(course: &Course, place: Option<&Place>) -> Result<Progress, SimulateError> {
     let anew = Progress {
         state: course.start.clone(),
@@ -259,9 +258,9 @@ fn begun(course: &Course, place: Option<&Place>) -> Result<Progress, SimulateErr
             "go on with --resume, begin anew with --overwrite, or choose another folder",
         ));
     }
-    // A run that was ended before its first checkpoint begins anew.
+    // A run that ended before its first checkpoint starts over.
     if !place.is_resumed || !path.exists() {
-        // That files can be written is tried before the work.
+        // Tests that files can be written before the work starts.
         Output::at(&place.folder, &[CHECKPOINT, "history.csv"]).map_err(failed)?;
         return Ok(anew);
     }
@@ -274,7 +273,7 @@ fn begun(course: &Course, place: Option<&Place>) -> Result<Progress, SimulateErr
     Progress::of_bytes(&path, &bytes, &course.mark, &course.start)
 }
 
-/// The history as a table.
+/// History as a CSV table.
 fn history(columns: &[&str], lines: &[f64]) -> String {
     let mut table = columns.join(",") + "\n";
     for line in lines.chunks_exact(columns.len()) {

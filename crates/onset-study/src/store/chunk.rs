@@ -1,7 +1,7 @@
-//! A chunk as it lies on the disk: values in little-endian order, compressed by gzip, and a CRC-32C of that.
+//! File format of a chunk: little-endian values, compressed by gzip, with a CRC-32C of the compressed bytes.
 //!
-//! The header of a gzip stream has room for a name and a comment, which readers of Zarr pass over. There a chunk says where it
-//! belongs and to which map, so that one in the place of another is noticed.
+//! The header of a gzip stream has room for a name and a comment, which Zarr readers ignore. They record the path of the chunk and the identity of
+//! its map, so that a misplaced chunk is detected.
 
 use super::Column;
 use super::layout::GZIP_LEVEL;
@@ -10,25 +10,25 @@ use flate2::GzBuilder;
 use flate2::bufread::GzDecoder;
 use std::io::{self, Read, Write};
 
-/// Where a chunk belongs.
+/// Position of a chunk in a store.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Label<'a> {
-    /// Its path in the store.
+    /// Path of the chunk in the store.
     pub(super) key: &'a str,
-    /// What its numbers are of (see [`Layout::identity`](super::Layout)).
+    /// Identity of the map (see [`Layout::identity`](super::Layout)).
     pub(super) identity: &'a str,
 }
 
-/// Numbers that are brought into order at a time.
+/// Number of values converted to bytes at a time.
 const ABREAST: usize = 1024;
-/// Bytes of the checksum.
+/// Length of the checksum; bytes.
 const CHECKSUM: usize = 4;
 
-/// The bytes of a chunk.
+/// Encodes a chunk as bytes.
 pub(super) fn encode(values: &Column, label: Label<'_>) -> io::Result<Vec<u8>> {
     let header = GzBuilder::new().filename(label.key).comment(label.identity);
     let mut gzip = header.write(Vec::new(), Compression::new(GZIP_LEVEL));
-    // Some at a time, which stay in the cache.
+    // Small groups of values stay in the cache.
     let mut raw = [0; 8 * ABREAST];
     match values {
         Column::Flags(flags) => {
@@ -53,15 +53,15 @@ pub(super) fn encode(values: &Column, label: Label<'_>) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The most bytes that a chunk of so many bytes of values has: what cannot be compressed grows by some bytes a block.
+/// Upper bound on the compressed size of `raw` bytes; incompressible data grow by a few bytes per block.
 pub(super) fn largest(raw: usize) -> u64 {
     (raw + raw / 64 + 4096) as u64
 }
 
-/// The values of a chunk, which are so many flags or numbers.
+/// Decodes `count` flags or numbers of a chunk.
 ///
 /// # Errors
-/// What is wrong with it, in words.
+/// The reason why the chunk is invalid, as text.
 pub(super) fn decode(
     bytes: &[u8],
     is_flags: bool,
@@ -77,7 +77,7 @@ pub(super) fn decode(
     let mut gzip = GzDecoder::new(body);
     check(&gzip, label)?;
     let mut raw = Vec::new();
-    // One byte more than there may be: whatever it claims, no more than that is ever unpacked.
+    // One extra byte detects an oversized chunk; no more is unpacked, so that a forged size does no harm.
     let read = Read::by_ref(&mut gzip)
         .take(expected as u64 + 1)
         .read_to_end(&mut raw);
@@ -93,7 +93,7 @@ pub(super) fn decode(
     })
 }
 
-/// Whether a chunk is what its place says.
+/// Checks that the label in a chunk agrees with its position.
 fn check(gzip: &GzDecoder<&[u8]>, label: Label<'_>) -> Result<(), String> {
     let word =
         |bytes: Option<&[u8]>| String::from_utf8_lossy(bytes.unwrap_or_default()).into_owned();
@@ -166,14 +166,14 @@ mod tests {
         }
     }
 
-    /// With a checksum and a label that are right: as somebody makes it who means harm.
+    /// Forged chunks with a valid checksum and label.
     #[test]
     fn a_chunk_that_claims_to_hold_more_is_not_unpacked() {
         let zeros = Column::Flags(vec![0; 1 << 26]);
         let bytes = encode(&zeros, LABEL).expect("bytes");
         assert!(bytes.len() < 1 << 20);
         assert!(decode(&bytes, true, 64, LABEL).is_err());
-        // A second stream behind the first, which some readers would go on with.
+        // A second gzip stream after the first, which some readers would accept.
         let column = Column::Flags(vec![7; 64]);
         let mut twice = encode(&column, LABEL).expect("bytes");
         twice.truncate(twice.len() - CHECKSUM);

@@ -1,12 +1,12 @@
-//! Stores of the format before this one, which has other words for the same: they are read, and not written to.
+//! Stores of the previous format, whose flags have other names: they can be read, but not written to.
 
 use super::layout::FORMAT;
 use serde_json::{Value, json};
 
-/// The version of that format.
+/// Version of the previous format.
 pub(super) const VERSION: u32 = 2;
 
-/// Its words for flags, and those of this format.
+/// Names of flags in the previous format, and in this format.
 const WORDS: [(&str, &str); 5] = [
     ("material", "physical"),
     ("kernel", "numerical"),
@@ -15,13 +15,12 @@ const WORDS: [(&str, &str); 5] = [
     ("proved-rank-deficient", "proved-zero-energy"),
 ];
 
-/// Whether the metadata of a store are of that format.
+/// Returns true if the metadata of a store are in the previous format.
 pub(super) fn is_of(group: &Value) -> bool {
     group["attributes"][FORMAT] == VERSION
 }
 
-/// The metadata of the arrays of a store as they can be compared with those of a layout: the flags in the words of this format, without the
-/// names for people.
+/// Metadata of the arrays of a store, for comparison with a layout: flags with the names of this format, without long names.
 pub(super) fn arrays(group: &Value) -> Value {
     let mut arrays = group["consolidated_metadata"].clone();
     let metadata = arrays.get_mut("metadata").and_then(Value::as_object_mut);

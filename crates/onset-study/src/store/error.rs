@@ -1,38 +1,38 @@
-//! What can be wrong with a store, and what to do about it.
+//! Errors of a store, with their remedies.
 
 use crate::shell::quoted_file;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why results cannot be written or read.
+/// Reason why results cannot be written or read.
 #[derive(Debug, Error)]
 pub enum StoreError {
-    /// Something else is at the place.
+    /// Path that exists and is not a store.
     #[error(
         "{} exists and is not a store of results\n  hint: choose another folder with --out; only stores of onset are ever replaced",
         path.display()
     )]
     NotAStore {
-        /// The place.
+        /// Path of the store.
         path: PathBuf,
     },
-    /// Nothing is at the place.
+    /// Path that does not exist.
     #[error("there is no store at {}\n  hint: `onset map FILE --out {}` makes one", path.display(), quoted_file(path))]
     Missing {
-        /// The place.
+        /// Path of the store.
         path: PathBuf,
     },
-    /// A Zarr store that others have written.
+    /// Zarr store that was not written by onset.
     #[error(
         "{} is a Zarr store that onset did not write\n  hint: choose another folder with --out; only stores of onset are ever replaced",
         path.display()
     )]
     Foreign {
-        /// The place.
+        /// Path of the store.
         path: PathBuf,
     },
-    /// A store is there, and nothing was said about what to do with it.
+    /// Existing store, without a choice to resume or overwrite it.
     #[error(
         "{} exists, with {done} of {tiles} tiles done\n  hint: {}",
         path.display(),
@@ -40,111 +40,111 @@ pub enum StoreError {
         else { "--resume resumes it, --overwrite starts afresh" }
     )]
     Exists {
-        /// The place.
+        /// Path of the store.
         path: PathBuf,
-        /// Tiles that are done.
+        /// Number of finished tiles.
         done: usize,
-        /// All tiles.
+        /// Number of all tiles.
         tiles: usize,
     },
-    /// The store holds something else.
+    /// Store of another study.
     #[error(
         "{} holds another study: {difference}\n  hint: choose another folder with --out, or replace the store with --overwrite",
         path.display()
     )]
     OtherStudy {
-        /// The place.
+        /// Path of the store.
         path: PathBuf,
-        /// The first thing that differs.
+        /// First difference between the studies.
         difference: String,
     },
-    /// Another process writes to the store that is to be replaced.
+    /// Store to be replaced while another process writes to it.
     #[error("{} is being written by another process\n  hint: let it end, or interrupt it; then --overwrite", path.display())]
     Occupied {
-        /// The place.
+        /// Path of the store.
         path: PathBuf,
     },
-    /// Another process keeps the store to itself.
+    /// Store locked exclusively by another process.
     #[error(
         "{} is kept by another process, which holds a lock on its zarr.json\n  hint: let it end; `lsof {}` tells which it is",
         path.display(),
         quoted_file(&path.join("zarr.json"))
     )]
     Locked {
-        /// The place.
+        /// Path of the store.
         path: PathBuf,
     },
-    /// A store of another version.
+    /// Store of another format version.
     #[error(
         "{} is a store of format {found}; this version of onset reads format {expected}\n  hint: use the version that wrote it, or \
          compute it anew with --overwrite",
         path.display()
     )]
     Format {
-        /// The place.
+        /// Path of the store.
         path: PathBuf,
-        /// What it says.
+        /// Version of the store.
         found: String,
-        /// What is read.
+        /// Version that this program reads.
         expected: u32,
     },
-    /// Something in a store that is to be replaced is not ours.
+    /// Foreign file in a store to be replaced.
     #[error(
         "{} is in the store and was not written by onset\n  hint: move it elsewhere; then --overwrite replaces the store",
         path.display()
     )]
     NotOurs {
-        /// The file.
+        /// Path of the foreign file.
         path: PathBuf,
     },
-    /// A store that is to be replaced is elsewhere.
+    /// Link in place of a store to be replaced.
     #[error(
         "{} is a link, and no link is replaced\n  hint: name the store itself with --out {}",
         path.display(),
         quoted_file(target)
     )]
     Link {
-        /// The link.
+        /// Path of the link.
         path: PathBuf,
-        /// Where it leads.
+        /// Target of the link.
         target: PathBuf,
     },
-    /// A place that cannot become a folder by renaming.
+    /// Path that cannot be replaced by renaming a folder.
     #[error(
         "{} is the current folder, which a store cannot take the place of\n  hint: choose a folder for the store with --out, for \
          example --out map.zarr",
         path.display()
     )]
     CurrentFolder {
-        /// The place.
+        /// Path of the store.
         path: PathBuf,
     },
-    /// A file does not hold what it should.
+    /// File with invalid content.
     #[error("{} is damaged: {reason}\n  hint: {}", path.display(), damage_hint(path))]
     Damaged {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Reason why the content is invalid.
         reason: String,
     },
-    /// A field that the store does not have.
+    /// Field that the store does not have.
     #[error("{} has no field `{field}`\n  hint: its fields are {}", path.display(), known.join(", "))]
     NoField {
-        /// The place.
+        /// Path of the store.
         path: PathBuf,
-        /// The field.
+        /// Name of the requested field.
         field: String,
-        /// The fields that it has.
+        /// Names of the existing fields.
         known: Vec<String>,
     },
-    /// A file cannot be read or written.
+    /// File that cannot be read or written.
     #[error("cannot {action} {}: {source}{}", path.display(), hint(source))]
     Machine {
-        /// To read or to write.
+        /// Failed action, `read` or `write`.
         action: &'static str,
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: io::Error,
     },
 }
@@ -153,7 +153,7 @@ impl StoreError {
     pub(super) fn reading(path: &Path) -> impl Fn(io::Error) -> Self + use<> {
         let path = path.to_owned();
         move |source| match source.kind() {
-            // What is there is not what was written there.
+            // The file differs from the written one.
             ErrorKind::InvalidData => Self::Damaged {
                 path: path.clone(),
                 reason: source.to_string(),
@@ -175,7 +175,7 @@ impl StoreError {
         }
     }
 
-    /// Whether what was asked for is wrong, and not the machine.
+    /// Returns true if the request is at fault, and false for damaged files and failures of the machine.
     pub fn is_input(&self) -> bool {
         !matches!(self, Self::Machine { .. } | Self::Damaged { .. })
     }
@@ -195,8 +195,10 @@ fn hint(error: &io::Error) -> &'static str {
     }
 }
 
-/// A chunk of results can be computed again; metadata and coordinates (which alone have one dimension: `c/0`) are written
-/// with the store.
+/// Remedy for a damaged file.
+///
+/// A chunk of results can be computed anew. Metadata and coordinates are written only with the store; coordinate chunks are the only ones with one
+/// dimension (`c/0`).
 fn damage_hint(path: &Path) -> &'static str {
     let is_coordinate = path.parent().is_some_and(|folder| folder.ends_with("c"));
     if path.ends_with("zarr.json") || is_coordinate {

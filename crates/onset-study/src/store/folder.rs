@@ -1,8 +1,8 @@
-//! The files of a store: written whole or not at all.
+//! Files of a store, each written completely or not at all.
 //!
-//! A file is written under a name of its own in the folder `.partial` and renamed to its place, so that whoever reads a
-//! file reads all of it, whenever a process ends and however many write at once. The locks of tiles that are being computed lie there too. Nothing is forced to the disk: after a loss
-//! of power a chunk may be cut short, which its checksum tells.
+//! A file is written under a unique name in the folder `.partial` and then renamed. Readers therefore find complete files only, even if processes are
+//! killed or write simultaneously. The same folder holds the locks of tiles in progress. Writes are not synchronized to the disk: after a power
+//! failure a chunk may be truncated, which its checksum detects.
 
 use super::occupancy::Taken;
 use std::fs::{self, File};
@@ -12,16 +12,16 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Where files are that are being written, and locks.
+/// Name of the folder for files in progress, and for locks.
 pub(super) const PARTIAL: &str = ".partial";
 
-/// A folder of files.
+/// Folder with the files of a store.
 #[derive(Debug)]
 pub(super) struct Folder {
     root: PathBuf,
 }
 
-/// A name that no other process uses, here or on another machine, nor this one again.
+/// Name that is unique across processes, machines and calls.
 pub(super) fn unique() -> String {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     static RANDOM: LazyLock<u64> = LazyLock::new(|| RandomState::new().build_hasher().finish());
@@ -36,17 +36,17 @@ impl Folder {
         }
     }
 
-    /// The path of a file.
+    /// Path of a file.
     pub(super) fn path(&self, key: &str) -> PathBuf {
         self.root.join(key)
     }
 
-    /// A whole file of at most so many bytes, if it is there.
+    /// Reads a complete file of at most `most` bytes, or returns `None` if it does not exist.
     pub(super) fn read(&self, key: &str, most: u64) -> io::Result<Option<Vec<u8>>> {
         read(&self.path(key), most)
     }
 
-    /// Writes a file, replacing what is there.
+    /// Writes a file, replacing an existing one.
     pub(super) fn write(&self, key: &str, bytes: &[u8]) -> io::Result<()> {
         let partial = self.path(PARTIAL).join(unique());
         let written = within_parent(&partial, || {
@@ -61,13 +61,13 @@ impl Folder {
             })
         });
         if written.is_err() {
-            // Nothing more can be done about it; whoever has the store for itself clears it.
+            // A failure is ignored: the next process with exclusive access clears the file.
             let _ = fs::remove_file(&partial);
         }
         written
     }
 
-    /// Takes what a file stands for, until it is dropped; `None` where somebody else has it.
+    /// Acquires the lock on a file until it is dropped; `None` if another process holds it.
     pub(super) fn take(&self, key: &str) -> io::Result<Option<Taken>> {
         let lock = self.path(key);
         within_parent(&lock, || {
@@ -76,7 +76,7 @@ impl Folder {
         })
     }
 
-    /// That no link leads out of the folder on the way to a file, as far as that way is there.
+    /// Checks that no link on the existing part of a path leads out of the folder.
     fn check_inside(&self, path: &Path) -> io::Result<()> {
         let root = match fs::canonicalize(&self.root) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
@@ -89,7 +89,7 @@ impl Folder {
             match fs::canonicalize(folder) {
                 Ok(real) if real == root.join(within) => return Ok(()),
                 Ok(_) => return Err(io::Error::other("a link leads out of the store")),
-                // Still to be made.
+                // This part of the path does not exist yet.
                 Err(error) if error.kind() == ErrorKind::NotFound => {}
                 Err(error) => return Err(error),
             }
@@ -97,19 +97,19 @@ impl Folder {
         Ok(())
     }
 
-    /// Removes what killed processes have left. Only for who has the store for itself.
+    /// Removes files that killed processes have left. Requires exclusive access to the store.
     pub(super) fn clear(&self) {
-        // What cannot be removed does no harm.
+        // A failure is ignored: leftover files do no harm.
         let _ = fs::remove_dir_all(self.path(PARTIAL));
     }
 
-    /// Removes the folder of files that are being written where there are none. Whoever needs it makes it again.
+    /// Removes the folder of files in progress if it is empty; it is created again on demand.
     pub(super) fn clear_if_empty(&self) {
         let _ = fs::remove_dir(self.path(PARTIAL));
     }
 }
 
-/// Does something with a path, making its folder where that is missing.
+/// Applies an action to a path, creating the parent folder if it is missing.
 fn within_parent<T>(path: &Path, action: impl Fn() -> io::Result<T>) -> io::Result<T> {
     match action() {
         Err(error) if error.kind() == ErrorKind::NotFound => {
@@ -124,7 +124,7 @@ fn fill(path: &Path, bytes: &[u8]) -> io::Result<()> {
     File::create_new(path)?.write_all(bytes)
 }
 
-/// A whole file of at most so many bytes, if it is there. What is no file, such as a pipe, is not opened.
+/// Reads a complete file of at most `most` bytes, or returns `None` if it does not exist. Pipes and other special files are not opened.
 pub(super) fn read(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
     let too_long = || io::Error::new(ErrorKind::InvalidData, "it is longer than it can be");
     match fs::metadata(path) {

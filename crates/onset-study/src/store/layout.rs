@@ -1,45 +1,45 @@
-//! What a store holds, and the Zarr metadata that say so. The same layout gives the same bytes, always.
+//! Layout of a store, and its Zarr metadata, which are a deterministic function of the layout.
 
 use super::Tiling;
 use serde_json::{Map, Value, json};
 
-/// A dimension: an axis of the study with its coordinates.
+/// Dimension of a map: an axis of the study with its coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dimension {
-    /// Its name, and that of its coordinates.
+    /// Name of the dimension, and of its coordinate array.
     pub name: String,
-    /// The name for people.
+    /// Descriptive name.
     pub long_name: String,
-    /// The unit of the coordinates.
+    /// Unit of the coordinates.
     pub unit: String,
-    /// One coordinate a state.
+    /// Coordinates, one for each state along the dimension.
     pub coordinates: Vec<f64>,
 }
 
-/// What the values of a field are.
+/// Type of the values of a field.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Small whole numbers with meanings, counted from zero; -1 where nothing has been computed.
+    /// Flags: small whole numbers with names, counted from zero; -1 if nothing has been computed.
     Flags(Vec<&'static str>),
-    /// Numbers of double precision with a unit; NaN where there is none.
+    /// Numbers in double precision with a unit; NaN for missing values.
     Numbers(&'static str),
 }
 
-/// A field: one value, or one vector, a state.
+/// Field of a map: one value, or one vector, per state.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Field {
-    /// Its name.
+    /// Name of the array.
     pub name: &'static str,
-    /// The name for people.
+    /// Descriptive name.
     pub long_name: &'static str,
-    /// What its values are.
+    /// Type of the values.
     pub kind: Kind,
-    /// Whether it is a vector.
+    /// Whether the values are vectors.
     pub is_vector: bool,
 }
 
 impl Field {
-    /// The same with its unit in place of a dimension.
+    /// Returns the field with its dimension replaced by a unit.
     pub fn in_units(mut self, unit: impl Fn(&'static str) -> &'static str) -> Self {
         if let Kind::Numbers(own) = &mut self.kind {
             *own = unit(own);
@@ -48,31 +48,31 @@ impl Field {
     }
 }
 
-/// All that a store holds.
+/// Complete description of a store.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
-    /// Attributes of the whole.
+    /// Attributes of the store.
     pub attributes: Map<String, Value>,
-    /// What the numbers are of: each chunk says it, so that one of another map is noticed.
+    /// Identity of the map, recorded in each chunk so that a chunk of another map is detected.
     pub identity: String,
-    /// The dimensions, slowest first.
+    /// Dimensions, slowest first.
     pub dimensions: Vec<Dimension>,
-    /// States of a tile along each dimension.
+    /// Number of states of a tile along each dimension.
     pub tile: Vec<usize>,
-    /// Components of a vector.
+    /// Number of components of a vector.
     pub components: usize,
-    /// The fields. The first is written last, and says that a tile is done.
+    /// Fields of the store. The first one is written last, and marks a tile as finished.
     pub fields: Vec<Field>,
 }
 
-/// The dimension of the components of vectors.
+/// Name of the dimension of vector components.
 const COMPONENT: &str = "component";
-/// The attribute by which a store of ours is known; its value is the version of this layout of files.
+/// Attribute that identifies a store of onset; its value is the version of the format.
 pub(super) const FORMAT: &str = "onset_format";
 pub(super) const FORMAT_VERSION: u32 = 3;
-/// The attribute that tells what the numbers are of.
+/// Attribute with the identity of the map.
 pub(super) const IDENTITY: &str = "onset_identity";
-/// What it means that an attribute is another one.
+/// Explanations of differing attributes.
 pub(super) const MEANINGS: [(&str, &str); 4] = [
     (
         LIBRARY,
@@ -88,13 +88,13 @@ pub(super) const MEANINGS: [(&str, &str); 4] = [
         "it was begun on a processor with other vectors, whose numbers differ in their last digits",
     ),
 ];
-/// The attribute with the SHA-256 of the library that the study loads.
+/// Attribute with the SHA-256 sum of the library that the study loads.
 pub(crate) const LIBRARY: &str = "material_library_sha256";
-/// Compression of chunks: the fastest; higher levels gain a few percent on measured numbers and cost several times more.
+/// Fastest compression of chunks; higher levels save a few percent on measured data, at several times the cost.
 pub(super) const GZIP_LEVEL: u32 = 1;
 
 impl Layout {
-    /// How the states are cut into tiles.
+    /// Division of the states into tiles.
     pub fn tiling(&self) -> Tiling {
         Tiling {
             shape: self
@@ -106,7 +106,7 @@ impl Layout {
         }
     }
 
-    /// The metadata of every array, by name: coordinates, then fields.
+    /// Metadata of every array, by name: coordinates, then fields.
     pub(super) fn arrays(&self) -> Vec<(String, Value)> {
         let coordinates = self
             .dimensions
@@ -130,7 +130,7 @@ impl Layout {
         coordinates.chain([component]).chain(fields).collect()
     }
 
-    /// The metadata of the whole, with those of every array in it, so that one file tells everything.
+    /// Metadata of the store, including the metadata of every array, so that a single file describes everything.
     pub(super) fn group(&self) -> Value {
         let arrays: Map<String, Value> = self.arrays().into_iter().collect();
         let mut attributes = Map::from_iter([(FORMAT.to_owned(), json!(FORMAT_VERSION))]);
@@ -144,7 +144,7 @@ impl Layout {
         })
     }
 
-    /// The values of the coordinates, by the name of their array.
+    /// Coordinate values, by the name of their array.
     pub(super) fn coordinates(&self) -> Vec<(String, super::Column)> {
         let numbers = |dimension: &Dimension| {
             (
@@ -202,12 +202,13 @@ fn coordinates(dimension: &Dimension) -> Value {
     )
 }
 
-/// Dimensions, where the units are those of the study.
+/// Dimensions of quantities whose units are the units of the study.
 const DIMENSIONS: [&str; 4] = ["stress", "length", "time", "mass"];
 
-/// The attributes of numbers. Of a study without units the program computes in whatever consistent units its input is, so that of a
-/// stress, a time or a length only the dimension is known, which CF has no units for: `units` is what UDUNITS reads, `dimension` what is
-/// measured.
+/// Attributes of an array of numbers.
+///
+/// Without units in the study, stresses, times and lengths are in the consistent units of its input. Only their dimension is known, which CF units
+/// cannot express: `units` then satisfies UDUNITS, and `dimension` gives the dimension.
 fn measured(long_name: &str, unit: &str) -> Value {
     match DIMENSIONS.iter().any(|dimension| unit.contains(dimension)) {
         false => json!({"long_name": long_name, "units": unit}),
@@ -220,7 +221,7 @@ fn measured(long_name: &str, unit: &str) -> Value {
     }
 }
 
-/// The metadata of an array. The checksum comes last, and so covers the bytes as they lie on the disk.
+/// Metadata of an array. The checksum is the last codec, so that it covers the compressed bytes.
 pub(super) fn array(
     shape: &[usize],
     chunk: &[usize],

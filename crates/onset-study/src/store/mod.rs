@@ -1,8 +1,8 @@
-//! Results that survive: a store of tiles, written one by one, by one process or several, and never half.
+//! Persistent results: a store of tiles, each written completely or not at all, by one process or several.
 //!
-//! A [`Layout`] says what a store holds: dimensions, fields, tiles, attributes. The tile is the unit of work and of writing:
-//! a [`ResultStore`] writes the values of all fields on one tile, that of the first field last, which is what says that the
-//! tile is done. [`ZarrStore`] is one in Zarr v3, a folder that xarray opens.
+//! A [`Layout`] describes a store: dimensions, fields, tiles, attributes. The tile is the unit of work and of writing: a [`ResultStore`] writes the
+//! values of all fields on one tile. The first field is written last and marks the tile as finished. [`ZarrStore`] implements the store in Zarr v3,
+//! as a folder that xarray opens.
 
 mod chunk;
 mod earlier;
@@ -22,7 +22,7 @@ pub use tiling::{Tile, Tiling};
 pub(crate) use tiling::{ravel, unravel};
 pub use zarr::ZarrStore;
 
-/// The values of a field, component running fastest, then the first axis.
+/// Values of a field on a tile, components running fastest, then the first axis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Column {
     /// Values of a field of flags.
@@ -32,7 +32,7 @@ pub enum Column {
 }
 
 impl Column {
-    /// The flags; nothing for numbers.
+    /// Flags, or an empty slice for numbers.
     pub fn flags(&self) -> &[i8] {
         match self {
             Self::Flags(flags) => flags,
@@ -40,7 +40,7 @@ impl Column {
         }
     }
 
-    /// The numbers; nothing for flags.
+    /// Numbers, or an empty slice for flags.
     pub fn numbers(&self) -> &[f64] {
         match self {
             Self::Flags(_) => &[],
@@ -49,32 +49,32 @@ impl Column {
     }
 }
 
-/// Where results are kept, tile by tile.
+/// Storage of results, tile by tile.
 pub trait ResultStore: Sync {
-    /// How the states are cut into tiles.
+    /// Division of the states into tiles.
     fn tiling(&self) -> &Tiling;
 
-    /// Whether a tile is done.
+    /// Returns true if a tile is finished.
     ///
     /// # Errors
-    /// [`StoreError`] when that cannot be read.
+    /// [`StoreError`] if the store cannot be read.
     fn is_done(&self, tile: usize) -> Result<bool, StoreError>;
 
-    /// Takes a tile, so that others who work on the same store compute other ones meanwhile; `None` where somebody else has it.
+    /// Reserves a tile, so that other processes compute other tiles meanwhile; `None` if another process holds it.
     ///
     /// # Errors
-    /// [`StoreError`] when the store cannot be written.
+    /// [`StoreError`] if the store cannot be written.
     fn take(&self, tile: usize) -> Result<Option<Taken>, StoreError>;
 
-    /// Writes all fields of a tile, in the order of the layout. Afterwards it is done; before, it is not.
+    /// Writes all fields of a tile, in the order of the layout, and thereby marks it as finished.
     ///
     /// # Errors
-    /// [`StoreError`] when a file cannot be written.
+    /// [`StoreError`] if a file cannot be written.
     fn write(&self, tile: usize, columns: Vec<Column>) -> Result<(), StoreError>;
 
-    /// The values of a field on a tile; `None` where they are still to be computed.
+    /// Values of a field on a tile, or `None` if they are not computed yet.
     ///
     /// # Errors
-    /// [`StoreError`] when there is no such field, or its chunk cannot be read or is damaged.
+    /// [`StoreError`] if the field does not exist, or its chunk cannot be read or is damaged.
     fn read(&self, field: &str, tile: usize) -> Result<Option<Column>, StoreError>;
 }

@@ -1,35 +1,37 @@
-//! Who writes to a store: several who share it, or one who has it for itself; and who of the several computes which tile.
+//! Access of processes to a store: shared or exclusive, and the reservation of tiles.
 //!
-//! Locks, on the store's `zarr.json` and on a file for each tile that is being computed. They end with the process however that ends.
+//! Access is controlled by locks on `zarr.json` and on a file for each tile in progress. The operating system releases them when a process ends.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// How long a store may be had by one for itself.
+/// Longest wait for another process with exclusive access.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// A lock on a store, until dropped.
+/// Lock on a store, held until dropped.
 #[derive(Debug)]
 pub(super) struct Occupancy {
     _file: File,
 }
 
-/// What comes of the wish to have a store for oneself.
+/// Result of a request for exclusive access.
 #[derive(Debug)]
 pub(super) enum Claim {
-    /// Nobody else writes to it, until the lock is dropped.
+    /// Exclusive access until the lock is dropped.
     Alone(#[allow(dead_code, reason = "held, not read")] Occupancy),
-    /// Others write to it.
+    /// Access is shared with other processes.
     Shared,
-    /// The file system knows no locks.
+    /// The file system does not support locks.
     Unknown,
 }
 
 impl Occupancy {
-    /// Shares the store with others. Who of ours has it for itself clears or replaces it, in a moment, which is waited for; `None`
-    /// where somebody keeps it longer. Where the file system knows no locks, the store is shared all the same.
+    /// Acquires shared access to the store, or `None` if another process keeps it exclusively for longer than a few seconds.
+    ///
+    /// Other processes of onset hold exclusive access only briefly, to clear or replace a store. Access is granted if the file system does not
+    /// support locks.
     pub(super) fn shared(metadata: &Path) -> io::Result<Option<Self>> {
         let file = File::open(metadata)?;
         let begin = Instant::now();
@@ -42,7 +44,7 @@ impl Occupancy {
         Ok(Some(Self { _file: file }))
     }
 
-    /// Tries to have the store for itself.
+    /// Requests exclusive access to the store.
     pub(super) fn alone(metadata: &Path) -> io::Result<Claim> {
         let file = File::open(metadata)?;
         Ok(match file.try_lock() {
@@ -53,7 +55,9 @@ impl Occupancy {
     }
 }
 
-/// A tile that is being computed here and, where the file system knows locks, nowhere else, until dropped.
+/// Reservation of a tile until dropped.
+///
+/// Other processes do not compute the tile meanwhile, unless the file system does not support locks.
 #[derive(Debug)]
 pub struct Taken {
     lock: PathBuf,
@@ -61,7 +65,7 @@ pub struct Taken {
 }
 
 impl Taken {
-    /// Tries to take a tile by the lock on a file, which is made; `None` where somebody else has it. What is no file, such as a link or a pipe, is not opened.
+    /// Reserves a tile by creating and locking a file; `None` if another process holds it. Links, pipes and other special files are not opened.
     pub(super) fn by(lock: &Path) -> io::Result<Option<Self>> {
         match fs::symlink_metadata(lock) {
             Ok(found) if !found.is_file() => return Err(io::Error::other("it is no file")),
@@ -84,9 +88,11 @@ impl Taken {
 }
 
 impl Drop for Taken {
-    /// Somebody may have opened the file before and lock it after, while a third one makes it again: then both compute the tile, unless it is done.
+    /// Removes the lock file.
+    ///
+    /// A process may lock the removed file while another one creates it again: both then compute the tile, unless it is finished.
     fn drop(&mut self) {
-        // What cannot be removed, and the file of who was killed, goes when the store is next written to its end.
+        // A failure is ignored. Leftover lock files, also of killed processes, are removed when the last writer closes the store.
         let _ = fs::remove_file(&self.lock);
     }
 }

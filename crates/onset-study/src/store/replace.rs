@@ -1,4 +1,4 @@
-//! The removal of a store: of what onset has written there, and of nothing else.
+//! Removal of a store, limited to the files that onset has written.
 
 use super::folder::PARTIAL;
 use super::zarr::METADATA;
@@ -8,17 +8,17 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// What is at a place of a store.
+/// Entry of a store.
 enum Place {
     File,
     Folder(Vec<(PathBuf, Place)>),
 }
 
-/// The folders and files of a store, by the metadata of the whole.
+/// Folders and files of a store, according to its metadata.
 pub(super) struct Contents(Vec<(PathBuf, Place)>);
 
 impl Contents {
-    /// Looks at everything in a store whose metadata are given. An error within is the first thing that is not ours.
+    /// Lists everything in a store with the given metadata. The inner error is the first foreign file.
     pub(super) fn of(store: &Path, group: &Value) -> io::Result<Result<Self, PathBuf>> {
         let arrays = group.pointer("/consolidated_metadata/metadata");
         let arrays = arrays.and_then(Value::as_object);
@@ -34,26 +34,26 @@ impl Contents {
         Ok(look(store, &root)?.map(Self))
     }
 
-    /// Removes what was seen, links and newer things apart.
+    /// Removes the listed entries, without links and newer files.
     pub(super) fn remove(self, store: &Path) -> io::Result<()> {
         remove(store, self.0)
     }
 }
 
-/// What may be at a place.
+/// Rule for the permitted entries of a folder.
 #[derive(Clone, Copy)]
 enum Rule {
     File,
-    /// Files that are being written.
+    /// Files in progress.
     Partial,
-    /// An array of so many dimensions.
+    /// Array with the given number of dimensions.
     Array(usize),
-    /// Folders of chunks, so many above each other, then chunks.
+    /// Nested folders of chunks with the given depth, then chunks.
     Chunks(usize),
 }
 
 impl Rule {
-    /// The rule for an entry of a folder under this rule.
+    /// Rule for an entry of a folder under this rule.
     fn of_entry(self, name: &OsStr) -> Option<Self> {
         let name = name.to_str()?;
         let is_number = !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_digit());

@@ -1,46 +1,46 @@
-//! How the states of a map are cut into tiles.
+//! Division of the states of a map into tiles.
 
-/// States on a grid, cut into hyper-rectangles; slowest dimension first.
+/// States on a grid, divided into boxes; slowest dimension first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tiling {
-    /// States along each dimension.
+    /// Number of states along each dimension.
     pub shape: Vec<usize>,
-    /// States of a tile along each dimension; tiles at the end may have fewer.
+    /// Number of states of a tile along each dimension; tiles at the end may be smaller.
     pub tile: Vec<usize>,
 }
 
-/// One tile: the first state and the number of states along each dimension.
+/// Tile of a map: the first state and the number of states along each dimension.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tile {
-    /// Its first state.
+    /// Indices of the first state.
     pub origin: Vec<usize>,
-    /// Its states along each dimension.
+    /// Number of states along each dimension.
     pub extent: Vec<usize>,
 }
 
 impl Tiling {
-    /// Tiles along each dimension.
+    /// Number of tiles along each dimension.
     pub fn grid(&self) -> Vec<usize> {
         let along = |(states, tile): (&usize, &usize)| states.div_ceil(*tile);
         self.shape.iter().zip(&self.tile).map(along).collect()
     }
 
-    /// The number of tiles.
+    /// Total number of tiles.
     pub fn tiles(&self) -> usize {
         self.grid().iter().product()
     }
 
-    /// The number of states.
+    /// Total number of states.
     pub fn states(&self) -> usize {
         self.shape.iter().product()
     }
 
-    /// Where a tile is among the tiles; they are numbered with the last dimension running fastest.
+    /// Indices of a tile along each dimension; tiles are numbered with the last dimension running fastest.
     pub fn position(&self, tile: usize) -> Vec<usize> {
         unravel(tile, &self.grid())
     }
 
-    /// A tile by its number.
+    /// Tile with the given number.
     pub fn at(&self, tile: usize) -> Tile {
         let origin: Vec<usize> = self
             .position(tile)
@@ -58,12 +58,12 @@ impl Tiling {
 }
 
 impl Tile {
-    /// The number of its states.
+    /// Number of states in the tile.
     pub fn states(&self) -> usize {
         self.extent.iter().product()
     }
 
-    /// The number, in a map of a shape, of the state at a place in this tile.
+    /// Number, in a map of the given shape, of the state at the given indices in this tile.
     pub fn state(&self, place: &[usize], shape: &[usize]) -> usize {
         place
             .iter()
@@ -75,7 +75,7 @@ impl Tile {
     }
 }
 
-/// The place of the element with a number in an array of a shape, last dimension running fastest.
+/// Indices of an element in an array, from its number, last dimension running fastest.
 pub(crate) fn unravel(mut index: usize, shape: &[usize]) -> Vec<usize> {
     let mut place = vec![0; shape.len()];
     for (place, states) in place.iter_mut().zip(shape).rev() {
@@ -84,7 +84,7 @@ pub(crate) fn unravel(mut index: usize, shape: &[usize]) -> Vec<usize> {
     place
 }
 
-/// The number of the element at a place.
+/// Number of an element in an array, from its indices, last dimension running fastest.
 pub(crate) fn ravel(place: &[usize], shape: &[usize]) -> usize {
     place
         .iter()

@@ -1,6 +1,6 @@
-//! The store in Zarr v3: one array a field, one chunk a tile, no shards, so that nobody ever writes to a file of another.
+//! Store in Zarr v3: one array per field and one chunk per tile, without shards, so that no two processes write to the same file.
 //!
-//! What is read is not trusted: metadata must be what onset writes, and chunks say themselves where they belong.
+//! Files are validated when read: metadata must have the form that onset writes, and chunks record their position.
 
 use super::chunk::{self, Label};
 use super::earlier;
@@ -16,14 +16,14 @@ use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// The file of the metadata of a store, and of each array in it.
+/// File name of the metadata of a store, and of each array in it.
 pub(super) const METADATA: &str = "zarr.json";
-/// The most bytes of metadata that are read; those of a study with long texts have some ten thousand.
+/// Largest size of metadata that is read, in bytes; studies with long texts have some ten thousand.
 const MOST_METADATA: u64 = 16 << 20;
-/// The most values in a chunk: a tile of the largest edge, with three components.
+/// Largest number of values in a chunk: a tile with the largest edge, with three components.
 const MOST_VALUES: usize = 4 << 20;
 
-/// An array as its metadata tell.
+/// Array according to its metadata.
 #[derive(Clone, Debug)]
 struct Array {
     name: String,
@@ -34,7 +34,7 @@ struct Array {
 }
 
 impl Array {
-    /// The array that metadata tell of, if they are such as onset writes.
+    /// Array described by metadata, or `None` if they do not have the form that onset writes.
     fn of(name: &str, metadata: &Value) -> Option<Self> {
         let sizes = |value: &Value| -> Option<Vec<usize>> {
             let size = |value: &Value| {
@@ -79,19 +79,19 @@ impl Array {
         })
     }
 
-    /// The path of a chunk in the store.
+    /// Path of a chunk in the store.
     fn key(&self, chunk: &[usize]) -> String {
         let numbers: Vec<String> = chunk.iter().map(usize::to_string).collect();
         format!("{}/c/{}", self.name, numbers.join("/"))
     }
 
-    /// Values in a chunk.
+    /// Number of values in a chunk.
     fn values(&self) -> usize {
         self.chunk.iter().product()
     }
 }
 
-/// A store in a folder.
+/// Store of results in a folder.
 #[derive(Debug)]
 pub struct ZarrStore {
     path: PathBuf,
@@ -99,17 +99,17 @@ pub struct ZarrStore {
     attributes: Map<String, Value>,
     identity: String,
     tiling: Tiling,
-    /// The first says that a tile is done.
+    /// Fields of the store; the first one marks a tile as finished.
     fields: Vec<Array>,
-    /// Of who writes.
+    /// Lock of a writing process.
     occupancy: Option<Occupancy>,
 }
 
 impl ZarrStore {
-    /// Makes a store.
+    /// Creates a store.
     ///
     /// # Errors
-    /// [`StoreError`] when something is there already, or it cannot be written.
+    /// [`StoreError`] if the path exists or the store cannot be written.
     pub fn create(path: &Path, layout: &Layout) -> Result<Self, StoreError> {
         let place = &place(path)?;
         if let Some(group) = examine(path)? {
@@ -122,9 +122,9 @@ impl ZarrStore {
         let stage = PrivateFolder::new(folder, STAGE).map_err(&writing)?;
         let building = stage.path().join("store");
         let made = build(&building, layout).and_then(|()| {
-            // Shared from its first moment, so that nobody clears it in between.
+            // Shared from the first moment, so that no other process clears it in between.
             let occupancy = Occupancy::shared(&building.join(METADATA))?;
-            // Whoever comes first makes the store; the folders of the others are in its way.
+            // If several processes create the store, the first rename succeeds and the others fail.
             fs::rename(&building, place)?;
             Ok(occupancy)
         });
@@ -141,10 +141,10 @@ impl ZarrStore {
         }
     }
 
-    /// Goes on with a store of the same layout, or makes it.
+    /// Resumes a store with the same layout, or creates it.
     ///
     /// # Errors
-    /// [`StoreError`] when something else is there, the store holds something else or is damaged, or it cannot be written.
+    /// [`StoreError`] if the path is not such a store, the store is damaged, or it cannot be written.
     pub fn resume(path: &Path, layout: &Layout) -> Result<Self, StoreError> {
         match Self::create(path, layout) {
             Err(StoreError::Exists { .. }) => Self::join(path, layout),
@@ -152,11 +152,10 @@ impl ZarrStore {
         }
     }
 
-    /// Makes a store in the place of another, which stays there until the new one is whole, and is then removed.
+    /// Replaces a store. The previous one is removed only after the new one is complete.
     ///
     /// # Errors
-    /// [`StoreError`] when what is there is not a store of ours or holds something that is not, others write to it, or it cannot be
-    /// written.
+    /// [`StoreError`] if the path is not a store of onset or contains foreign files, other processes write to it, or it cannot be written.
     pub fn replace(path: &Path, layout: &Layout) -> Result<Self, StoreError> {
         let place = &place(path)?;
         let Some(group) = examine_any(path)? else {
@@ -185,7 +184,7 @@ impl ZarrStore {
         let occupancy = Occupancy::shared(&building.join(METADATA)).map_err(&writing)?;
         exchange(&building, place).map_err(&writing)?;
         if contents.remove(&building).is_err() {
-            // Somebody has put something there since: it is left where it can be found.
+            // Another process has created a file in the meantime: it is kept under another name.
             let left = format!("onset-left-{}", folder::unique());
             fs::rename(&building, place.with_file_name(left)).map_err(&writing)?;
         }
@@ -194,10 +193,10 @@ impl ZarrStore {
         Ok(store)
     }
 
-    /// Opens a store to read it.
+    /// Opens a store for reading.
     ///
     /// # Errors
-    /// [`StoreError`] when there is none, or it is damaged.
+    /// [`StoreError`] if it does not exist or is damaged.
     pub fn open(path: &Path) -> Result<Self, StoreError> {
         place(path)?;
         let group = examine_to_read(path)?.ok_or_else(|| StoreError::Missing {
@@ -206,25 +205,25 @@ impl ZarrStore {
         Self::of_group(path, &group)
     }
 
-    /// The attributes of the whole.
+    /// Attributes of the store.
     pub fn attributes(&self) -> &Map<String, Value> {
         &self.attributes
     }
 
-    /// The folder.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The names of the fields; the first says that a tile is done.
+    /// Names of the fields; the first one marks a tile as finished.
     pub fn fields(&self) -> impl Iterator<Item = &str> {
         self.fields.iter().map(|field| field.name.as_str())
     }
 
-    /// How many tiles are done. Only what is there is looked at, however many the metadata tell of.
+    /// Number of finished tiles. Counts the existing chunks, for any number of tiles in the metadata.
     ///
     /// # Errors
-    /// [`StoreError`] when that cannot be read.
+    /// [`StoreError`] if the store cannot be read.
     pub fn done(&self) -> Result<usize, StoreError> {
         let Some(mark) = self.fields.first() else {
             return Ok(0);
@@ -233,15 +232,15 @@ impl ZarrStore {
         files_below(&chunks, &self.tiling.grid()).map_err(StoreError::reading(&chunks))
     }
 
-    /// Checks that a store holds what a layout says, attributes apart.
+    /// Checks that a store agrees with a layout, apart from its attributes.
     ///
     /// # Errors
-    /// [`StoreError::Damaged`] where it does not.
+    /// [`StoreError::Damaged`] if it does not.
     pub fn check(&self, layout: &Layout) -> Result<(), StoreError> {
         let group = examine_to_read(&self.path)?.unwrap_or_default();
         let expected = layout.group();
         let is_other = match earlier::is_of(&group) {
-            // The names of keys are among what makes the identity.
+            // The identity covers names of keys, which have changed since the previous format.
             true => earlier::arrays(&group) != earlier::arrays(&expected),
             false => {
                 group["consolidated_metadata"] != expected["consolidated_metadata"]
@@ -277,7 +276,7 @@ impl ZarrStore {
         store.check_arrays(layout)?;
         store.check_coordinates(layout)?;
         store.occupancy = Some(occupancy);
-        // Clears what others have left beside it.
+        // Clears leftovers of other processes next to the store.
         drop(PrivateFolder::new(parent(place), STAGE));
         Ok(store)
     }
@@ -313,7 +312,7 @@ impl ZarrStore {
         Ok(())
     }
 
-    /// The error for a store that is in the way.
+    /// Error for an existing store.
     fn in_the_way(&self) -> StoreError {
         match self.done() {
             Ok(done) => StoreError::Exists {
@@ -325,7 +324,7 @@ impl ZarrStore {
         }
     }
 
-    /// The store that the metadata of the whole tell of.
+    /// Store described by the metadata in its root file.
     fn of_group(path: &Path, group: &Value) -> Result<Self, StoreError> {
         let damaged = |reason: String| StoreError::Damaged {
             path: path.join(METADATA),
@@ -366,14 +365,14 @@ impl ZarrStore {
         }
     }
 
-    /// The path of the chunk of a tile in an array.
+    /// Path of the chunk of a tile in an array.
     fn chunk(&self, array: &Array, tile: usize) -> String {
         let mut chunk = self.tiling.position(tile);
         chunk.resize(array.shape.len(), 0);
         array.key(&chunk)
     }
 
-    /// The values of a chunk, those beyond the edge of the map included.
+    /// Values of a chunk, including those beyond the edge of the map.
     fn column(&self, array: &Array, chunk: &[usize]) -> Result<Option<Column>, StoreError> {
         self.values(array, &array.key(chunk))
     }
@@ -394,7 +393,7 @@ impl ZarrStore {
 }
 
 impl Drop for ZarrStore {
-    /// The last who writes clears what killed processes have left.
+    /// The last writer clears leftovers of killed processes.
     fn drop(&mut self) {
         let Some(occupancy) = self.occupancy.take() else {
             return;
@@ -429,7 +428,7 @@ impl ResultStore for ZarrStore {
 
     fn write(&self, tile: usize, columns: Vec<Column>) -> Result<(), StoreError> {
         let place = self.tiling.at(tile);
-        // Chunks that hold nothing but the fill value are written too: of a tile that is done, a chunk that is absent is lost.
+        // Chunks with fill values only are written too, because a missing chunk of a finished tile counts as lost.
         for (field, column) in self.fields.iter().zip(columns).rev() {
             let key = self.chunk(field, tile);
             let padded = match column {
@@ -475,7 +474,7 @@ impl ResultStore for ZarrStore {
 }
 
 impl ZarrStore {
-    /// The runs of values that a tile and its chunk have in common: first value in the tile, in the chunk, and length.
+    /// Common runs of values of a tile and its chunk: first value in the tile, first value in the chunk, and length.
     fn runs(&self, tile: &Tile, components: usize) -> impl Iterator<Item = [usize; 3]> + use<> {
         let (extent, chunk) = (tile.extent.clone(), self.tiling.tile.clone());
         let length = extent.last().copied().unwrap_or(0);
@@ -487,7 +486,7 @@ impl ZarrStore {
         })
     }
 
-    /// The values of a tile in a whole chunk.
+    /// Pads the values of a tile to a whole chunk.
     fn padded<T: Copy>(&self, tile: &Tile, values: &[T], fill: T) -> Vec<T> {
         let components = values.len() / tile.states().max(1);
         let mut padded = vec![fill; self.tiling.tile.iter().product::<usize>() * components];
@@ -497,7 +496,7 @@ impl ZarrStore {
         padded
     }
 
-    /// The values of a tile out of a whole chunk.
+    /// Extracts the values of a tile from a whole chunk.
     fn cut<T: Copy>(&self, tile: &Tile, chunk: &[T]) -> Vec<T> {
         let components = chunk.len() / self.tiling.tile.iter().product::<usize>().max(1);
         let mut values = Vec::with_capacity(tile.states() * components);
@@ -508,7 +507,7 @@ impl ZarrStore {
     }
 }
 
-/// Where a store is, links followed; where it will be, when nothing is there.
+/// Canonical path of a store; the future path if it does not exist.
 fn place(path: &Path) -> Result<PathBuf, StoreError> {
     if let Ok(place) = fs::canonicalize(path) {
         return Ok(place);
@@ -518,12 +517,12 @@ fn place(path: &Path) -> Result<PathBuf, StoreError> {
     Ok(place)
 }
 
-/// The folder that a place is in.
+/// Parent folder of a path.
 fn parent(place: &Path) -> &Path {
     place.parent().unwrap_or(place)
 }
 
-/// No folder can be put in the place of the one that we, and who has called us, are in.
+/// Refuses to replace the current folder, which would invalidate the working directory of this process and its parent.
 fn refuse_current_folder(path: &Path, place: &Path) -> Result<(), StoreError> {
     let current = std::env::current_dir().and_then(fs::canonicalize);
     if current.is_ok_and(|current| current == place) || place.parent().is_none() {
@@ -534,7 +533,7 @@ fn refuse_current_folder(path: &Path, place: &Path) -> Result<(), StoreError> {
     Ok(())
 }
 
-/// Puts a folder in the place of another, and that one in its place: at once, where the system can.
+/// Exchanges two folders, atomically if the system supports it.
 fn exchange(new: &Path, old: &Path) -> io::Result<()> {
     #[cfg(target_os = "linux")]
     {
@@ -554,7 +553,7 @@ fn exchange(new: &Path, old: &Path) -> io::Result<()> {
     renamed
 }
 
-/// Where a store waits that is being replaced, where that takes two steps.
+/// Temporary path of a replaced store, on systems without an atomic exchange.
 fn aside(place: &Path) -> PathBuf {
     use sha2::{Digest, Sha256};
     let name = place.file_name().unwrap_or_default();
@@ -562,22 +561,22 @@ fn aside(place: &Path) -> PathBuf {
     place.with_file_name(format!(".onset-replaced-{}", &sum[..32]))
 }
 
-/// Puts a store back that was being replaced when the process was killed between two steps.
+/// Restores a store if the process was killed between the two steps of an exchange.
 fn recover(place: &Path) {
     if fs::symlink_metadata(place).is_err() {
-        // Usually there is none.
+        // Usually there is nothing to restore.
         let _ = fs::rename(aside(place), place);
     }
 }
 
-/// The metadata of the store at a place; `None` where there is nothing, or an empty folder.
+/// Metadata of the store at a path; `None` if the path does not exist or is an empty folder.
 fn examine(path: &Path) -> Result<Option<Value>, StoreError> {
     let group = examine_any(path)?;
     of_format(path, &group)?;
     Ok(group)
 }
 
-/// The same for a store that is read, which may be of the format before.
+/// Metadata of a store that is only read, which may have the previous format.
 fn examine_to_read(path: &Path) -> Result<Option<Value>, StoreError> {
     let group = examine_any(path)?;
     if !group.as_ref().is_some_and(earlier::is_of) {
@@ -586,7 +585,7 @@ fn examine_to_read(path: &Path) -> Result<Option<Value>, StoreError> {
     Ok(group)
 }
 
-/// That a store is of this format.
+/// Checks that a store has the current format.
 fn of_format(path: &Path, group: &Option<Value>) -> Result<(), StoreError> {
     match group.as_ref().map(|group| &group["attributes"][FORMAT]) {
         Some(format) if *format != FORMAT_VERSION => Err(StoreError::Format {
@@ -598,7 +597,7 @@ fn of_format(path: &Path, group: &Option<Value>) -> Result<(), StoreError> {
     }
 }
 
-/// The same for a store of any version.
+/// Metadata of the store at a path, for any format version.
 fn examine_any(path: &Path) -> Result<Option<Value>, StoreError> {
     let reading = StoreError::reading(path);
     let nothing =
@@ -665,7 +664,7 @@ fn build(path: &Path, layout: &Layout) -> io::Result<()> {
     Ok(())
 }
 
-/// The tiles that the chunks of fields are: the same of all of them.
+/// Tiling given by the chunks of the fields, which must all agree.
 fn tiling(fields: &[Array]) -> Option<Tiling> {
     let mark = fields.first()?;
     let dimensions = mark.shape.len();
@@ -689,7 +688,7 @@ fn tiling(fields: &[Array]) -> Option<Tiling> {
     })
 }
 
-/// How many files are in folders of folders whose names are numbers below given ones.
+/// Counts files in nested folders whose names are numbers below the given limits.
 fn files_below(folder: &Path, grid: &[usize]) -> io::Result<usize> {
     let Some((end, deeper)) = grid.split_first() else {
         return Ok(1);
@@ -713,16 +712,16 @@ fn files_below(folder: &Path, grid: &[usize]) -> io::Result<usize> {
     Ok(files)
 }
 
-/// The text of metadata. The order of keys is that of the layout, so that the same layout is the same bytes.
+/// Text of metadata. Keys keep the order of the layout, so that equal layouts give identical bytes.
 fn text(metadata: &Value) -> String {
     format!("{metadata:#}\n")
 }
 
-/// The first thing in which the metadata of two stores differ.
+/// First difference between the metadata of two stores.
 fn difference(found: &Value, expected: &Value) -> String {
     let attributes = |group: &Value| group["attributes"].as_object().cloned().unwrap_or_default();
     let (found, expected) = (attributes(found), attributes(expected));
-    // Titles follow from what else differs.
+    // Titles follow from other differences, and are compared last.
     let differing = expected
         .iter()
         .filter(|(name, value)| found.get(*name) != Some(value))

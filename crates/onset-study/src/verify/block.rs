@@ -2,34 +2,34 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A block of particles, numbered along the first axis first. In fewer than three dimensions the coordinates beyond them are zero.
+/// Block of particles, numbered along the first axis first. In fewer than three dimensions the remaining coordinates are zero.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Block {
-    /// Particles along each axis.
+    /// Number of particles along each axis.
     pub counts: Vec<usize>,
-    /// Distances of neighbors along each axis in the reference state; length.
+    /// Particle spacing along each axis in the reference configuration; length.
     pub sides: Vec<f64>,
-    /// Of each axis the first particle that is measured, and the one after the last.
+    /// Range of measured particles along each axis: index of the first one, and index after the last.
     pub measured: Vec<[usize; 2]>,
 }
 
 impl Block {
-    /// The number of space dimensions.
+    /// Number of space dimensions.
     pub fn dimension(&self) -> usize {
         self.counts.len()
     }
 
-    /// The number of particles.
+    /// Number of particles in the block.
     pub fn particles(&self) -> usize {
         self.counts.iter().product()
     }
 
-    /// The volume of a particle in the reference state.
+    /// Volume of a particle in the reference configuration.
     pub fn volume(&self) -> f64 {
         self.sides.iter().product()
     }
 
-    /// Where on the axes a particle is, in sides.
+    /// Integer coordinates of a particle along the axes, in units of the sides.
     pub fn place(&self, index: usize) -> Vec<usize> {
         let mut rest = index;
         let along = |count: &usize| {
@@ -40,7 +40,7 @@ impl Block {
         self.counts.iter().map(along).collect()
     }
 
-    /// Its reference position; length.
+    /// Reference position of a particle; length.
     pub fn reference(&self, index: usize) -> [f64; 3] {
         let mut position = [0.0; 3];
         for (axis, place) in self.place(index).into_iter().enumerate() {
@@ -49,13 +49,13 @@ impl Block {
         position
     }
 
-    /// Whether a particle is one of those that are measured.
+    /// Returns true if the particle is measured.
     pub fn is_measured(&self, index: usize) -> bool {
         let mut places = self.place(index).into_iter().zip(&self.measured);
         places.all(|(place, [first, end])| (*first..*end).contains(&place))
     }
 
-    /// How many are measured.
+    /// Number of measured particles.
     pub fn measured_particles(&self) -> usize {
         self.measured
             .iter()

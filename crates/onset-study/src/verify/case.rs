@@ -1,4 +1,4 @@
-//! A case: one wave of one state, and all that its output is read with.
+//! A case: one wave of one state, with all data needed to read its output.
 
 use super::prediction::{mode, predicted};
 use super::{Block, Code, Deck, Prediction, VerifyError};
@@ -17,39 +17,39 @@ use std::f64::consts::TAU;
 use std::fmt;
 use std::path::Path;
 
-/// The file of a case, beside its deck.
+/// Name of the case file, written next to the deck.
 pub const CASE_FILE: &str = "case.json";
 
-/// What case files say of themselves.
+/// Format mark of case files.
 const FORMAT: &str = "onset verify 1";
 
-/// The wave that is asked for, and for how long it is followed.
+/// Wave to be run, and the duration of the run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
     /// Stretches along the axes.
     pub stretches: [f64; 3],
     /// Reference wave vector; 1/length.
     pub wave_vector: Vec<f64>,
-    /// Which of its waves, counted from 1 by increasing `omega^2`.
+    /// Branch, counted from 1 by increasing `omega^2`.
     pub branch: usize,
-    /// Time; what resolves the wave and its neighbors when left out.
+    /// Time step; `None` for a step that resolves the wave and its neighbors.
     pub time_step: Option<f64>,
-    /// Time steps; a period, or four e-foldings, when left out.
+    /// Number of time steps; `None` for one period or four e-folding times.
     pub steps: Option<usize>,
-    /// The relative difference of rates that counts as agreement; that of the code when left out.
+    /// Relative difference of rates that counts as agreement; `None` for the tolerance of the code.
     pub tolerance: Option<f64>,
-    /// How the code takes a time step, where only the user knows.
+    /// Time integration, for codes whose integrator only the user knows.
     pub stepping: Option<Stepping>,
 }
 
-/// One wave of one homogeneous state in a code.
+/// One plane wave of one homogeneous state, to be run in a code.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Case {
     /// The format of the file.
     pub format: String,
-    /// The first twelve digits of the SHA-256 sum of the file with an empty mark: marks decks and outputs.
+    /// Identifier in decks and outputs: the first twelve digits of the SHA-256 sum of the file with an empty identifier.
     pub id: String,
-    /// The code.
+    /// Name of the code.
     pub code: String,
     /// Stretches of the homogeneous state along the axes.
     pub stretches: [f64; 3],
@@ -57,48 +57,48 @@ pub struct Case {
     pub wave_vector: Vec<f64>,
     /// Reference density; mass/volume.
     pub density: f64,
-    /// The particles.
+    /// Block of particles.
     pub block: Block,
     /// Whether the block is periodic; otherwise its rim is held.
     pub is_periodic: bool,
-    /// The farthest that particles see each other at the state; length.
+    /// Interaction range at the state; length.
     pub reach: f64,
     /// Largest velocity of the seed; length/time.
     pub speed: f64,
-    /// Time.
+    /// Time step of the run; time.
     pub time_step: f64,
-    /// Time steps of the run.
+    /// Number of time steps of the run.
     pub steps: usize,
-    /// Time steps between frames.
+    /// Number of time steps between frames.
     pub every: usize,
-    /// What is predicted.
+    /// Predicted rates and polarization.
     pub prediction: Prediction,
-    /// The relative difference of rates that counts as agreement.
+    /// Relative difference of rates that counts as agreement.
     pub tolerance: f64,
-    /// Every choice in effect.
+    /// All settings in effect.
     pub settings: serde_json::Value,
 }
 
-/// The most particles of a deck.
+/// Largest number of particles in a deck.
 const LARGEST: usize = 40_000;
-/// The most frames of an output.
+/// Largest number of frames in an output.
 const FRAMES: usize = 400;
-/// The fewest time steps of a run whose step is chosen for it.
+/// Smallest number of time steps if the program chooses the step.
 const STEPS: f64 = 160.0;
-/// The fewest of one whose step is told. More would let a wave that grows leave what is linear.
+/// Smallest number of time steps if the user sets the step. With more steps a growing wave would leave the linear range.
 const FEWEST: f64 = 48.0;
-/// A wave vector may miss the nearest one that fits a periodic block by this share of the reciprocal vector, as when typed.
+/// Relative tolerance of a wave vector that fits a periodic block, in units of the reciprocal vector; allows for typed digits.
 const TYPED: f64 = 1e-6;
-/// Half of the measured core, in spacings.
+/// Half the width of the measured core, in particle spacings.
 const CORE: f64 = 9.0;
-/// How much faster than the fastest wave a signal from the rim is taken to be.
+/// Safety factor on the speed of the fastest wave, for signals from the rim.
 const SAFETY: f64 = 2.0;
 
 impl Case {
-    /// The case of a question, with the files of its deck.
+    /// Writes a case and the files of its deck.
     ///
     /// # Errors
-    /// [`VerifyError`] for what the code cannot compute, and a wave that cannot be measured.
+    /// [`VerifyError`] for a problem beyond the capabilities of the code, or a wave that cannot be measured.
     pub fn new(
         code: &dyn Code,
         settings: Settings,
@@ -145,7 +145,7 @@ impl Case {
         let (block, k) = match rim {
             None => periodic(&sides, question, reach)?,
             Some(width) => {
-                // Of sound, or of the shortest waves: half of their frequency times the spacing.
+                // The faster of sound and of the shortest waves, whose speed is half their frequency times the spacing.
                 let sound = sound(&problem, &f, &sides)?;
                 let fastest = sound.max(problem.analysis.spacing() / critical);
                 let apart = SAFETY * fastest * duration + 2.0 * reach;
@@ -196,10 +196,10 @@ impl Case {
         Ok((case, files))
     }
 
-    /// Reads a case.
+    /// Reads a case file.
     ///
     /// # Errors
-    /// [`VerifyError`] when the file cannot be read, is none, or was changed since it was written.
+    /// [`VerifyError`] if the file cannot be read, is not a case, or was changed since it was written.
     pub fn of_file(path: &Path) -> Result<Self, VerifyError> {
         let text =
             input::text(path, input::MOST_TEXT).map_err(|source| VerifyError::Unreadable {
@@ -235,7 +235,7 @@ impl Case {
         json::document(self).unwrap_or_default()
     }
 
-    /// The distance of neighbors in the reference state; length.
+    /// Smallest particle spacing in the reference configuration; length.
     pub fn spacing(&self) -> f64 {
         self.block
             .sides
@@ -244,13 +244,13 @@ impl Case {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Where a particle is in the homogeneous state; length.
+    /// Position of a particle in the homogeneous state; length.
     pub fn place(&self, index: usize) -> [f64; 3] {
         let reference = self.block.reference(index);
         std::array::from_fn(|i| reference[i] * self.stretches[i])
     }
 
-    /// The lengths of the periodic block at the state.
+    /// Edge lengths of the periodic block at the state.
     pub fn lengths(&self) -> Vec<f64> {
         let axes = self.block.counts.iter().zip(&self.block.sides);
         let lengths = axes.zip(self.stretches);
@@ -259,14 +259,14 @@ impl Case {
             .collect()
     }
 
-    /// `cos(k.X)`.
+    /// Wave amplitude `cos(k.X)` at a particle.
     pub fn phase(&self, index: usize) -> f64 {
         let reference = self.block.reference(index);
         let along = self.wave_vector.iter().zip(reference);
         along.map(|(k, x)| k * x).sum::<f64>().cos()
     }
 
-    /// The velocity that seeds the wave at a particle; length/time.
+    /// Velocity of a particle that seeds the wave; length/time.
     pub fn seed(&self, index: usize) -> [f64; 3] {
         let size = self.speed * self.phase(index);
         let mut velocity = [0.0; 3];
@@ -276,7 +276,7 @@ impl Case {
         velocity
     }
 
-    /// How far a particle is from its place, by the nearest image where the block is periodic; length.
+    /// Displacement of a particle from its homogeneous position, to the nearest image in a periodic block; length.
     pub fn displacement(&self, index: usize, position: &[f64; 3]) -> Vec<f64> {
         let place = self.place(index);
         let lengths = self.lengths();
@@ -290,12 +290,12 @@ impl Case {
         (0..self.block.dimension()).map(along).collect()
     }
 
-    /// The growing rate, or the one with the positive frequency.
+    /// Rate with the larger growth, or with positive frequency.
     pub fn rate(&self) -> Complex {
         self.prediction.rates[0].into()
     }
 
-    /// The frames of a complete output.
+    /// Number of frames of a complete output.
     pub fn frames(&self) -> usize {
         self.steps / self.every + 1
     }
@@ -350,7 +350,7 @@ impl fmt::Display for Case {
     }
 }
 
-/// What marks the outputs of a case.
+/// Identifier of a case, computed from its unmarked text.
 fn mark(unmarked: &str) -> String {
     let sum = Sha256::digest(unmarked.as_bytes());
     sum.iter()
@@ -359,7 +359,7 @@ fn mark(unmarked: &str) -> String {
         .collect()
 }
 
-/// The sides of a cell of a lattice along the axes with one particle in a cell.
+/// Sides of the lattice cell, which must be orthogonal with one particle.
 fn sides(code: &dyn Code, problem: &Problem) -> Result<Vec<f64>, VerifyError> {
     let reciprocal = problem.analysis.reciprocal();
     let is_orthogonal = reciprocal.iter().enumerate().all(|(i, b)| {
@@ -384,7 +384,7 @@ fn sides(code: &dyn Code, problem: &Problem) -> Result<Vec<f64>, VerifyError> {
         .collect())
 }
 
-/// The largest speed of sound along the axes, at rest or at a state; length/time.
+/// Largest speed of sound along the axes, in the reference configuration or at a state; length/time.
 fn sound(problem: &Problem, f: &DeformationGradient, sides: &[f64]) -> Result<f64, VerifyError> {
     let mut fastest = 0.0_f64;
     for state in [DeformationGradient::identity(), *f] {
@@ -400,7 +400,7 @@ fn sound(problem: &Problem, f: &DeformationGradient, sides: &[f64]) -> Result<f6
     Ok(fastest)
 }
 
-/// How far particles see each other at a state; length.
+/// Interaction range at a state; length.
 fn reach(settings: &Settings, stretches: [f64; 3]) -> f64 {
     let spacing = settings.discretization.spacing;
     let stretch = stretches.iter().copied().fold(1.0, f64::max);
@@ -411,7 +411,7 @@ fn reach(settings: &Settings, stretches: [f64; 3]) -> f64 {
     }
 }
 
-/// The time step and how many of them: a bit less than a period, or four e-foldings.
+/// Time step and number of steps: slightly less than a period, or four e-folding times.
 fn steps(question: &Question, rate: f64, is_growing: bool, critical: f64) -> (f64, usize) {
     let duration = if is_growing { 4.0 } else { 5.0 } / rate;
     match (question.time_step, question.steps) {
@@ -425,7 +425,7 @@ fn steps(question: &Question, rate: f64, is_growing: bool, critical: f64) -> (f6
     }
 }
 
-/// The smallest periodic block that holds a whole number of wavelengths, and the wave vector that it holds.
+/// Smallest periodic block that holds a whole number of wavelengths, with the wave vector that fits it.
 fn periodic(
     sides: &[f64],
     question: &Question,
@@ -466,7 +466,7 @@ fn periodic(
     Ok((block, fitted))
 }
 
-/// A block with a rim so far away from its core that nothing arrives from there.
+/// Block whose rim is so far from its core that no signal arrives during the run.
 fn held(sides: &[f64], apart: f64, reach: f64) -> Block {
     let mut block = Block {
         counts: Vec::new(),

@@ -1,4 +1,4 @@
-//! What is known of a particle code.
+//! Description of a particle code: dialect, time integration, decks and output.
 
 use super::{Case, Projector, Record, VerifyError};
 use crate::answers::Problem;
@@ -8,24 +8,24 @@ use onset::time_step::Stepping;
 use serde::Serialize;
 use std::path::Path;
 
-/// A choice that a code has made: a key of the settings with its value, and how it deviates from what was published.
+/// Choice that a code fixes: a key of the settings with its value, and the deviation from the published method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Settled {
-    /// The key.
+    /// Key of the settings.
     pub key: &'static str,
-    /// Its value.
+    /// Value of the key.
     pub value: &'static str,
-    /// The deviation; empty where there is none.
+    /// Deviation from the publication, or an empty string.
     pub deviation: &'static str,
 }
 
 impl Settled {
-    /// As it was published.
+    /// Choice without a deviation from the publication.
     pub const fn exactly(key: &'static str, value: &'static str) -> Self {
         Self::deviating(key, value, "")
     }
 
-    /// With a deviation.
+    /// Choice with a deviation from the publication.
     pub const fn deviating(
         key: &'static str,
         value: &'static str,
@@ -39,48 +39,50 @@ impl Settled {
     }
 }
 
-/// A program that runs decks.
+/// Program that runs decks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Program {
-    /// Its usual name.
+    /// Usual name of the executable.
     pub name: &'static str,
-    /// Its arguments, in the folder of the deck.
+    /// Command-line arguments, relative to the folder of the deck.
     pub arguments: &'static [&'static str],
-    /// How it is installed.
+    /// Installation instructions.
     pub install: &'static str,
 }
 
-/// A case with what it was made of, as decks need it.
+/// Case with the problem and the state from which its deck is written.
 pub struct Deck<'a> {
-    /// The case.
+    /// Case whose deck is written.
     pub case: &'a Case,
     /// Material and method.
     pub problem: &'a Problem,
-    /// The state.
+    /// Deformation gradient of the homogeneous state.
     pub f: &'a DeformationGradient,
 }
 
-/// A particle code.
+/// Particle code whose waves can be verified.
 pub trait Code: Sync {
-    /// The word on the command line.
+    /// Name of the code on the command line.
     fn name(&self) -> &'static str;
 
-    /// What it is, in a few words.
+    /// Title of the code in a few words.
     fn title(&self) -> &'static str;
 
-    /// Its dialect.
+    /// Choices that the code fixes.
     fn dialect(&self) -> &'static [Settled];
 
-    /// What else deviates from what one would expect of it, a sentence each.
+    /// Further deviations from the expected behavior, one sentence each.
     fn remarks(&self) -> &'static [&'static str];
 
-    /// Whether blocks are periodic; otherwise their rims are held, and they are read in their cores before waves from the rims arrive.
+    /// Returns true if blocks are periodic.
+    ///
+    /// Otherwise the rim of a block is held, and its core is measured before waves from the rim arrive.
     fn is_periodic(&self) -> bool;
 
-    /// How wide the rim of the block of a material at a state is, in distances that particles see each other from; none of a periodic block.
+    /// Width of the rim of a block, in units of the interaction range at the state; `None` for a periodic block.
     ///
     /// # Errors
-    /// [`VerifyError::Refused`] for what the code cannot compute.
+    /// [`VerifyError::Refused`] for a problem beyond the capabilities of the code.
     fn rim(
         &self,
         _problem: &Problem,
@@ -89,32 +91,32 @@ pub trait Code: Sync {
         Ok((!self.is_periodic()).then_some(1.0))
     }
 
-    /// What relative difference of the rates counts as agreement.
+    /// Largest relative difference of the rates that counts as agreement.
     fn tolerance(&self) -> f64;
 
-    /// How it takes a time step with a material at a state.
+    /// Time integration of the code for a material at a state.
     ///
     /// # Errors
-    /// [`VerifyError::Refused`] for what the code cannot compute.
+    /// [`VerifyError::Refused`] for a problem beyond the capabilities of the code.
     fn stepping(&self, problem: &Problem, f: &DeformationGradient)
     -> Result<Stepping, VerifyError>;
 
-    /// The files of a deck, without the case.
+    /// Files of a deck, without the case file.
     ///
     /// # Errors
-    /// [`VerifyError::Refused`] for what the code cannot compute.
+    /// [`VerifyError::Refused`] for a problem beyond the capabilities of the code.
     fn deck(&self, deck: &Deck<'_>) -> Result<Files, VerifyError>;
 
-    /// What runs the deck; `None` where only the user knows.
+    /// Program that runs the deck, or `None` if only the user knows it.
     fn program(&self) -> Option<Program>;
 
-    /// The output that is read.
+    /// Name of the output file.
     fn output(&self) -> &'static str;
 
-    /// Reads an output.
+    /// Reads an output and projects it on the wave.
     ///
     /// # Errors
-    /// [`VerifyError::Output`] for one that is not of the case.
+    /// [`VerifyError::Output`] for an output that does not belong to the case.
     fn read(
         &self,
         path: &Path,

@@ -1,4 +1,4 @@
-//! What is wrong with a case, a deck or an output.
+//! Errors in a case, a deck or an output.
 
 use super::fit::FitError;
 use crate::answers::ProblemError;
@@ -8,94 +8,94 @@ use onset::method::MethodError;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why a code cannot be verified. Always the input's fault, and said so.
+/// Reason why a code cannot be verified. All of them are errors of the input.
 #[derive(Debug, Error)]
 pub enum VerifyError {
-    /// The study.
+    /// Error in the study.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// What a code cannot compute.
+    /// Request beyond the capabilities of the code.
     #[error("{code}: {what}\n  hint: {hint}")]
     Refused {
-        /// The code.
+        /// Name of the code.
         code: &'static str,
-        /// What it cannot.
+        /// Unsupported request, as a sentence.
         what: String,
-        /// What to do.
+        /// Remedy for the user.
         hint: String,
     },
-    /// A code that nobody knows.
+    /// Unknown name of a code.
     #[error("no code is called `{name}`\n  hint: available are {}{}", known.join(", "), did_you_mean(name, known.iter().copied()))]
     Unknown {
-        /// What was typed.
+        /// Name as typed by the user.
         name: String,
-        /// The codes.
+        /// Names of the known codes.
         known: Vec<&'static str>,
     },
-    /// The wave that is asked for.
+    /// Unsuitable wave.
     #[error("{what}\n  hint: {hint}")]
     Wave {
-        /// What is wrong with it.
+        /// Error in the wave, as a sentence.
         what: String,
-        /// What to do.
+        /// Remedy for the user.
         hint: String,
     },
-    /// A file that cannot be read.
+    /// File that cannot be read.
     #[error("cannot read {}: {source}{}", path.display(), hint_of_reading(path))]
     Unreadable {
-        /// The file.
+        /// Path of the unreadable file.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A case file that is none, or was changed.
+    /// File that is not a case, or that was changed after it was written.
     #[error("{}: {what}\n  hint: write the deck again with `onset verify deck`", path.display())]
     Case {
-        /// The file.
+        /// Path of the case file.
         path: PathBuf,
-        /// What is wrong.
+        /// Error in the file, as a sentence.
         what: String,
     },
-    /// An output that is not one of this case.
+    /// Output that does not belong to this case.
     #[error("{}{}: {what}\n  hint: {hint}", path.display(), line_number(*line))]
     Output {
-        /// The file.
+        /// Path of the output.
         path: PathBuf,
-        /// The line, counted from 1; 0 for the whole file.
+        /// Line number from 1, or 0 for the whole file.
         line: usize,
-        /// What is wrong.
+        /// Error in the output, as a sentence.
         what: String,
-        /// What to do.
+        /// Remedy for the user.
         hint: &'static str,
     },
-    /// A record in which no wave can be fitted.
+    /// Record in which no wave can be fitted.
     #[error("{}: {source}", path.display())]
     Fit {
-        /// The file.
+        /// Path of the output.
         path: PathBuf,
-        /// What is wrong.
+        /// Reason why the fit fails.
         source: FitError,
     },
-    /// A program that cannot be started.
+    /// Program that cannot be started.
     #[error("cannot start `{program}`: {source}\n  hint: {hint}")]
     NotInstalled {
-        /// The program.
+        /// Name of the program.
         program: String,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: std::io::Error,
-        /// How it is installed.
+        /// Installation instructions for the program.
         hint: &'static str,
     },
-    /// A program that ended with an error.
+    /// Program that ended with an error.
     #[error("`{program}` ended with {status}; its last lines are\n{tail}\n  hint: all that it printed is in {}", log.display())]
     Failed {
-        /// The program.
+        /// Name of the program.
         program: String,
-        /// How it ended.
+        /// Exit status, as text.
         status: String,
-        /// The end of what it printed.
+        /// Last lines of its output.
         tail: String,
-        /// All of it.
+        /// Path of the complete log.
         log: PathBuf,
     },
 }

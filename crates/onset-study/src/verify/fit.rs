@@ -1,14 +1,13 @@
-//! The rates of a record by variable projection.
+//! Rates of a record, fitted by variable projection.
 //!
-//! The record `y(t)` of a wave is `c0 + a C(t) + b S(t)` with
-//! `C = exp(m t) cosh(sqrt(d) t)`, `S = exp(m t) sinh(sqrt(d) t) / sqrt(d)`: the two solutions `exp(s t)`, `s = m +- sqrt(d)`, which travel where
-//! `d < 0` and grow or decay where `d > 0`, without a seam between them; and a constant, which codes that integrate stress or density leave
-//! behind. For given `(m, d)` the three amplitudes follow from linear least squares, and what is left of the record is a function of
-//! two numbers alone: Levenberg's and Marquardt's iteration with Kaufman's Jacobian finds its least from several starts. Of a solution whose other one is gone
-//! before a record tells it, `d = 0` and `S` is left out.
+//! The record `y(t)` of a wave is `c0 + a C(t) + b S(t)` with `C = exp(m t) cosh(sqrt(d) t)` and `S = exp(m t) sinh(sqrt(d) t) / sqrt(d)`. These
+//! combine the two solutions `exp(s t)`, `s = m +- sqrt(d)`, which travel if `d < 0` and grow or decay if `d > 0`, without a singularity in between.
+//! The constant is left by codes that integrate stress or density. For given `(m, d)` the three amplitudes follow from linear least squares, and the
+//! residual is a function of two numbers only. Levenberg-Marquardt iterations with Kaufman's Jacobian minimize it from several starts. If one of the
+//! two solutions decays too early to be measured, `d = 0` and `S` is omitted.
 //!
-//! Of other branches, whose rates are predicted, a projection leaves a trace of the order of the time step. Where their part of the record is that small,
-//! their solutions are fitted with it, and take nothing from the rate.
+//! The projection leaves a trace of other branches, of the order of the time step; their rates are predicted. If their part of the record is small,
+//! their solutions are fitted with the wave, so that they do not bias its rate.
 //!
 //! Sources: Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49.
 
@@ -16,29 +15,30 @@ use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use onset::algebra::Complex;
 use thiserror::Error;
 
-/// What a record says of a wave.
+/// Rate fitted to a record, with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
-    /// The growing solution, or the one with the positive frequency; 1/time.
+    /// Rate of the growing solution, or of the solution with positive frequency; 1/time.
     pub rate: Complex,
-    /// How far it may be from the true one, in the plane of complex rates: four standard deviations, or what the rate moves by when the
-    /// last three tenths of the record are left out, whichever is more. 1/time.
+    /// Uncertainty in the plane of complex rates; 1/time.
+    ///
+    /// The larger of four standard deviations, and the change of the rate if the last three tenths of the record are omitted.
     pub uncertainty: f64,
-    /// What is left of the record, root mean square, over its largest amplitude.
+    /// Root mean square of the residual over the largest amplitude of the record.
     pub residual: f64,
 }
 
-/// Why no rate can be fitted.
+/// Reason why no rate can be fitted.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum FitError {
-    /// Too few samples.
+    /// Record with too few samples.
     #[error(
         "the record has {count} frame(s); at least {needed} are needed\n  hint: run the whole deck"
     )]
     Short {
-        /// How many there are.
+        /// Number of samples in the record.
         count: usize,
-        /// How many are needed.
+        /// Smallest number of samples for a fit.
         needed: usize,
     },
     /// Times that do not increase.
@@ -46,33 +46,35 @@ pub enum FitError {
         "time {time:e} follows {before:e}: times must increase\n  hint: write the frames of one run, one after the other"
     )]
     Order {
-        /// The time before.
+        /// Time of the earlier frame.
         before: f64,
-        /// The time that is not later.
+        /// Time of the frame that should be later.
         time: f64,
     },
-    /// Nothing moves.
+    /// Record without motion.
     #[error("no particle moves\n  hint: were the velocities of the deck set?")]
     Still,
 }
 
-/// The fewest samples of a record.
+/// Smallest number of samples in a record.
 const SAMPLES: usize = 16;
-/// Starts that are refined, of those of a scan.
+/// Number of starts of a scan that are refined.
 const STARTS: usize = 3;
-/// Iterations of a refinement.
+/// Largest number of iterations in a refinement.
 const ITERATIONS: usize = 200;
-/// Standard deviations that count as the uncertainty.
+/// Number of standard deviations in the uncertainty.
 const DEVIATIONS: f64 = 4.0;
-/// The part of the record that alone must tell the same.
+/// Leading fraction of the record that must give the rate of the whole record.
 const PART: f64 = 0.7;
-/// A trace of other branches is at most this part of a record.
+/// Largest fraction of a record that counts as a trace of other branches.
 const TRACE: f64 = 1e-2;
-/// Rates of other branches that turn or grow against the wave by more than this during a record are told from its own well, or at all.
+/// Phase (or growth) relative to the wave, over the record, by which another branch can be separated well, or at all.
 const APART: [f64; 2] = [3.0, 0.3];
 
-/// Fits the rates of a record; the two that are expected are a start among others. Of `others`, rates of other branches and one of each conjugate
-/// pair, the record may hold a trace.
+/// Fits the rates of a record.
+///
+/// The expected rates provide one of the starts. `others` are the rates of other branches, one of each conjugate pair, whose traces the record may
+/// contain.
 ///
 /// # Errors
 /// [`FitError`] for a record that is too short, out of order, or zero.
@@ -84,7 +86,7 @@ pub fn fitted(
     fit(samples, expected, others, false)
 }
 
-/// Fits the rate of one solution that grows or decays, of which the expected rate is a start among others.
+/// Fits the rate of a single solution that grows or decays; the expected rate provides one of the starts.
 ///
 /// # Errors
 /// As [`fitted`].
@@ -123,7 +125,7 @@ fn fit(
     if nearly.len() == apart.len() {
         return Ok(far);
     }
-    // A trace that turns nearly as the wave makes the rate uncertain. It counts where it moves the rate by more than that.
+    // A trace with nearly the rate of the wave makes the fitted rate uncertain. It is included if it shifts the rate by more than this uncertainty.
     let near = beside(&nearly);
     Ok(match (near.rate - far.rate).norm() > near.uncertainty {
         true => near,
@@ -131,19 +133,19 @@ fn fit(
     })
 }
 
-/// A record with times from 0 to 1 and amplitudes up to 1.
+/// Record scaled to times from 0 to 1 and amplitudes up to 1.
 #[derive(Clone)]
 struct Series {
     times: Vec<f64>,
     values: DVector<f64>,
     duration: f64,
-    /// Whether there is one solution, not two.
+    /// Whether one solution is fitted instead of two.
     is_alone: bool,
-    /// Solutions of other branches, a column each.
+    /// Solutions of other branches, one column each.
     traces: Vec<DVector<f64>>,
 }
 
-/// `m`, `d`, and what they leave of the record.
+/// Parameters `m` and `d`, and the residual of the record.
 #[derive(Clone, Copy, Debug)]
 struct Point {
     place: Vector2<f64>,
@@ -166,7 +168,7 @@ fn pair(d: f64, t: f64) -> [f64; 2] {
     }
 }
 
-/// Their derivatives by `d`: `t S / 2`, and `(t C - S) / (2 d)`.
+/// Derivatives of the functions of `pair` with respect to `d`: `t S / 2`, and `(t C - S) / (2 d)`.
 fn slopes(d: f64, t: f64) -> [f64; 2] {
     let z = d * t * t;
     let [c, s] = pair(d, t);
@@ -198,12 +200,12 @@ impl Series {
         })
     }
 
-    /// How many solutions of its own the wave has.
+    /// Number of solutions of the wave itself.
     fn own(&self) -> usize {
         if self.is_alone { 1 } else { 2 }
     }
 
-    /// Those of other rates that the record can tell from its own.
+    /// Rates of other branches that the record can separate from the rate of the wave.
     fn told_apart(&self, others: &[Complex], rate: Complex, apart: f64) -> Vec<Complex> {
         let is_apart = |z: &Complex| {
             let nearest = (z - rate).norm().min((z - rate.conj()).norm());
@@ -212,7 +214,7 @@ impl Series {
         others.iter().copied().filter(is_apart).collect()
     }
 
-    /// The solutions of some rates, up to one in size.
+    /// Solutions with the given rates, scaled to a magnitude of at most one.
     fn solutions(&self, rates: &[Complex]) -> Vec<DVector<f64>> {
         let solution = |z: &Complex| {
             let z = z * self.duration;
@@ -226,7 +228,7 @@ impl Series {
         rates.iter().flat_map(solution).collect()
     }
 
-    /// The series with solutions of other branches.
+    /// Series with solutions of other branches as traces.
     fn with(&self, others: &[Complex]) -> Self {
         Self {
             traces: self.solutions(others),
@@ -234,7 +236,7 @@ impl Series {
         }
     }
 
-    /// What a fit of the whole tells, held against a part of it.
+    /// Rate of the whole record, with its deviation from the rate of a part.
     fn told(&self, part: &Self, best: &Point) -> Fit {
         let shorter = part.duration / self.duration;
         let shorter = part.refined(Vector2::new(
@@ -250,7 +252,7 @@ impl Series {
         }
     }
 
-    /// The series with traces of other branches, and the fit with them, where they are traces.
+    /// Series and fit with traces of other branches, or `None` if these are larger than traces.
     fn with_traces(&self, others: &[Complex], best: &Point) -> Option<(Self, Point)> {
         let traced = self.with(others);
         let parameters = self.own() + 1 + traced.traces.len() + 2;
@@ -266,7 +268,7 @@ impl Series {
         (largest < TRACE && point.residual.is_finite()).then_some((traced, point))
     }
 
-    /// The functions of a place, orthogonalized, and what is left of the record.
+    /// Orthogonalized functions at the given parameters, and the residual of the record.
     fn projected(&self, place: &Vector2<f64>) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
         let (m, d) = (place[0], place[1]);
         let own = self.own();
@@ -298,7 +300,7 @@ impl Series {
         }
     }
 
-    /// What is left of the record, and Kaufman's Jacobian of it: minus the part of `dPhi c` that the functions do not hold.
+    /// Residual and its Jacobian after Kaufman: minus the component of `dPhi c` orthogonal to the functions.
     fn jacobian(&self, place: &Vector2<f64>) -> (DVector<f64>, DMatrix<f64>) {
         let (q, r, left) = self.projected(place);
         let amplitudes = r.solve_upper_triangular(&(q.transpose() * &self.values));
@@ -319,7 +321,7 @@ impl Series {
         (left, jacobian)
     }
 
-    /// `J^T J`; what does not vary has one on the diagonal, and stays.
+    /// `J^T J`; a fixed parameter has one on the diagonal and stays unchanged.
     fn normal(&self, jacobian: &DMatrix<f64>) -> Matrix2<f64> {
         let mut normal: Matrix2<f64> = (jacobian.transpose() * jacobian)
             .fixed_view::<2, 2>(0, 0)
@@ -330,7 +332,7 @@ impl Series {
         normal
     }
 
-    /// Levenberg and Marquardt from a start.
+    /// Levenberg-Marquardt iteration from a start.
     fn refined(&self, start: Vector2<f64>) -> Point {
         let mut point = self.point(start);
         let mut damping = 1e-3;
@@ -362,8 +364,9 @@ impl Series {
         point
     }
 
-    /// The best of refinements from what is expected, and from the best of a scan among traveling and among growing waves: those that grow
-    /// look much like those that travel slowly, on the other side of a long valley.
+    /// Best of the refinements from the expected rates, and from the best starts of scans over traveling and growing waves.
+    ///
+    /// Both scans are needed: growing waves resemble slowly traveling waves, but a long valley of the residual separates them.
     fn best(&self, expected: [Complex; 2]) -> Point {
         let [first, second] = expected.map(|rate| rate * self.duration);
         let half = (first - second) * 0.5;
@@ -394,13 +397,13 @@ impl Series {
         let mut frequency = 0.25;
         while frequency < fastest {
             starts.push(Vector2::new(0.0, -frequency * frequency));
-            // A start must lie within the valley of the record's own frequency, whose width is that of a turn.
+            // A start must lie within the valley around the true frequency; its width corresponds to one turn over the record.
             frequency += 0.5_f64.max(0.02 * frequency);
         }
         starts
     }
 
-    /// Starts at growth and decay of one solution, up to a factor of 10^5.
+    /// Starts at growth and decay of a single solution, up to a factor of 10^5.
     fn alone() -> Vec<Vector2<f64>> {
         (-24..=24)
             .map(|growth| Vector2::new(f64::from(growth) / 2.0, 0.0))
@@ -419,7 +422,7 @@ impl Series {
         (Complex::new(m, 0.0) + Complex::new(d, 0.0).sqrt()) / self.duration
     }
 
-    /// The standard deviation of the rate, from what is left of the record.
+    /// Standard deviation of the rate, from the residual of the record.
     fn deviation(&self, point: &Point) -> f64 {
         let (left, jacobian) = self.jacobian(&point.place);
         let Some(inverse) = self.normal(&jacobian).try_inverse() else {

@@ -1,4 +1,4 @@
-//! Whether a code does what is predicted.
+//! Comparison of measured with predicted rates.
 
 use super::{CASE_FILE, Case, Fit, Projector, Rate, Record, VerifyError, fitted, named};
 use crate::input;
@@ -8,20 +8,20 @@ use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// What a measurement says of a prediction.
+/// Outcome of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
-    /// The rates are the same within the tolerance, and are measured as sharply.
+    /// The rates agree within the tolerance, and the uncertainty is within the tolerance too.
     Agrees,
-    /// They are not, beyond what is uncertain.
+    /// The rates differ by more than the uncertainty.
     Differs,
-    /// The record does not tell.
+    /// The record does not decide.
     Undecided,
 }
 
 impl Outcome {
-    /// The word.
+    /// Name of the outcome.
     pub fn name(self) -> &'static str {
         match self {
             Self::Agrees => "agrees",
@@ -30,7 +30,7 @@ impl Outcome {
         }
     }
 
-    /// The exit code: 0, 1, 3.
+    /// Exit code: 0, 1, 3.
     pub fn code(self) -> u8 {
         match self {
             Self::Agrees => 0,
@@ -40,16 +40,16 @@ impl Outcome {
     }
 }
 
-/// A measured wave beside the predicted one.
+/// Measured against predicted rate of a wave.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judgment {
-    /// What it says.
+    /// Outcome of the comparison.
     pub outcome: Outcome,
-    /// Why, where it is undecided; empty otherwise.
+    /// Reason if undecided; empty otherwise.
     pub reason: String,
-    /// The code.
+    /// Name of the code.
     pub code: String,
-    /// The mark of the case.
+    /// Identifier of the case.
     pub case: String,
     /// Reference wave vector; 1/length.
     pub wave_vector: Vec<f64>,
@@ -59,38 +59,39 @@ pub struct Judgment {
     pub stretches: [f64; 3],
     /// `omega^2` of the linearized equations; 1/time^2.
     pub omega_squared: f64,
-    /// `omega^2` that the measured rate stands for, the effect of the time step taken out; 1/time^2.
+    /// `omega^2` of the measured rate, corrected for the effect of the time step; 1/time^2.
     pub measured_omega_squared: f64,
-    /// Time.
+    /// Time step; time.
     pub time_step: f64,
-    /// The rate in discrete time; 1/time.
+    /// Predicted rate in discrete time; 1/time.
     pub predicted: Rate,
-    /// The rate of the record; 1/time.
+    /// Rate of the record; 1/time.
     pub measured: Rate,
-    /// How far the two are apart, relative to the predicted one.
+    /// Difference of the two rates, relative to the predicted rate.
     pub difference: f64,
-    /// How far the measured one may be from the true one, relative to the predicted one.
+    /// Uncertainty of the measured rate, relative to the predicted rate.
     pub uncertainty: f64,
-    /// The difference that counts as agreement.
+    /// Largest relative difference that counts as agreement.
     pub tolerance: f64,
-    /// What is left of the record, root mean square, over its largest amplitude.
+    /// Root mean square of the residual over the largest amplitude of the record.
     pub residual: f64,
-    /// Frames that were read.
+    /// Number of frames read.
     pub frames: usize,
-    /// Frames of a complete output.
+    /// Number of frames of a complete output.
     pub expected_frames: usize,
 }
 
-/// A record of which this share is left is not one wave.
+/// Largest relative residual of a record that counts as a single wave.
 const ONE_WAVE: f64 = 0.02;
-/// Differences within so many uncertainties are doubtful: of a short part of a period an estimate of what is uncertain is uncertain itself.
+/// Factor on the uncertainty within which a difference is undecided. An uncertainty estimated from a short part of a period is uncertain itself.
 const DOUBT: f64 = 4.0;
 
-/// Reads an output and judges it. The path is that of the output, or of the folder of the deck; the case is that beside it unless another file
-/// is named.
+/// Reads an output and compares it with the prediction.
+///
+/// `path` is the output, or the folder of the deck. The case file is read from the same folder unless `case` names another one.
 ///
 /// # Errors
-/// [`VerifyError`] for a file that cannot be read, or is not of the case.
+/// [`VerifyError`] for a file that cannot be read, or does not belong to the case.
 pub fn read(path: &Path, case: Option<&Path>) -> Result<Judgment, VerifyError> {
     let folder = match path.is_dir() {
         true => path.to_owned(),
@@ -115,7 +116,7 @@ pub fn read(path: &Path, case: Option<&Path>) -> Result<Judgment, VerifyError> {
     judge(&case, &record)
 }
 
-/// Judges a record.
+/// Compares a record with the prediction.
 ///
 /// # Errors
 /// [`VerifyError::Fit`] for a record without a wave.
@@ -131,7 +132,7 @@ pub fn judge(case: &Case, record: &Record) -> Result<Judgment, VerifyError> {
     let difference = (fit.rate - predicted).norm() / predicted.norm();
     let uncertainty = fit.uncertainty / predicted.norm();
     let (outcome, reason) = outcome(case, record, &fit, difference, uncertainty);
-    // To first order in what the two differ by, the step does the same to both.
+    // To first order in the difference of the rates, the time step has the same effect on both.
     let root = Complex::new(-case.prediction.omega_squared, 0.0).sqrt();
     let corrected = root * (fit.rate / predicted);
     Ok(Judgment {
@@ -183,8 +184,7 @@ fn outcome(
     compared(fit.residual, difference, uncertainty, case.tolerance)
 }
 
-/// What a fit says of a prediction: how much of the record it leaves unexplained, how far it is from what is predicted, and how uncertain it is, all
-/// relative.
+/// Outcome of a fit from its relative residual, its relative difference from the prediction, and its relative uncertainty.
 pub(crate) fn compared(
     residual: f64,
     difference: f64,

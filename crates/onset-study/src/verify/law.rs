@@ -1,13 +1,13 @@
-//! What decks ask of a law: is it isotropic and free of stress at rest, is it in rate form, does it resist changes of volume alone?
+//! Properties of a law that decks depend on: isotropy, rate form, resistance to volume changes alone.
 
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, MaterialError};
 use onset::plasticity::library;
 
-/// What may be missing of a symmetry, relative to the stiffness: rounding.
+/// Rounding error of a symmetry, relative to the stiffness.
 const ROUNDING: f64 = 1e-9;
 
-/// Lame's constants of a material that is isotropic and free of stress in the reference state; stress.
+/// Lamé constants of an isotropic material that is stress-free in the reference configuration; stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Isotropic {
     pub(super) lambda: f64,
@@ -15,7 +15,7 @@ pub(super) struct Isotropic {
 }
 
 impl Isotropic {
-    /// Those of a law; `None` where it is not isotropic, or stressed.
+    /// Lamé constants of a law, or `None` if it is anisotropic or prestressed.
     pub(super) fn of(law: &dyn Hyperelastic) -> Result<Option<Self>, MaterialError> {
         let response = law.response(&DeformationGradient::identity())?;
         let tangent = &response.tangent;
@@ -50,7 +50,9 @@ impl Isotropic {
     }
 }
 
-/// Whether a law has the stress and the tangent of a law in rate form at a state, with the moduli that it has at rest and a parameter `n` of the pressure.
+/// Returns true if stress and tangent at a state agree with the given law in rate form.
+///
+/// The law in rate form has the moduli of `law` in the reference configuration, and the parameter `n` of the pressure.
 pub(super) fn is_in_rate_form(
     law: &dyn Hyperelastic,
     name: &str,
@@ -78,7 +80,7 @@ pub(super) fn is_in_rate_form(
     Ok(stress.amax() <= scale && indices().all(is_same))
 }
 
-/// Pressure and its derivative by the ratio of densities `rho/rho0 = 1/J` of a law `W(J)` at a state.
+/// Pressure of a law `W(J)` at a state, and its derivative with respect to the density ratio `rho/rho0 = 1/J`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Volumetric {
     /// `p = -W'(J)`; stress.
@@ -88,7 +90,7 @@ pub(super) struct Volumetric {
 }
 
 impl Volumetric {
-    /// Those of a law; `None` where it resists more than changes of volume there.
+    /// Pressure and slope of a law, or `None` if it resists more than volume changes at the state.
     ///
     /// `P_iJ = W' J F^-1_Ji` and `A_iJkL = (W'' J^2 + W' J) F^-1_Ji F^-1_Lk - W' J F^-1_Li F^-1_Jk`, for `F` along the axes.
     pub(super) fn of(
@@ -121,20 +123,21 @@ impl Volumetric {
     }
 }
 
-/// Pressure, its derivative by the ratio of densities, and the deviator of a law whose stress rates are Jaumann's at a state.
+/// Pressure, its slope, shear modulus and deviator of a law whose stress rate at a state is a Jaumann rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct JaumannRates {
-    /// Of the pressure, as of a law of the volume alone.
+    /// Pressure and its slope, as for a law of the volume alone.
     pub(super) volumetric: Volumetric,
     /// Shear modulus; stress.
     pub(super) shear: f64,
-    /// The principal values of the deviator of the Cauchy stress; stress.
+    /// Principal values of the deviator of the Cauchy stress; stress.
     pub(super) deviator: [f64; 3],
 }
 
 impl JaumannRates {
-    /// Those of a law at a state along the axes, from `sigma'_ij = g_ijkl L_kl`; `None` where its rates are others: with Jaumann's they are
-    /// `kappa tr D 1 + 2 mu dev D + W s - s W`, the spin with a factor that is 1 unless a code has it wrong.
+    /// Jaumann rates of a law at a state along the axes, from `sigma'_ij = g_ijkl L_kl`; `None` for any other stress rate.
+    ///
+    /// The Jaumann rate is `kappa tr D 1 + 2 mu dev D + W s - s W`. `factor` multiplies the spin and is 1 for the correct rate.
     pub(super) fn of(
         law: &dyn Hyperelastic,
         f: &DeformationGradient,
@@ -164,14 +167,16 @@ impl JaumannRates {
                 pressure: -tension,
                 slope: bulk * f.jacobian(),
             },
-            // A fluid has none.
+            // A fluid has no shear modulus.
             shear: if shear.abs() <= scale { 0.0 } else { shear },
             deviator: deviator.map(|s| if s.abs() <= scale { 0.0 } else { s }),
         }))
     }
 }
 
-/// Whether a law in rate form integrates its pressure too, at a state along the axes, by `sum_ij g_iijj` of what it integrates; `None` of other laws.
+/// Returns whether a law in rate form also integrates its pressure, at a state along the axes; `None` for any other law.
+///
+/// The criterion is `sum_ij g_iijj` of the integrated part of the tangent.
 pub(super) fn integrates_pressure(
     law: &dyn Hyperelastic,
     f: &DeformationGradient,

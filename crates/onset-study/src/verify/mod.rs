@@ -1,10 +1,10 @@
-//! Acceptance tests for particle codes: a predicted wave, run in a code that somebody else wrote, and measured.
+//! Acceptance tests for particle codes: a predicted plane wave is run in an external code and measured.
 //!
-//! A [`Case`] is one wave of one homogeneous state: a deck for the code, which seeds the wave as velocities, and what the linearized equations
-//! of the same study say of it. Deck and prediction come from the same [`Problem`](crate::answers::Problem). A [`Code`] is what is known of
-//! one particle code: its *dialect* (the choices that it makes, with its deviations from the papers), how it takes a time step, how a deck of it
-//! is written and its output read. What is read is projected on the wave; the rates of the record are fitted, with their uncertainty, and held
-//! against those predicted in discrete time.
+//! A [`Case`] is one wave of one homogeneous state: a deck for the code, which seeds the wave as velocities, and the prediction of the linearized
+//! equations for the same study. Deck and prediction follow from the same [`Problem`](crate::answers::Problem). A [`Code`] describes one particle
+//! code: its *dialect* (the choices that it fixes, with its deviations from the papers), its time integration, how its decks are written and how its
+//! output is read. The output is projected on the wave; the rates of the record are fitted, with their uncertainty, and compared with the rates
+//! predicted in discrete time.
 
 mod block;
 mod case;

@@ -1,4 +1,4 @@
-//! What the linearized equations say of a wave, in continuous and in discrete time.
+//! Linearized prediction of a wave, in continuous and in discrete time.
 
 use super::VerifyError;
 use crate::answers::Problem;
@@ -8,7 +8,7 @@ use onset::kinematics::DeformationGradient;
 use onset::time_step::Stepping;
 use serde::{Deserialize, Serialize};
 
-/// A solution `exp(s t)`.
+/// Rate `s` of a solution `exp(s t)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Rate {
     /// `Re s`; 1/time.
@@ -18,7 +18,7 @@ pub struct Rate {
 }
 
 impl Rate {
-    /// Whether it grows or decays without a frequency, rounding apart.
+    /// Returns true if the solution grows or decays without oscillation, rounding apart.
     pub fn is_growth(&self) -> bool {
         self.frequency.abs() <= 1e-9 * self.growth.abs()
     }
@@ -39,34 +39,34 @@ impl From<Rate> for Complex {
     }
 }
 
-/// A wave with its rates.
+/// Wave with its predicted rates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Prediction {
     /// `omega^2` of the linearized equations; 1/time^2.
     pub omega_squared: f64,
-    /// The direction of the displacements, a unit vector `g`.
+    /// Direction of the displacements, a unit vector `g`.
     pub polarization: Vec<f64>,
-    /// The vector `l`, `l . g = 1`, on which displacements are projected: across those of all other branches. It is `g` where `D` is symmetric.
+    /// Vector `l` with `l . g = 1` on which displacements are projected, orthogonal to all other branches. It equals `g` if `D` is symmetric.
     pub projection: Vec<f64>,
-    /// The rates in discrete time: the growing one or the one with the positive frequency, and the other.
+    /// Rates in discrete time; first the growing one, or the one with positive frequency.
     pub rates: [Rate; 2],
-    /// The rates of the other branches, one of each conjugate pair. In discrete time no projection leaves them out quite: what is carried along
-    /// follows positions late, each branch in its own way.
+    /// Rates of the other branches, one of each conjugate pair.
+    ///
+    /// In discrete time no projection removes them completely: integrated variables lag behind positions, differently in each branch.
     #[serde(default)]
     pub others: Vec<Rate>,
-    /// How the code takes a time step.
+    /// Time integration of the code.
     pub stepping: Stepping,
 }
 
-/// Imaginary parts of what should be real, and `omega^2` of what should be at rest, may be this share of the largest `omega^2` of all waves:
-/// rounding.
+/// Rounding error of `D(k)`, relative to the largest `omega^2` of all waves: for imaginary parts of real entries, and `omega^2` of neutral modes.
 const ROUNDING: f64 = 1e-10;
-/// Solutions that fall by more than this in a step are of the stepping, not of the wave.
+/// Decay per step beyond which a solution belongs to the integrator and not to the wave.
 const FALL: f64 = 0.5;
-/// The discrete rate may differ from that of the equations by this share.
+/// Largest relative difference between the discrete rate and the rate in continuous time.
 const RESOLVED: f64 = 0.3;
 
-/// `D(k)` as real numbers.
+/// `D(k)` as a real matrix.
 pub(super) fn matrix(
     problem: &Problem,
     f: &DeformationGradient,
@@ -83,8 +83,9 @@ pub(super) fn matrix(
     Ok(matrix.map(|z| z.re))
 }
 
-/// The mode with a number, counted from 1 by increasing `omega^2`: `omega^2`, and the polarization. `critical` is the largest stable step,
-/// which tells the largest `omega^2`.
+/// Branch with the given number, counted from 1 by increasing `omega^2`.
+///
+/// `critical` is the largest stable time step, which determines the largest `omega^2`.
 pub(super) fn mode(
     problem: &Problem,
     f: &DeformationGradient,
@@ -120,16 +121,18 @@ pub(super) fn mode(
     Ok(Mode::of(&matrix, value.re))
 }
 
-/// A branch of a wave.
+/// Branch of a wave: `omega^2`, polarization and projection.
 pub(super) struct Mode {
     pub(super) omega_squared: f64,
-    /// As those of [`Prediction`].
+    /// Polarization and projection, as in [`Prediction`].
     pub(super) polarization: Vec<f64>,
     projection: Vec<f64>,
 }
 
 impl Mode {
-    /// Of an eigenvalue, by the direction that is nearest to an axis: of equal eigenvalues, the projection of an axis onto their space.
+    /// Mode of an eigenvalue.
+    ///
+    /// For equal eigenvalues the polarization is the projection of a coordinate axis onto their eigenspace, for the axis nearest to it.
     fn of(matrix: &DMatrix<f64>, omega_squared: f64) -> Self {
         let n = matrix.nrows();
         let shifted = matrix - DMatrix::identity(n, n) * omega_squared;
@@ -153,7 +156,7 @@ impl Mode {
             right.select_rows(&own).transpose(),
         );
         let onto = &right * right.transpose();
-        // The first axis of those that are equally near.
+        // The first of several equally near axes.
         let mut nearest = 0;
         for axis in 1..n {
             if onto.column(axis).norm() > onto.column(nearest).norm() + 1e-6 {
@@ -161,7 +164,8 @@ impl Mode {
             }
         }
         let polarization = onto.column(nearest).normalize();
-        // The projector onto the space along those of all others is `R (L^T R)^-1 L^T`; without one, branches that are about to flutter are parallel.
+        // The projector onto this eigenspace along all others is `R (L^T R)^-1 L^T`. It does not exist at the onset of flutter, where branches
+        // coalesce.
         let inverse = (left.transpose() * &right).try_inverse();
         let projector = inverse.map_or(onto, |inverse| right * inverse * left.transpose());
         let projection = projector.transpose() * &polarization;
@@ -177,7 +181,7 @@ impl Mode {
     }
 }
 
-/// The rates in discrete time.
+/// Rates of a mode in discrete time.
 pub(super) fn predicted(
     problem: &Problem,
     f: &DeformationGradient,
@@ -193,7 +197,7 @@ pub(super) fn predicted(
         let nearest = rates.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
         nearest.filter(|z| apart(z) <= RESOLVED * root.norm())
     };
-    // Of a growing wave the growing solution goes first, of a traveling one that with the positive frequency.
+    // A growing wave lists the growing solution first, a traveling wave the one with positive frequency.
     match (near(root), near(-root)) {
         (Some(first), Some(second)) => Ok(Prediction {
             omega_squared: mode.omega_squared,
@@ -210,14 +214,14 @@ pub(super) fn predicted(
     }
 }
 
-/// Of all rates those of other branches: neither the branch's own, nor constants, nor solutions that vanish within a few steps.
+/// Rates of other branches: without the wave's two rates, constants, and solutions that vanish within a few steps.
 fn others(rates: &[Complex], own: [Complex; 2], step: f64) -> Vec<Rate> {
     let least = ROUNDING.sqrt() * own[0].norm();
     let is_other = |z: &&Complex| {
         let is_own = own.iter().any(|own| (*z - own).norm() <= least);
         !is_own && z.norm() > least && z.re * step > -FALL
     };
-    // Of real rates both are others; what is imaginary of them is rounding.
+    // Both of two real rates belong to the other branch; their imaginary parts are rounding.
     let told = |rate: Rate| match rate.is_growth() {
         true => Rate {
             frequency: 0.0,

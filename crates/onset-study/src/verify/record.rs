@@ -1,15 +1,15 @@
-//! What is read of a run: the amplitude of the wave at each time.
+//! Amplitude of the wave at each time, read from the output of a run.
 
 use super::{Case, VerifyError};
 use std::path::{Path, PathBuf};
 
-/// Displacements beyond this share of the spacing are no small perturbations, or not of this lattice.
+/// Largest displacement of a small perturbation, in particle spacings. Larger ones also indicate another lattice.
 const LARGEST: f64 = 0.1;
 
-/// The amplitudes of a wave.
+/// Amplitudes of a wave over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
-    /// The file.
+    /// Path of the output.
     pub path: PathBuf,
     /// Times and amplitudes, `sum (u.g) cos(k.X) / sum cos^2(k.X)`; length.
     pub samples: Vec<(f64, f64)>,
@@ -17,20 +17,20 @@ pub struct Record {
     pub is_cut: bool,
 }
 
-/// Projects the particles of a run on the wave of a case, one frame after the other.
+/// Projection of the particles of a run on the wave of a case, frame by frame.
 pub struct Projector<'a> {
     case: &'a Case,
     path: PathBuf,
     seen: Vec<bool>,
     count: usize,
     sum: f64,
-    /// `sum cos^2` over all that are measured.
+    /// `sum cos^2` over all measured particles.
     norm: f64,
     samples: Vec<(f64, f64)>,
 }
 
 impl<'a> Projector<'a> {
-    /// For an output of a case.
+    /// Projector for an output of a case.
     pub fn new(case: &'a Case, path: &Path) -> Self {
         let all = 0..case.block.particles();
         let measured = all.filter(|index| case.block.is_measured(*index));
@@ -45,12 +45,12 @@ impl<'a> Projector<'a> {
         }
     }
 
-    /// The case.
+    /// Case of the output.
     pub fn case(&self) -> &Case {
         self.case
     }
 
-    /// An output that is not one of the case.
+    /// Error for an output that does not belong to the case.
     pub fn wrong(&self, line: usize, what: impl Into<String>, hint: &'static str) -> VerifyError {
         VerifyError::Output {
             path: self.path.clone(),
@@ -60,10 +60,10 @@ impl<'a> Projector<'a> {
         }
     }
 
-    /// That the mark of a case in an output is that of this one.
+    /// Checks that the identifier in an output is the identifier of this case.
     ///
     /// # Errors
-    /// [`VerifyError::Output`] where it is another or missing.
+    /// [`VerifyError::Output`] if it differs or is missing.
     pub fn require_mark(&self, line: usize, mark: Option<&str>) -> Result<(), VerifyError> {
         match mark {
             Some(mark) if mark == self.case.id => Ok(()),
@@ -86,10 +86,10 @@ impl<'a> Projector<'a> {
         }
     }
 
-    /// A particle of the frame, by its number counted from 1. Particles that are not measured are passed over.
+    /// Adds a particle of the frame, by its number counted from 1. Particles that are not measured are skipped.
     ///
     /// # Errors
-    /// [`VerifyError::Output`] for one that is not of the case, twice there, or not near its place.
+    /// [`VerifyError::Output`] for a particle that is not in the case, occurs twice, or is far from its position.
     pub fn particle(
         &mut self,
         line: usize,
@@ -148,7 +148,7 @@ impl<'a> Projector<'a> {
         Ok(())
     }
 
-    /// Ends a frame; how many of its particles are missing.
+    /// Ends a frame and returns the number of missing particles.
     pub fn end_frame(&mut self, time: f64) -> usize {
         let missing = self.case.block.measured_particles() - self.count;
         if missing == 0 {
@@ -159,7 +159,7 @@ impl<'a> Projector<'a> {
         missing
     }
 
-    /// The record. The last frame may be incomplete where the file ends with it.
+    /// Finishes the record. The last frame may be incomplete if the file ends within it.
     pub fn finish(self, is_cut: bool) -> Record {
         Record {
             path: self.path,

@@ -1,4 +1,4 @@
-//! Running a deck where the code is installed.
+//! Running a deck with an installed code.
 
 use super::{CASE_FILE, Case, Judgment, VerifyError, named, read};
 use std::fs::File;
@@ -6,15 +6,15 @@ use std::io::ErrorKind;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// What a program prints.
+/// Name of the file with the output of the program.
 const LOG: &str = "run.log";
-/// Lines that are shown of a failed run.
+/// Number of lines shown of a failed run.
 const TAIL: usize = 8;
 
-/// Runs the deck in a folder and judges its output; `program` takes the place of the usual one.
+/// Runs the deck in a folder and compares its output with the prediction; `program` replaces the usual executable.
 ///
 /// # Errors
-/// [`VerifyError`] when the program cannot be started or fails, and as for [`read`].
+/// [`VerifyError`] if the program cannot be started or fails, and as for [`read`].
 pub fn run(folder: &Path, program: Option<&Path>) -> Result<Judgment, VerifyError> {
     let case = Case::of_file(&folder.join(CASE_FILE))?;
     let code = named(&case.code)?;
@@ -28,7 +28,7 @@ pub fn run(folder: &Path, program: Option<&Path>) -> Result<Judgment, VerifyErro
             ),
         });
     };
-    // The child runs in the folder: a path is made whole before.
+    // The child runs in the folder, so a relative path must be made absolute first.
     let program = match program {
         Some(path) if path.components().count() > 1 => {
             std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
@@ -43,7 +43,7 @@ pub fn run(folder: &Path, program: Option<&Path>) -> Result<Judgment, VerifyErro
     };
     let printed = File::create(&log).map_err(unwritable)?;
     let errors = printed.try_clone().map_err(unwritable)?;
-    // What an earlier run has left is not taken for the output of this one.
+    // Output of an earlier run must not be mistaken for the output of this one.
     match std::fs::remove_file(folder.join(code.output())) {
         Err(error) if error.kind() != ErrorKind::NotFound => return Err(unwritable(error)),
         _ => {}

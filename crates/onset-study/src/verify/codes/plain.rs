@@ -1,8 +1,8 @@
 //! Any other code: particles in, positions out, in CSV or extended XYZ.
 //!
-//! `particles.csv` says of each particle its number, reference position, position, velocity, mass and volume. The code answers with
-//! positions: `wave.csv` with the columns `time,id,x,y,z` after the line `# onset case MARK`, or `wave.xyz` in extended XYZ with `Time`, `case` and
-//! `Properties` in the comment of each frame.
+//! `particles.csv` lists number, reference position, position, velocity, mass and volume of each particle. The code writes positions: either
+//! `wave.csv` with the columns `time,id,x,y,z` after the line `# onset case MARK`, or `wave.xyz` in extended XYZ with `Time`, `case` and `Properties`
+//! in the comment of each frame.
 
 use super::super::{Code, Deck, Program, Projector, Record, Settled, VerifyError};
 use crate::answers::Problem;
@@ -12,12 +12,11 @@ use onset::time_step::Stepping;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The adapter.
 pub(super) struct Plain;
 
 const HINT: &str = "the page `verify` of the book tells the formats";
 
-/// The particles of a deck, a line each.
+/// Table of the particles of a deck, one line each.
 pub(super) fn particles(deck: &Deck<'_>) -> String {
     let case = deck.case;
     let volume = case.block.volume();
@@ -89,7 +88,7 @@ pub(super) fn read_csv(text: &str, mut projector: Projector<'_>) -> Result<Recor
             columns = Some(header(number, &words, &projector)?);
             continue;
         };
-        // Half of the last line may be half of a number.
+        // An incomplete last line could end within a number.
         if number == last && !text.ends_with('\n') {
             is_cut = true;
             break;
@@ -116,7 +115,7 @@ pub(super) fn read_csv(text: &str, mut projector: Projector<'_>) -> Result<Recor
     Ok(projector.finish(is_cut))
 }
 
-/// Ends a frame that others follow.
+/// Ends a frame that is not the last one.
 fn end_frame(
     projector: &mut Projector<'_>,
     line: usize,
@@ -133,7 +132,7 @@ fn end_frame(
     }
 }
 
-/// Where time, number and coordinates are.
+/// Columns of time, number and coordinates.
 fn header(
     line: usize,
     words: &[&str],
@@ -199,7 +198,7 @@ fn read_xyz(text: &str, mut projector: Projector<'_>) -> Result<Record, VerifyEr
     Ok(projector.finish(false))
 }
 
-/// The columns of number and position, of `name:type:count` triples.
+/// Columns of number and position, from triples `name:type:count`.
 fn properties(text: &str) -> Option<[usize; 2]> {
     let words: Vec<&str> = text.split(':').collect();
     let (mut id, mut position, mut column) = (None, None, 0);

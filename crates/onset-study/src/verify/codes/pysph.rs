@@ -1,5 +1,6 @@
-//! Updated SPH of solids in PySPH: the equations of Gray, Monaghan and Swift with their artificial stress. Pressures depend on the density, and deviators follow Jaumann's
-//! rate; particles of a deck begin with the deviator of the state.
+//! Updated SPH of solids in PySPH: the equations of Gray, Monaghan and Swift with their artificial stress.
+//!
+//! Pressures depend on the density, and deviators follow the Jaumann rate. The particles of a deck start with the deviator of the state.
 //!
 //! Source: Ramachandran and others, ACM Trans. Math. Softw. 47 (2021) 34; `pysph/sph/integrator.py`, `pysph/sph/solid_mech/basic.py`.
 
@@ -13,12 +14,11 @@ use onset::method::MethodError;
 use onset::time_step::Stepping;
 use std::path::Path;
 
-/// The adapter.
 pub(super) struct PySph;
 
 const NAME: &str = "pysph";
 
-/// The script, which reads the particles of the deck and the numbers before it.
+/// Script that reads the particles of the deck; the numbers of the case are written before it.
 const SCRIPT: &str = include_str!("pysph_wave.py");
 
 fn refused(what: impl Into<String>, hint: &str) -> VerifyError {
@@ -29,7 +29,7 @@ fn refused(what: impl Into<String>, hint: &str) -> VerifyError {
     }
 }
 
-/// Pressure and deviator of the law at the state; that its rates are those of the code.
+/// Pressure, deviator and shear modulus of the law at the state, if its stress rate is the rate of the code.
 fn rates(problem: &Problem, f: &DeformationGradient) -> Result<JaumannRates, VerifyError> {
     if problem.dimension() != 2 || f.components()[2][2] != 1.0 {
         return Err(refused(
