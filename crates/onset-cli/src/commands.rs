@@ -1,4 +1,4 @@
-//! What each command does: ask, and print the answer.
+//! Execution of the commands: compute and print an answer.
 
 mod audit;
 mod boundary;
@@ -41,11 +41,11 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Why a command ended without an answer.
+/// Reason why a command ended without an answer.
 pub struct Failure {
-    /// What to tell.
+    /// Message for the user.
     pub message: String,
-    /// The exit code.
+    /// Exit code of the process.
     pub code: u8,
 }
 
@@ -189,7 +189,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     }
 }
 
-/// What takes its time without a progress bar of its own.
+/// Activity shown during a long computation; `None` for commands with a progress bar.
 fn waiting_for(command: &Command) -> Option<&'static str> {
     match command {
         #[cfg(feature = "explore")]
@@ -213,7 +213,7 @@ fn waiting_for(command: &Command) -> Option<&'static str> {
     }
 }
 
-/// Name and text of a file; of standard input where the file is `-`.
+/// Name and text of a file, or of standard input for `-`.
 pub fn source(file: &Path) -> Result<(String, String), Failure> {
     if file == Path::new("-") {
         let name = "standard input".to_owned();
@@ -233,10 +233,10 @@ pub fn source(file: &Path) -> Result<(String, String), Failure> {
     }
 }
 
-/// Why a study cannot be read, and what may have been meant.
+/// Error for an unreadable study, with a hint at a likely mistake.
 fn unreadable(name: &str, error: std::io::Error) -> Failure {
     let hint = if name.parse::<f64>().is_ok() {
-        // A number in the place of a file is one of a list with a blank in it.
+        // A number instead of a file indicates a list with a blank.
         "numbers are written with commas between them, for example 1.2,0.9"
     } else if name.contains('=') {
         "a key is set by --set KEY=VALUE"
@@ -250,7 +250,7 @@ fn unreadable(name: &str, error: std::io::Error) -> Failure {
     Failure::input(format!("cannot read {name}: {error}\n  hint: {hint}"))
 }
 
-/// Reads a study, changed by assignments, of which a library may be loaded if the user allows it.
+/// Reads a study and applies assignments; a library is loaded only if the user allows it.
 pub fn study(file: &Path, assignments: &[String], trust: &Trust) -> Result<Study, Failure> {
     let (name, text) = source(file)?;
     let mut study = Study::parse(&name, &text)
@@ -261,7 +261,7 @@ pub fn study(file: &Path, assignments: &[String], trust: &Trust) -> Result<Study
 }
 
 impl ThresholdArguments {
-    /// The limits, the others as they are by default.
+    /// Limits with the given values, and defaults for the others.
     fn thresholds(self) -> Thresholds {
         Thresholds {
             weak: self.weak,
@@ -272,13 +272,13 @@ impl ThresholdArguments {
 }
 
 impl TrustArguments {
-    /// What the user allows, here and for good.
+    /// Trust of the user, for this command and permanently.
     pub fn trust(&self) -> Trust {
         Trust::of_user(&self.libraries)
     }
 }
 
-/// The law of a study file or of the defaults, changed by assignments, of which a library may be loaded if the user allows it.
+/// Law of a study file or of the defaults, with assignments applied; a library is loaded only if the user allows it.
 fn law(
     file: Option<&Path>,
     assignments: &[String],
@@ -294,14 +294,14 @@ fn law(
     Ok(law)
 }
 
-/// A material of which the user allows what it loads.
+/// Material settings whose library the user allows.
 fn permitted(mut material: MaterialSettings, trust: &Trust) -> Result<MaterialSettings, Failure> {
     material.allow(trust);
     material.permitted().map_err(Failure::input)?;
     Ok(material)
 }
 
-/// The assignments with those that `--energy` is short for; an error where `--set` contradicts.
+/// Assignments including those implied by `--energy`; an error if `--set` contradicts them.
 fn with_energy(assignments: &[String], energy: Option<&str>) -> Result<Vec<String>, Failure> {
     let Some(energy) = energy else {
         return Ok(assignments.to_vec());
@@ -318,7 +318,7 @@ fn with_energy(assignments: &[String], energy: Option<&str>) -> Result<Vec<Strin
     Ok(assignments.iter().cloned().chain(short_for).collect())
 }
 
-/// The assignment that gives a key another value, where there is one.
+/// First assignment that gives a key a different value.
 fn another<'a>(assignments: &'a [String], key: &str, meant: &str) -> Option<&'a String> {
     assignments.iter().find(|assignment| {
         let (name, value) = assignment.split_once('=').unwrap_or((assignment, ""));
@@ -335,13 +335,13 @@ impl ProblemArguments {
         self.settings_with(&[])
     }
 
-    /// The law alone.
+    /// Material settings without a method.
     fn law(&self) -> Result<MaterialSettings, Failure> {
         let assignments = with_energy(&self.assignments, self.energy.as_deref())?;
         law(self.file.as_deref(), &assignments, &self.trust.trust())
     }
 
-    /// The settings, where some keys are about to be varied.
+    /// Settings in which the keys `open` will be varied.
     fn settings_with(&self, open: &[&str]) -> Result<Settings, Failure> {
         let (name, text) = match &self.file {
             Some(file) => source(file)?,
@@ -350,7 +350,7 @@ impl ProblemArguments {
         self.settings_in(&name, &text, open)
     }
 
-    /// The settings of a file that was read.
+    /// Settings from the text of a file.
     fn settings_of(&self, name: &str, text: &str) -> Result<Settings, Failure> {
         self.settings_in(name, text, &[])
     }
@@ -415,7 +415,7 @@ fn diagram(
     printing::print(&diagram, told.trim_end(), Some(diagram.csv()))
 }
 
-/// Which files were written, before a text.
+/// Paragraph on the written files before a text.
 fn wrote_before(files: &[PathBuf]) -> String {
     match files {
         [] => String::new(),
@@ -423,7 +423,7 @@ fn wrote_before(files: &[PathBuf]) -> String {
     }
 }
 
-/// Which files were written: all of a few, the first and the last of many.
+/// Sentence on the written files: all of a few, or the first and the last of many.
 pub fn wrote(files: &[PathBuf]) -> String {
     match &named(files)[..] {
         [] => String::new(),
@@ -436,7 +436,7 @@ pub fn wrote(files: &[PathBuf]) -> String {
     }
 }
 
-/// A text with the files that were written after it.
+/// Text followed by the files written.
 fn with_files(answer: &impl Display, files: &[PathBuf]) -> String {
     let told = answer.to_string();
     match files {
@@ -445,7 +445,7 @@ fn with_files(answer: &impl Display, files: &[PathBuf]) -> String {
     }
 }
 
-/// Prints an answer that has files, and a table where it has one, after its files are written where that was asked for.
+/// Writes the files of an answer if requested, then prints the answer, or its table.
 fn print_with_files<E: Display>(
     answer: &(impl Display + serde::Serialize),
     output: Option<Output>,
@@ -459,7 +459,7 @@ fn print_with_files<E: Display>(
     printing::print(answer, &with_files(answer, &written), csv)
 }
 
-/// The path that is asked for.
+/// Loading path of the arguments.
 fn course(arguments: &CourseArguments, problem: &Problem) -> Result<Course, Failure> {
     let (extent, from) = (problem.extent(), arguments.from.as_deref());
     let Some(mode) = arguments.mode else {
@@ -506,7 +506,7 @@ fn path(
     let output = output.transpose()?;
     let answer = PathAnswer::along(problem, course)?;
     let is_table = printing::format() == Format::Csv;
-    // States beside the onsets are looked at where something is made of them.
+    // States next to the onsets are evaluated only if they are used.
     let samples = match output.is_some() || fail_on.is_some() || is_table {
         true => Some(PathSamples::new(problem, course)?),
         false => None,
@@ -539,7 +539,7 @@ fn path(
     })
 }
 
-/// The names of files, to be told.
+/// Names of files for display.
 fn named(files: &[PathBuf]) -> Vec<String> {
     files
         .iter()
@@ -579,7 +579,7 @@ fn list(topic: Option<&str>, name: Option<&str>) -> Result<ExitCode, Failure> {
     printing::print(&topics, &text, None)
 }
 
-/// The keys that are asked for, and whether those of a method are.
+/// List of keys for a topic, and whether it lists the keys of a method.
 fn keys_of(topic: &str, name: Option<&str>) -> Option<(Result<KeyList, SettingError>, bool)> {
     match (topic, name) {
         ("keys", None) => Some((Ok(KeyList::all()), false)),
@@ -595,7 +595,7 @@ fn of_methods(method: bool) -> &'static str {
     }
 }
 
-/// A bar for a number of named steps; hidden where nothing shall be shown.
+/// Progress bar for a number of named steps; hidden if output is quiet.
 fn progress(steps: usize) -> ProgressBar {
     if printing::is_quiet() {
         return ProgressBar::hidden();

@@ -1,17 +1,17 @@
-//! Verdicts that end a command with an exit code of their own, for continuous integration.
+//! Verdicts that end a command with exit code 3, for continuous integration.
 
 use crate::printing::tell;
 use onset_study::Verdict;
 use onset_study::settings::{did_you_mean, verdict_named};
 use std::process::ExitCode;
 
-/// The exit code when a verdict is one of those named.
+/// Exit code for a verdict in `--fail-on`.
 pub const CODE: u8 = 3;
 
-/// The word for states at which the method cannot be evaluated.
+/// Name of states where the method cannot be evaluated.
 const UNDEFINED: &str = "undefined";
 
-/// Words that stand for verdicts, beside their names.
+/// Names of groups of verdicts.
 const GROUPS: [(&str, &[Verdict]); 3] = [
     ("unstable", &[Verdict::Physical, Verdict::Numerical]),
     (
@@ -29,15 +29,15 @@ const GROUPS: [(&str, &[Verdict]); 3] = [
     ),
 ];
 
-/// Verdicts on which a command fails.
+/// Verdicts for which a command fails.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FailOn(Vec<&'static str>);
 
 impl FailOn {
-    /// Names of verdicts and groups, separated by commas.
+    /// Parses names of verdicts and groups, separated by commas.
     ///
     /// # Errors
-    /// What is expected, for a name that is neither.
+    /// The expected names, for an unknown one.
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut names = Vec::new();
         for word in text.split(',').map(|word| verdict_named(word.trim())) {
@@ -65,12 +65,12 @@ impl FailOn {
         Ok(Self(names))
     }
 
-    /// Whether states are among them at which the method cannot be evaluated.
+    /// Returns true if the list includes states where the method cannot be evaluated.
     pub fn has_undefined(&self) -> bool {
         self.0.contains(&UNDEFINED)
     }
 
-    /// The exit code after verdicts by name, with how many states have each; none without a word stands for states that have none.
+    /// Exit code for the given verdicts with their numbers of states; a missing name stands for an undefined state.
     pub fn code<'v>(&self, found: impl IntoIterator<Item = (Option<&'v str>, u64)>) -> ExitCode {
         let mut counts: Vec<(&str, u64)> = Vec::new();
         for (name, states) in found {

@@ -1,4 +1,4 @@
-//! Help: an overview of one screen, completions for shells, and manual pages.
+//! Help: an overview on one screen, shell completions, and manual pages.
 
 use crate::arguments::Arguments;
 use crate::commands::{Failure, wrote};
@@ -11,7 +11,7 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// The commands by the question that they answer, those of a first hour first in each; in the short overview those of the last group have a line together.
+/// Commands in groups by topic, the most common first; the short overview lists the last group on a single line.
 const GROUPS: [(&str, &[&str]); 5] = [
     (
         "A state, a path",
@@ -53,7 +53,7 @@ const MORE: &str = "Exit codes: 0 done; 1 a strict audit has findings, a claim o
 cannot be written; 2 the input is wrong; 3 a verdict is one of --fail-on, or whether a code or a motion agrees is undecided; 130 interrupted.
 What can be set: `onset list keys`, `onset list method NAME`, `onset list materials`, `onset list aliases`.";
 
-/// The arguments with the overview.
+/// Command-line definition with the overview.
 pub fn command(is_long: bool) -> Command {
     let command = Arguments::command();
     let about = |name: &str| {
@@ -86,7 +86,7 @@ pub fn command(is_long: bool) -> Command {
     command.help_template(template)
 }
 
-/// Parses the command line; ends the process where help is asked for, or an argument is wrong.
+/// Parses the command line; exits after help or an invalid argument.
 pub fn parse() -> Arguments {
     let typed = words();
     let is_long = typed
@@ -97,7 +97,7 @@ pub fn parse() -> Arguments {
         .unwrap_or_else(|error| error.exit())
 }
 
-/// The words of the command line, with the name that a command has now in the place of an earlier one.
+/// Words of the command line, with a former name of a command replaced by its current name.
 fn words() -> Vec<OsString> {
     let mut words: Vec<OsString> = std::env::args_os().collect();
     if let Some(command) = words.get_mut(1)
@@ -108,7 +108,7 @@ fn words() -> Vec<OsString> {
     words
 }
 
-/// Whether help and errors of arguments are colored: what `--color` says, and else what the terminal has.
+/// Color choice for help and argument errors: `--color`, or otherwise the terminal's capability.
 fn color(typed: &[OsString]) -> ColorChoice {
     let typed: Vec<&str> = typed.iter().filter_map(|word| word.to_str()).collect();
     let of_pair = typed
@@ -123,7 +123,7 @@ fn color(typed: &[OsString]) -> ColorChoice {
     }
 }
 
-/// Prints the script that completes commands and options in a shell.
+/// Prints the completion script of a shell.
 pub fn completions(shell: Shell) -> Result<ExitCode, Failure> {
     only_text("a script for a shell")?;
     let mut script = Vec::new();
@@ -183,7 +183,7 @@ mod tests {
             "{text}"
         );
         assert_eq!(text.matches("\n  onset ").count(), 3);
-        // Every command has its place on it.
+        // Every command is listed in the overview.
         let words: BTreeSet<&str> = text
             .split(|letter: char| letter.is_whitespace() || letter == ',')
             .collect();

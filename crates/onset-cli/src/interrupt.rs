@@ -1,36 +1,39 @@
-//! Interrupts (Ctrl-C, and the SIGTERM and SIGHUP of batch systems and closed terminals). They end a command at once, with all
-//! processes and temporary folders that it has; a command that asks for it is told of the first, and finishes what it has begun.
+//! Interrupts: Ctrl-C, and the SIGTERM and SIGHUP of batch systems and closed terminals.
+//!
+//! By default they end the command immediately, with its child processes and temporary folders. A command may instead handle the first interrupt and
+//! finish started work.
 
 use crate::printing::tell;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// The exit code of an interrupted command, whatever the signal: 128 and the number of SIGINT.
+/// Exit code of an interrupted command for any signal: 128 plus the number of SIGINT.
 pub const CODE: u8 = 130;
 
-/// How a command that finishes what it has begun answers interrupts.
+/// Response to interrupts of a command that finishes started work.
 #[derive(Clone, Debug, Default)]
 pub struct Answer {
-    /// What is printed at the first.
+    /// Message after the first interrupt.
     pub told: Option<&'static str>,
-    /// What is printed where the command is ended at once: by a second one, or because it takes too long.
+    /// Message if the command is ended immediately, by a second interrupt or because it takes too long.
     pub at_end: Option<String>,
-    /// How long after the first it is ended at once, unless it has ended by itself.
+    /// Time after the first interrupt until the command is ended, unless it ends by itself.
     pub patience: Option<Duration>,
 }
 
 static ANSWER: OnceLock<Answer> = OnceLock::new();
-/// When the first interrupt came.
+/// Time of the first interrupt.
 static SINCE: OnceLock<Instant> = OnceLock::new();
 /// Whether the command is about to end by itself.
 static IS_ENDING: AtomicBool = AtomicBool::new(false);
 
-/// Listens for interrupts from now on to the end; not where a closed terminal is to be ignored, as with `nohup`, because whoever
-/// listens hears that too.
+/// Handles interrupts until the process ends.
+///
+/// Nothing is installed if SIGHUP is ignored, as with `nohup`, because the handler would receive it too.
 ///
 /// # Errors
-/// What the operating system says against it.
+/// The error of the operating system.
 pub fn listen() -> Result<(), ctrlc::Error> {
     if is_hangup_ignored() {
         return Ok(());
@@ -38,12 +41,12 @@ pub fn listen() -> Result<(), ctrlc::Error> {
     listen_always()
 }
 
-/// Lets the first interrupt only ask for an end.
+/// Handles the first interrupt by a request to end.
 ///
 /// # Errors
-/// What the operating system says against it.
+/// The error of the operating system.
 pub fn answer_with(answer: Answer) -> Result<(), ctrlc::Error> {
-    // A command asks for this once.
+    // A command sets its answer once.
     let _ = ANSWER.set(answer);
     match listen_always() {
         Err(ctrlc::Error::MultipleHandlers) => Ok(()),
@@ -79,7 +82,7 @@ fn end_at_once(answer: Option<&Answer>) -> ! {
     std::process::exit(i32::from(CODE));
 }
 
-/// Whether SIGHUP, signal 1, is ignored, as far as the system tells.
+/// Returns true if SIGHUP, signal 1, is known to be ignored.
 fn is_hangup_ignored() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
@@ -87,17 +90,17 @@ fn is_hangup_ignored() -> bool {
     mask.is_some_and(|mask| mask & 1 == 1)
 }
 
-/// Whether an end has been asked for.
+/// Returns true after the first interrupt.
 pub fn is_asked() -> bool {
     SINCE.get().is_some()
 }
 
-/// How long ago an end was asked for, if it was.
+/// Time since the first interrupt; `None` without an interrupt.
 pub fn asked_for() -> Option<Duration> {
     SINCE.get().map(Instant::elapsed)
 }
 
-/// From now on the command ends by itself, and has the time that this takes.
+/// Disables the time limit, because the command is about to end by itself.
 pub fn is_ending() {
     IS_ENDING.store(true, Ordering::Relaxed);
 }

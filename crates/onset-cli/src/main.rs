@@ -1,8 +1,8 @@
-//! The `onset` command: where a material and its particle discretization are stable.
+//! The `onset` command: stability of a material and its particle discretization.
 //!
-//! Thin: arguments become a problem, the answer is printed. Exit codes: 0 done, 1 a claim of the paper is not
-//! what is recorded, a strict audit has findings, a particle code or a motion differs, a motion breaks down or a file cannot be written, 2 the input
-//! is wrong, 3 a verdict is one of `--fail-on` or whether a particle code or a motion agrees is undecided, 130 interrupted.
+//! It converts arguments to a problem and prints the answer. Exit codes: 0 done; 1 a claim of the paper differs from its record, a strict audit has
+//! findings, a particle code or a motion differs, a motion breaks down or a file cannot be written; 2 the input is wrong; 3 a verdict is one of
+//! `--fail-on`, or the agreement of a particle code or a motion is undecided; 130 interrupted.
 
 mod arguments;
 mod commands;
@@ -20,7 +20,7 @@ use onset_study::settings::notes_on_settings;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    // This program is also the one that user materials run in.
+    // User materials run in a child process of this same program.
     if let Some(code) = onset_umat::serve_if_asked() {
         return code;
     }

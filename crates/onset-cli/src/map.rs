@@ -1,4 +1,4 @@
-//! `onset map`: the verdict on every state of a study, into a store.
+//! `onset map`: verdicts on all states of a study, written to a store.
 
 use crate::arguments::MapArguments;
 use crate::commands::{Failure, study};
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// How long tiles that have begun may go on after an interrupt, and how long a state that is being computed may.
+/// Time after an interrupt for started tiles to finish, and for a state in progress.
 const GRACE: Duration = Duration::from_secs(1);
 const PATIENCE: Duration = Duration::from_secs(2);
 
@@ -33,7 +33,7 @@ impl From<StoreError> for Failure {
     }
 }
 
-/// The summary, with where the store is.
+/// Summary of the run, with the path of the store.
 #[derive(Serialize)]
 struct Answer<'a> {
     store: String,
@@ -42,7 +42,7 @@ struct Answer<'a> {
     interrupted: bool,
 }
 
-/// Computes a map, or the tiles of it that were asked for.
+/// Computes a map, or the requested tiles.
 pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
     let trust = arguments.trust.trust();
     let study = study(&arguments.file, &arguments.assignments, &trust)?;
@@ -97,14 +97,14 @@ pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
     })
 }
 
-/// The name of a study file, with `.zarr`, in the current folder.
+/// Default store: the name of the study file with `.zarr`, in the current folder.
 fn default_place(file: &Path) -> PathBuf {
     let mut name = file.file_stem().unwrap_or_default().to_owned();
     name.push(".zarr");
     PathBuf::from(name)
 }
 
-/// The command that goes on.
+/// Command that resumes the map.
 fn resuming(arguments: &MapArguments, path: &Path) -> String {
     let mut command = format!(
         "onset map {} --out {} --resume",
@@ -126,7 +126,7 @@ fn resuming(arguments: &MapArguments, path: &Path) -> String {
     command
 }
 
-/// A progress bar on a terminal; nothing elsewhere.
+/// Progress bar, shown on a terminal only.
 struct Progress(ProgressBar);
 
 impl Progress {
@@ -136,7 +136,7 @@ impl Progress {
         } else {
             ProgressDrawTarget::stderr()
         };
-        // Cleared also when an error ends the map.
+        // An error that ends the map also clears the bar.
         let bar = ProgressBar::with_draw_target(Some(states), target)
             .with_finish(ProgressFinish::AndClear);
         let style = ProgressStyle::with_template(

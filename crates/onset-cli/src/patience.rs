@@ -1,4 +1,4 @@
-//! What is shown on a terminal while an answer takes longer than expected.
+//! Progress display on a terminal for answers that take longer than expected.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -6,12 +6,12 @@ use std::sync::{Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// An answer that takes no longer needs no sign of life.
+/// Delay before the display appears.
 const QUIET: Duration = Duration::from_secs(2);
 
 static SHOWN: Mutex<Option<Patience>> = Mutex::new(None);
 
-/// Shows a sign of life from two seconds on; nothing where standard error is no terminal.
+/// Starts a progress display that appears after two seconds, on a terminal only.
 pub fn begin(doing: &'static str) {
     let shown = Patience::with(doing);
     SHOWN
@@ -20,19 +20,19 @@ pub fn begin(doing: &'static str) {
         .replace(shown);
 }
 
-/// Clears it, before anything else is written.
+/// Clears the display; required before other output.
 pub fn end() {
     drop(SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take());
 }
 
-/// A sign of life until it is dropped.
+/// Progress display, shown until dropped.
 struct Patience {
     done: Option<Sender<()>>,
     shown: Option<JoinHandle<()>>,
 }
 
 impl Patience {
-    /// For work in words.
+    /// Display for an activity.
     fn with(doing: &'static str) -> Self {
         let (done, waiting) = channel::<()>();
         let shown = std::thread::Builder::new().spawn(move || {
@@ -44,7 +44,7 @@ impl Patience {
             bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
             bar.set_message(doing);
             bar.enable_steady_tick(Duration::from_millis(200));
-            // Until the sender is dropped.
+            // Waits until the sender is dropped.
             let _ = waiting.recv();
             bar.finish_and_clear();
         });

@@ -1,4 +1,4 @@
-//! How answers are printed: as text, as one JSON document or as CSV, in color where the terminal has it, or not at all.
+//! Output of answers as text, JSON or CSV, in color if the terminal supports it, or suppressed.
 
 use crate::commands::Failure;
 use crate::patience;
@@ -82,15 +82,15 @@ pub struct PrintingArguments {
     pub color: When,
 }
 
-/// What was asked for, and since when.
+/// Printing arguments and the start time.
 static ASKED: OnceLock<(PrintingArguments, Instant)> = OnceLock::new();
 
-/// Takes what was asked for; once.
+/// Sets the printing arguments, once per process.
 pub fn begin(asked: PrintingArguments) {
     let _ = ASKED.set((asked, Instant::now()));
 }
 
-/// Tells how long it took, where that was asked for.
+/// Prints the elapsed time if requested.
 pub fn end() {
     if let Some((asked, since)) = ASKED.get()
         && asked.verbose
@@ -108,12 +108,12 @@ fn asked() -> PrintingArguments {
     ASKED.get().map(|(asked, _)| *asked).unwrap_or_default()
 }
 
-/// Whether nothing is to be told but errors.
+/// Returns true if only errors are printed.
 pub fn is_quiet() -> bool {
     asked().quiet
 }
 
-/// The form of the answer.
+/// Form of the answer.
 pub fn format() -> Format {
     let asked = asked();
     match asked.json {
@@ -122,10 +122,10 @@ pub fn format() -> Format {
     }
 }
 
-/// Refuses a form that a command does not have, before any work.
+/// Refuses formats other than text before any computation.
 ///
 /// # Errors
-/// [`Failure`] that says what the command prints.
+/// [`Failure`] that describes the output of the command.
 pub fn only_text(what: &str) -> Result<(), Failure> {
     match format() {
         Format::Text => Ok(()),
@@ -135,10 +135,10 @@ pub fn only_text(what: &str) -> Result<(), Failure> {
     }
 }
 
-/// Prints an answer in the form that was asked for: its text, its document, or its table.
+/// Prints an answer in the requested form: text, JSON document or table.
 ///
 /// # Errors
-/// [`Failure`] when it cannot be printed.
+/// [`Failure`] if it cannot be printed.
 pub fn print<T: Serialize>(
     document: &T,
     text: &str,
@@ -158,10 +158,10 @@ pub fn print<T: Serialize>(
     }
 }
 
-/// Prints a text; a reader that has closed the pipe (`| head`) is no error.
+/// Prints a text; a closed pipe (`| head`) is no error.
 ///
 /// # Errors
-/// [`Failure`] when it cannot be printed.
+/// [`Failure`] if it cannot be printed.
 pub fn print_text(text: &str) -> Result<ExitCode, Failure> {
     patience::end();
     let stdout = std::io::stdout();
@@ -180,11 +180,11 @@ pub fn print_text(text: &str) -> Result<ExitCode, Failure> {
     }
 }
 
-/// Tells the person at the terminal; that nobody listens (a closed pipe) is no failure.
+/// Prints a message on standard error; a closed pipe is ignored.
 pub fn tell(text: impl Display) {
     patience::end();
     let stderr = std::io::stderr();
-    // What a file says must not command the terminal.
+    // Text from files must not contain control sequences for the terminal.
     let text = message(&text.to_string());
     let text = if has_color(stderr.is_terminal()) {
         painted(&text)
@@ -209,7 +209,7 @@ const GREEN: &str = "32";
 const YELLOW: &str = "33";
 const CYAN: &str = "36";
 
-/// How lines begin that are colored in whole or at their beginning.
+/// Beginnings of colored lines.
 const BEGINNINGS: [(&str, &str); 5] = [
     ("error:", RED),
     ("  hint:", CYAN),
@@ -218,7 +218,7 @@ const BEGINNINGS: [(&str, &str); 5] = [
     ("warning:", YELLOW),
 ];
 
-/// A text with colors: what each of its lines is, and the verdict.
+/// Colors a text by the beginnings of its lines, and the verdict.
 fn painted(text: &str) -> String {
     let line = |line: &str| {
         let begins = BEGINNINGS.iter().find(|(start, _)| line.starts_with(start));
@@ -238,7 +238,7 @@ fn painted(text: &str) -> String {
     text.split('\n').map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Green for what holds, yellow for what is the material's, red for what is the method's.
+/// Color of a verdict: green for stable, yellow for physical instability, red for numerical defects.
 fn color_of(verdict: &str) -> Option<&'static str> {
     use onset_study::Verdict;
     let verdict = Verdict::ALL

@@ -1,13 +1,13 @@
-//! How many threads work at once.
+//! Number of threads.
 
 use crate::commands::Failure;
 use std::thread::available_parallelism;
 
-/// Threads for each core beyond which more only cost memory.
+/// Largest useful number of threads per core; more only cost memory.
 const THREADS_PER_CORE: usize = 8;
 const VARIABLE: &str = "RAYON_NUM_THREADS";
 
-/// Refuses a number of threads that the machine has no use for.
+/// Refuses an unreasonable number of threads.
 pub fn check() -> Result<(), Failure> {
     let cores = available_parallelism().map_or(1, usize::from);
     let Ok(asked) = std::env::var(VARIABLE) else {
@@ -22,20 +22,21 @@ pub fn check() -> Result<(), Failure> {
     }
 }
 
-/// Begins anew with few memory arenas where the address space is limited, as batch systems limit it: the GNU allocator reserves 64 MiB for each
-/// thread, and spends all time on trying to where it cannot.
+/// Restarts the program with few memory arenas if the address space is limited, as in batch systems.
+///
+/// The GNU allocator reserves 64 MiB for each thread. If it cannot, it spends its time on failing attempts.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub fn fit_into_memory() {
     use rustix::process::{Resource, getrlimit};
     use std::os::unix::process::CommandExt;
-    /// Address space for each arena: four times what it reserves, since the rest needs room too.
+    /// Address space per arena: four times its reservation, to leave room for other data.
     const ARENA: u64 = 256 << 20;
     const VARIABLE: &str = "MALLOC_ARENA_MAX";
     let (Some(limit), None) = (getrlimit(Resource::As).current, std::env::var_os(VARIABLE)) else {
         return;
     };
     if let Ok(program) = std::env::current_exe() {
-        // It returns only if the program cannot be started again; then it goes on as it is.
+        // Returns only if the program cannot be restarted; it then continues unchanged.
         let _ = std::process::Command::new(program)
             .args(std::env::args_os().skip(1))
             .env(VARIABLE, (limit / ARENA).clamp(1, 64).to_string())
@@ -43,7 +44,7 @@ pub fn fit_into_memory() {
     }
 }
 
-/// The largest number of threads, where another one was asked for. Zero, and nothing, stand for one for each core.
+/// Returns the largest number of threads as an error if the requested number exceeds it. Zero or an empty text request one per core.
 fn admitted(asked: &str, cores: usize) -> Result<(), usize> {
     let most = THREADS_PER_CORE * cores;
     if asked.is_empty() {

@@ -1,4 +1,4 @@
-//! `onset audit`: whether a material is what its author believes.
+//! `onset audit`: checks of a material's implementation.
 
 use super::Failure;
 use crate::arguments::AuditArguments;
@@ -7,7 +7,7 @@ use onset_study::answers::Strain;
 use onset_study::audit::{Audit, states};
 use std::process::ExitCode;
 
-/// Audits the material that is set.
+/// Audits the material in the settings.
 pub fn audit(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
     let material = arguments.problem.law()?;
     let mut deformations = Vec::new();

@@ -1,4 +1,4 @@
-//! `onset boundary`: the boundaries of a study as curves.
+//! `onset boundary`: stability boundaries of a study as curves.
 
 use super::{Failure, named, wrote};
 use crate::printing::{is_quiet, print};
@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// What is printed as JSON.
+/// Document printed as JSON.
 #[derive(Serialize)]
 struct Document {
     #[serde(flatten)]
@@ -19,7 +19,7 @@ struct Document {
     files: Vec<String>,
 }
 
-/// How many states have been asked, on a terminal.
+/// Counter of evaluated states, on a terminal.
 pub(super) struct Counter(ProgressBar);
 
 impl Counter {
@@ -47,7 +47,7 @@ impl Watch for Counter {
     }
 }
 
-/// Traces, writes and tells.
+/// Traces the boundaries, writes files, and prints the summary.
 pub fn boundary(study: &Study, tracing: Tracing, out: Option<&Path>) -> Result<ExitCode, Failure> {
     let output = out.map(|out| Output::at(out, &["boundary.geojson", "boundary.csv"]));
     let output = output.transpose()?;
@@ -64,7 +64,7 @@ pub fn boundary(study: &Study, tracing: Tracing, out: Option<&Path>) -> Result<E
     };
     let summary = boundaries.summary();
     let text = format!("{summary}{}", wrote(&written));
-    // Told as text: a name that is none is no reason to fail when all is written.
+    // File names are printed as text, so that names that are not UTF-8 cause no error after everything is written.
     let files = named(&written);
     print(&Document { summary, files }, text.trim_end(), table)
 }

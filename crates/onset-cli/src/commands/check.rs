@@ -1,4 +1,4 @@
-//! `onset check` and `onset schema`: what a study file asks for, and what it may hold.
+//! `onset check` and `onset schema`: validation of study files, and their JSON schema.
 
 use super::{Failure, source};
 use crate::printing::{Format, format, only_text, print, print_text};
@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// What there is to say about a file.
+/// Result for a file.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Entry {
@@ -16,17 +16,17 @@ enum Entry {
     Invalid(Box<Mistake>),
 }
 
-/// Why a file is not a study.
+/// Reason why a file is not a valid study.
 #[derive(Serialize)]
 struct Mistake {
     file: String,
     valid: bool,
-    /// Counted from 1; `null` where no place in the file is to blame.
+    /// Line number from 1; `null` if the error has no position in the file.
     line: Option<usize>,
     column: Option<usize>,
     message: String,
     hint: Option<String>,
-    /// As told on standard error.
+    /// Message for standard error.
     #[serde(skip)]
     told: String,
 }
@@ -60,7 +60,7 @@ impl Mistake {
     }
 }
 
-/// Checks every file; all are told about, also behind one that is wrong.
+/// Checks every file, and continues after an invalid one.
 pub fn check(
     files: &[PathBuf],
     assignments: &[String],
@@ -80,7 +80,7 @@ pub fn check(
             Entry::Invalid(mistake) => told.push(mistake.told.clone()),
         }
     }
-    // What is wrong with a file is told on standard error; in a document it stands beside what is right.
+    // Errors are printed on standard error; a document contains them as entries.
     if format() != Format::Text || !valid.is_empty() {
         print(&entries, valid.join("\n").trim_end(), None)?;
     }

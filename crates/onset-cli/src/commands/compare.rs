@@ -1,4 +1,4 @@
-//! `onset compare` and `onset recommend`: methods side by side, and which of them to take.
+//! `onset compare` and `onset recommend`: comparison and ranking of methods.
 
 use super::{Failure, print_with_files, progress, source, with_energy, with_files};
 use crate::arguments::{CompareArguments, RecommendArguments};
@@ -9,10 +9,10 @@ use onset_study::settings::{Comparison, Trust};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// The files of a table.
+/// Files of a comparison table.
 const FILES: [&str; 4] = ["compare.html", "compare.csv", "compare.svg", "compare.png"];
 
-/// Methods side by side.
+/// Compares the methods of a file.
 pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     let trust = arguments.trust.trust();
     let comparison = read(&arguments.file, &arguments.assignments, &trust)?;
@@ -22,7 +22,7 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     print_with_files(&table, output, || table.files(), Some(table.csv()))
 }
 
-/// The methods of a file, or those that the program knows, ranked.
+/// Ranks the methods of a file, or all built-in methods.
 pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
     let mut assignments = with_energy(&arguments.assignments, arguments.energy.as_deref())?;
     if let Some((low, high)) = arguments.stretches {

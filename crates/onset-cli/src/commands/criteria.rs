@@ -1,4 +1,4 @@
-//! `onset criteria` and `onset card`: where a law is stable, and in which sense.
+//! `onset criteria` and `onset card`: stability of a law by several criteria.
 
 use super::{Failure, law, print_with_files, source, with_energy};
 use crate::arguments::{CardArguments, CriteriaArguments, LawArguments};
@@ -8,7 +8,7 @@ use onset_study::settings::{MaterialSettings, Program, law_of};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Criteria side by side.
+/// Evaluates all stability criteria of a law.
 pub fn criteria(arguments: &CriteriaArguments) -> Result<ExitCode, Failure> {
     let question = question(&arguments.law)?;
     let output = arguments.out.as_deref();
@@ -18,7 +18,7 @@ pub fn criteria(arguments: &CriteriaArguments) -> Result<ExitCode, Failure> {
     print_with_files(&answer, output, || answer.figure().files("criteria"), None)
 }
 
-/// The safe range card.
+/// Evaluates the safe range card of a law.
 pub fn card(arguments: &CardArguments) -> Result<ExitCode, Failure> {
     let question = question(&arguments.law)?;
     let names = ["card.svg", "card.png", "card.json", "card.html"];
@@ -39,16 +39,16 @@ fn question(arguments: &LawArguments) -> Result<Question, Failure> {
     }
 }
 
-/// A law that is asked of.
+/// Law of the arguments.
 struct Asked {
     law: MaterialSettings,
-    /// What it is called, where that is not its model.
+    /// Name of the law, if it differs from the name of its model.
     name: Option<String>,
-    /// What there is to know of it.
+    /// Notes on the law.
     notes: Vec<String>,
 }
 
-/// The law of a study, of a block of another program, or of the assignments alone, with what there is to know of it.
+/// Law of a study, of an input block of another program, or of the assignments alone, with its notes.
 fn material(arguments: &LawArguments) -> Result<Asked, Failure> {
     let mut assignments = with_energy(&arguments.assignments, arguments.energy.as_deref())?;
     let trust = arguments.trust.trust();
@@ -79,11 +79,11 @@ fn material(arguments: &LawArguments) -> Result<Asked, Failure> {
     })
 }
 
-/// The program that a file is written for, where it is none of this program's studies; standard input is read but once.
+/// Foreign program whose format a file has, or `None` for studies; standard input can be read only once and is skipped.
 fn program_of(file: &Path) -> Option<&'static str> {
     let is_file = file != Path::new("-");
     let (_, text) = is_file.then(|| source(file).ok())??;
-    // What is wrong with a study is said of it, whatever its comments speak of.
+    // A study is recognized first, so that its errors are reported even if its comments mention another program.
     let is_study = text
         .lines()
         .any(|line| line.trim_start().starts_with("[material"));

@@ -9,7 +9,7 @@ use onset_study::settings::Value;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Serves the page, at a study, a stored map or a question.
+/// Serves the page for a study, a stored map or a question.
 pub fn explore(arguments: &ExploreArguments) -> Result<ExitCode, Failure> {
     printing::only_text("the address of the page")?;
     let trust = arguments.problem.trust.trust();
@@ -37,7 +37,7 @@ pub fn explore(arguments: &ExploreArguments) -> Result<ExitCode, Failure> {
     serve(&link, port, is_shown, trust, None)
 }
 
-/// What is shown first: a study with its window, or what is set.
+/// Initial content: a study with its window, or the assignments.
 fn first(problem: &ProblemArguments) -> Result<Link, Failure> {
     let is_plain = problem.assignments.is_empty() && problem.energy.is_none();
     if let Some(link) = problem.file.as_deref().and_then(address) {
@@ -52,7 +52,7 @@ fn first(problem: &ProblemArguments) -> Result<Link, Failure> {
         (None, true) => Ok(Link::Nothing),
         (Some(file), true) => {
             let (_, text) = source(file)?;
-            // What it would load is asked for by the page, and refused there unless it is allowed.
+            // The page requests the library of the study, and the server refuses it unless the user allows it.
             let question = Question::of_text(&text).map_err(Failure::input)?;
             Ok(Link::Question(Box::new(question)))
         }
@@ -63,7 +63,7 @@ fn first(problem: &ProblemArguments) -> Result<Link, Failure> {
     }
 }
 
-/// What is asked by an address of a page in the place of a file; none of what is a file.
+/// Content of a page address given instead of a file; `None` for a file.
 fn address(file: &Path) -> Option<Result<Link, String>> {
     file.to_str().and_then(Link::of_address)
 }
@@ -74,7 +74,7 @@ pub fn at_state(problem: &ProblemArguments, strain: &StrainArguments) -> Result<
     let settings = problem.settings()?;
     let mut question = Question::of_settings(&settings);
     question.stretch = strain.stretch.clone().unwrap_or_default();
-    // A library that is named on the command line itself is the user's own word.
+    // A library given on the command line itself is trusted.
     let mut trust = problem.trust.clone();
     if let Some(Value::Word(library)) = settings.material.given("library") {
         trust.libraries.push(library.into());

@@ -1,4 +1,4 @@
-//! `onset limit`: which values of a setting admit a time step.
+//! `onset limit`: values of a setting that allow a given time step.
 
 use super::{Failure, print_with_files, progress};
 use crate::arguments::LimitArguments;
@@ -7,7 +7,7 @@ use onset_study::limit::{LimitAnswer, LimitQuestion};
 use onset_study::output::Output;
 use std::process::ExitCode;
 
-/// Looks for the limit of a setting.
+/// Searches for the limit of a setting.
 pub fn limit(arguments: &LimitArguments) -> Result<ExitCode, Failure> {
     let question = LimitQuestion::new(&arguments.vary, &arguments.time_step)
         .map_err(Failure::input)?

@@ -1,4 +1,4 @@
-//! `onset localize`: where along a loading path a plastic material localizes.
+//! `onset localize`: localization of a plastic material along a loading path.
 
 use super::{Failure, another, with_files};
 use crate::arguments::LocalizeArguments;
@@ -7,7 +7,7 @@ use onset_study::localization::{LocalizationAnswer, PlasticSettings};
 use onset_study::output::{Output, text};
 use std::process::ExitCode;
 
-/// Follows the path, tells the answer, and draws it where a folder is given.
+/// Follows the path, prints the answer, and draws it if a folder is given.
 pub fn localize(arguments: &LocalizeArguments) -> Result<ExitCode, Failure> {
     let shortcuts = [
         ("model", &arguments.model),
@@ -47,7 +47,7 @@ pub fn localize(arguments: &LocalizeArguments) -> Result<ExitCode, Failure> {
     print(&answer, &with_files(&answer, &written), Some(answer.csv()))
 }
 
-/// Refuses an assignment of what an option sets otherwise.
+/// Refuses an assignment that contradicts an option.
 fn refuse_another(name: &str, word: &str, assignments: &[String]) -> Result<(), Failure> {
     match another(assignments, &format!("plasticity.{name}"), word) {
         Some(another) => Err(Failure::input(format!(

@@ -7,7 +7,7 @@ use onset_study::modes::{ModesAnswer, ModesQuestion};
 use onset_study::output::Output;
 use std::process::ExitCode;
 
-/// The spurious modes of a method.
+/// Computes the spurious modes of a method.
 pub fn modes(arguments: &ModesArguments) -> Result<ExitCode, Failure> {
     let settings = arguments.problem.settings()?;
     let question = ModesQuestion {

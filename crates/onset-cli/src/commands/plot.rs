@@ -11,7 +11,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// What is printed as JSON.
+/// Document printed as JSON.
 #[derive(Serialize)]
 struct Drawn {
     files: Vec<PathBuf>,
@@ -63,7 +63,7 @@ pub fn plot(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
     print(&Drawn { files }, &text, None)
 }
 
-/// The folder and the name of a figure: those of a file NAME.svg, NAME.png or NAME.pdf, or `map` in a folder.
+/// Folder and base name of a figure, from NAME.svg, NAME.png or NAME.pdf, or `map` in a folder.
 fn place(out: &Path) -> Result<(PathBuf, OsString), Failure> {
     let extension = out.extension().and_then(|extension| extension.to_str());
     match (extension, out.file_stem()) {

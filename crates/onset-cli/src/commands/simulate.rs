@@ -1,4 +1,4 @@
-//! `onset simulate`: predictions seen in motion, and bodies.
+//! `onset simulate`: simulations of patches, compared with predictions, and of bodies.
 
 use super::{Failure, source, with_files};
 use crate::arguments::SimulateArguments;
@@ -78,7 +78,7 @@ fn pace(arguments: &SimulateArguments) -> Pace {
     }
 }
 
-/// The seed of noise; refused where nothing moves at random.
+/// Seed of the noise; refused if the start is not random.
 fn seed(arguments: &SimulateArguments, is_random: bool, hint: &str) -> Result<u64, Failure> {
     match arguments.seed {
         Some(_) if !is_random => Err(Failure::input(format!(
@@ -113,7 +113,7 @@ fn patch(arguments: &SimulateArguments, problem: &Problem) -> Result<Question, F
     })
 }
 
-/// The question about a body; refuses what is about waves.
+/// Question about a body; refuses options for waves.
 fn body_question(
     arguments: &SimulateArguments,
     problem: &Problem,
@@ -151,7 +151,7 @@ fn body_question(
     })
 }
 
-/// Watches a run, and answers to an interrupt.
+/// Progress of a run that ends after an interrupt.
 fn watched(is_kept: bool) -> Result<Progress, Failure> {
     let told = match is_kept {
         true => "writing a checkpoint; interrupt again to end at once",
@@ -179,7 +179,7 @@ fn interrupted(steps: u64, is_kept: bool) -> ExitCode {
     ExitCode::from(interrupt::CODE)
 }
 
-/// Whole numbers, separated by commas.
+/// Parses whole numbers, separated by commas.
 fn whole<T: FromStr>(option: &str, text: &str) -> Result<Vec<T>, Failure> {
     let each = text.split(',').map(|own| own.trim().parse::<T>());
     each.collect::<Result<_, _>>().map_err(|_| {
@@ -189,7 +189,7 @@ fn whole<T: FromStr>(option: &str, text: &str) -> Result<Vec<T>, Failure> {
     })
 }
 
-/// A progress bar on a terminal; nothing elsewhere.
+/// Progress bar, shown on a terminal only.
 struct Progress(ProgressBar);
 
 impl Progress {

@@ -1,4 +1,4 @@
-//! `onset tune`: the smallest coefficient that is sufficient and masks nothing.
+//! `onset tune`: the smallest sufficient coefficient that masks no physical instability.
 
 use super::{Failure, print_with_files, progress};
 use crate::arguments::TuneArguments;

@@ -89,7 +89,7 @@ fn settings(
     Ok((settings, state))
 }
 
-/// The stretches of the state, which is one along the axes.
+/// Stretches of the state, which must be along the axes.
 fn stretches(
     arguments: &DeckArguments,
     settings: &Settings,

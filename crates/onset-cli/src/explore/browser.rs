@@ -1,8 +1,8 @@
-//! The browser of the user.
+//! Browser of the user.
 
 use std::process::{Command, Stdio};
 
-/// Asks the system to show an address; whether something was started.
+/// Opens an address in the browser; returns true if a program was started.
 pub fn open(address: &str) -> bool {
     let (program, arguments): (&str, &[&str]) = if cfg!(target_os = "macos") {
         ("open", &[])

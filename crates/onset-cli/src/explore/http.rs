@@ -1,5 +1,6 @@
-//! As much of HTTP/1.1 as a page of this machine needs: a request with a body of known length, an answer in one piece, and connections that are
-//! used again. `httparse` reads what comes first.
+//! Minimal HTTP/1.1 for a page on this machine: requests with a body of known length, complete replies, and persistent connections.
+//!
+//! The crate `httparse` parses request heads.
 
 use std::io::{self, Read, Write};
 use std::net::{Shutdown, TcpStream};
@@ -7,60 +8,59 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// The most bytes before the body, the most headers, and the most bytes of a body.
+/// Limits on the bytes of a request head, the number of headers, and the bytes of a body.
 const HEAD: usize = 16 << 10;
 const HEADERS: usize = 64;
 const BODY: usize = 1 << 20;
-/// How long a connection may be silent between two requests.
+/// Longest idle time of a connection between two requests.
 const SILENCE: Duration = Duration::from_secs(60);
-/// How long the head of a request, and its body, may be on their way, and an answer.
+/// Longest transfer times of a request head, a body, and a reply.
 const HEAD_TIME: Duration = Duration::from_secs(3);
 const BODY_TIME: Duration = Duration::from_secs(5);
 const ANSWER_TIME: Duration = Duration::from_secs(20);
-/// How long what is on its way is waited for at the end.
+/// Longest wait for remaining input when a connection ends.
 const LINGER: Duration = Duration::from_millis(500);
-/// How often a connection is looked at while its answer is computed.
+/// Interval between checks of a connection while its reply is computed.
 const GLANCE: Duration = Duration::from_millis(20);
 
-/// What is asked.
+/// Request of the page.
 pub struct Request {
-    /// `GET`, `POST` or another word.
+    /// Method, such as `GET` or `POST`.
     pub method: String,
-    /// What is asked for, without the part behind `?`.
+    /// Path without the query after `?`.
     pub path: String,
     headers: Vec<(String, String)>,
-    /// What was sent with it.
+    /// Body of the request.
     pub body: Vec<u8>,
-    /// Whether nothing more will be asked on the connection.
+    /// Whether the connection closes after this request.
     pub is_last: bool,
 }
 
 impl Request {
-    /// A header, by its name in lower case; `None` where there is none, or more than one.
+    /// Value of a header, by its name in lower case; `None` if it is missing or repeated.
     pub fn header(&self, name: &str) -> Option<&str> {
         let mut found = self.headers.iter().filter(|(own, _)| own == name);
         let first = found.next()?;
         found.next().is_none().then_some(first.1.as_str())
     }
 
-    /// Whether there is a header at all.
+    /// Returns true if a header occurs at least once.
     pub fn has(&self, name: &str) -> bool {
         self.headers.iter().any(|(own, _)| own == name)
     }
 }
 
-/// What is answered.
+/// Reply to a request.
 pub struct Reply {
-    /// The status: number and words.
+    /// Status code with its reason phrase.
     pub status: &'static str,
-    /// What the body is.
+    /// Media type of the body.
     pub kind: &'static str,
-    /// The body.
     pub body: Vec<u8>,
 }
 
 impl Reply {
-    /// A refusal in words.
+    /// Refusal with a plain text.
     pub fn refused(status: &'static str, why: &str) -> Self {
         Self {
             status,
@@ -70,8 +70,10 @@ impl Reply {
     }
 }
 
-/// What every answer says: it is for this page alone, which runs nothing but its own scripts and asks nobody but this server. Styles are also
-/// those that the plotting library puts into pictures.
+/// Headers of every reply.
+///
+/// The page runs only its own scripts and connects only to this server. Inline styles are allowed, because the plotting library inserts them into
+/// figures.
 const ALWAYS: &str = "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
      connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n\
      X-Content-Type-Options: nosniff\r\n\
@@ -80,18 +82,18 @@ const ALWAYS: &str = "Content-Security-Policy: default-src 'none'; script-src 's
      Cross-Origin-Opener-Policy: same-origin\r\n\
      Cache-Control: no-store\r\n";
 
-/// A connection to a browser.
+/// Connection to a browser.
 pub struct Connection {
     stream: TcpStream,
-    /// What was read and not used yet.
+    /// Bytes received but not processed yet.
     rest: Vec<u8>,
 }
 
-/// What came instead of a request.
+/// Outcome of reading without a request.
 pub enum Instead {
-    /// Nothing more.
+    /// The connection has ended.
     End,
-    /// Something that is refused.
+    /// The input is refused.
     Refused(Reply),
 }
 
@@ -106,12 +108,12 @@ fn refused(status: &'static str, why: &str) -> Instead {
 }
 
 impl Connection {
-    /// A connection that was accepted.
+    /// Wraps an accepted connection.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     pub fn new(stream: TcpStream) -> io::Result<Self> {
-        // An answer is written in one piece, and is not to wait for the next.
+        // A reply is sent in one piece and must not be delayed.
         stream.set_nodelay(true)?;
         Ok(Self {
             stream,
@@ -119,7 +121,7 @@ impl Connection {
         })
     }
 
-    /// The next request.
+    /// Reads the next request.
     pub fn request(&mut self) -> Result<Request, Instead> {
         if self.rest.is_empty() {
             self.more(Instant::now() + SILENCE)?;
@@ -146,7 +148,7 @@ impl Connection {
         Ok(request)
     }
 
-    /// Reads what comes next, or gives up at a time.
+    /// Reads further bytes until the deadline.
     fn more(&mut self, end: Instant) -> Result<(), Instead> {
         let mut bytes = [0; 16 << 10];
         self.stream.set_read_timeout(Some(left(end)?))?;
@@ -159,10 +161,10 @@ impl Connection {
         }
     }
 
-    /// Sends an answer, in one piece.
+    /// Sends a reply in one piece.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     pub fn send(&mut self, reply: &Reply, has_body: bool) -> io::Result<()> {
         let mut bytes = format!(
             "HTTP/1.1 {}\r\nContent-Type: {}\r\nContent-Length: {}\r\n{ALWAYS}\r\n",
@@ -186,7 +188,7 @@ impl Connection {
         Ok(())
     }
 
-    /// Ends the connection: what was still on its way is read, lest the answer be lost with it.
+    /// Closes the connection after reading remaining input; otherwise the reply could be lost.
     pub fn end(mut self) {
         let mut bytes = [0; 16 << 10];
         let is_set = self.stream.set_read_timeout(Some(LINGER)).is_ok();
@@ -202,10 +204,10 @@ impl Connection {
         }
     }
 
-    /// Does something, which can ask whether the browser has gone meanwhile, as it does when a question is given up.
+    /// Runs a computation that can poll whether the browser has closed the connection, which it does when a question is cancelled.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     pub fn while_there<T>(
         &self,
         work: impl FnOnce(&(dyn Fn() -> bool + Sync)) -> T,
@@ -216,7 +218,7 @@ impl Connection {
             if is_gone.load(Ordering::Relaxed) {
                 return true;
             }
-            // Who finds the time taken is told by whoever took it.
+            // If another thread is polling, its result is used.
             if let Ok(mut last) = looked.try_lock()
                 && last.elapsed() >= GLANCE
             {
@@ -236,7 +238,7 @@ impl Connection {
     }
 }
 
-/// The time that is left before an end.
+/// Time left until a deadline.
 fn left(end: Instant) -> io::Result<Duration> {
     let left = end.saturating_duration_since(Instant::now());
     match left.is_zero() {
@@ -245,7 +247,7 @@ fn left(end: Instant) -> io::Result<Duration> {
     }
 }
 
-/// The head of a request, where its body begins and how long that is; `None` where more is to come.
+/// Head of a request, with the offset and the length of its body; `None` if the head is incomplete.
 fn head(bytes: &[u8]) -> Result<Option<(Request, usize, usize)>, Instead> {
     let mut headers = [httparse::EMPTY_HEADER; HEADERS];
     let mut parsed = httparse::Request::new(&mut headers);

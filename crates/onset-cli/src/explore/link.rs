@@ -1,20 +1,20 @@
-//! The address of a question: behind its `#`, so that it stays in the browser.
+//! Question in the fragment of an address (after `#`), which the browser does not send to the server.
 
 use super::token::Token;
 use onset_study::explore::Question;
 
-/// What the page shows first.
+/// Initial content of the page.
 pub enum Link {
-    /// A question.
+    /// Question of the user.
     Question(Box<Question>),
-    /// The map that was opened.
+    /// Map opened by the user.
     Stored,
-    /// What the page shows by itself.
+    /// Default content.
     Nothing,
 }
 
 impl Link {
-    /// What stands behind the address of the server, with a token that the page takes out of it.
+    /// Fragment of the address, with a token that the page removes from it.
     pub fn with(&self, token: &Token) -> String {
         let mut parts = vec![format!("token={token}")];
         parts.extend(self.parts());
@@ -29,10 +29,10 @@ impl Link {
         }
     }
 
-    /// What an address of a page asks, of whichever run; none of what is no address.
+    /// Initial content given by an address of the page, also from another run; `None` if the text is not an address.
     ///
     /// # Errors
-    /// What is wrong with it, with a hint.
+    /// The error in the address, with a hint.
     pub fn of_address(text: &str) -> Option<Result<Self, String>> {
         if !text.starts_with("http://") {
             return None;
@@ -63,7 +63,7 @@ fn read(asked: &str) -> Result<Link, String> {
         let value = unescaped(value)
             .ok_or_else(|| format!("`{part}` of the address cannot be read: it is not UTF-8"))?;
         match name {
-            // That of another run.
+            // The token belongs to another run.
             "token" => {}
             "set" => question.set.push(value),
             "stretch" => question.stretch = value,
@@ -90,7 +90,7 @@ fn read(asked: &str) -> Result<Link, String> {
     })
 }
 
-/// A name and a range.
+/// Parses a name and a range.
 fn axis(text: &str) -> Result<(String, [f64; 2]), String> {
     let parts: Vec<&str> = text.split(',').collect();
     let number = |text: &str| text.parse::<f64>().ok().filter(|value| value.is_finite());
@@ -104,7 +104,7 @@ fn axis(text: &str) -> Result<(String, [f64; 2]), String> {
     .ok_or_else(|| format!("`axis={text}` of the address is no axis\n  hint: expected its name and its ends, stretch-1,0.5,2"))
 }
 
-/// A text as a part of an address: all but letters, digits and a few signs in hexadecimal.
+/// Percent-encodes a text, except for letters, digits and a few signs.
 fn escaped(text: &str) -> String {
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~,".contains(&byte);
     text.bytes()
@@ -115,7 +115,7 @@ fn escaped(text: &str) -> String {
         .collect()
 }
 
-/// The text that a part of an address stands for; none where it is not UTF-8.
+/// Decodes a percent-encoded text; `None` if it is not UTF-8.
 fn unescaped(part: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(part.len());
     let mut rest = part.as_bytes();

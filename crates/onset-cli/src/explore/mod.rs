@@ -1,9 +1,9 @@
-//! `onset explore`: a page to play with, on this machine alone.
+//! `onset explore`: an interactive page, served on this machine only.
 //!
-//! The page is a front end like the command: what it shows are the documents of `--json`, and what it asks is what is written after `--set`
-//! and `--stretch`. It is served on the loopback address, with everything it needs, and asks no other server for anything. The files of the
-//! page are those of the program, and for everybody; answers are for who shows the token that was made at the start. It stands behind the `#` of
-//! the printed address, which a browser sends nowhere; the page keeps it, and takes it out of the address.
+//! The page is a front end like the command: it shows documents of `--json`, and its questions are arguments of `--set` and `--stretch`. It is served
+//! on the loopback address with everything it needs, and contacts no other server. The files of the page are public; answers require the token
+//! created at the start. The token is in the fragment (after `#`) of the printed address, which browsers do not send; the page stores it and removes
+//! it from the address.
 
 mod browser;
 mod http;
@@ -23,10 +23,10 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::process::ExitCode;
 use token::Token;
 
-/// Serves the page until it is interrupted.
+/// Serves the page until interrupted.
 ///
 /// # Errors
-/// [`Failure`] when no port can be had.
+/// [`Failure`] if no port is available.
 pub fn serve(
     link: &Link,
     port: Option<u16>,
@@ -43,15 +43,16 @@ pub fn serve(
     crate::printing::tell("the page is served on this machine until it is interrupted (Ctrl-C)");
     let opened = place(&ticket);
     let server = Server::new(Explorer::new(trust, stored), address, token, ticket);
-    // Whoever sees the arguments of a browser sees a token that is good once, and mostly used by then.
+    // Other users may read the arguments of the browser; its token works once, and has usually been used by then.
     if is_shown && !browser::open(&opened) {
         crate::printing::tell("no browser could be started: open the address above");
     }
     server.run(&listener)
 }
 
-/// A listener on the loopback address, on a new port unless one is asked for: what an earlier server of the same port has left in a browser,
-/// such as a service worker, would hear what this one is asked.
+/// Listener on the loopback address, on a new port by default.
+///
+/// With a fixed port, a service worker left in the browser by an earlier server on that port could intercept the questions.
 fn listener(port: Option<u16>) -> Result<TcpListener, Failure> {
     let port = port.unwrap_or(0);
     TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port))).map_err(|error| {

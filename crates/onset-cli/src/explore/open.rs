@@ -1,11 +1,11 @@
-//! The connections that are open. Every user of the machine can open some, so one that only waits gives way to a new one.
+//! Open connections. Any user of the machine can open some, so an idle connection is closed to admit a new one.
 
 use std::io;
 use std::net::{Shutdown, TcpStream};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-/// Most connections at a time; a browser opens six.
+/// Largest number of connections; a browser opens six.
 const MOST: usize = 64;
 
 /// All open connections.
@@ -15,13 +15,13 @@ pub struct Connections(Mutex<Vec<Entry>>);
 struct Entry {
     number: u64,
     stream: TcpStream,
-    /// When its last exchange ended.
+    /// End of the last exchange.
     since: Instant,
     is_computing: bool,
 }
 
 impl Connections {
-    /// Admits a connection. If there are too many, that which has waited longest is closed; its number is never given again.
+    /// Admits a connection. If there are too many, the longest idle one is closed; numbers are never reused.
     ///
     /// # Errors
     /// [`io::Error`] if all others are computing an answer, or if the system refuses a second handle.
@@ -36,7 +36,7 @@ impl Connections {
                 .min_by_key(|(_, entry)| entry.since)
                 .map(|(place, _)| place);
             let oldest = oldest.ok_or_else(|| io::Error::other("all connections are in use"))?;
-            // The thread that reads from it ends with it.
+            // Its reading thread ends with the connection.
             let _ = open.remove(oldest).stream.shutdown(Shutdown::Both);
         }
         let number = open.iter().map(|entry| entry.number + 1).max().unwrap_or(0);
@@ -54,14 +54,14 @@ impl Connections {
     }
 }
 
-/// An open connection, which is closed with this value.
+/// Open connection, closed when this value is dropped.
 pub struct Admitted<'a> {
     all: &'a Connections,
     number: u64,
 }
 
 impl Admitted<'_> {
-    /// Does work during which the connection does not give way.
+    /// Runs a computation during which the connection is not closed in favor of others.
     pub fn computing<T>(&self, work: impl FnOnce() -> T) -> T {
         self.mark(true);
         let done = work();
@@ -69,7 +69,7 @@ impl Admitted<'_> {
         done
     }
 
-    /// Notes that an exchange begins or ends, and whether the connection computes.
+    /// Records the beginning or the end of an exchange, and whether the connection is computing.
     pub fn mark(&self, is_computing: bool) {
         let mut open = self.all.entries();
         if let Some(entry) = open.iter_mut().find(|entry| entry.number == self.number) {

@@ -1,12 +1,12 @@
-//! The page itself, as `cargo xtask page` builds it from `crates/onset-cli/page`.
+//! Files of the page, built by `cargo xtask page` from `crates/onset-cli/page`.
 
-/// A file of the page.
+/// File of the page.
 pub struct File {
-    /// Its path.
+    /// Path on the server.
     pub path: &'static str,
-    /// What it is.
+    /// Media type of the file.
     pub kind: &'static str,
-    /// What it holds.
+    /// Content of the file.
     pub bytes: &'static [u8],
 }
 
@@ -20,7 +20,7 @@ macro_rules! file {
     };
 }
 
-/// The files of the page.
+/// All files of the page.
 pub const FILES: &[File] = &[
     file!("/", "index.html", "text/html; charset=utf-8"),
     file!("/page.js", "page.js", "text/javascript; charset=utf-8"),

@@ -1,4 +1,4 @@
-//! Who is answered, and with what.
+//! Server of the page: access control and replies.
 
 use super::http::{Connection, Instead, Reply, Request};
 use super::open::{Admitted, Connections};
@@ -13,29 +13,28 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// What is waited after a connection that could not be had.
+/// Pause after a failed connection.
 const PAUSE: Duration = Duration::from_millis(20);
-/// The header in which the page shows its token. Pages of other servers cannot send it without being asked for leave, which is not given.
+/// Header with the token of the page. Pages of other servers cannot send it without a permission that this server never grants.
 const SHOWN: &str = "onset-token";
-/// What is said to whoever has none.
+/// Refusal of a request without a valid token.
 const UNKNOWN: &str = "this page is for the user who has started it: the token of the running program is missing, or another one\n  hint: open the address \
      that `onset explore` has printed; in the same browser links without a token are answered then";
 
-/// The page and what answers its questions.
+/// Server of the page and of its questions.
 pub struct Server {
     explorer: Explorer,
-    /// What the page shows with every question.
+    /// Token that the page sends with every question.
     token: Token,
-    /// What the address has that a browser is started with, for its first use: the arguments of a program can be seen by all users of a
-    /// machine.
+    /// One-time ticket in the address given to the browser at the start, since all users of a machine can see the arguments of a program.
     ticket: Mutex<Option<Token>>,
-    /// The names under which a browser of this machine knows the server, with its port.
+    /// Accepted `Host` headers, with the port.
     hosts: [String; 2],
     open: Connections,
 }
 
 impl Server {
-    /// A server at an address of this machine, which answers whoever shows the token, and gives it to who is the first to show the ticket.
+    /// Server at a loopback address, with a token for questions and a ticket that is exchanged for the token once.
     pub fn new(explorer: Explorer, address: SocketAddr, token: Token, ticket: Token) -> Self {
         let port = address.port();
         Self {
@@ -47,14 +46,14 @@ impl Server {
         }
     }
 
-    /// Answers until the program is interrupted.
+    /// Serves until the program is interrupted.
     ///
     /// # Errors
-    /// [`Failure`] when nobody can be heard any more.
+    /// [`Failure`] if the listener fails.
     pub fn run(self, listener: &TcpListener) -> Result<ExitCode, Failure> {
         let server = Arc::new(self);
         for stream in listener.incoming() {
-            // A connection that was given up, or for which there is no room just now, is none of the others' business.
+            // A failed connection does not affect the others.
             let Ok(stream) = stream else {
                 thread::sleep(PAUSE);
                 continue;
@@ -65,7 +64,7 @@ impl Server {
                     own.converse(stream, &admitted);
                 }
             });
-            // Where there is no room for a thread, others have to end first.
+            // If no thread can be started, other connections must end first.
             if conversation.is_err() {
                 thread::sleep(PAUSE);
             }
@@ -73,7 +72,7 @@ impl Server {
         Ok(ExitCode::SUCCESS)
     }
 
-    /// Answers on a connection as long as there is one.
+    /// Replies to all requests on a connection.
     fn converse(&self, stream: TcpStream, admitted: &Admitted<'_>) {
         let Ok(mut connection) = Connection::new(stream) else {
             return;
@@ -97,7 +96,7 @@ impl Server {
         }
     }
 
-    /// The answer to a request; `None` when nobody waits for it any more.
+    /// Reply to a request; `None` if the request was cancelled.
     fn reply(
         &self,
         request: &Request,
@@ -124,7 +123,7 @@ impl Server {
         }
     }
 
-    /// Why a request is none of this page: pages of other servers must not ask, also where a name of theirs leads to this machine.
+    /// Reason to refuse a request that does not come from this page, including requests of other servers whose name resolves to this machine.
     fn stranger(&self, request: &Request) -> Option<&'static str> {
         let is_own = |host: &str| self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host));
         if !request.header("host").is_some_and(is_own) {
@@ -146,14 +145,14 @@ impl Server {
         }
     }
 
-    /// Whether a request shows the token.
+    /// Returns true if the request contains the token.
     fn is_shown(&self, request: &Request) -> bool {
         request
             .header(SHOWN)
             .is_some_and(|shown| self.token.is(shown))
     }
 
-    /// The token, for whoever shows it already, or shows the ticket for the first time.
+    /// Reply with the token, if the request contains the token, or the ticket for the first time.
     fn entered(&self, request: &Request) -> Reply {
         let mut ticket = self.ticket.lock().unwrap_or_else(PoisonError::into_inner);
         let shown = request.header(SHOWN).unwrap_or_default();
@@ -167,7 +166,7 @@ impl Server {
     }
 
     fn answer(&self, name: &str, request: &Request, connection: &Connection) -> Option<Reply> {
-        // What other pages can send without being asked is no JSON.
+        // Other pages can send only simple content types without permission, and JSON is not among them.
         let kind = request.header("content-type").unwrap_or_default();
         if kind.split(';').next().map(str::trim) != Some("application/json") {
             return Some(Reply::refused(
@@ -191,7 +190,7 @@ impl Server {
         Some(match answered.ok()? {
             Ok(document) => json("200 OK", document),
             Err(refusal @ Refusal::Unknown(_)) => error("404 Not Found", &refusal.to_string()),
-            // What the command says against a question is an answer too: a browser takes other statuses for faults of the page.
+            // An error message of the command is a valid answer; with another status, browsers would report a fault of the page.
             Err(refusal) => error("200 OK", &refusal.to_string()),
         })
     }
@@ -205,13 +204,13 @@ fn json(status: &'static str, document: String) -> Reply {
     }
 }
 
-/// A message as a document: what a file says must not command a terminal, nor a page.
+/// Error message as a document, without control sequences for terminals or pages.
 fn error(status: &'static str, message: &str) -> Reply {
     let message = onset_umat::message(message);
     json(status, told("error", message))
 }
 
-/// A document with one text.
+/// Document with a single text.
 fn told(name: &str, text: String) -> String {
     onset_study::json::document(&BTreeMap::from([(name, text)])).unwrap_or_default()
 }

@@ -1,19 +1,19 @@
-//! What a page must show before it is answered: every user of a machine can reach its loopback address.
+//! Secret token of the page, required because every user of a machine can reach its loopback address.
 
 use std::fmt;
 use std::hint::black_box;
 
-/// Random bytes of a token: nobody guesses 128 bits.
+/// Number of random bytes in a token; 128 bits cannot be guessed.
 const BYTES: usize = 16;
 
-/// Random bits of the operating system, in hexadecimal.
+/// Random bits from the operating system, in hexadecimal.
 pub struct Token(String);
 
 impl Token {
-    /// A new one.
+    /// Creates a new token.
     ///
     /// # Errors
-    /// What the operating system says where it has none to give.
+    /// The error of the operating system if it provides no random bits.
     pub fn random() -> Result<Self, getrandom::Error> {
         let mut bytes = [0; BYTES];
         getrandom::fill(&mut bytes)?;
@@ -22,7 +22,7 @@ impl Token {
         ))
     }
 
-    /// Whether it is what was shown, in a time that does not tell how much of it is right.
+    /// Compares a text with the token, in a time that does not depend on the number of correct characters.
     pub fn is(&self, shown: &str) -> bool {
         let (own, shown) = (self.0.as_bytes(), shown.as_bytes());
         let pairs = own.iter().zip(shown);
