@@ -1,31 +1,30 @@
-//! The arguments of a routine that are numbers of double precision: one block of memory, in which numbers that belong to nobody
-//! stand before, between and behind the arguments, to notice who goes there.
+//! Floating-point arguments of a routine, in one block of memory with guard values before, between and after them to detect overruns.
 
 use std::ops::Range;
 
-/// Numbers between two arguments.
+/// Number of guard values between two arguments.
 const MARGIN: usize = 64;
 
-/// What stands between arguments: a NaN that no computation makes.
+/// Guard value: a NaN that no computation produces.
 const NOBODY: f64 = f64::from_bits(0x7ff8_0a11_0000_b0d1);
 
-/// The names of the arguments, in the order of the block.
+/// Names of the arguments, in the order of the block.
 pub const NAMES: [&str; 25] = [
     "STRESS", "STATEV", "DDSDDE", "SSE", "SPD", "SCD", "RPL", "DDSDDT", "DRPLDE", "DRPLDT",
     "PNEWDT", "STRAN", "DSTRAN", "TIME", "DTIME", "TEMP", "DTEMP", "PREDEF", "DPRED", "PROPS",
     "COORDS", "DROT", "CELENT", "DFGRD0", "DFGRD1",
 ];
 
-/// Some arguments by name, with their values.
+/// Block of named arguments with their values.
 #[derive(Debug)]
 pub struct Arguments {
     numbers: Vec<f64>,
-    /// The place of each among [`NAMES`], and where it stands.
+    /// Index of each argument in [`NAMES`], and its range in the block.
     places: Vec<(usize, Range<usize>)>,
 }
 
 impl Arguments {
-    /// The block of some arguments.
+    /// Block with the given arguments.
     pub fn of(arguments: &[(&str, &[f64])]) -> Self {
         let size = arguments.iter().map(|(_, values)| values.len() + MARGIN);
         let mut numbers = Vec::with_capacity(MARGIN + size.sum::<usize>());
@@ -46,22 +45,22 @@ impl Arguments {
         found.map_or(0..0, |(_, range)| range.clone())
     }
 
-    /// The values of an argument.
+    /// Values of an argument.
     pub fn values(&self, name: &str) -> &[f64] {
         &self.numbers[self.range(name)]
     }
 
-    /// The first number of the block. Valid until the block is used otherwise.
+    /// Pointer to the block, valid until the block is changed.
     pub fn start(&mut self) -> *mut f64 {
         self.numbers.as_mut_ptr()
     }
 
-    /// How many numbers of the block stand before an argument.
+    /// Index of an argument's first number in the block.
     pub fn offset(&self, name: &str) -> usize {
         self.range(name).start
     }
 
-    /// The place among [`NAMES`] of the argument that was written beyond its ends.
+    /// Index in [`NAMES`] of an argument that was written beyond its ends.
     pub fn overrun(&self) -> Option<usize> {
         let is_changed = |n: &usize| self.numbers[*n].to_bits() != NOBODY.to_bits();
         let margin = |start: usize| start..start + MARGIN;
@@ -72,7 +71,7 @@ impl Arguments {
         let mut behind = self.places.iter().enumerate();
         behind.find_map(|(index, (place, range))| {
             let changed = margin(range.end).find(is_changed)?;
-            // Who is nearer to the next argument came from there.
+            // A changed value closer to the next argument belongs to that argument.
             let next = self.places.get(index + 1).map(|(next, _)| *next);
             let is_near = changed < range.end + MARGIN / 2;
             Some(if is_near {

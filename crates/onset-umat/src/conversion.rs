@@ -1,27 +1,27 @@
-//! From what a UMAT delivers to `P` and `dP/dF`, and back.
+//! Conversion between the output of a UMAT and `P`, `dP/dF`.
 
 use crate::voigt::{symmetric, tensor_of_voigt, voigt_of_tensor};
 use nalgebra::{Matrix3, Matrix6};
 use onset::kinematics::DeformationGradient;
 use onset::material::{FourthOrder, Response};
 
-/// Stress, tangent and energy as a UMAT delivers them.
+/// Stress, tangent and energy in the conventions of a UMAT.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Delivered {
     /// `STRESS`: the Cauchy stress, in the order 11, 22, 33, 12, 13, 23. Units of stress.
     pub stress: [f64; 6],
-    /// `DDSDDE`, row by row of the mathematics: per engineering strain. Units of stress.
+    /// `DDSDDE` in mathematical row order, per engineering strain. Units of stress.
     pub ddsdde: Matrix6<f64>,
     /// `SSE`: the strain energy per current volume, `W / J`. Units of stress.
     pub sse: f64,
 }
 
-/// `delta_ij`.
+/// Kronecker delta `delta_ij`.
 fn delta(i: usize, j: usize) -> f64 {
     f64::from(u8::from(i == j))
 }
 
-/// `((sigma D + D sigma))_ij = M_ijkl D_kl` for symmetric `D`: the difference of Jaumann's and the convected rate.
+/// Components `M_ijkl` of `(sigma D + D sigma)_ij = M_ijkl D_kl` for symmetric `D`: the difference between Jaumann and convected rate.
 fn symmetric_product(sigma: &Matrix3<f64>, i: usize, j: usize, k: usize, l: usize) -> f64 {
     0.5 * (delta(i, k) * sigma[(l, j)]
         + delta(i, l) * sigma[(k, j)]
@@ -29,13 +29,12 @@ fn symmetric_product(sigma: &Matrix3<f64>, i: usize, j: usize, k: usize, l: usiz
         + sigma[(i, l)] * delta(k, j))
 }
 
-/// The tangent `A_iJkL = dP_iJ/dF_kL` from `c_ijkl`, the Jaumann rate of the Kirchhoff stress over `J`.
+/// Tangent `A_iJkL = dP_iJ/dF_kL` from `c_ijkl`, the Jaumann rate of the Kirchhoff stress over `J`.
 ///
-/// `tau = J sigma` obeys `tau' - W tau + tau W = J c : D`. Its convected rate is `tau' - L tau - tau L^T`, less than Jaumann's by
-/// `D tau + tau D`, so that
-/// `c^T_ijkl = c_ijkl - (delta_ik sigma_lj + delta_il sigma_kj + sigma_ik delta_lj + sigma_il delta_kj) / 2` is Truesdell's
-/// tangent, `a_ijkl = c^T_ijkl + delta_ik sigma_jl` the spatial one, and `A_iJkL = J F^-1_Jj F^-1_Ll a_ijkl`. Major symmetry is
-/// neither needed nor made. Units of stress.
+/// `tau = J sigma` satisfies `tau' - W tau + tau W = J c : D`. Its convected rate `tau' - L tau - tau L^T` is smaller than the Jaumann rate by `D tau
+/// + tau D`. Therefore `c^T_ijkl = c_ijkl - (delta_ik sigma_lj + delta_il sigma_kj + sigma_ik delta_lj + sigma_il delta_kj) / 2` is the Truesdell
+/// tangent, `a_ijkl = c^T_ijkl + delta_ik sigma_jl` is the spatial tangent, and `A_iJkL = J F^-1_Jj F^-1_Ll a_ijkl`. Major symmetry is neither
+/// required nor enforced. Units of stress.
 pub fn tangent_from_jaumann_kirchhoff(
     f: &DeformationGradient,
     cauchy: &Matrix3<f64>,
@@ -47,7 +46,7 @@ pub fn tangent_from_jaumann_kirchhoff(
     spatial.pulled_back(f)
 }
 
-/// The Jaumann rate of the Kirchhoff stress over `J` of a response: what `DDSDDE` must hold. Spatial indices, units of stress.
+/// Jaumann rate of the Kirchhoff stress over `J`, the required content of `DDSDDE`. Spatial indices, units of stress.
 pub fn jaumann_kirchhoff(response: &Response) -> FourthOrder {
     let truesdell = response.truesdell_tangent();
     let sigma = response.cauchy();
@@ -56,14 +55,14 @@ pub fn jaumann_kirchhoff(response: &Response) -> FourthOrder {
     })
 }
 
-/// The inverse of a deformation gradient.
+/// Inverse of a deformation gradient.
 fn inverse(f: &DeformationGradient) -> Matrix3<f64> {
     // The determinant of a checked deformation gradient is positive.
     f.matrix().try_inverse().unwrap_or_else(Matrix3::zeros)
 }
 
 impl Delivered {
-    /// What a UMAT of a law must deliver where the law responds so.
+    /// Output required from the UMAT of a law with the given response.
     pub fn of_response(response: &Response) -> Self {
         let cauchy = response.cauchy();
         let stress = crate::voigt::stress_like(&cauchy);
@@ -74,12 +73,12 @@ impl Delivered {
         }
     }
 
-    /// The Cauchy stress as a tensor. Spatial indices, units of stress.
+    /// Cauchy stress as a tensor. Spatial indices, units of stress.
     pub fn cauchy(&self) -> Matrix3<f64> {
         symmetric(&self.stress)
     }
 
-    /// The strain energy `W = J SSE` per reference volume at the state `f`. Units of stress.
+    /// Strain energy `W = J SSE` per reference volume at the state `f`. Units of stress.
     pub fn energy(&self, f: &DeformationGradient) -> f64 {
         f.jacobian() * self.sse
     }
@@ -135,7 +134,7 @@ mod tests {
         }
     }
 
-    /// An independent path: the derivative of `tau = J sigma` along `F' = D F` (no spin) is Jaumann's rate itself.
+    /// Independent check: the derivative of `tau = J sigma` along `F' = D F` (no spin) is the Jaumann rate itself.
     #[test]
     fn ddsdde_is_the_change_of_kirchhoff_stress_without_spin_over_the_volume_ratio() {
         let law = ModifiedMooneyRivlin::default();

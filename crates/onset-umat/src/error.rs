@@ -1,56 +1,56 @@
-//! What can be wrong with a user material.
+//! Errors of a user material or its process.
 
 use nalgebra::Matrix3;
 use onset::material::MaterialError;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// What can be wrong with a user material or its process.
+/// Error of a user material or its process.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum UmatError {
-    /// There is no such file.
+    /// Missing library.
     #[error(
         "there is no library {path}\n  hint: make one with: gfortran -shared -fPIC -O2 -o umat.so umat.f",
         path = path.display()
     )]
     NoLibrary {
-        /// The file.
+        /// Path of the library.
         path: PathBuf,
     },
-    /// The system cannot load the file.
+    /// Library that the system cannot load.
     #[error("cannot load {path}: {message}{}", load_hint(path, message), path = path.display())]
     Load {
-        /// The file.
+        /// Path of the library.
         path: PathBuf,
-        /// The system's words.
+        /// Message of the system.
         message: String,
     },
-    /// The library has no routine of that name.
+    /// Library without a UMAT.
     #[error(
         "{path} has no routine umat_; expected SUBROUTINE UMAT compiled as Fortran (or umat_ in C)\n  hint: see its names \
          with: nm -D {path}",
         path = path.display()
     )]
     NoRoutine {
-        /// The file.
+        /// Path of the library.
         path: PathBuf,
     },
-    /// No increments.
+    /// Invalid number of increments.
     #[error("a state cannot be reached in {increments} increments; expected 1 or more")]
     Increments {
-        /// How many were asked for.
+        /// Requested number of increments.
         increments: u32,
     },
-    /// There is no program that the routine could run in.
+    /// Failure to start the process of the routine.
     #[error(
         "the process for the UMAT cannot be started: {message}\n  hint: let the variable ONSET_UMAT_HOST name the onset \
          executable"
     )]
     NoProcess {
-        /// Why.
+        /// Reason for the failure.
         message: String,
     },
-    /// The process ended during a call.
+    /// Process that ended during a call.
     #[error(
         "the UMAT's process ended during a call ({how}){}{}{}",
         at(state.as_deref()),
@@ -58,44 +58,44 @@ pub enum UmatError {
         memory_hint(output)
     )]
     Ended {
-        /// The signal or the exit code, in words.
+        /// Signal or exit code, in words.
         how: String,
-        /// The state; none while the library was loaded.
+        /// Deformation gradient of the call; `None` during loading.
         state: Option<Box<Matrix3<f64>>>,
-        /// The last lines that it printed.
+        /// Last lines of the process's output.
         output: String,
     },
-    /// No answer within the limit.
+    /// Call without a result within the time limit.
     #[error(
         "the UMAT gave no answer within {seconds} s and was ended; is there an endless loop?{}{}",
         at(state.as_deref()),
         said(output)
     )]
     Silent {
-        /// The limit.
+        /// Time limit; seconds.
         seconds: f64,
-        /// The state; none while the library was loaded.
+        /// Deformation gradient of the call; `None` during loading.
         state: Option<Box<Matrix3<f64>>>,
-        /// The last lines that it printed.
+        /// Last lines of the process's output.
         output: String,
     },
-    /// A result is no number.
+    /// Result that is not a finite number.
     #[error(
         "the UMAT returned {value} in {what}{}\n  hint: does it read more properties than the {properties} that are given, \
          or divide by a strain that is zero?",
         at_state(state)
     )]
     NotFinite {
-        /// The array and its index.
+        /// Name and index of the array element.
         what: String,
-        /// The value.
+        /// Value of the element.
         value: f64,
-        /// How many properties were given.
+        /// Number of properties passed to the routine.
         properties: usize,
-        /// The state.
+        /// Deformation gradient of the call.
         state: Box<Matrix3<f64>>,
     },
-    /// It wrote beyond the ends of an argument.
+    /// Argument that was written beyond its ends.
     #[error(
         "the UMAT wrote beyond the ends of {argument}{}{}\n  hint: {}",
         if *argument == "STATEV" { format!(", which holds {variables} state variables") } else { String::new() },
@@ -104,52 +104,52 @@ pub enum UmatError {
         else { "are its dimensions those of its arguments NTENS = 6, NDI = 3, NSHR = 3 and NPROPS?" }
     )]
     Overrun {
-        /// The argument.
+        /// Name of the argument.
         argument: &'static str,
-        /// How many state variables there are.
+        /// Number of state variables.
         variables: usize,
-        /// The state.
+        /// Deformation gradient of the call.
         state: Box<Matrix3<f64>>,
     },
-    /// The library is another than at first.
+    /// Library that has changed since it was first loaded.
     #[error(
         "{path} is another library than at first: its SHA-256 was {wanted} and is {found}\n  hint: a library must not be \
          compiled anew while it is used; to resume a map, put the first one back; without it, start afresh",
         path = path.display()
     )]
     Changed {
-        /// The file.
+        /// Path of the library.
         path: PathBuf,
-        /// The sum of the first.
+        /// Checksum of the first library.
         wanted: String,
-        /// The sum of what is there.
+        /// Checksum of the present library.
         found: String,
     },
-    /// It asks for a smaller increment.
+    /// Request of the routine for a smaller increment.
     #[error(
         "the UMAT asks for a smaller increment (PNEWDT = {factor} in increment {increment} of {increments}){}\n  hint: set \
          material.increments to a larger number",
         at_state(state)
     )]
     SmallerIncrement {
-        /// `PNEWDT`.
+        /// Value of `PNEWDT`, the requested ratio of increments.
         factor: f64,
-        /// The increment, counted from 1.
+        /// Number of the increment, from 1.
         increment: u32,
-        /// How many there are.
+        /// Number of increments.
         increments: u32,
-        /// The state.
+        /// Deformation gradient of the call.
         state: Box<Matrix3<f64>>,
     },
-    /// The state cannot be split into stretch and rotation.
+    /// State that cannot be decomposed into stretch and rotation.
     #[error("increment {increment} has no logarithmic strain{}", at_state(state))]
     Increment {
-        /// The increment, counted from 1.
+        /// Number of the increment, from 1.
         increment: u32,
-        /// The state.
+        /// Deformation gradient of the state.
         state: Box<Matrix3<f64>>,
     },
-    /// The processes of other systems lack what is needed.
+    /// Operating system without support for the process of the routine.
     #[error("UMATs run on Linux and macOS only")]
     Platform,
 }
@@ -178,7 +178,7 @@ fn said(output: &str) -> String {
     }
 }
 
-/// Fortran's runtime and C++'s say so when they get no memory.
+/// Hint for output of the Fortran or C++ runtime about a failed memory allocation.
 fn memory_hint(output: &str) -> &'static str {
     if ["allocate memory", "allocating", "bad_alloc"]
         .iter()
@@ -192,7 +192,7 @@ fn memory_hint(output: &str) -> &'static str {
 
 fn load_hint(path: &Path, message: &str) -> &'static str {
     let mentions = |words: &[&str]| words.iter().any(|word| message.contains(word));
-    // The loader passes over a library of another machine, and then says that there is none.
+    // The loader skips a library for another machine, and then reports it as missing.
     let is_passed_over = message.starts_with(&*path.to_string_lossy());
     if mentions(&["undefined symbol", "symbol not found"]) {
         "\n  hint: routines of Abaqus such as SINV, SPRINC, ROTSIG and XIT come with `onset umat-utilities > utilities.f90`; \

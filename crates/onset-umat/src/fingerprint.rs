@@ -1,19 +1,19 @@
-//! What tells one library from another.
+//! Checksum that identifies a library.
 
 use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::Path;
 
-/// The SHA-256 of a file, in hexadecimal digits, as `sha256sum` prints it.
+/// SHA-256 sum of a file in hexadecimal digits, as printed by `sha256sum`.
 ///
 /// # Errors
-/// [`io::Error`] when it cannot be read, or is something else than a file.
+/// [`io::Error`] if it cannot be read, or is not a regular file.
 pub fn fingerprint(file: &Path) -> io::Result<String> {
     passed_on(opened(file)?, io::sink())
 }
 
-/// Copies a file of at most so many bytes to a place where nothing is; the SHA-256 of the copy.
+/// Copies a file of at most `most` bytes to a new path, and returns the SHA-256 sum of the copy.
 #[cfg(unix)]
 pub(crate) fn copied(from: &Path, to: &Path, most: u64) -> io::Result<String> {
     let file = opened(from)?;
@@ -24,7 +24,7 @@ pub(crate) fn copied(from: &Path, to: &Path, most: u64) -> io::Result<String> {
     passed_on(file.take(most), File::create_new(to)?)
 }
 
-/// Opens a file, and nothing that one would wait for, such as a pipe.
+/// Opens a regular file; refuses pipes and other files that could block.
 fn opened(path: &Path) -> io::Result<File> {
     let mut options = File::options();
     #[cfg(unix)]
@@ -39,7 +39,7 @@ fn opened(path: &Path) -> io::Result<File> {
     }
 }
 
-/// Writes what is read; its SHA-256.
+/// Writes the input to the output and returns its SHA-256 sum.
 fn passed_on(mut from: impl Read, mut to: impl Write) -> io::Result<String> {
     let mut hash = Sha256::new();
     let mut buffer = vec![0; 1 << 16];

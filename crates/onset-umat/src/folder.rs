@@ -1,4 +1,4 @@
-//! Folders of a process's own: private, removed at its end, swept by the next one where it had no chance to do so.
+//! Temporary folders of a process: private, removed when it ends, or later by another process if it was killed.
 
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -6,14 +6,16 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use tempfile::TempDir;
 
-/// How often a place is tried where others make folders too.
+/// Number of attempts if other processes create folders at the same place.
 const TRIES: usize = 8;
 
-/// Folders, each with the process that made it.
+/// Existing folders, each with the process that created it.
 static OWN: Mutex<Vec<(u32, PathBuf)>> = Mutex::new(Vec::new());
 
-/// A folder with a name that nobody can guess, which its user alone can enter. It is removed with this value, or by
-/// [`end_all`](crate::end_all); what a killed process has left is removed by the next that makes one at the same place.
+/// Temporary folder with an unguessable name, accessible to its user only.
+///
+/// The folder is removed when this value is dropped, or by [`end_all`](crate::end_all). Folders left by killed processes are removed by the next
+/// process that creates one at the same place.
 ///
 /// ```
 /// use onset_umat::PrivateFolder;
@@ -27,17 +29,17 @@ static OWN: Mutex<Vec<(u32, PathBuf)>> = Mutex::new(Vec::new());
 #[derive(Debug)]
 pub struct PrivateFolder {
     folder: TempDir,
-    /// The process that made it; a fork of that one must not remove it.
+    /// Process that created the folder; a fork must not remove it.
     maker: u32,
-    /// Tells others, as long as this process lives, that the folder is in use. Where a file system knows no locks, nothing is swept.
+    /// Lock that marks the folder as used while this process lives. On a file system without locks, leftover folders remain.
     _lock: Option<File>,
 }
 
 impl PrivateFolder {
-    /// Makes a folder in another, with a name that begins in a way that is used for nothing else.
+    /// Creates a folder in `parent`; no other files there may start with `prefix`.
     ///
     /// # Errors
-    /// [`io::Error`] when it cannot be made.
+    /// [`io::Error`] if it cannot be created.
     pub fn new(parent: &Path, prefix: &str) -> io::Result<Self> {
         sweep(parent, prefix);
         for _ in 0..TRIES {
@@ -46,7 +48,7 @@ impl PrivateFolder {
             let is_taken = lock.as_ref().is_some_and(|lock| {
                 matches!(lock.try_lock_shared(), Err(TryLockError::WouldBlock))
             });
-            // Somebody who sweeps may have come between making and locking.
+            // Another process may have removed the folder before it was locked.
             if !is_taken && folder.path().is_dir() {
                 let maker = std::process::id();
                 own().push((maker, folder.path().to_owned()));
@@ -60,7 +62,7 @@ impl PrivateFolder {
         Err(io::Error::other("its folders are removed by somebody else"))
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         self.folder.path()
     }
@@ -91,18 +93,18 @@ fn made(parent: &Path, prefix: &str) -> io::Result<TempDir> {
     builder.tempdir_in(parent)
 }
 
-/// Removes all folders that this process has. Afterwards it can make none: this is for its end.
+/// Removes all folders of this process, which cannot create any afterwards; for the end of the process.
 pub(crate) fn remove_all() {
     let own = own();
     let maker = std::process::id();
     for (_, folder) in own.iter().filter(|(other, _)| *other == maker) {
-        // Whatever is left there is worth nothing.
+        // A failure is ignored: the content has no further use.
         drop(fs::remove_dir_all(folder));
     }
     std::mem::forget(own);
 }
 
-/// Removes the folders with a prefix that processes of the same user have left: those that nobody holds a lock on.
+/// Removes unlocked folders with the prefix that processes of the same user have left.
 fn sweep(parent: &Path, prefix: &str) {
     let Ok(entries) = fs::read_dir(parent) else {
         return;
@@ -115,14 +117,14 @@ fn sweep(parent: &Path, prefix: &str) {
                 continue;
             };
             if handle.try_lock().is_ok() {
-                // What cannot be removed does no harm. Links in it, or in its place, are removed, not followed.
+                // A failure is ignored. Links are removed and not followed.
                 drop(fs::remove_dir_all(&path));
             }
         }
     }
 }
 
-/// Whether a path is a folder, and no link to one, of the user whose process this is.
+/// Returns true if the path is a folder, not a link, of the user of this process.
 #[cfg(unix)]
 fn is_ours(path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;

@@ -1,15 +1,15 @@
-//! What is said between our process and the UMAT's: binary frames of known size, numbers in the machine's own order.
+//! Protocol between this process and the process of the UMAT: binary frames of known size in native byte order.
 //!
-//! 1. We send the setup: numbers of properties and state variables, limits of memory and of processor time, and the properties.
-//! 2. The host answers with a greeting: ready, or why not.
-//! 3. We send batches of paths of deformation gradients; the host answers with an outcome a path, in order, as each is done.
+//! 1. The parent sends the setup: numbers of properties and state variables, limits of memory and of processor time, and the properties.
+//! 2. The host replies with a greeting: ready, or the reason for a failure.
+//! 3. The parent sends batches of paths of deformation gradients; the host replies with one outcome per path, in order, as each is finished.
 
 use std::io::{self, Read};
 
-/// What opens a greeting.
+/// Magic number at the start of a greeting.
 pub const GREETING: u64 = u64::from_le_bytes(*b"onsetU02");
 
-/// How loading went.
+/// Result of loading the library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Loaded {
     Ready,
@@ -29,7 +29,7 @@ impl Loaded {
     }
 }
 
-/// How a path went.
+/// Result of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Passed {
     Done,
@@ -55,18 +55,18 @@ impl Passed {
     }
 }
 
-/// An outcome: how it went, in which increment it ended, and the numbers.
+/// Outcome of a path: its result, the increment in which it ended, and the numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reply {
     pub passed: Passed,
     pub increment: u32,
-    /// Which argument was written beyond its ends, by its place among [`crate::arguments::NAMES`].
+    /// Index in [`crate::arguments::NAMES`] of the argument that was written beyond its ends.
     pub argument: u32,
     /// `STRESS`, `DDSDDE` by columns, `SSE`, `SPD`, `SCD`, `PNEWDT`, `STATEV`.
     pub numbers: Vec<f64>,
 }
 
-/// Numbers of a reply before the state variables.
+/// Number of values in a reply before the state variables.
 pub const FIXED: usize = 6 + 36 + 4;
 
 impl Reply {
@@ -120,7 +120,7 @@ pub fn take_numbers(from: &mut impl Read, count: usize) -> io::Result<Vec<f64>> 
     Ok(words(&bytes).map(f64::from_bits).collect())
 }
 
-/// Something else than a frame.
+/// Error for input that is not a frame.
 pub fn nonsense() -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, "no frame")
 }

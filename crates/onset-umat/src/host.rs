@@ -1,6 +1,6 @@
-//! The process that the routine runs in: reads paths on standard input, which is a socket, and answers there.
+//! Process in which the routine runs.
 //!
-//! Standard output and error are the routine's own.
+//! It reads paths from standard input, which is a socket, and replies there. Standard output and standard error belong to the routine.
 
 use crate::frame::{self, GREETING, Loaded};
 use crate::process::FOLDER;
@@ -18,20 +18,20 @@ use std::os::unix::process::parent_id;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// How often the process looks whether anybody still wants it, should the end of its socket not tell.
+/// Interval at which the process checks for its parent, in case the closed socket is not reported.
 const WATCH: Timespec = Timespec {
     tv_sec: 1,
     tv_nsec: 0,
 };
 
-/// Serves until nobody asks any more.
+/// Serves until the parent process closes the connection.
 pub fn serve(library: &Path) -> ExitCode {
     if let Err(error) = end_without_parent() {
         eprintln!("error: {error}; this command is for onset itself");
         return ExitCode::from(2);
     }
     match answer(library) {
-        // Whoever asked is gone: nothing is left to do.
+        // The parent process has ended, and the host ends normally.
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => ExitCode::SUCCESS,
         Err(error) => {
@@ -41,22 +41,23 @@ pub fn serve(library: &Path) -> ExitCode {
     }
 }
 
-/// An endless loop in the routine, and what it has started, must not outlive the process that waits for it, however that one
-/// ended; nor must the folder that was made for it.
+/// Ends the process group and removes its folder once the parent process has ended.
+///
+/// An endless loop in the routine, or a process that it has started, must not outlive the parent.
 fn end_without_parent() -> io::Result<()> {
     let parent = parent_id();
     let socket = io::stdin().as_fd().try_clone_to_owned()?;
     let folder = std::env::current_dir()?;
     std::thread::spawn(move || {
         let is_closed = || {
-            // Nothing is waited for but that the other end is closed.
+            // Waits only for the other end to be closed.
             let mut watched = [PollFd::new(&socket, PollFlags::empty())];
             poll(&mut watched, Some(&WATCH)).is_ok_and(|ready| ready > 0)
         };
         while !is_closed() && parent_id() == parent {}
         let name = folder.file_name().unwrap_or_default();
         if name.as_encoded_bytes().starts_with(FOLDER.as_bytes()) {
-            // Whatever is left there is worth nothing.
+            // A failure is ignored: the content has no further use.
             drop(std::fs::remove_dir_all(&folder));
         }
         if getpgrp() == getpid() {
@@ -67,7 +68,7 @@ fn end_without_parent() -> io::Result<()> {
     Ok(())
 }
 
-/// Lets the routine take at most so many bytes of memory.
+/// Limits the memory of the routine to the given number of bytes.
 fn limit_memory(bytes: u64) -> io::Result<()> {
     let hard = getrlimit(Resource::As).maximum;
     let limit = Rlimit {
@@ -77,11 +78,11 @@ fn limit_memory(bytes: u64) -> io::Result<()> {
     Ok(setrlimit(Resource::As, limit)?)
 }
 
-/// Lets the routine, and each process that it starts, take at most so many seconds of processor time from now on.
+/// Limits the further processor time of the routine, and of each process that it starts, to the given number of seconds.
 fn limit_time(seconds: u64) -> io::Result<()> {
     let used = clock_gettime(ClockId::ProcessCPUTime).tv_sec.unsigned_abs();
     let hard = getrlimit(Resource::Cpu).maximum;
-    // The time that has been used is rounded down.
+    // The used time is rounded down.
     let until = used.saturating_add(seconds).saturating_add(1);
     let limit = Rlimit {
         current: Some(hard.map_or(until, |hard| hard.min(until))),
@@ -120,7 +121,7 @@ fn answer(library: &Path) -> io::Result<()> {
     loop {
         let paths = frame::take_size(&mut requests)?;
         let increments = frame::take_size(&mut requests)?;
-        // All is read before the first answer, so that neither side waits for the other to read.
+        // All input is read before the first reply, so that the two sides never wait for each other.
         let numbers = frame::take_numbers(&mut requests, 9 * paths * increments)?;
         let states: Vec<Matrix3<f64>> = numbers
             .chunks_exact(9)

@@ -1,24 +1,24 @@
-//! Increments of deformation as Abaqus hands them to a UMAT, and the path on which a state is reached.
+//! Increments of deformation as Abaqus passes them to a UMAT, and the path that leads to a state.
 
 use crate::error::UmatError;
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion};
 use onset::kinematics::DeformationGradient;
 
-/// An increment from one deformation gradient to the next, `dF = F_end F_start^-1 = dV dR`.
+/// Increment from one deformation gradient to the next, `dF = F_end F_start^-1 = dV dR`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Increment {
-    /// `DFGRD0`.
+    /// `DFGRD0`, the deformation gradient at the start.
     pub start: Matrix3<f64>,
-    /// `DFGRD1`.
+    /// `DFGRD1`, the deformation gradient at the end.
     pub end: Matrix3<f64>,
-    /// `DROT`: the rotation `dR`.
+    /// `DROT`, the rotation `dR`.
     pub rotation: Matrix3<f64>,
-    /// `DSTRAN`: the logarithmic strain `ln dV`, in the axes at the end of the increment; a tensor, without factor 2 on shear.
+    /// `DSTRAN`, the logarithmic strain `ln dV` in the axes at the end of the increment; a tensor, without factor 2 on shear.
     pub strain: Matrix3<f64>,
 }
 
 impl Increment {
-    /// The increment between two deformation gradients; `None` where they are not invertible.
+    /// Increment between two deformation gradients; `None` if they are not invertible.
     pub fn between(start: Matrix3<f64>, end: Matrix3<f64>) -> Option<Self> {
         let relative = end * start.try_inverse()?;
         let left = spectral(&(relative * relative.transpose()))?;
@@ -32,7 +32,7 @@ impl Increment {
     }
 }
 
-/// A symmetric tensor in its principal axes.
+/// Symmetric tensor in its principal axes.
 struct Spectral(SymmetricEigen<f64, nalgebra::U3>);
 
 fn spectral(tensor: &Matrix3<f64>) -> Option<Spectral> {
@@ -40,7 +40,7 @@ fn spectral(tensor: &Matrix3<f64>) -> Option<Spectral> {
 }
 
 impl Spectral {
-    /// The tensor with a function of the principal values.
+    /// Tensor with a function applied to the principal values.
     fn map(&self, function: impl Fn(f64) -> f64) -> Matrix3<f64> {
         let values = self.0.eigenvalues.map(function);
         let axes = &self.0.eigenvectors;
@@ -48,11 +48,12 @@ impl Spectral {
     }
 }
 
-/// The path from the identity to `F = R U` on which stretch and rotation grow in proportion:
-/// `F(t) = R^t U^t` at `t = 1/n, 2/n, ..., 1`, so that the logarithmic strain is `t ln U`. The last state is `F` exactly.
+/// Proportional path from the identity to `F = R U`, with `F(t) = R^t U^t` at `t = 1/n, 2/n, ..., 1`.
+///
+/// Stretch and rotation grow in proportion: the logarithmic strain is `t ln U`. The last state is exactly `F`.
 ///
 /// # Errors
-/// [`UmatError::Increments`] when `n` is zero.
+/// [`UmatError::Increments`] if `n` is zero.
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -123,7 +124,7 @@ mod tests {
         let mut turned: Matrix3<f64> = Matrix3::identity();
         for end in path {
             let increment = Increment::between(start, end).expect("invertible");
-            // Abaqus turns the strain along before it adds.
+            // Abaqus rotates the strain before it adds the increment.
             sum = increment.rotation * sum * increment.rotation.transpose() + increment.strain;
             turned = increment.rotation * turned;
             start = end;

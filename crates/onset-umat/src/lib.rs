@@ -1,15 +1,14 @@
-//! User materials with Abaqus's interface, `SUBROUTINE UMAT`, as materials of `onset`.
+//! User materials with the interface of Abaqus, `SUBROUTINE UMAT`, as materials of `onset`.
 //!
-//! A [`Umat`] is a shared library, its properties and its number of state variables. It implements
-//! [`Hyperelastic`](onset::material::Hyperelastic): a state `F` is reached from the identity in proportional increments
-//! ([`proportional_path`]), the Cauchy stress becomes `P`, and `DDSDDE` becomes `dP/dF` ([`Delivered::response`]).
+//! A [`Umat`] consists of a shared library, its properties and its number of state variables. It implements
+//! [`Hyperelastic`](onset::material::Hyperelastic): a state `F` is reached from the identity in proportional increments ([`proportional_path`]), the
+//! Cauchy stress is converted to `P`, and `DDSDDE` to `dP/dF` ([`Delivered::response`]).
 //!
-//! The routine runs in a process of its own, so that a crash, `STOP` or an endless loop in it is an error message and not our
-//! end. That process is the running program itself, when its `main` begins with [`serve_if_asked`].
+//! The routine runs in a separate process, so that a crash, `STOP` or an endless loop results in an error message. The process runs the current
+//! program itself, if its `main` begins with [`serve_if_asked`].
 //!
-//! Conventions are those of Abaqus/Standard in three dimensions: components in the order 11, 22, 33, 12, 13, 23, engineering
-//! shear strains, `DDSDDE` the Jaumann rate of the Kirchhoff stress over `J` per rate of deformation, stress and strain rotated
-//! by `DROT` before the call.
+//! Conventions are those of Abaqus/Standard in three dimensions: components in the order 11, 22, 33, 12, 13, 23; engineering shear strains; `DDSDDE`
+//! as the Jaumann rate of the Kirchhoff stress over `J` per rate of deformation; stress and strain rotated by `DROT` before the call.
 
 mod arguments;
 mod conversion;
@@ -41,14 +40,16 @@ pub use readable::{message, readable};
 pub use umat::{Outcome, Umat, UmatSettings};
 pub use voigt::{VOIGT, tensor_of_voigt, voigt_of_tensor};
 
-/// Ends all processes of routines, with all that they have started, and removes all private folders. For a process that is about
-/// to end where values are not dropped, as on a signal; it can run no routine afterwards.
+/// Ends all processes of routines with their children, and removes all private folders.
+///
+/// For a process that ends without dropping its values, as on a signal. It can run no routine afterwards.
 pub fn end_all() {
     #[cfg(unix)]
     process::end_all();
     folder::remove_all();
 }
 
-/// Fortran source of the routines that Abaqus offers to user subroutines (`SINV`, `SPRINC`, `SPRIND`, `ROTSIG`, `XIT`, ...),
-/// written for `onset`: to be compiled together with a UMAT that calls them.
+/// Fortran source of the routines that Abaqus offers to user subroutines (`SINV`, `SPRINC`, `SPRIND`, `ROTSIG`, `XIT`, ...).
+///
+/// Written for `onset`, to be compiled together with a UMAT that calls them.
 pub const UTILITIES: &str = include_str!("../fortran/abaqus_utilities.f90");

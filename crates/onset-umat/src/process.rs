@@ -1,4 +1,4 @@
-//! Our side of the process that the routine runs in.
+//! Parent side of the process in which the routine runs.
 
 use crate::error::UmatError;
 use crate::fingerprint::copied;
@@ -21,35 +21,35 @@ use std::sync::mpsc::{self, Receiver};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// How much of what a routine prints is kept: the last bytes.
+/// Number of bytes kept from the end of the routine's output.
 const KEPT: usize = 2000;
 
-/// How long a process that has closed its socket may take to end.
+/// Time allowed for a process to end after it has closed its socket.
 const PARTING: Duration = Duration::from_secs(2);
 
-/// A running process with a loaded library. Ends with this value.
+/// Running process with a loaded library, ended when this value is dropped.
 pub struct Process {
-    /// The process that started it; a fork of that one must leave it alone.
+    /// Process that started it; a fork must not use or end it.
     starter: u32,
     child: Child,
     socket: UnixStream,
-    /// What it has printed, once it has ended.
+    /// Output of the process, available after its end.
     output: Receiver<String>,
     limit: Duration,
     variables: usize,
     has_ended: bool,
     fingerprint: String,
-    /// For the copy of the library, and what the routine writes to files without a name (`fort.7`).
+    /// Folder for the copy of the library, and for files that the routine writes without a name (`fort.7`).
     folder: PrivateFolder,
 }
 
-/// How the names of the folders begin that routines run in.
+/// Prefix of the folders in which routines run.
 pub const FOLDER: &str = "onset-umat-";
 
-/// The library in such a folder.
+/// Name of the copied library in this folder.
 const COPY: &str = "library.so";
 
-/// Copies the library, and refuses another than that which is wanted; the sum of the copy.
+/// Copies the library and returns the checksum of the copy; an error if another one was expected.
 fn checked_copy(settings: &UmatSettings, copy: &Path) -> Result<String, UmatError> {
     let path = &settings.library;
     let found = copied(path, copy, settings.memory_limit).map_err(|error| UmatError::Load {
@@ -66,14 +66,14 @@ fn checked_copy(settings: &UmatSettings, copy: &Path) -> Result<String, UmatErro
     }
 }
 
-/// The groups of all processes of routines, each with the process that started it; their first process is still there.
+/// Process groups of all routines, each with the process that started it. The first process of each group still exists.
 static GROUPS: Mutex<Vec<(u32, Pid)>> = Mutex::new(Vec::new());
 
 fn groups() -> MutexGuard<'static, Vec<(u32, Pid)>> {
     GROUPS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Ends the processes of all routines with all that they have started. Afterwards none can be started.
+/// Ends the processes of all routines with their children. No routine can be started afterwards.
 pub fn end_all() {
     let groups = groups();
     let own = std::process::id();
@@ -90,11 +90,12 @@ impl Drop for Process {
 }
 
 impl Process {
-    /// Starts a process and loads the library there: a copy in the process's own folder, of which the sum is taken, so that what is
-    /// loaded is what was looked at, whatever becomes of the file.
+    /// Starts a process and loads the library in it.
+    ///
+    /// The process loads a copy in its private folder. The checksum belongs to this copy, even if the original file changes.
     ///
     /// # Errors
-    /// [`UmatError`] when the program cannot be started, or the library cannot be loaded.
+    /// [`UmatError`] if the program cannot be started, or the library cannot be loaded.
     pub fn start(settings: &UmatSettings) -> Result<Self, UmatError> {
         let program = settings.host.clone().map_or_else(program::host, Ok)?;
         let not_started = |error: io::Error| UmatError::NoProcess {
@@ -116,7 +117,7 @@ impl Process {
             .stdin(Stdio::from(OwnedFd::from(theirs)))
             .stdout(writer.try_clone().map_err(not_started)?)
             .stderr(writer)
-            // An interrupt at the terminal is for us; we end it, with all that it has started.
+            // An interrupt at the terminal reaches only this process, which then ends the group.
             .process_group(0)
             .spawn()
             .map_err(not_started)?;
@@ -156,7 +157,7 @@ impl Process {
         }
     }
 
-    /// Why the library cannot be loaded, in the system's words, which know the copy only.
+    /// Reason why the library cannot be loaded, from the system's message with the original path instead of the copy's.
     fn not_loaded(&self, settings: &UmatSettings, message: &str) -> UmatError {
         let path = std::path::absolute(&settings.library);
         let path = path.unwrap_or_else(|_| settings.library.clone());
@@ -170,7 +171,7 @@ impl Process {
         self.starter == std::process::id()
     }
 
-    /// The sum of the library.
+    /// Checksum of the library.
     pub fn fingerprint(&self) -> &str {
         &self.fingerprint
     }
@@ -191,10 +192,10 @@ impl Process {
         Ok((loaded, readable(&String::from_utf8_lossy(&text))))
     }
 
-    /// The replies at the ends of paths of equal length.
+    /// Computes the replies at the ends of paths of equal length.
     ///
     /// # Errors
-    /// [`UmatError::Ended`] and [`UmatError::Silent`], with the number of replies that came before; the process is then gone.
+    /// [`UmatError::Ended`] and [`UmatError::Silent`]; `replies` then holds the earlier replies, and the process is gone.
     pub fn follow(
         &mut self,
         paths: &[Vec<Matrix3<f64>>],
@@ -224,7 +225,7 @@ impl Process {
         Ok(())
     }
 
-    /// Ends the process and says what happened.
+    /// Ends the process and returns the reason for its failure.
     fn obituary(&mut self, error: &io::Error, state: Option<Matrix3<f64>>) -> UmatError {
         let state = state.map(Box::new);
         let is_silent = matches!(
@@ -253,7 +254,7 @@ impl Process {
         }
     }
 
-    /// Whether the process ends by itself. It is not yet waited for, so that its number stays that of its group.
+    /// Returns true if the process ends by itself. The process is not reaped yet, so that its number remains reserved for the group.
     fn parted(&self) -> bool {
         let pause = Duration::from_millis(5);
         let mut waited = Duration::ZERO;
@@ -269,20 +270,20 @@ impl Process {
         false
     }
 
-    /// Ends the process, if it has not ended, and all that it has started; how it ended.
+    /// Ends the process with its children, and returns its exit status if it was still running.
     fn end(&mut self) -> Option<ExitStatus> {
         if std::mem::replace(&mut self.has_ended, true) || !self.is_ours() {
             return None;
         }
         let group = Pid::from_child(&self.child);
-        // Those that have ended already cannot be killed, but must be waited for.
+        // Processes that have already ended cannot be killed, but must be reaped.
         let _ = kill_process_group(group, Signal::KILL);
         groups().retain(|(_, other)| *other != group);
         self.child.wait().ok()
     }
 }
 
-/// Reads what a process prints, so that it never waits for a reader, and tells the last of it when it has ended.
+/// Reads the output of a process continuously, so that it never blocks, and sends the last part after its end.
 fn last_words(mut reader: impl Read + Send + 'static) -> Receiver<String> {
     let (sender, receiver) = mpsc::channel();
     std::thread::spawn(move || {
@@ -301,7 +302,7 @@ fn last_words(mut reader: impl Read + Send + 'static) -> Receiver<String> {
             }
         }
         let bytes: Vec<u8> = kept.into();
-        // Nobody may be interested.
+        // The receiver may be gone.
         drop(sender.send(readable(&String::from_utf8_lossy(&bytes))));
     });
     receiver

@@ -1,22 +1,24 @@
-//! Which program the routine runs in.
+//! Choice of the program in which the routine runs.
 
 use crate::error::UmatError;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::OnceLock;
 
-/// The variable that names a program whose `main` begins with [`serve_if_asked`]; used before all else.
+/// Environment variable with a program whose `main` begins with [`serve_if_asked`]; it takes precedence.
 pub const HOST_VARIABLE: &str = "ONSET_UMAT_HOST";
 
-/// The first argument of a process that is to run a routine; the second says to people which library it is, the third is the copy that
-/// is loaded.
+/// First argument of a process that runs a routine.
+///
+/// The second argument shows the name of the library in process lists, and the third is the copy to load.
 pub(crate) const MODE: &str = "umat-host";
 
-/// The running program, when it can serve.
+/// Running program, if it can serve.
 static SELF: OnceLock<PathBuf> = OnceLock::new();
 
-/// Runs a UMAT for another process if this one was started for that, and returns how to end; otherwise notes that this program
-/// can be started for that. To be called first in `main`.
+/// Runs a UMAT if another process started this one for that purpose, and returns its exit code.
+///
+/// Otherwise records that this program can be started for it. Must be called first in `main`.
 pub fn serve_if_asked() -> Option<ExitCode> {
     let mut arguments = std::env::args_os().skip(1);
     if arguments.next().is_some_and(|mode| mode == MODE) {
@@ -40,7 +42,7 @@ fn serve(_library: &Path) -> ExitCode {
     ExitCode::from(2)
 }
 
-/// The program to start: the one that the variable names, the running one, or `onset` beside it or on the path.
+/// Program to start: from the variable, the running program, or `onset` in the same folder or on the path.
 pub(crate) fn host() -> Result<PathBuf, UmatError> {
     if let Some(named) = std::env::var_os(HOST_VARIABLE) {
         let named = PathBuf::from(named);

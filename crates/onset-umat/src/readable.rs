@@ -1,6 +1,6 @@
-//! Text of others, made fit for a terminal.
+//! Foreign text made safe for a terminal.
 
-/// A text without what terminals obey: escape sequences, and all control characters but line feed and tab.
+/// Removes escape sequences, and all control characters except line feed and tab.
 ///
 /// ```
 /// assert_eq!(onset_umat::readable("\u{1b}[2J\u{1b}[31mred\n"), "red\n");
@@ -11,15 +11,15 @@ pub fn readable(text: &str) -> String {
     while let Some(letter) = rest.next() {
         match letter {
             '\u{1b}' => {
-                // Letters between 0x20 and 0x2f only say which kind of sequence it is.
+                // Characters from 0x20 to 0x2f only specify the kind of sequence.
                 let kind = rest.find(|letter| !(' '..='/').contains(letter));
                 skip(kind, &mut rest);
             }
-            // The same introducers as one character.
+            // The same introducers as single characters.
             '\u{9b}' => skip(Some('['), &mut rest),
             '\u{90}' | '\u{98}' | '\u{9d}' | '\u{9e}' | '\u{9f}' => skip(Some(']'), &mut rest),
             '\n' | '\t' => kept.push(letter),
-            // Those that turn the direction of writing show a text as another one.
+            // Characters that change the writing direction could disguise a text.
             '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {}
             other if other.is_control() => {}
             other => kept.push(other),
@@ -28,11 +28,11 @@ pub fn readable(text: &str) -> String {
     kept
 }
 
-/// Most characters of a message, and how many of them belong to its end, where the hint is.
+/// Largest number of characters in a message, and the number kept at its end, which contains the hint.
 const MOST: usize = 2000;
 const END: usize = 500;
 
-/// A message made fit for a terminal and a log: [`readable`], and the middle of one with more than 2,000 characters left out.
+/// Message made safe for a terminal and a log by [`readable`], shortened in the middle if it exceeds 2,000 characters.
 ///
 /// ```
 /// let long = onset_umat::message(&"1".repeat(100_000));
@@ -50,17 +50,17 @@ pub fn message(text: &str) -> String {
     begin.chain(GAP.chars()).chain(end).collect()
 }
 
-/// Passes over the rest of a sequence of a kind.
+/// Skips the rest of a sequence of the given kind.
 fn skip(kind: Option<char>, rest: &mut std::iter::Peekable<std::str::Chars<'_>>) {
     match kind {
-        // A control sequence ends with a letter from @ to ~.
+        // A control sequence ends with a character from @ to ~.
         Some('[') => {
             while rest
                 .next_if(|letter| (' '..='?').contains(letter))
                 .is_some()
             {}
         }
-        // A string, such as the title of a window, ends with a bell or with a string terminator.
+        // A string, such as a window title, ends with a bell or a string terminator.
         Some(']' | 'P' | 'X' | '^' | '_') => {
             while let Some(letter) = rest.next() {
                 match letter {

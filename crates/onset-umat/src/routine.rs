@@ -1,4 +1,4 @@
-//! The routine itself: the only place where foreign code is called.
+//! The routine itself; foreign code is called only here.
 
 use crate::arguments::Arguments;
 use crate::frame::{Passed, Reply};
@@ -8,7 +8,7 @@ use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 use nalgebra::Matrix3;
 use std::path::Path;
 
-/// `SUBROUTINE UMAT` as Fortran compilers lay it out: every argument by reference, the length of `CMNAME` by value at the end.
+/// `SUBROUTINE UMAT` as compiled Fortran: every argument by reference, the length of `CMNAME` by value at the end.
 type UmatRoutine = unsafe extern "C" fn(
     stress: *mut f64,
     statev: *mut f64,
@@ -50,7 +50,7 @@ type UmatRoutine = unsafe extern "C" fn(
     cmname_length: usize,
 );
 
-/// `SUBROUTINE SDVINI`, which sets the first state variables.
+/// `SUBROUTINE SDVINI`, which sets the initial state variables.
 type SdviniRoutine = unsafe extern "C" fn(
     statev: *mut f64,
     coords: *const f64,
@@ -62,20 +62,20 @@ type SdviniRoutine = unsafe extern "C" fn(
     kspt: *const i32,
 );
 
-/// `CMNAME`: a name of 80 letters.
+/// `CMNAME`, a name of 80 characters.
 const NAME: [u8; 80] = {
     let mut name = [b' '; 80];
     (name[0], name[1], name[2], name[3], name[4]) = (b'O', b'N', b'S', b'E', b'T');
     name
 };
 
-/// Why there is no routine.
+/// Reason why the routine cannot be loaded.
 pub enum LoadError {
     Library(String),
     NoRoutine,
 }
 
-/// A loaded UMAT with its properties.
+/// Loaded UMAT with its properties.
 pub struct Routine {
     umat: UmatRoutine,
     sdvini: Option<SdviniRoutine>,
@@ -87,7 +87,7 @@ pub struct Routine {
     _library: Library,
 }
 
-/// A material point between increments.
+/// State of a material point between increments.
 struct Point {
     stress: [f64; 6],
     variables: Vec<f64>,
@@ -98,11 +98,11 @@ struct Point {
     factor: f64,
 }
 
-/// Which increment of how many.
+/// Number and duration of an increment.
 struct Step {
-    /// Counted from 1.
+    /// Number of the increment, from 1.
     number: i32,
-    /// The part of the whole time, 1, that it takes.
+    /// Duration as a fraction of the total time, 1.
     duration: f64,
 }
 
@@ -110,20 +110,20 @@ impl Routine {
     /// Loads a library.
     #[allow(unsafe_code)]
     pub fn load(path: &Path, properties: &[f64], variables: usize) -> Result<Self, LoadError> {
-        // Every routine that the library needs must be there now, not in the middle of a call.
+        // All routines that the library needs must be resolved now, and not during a call.
         let flags = RTLD_NOW | RTLD_LOCAL;
-        // SAFETY: loading runs the initializers of a library that the user named in order to run it; they may do anything, which
-        // is why this happens in a process that has nothing to lose.
+        // SAFETY: loading runs the initializers of a library that the user named for this purpose. They may do anything; this process is separate
+        // from the caller and holds no other data.
         let library = unsafe { Library::open(Some(path), flags) }
             .map_err(|error| LoadError::Library(error.to_string()))?;
         let umat = ["umat_", "umat", "UMAT"].iter().find_map(|name| {
-            // SAFETY: a symbol of this name is Abaqus's UMAT by the user's word; its signature is fixed by Abaqus's manual.
+            // SAFETY: the user declares that this symbol is a UMAT of Abaqus; its signature is fixed by the Abaqus manual.
             unsafe { library.get::<UmatRoutine>(name.as_bytes()) }
                 .ok()
                 .map(|symbol| *symbol)
         });
         let sdvini = ["sdvini_", "sdvini", "SDVINI"].iter().find_map(|name| {
-            // SAFETY: likewise for SDVINI.
+            // SAFETY: as above, for SDVINI.
             unsafe { library.get::<SdviniRoutine>(name.as_bytes()) }
                 .ok()
                 .map(|symbol| *symbol)
@@ -142,7 +142,7 @@ impl Routine {
         })
     }
 
-    /// The outcome at the end of a path from the identity.
+    /// Computes the outcome at the end of a path from the identity.
     pub fn follow(&self, path: &[Matrix3<f64>]) -> Reply {
         let mut point = Point {
             stress: [0.0; 6],
@@ -177,7 +177,7 @@ impl Routine {
         point.reply(Passed::Done, count)
     }
 
-    /// Lets SDVINI set the state variables of a point without history. An error is an argument that was written beyond its ends.
+    /// Calls SDVINI to set the state variables of a point without history. The error is the index of an argument that was overrun.
     #[allow(unsafe_code)]
     fn set_up(&self, point: &mut Point) -> Result<(), usize> {
         let Some(sdvini) = self.sdvini else {
@@ -187,8 +187,8 @@ impl Routine {
         let start = block.start();
         let at = |name: &str| start.wrapping_add(block.offset(name));
         let (three, one) = (3, 1);
-        // SAFETY: every pointer is to a live value or array of at least the size that SDVINI is told; those of numbers are into a
-        // block that is ours alone, with margins.
+        // SAFETY: every pointer refers to a live value or array of at least the size passed to SDVINI. Pointers to numbers refer to a block that is
+        // used only here, with margins.
         unsafe {
             sdvini(
                 at("STATEV"),
@@ -205,10 +205,10 @@ impl Routine {
         block.overrun().map_or(Ok(()), Err)
     }
 
-    /// One call. An error is an argument that was written beyond its ends.
+    /// Calls the UMAT once. The error is the index of an argument that was overrun.
     #[allow(unsafe_code)]
     fn call(&self, point: &mut Point, increment: &Increment, step: &Step) -> Result<(), usize> {
-        // Abaqus turns stress and strain along with the material before the call.
+        // Abaqus rotates stress and strain with the material before the call.
         let turn =
             |tensor: Matrix3<f64>| increment.rotation * tensor * increment.rotation.transpose();
         if step.number > 1 {
@@ -218,8 +218,8 @@ impl Routine {
         let strain_increment = strain_like(&increment.strain);
         let start = f64::from(step.number - 1) * step.duration;
         let [sse, spd, scd] = point.energies;
-        // Matrices by columns, as Fortran's. A PNEWDT of more than 1 means that there is no wish. Filled anew for every call, so
-        // that nothing that the routine writes to what it should only read is there at the next.
+        // Matrices are stored by columns, as in Fortran. A PNEWDT above 1 means no request. The block is filled anew for every call, so that changes
+        // of input arguments by the routine do not persist.
         let mut block = Arguments::of(&[
             ("STRESS", &point.stress),
             ("STATEV", &point.variables),
@@ -252,9 +252,9 @@ impl Routine {
         // Step 1, a static procedure, with large deformations, not a perturbation.
         let procedure = [1, 1, 1, 0];
         let (one, three, six) = (1, 3, 6);
-        // SAFETY: every pointer is to a live value or array of at least the size that Abaqus's manual gives for it; those of
-        // numbers are into a block that is ours alone, with margins. A UMAT that goes further can spoil this process, which holds
-        // nothing but this material.
+        // SAFETY: every pointer refers to a live value or array of at least the size that the Abaqus manual specifies. Pointers to numbers refer to a
+        // block that is used only here, with margins. A UMAT that writes further can corrupt this process only, which holds nothing but this
+        // material.
         unsafe {
             (self.umat)(
                 at("STRESS"),

@@ -1,4 +1,4 @@
-//! A user material as a material of `onset`.
+//! User material as a material of `onset`.
 
 use crate::arguments::NAMES;
 use crate::conversion::Delivered;
@@ -13,32 +13,33 @@ use onset::plasticity::IncrementalLaw;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// What a user material is made of.
+/// Settings of a user material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UmatSettings {
-    /// The shared library that holds `umat_`. A copy of it is loaded: libraries beside it are found by absolute paths or
-    /// `LD_LIBRARY_PATH`, not by `$ORIGIN`.
+    /// Shared library that contains `umat_`.
+    ///
+    /// A copy is loaded, which finds other libraries by absolute paths or `LD_LIBRARY_PATH`, not by `$ORIGIN`.
     pub library: PathBuf,
-    /// `PROPS`, in the routine's own units.
+    /// `PROPS`, in the units of the routine.
     pub properties: Vec<f64>,
-    /// `NSTATV`: state variables, which are zero at first unless the library holds `sdvini_`.
+    /// `NSTATV`, the number of state variables. They start at zero unless the library contains `sdvini_`.
     pub state_variables: usize,
-    /// Increments in which a state is reached from the identity.
+    /// Number of increments from the identity to a state.
     pub increments: u32,
-    /// How long a state may take, all its increments together.
+    /// Time limit for a state with all its increments.
     pub time_limit: Duration,
-    /// How much memory the process of the routine may take, in bytes: its address space, which libraries that it loads share.
+    /// Memory limit for the process of the routine, in bytes of address space, including loaded libraries.
     pub memory_limit: u64,
-    /// The SHA-256 that the library must have (see [`fingerprint`](crate::fingerprint())); the one that it has at first when none is
-    /// named.
+    /// Required SHA-256 sum of the library (see [`fingerprint`](crate::fingerprint())); `None` for the library present at the start.
     pub fingerprint: Option<String>,
-    /// The program whose `main` begins with [`serve_if_asked`](crate::serve_if_asked), to run the routine in. When none is named:
-    /// the one in the variable `ONSET_UMAT_HOST`, the running one, or `onset` beside it or on the path.
+    /// Program whose `main` begins with [`serve_if_asked`](crate::serve_if_asked), in which the routine runs.
+    ///
+    /// `None` for the program in the variable `ONSET_UMAT_HOST`, the running program, or `onset` in the same folder or on the path.
     pub host: Option<PathBuf>,
 }
 
 impl UmatSettings {
-    /// A library with properties, without state variables, in one increment, at most 10 s a state and 4 GiB.
+    /// Settings with the given properties, no state variables, one increment, and limits of 10 s per state and 4 GiB.
     pub fn new(library: impl Into<PathBuf>, properties: &[f64]) -> Self {
         Self {
             library: library.into(),
@@ -53,28 +54,29 @@ impl UmatSettings {
     }
 }
 
-/// What a UMAT says at the end of a path.
+/// Output of a UMAT at the end of a path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// Stress, tangent and strain energy.
     pub delivered: Delivered,
-    /// `SPD`, plastic dissipation.
+    /// `SPD`, the plastic dissipation.
     pub plastic_dissipation: f64,
-    /// `SCD`, creep dissipation.
+    /// `SCD`, the creep dissipation.
     pub creep_dissipation: f64,
-    /// `STATEV`.
+    /// `STATEV`, the state variables.
     pub state_variables: Vec<f64>,
 }
 
-/// A user material. Each thread that asks at the same time has a process of its own, since a routine may keep things in
-/// variables that threads would share.
+/// User material.
+///
+/// Concurrent threads use separate processes, since a routine may store data in variables that threads would share.
 pub struct Umat {
     settings: UmatSettings,
     #[cfg(unix)]
     idle: std::sync::Mutex<Vec<crate::process::Process>>,
 }
 
-/// Paths that are handed over at once; small enough for the answers to fit into what the system buffers.
+/// Number of paths sent in one batch; small enough for the replies to fit into the system's buffers.
 #[cfg(unix)]
 const BATCH: usize = 64;
 
@@ -82,7 +84,7 @@ impl Umat {
     /// Loads a library.
     ///
     /// # Errors
-    /// [`UmatError`] when there is no such library, it cannot be loaded, or it holds no UMAT.
+    /// [`UmatError`] if the library does not exist, cannot be loaded, or contains no UMAT.
     #[cfg(unix)]
     pub fn new(settings: UmatSettings) -> Result<Self, UmatError> {
         if !settings.library.is_file() {
@@ -94,7 +96,7 @@ impl Umat {
             return Err(UmatError::Increments { increments: 0 });
         }
         let first = crate::process::Process::start(&settings)?;
-        // Every other process must run the same library.
+        // Every further process must run the same library.
         let settings = UmatSettings {
             fingerprint: Some(first.fingerprint().to_owned()),
             ..settings
@@ -105,7 +107,7 @@ impl Umat {
         })
     }
 
-    /// Not on this system.
+    /// Unsupported on this system.
     ///
     /// # Errors
     /// [`UmatError::Platform`], always.
@@ -114,34 +116,33 @@ impl Umat {
         Err(UmatError::Platform)
     }
 
-    /// What it is made of.
+    /// Settings of the material.
     pub fn settings(&self) -> &UmatSettings {
         &self.settings
     }
 
-    /// The path on which it reaches a state.
+    /// Path from the identity to a state.
     ///
     /// # Errors
-    /// [`UmatError::Increments`] when the state has no logarithmic strain.
+    /// [`UmatError::Increments`] if the state has no logarithmic strain.
     pub fn path(&self, f: &DeformationGradient) -> Result<Vec<Matrix3<f64>>, UmatError> {
         proportional_path(f, self.settings.increments)
     }
 
-    /// The outcome at the end of a path of deformation gradients that starts, one increment before its first one, from the
-    /// identity.
+    /// Outcome at the end of a path of deformation gradients, whose first increment starts at the identity.
     ///
     /// # Errors
-    /// [`UmatError`] when the routine or its process fails.
+    /// [`UmatError`] if the routine or its process fails.
     pub fn along(&self, path: Vec<Matrix3<f64>>) -> Result<Outcome, UmatError> {
         self.along_all(&[path])
             .pop()
             .unwrap_or(Err(UmatError::Increments { increments: 0 }))
     }
 
-    /// The outcomes at the ends of paths of equal length, several times faster than one by one.
+    /// Outcomes at the ends of paths of equal length, several times faster than single calls.
     ///
     /// # Errors
-    /// For each path as for [`Umat::along`]; a path on which the process ends does not keep the others from being followed.
+    /// For each path as for [`Umat::along`]; if the process ends on one path, the others are still followed.
     #[cfg(unix)]
     pub fn along_all(&self, paths: &[Vec<Matrix3<f64>>]) -> Vec<Result<Outcome, UmatError>> {
         let mut outcomes = Vec::with_capacity(paths.len());
@@ -151,11 +152,12 @@ impl Umat {
         outcomes
     }
 
-    /// The outcomes at the ends of paths of equal length when all are needed: after a failure nothing more is asked, so that an
-    /// endless loop in the routine costs its time limit once.
+    /// Outcomes at the ends of paths of equal length, if all of them are needed.
+    ///
+    /// Stops at the first failure, so that an endless loop in the routine costs its time limit only once.
     ///
     /// # Errors
-    /// The first that [`Umat::along_all`] has.
+    /// The first error of [`Umat::along_all`].
     #[cfg(unix)]
     pub fn along_every(&self, paths: &[Vec<Matrix3<f64>>]) -> Result<Vec<Outcome>, UmatError> {
         let mut outcomes = Vec::with_capacity(paths.len());
@@ -167,7 +169,7 @@ impl Umat {
         Ok(outcomes)
     }
 
-    /// Outcomes on the first of some paths, up to a failure of the process; one at least.
+    /// Outcomes of the first paths, up to a failure of the process; at least one.
     #[cfg(unix)]
     fn batch(&self, paths: &[Vec<Matrix3<f64>>]) -> Vec<Result<Outcome, UmatError>> {
         let batch = &paths[..paths.len().min(BATCH)];
@@ -180,7 +182,7 @@ impl Umat {
             .collect()
     }
 
-    /// Not on this system.
+    /// Unsupported on this system.
     ///
     /// # Errors
     /// [`UmatError::Platform`], always.
@@ -189,13 +191,13 @@ impl Umat {
         Err(UmatError::Platform)
     }
 
-    /// Not on this system.
+    /// Unsupported on this system.
     #[cfg(not(unix))]
     pub fn along_all(&self, paths: &[Vec<Matrix3<f64>>]) -> Vec<Result<Outcome, UmatError>> {
         paths.iter().map(|_| Err(UmatError::Platform)).collect()
     }
 
-    /// Asks an idle process, or a new one; one that has failed is not asked again.
+    /// Evaluates paths in an idle or new process; a process that has failed is not used again.
     #[cfg(unix)]
     fn ask(&self, paths: &[Vec<Matrix3<f64>>], replies: &mut Vec<Reply>) -> Result<(), UmatError> {
         let idle = || {
@@ -213,7 +215,7 @@ impl Umat {
             None => crate::process::Process::start(&self.settings)?,
         };
         process.follow(paths, replies)?;
-        // One that has written where it should not may have spoiled more.
+        // A process with an overrun may be corrupted further, and is not used again.
         if replies.iter().all(|reply| reply.passed != Passed::Overrun) {
             idle().push(process);
         }
@@ -268,7 +270,7 @@ impl Umat {
     }
 }
 
-/// The array and the index of a number in a reply.
+/// Name of the array, and index, of a number in a reply.
 fn place(at: usize) -> String {
     match at {
         0..6 => {
@@ -285,8 +287,10 @@ fn place(at: usize) -> String {
 }
 
 impl Hyperelastic for Umat {
-    /// What a routine delivers is the tangent of its last increment, of flow that goes on or of a step of the algorithm: neither is the derivative of the stress by
-    /// the end of the path, on which a routine that flows depends.
+    /// A user material counts as path-dependent.
+    ///
+    /// `DDSDDE` is the tangent of the last increment, for continued flow or an algorithmic step. It is not the derivative of the stress with respect
+    /// to the end of the path, on which the stress of a plastic routine depends.
     fn is_path_dependent(&self) -> bool {
         true
     }

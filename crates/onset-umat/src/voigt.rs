@@ -1,45 +1,44 @@
-//! Abaqus's order of the components of symmetric tensors.
+//! Component order of symmetric tensors in Abaqus.
 
 use nalgebra::{Matrix3, Matrix6, Vector6};
 use onset::material::FourthOrder;
 
-/// The pairs of indices in Abaqus/Standard's order: 11, 22, 33, 12, 13, 23.
+/// Index pairs in the order of Abaqus/Standard: 11, 22, 33, 12, 13, 23.
 pub const VOIGT: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
 
-/// Where the pair `(i, j)` stands.
+/// Position of the pair `(i, j)` in this order.
 fn place(i: usize, j: usize) -> usize {
     if i == j { i } else { i + j + 2 }
 }
 
-/// The symmetric tensor with stress-like components (no factor 2 on shear).
+/// Symmetric tensor from stress-like components (no factor 2 on shear).
 pub(crate) fn symmetric(components: &[f64]) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| components[place(i, j)])
 }
 
-/// Stress-like components of a tensor: those with `i <= j`.
+/// Stress-like components of a tensor: its components with `i <= j`.
 pub(crate) fn stress_like(tensor: &Matrix3<f64>) -> Vector6<f64> {
     Vector6::from_fn(|a, _| tensor[VOIGT[a]])
 }
 
-/// Strain-like components of a symmetric tensor: engineering shear, twice the tensor's.
+/// Strain-like components of a symmetric tensor: engineering shear, twice the tensor component.
 pub(crate) fn strain_like(tensor: &Matrix3<f64>) -> Vector6<f64> {
     Vector6::from_fn(|a, _| tensor[VOIGT[a]] * if a < 3 { 1.0 } else { 2.0 })
 }
 
-/// The symmetric tensor with strain-like components.
+/// Symmetric tensor from strain-like components.
 pub(crate) fn strain(components: &[f64]) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| components[place(i, j)] * if i == j { 1.0 } else { 0.5 })
 }
 
-/// The tensor `T_ijkl` with the components of a matrix that maps engineering strains to stresses.
+/// Tensor `T_ijkl` from a matrix that maps engineering strains to stresses.
 ///
-/// Since an engineering shear holds both `kl` and `lk`, the components of the matrix are those of the tensor.
+/// An engineering shear contains both `kl` and `lk`, so that the components of the matrix equal the components of the tensor.
 pub fn tensor_of_voigt(matrix: &Matrix6<f64>) -> FourthOrder {
     FourthOrder::from_fn(|i, j, k, l| matrix[(place(i, j), place(k, l))])
 }
 
-/// The matrix of the components `T_ijkl` with `i <= j`, `k <= l`; the inverse of [`tensor_of_voigt`] for tensors with
-/// both minor symmetries.
+/// Matrix of the components `T_ijkl` with `i <= j`, `k <= l`; the inverse of [`tensor_of_voigt`] for tensors with both minor symmetries.
 pub fn voigt_of_tensor(tensor: &FourthOrder) -> Matrix6<f64> {
     Matrix6::from_fn(|a, b| {
         let ((i, j), (k, l)) = (VOIGT[a], VOIGT[b]);

@@ -1,5 +1,6 @@
-//! A process for UMATs without the rest of `onset`: for programs that use the crate but cannot serve themselves. The variable
-//! `ONSET_UMAT_HOST` names it.
+//! Process for UMATs without the rest of `onset`, for programs that use the crate but cannot serve themselves.
+//!
+//! It is selected by the variable `ONSET_UMAT_HOST`.
 
 use std::process::ExitCode;
 
