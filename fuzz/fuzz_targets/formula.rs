@@ -1,7 +1,8 @@
-//! Any text: read as a formula, given values, evaluated with floating point, jets and intervals. Nothing may panic, and the
-//! value must lie within its enclosure.
+//! Fuzzing of formulas: any text is parsed, given parameter values, and evaluated with floating point, jets and intervals.
 //!
-//! `cargo +nightly fuzz run formula`, with `fuzz/corpus/formula` as the start and `fuzz/formula.dict` as the words.
+//! Nothing may panic, and the value must lie within its enclosure.
+//!
+//! `cargo +nightly fuzz run formula` starts from `fuzz/corpus/formula` and uses the dictionary `fuzz/formula.dict`.
 
 #![no_main]
 
@@ -36,7 +37,7 @@ fuzz_target!(|text: &str| {
     let _ = law.plane_tangent(&f);
     let bounds = law.enclosure(&point);
     assert!(bounds.energy.low <= bounds.energy.high);
-    // The bounds hold the exact value; what rounding makes of it they need not.
+    // The bounds contain the exact value, but not necessarily the rounded one.
     if let Ok(response) = law.response(&f) {
         assert_eq!(response.energy.is_nan(), energy.is_nan());
     }

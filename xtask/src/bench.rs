@@ -1,4 +1,4 @@
-//! Benchmarks: our own, and the same work by what a user would write in Python.
+//! Benchmarks of this program, and of the same work in user-level Python.
 
 use crate::python;
 use crate::verify::lammps;
@@ -6,10 +6,11 @@ use std::path::Path;
 use std::process::Command;
 
 /// Runs the criterion benches, checks the peers against the command, and compares states per second and minima.
-/// A full run writes `bench/README.md`, `bench/waiting.md` and `bench/bodies.md`, a quick one trials in `target/bench/`.
+///
+/// A full run writes `bench/README.md`, `bench/waiting.md` and `bench/bodies.md`; a quick one writes trials to `target/bench/`.
 ///
 /// # Errors
-/// What failed, in words.
+/// Description of the failure.
 pub fn run(quick: bool) -> Result<(), String> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let interpreter = python::environment("peers", Path::new("bench/requirements.txt"))?;
@@ -29,7 +30,7 @@ pub fn run(quick: bool) -> Result<(), String> {
     let onset = current.join(target).join("release/onset");
     waiting(&interpreter, &onset, quick)?;
     bodies(&cargo, &interpreter, quick)?;
-    // Built before it is timed.
+    // Compiled before it is timed.
     step(
         "the map",
         Command::new(&cargo).args([
@@ -57,7 +58,7 @@ pub fn run(quick: bool) -> Result<(), String> {
     )
 }
 
-/// A comparison that writes a table: in `bench/`, or for a trial, which is quick, in `target/bench/`.
+/// Adds the path of the output table: in `bench/`, or in `target/bench/` for a quick run.
 fn into<'a>(compare: &'a mut Command, quick: bool, table: &str) -> Result<&'a mut Command, String> {
     let folder = Path::new(if quick { "target/bench" } else { "bench" });
     std::fs::create_dir_all(folder)
@@ -70,7 +71,7 @@ fn into<'a>(compare: &'a mut Command, quick: bool, table: &str) -> Result<&'a mu
     })
 }
 
-/// How long commands take, small and large.
+/// Times small and large commands.
 fn waiting(interpreter: &Path, onset: &Path, quick: bool) -> Result<(), String> {
     let mut waiting = Command::new(interpreter);
     waiting.arg("bench/waiting.py").arg("--onset").arg(onset);
@@ -80,7 +81,7 @@ fn waiting(interpreter: &Path, onset: &Path, quick: bool) -> Result<(), String> 
     )
 }
 
-/// Steps of a body here and in LAMMPS, where that can be had.
+/// Compares time steps of a body with LAMMPS, if it is available.
 fn bodies(cargo: &str, interpreter: &Path, quick: bool) -> Result<(), String> {
     let lammps = match lammps() {
         Ok(program) => program,

@@ -1,4 +1,4 @@
-//! The book: built with mdBook, its formulas rendered, its links checked, and nothing of it asked of another server.
+//! The book: built with mdBook, with rendered formulas and checked links, and without content from other servers.
 
 use crate::npm::packages;
 use crate::python::succeed;
@@ -6,15 +6,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Where its sources are, and where it is built.
+/// Folder of the sources, and folder of the built book.
 const FOLDER: &str = "book";
 const BUILT: &str = "target/book";
-/// The version of mdBook, and where it is installed unless there is one.
+/// Version of mdBook, and the folder where it is installed if missing.
 const VERSION: &str = "0.5.4";
 const TOOLS: &str = "target/tools";
-/// The letters of the formulas that no font of a machine has.
+/// Font with the glyphs for formulas that system fonts lack.
 const FONT: &str = "node_modules/temml/dist/Temml.woff2";
-/// Pages beside the book whose links lead into the repository.
+/// Pages outside the book whose links refer to files of the repository.
 const BESIDE: [&str; 6] = [
     "README.md",
     "CONTRIBUTING.md",
@@ -27,18 +27,20 @@ const BESIDE: [&str; 6] = [
 /// Builds the book into `target/book`, and checks it.
 ///
 /// # Errors
-/// What failed, in words.
+/// Description of the failure.
 pub fn run() -> Result<(), String> {
     build(&tools()?)?;
     println!("{BUILT}/index.html");
     Ok(())
 }
 
-/// Sees to what the book is built with: the packages for its formulas, and mdBook, which is the one that the variable `ONSET_MDBOOK` names, the
-/// one on the path, or one that is installed into `target/tools`, without the parts that serve and watch.
+/// Prepares the tools for building the book: the packages for its formulas, and mdBook.
+///
+/// The path of mdBook is given by the variable `ONSET_MDBOOK`; otherwise it is found on the path, or installed into `target/tools` without the
+/// features `serve` and `watch`.
 ///
 /// # Errors
-/// What cannot be had, in words.
+/// Description of the missing tool.
 pub fn tools() -> Result<PathBuf, String> {
     packages(Path::new(FOLDER))?;
     if let Some(named) = std::env::var_os("ONSET_MDBOOK") {
@@ -57,7 +59,7 @@ pub fn tools() -> Result<PathBuf, String> {
         Command::new(cargo)
             .args(["install", "mdbook", "--locked", "--no-default-features"])
             .args(["--version", VERSION, "--root", TOOLS])
-            // It builds one book: what matters is how soon it is there.
+            // It builds a single book, so that a short compilation matters more than its speed.
             .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "0")
             .env("CARGO_PROFILE_RELEASE_LTO", "off")
             .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16"),
@@ -65,7 +67,7 @@ pub fn tools() -> Result<PathBuf, String> {
     Ok(own)
 }
 
-/// What a program tells of its version.
+/// Version printed by a program.
 fn version(program: &Path) -> Option<String> {
     let output = Command::new(program)
         .arg("--version")
@@ -78,10 +80,10 @@ fn version(program: &Path) -> Option<String> {
 /// Builds the book and checks its links.
 ///
 /// # Errors
-/// What failed, and all links that lead nowhere.
+/// Description of the failure, and all broken links.
 pub fn build(mdbook: &Path) -> Result<(), String> {
     eprintln!("== the book: mdbook build");
-    // What an earlier build has left must not stand for what this one makes.
+    // Files of an earlier build must not hide missing files.
     let _ = std::fs::remove_dir_all(BUILT);
     succeed(Command::new(mdbook).args(["build", FOLDER]))?;
     let font = Path::new(BUILT).join(FONT);
@@ -97,7 +99,7 @@ pub fn build(mdbook: &Path) -> Result<(), String> {
     }
 }
 
-/// A page as a browser reads it: what it can be entered at, where its links lead, and what it loads.
+/// HTML page: its anchors, its links, and the resources that it loads.
 #[derive(Default)]
 struct Page {
     places: BTreeSet<String>,
@@ -121,7 +123,7 @@ impl Page {
     }
 }
 
-/// The tags of a page, without their brackets; what stands in scripts is none.
+/// Tags of a page, without their brackets; the content of scripts is skipped.
 fn tags(html: &str) -> impl Iterator<Item = &str> {
     let mut rest = html;
     std::iter::from_fn(move || {
@@ -136,21 +138,21 @@ fn tags(html: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// An attribute of a tag.
+/// Value of an attribute of a tag.
 fn attribute(tag: &str, name: &str) -> Option<String> {
     let (_, value) = tag.split_once(&format!(" {name}=\""))?;
     let value = value.split('"').next()?;
     Some(value.replace("&amp;", "&"))
 }
 
-/// Whether an address is that of another server, or of no file at all.
+/// Returns true if an address refers to another server, or to no file.
 fn is_elsewhere(address: &str) -> bool {
     ["http:", "https:", "//", "mailto:", "data:"]
         .iter()
         .any(|start| address.starts_with(start))
 }
 
-/// The links of a built book that lead nowhere, and what it would load from another server.
+/// Broken links of a built book, and resources on other servers.
 fn wrong_in_book(folder: &Path) -> Result<Vec<String>, String> {
     let mut pages = BTreeMap::new();
     for file in files(folder)? {
@@ -167,7 +169,7 @@ fn wrong_in_book(folder: &Path) -> Result<Vec<String>, String> {
                 wrong.push(format!("{own}: {address} is loaded from another server"));
             }
         }
-        // The page of what is not there has the address of whatever is not there.
+        // The 404 page has no fixed address, so that its relative links cannot be checked.
         let is_lost = file.ends_with("404.html");
         let all = page.links.iter().chain(&page.loaded);
         for address in all.filter(|address| !is_elsewhere(address) && !is_lost) {
@@ -179,7 +181,7 @@ fn wrong_in_book(folder: &Path) -> Result<Vec<String>, String> {
     Ok(wrong)
 }
 
-/// Why a link of a page leads nowhere, if it does.
+/// Reason why a link is broken; `None` for a valid link.
 fn leads_nowhere(
     file: &Path,
     address: &str,
@@ -199,7 +201,7 @@ fn leads_nowhere(
     }
 }
 
-/// The links of a Markdown page that lead to no file of the repository.
+/// Links of a Markdown page to missing files of the repository.
 fn wrong_in_page(page: &Path) -> Result<Vec<String>, String> {
     let text = text(page)?;
     let links = text.split("](").skip(1);
@@ -213,7 +215,7 @@ fn wrong_in_page(page: &Path) -> Result<Vec<String>, String> {
         .collect())
 }
 
-/// A path that is named in a file.
+/// Path of a file that is referenced in another file.
 fn beside(file: &Path, path: &str) -> PathBuf {
     let mut place = file.parent().map(Path::to_owned).unwrap_or_default();
     for part in Path::new(path).components() {
@@ -228,7 +230,7 @@ fn beside(file: &Path, path: &str) -> PathBuf {
     place
 }
 
-/// All files of a folder and those in it.
+/// All files of a folder and its subfolders.
 fn files(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let told = |error: std::io::Error| format!("{}: {error}", folder.display());
     let mut found = Vec::new();

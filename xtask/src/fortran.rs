@@ -1,28 +1,29 @@
-//! A Fortran compiler for the tests that run user materials.
+//! Fortran compiler for the tests of user materials.
 
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
-/// Ways to get a compiler, tried in order: a program and its arguments.
+/// Commands that install a compiler, tried in order.
 const INSTALLATIONS: &[&[&str]] = &[
     &["apt-get", "install", "--yes", "gfortran"],
-    // Where the lists of packages have been removed or are old.
+    // For machines with missing or outdated package lists.
     &[
         "sh",
         "-c",
         "apt-get update && apt-get install --yes gfortran",
     ],
-    // Without a password, as on machines of continuous integration.
+    // Without a password prompt, as on machines of continuous integration.
     &["sudo", "-n", "apt-get", "install", "--yes", "gfortran"],
     &["dnf", "install", "--assumeyes", "gcc-gfortran"],
     &["brew", "install", "gcc"],
 ];
 
-/// The compiler that the variable `ONSET_FORTRAN` or `FC` names, or `gfortran`, which is installed where it is missing and this
-/// is possible without asking.
+/// Compiler named by the variable `ONSET_FORTRAN` or `FC`, or `gfortran`.
+///
+/// Installs `gfortran` if it is missing and the installation needs no confirmation.
 ///
 /// # Errors
-/// What to do, in words, when there is none and none can be installed.
+/// Instructions for the user, if no compiler exists and none can be installed.
 pub fn compiler() -> Result<PathBuf, String> {
     let named = ["ONSET_FORTRAN", "FC"]
         .into_iter()
@@ -61,7 +62,7 @@ pub fn compiler() -> Result<PathBuf, String> {
     )
 }
 
-/// Whether a program starts and tells its version.
+/// Returns true if a program starts and prints its version.
 fn answers(program: &PathBuf) -> bool {
     Command::new(program)
         .arg("--version")

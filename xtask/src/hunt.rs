@@ -1,18 +1,18 @@
-//! Standing checks at any length: tests that draw their cases at random take the seed and the number of cases from here.
+//! Randomized tests of any length; this task sets their seed and their number of cases.
 
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-/// A standing check: a test that reads `ONSET_SEED` and `ONSET_CASES`.
+/// Randomized test that reads `ONSET_SEED` and `ONSET_CASES`.
 struct Subject {
     name: &'static str,
-    /// What must hold.
+    /// Tested property.
     claim: &'static str,
     package: &'static str,
-    /// The test program, and which of its tests.
+    /// Test program, and name of the test.
     program: &'static str,
     test: &'static str,
-    /// The cases of one round, where none are asked for.
+    /// Default number of cases in a round.
     cases: u64,
 }
 
@@ -123,7 +123,7 @@ const SUBJECTS: &[Subject] = &[
     },
 ];
 
-/// Runs one standing check, or all of them, in rounds with one seed after the other.
+/// Runs one randomized test, or all of them, in rounds with successive seeds.
 pub fn run(arguments: &[String]) -> Result<(), String> {
     let hunt = Hunt::new(arguments)?;
     let start = Instant::now();
@@ -142,9 +142,9 @@ struct Hunt {
     subjects: Vec<&'static Subject>,
     seed: u64,
     cases: Option<u64>,
-    /// A round that begins before this has passed is finished.
+    /// Time after which no further round starts.
     time: Duration,
-    /// With all optimization: what takes long to compile pays from some minutes on.
+    /// Whether to compile with full optimization, which pays off after a few minutes.
     release: bool,
 }
 

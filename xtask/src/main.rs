@@ -18,10 +18,10 @@ mod wheel;
 use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
 
-/// A step of a task: what it is for, and its arguments to cargo.
+/// Step of a task: its purpose, and the arguments of cargo.
 type Step = (&'static str, &'static [&'static str]);
 
-/// All that must hold before a change lands.
+/// Checks that must pass before a change is accepted.
 const TEST: &[Step] = &[
     ("formatting", &["fmt", "--all", "--check"]),
     (
@@ -59,7 +59,7 @@ const TESTS_WITHOUT_FORTRAN: &[&str] = &[
     "audit::",
 ];
 
-/// The figures that README and book show.
+/// Figures in README and book.
 const FIGURES: &[Step] = &[
     (
         "figures",
@@ -123,8 +123,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// All that must hold, with an interpreter for the tests that open results in Python, a compiler for those that run user
-/// materials in Fortran, and LAMMPS for those that see predicted waves in it.
+/// Runs all checks, with an interpreter for the tests that open results in Python, a Fortran compiler for the tests of user materials, and LAMMPS for
+/// the verification of predicted waves.
 fn test() -> bool {
     let requirements = Path::new("crates/onset-cli/tests/python/requirements.txt");
     let interpreter = match python::environment("test", requirements) {
@@ -150,7 +150,7 @@ fn test() -> bool {
     let tools: Vec<(&str, &Path)> = tools.iter().map(|(name, path)| (*name, &**path)).collect();
     let wasm = wasm::tools();
     let (mdbook, browser, done) = std::thread::scope(|scope| {
-        // What the last steps need is fetched and installed beside the first ones.
+        // Tools for the last steps are installed while the first steps run.
         let tools_of_last = scope.spawn(|| (book::tools(), page::tools(), wheel::environments()));
         let first = (wasm.is_err() || reported(wasm::check())) && run(&steps, &tools);
         let (mdbook, browser, environments) = joined(tools_of_last);
@@ -181,7 +181,7 @@ fn test() -> bool {
     done
 }
 
-/// The Python package and, where it can be, the page in a browser: mostly one process each, so that both fit beside each other.
+/// Tests the Python package and, if possible, the page in a browser. Both run mostly in a single process, so that they run in parallel.
 fn python_and_page(has_browser: bool) -> bool {
     std::thread::scope(|scope| {
         let page = has_browser.then(|| scope.spawn(|| reported(page::test())));
@@ -190,21 +190,23 @@ fn python_and_page(has_browser: bool) -> bool {
     })
 }
 
-/// What a thread has made; its panic goes on here.
+/// Result of a thread; its panic is propagated.
 fn joined<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
     thread
         .join()
         .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
-/// The paper, by the command that the tests have built. `cargo run` asks for other features of what lies below, and would build the core again.
+/// Reproduces the paper with the command built by the tests.
+///
+/// `cargo run` would select other features of the dependencies and build the core a second time.
 fn paper() -> Result<(), String> {
     let command = wheel::command()?;
     eprintln!("== the paper: onset reproduce");
     python::succeed(Command::new(command).args(["reproduce", "--out", "target/reproduction"]))
 }
 
-/// All that can be tested on a machine that has no Fortran compiler and cannot get one.
+/// Checks for a machine without a Fortran compiler.
 fn without_fortran() -> Vec<Step> {
     let step = |(purpose, arguments): &Step| match *purpose {
         "tests" => ("tests without user materials", TESTS_WITHOUT_FORTRAN),
@@ -213,7 +215,7 @@ fn without_fortran() -> Vec<Step> {
     TEST.iter().map(step).collect()
 }
 
-/// Tells what failed.
+/// Reports a failure; returns true on success.
 fn reported(result: Result<(), String>) -> bool {
     if let Err(message) = &result {
         eprintln!("== {message}");
@@ -239,7 +241,7 @@ fn run(steps: &[Step], tools: &[(&str, &Path)]) -> bool {
     })
 }
 
-/// Writes the schema that the command prints.
+/// Writes the schema printed by the command.
 fn write_schema() -> bool {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let output = Command::new(cargo)
@@ -252,7 +254,7 @@ fn write_schema() -> bool {
     })
 }
 
-/// Copies what README and book show from the reproduction and the comparison.
+/// Copies the figures of README and book from the reproduction and the comparison.
 fn copy_figures() -> bool {
     let reproduced = [
         "figure-02",

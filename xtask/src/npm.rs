@@ -1,16 +1,16 @@
-//! Packages of npm for the tasks that need some.
+//! Packages of npm for tasks that need them.
 
 use crate::python::succeed;
 use std::path::Path;
 use std::process::Command;
 
-/// What npm is called.
+/// Name of the npm executable.
 const NPM: &str = if cfg!(windows) { "npm.cmd" } else { "npm" };
 
-/// Sees to the packages of the lock file in a folder, which are installed only when it has changed since.
+/// Installs the packages of the lock file in a folder, unless it is unchanged since the last installation.
 ///
 /// # Errors
-/// What cannot be had, in words.
+/// Description of the missing tool.
 pub fn packages(folder: &Path) -> Result<(), String> {
     let found = Command::new(NPM).arg("--version").output();
     if !found.is_ok_and(|output| output.status.success()) {
@@ -27,7 +27,7 @@ pub fn packages(folder: &Path) -> Result<(), String> {
     std::fs::write(&mark, wanted).map_err(|error| format!("{}: {error}", mark.display()))
 }
 
-/// npm in a folder.
+/// Command that runs npm in a folder.
 pub fn npm(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(NPM);
     command.args(arguments).current_dir(folder);

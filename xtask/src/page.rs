@@ -1,4 +1,4 @@
-//! The page of `onset explore`: built from its sources, and driven by a real browser.
+//! The page of `onset explore`: built from its sources, and tested in a real browser.
 
 use crate::npm::packages;
 use crate::python::succeed;
@@ -6,16 +6,16 @@ use crate::wheel;
 use std::path::Path;
 use std::process::Command;
 
-/// Where its sources are.
+/// Folder of the sources.
 const FOLDER: &str = "crates/onset-cli/page";
 
-/// How much longer answers may take where tests run, on machines that do other work beside.
+/// Factor on time limits for tests on machines with other load.
 const SHARED: u32 = 20;
 
 /// Builds the page into the folder that the program embeds, and tests it.
 ///
 /// # Errors
-/// What failed, in words.
+/// Description of the failure.
 pub fn run() -> Result<(), String> {
     tools()?;
     succeed(&mut npm(&["run", "check"]))?;
@@ -23,15 +23,15 @@ pub fn run() -> Result<(), String> {
     driven(1)
 }
 
-/// Tests the page, whose built files must be what its sources build.
+/// Tests the page, and checks that its built files agree with its sources.
 ///
 /// # Errors
-/// What failed, in words.
+/// Description of the failure.
 pub fn test() -> Result<(), String> {
     tools()?;
     succeed(&mut npm(&["run", "check"]))?;
     let again = Path::new("target/page");
-    // What an earlier build has left must not stand for what this one makes.
+    // Files of an earlier build must not hide missing files.
     let _ = std::fs::remove_dir_all(again);
     let place = std::path::absolute(again).map_err(|error| error.to_string())?;
     succeed(
@@ -55,10 +55,10 @@ pub fn test() -> Result<(), String> {
     driven(SHARED)
 }
 
-/// Sees to what the page is built and tested with.
+/// Installs the tools that build and test the page.
 ///
 /// # Errors
-/// What cannot be had, in words.
+/// Description of the missing tool.
 pub fn tools() -> Result<(), String> {
     packages(Path::new(FOLDER))
 }
@@ -67,8 +67,7 @@ fn npm(arguments: &[&str]) -> Command {
     crate::npm::npm(Path::new(FOLDER), arguments)
 }
 
-/// Drives the page of the program in the profile of the tests with a browser, which may take so many times the time that the page is to
-/// take.
+/// Tests the page in a browser, with the command built by the tests. `patience` is a factor on its time limits.
 fn driven(patience: u32) -> Result<(), String> {
     let command = wheel::command()?;
     eprintln!("== page: a browser");

@@ -1,18 +1,18 @@
-//! Python environments for the tasks that need one.
+//! Python environments for tasks that need them.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The file in an environment that holds the requirements that were installed last.
+/// File in an environment with the requirements of the last installation.
 const INSTALLED: &str = "installed-requirements.txt";
 
-/// The interpreter of the environment `.venv/<name>`, made when it does not exist, with the packages of a
-/// requirements file, which are installed only when the file has changed since.
+/// Interpreter of the environment `.venv/<name>`, which is created if missing.
 ///
-/// The interpreter that makes the environment is `python3`, or the one that the variable `PYTHON` names.
+/// The packages of the requirements file are installed if the file has changed. The environment is created with `python3`, or with the interpreter in
+/// the variable `PYTHON`.
 ///
 /// # Errors
-/// What failed, in words, when the requirements cannot be read or a command does not succeed.
+/// Description of the failure, if the requirements cannot be read or a command fails.
 pub fn environment(name: &str, requirements: &Path) -> Result<PathBuf, String> {
     let wanted = std::fs::read_to_string(requirements)
         .map_err(|error| format!("cannot read {}: {error}", requirements.display()))?;
@@ -25,7 +25,7 @@ pub fn environment(name: &str, requirements: &Path) -> Result<PathBuf, String> {
         folder.join("bin").join("python")
     };
     let installed = folder.join(INSTALLED);
-    // Written last: an environment that was left half made is made again.
+    // Written last, so that an incomplete environment is created again.
     if interpreter.exists() && std::fs::read_to_string(&installed).is_ok_and(|text| text == wanted)
     {
         return Ok(interpreter);
@@ -46,7 +46,7 @@ pub fn environment(name: &str, requirements: &Path) -> Result<PathBuf, String> {
 /// Runs a command and waits for its end.
 ///
 /// # Errors
-/// That it cannot be run, or how it failed.
+/// Description of the failure to run it, or its exit status.
 pub fn succeed(command: &mut Command) -> Result<(), String> {
     let name = command.get_program().to_string_lossy().into_owned();
     let status = command

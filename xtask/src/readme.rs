@@ -1,21 +1,21 @@
-//! `cargo xtask readme`: what the commands in the consoles of README.md and of the page of published fits print, filled in.
+//! `cargo xtask readme`: updates the console blocks of README.md and of the page of published fits with the present output of their commands.
 //!
-//! A console is a block that begins with three backticks and `console`. Lines after `$ ` are run from the root of the repository, those that end
-//! with a backslash go on. What stood below a command is replaced; where its last line was `...`, as many lines are kept as stood there.
+//! A console is a block that begins with three backticks and `console`. Lines after `$ ` are run in the root of the repository; a line that ends with
+//! a backslash is continued. The output below a command is replaced. If its last line was `...`, the number of lines is kept.
 
 use std::path::Path;
 use std::process::Command;
 
-/// The pages with consoles.
+/// Pages with consoles.
 const PAGES: [&str; 2] = ["README.md", "book/src/how-to/fits.md"];
 
 const BEGIN: &str = "```console\n";
 const END: &str = "\n```";
 
-/// Fills the consoles.
+/// Updates the consoles.
 ///
 /// # Errors
-/// What went wrong, in words.
+/// Description of the failure.
 pub fn run() -> Result<(), String> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let built = Command::new(cargo).args(["build", "--release"]).status();
@@ -23,7 +23,7 @@ pub fn run() -> Result<(), String> {
         return Err("the command cannot be built".to_owned());
     }
     let folder = Path::new("target/readme");
-    // Commands write files beside those that they read.
+    // Commands write files next to their input files.
     std::fs::create_dir_all(folder).map_err(|error| format!("target/readme: {error}"))?;
     let copied = Command::new("cp")
         .args(["-rL", "studies", "comparisons", "target/readme"])
@@ -34,7 +34,7 @@ pub fn run() -> Result<(), String> {
     PAGES.iter().try_for_each(|page| fill(page, folder))
 }
 
-/// Fills the consoles of a page.
+/// Updates the consoles of a page.
 fn fill(page: &str, folder: &Path) -> Result<(), String> {
     let failed = |error: std::io::Error| format!("{page}: {error}");
     let text = std::fs::read_to_string(page).map_err(failed)?;
@@ -53,7 +53,7 @@ fn fill(page: &str, folder: &Path) -> Result<(), String> {
     std::fs::write(page, filled).map_err(failed)
 }
 
-/// A console with what its commands print now.
+/// Console with the present output of its commands.
 fn console(block: &str, folder: &Path) -> Result<String, String> {
     let mut commands: Vec<(String, Vec<&str>)> = Vec::new();
     let mut lines = block.lines();
@@ -87,7 +87,7 @@ fn console(block: &str, folder: &Path) -> Result<String, String> {
     Ok(filled?.join("\n\n"))
 }
 
-/// What a command prints, errors behind the answer.
+/// Output of a command, with errors after the answer.
 fn printed(command: &str, folder: &Path) -> Result<String, String> {
     let root = std::env::current_dir().map_err(|error| error.to_string())?;
     let path = std::env::var("PATH").unwrap_or_default();

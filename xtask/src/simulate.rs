@@ -1,14 +1,14 @@
-//! Every method in motion beside its prediction, and the table of the book.
+//! Simulations of every method, compared with predictions, and their table in the book.
 
 use crate::verify::tested;
 
-/// The table, which a page of the book includes.
+/// Table that a page of the book includes.
 const TABLE: &str = "book/src/how-to/simulate-table.md";
 
-/// Runs a stable, an unstable and a zero-energy mode of every method of the comparisons, and writes the table.
+/// Simulates a stable, an unstable and a zero-energy mode of every method in the comparisons, and writes the table.
 ///
 /// # Errors
-/// What failed, in words.
+/// Description of the failure.
 pub fn run() -> Result<(), String> {
     let table = std::env::current_dir()
         .map_err(|error| format!("cannot tell the current folder: {error}"))?

@@ -1,19 +1,19 @@
-//! How long the workspace takes to build, measured.
+//! Build times of the workspace.
 
 use std::fs::File;
 use std::process::{Command, Stdio};
 use std::time::{Instant, SystemTime};
 
-/// A law, which every room above the material sees.
+/// File of a law, on which every module above the materials depends.
 const LAW: &str = "crates/onset/src/material/laws/gent.rs";
-/// The root of what reads studies.
+/// Root of the crate that reads studies.
 const STUDY: &str = "crates/onset-study/src/lib.rs";
 
-/// A build that is timed.
+/// Timed build.
 struct Build {
-    /// What it is.
+    /// Name of the build.
     name: &'static str,
-    /// What is touched before it.
+    /// File that is touched before the build.
     touched: Option<&'static str>,
     arguments: &'static [&'static str],
 }
@@ -22,7 +22,7 @@ const COMMAND: &[&str] = &["build", "--release", "--package", "onset-cli"];
 const TESTS: &[&str] = &["test", "--workspace", "--all-features", "--no-run"];
 const LIBRARY: &[&str] = &["build", "--package", "onset-study", "--all-features"];
 
-/// In the order in which they share a target folder.
+/// Builds in the order in which they share a target folder.
 const BUILDS: &[Build] = &[
     Build {
         name: "the command, from nothing",
@@ -56,10 +56,10 @@ const BUILDS: &[Build] = &[
     },
 ];
 
-/// Builds in a folder of its own, which is emptied first, and prints the table.
+/// Times the builds in a separate, initially empty target folder, and prints the table.
 ///
 /// # Errors
-/// What failed, in words.
+/// Description of the failure.
 pub fn run() -> Result<(), String> {
     let target = "target/timings";
     if let Err(error) = std::fs::remove_dir_all(target)

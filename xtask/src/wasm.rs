@@ -1,16 +1,16 @@
-//! The core, as it would run in a page without a server.
+//! Check that the core compiles for a page without a server.
 
 use crate::python::succeed;
 use std::path::Path;
 use std::process::Command;
 
-/// Programs of a browser.
+/// Compilation target of programs in a browser.
 const TARGET: &str = "wasm32-unknown-unknown";
 
-/// Whether the toolchain has the standard library of such programs.
+/// Returns true if the toolchain contains the standard library of the target.
 ///
 /// # Errors
-/// What to do, in words, where it has not.
+/// Instructions for the user, if it does not.
 pub fn tools() -> Result<(), String> {
     let output = Command::new("rustc")
         .args(["--print", "target-libdir", "--target", TARGET])
@@ -25,10 +25,10 @@ pub fn tools() -> Result<(), String> {
     }
 }
 
-/// That the core compiles for it, unchanged.
+/// Checks that the core compiles unchanged for the target.
 ///
 /// # Errors
-/// That it does not.
+/// Description of the failure.
 pub fn check() -> Result<(), String> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     eprintln!("== the core in a browser: cargo check --target {TARGET}");

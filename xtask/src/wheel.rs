@@ -1,15 +1,15 @@
-//! The Python package: its wheel, and its tests with the wheel installed.
+//! The Python package: its wheel, and its tests with the installed wheel.
 
 use crate::python::{environment, succeed};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::SystemTime;
 
-/// What makes wheels.
+/// Requirements for building wheels.
 const MAKING: &str = "python/requirements-wheel.txt";
-/// Interpreters without a global lock, where they are installed: the stable interface leaves them out, and each needs a wheel of its own.
+/// Interpreters without a global lock, used if installed. The stable ABI excludes them, so that each needs a separate wheel.
 const FREE_THREADED: [&str; 2] = ["python3.14t", "python3.15t"];
-/// A wheel of a release is small; functions of the same instructions are one, where the linker of the toolchain can do that.
+/// Options for small release wheels; identical functions are merged if the linker of the toolchain supports it.
 const SMALL: &[&str] = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
     &[
         "--compression-level",
@@ -21,14 +21,15 @@ const SMALL: &[&str] = if cfg!(all(target_os = "linux", target_arch = "x86_64"))
 } else {
     &["--compression-level", "9"]
 };
-/// What the tests need beside the wheel.
+/// Requirements of the tests, in addition to the wheel.
 const TESTING: &str = "python/tests/requirements.txt";
 
-/// Makes the wheels of a release in `target/wheels`, one for all interpreters with a global lock and one for each without, and says
-/// where they are and how large.
+/// Builds the release wheels in `target/wheels`, and prints their paths and sizes.
+///
+/// One wheel serves all interpreters with a global lock, and each interpreter without one needs another wheel.
 ///
 /// # Errors
-/// What failed, in words.
+/// Description of the failure.
 pub fn run() -> Result<(), String> {
     let unlocked = FREE_THREADED.into_iter().map(Path::new);
     let unlocked = unlocked.filter(|name| is_installed(name)).map(Some);
@@ -46,7 +47,7 @@ pub fn run() -> Result<(), String> {
     Ok(())
 }
 
-/// Whether an interpreter can be run.
+/// Returns true if an interpreter can be run.
 fn is_installed(interpreter: &Path) -> bool {
     Command::new(interpreter)
         .arg("--version")
@@ -54,11 +55,12 @@ fn is_installed(interpreter: &Path) -> bool {
         .is_ok_and(|output| output.status.success())
 }
 
-/// Makes a wheel in the profile of the tests, which share its target folder, installs it into an environment of its own, and runs
-/// the tests of the package there, with the command beside it.
+/// Builds a wheel in the profile of the tests, installs it into a separate environment, and runs the tests of the package.
+///
+/// The tests also use the command of the same build.
 ///
 /// # Errors
-/// What failed, in words.
+/// Description of the failure.
 pub fn test() -> Result<(), String> {
     let [_, interpreter] = environments()?;
     let wheel = made("dev", "target/wheels-dev", None)?;
@@ -80,17 +82,17 @@ pub fn test() -> Result<(), String> {
         Command::new(&interpreter)
             .args(["-m", "pytest", "-q", "-p", "no:cacheprovider"])
             .args(["--numprocesses", "auto"])
-            // Not in the folder of the package, which is found there without its compiled part.
+            // Outside the folder of the package, which would be imported without its compiled part.
             .current_dir("python/tests")
             .env("ONSET_COMMAND", &command)
             .env("ONSET_UMAT_HOST", &command),
     )
 }
 
-/// Sees to the environments in which wheels are made and tested: their interpreters.
+/// Prepares the environments for building and testing wheels, and returns their interpreters.
 ///
 /// # Errors
-/// What failed, in words.
+/// Description of the failure.
 pub fn environments() -> Result<[PathBuf; 2], String> {
     Ok([
         environment("wheel", Path::new(MAKING))?,
@@ -98,10 +100,10 @@ pub fn environments() -> Result<[PathBuf; 2], String> {
     ])
 }
 
-/// The command in the profile and with the features of the tests, which have built it if they have run.
+/// Command with the profile and the features of the tests, which have usually built it already.
 ///
 /// # Errors
-/// What failed, in words.
+/// Description of the failure.
 pub fn command() -> Result<PathBuf, String> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let of_tests = ["build", "--workspace", "--all-features", "--bins"];
@@ -110,7 +112,7 @@ pub fn command() -> Result<PathBuf, String> {
     std::path::absolute(command).map_err(|error| error.to_string())
 }
 
-/// Makes a wheel for an interpreter, by default that of all with a global lock, in a profile, into a folder; where it is.
+/// Builds a wheel for an interpreter, by default for all with a global lock, and returns its path.
 fn made(profile: &str, folder: &str, interpreter: Option<&Path>) -> Result<PathBuf, String> {
     let making = environment("wheel", Path::new(MAKING))?;
     let licences = [
@@ -132,7 +134,7 @@ fn made(profile: &str, folder: &str, interpreter: Option<&Path>) -> Result<PathB
     newest(folder, since)
 }
 
-/// The wheel in a folder that was made last.
+/// Most recent wheel in a folder.
 fn newest(folder: &str, since: SystemTime) -> Result<PathBuf, String> {
     let entries = std::fs::read_dir(folder).map_err(|error| format!("{folder}: {error}"))?;
     let wheels = entries.filter_map(|entry| {

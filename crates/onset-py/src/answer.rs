@@ -1,4 +1,4 @@
-//! An answer: its document, its text, its table, its files.
+//! Answer of the package: document, text, table and files.
 
 use crate::failure::Failure;
 use crate::interrupt;
@@ -12,7 +12,7 @@ use std::fmt::Display;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Makes the files of an answer.
+/// Function that computes the files of an answer.
 type Draw = dyn Fn() -> Result<Files, Failure> + Send + Sync;
 
 /// What the command prints and writes.
@@ -31,10 +31,10 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// Of an answer of the study crate; without files.
+    /// Answer of the study crate, without files.
     ///
     /// # Errors
-    /// [`Failure`] when it cannot be written as JSON.
+    /// [`Failure`] if it cannot be written as JSON.
     pub fn of<T: Serialize>(answer: &T, text: impl Display) -> Result<Self, Failure> {
         Ok(Self {
             json: json::document(answer).map_err(Failure::machine)?,
@@ -44,13 +44,13 @@ impl Answer {
         })
     }
 
-    /// With a table of its own.
+    /// Replaces the table derived from the document.
     pub fn with_table(mut self, table: &str) -> Self {
         self.csv = table.trim_end().to_owned();
         self
     }
 
-    /// With the files that the command writes with `--out`, made when they are asked for.
+    /// Adds the files that the command writes with `--out`; they are computed on demand.
     pub fn with_files(
         mut self,
         draw: impl Fn() -> Result<Files, Failure> + Send + Sync + 'static,

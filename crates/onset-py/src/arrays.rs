@@ -1,4 +1,4 @@
-//! Arrays: buffers of doubles come in, bytes go out.
+//! Arrays: buffers of doubles as input, bytes as output.
 
 use crate::failure::Failure;
 use onset::kinematics::DeformationGradient;
@@ -6,12 +6,12 @@ use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-/// The numbers of a buffer, last index running fastest.
+/// Copies the numbers of a buffer, last index running fastest.
 pub fn numbers(py: Python<'_>, buffer: &PyBuffer<f64>) -> PyResult<Vec<f64>> {
     buffer.to_vec(py)
 }
 
-/// Numbers as an array that NumPy reads.
+/// Numbers as bytes that NumPy wraps as an array.
 pub fn bytes<'py>(py: Python<'py>, numbers: &[f64]) -> Bound<'py, PyBytes> {
     let bytes: Vec<u8> = numbers
         .iter()
@@ -23,7 +23,7 @@ pub fn bytes<'py>(py: Python<'py>, numbers: &[f64]) -> Bound<'py, PyBytes> {
 /// Deformation gradients from nine components each.
 ///
 /// # Errors
-/// [`Failure`] with the number of the first that is none.
+/// [`Failure`] with the number of the first invalid one.
 pub fn deformations(components: &[f64]) -> Result<Vec<DeformationGradient>, Failure> {
     let gradient = |(n, part): (usize, &[f64])| {
         let rows = [0, 3, 6].map(|row| [part[row], part[row + 1], part[row + 2]]);

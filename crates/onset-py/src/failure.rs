@@ -1,4 +1,4 @@
-//! Why there is no answer, as an exception of the package.
+//! Errors as exceptions of the package.
 
 use onset_study::answers::ProblemError;
 use onset_study::map::MapError;
@@ -10,36 +10,36 @@ use onset_umat::message;
 use pyo3::prelude::*;
 use std::fmt::Display;
 
-/// Why there is no answer. Texts are those of the command, with their hints.
+/// Reason why there is no answer. Messages and hints are identical to those of the command.
 #[derive(Debug)]
 pub enum Failure {
-    /// A setting: `onset.SettingError`.
+    /// Invalid setting: `onset.SettingError`.
     Setting(Box<SettingError>),
-    /// What was asked otherwise: `onset.InputError`.
+    /// Other invalid input: `onset.InputError`.
     Input(String),
-    /// The machine, or a motion that breaks down: `onset.MachineError`.
+    /// Failure of the machine, or a motion that breaks down: `onset.MachineError`.
     Machine(String),
-    /// A defect of the program: `onset.OnsetError`.
+    /// Defect of the program: `onset.OnsetError`.
     Defect(String),
-    /// The question was given up.
+    /// Cancelled question.
     Ended,
 }
 
-/// The file, line and column of a setting.
+/// File, line and column of a setting.
 type Place = (String, usize, usize);
 
 impl Failure {
-    /// What was asked is wrong.
+    /// Failure caused by the input.
     pub fn input(error: impl Display) -> Self {
         Self::Input(error.to_string())
     }
 
-    /// What was asked is right, and cannot be done.
+    /// Failure with valid input.
     pub fn machine(error: impl Display) -> Self {
         Self::Machine(error.to_string())
     }
 
-    /// The exception; an error where it cannot be made.
+    /// Creates the exception; an error if this fails.
     fn raised(self, py: Python<'_>) -> PyResult<PyErr> {
         let (class, text, key, place) = match self {
             Self::Setting(error) => {
@@ -66,7 +66,7 @@ impl Failure {
     }
 }
 
-/// The key of an assignment, and the place in a file.
+/// Key of an assignment, and its position in a file.
 fn origin(error: &SettingError) -> (Option<String>, Option<Place>) {
     match &error.origin {
         Origin::CommandLine(argument) => {
@@ -75,7 +75,7 @@ fn origin(error: &SettingError) -> (Option<String>, Option<Place>) {
             (Some(key.trim().to_owned()), None)
         }
         Origin::File { name, line, column } => {
-            // Messages of files name the key first, as `section.key`.
+            // Messages about files name the key first, as `section.key`.
             let named = error.message.split('`').nth(1);
             let key = named.filter(|key| key.contains('.') && !key.contains(' '));
             (key.map(str::to_owned), Some((name.clone(), *line, *column)))

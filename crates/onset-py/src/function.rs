@@ -1,4 +1,4 @@
-//! A law whose energy, stress and tangent are computed by a function of Python.
+//! Law whose energy, stress and tangent are computed by a Python function.
 
 use crate::arrays::bytes;
 use crate::pool::evaluating;
@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::sync::Arc;
 
-/// Energy, stress and tangent: `W`, `P_iJ`, `A_iJkL`.
+/// Number of values per state: energy `W`, stress `P_iJ` and tangent `A_iJkL`.
 pub const NUMBERS: usize = 91;
 
 /// A function of Python with values of its parameters: of states, nine components each, it makes 91 numbers each, all as bytes of doubles.
@@ -34,7 +34,7 @@ impl Function {
 }
 
 impl Function {
-    /// The law with its parameters, as it is set.
+    /// Material settings of the law with its parameters.
     fn settings(&self) -> MaterialSettings {
         let respond = Arc::clone(&self.respond);
         let law = HandedLaw::new(move |parameters| {
@@ -49,18 +49,18 @@ impl Function {
     }
 }
 
-/// One of the settings that the package passes on.
+/// Setting passed by the package.
 #[derive(FromPyObject)]
 pub enum Setting {
-    /// As after `--set`.
+    /// Assignment, as for `--set`.
     Assignment(String),
-    /// A law of Python, instead of one that has a name.
+    /// Law given by a Python function instead of a name.
     Law(Py<Function>),
 }
 
-/// The settings that the package passes on.
+/// Settings passed by the package.
 pub struct Assigned {
-    /// Those as after `--set`.
+    /// Assignments, as for `--set`.
     pub texts: Vec<String>,
     law: Option<MaterialSettings>,
 }
@@ -82,22 +82,22 @@ impl From<Vec<Setting>> for Assigned {
 }
 
 impl Assigned {
-    /// The law of Python, where there is one.
+    /// Law given by a Python function, if any.
     pub fn law(&self) -> Option<&MaterialSettings> {
         self.law.as_ref()
     }
 }
 
-/// The law that a function is.
+/// Law evaluated by a Python function.
 struct FunctionLaw {
     respond: Arc<Py<PyAny>>,
     parameters: Vec<(&'static str, f64)>,
 }
 
 impl FunctionLaw {
-    /// All numbers of some states.
+    /// Values of all states.
     fn numbers(&self, states: &[DeformationGradient]) -> Result<Vec<f64>, MaterialError> {
-        // No interpreter any more: the program ends, and nobody waits for this answer.
+        // Without an interpreter the program is ending, and the answer is no longer needed.
         Python::try_attach(|py| {
             self.asked(py, states)
                 .map_err(|error| undefined(py, &error))
@@ -128,7 +128,7 @@ impl FunctionLaw {
         Ok(numbers.iter().copied().map(f64::from_ne_bytes).collect())
     }
 
-    /// Responses of states, each with what is wrong with it.
+    /// Responses of states, each with its own error.
     fn responses(&self, states: &[DeformationGradient]) -> Vec<Result<Response, MaterialError>> {
         match self.numbers(states) {
             Ok(numbers) => states
@@ -136,14 +136,14 @@ impl FunctionLaw {
                 .zip(numbers.chunks_exact(NUMBERS))
                 .map(|(f, numbers)| response(f, numbers))
                 .collect(),
-            // Which of them it was is told by each alone.
+            // Single evaluations show which of the states failed.
             Err(_) if states.len() > 1 => states.iter().map(|f| self.response(f)).collect(),
             Err(error) => vec![Err(error)],
         }
     }
 }
 
-/// What a function says of a state by an exception: of arithmetic, that the law is not defined there; any other is a mistake in the function.
+/// Converts an exception of the function: an arithmetic error means that the law is undefined at the state, any other is a programming error.
 fn undefined(py: Python<'_>, error: &PyErr) -> MaterialError {
     let class = error.get_type(py);
     let class = class
@@ -166,7 +166,7 @@ fn external(message: String) -> MaterialError {
     MaterialError::External { message }
 }
 
-/// A response from its numbers.
+/// Response from the values of a state.
 fn response(f: &DeformationGradient, numbers: &[f64]) -> Result<Response, MaterialError> {
     if let Some(n) = numbers.iter().position(|number| !number.is_finite()) {
         let what = match n {
@@ -188,7 +188,7 @@ fn response(f: &DeformationGradient, numbers: &[f64]) -> Result<Response, Materi
     })
 }
 
-/// The part of a tangent that acts within the plane.
+/// In-plane part of a tangent.
 fn in_plane(tangent: &FourthOrder) -> PlaneTangent {
     std::array::from_fn(|a| std::array::from_fn(|b| tangent[(a / 2, a % 2, b / 2, b % 2)]))
 }

@@ -1,4 +1,4 @@
-//! Questions are answered in threads of their own, without the interpreter's lock, and end with Ctrl-C.
+//! Computations in separate threads, without the interpreter's lock, which end after Ctrl-C.
 
 use crate::failure::Failure;
 use crate::pool;
@@ -10,40 +10,39 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// How often signals are looked for.
+/// Interval between checks for signals.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Longest wait for a question to end after Ctrl-C. One that is inside a long computation ends in the background, at the next point at
-/// which it can.
+/// Longest wait for a computation to end after Ctrl-C. It then continues in the background until its next check.
 const GRACE: Duration = Duration::from_millis(200);
 
-/// As much as the first thread of a program has.
+/// Stack size of a thread, equal to the usual stack of the main thread; bytes.
 const STACK: usize = 8 << 20;
 
-/// How many times a question was asked to end.
+/// Number of requests to end a computation.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<AtomicU8>);
 
-/// What unwinds a question that is given up; no panic, and told by no hook.
+/// Payload that unwinds a cancelled computation; it is not a panic, and no hook reports it.
 struct GivenUp;
 
 impl Interrupt {
-    /// Whether an end was asked for.
+    /// Returns true after a request to end.
     pub fn is_asked(&self) -> bool {
         self.0.load(Ordering::Relaxed) > 0
     }
 
-    /// Whether an end was asked for twice.
+    /// Returns true after a second request to end.
     pub fn is_asked_twice(&self) -> bool {
         self.0.load(Ordering::Relaxed) > 1
     }
 
-    /// Gives the question up where an end was asked for.
+    /// Cancels the computation after a request to end.
     pub fn end_if_asked(&self) {
         self.end_from(1);
     }
 
-    /// Gives the question up where an end was asked for twice: for what finishes at the first what it has begun.
+    /// Cancels the computation after a second request to end; for computations that finish started work after the first.
     pub fn end_if_asked_twice(&self) {
         self.end_from(2);
     }
@@ -55,7 +54,7 @@ impl Interrupt {
     }
 
     fn ask(&self) {
-        // A third time says nothing new.
+        // Further requests have no effect.
         self.0.store(
             self.0.load(Ordering::Relaxed).saturating_add(1).min(2),
             Ordering::Relaxed,
@@ -63,7 +62,7 @@ impl Interrupt {
     }
 }
 
-/// Answers a question that cannot be ended from within: with Ctrl-C nobody waits for it any longer.
+/// Runs a computation without checks for cancellation; after Ctrl-C it continues in the background and its result is dropped.
 pub fn answer<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce() -> Result<T, Failure> + Send + 'static,
@@ -77,7 +76,7 @@ pub fn answer<T: Send + 'static>(
     }
 }
 
-/// Answers a question that looks whether it is to end. After Ctrl-C it has [`GRACE`] to do so.
+/// Runs a computation that checks for cancellation. After Ctrl-C it has [`GRACE`] to end.
 pub fn ending<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(Interrupt) -> Result<T, Failure> + Send + 'static,
@@ -85,7 +84,7 @@ pub fn ending<T: Send + 'static>(
     until(py, Some(GRACE), work)
 }
 
-/// Answers a question that writes what it has done when it is asked to end, and has ended when this returns.
+/// Runs a computation that saves its progress when asked to end; it has ended when this function returns.
 pub fn finishing<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(Interrupt) -> Result<T, Failure> + Send + 'static,
@@ -119,7 +118,7 @@ fn until<T: Send + 'static>(
     }
 }
 
-/// Begins to answer.
+/// Starts a computation.
 fn begun<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, Failure> + Send + 'static,
 ) -> Result<Receiver<Result<T, Failure>>, Failure> {
@@ -130,14 +129,14 @@ fn begun<T: Send + 'static>(
         .spawn(move || {
             let answer = catch_unwind(AssertUnwindSafe(|| pool::shared(work, STACK)?))
                 .unwrap_or_else(|why| Err(told(&*why)));
-            // Nobody waits for a question that was given up.
+            // The receiver of a cancelled computation is gone.
             let _ = answered.send(answer);
         })
         .map_err(|error| Failure::machine(format!("cannot start a thread: {error}")))?;
     Ok(answers)
 }
 
-/// The answer, if it is there before signals are to be looked for.
+/// Returns the result if it arrives before the next check for signals.
 fn received<T: Send>(
     py: Python<'_>,
     answers: &mut Receiver<Result<T, Failure>>,
@@ -149,7 +148,7 @@ fn received<T: Send>(
     }
 }
 
-/// Why a question was not answered.
+/// Reason why a computation has no result.
 fn told(why: &(dyn Any + Send)) -> Failure {
     if why.is::<GivenUp>() {
         return Failure::Ended;

@@ -1,4 +1,4 @@
-//! A law alone: criteria, card, audit, stress and tangent.
+//! Material law without a method: criteria, card, audit, stress and tangent.
 
 use crate::answer::Answer;
 use crate::arrays::{bytes, deformations, numbers};
@@ -18,14 +18,14 @@ use pyo3::types::PyBytes;
 use rayon::prelude::*;
 use std::path::PathBuf;
 
-/// States that a thread computes together.
+/// Number of states in a batch of a thread.
 const PART: usize = 256;
 
 /// A law as set.
 #[pyclass(frozen, module = "onset._onset")]
 pub struct Law {
     settings: MaterialSettings,
-    /// What there is to know of it where it was read from a block of another program.
+    /// Notes on a law read from an input block of another program.
     notes: Vec<String>,
 }
 
@@ -150,7 +150,7 @@ impl Law {
                 Ok::<(), Failure>(())
             };
             if states.len() <= PART {
-                // By this thread: all others may be waiting for a law of Python that asks this one.
+                // Computed by this thread, because all others may be waiting for a Python law that called this function.
                 part((0, (&mut all, &states)))?;
                 return Ok(all);
             }

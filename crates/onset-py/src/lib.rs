@@ -1,10 +1,10 @@
-//! The compiled part of the Python package `onset` (distribution `onset-mechanics`).
+//! Compiled part of the Python package `onset` (distribution `onset-mechanics`).
 //!
-//! Thin: settings are the assignments that the command takes after `--set`, and an answer is the document that it prints with
-//! `--json`, with the text and the files that it has beside it. The package around it, in `python/onset`, makes keyword arguments into
-//! settings and documents into objects. Arrays come as buffers of doubles and go as bytes, which NumPy wraps without a copy.
+//! It is a thin layer. Settings are assignments, as for `--set`, and an answer consists of the document printed by `--json` with its text and files.
+//! The package in `python/onset` converts keyword arguments to settings, and documents to objects. Arrays are passed in as buffers of doubles and out
+//! as bytes, which NumPy wraps without a copy.
 //!
-//! Every question is answered in a thread of its own while the interpreter's lock is released, and signals are looked for meanwhile.
+//! Every computation runs in a separate thread without the interpreter's lock, while the calling thread checks for signals.
 
 mod answer;
 mod arrays;

@@ -1,4 +1,4 @@
-//! Methods: compared, recommended, tuned, and what they do not resist.
+//! Methods: comparison, recommendation, tuning, and spurious modes.
 
 use crate::answer::Answer;
 use crate::failure::Failure;
@@ -135,7 +135,7 @@ fn comparison(
     Ok(comparison)
 }
 
-/// Of the law of Python, where there is one.
+/// Replaces the material of a comparison by a Python law, if given.
 fn of_law(comparison: Comparison, assigned: &Assigned) -> Comparison {
     match assigned.law() {
         Some(law) => comparison.of_material(law),

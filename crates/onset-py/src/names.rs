@@ -1,4 +1,4 @@
-//! Names that the package asks for.
+//! Names used by the package.
 
 use onset_study::Verdict;
 use onset_study::settings::{self, Key, Model};

@@ -1,7 +1,7 @@
-//! The threads that share the work of one question.
+//! Thread pools for parallel computations.
 //!
-//! A process that was forked has none of its parent's threads, and would wait for them forever: it makes a pool of its own. While a law written in
-//! Python is being evaluated, all threads of the shared pool may be waiting for it, so a question that such a law asks gets a thread of its own.
+//! A forked process has none of its parent's threads and would wait for them forever, so that it creates a new pool. While a Python law is being
+//! evaluated, all threads of the shared pool may be waiting for it; a computation started by such a law therefore gets a separate thread.
 
 use crate::failure::Failure;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -9,22 +9,22 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, TryLockError};
 use std::time::Duration;
 
-/// The process that loaded the module; the global pool of rayon belongs to it.
+/// Process that loaded the module, which owns the global pool of rayon.
 static LOADED_BY: OnceLock<u32> = OnceLock::new();
-/// The pool of a forked process, with the number of that process.
+/// Pool of a forked process, with the identifier of the process.
 static FORKED: Mutex<Owned> = Mutex::new(None);
 type Owned = Option<(u32, Arc<ThreadPool>)>;
-/// Evaluations of laws written in Python that are in progress.
+/// Number of evaluations of Python laws in progress.
 static EVALUATIONS: AtomicUsize = AtomicUsize::new(0);
 
-/// Remembers the process that the global pool belongs to.
+/// Records the process that owns the global pool.
 pub fn loaded() {
     LOADED_BY.get_or_init(std::process::id);
 }
 
-/// Evaluates a law written in Python, which may ask questions itself.
+/// Evaluates a Python law, which may start computations itself.
 pub fn evaluating<T>(work: impl FnOnce() -> T) -> T {
-    /// Counts down even if the evaluation unwinds.
+    /// Guard that counts down even if the evaluation unwinds.
     struct Evaluation;
     impl Drop for Evaluation {
         fn drop(&mut self) {
@@ -36,7 +36,7 @@ pub fn evaluating<T>(work: impl FnOnce() -> T) -> T {
     work()
 }
 
-/// Does work whose parallel parts are shared by threads that exist and do not wait for this work.
+/// Runs work on a pool whose threads exist in this process and do not wait for this work.
 ///
 /// # Errors
 /// [`Failure`] if no thread can be started.
@@ -59,7 +59,7 @@ pub fn shared<T: Send>(work: impl FnOnce() -> T + Send, stack: usize) -> Result<
         return Ok(work());
     }
     let pool = match held() {
-        // The thread that held the lock when the process was forked does not exist here.
+        // The thread that held the lock at the time of the fork does not exist here.
         None => Arc::new(made(0)?),
         Some(mut held) => match &*held {
             Some((owner, pool)) if *owner == process => Arc::clone(pool),
@@ -74,7 +74,7 @@ pub fn shared<T: Send>(work: impl FnOnce() -> T + Send, stack: usize) -> Result<
     Ok(pool.install(work))
 }
 
-/// The pool of a forked process, or `None` if its lock is not released within a second.
+/// Pool of a forked process, or `None` if its lock is not released within a second.
 fn held() -> Option<MutexGuard<'static, Owned>> {
     for _ in 0..100 {
         match FORKED.try_lock() {

@@ -1,4 +1,4 @@
-//! A material with a method, asked about states, waves and paths.
+//! Material with a method: states, waves and paths.
 
 use crate::answer::Answer;
 use crate::arrays::{bytes, deformations, numbers};
@@ -25,25 +25,25 @@ use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// States that are computed together, as in a map.
+/// Number of states in a batch, as in a map.
 const PART: usize = 512;
-/// From so many states on it pays to prepare for many.
+/// Number of states above which a more expensive preparation pays off.
 const MANY: usize = 64;
-/// The most numbers of an answer in arrays.
+/// Largest number of values in an array answer.
 const MOST: usize = 1 << 28;
-/// Phases beyond are not told in double precision.
+/// Largest phase that double precision resolves.
 const LARGEST: f64 = 1e6;
 
-/// Positions, masses, spacing, and components of what moves the lattice.
+/// Positions, masses, spacing, and components of the deformation of the lattice.
 type Cell = (Vec<Vec<f64>>, Vec<f64>, f64, Vec<f64>);
 
 /// Name and text of a study.
 pub type Source = (String, String);
 
-/// Settings of a study, or of the defaults, changed by assignments; `open` are keys that are about to be varied.
+/// Settings of a study, or defaults, with assignments applied; `open` lists keys that will be varied.
 ///
 /// # Errors
-/// [`Failure`] for a setting that is wrong, and for a library that a file may not load.
+/// [`Failure`] for an invalid setting, or a library that the file may not load.
 pub fn settings(
     file: Option<&Source>,
     assigned: &Assigned,
@@ -59,7 +59,7 @@ pub fn settings(
     Ok(settings)
 }
 
-/// Lets a file load the libraries that the caller names, and no others.
+/// Allows a file to load the libraries that the caller names, and no others.
 ///
 /// # Errors
 /// [`Failure`] for a library that the file names and the caller does not.
@@ -72,7 +72,7 @@ pub fn trusted(material: &mut MaterialSettings, libraries: &[PathBuf]) -> Result
 #[pyclass(frozen, module = "onset._onset")]
 pub struct Problem(Arc<answers::Problem>);
 
-/// States of nine components each, without any that a sheet in plane stress finds itself.
+/// States from nine components each; the thickness stretch in plane stress must not be given.
 fn states(
     problem: &answers::Problem,
     components: &[f64],
@@ -81,7 +81,7 @@ fn states(
     Ok(given.map(|f| problem.given(f)).collect::<Result<_, _>>()?)
 }
 
-/// A state as it is given: stretches, or components of `F`, as numbers separated by commas.
+/// State from stretches, or components of `F`, as numbers separated by commas.
 fn strain(
     problem: &answers::Problem,
     stretch: Option<&str>,
@@ -491,7 +491,7 @@ impl simulate::Watch for Interrupt {
 }
 
 impl Problem {
-    /// Numbers of waves, on all cores: `width` for each wave vector of each state, as bytes.
+    /// Spectral values on all cores, `width` for each wave vector of each state, as bytes.
     fn spectra<'py>(
         &self,
         py: Python<'py>,
@@ -536,7 +536,7 @@ impl Problem {
     }
 }
 
-/// That phases are told in double precision.
+/// Checks that the phases of wave vectors are resolved in double precision.
 fn check(wave_vectors: &[f64], spacing: f64) -> Result<(), Failure> {
     if let Some(value) = wave_vectors.iter().find(|value| !value.is_finite()) {
         return Err(Failure::Input(format!(
@@ -553,7 +553,7 @@ fn check(wave_vectors: &[f64], spacing: f64) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What is stored of a state as a number.
+/// Name of a stored number, and its value in a record.
 type Taken<T> = (&'static str, fn(&Record) -> T);
 
 const NUMBERS: &[Taken<f64>] = &[
@@ -569,14 +569,14 @@ const VECTORS: &[Taken<[f64; 3]>] = &[
     ("acoustic_direction", |record| record.acoustic_direction),
 ];
 
-/// The number of a verdict among all; the one after the last where there is none.
+/// Number of a verdict, or the number of verdicts if it is missing.
 fn flag(record: &Record) -> f64 {
     let place = |verdict| Verdict::ALL.iter().position(|other| *other == verdict);
     let place = record.finding.verdict.and_then(place);
     place.unwrap_or(Verdict::ALL.len()) as f64
 }
 
-/// States as a map computes them, on all cores.
+/// Records of states as computed by a map, on all cores.
 fn records(
     problem: &answers::Problem,
     components: &[f64],
@@ -602,7 +602,7 @@ fn records(
     Ok(parts?.concat())
 }
 
-/// The answer along a path.
+/// Answer along a path.
 fn along(problem: Arc<answers::Problem>, course: Course) -> Result<Answer, Failure> {
     let path = PathAnswer::along(&problem, &course)?;
     let answer = Answer::of(&path, &path)?;
@@ -623,7 +623,7 @@ fn along(problem: Arc<answers::Problem>, course: Course) -> Result<Answer, Failu
     }))
 }
 
-/// A mode of loading by its name.
+/// Loading mode with the given name.
 ///
 /// # Errors
 /// [`Failure`] with all names.
@@ -632,7 +632,7 @@ pub fn mode_named(name: &str) -> Result<Mode, Failure> {
     named.ok_or_else(|| unknown("mode", name, Mode::ALL.map(Mode::name)))
 }
 
-/// What holds the other directions, by its name.
+/// Lateral condition with the given name.
 fn lateral_named(name: &str) -> Result<Lateral, Failure> {
     let all = [
         Lateral::Free,
@@ -644,7 +644,7 @@ fn lateral_named(name: &str) -> Result<Lateral, Failure> {
     named.ok_or_else(|| unknown("lateral", name, all.map(Lateral::name)))
 }
 
-/// A word that an argument does not take.
+/// Error for an invalid word of an argument.
 pub fn unknown(argument: &str, word: &str, known: impl AsRef<[&'static str]>) -> Failure {
     Failure::Input(format!(
         "{argument} cannot be \"{word}\"\n  hint: expected one of {}",

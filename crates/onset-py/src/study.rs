@@ -1,4 +1,4 @@
-//! A study: its boundaries, and its map.
+//! Study: its boundaries, and its map.
 
 use crate::answer::Answer;
 use crate::failure::Failure;
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 #[pyclass(frozen, module = "onset._onset")]
 pub struct Study(settings::Study);
 
-/// What the command prints of boundaries.
+/// Boundaries in the form of the command's document.
 #[derive(Serialize)]
 struct Traced {
     #[serde(flatten)]
@@ -24,7 +24,7 @@ struct Traced {
     files: Vec<String>,
 }
 
-/// What the command prints of a map.
+/// Map in the form of the command's document.
 #[derive(Serialize)]
 struct Mapped<'a> {
     store: String,
@@ -152,7 +152,7 @@ impl Study {
     }
 }
 
-/// The store of a map: a new one, in the place of another, or one that is there.
+/// Store of a map: created, replaced or resumed.
 fn store(plan: &Plan, out: &Path, resume: bool, overwrite: bool) -> Result<ZarrStore, Failure> {
     let store = if overwrite {
         ZarrStore::replace(out, plan.layout())
