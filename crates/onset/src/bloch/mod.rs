@@ -1,8 +1,12 @@
 //! Plane waves on the lattice: the dynamical matrix and its spectrum over the Brillouin zone.
 //!
-//! Here, and only here, physics and discretization meet. A wave `u_K = g exp(i k.X_K)` of the linearized
-//! discrete equations obeys `D(k) g = omega^2 g`; wave vectors `k` are reference wave vectors and phases
-//! are those of relative positions.
+//! This is the only module in which the material and the discretization meet. A wave `u_K = g exp(i k.X_K)` of the linearized discrete equations
+//! satisfies `D(k) g = omega^2 g`. Wave vectors `k` belong to the reference lattice, and phases are computed from relative positions.
+//!
+//! - [`dynamical_matrix()`] and [`WaveSystem`] set up `D(k)`, for one or several particles in a cell.
+//! - [`ZoneSearch`] finds the extremes of `omega^2` over the zone by samples and Newton descents. For Hermitian, periodic `D(k)` it also computes a
+//!   lower bound of the scaled measure `omega^2 / (c^2 |k|_h^2)` by branch and bound; all other results are sampled.
+//! - [`GradientMoments`] does the same for all states of a map with one Lagrangian kernel method.
 
 mod assembly;
 mod bound;
@@ -34,21 +38,23 @@ pub use system::{BlochBlocks, BlochSum, Mass, WaveSystem};
 use crate::algebra::Complex;
 use nalgebra::SVector;
 
-/// A squared gradient norm (in units of `|k|^2`) below which a mode counts as free of energy.
+/// Largest squared gradient norm of a zero-energy mode, in units of `|k|^2`. Well above its rounding error, about 1e-16.
 pub(crate) const ZERO_ENERGY: f64 = 1e-10;
 
-/// Whether nobody waits for an answer any more, asked again and again while it is sought; once it is so it stays so. What a search returns
-/// then is not an answer.
+/// Cancellation test: returns true once the caller has cancelled the request.
+///
+/// Searches poll it between pieces of their work. Once true it stays true, and the result of the search is then meaningless and must be discarded.
 pub type IsEnded<'a> = &'a (dyn Fn() -> bool + Sync);
 
-/// Whether `-k` stands for a wave vector and its opposite, which have the same waves: the one with a positive leading component.
+/// Returns true if `-k` is reported in place of `k`. Both have the same waves; the wave vector with a positive leading component is reported.
 fn is_shown_reversed<const D: usize>(k: &SVector<f64, D>) -> bool {
     let leading = k.iter().find(|x| x.abs() > 1e-9 * k.amax());
     leading.is_some_and(|x| *x < 0.0)
 }
 
-/// The growth rate of a mode, `-Im omega` of the growing root: `sqrt((|w| - Re w) / 2)` for `w = omega^2`.
-/// It is `sqrt(-omega^2)` for a negative and zero for a positive real `omega^2`. 1/time.
+/// Growth rate of a mode: `-Im omega` of the growing root, `sqrt((|w| - Re w) / 2)` for `w = omega^2`.
+///
+/// It is `sqrt(-omega^2)` for a negative and zero for a positive real `omega^2`. Unit 1/time.
 ///
 /// ```
 /// use onset::bloch::growth_rate;

@@ -1,43 +1,43 @@
-//! Phases of lattice vectors from those of the primitive vectors.
+//! Phases of lattice vectors as products of the phases of the primitive vectors.
 
 use crate::algebra::{Complex, array_of};
 
-/// Powers that fit on the stack.
-const NEAR: usize = 16;
+/// Number of powers stored on the stack; more are stored on the heap.
+const STACK_POWERS: usize = 16;
 
-/// Powers of the phases of the primitive vectors, such as `exp(i n k.a_d)`: products, which are cheaper than sines.
+/// Powers of the phases of the primitive vectors, `exp(i n k.a_d)`, by multiplication, which is cheaper than sines.
 pub(super) struct Powers<const D: usize> {
-    /// At `[n][d]`; those that are many are on the heap.
-    near: [[Complex; D]; NEAR],
+    /// Power `n` of direction `d` at `[n][d]`; higher powers are on the heap.
+    near: [[Complex; D]; STACK_POWERS],
     far: Vec<[Complex; D]>,
 }
 
 impl<const D: usize> Powers<D> {
-    /// Of the phase of each primitive vector, up to a power.
+    /// Computes the powers of the given phases up to the exponent `reach`.
     pub(super) fn new(steps: [Complex; D], reach: usize) -> Self {
         let one = [Complex::new(1.0, 0.0); D];
         let turned = |power: &[Complex; D]| -> [Complex; D] { array_of(|d| power[d] * steps[d]) };
-        let mut near = [one; NEAR];
-        for n in 1..NEAR.min(reach + 1) {
+        let mut near = [one; STACK_POWERS];
+        for n in 1..STACK_POWERS.min(reach + 1) {
             near[n] = turned(&near[n - 1]);
         }
         let mut far = Vec::new();
-        let mut last = near[NEAR - 1];
-        for _ in NEAR..reach + 1 {
+        let mut last = near[STACK_POWERS - 1];
+        for _ in STACK_POWERS..reach + 1 {
             last = turned(&last);
             far.push(last);
         }
         Self { near, far }
     }
 
-    /// A phase times that of the vector to a cell.
+    /// Returns `phase` multiplied by the phase of the vector to `cell`.
     pub(super) fn turned(&self, mut phase: Complex, cell: &[i32; D]) -> Complex {
         for d in 0..D {
             let n = cell[d].unsigned_abs() as usize;
-            let power = if n < NEAR {
+            let power = if n < STACK_POWERS {
                 self.near[n][d]
             } else {
-                self.far[n - NEAR][d]
+                self.far[n - STACK_POWERS][d]
             };
             phase *= if cell[d] < 0 { power.conj() } else { power };
         }

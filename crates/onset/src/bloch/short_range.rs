@@ -1,35 +1,35 @@
-//! Coordinates in which forces reach equally far in all directions.
+//! Lattice coordinates in which the forces have the same range in all directions.
 //!
-//! Kernels of current coordinates make a strongly sheared reference lattice see neighbors at large and oblique reference
-//! vectors: over its zone the spectrum varies fast in one direction and slowly in another. In coordinates in which the
-//! forces are isotropic, and a short basis there, the same spectrum varies as that of any lattice. What is found is carried
-//! back.
+//! With kernels of current coordinates, the neighbors in a strongly sheared state lie at long and oblique reference vectors. Over the reference zone
+//! the spectrum then varies fast in one direction and slowly in another, and a uniform grid resolves it badly. This module maps space so that the
+//! second moment of the force constants is isotropic, and chooses a short basis there. The search runs in these coordinates, and its results are
+//! mapped back.
 
 use super::{Mode, SpectrumSummary, is_shown_reversed};
 use crate::algebra::hermitian_eigen;
 use crate::lattice::{BravaisLattice, Reduced, determinant, inverse_of};
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-/// A basis is left as it is unless its longest vector is this many times as long as need be.
-const OBLIQUE: f64 = 3.0;
-/// Rounds of reduction: each takes most of the obliqueness away that double precision shows.
-const ROUNDS: usize = 8;
-/// Extents of the forces below this over the largest are rounding.
-const FLAT: f64 = 1e-12;
+/// Largest accepted ratio of the longest basis vector to the longest vector of the reduced basis. Below it the given basis is kept. A heuristic value.
+const LONGEST_VECTOR_RATIO: f64 = 3.0;
+/// Maximum number of basis reductions. Each one removes most of the obliqueness that double precision resolves.
+const MAXIMUM_REDUCTIONS: usize = 8;
+/// Rounding of the extents of the forces: ratio of the smallest to the largest eigenvalue of their second moment.
+const FLAT_EXTENT_RATIO: f64 = 1e-12;
 
-/// Such coordinates, `x' = map x`, of determinant one in magnitude, and the basis there.
+/// Linear map `x' = map x` with `|det map| = 1` to isotropic coordinates, and the change of basis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ShortRange<const D: usize> {
     pub(super) map: SMatrix<f64, D, D>,
-    /// The lattice coordinates of its primitive vectors in the given basis, as columns: integers.
+    /// Primitive vectors of the new lattice in lattice coordinates of the given basis, as columns of integers.
     pub(super) change: SMatrix<f64, D, D>,
-    /// The inverse, integers too.
+    /// Inverse of `change`, also of integers.
     pub(super) inverse: SMatrix<f64, D, D>,
 }
 
 impl<const D: usize> ShortRange<D> {
-    /// From lattice coordinates of the vectors along which forces act, with the sizes of these forces; none where the given
-    /// basis does, or where forces do not span space.
+    /// Computes the coordinates from the vectors along which forces act (lattice coordinates) and the magnitudes of the forces. Returns `None` if the
+    /// given basis is short enough, or if the forces do not span space.
     pub(super) fn of(
         lattice: &BravaisLattice<D>,
         forces: &[(SVector<f64, D>, f64)],
@@ -38,12 +38,12 @@ impl<const D: usize> ShortRange<D> {
             return None;
         }
         let (mut change, mut inverse) = (SMatrix::identity(), SMatrix::identity());
-        for _ in 0..ROUNDS {
+        for _ in 0..MAXIMUM_REDUCTIONS {
             let (vectors, is_flat) = isotropic(forces, &inverse, lattice.cell_volume())?;
             let reduced = Reduced::of(&vectors).ok()?;
             let longest =
                 |m: &SMatrix<f64, D, D>| m.column_iter().map(|a| a.norm()).fold(0.0, f64::max);
-            let is_short = longest(&vectors) <= OBLIQUE * longest(&reduced.vectors);
+            let is_short = longest(&vectors) <= LONGEST_VECTOR_RATIO * longest(&reduced.vectors);
             if is_short && !is_flat {
                 if change == SMatrix::<f64, D, D>::identity() {
                     return None;
@@ -64,13 +64,12 @@ impl<const D: usize> ShortRange<D> {
         None
     }
 
-    /// The lattice in these coordinates.
+    /// Returns the lattice in these coordinates.
     pub(super) fn lattice(&self, lattice: &BravaisLattice<D>) -> Option<BravaisLattice<D>> {
         lattice.in_coordinates(&self.map, &self.change)
     }
 
-    /// What a search in these coordinates has found, in the given ones; `folded` brings wave vectors to the zone that is
-    /// shown.
+    /// Maps the result of a search in these coordinates back to the given ones. `folded` moves a wave vector to the reported zone.
     pub(super) fn carried_back(
         &self,
         found: &SpectrumSummary<D>,
@@ -86,7 +85,7 @@ impl<const D: usize> ShortRange<D> {
         }
     }
 
-    /// One mode of these.
+    /// Maps one mode back to the given coordinates, as in `carried_back`.
     pub(super) fn mode_carried_back(
         &self,
         mode: &Mode<D>,
@@ -114,9 +113,10 @@ impl<const D: usize> ShortRange<D> {
     }
 }
 
-/// Whether the given basis is one that does, by the extents of the forces alone: in isotropic coordinates the longest of its
-/// vectors is at most `OBLIQUE` times as long as the side of a cube with the volume of the cell, and the longest of no basis is
-/// shorter than that side.
+/// Returns true if the second moment of the forces alone shows that the given basis is short enough.
+///
+/// In isotropic coordinates no basis is shorter than the side of a cube with the volume of the cell. It therefore suffices that the longest given
+/// vector is at most `LONGEST_VECTOR_RATIO` times this side.
 fn is_plainly_short<const D: usize>(forces: &[(SVector<f64, D>, f64)]) -> bool {
     let mut extents = SMatrix::<f64, D, D>::zeros();
     for (vector, size) in forces {
@@ -126,14 +126,15 @@ fn is_plainly_short<const D: usize>(forces: &[(SVector<f64, D>, f64)]) -> bool {
             }
         }
     }
-    // A vector of the basis has the squared length `(N^-1)_ii` there, the cell the squared volume `1 / det N`.
+    // In isotropic coordinates a basis vector has the squared length `(N^-1)_ii`, and the cell has the squared volume `1 / det N`.
     let volume = determinant(&extents).powf(1.0 / D as f64);
-    let is_short = |squared: f64| squared * volume <= (1.0 - 1e-6) * OBLIQUE * OBLIQUE;
+    let is_short = |squared: f64| squared * volume <= (1.0 - 1e-6) * LONGEST_VECTOR_RATIO * LONGEST_VECTOR_RATIO;
     inverse_of(&extents).is_some_and(|inverse| inverse.diagonal().iter().all(|x| is_short(*x)))
 }
 
-/// Primitive vectors of a cell volume in coordinates in which `sum |force| R (x) R` is isotropic, `N^-1/2` of that sum in
-/// lattice coordinates; and whether these are so oblique that rounding hides how far the forces reach.
+/// Primitive vectors `N^-1/2` of a cell with the given volume, in coordinates in which `N = sum |force| R (x) R` is isotropic.
+///
+/// The flag is true if the given vectors are so oblique that rounding hides the range of the forces.
 fn isotropic<const D: usize>(
     forces: &[(SVector<f64, D>, f64)],
     inverse: &SMatrix<f64, D, D>,
@@ -148,15 +149,15 @@ fn isotropic<const D: usize>(
     let matrix = DMatrix::from_fn(D, D, |i, j| extents[(i, j)]);
     let eigen = hermitian_eigen(matrix)?;
     let largest = eigen.eigenvalues.max();
-    let is_flat = eigen.eigenvalues.iter().any(|x| *x <= FLAT * largest);
+    let is_flat = eigen.eigenvalues.iter().any(|x| *x <= FLAT_EXTENT_RATIO * largest);
     let root = SMatrix::<f64, D, D>::from_fn(|i, j| {
         let along = |n: usize| {
-            let extent = eigen.eigenvalues[n].max(FLAT * largest);
+            let extent = eigen.eigenvalues[n].max(FLAT_EXTENT_RATIO * largest);
             eigen.eigenvectors[(i, n)] * eigen.eigenvectors[(j, n)] * extent.sqrt()
         };
         (0..D).map(along).sum()
     });
-    // The extents of u = N^-1/2 c are those of c times N^-1/2 on both sides: the identity.
+    // The second moment of `u = N^-1/2 c` is that of `c` multiplied by `N^-1/2` from both sides: the identity.
     let vectors = inverse_of(&root)?;
     let scale = (volume / determinant(&vectors).abs()).powf(1.0 / D as f64);
     (scale.is_finite() && scale > 0.0).then_some((vectors * scale, is_flat))

@@ -1,4 +1,4 @@
-//! The answers of a search over the zone.
+//! Results of a search over the Brillouin zone.
 
 use super::growth_rate;
 use crate::algebra::Complex;
@@ -10,11 +10,11 @@ use nalgebra::SVector;
 pub struct Mode<const D: usize> {
     /// Reference wave vector; in the long-wave limit its unit direction. 1/length.
     pub wave_vector: SVector<f64, D>,
-    /// Whether this is the limit of long waves.
+    /// True in the limit `k -> 0`.
     pub is_long_wave: bool,
     /// `omega^2`; zero in the long-wave limit. 1/time^2.
     pub omega_squared: Complex,
-    /// `Re omega^2 / (c^2 |k|_h^2)`, dimensionless, finite also in the long-wave limit.
+    /// Scaled measure `Re omega^2 / (c^2 |k|_h^2)`: dimensionless, and finite in the long-wave limit.
     pub scaled: f64,
     /// Unit polarization `g`; its largest component is real and positive.
     pub polarization: SVector<Complex, D>,
@@ -23,54 +23,57 @@ pub struct Mode<const D: usize> {
 /// The extremes of the spectrum over the zone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpectrumSummary<const D: usize> {
-    /// The mode with the smallest scaled measure `mu`: the softest one. Where a mode grows at `k = 0` (a translation that strains the
-    /// body, with raw weights on a distorted lattice, or particles of a cell that part) `mu` has no minimum. Then this is the mode
-    /// with the smallest `Re omega^2`, scaled with the largest `c^2 |k|_h^2` of all wave vectors.
+    /// Mode with the smallest scaled measure `mu`.
+    ///
+    /// If a mode grows at `k = 0`, `mu` has no minimum, because `|k|_h` vanishes there. This happens when a translation strains the body (raw weights
+    /// on a distorted lattice), or when the particles of a cell move apart. The field is then the mode with the smallest `Re omega^2`, scaled with
+    /// the largest `c^2 |k|_h^2` of all wave vectors.
     pub softest: Mode<D>,
-    /// The softest mode of the long-wave limit.
+    /// Softest mode of the long-wave limit.
     pub long_wave: Mode<D>,
-    /// The mode with the smallest `Re omega^2`; the translation `k = 0` when none is below zero.
+    /// Mode with the smallest `Re omega^2`; the translation `k = 0` if no `Re omega^2` is negative.
     pub lowest: Mode<D>,
-    /// The mode that grows fastest; the same as `lowest` unless `omega^2` is complex somewhere.
+    /// Mode with the largest growth rate; equal to `lowest` unless `omega^2` is complex for some wave vector.
     pub fastest_growing: Mode<D>,
-    /// `max sqrt(Re omega^2)`. 1/time.
+    /// Largest frequency `max sqrt(Re omega^2)`. 1/time.
     pub maximum_omega: f64,
-    /// `|scaled|` below this is zero to rounding.
+    /// Scaled measures with a magnitude below this tolerance are zero to rounding.
     pub tolerance: f64,
-    /// No scaled measure of any wave vector, nor of the limit of long waves, is below this; minus infinity where nothing
-    /// bounds them. Of equations that are not Hermitian it is the bound of their Hermitian part, and `softest` the softest mode that a search has found.
+    /// Lower bound of the scaled measure over all wave vectors and the long-wave limit; minus infinity if no bound was computed.
+    ///
+    /// If `D(k)` is not Hermitian, it bounds the Hermitian part of `D(k)`, and `softest` is a sampled minimum.
     pub bound: f64,
-    /// Whether modes grow with a complex `omega^2`.
+    /// True if modes with complex `omega^2` grow.
     pub flutters: bool,
-    /// Whether they do so in the limit of long waves.
+    /// True if modes with complex `omega^2` grow in the long-wave limit.
     pub long_waves_flutter: bool,
 }
 
-/// How perturbations develop.
+/// Kind of stability of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stability {
-    /// None grows.
+    /// No mode grows.
     Stable,
-    /// Some oscillate with growing amplitude: `omega^2` is complex, its real part nowhere negative.
+    /// Some modes oscillate with growing amplitude: `omega^2` is complex, and its real part is nonnegative for all waves.
     Flutter,
-    /// Some have `Re omega^2 < 0`.
+    /// Some modes have `Re omega^2 < 0`.
     Divergence,
 }
 
-/// How perturbations develop, as far as a verdict asks.
+/// Stability of a state, reduced to the quantities that a verdict needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Judgment<const D: usize> {
     pub(crate) stability: Stability,
-    /// Where the spectrum is real, its sign tells stability: the scaled measure of the softest wave, of an unstable state that of a witness.
+    /// Scaled measure whose sign decides stability if the spectrum is real: the measure of the softest wave, or of a witness of instability.
     pub(crate) measure: f64,
-    /// The wave vector of a wave with `Re omega^2 < 0`, unless long waves tell that some have it.
+    /// Wave vector of a wave with `Re omega^2 < 0`; `None` if the long-wave limit already proves divergence.
     pub(crate) witness: Option<SVector<f64, D>>,
-    /// The softest mode of a stable state that is no stiffer than was asked about.
+    /// Softest mode of a stable state, if its scaled measure is at most the requested limit.
     pub(crate) softest: Option<Mode<D>>,
 }
 
 impl<const D: usize> Mode<D> {
-    /// The same with `omega^2` multiplied by a unit.
+    /// Returns the mode with `omega^2` multiplied by `unit`.
     pub(super) fn in_units(self, unit: f64) -> Self {
         Self {
             omega_squared: self.omega_squared * unit,
@@ -80,7 +83,7 @@ impl<const D: usize> Mode<D> {
 }
 
 impl<const D: usize> SpectrumSummary<D> {
-    /// The same with `omega^2` multiplied by a unit.
+    /// Returns the summary with every `omega^2` multiplied by `unit`.
     pub(super) fn in_units(self, unit: f64) -> Self {
         Self {
             softest: self.softest.in_units(unit),
@@ -92,7 +95,7 @@ impl<const D: usize> SpectrumSummary<D> {
         }
     }
 
-    /// Whether a mode grows, and how.
+    /// Returns whether a mode grows, and its mechanism.
     pub fn stability(&self) -> Stability {
         if self.softest.scaled < -self.tolerance || self.lowest.omega_squared.re < 0.0 {
             Stability::Divergence
@@ -103,18 +106,18 @@ impl<const D: usize> SpectrumSummary<D> {
         }
     }
 
-    /// Whether modes grow in the limit of long waves, by flutter only where that is how waves of the material grow.
+    /// Returns true if modes grow in the long-wave limit. Flutter counts only if the waves of the material also grow by flutter alone.
     pub fn long_waves_grow(&self, material: &AcousticMinimum<D>) -> bool {
         self.long_wave.scaled < -self.tolerance
             || (material.only_flutters() && self.long_waves_flutter)
     }
 
-    /// Whether no mode grows.
+    /// Returns true if no mode grows.
     pub fn is_stable(&self) -> bool {
         self.stability() == Stability::Stable
     }
 
-    /// The growth rate of the fastest growing mode, zero when stable. 1/time.
+    /// Growth rate of the fastest growing mode; zero for a stable state. 1/time.
     pub fn growth_rate(&self) -> f64 {
         if self.is_stable() {
             0.0
@@ -123,7 +126,7 @@ impl<const D: usize> SpectrumSummary<D> {
         }
     }
 
-    /// The critical time step of central differences without damping, `2 / omega_max`.
+    /// Critical time step of central differences without damping, `2 / omega_max`. Time.
     pub fn critical_time_step(&self) -> f64 {
         2.0 / self.maximum_omega
     }

@@ -1,4 +1,4 @@
-//! The dynamical matrix of several particles with its derivatives by the wave vector, and branches with theirs.
+//! The dynamical matrix of several particles with its derivatives with respect to the wave vector, and the Taylor expansions of its branches.
 
 use super::{Mass, WaveSystem};
 use crate::algebra::{Complex, Decomposition, array_of};
@@ -6,7 +6,7 @@ use crate::bloch::Expansion;
 use crate::bloch::branches::Taylor;
 use nalgebra::{DMatrix, SVector};
 
-/// A matrix with its first and second derivatives by the components of the wave vector.
+/// A matrix with its first and second derivatives with respect to the components of the wave vector.
 #[derive(Clone, Debug)]
 pub(in crate::bloch) struct MatrixExpansion<const D: usize> {
     pub(in crate::bloch) value: DMatrix<Complex>,
@@ -28,7 +28,7 @@ impl<T: Copy + Into<Complex>, const D: usize> From<Expansion<T, D>> for MatrixEx
 }
 
 impl<const D: usize> MatrixExpansion<D> {
-    /// From what is to be summed: value, first and second derivatives in turn.
+    /// Builds the expansion from a function of the derivative indices: `[]` is the value, `[a]` a first and `[a, b]` a second derivative.
     pub(super) fn from_parts(mut part: impl FnMut(&[usize]) -> DMatrix<Complex>) -> Self {
         let mut hessian: [[DMatrix<Complex>; D]; D] =
             std::array::from_fn(|_| std::array::from_fn(|_| DMatrix::zeros(0, 0)));
@@ -45,7 +45,7 @@ impl<const D: usize> MatrixExpansion<D> {
         }
     }
 
-    /// The product, by Leibniz' rule.
+    /// Product of two expansions by Leibniz' rule.
     fn times(&self, other: &Self) -> Self {
         let (x, y) = (self, other);
         Self::from_parts(|indices| match *indices {
@@ -71,7 +71,8 @@ impl<const D: usize> WaveSystem<D> {
         }
     }
 
-    /// `D(k)` with its derivatives; of the same eigenvalues, and Hermitian, where the system is and masses are lumped.
+    /// Computes a matrix with the eigenvalues of `D(k)`, and its derivatives. It is Hermitian if the system is Hermitian and masses are lumped;
+    /// otherwise it is `D(k)` itself.
     pub(super) fn expansion_at(&self, k: &SVector<f64, D>) -> MatrixExpansion<D> {
         let stiffness = self.stiffness.expansion_at(k);
         let moved = match &self.drift {
@@ -94,7 +95,7 @@ impl<const D: usize> WaveSystem<D> {
                 MatrixExpansion::from_parts(|indices| moved.part(indices).component_mul(&divisors))
             }
             Mass::Consistent(mass) => {
-                // M D = N, differentiated.
+                // `M D = N`, differentiated.
                 let mass = mass.expansion_at(k);
                 let divided = |matrix: DMatrix<Complex>| self.divided_by_mass(k, matrix);
                 let value = divided(moved.value);
@@ -125,7 +126,7 @@ impl<const D: usize> MatrixExpansion<D> {
         }
     }
 
-    /// The first derivative along a vector.
+    /// First derivative along a vector.
     pub(in crate::bloch) fn slope(&self, along: &SVector<f64, D>) -> DMatrix<Complex> {
         let zeros = DMatrix::zeros(self.value.nrows(), self.value.ncols());
         (0..D).fold(zeros, |sum, a| {
@@ -133,7 +134,7 @@ impl<const D: usize> MatrixExpansion<D> {
         })
     }
 
-    /// The second derivative along a vector.
+    /// Second derivative along a vector.
     pub(in crate::bloch) fn curvature(&self, along: &SVector<f64, D>) -> DMatrix<Complex> {
         let mut sum = DMatrix::zeros(self.value.nrows(), self.value.ncols());
         for a in 0..D {
@@ -144,11 +145,11 @@ impl<const D: usize> MatrixExpansion<D> {
         sum
     }
 
-    /// The branch through an eigenvalue, by perturbation theory of second order:
+    /// Taylor expansion of the branch through an eigenvalue, by second-order perturbation theory.
     ///
     /// `lambda_,a = w D_,a v`, `lambda_,ab = w D_,ab v + sum_m (w D_,a v_m w_m D_,b v + w D_,b v_m w_m D_,a v) / (lambda - lambda_m)`.
     ///
-    /// Not finite, or huge, where branches meet.
+    /// Not finite, or very large, where branches meet.
     pub(super) fn branch(&self, of: &Decomposition, number: usize) -> Taylor<Complex, D> {
         let value = of.values[number];
         let (row, column) = (of.left(number), of.right(number));

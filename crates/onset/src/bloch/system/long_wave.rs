@@ -1,4 +1,4 @@
-//! The limit of long waves: the continuum that a discretization really is.
+//! The long-wave limit of a discretization: the continuum that it actually represents.
 
 use super::{Mass, WaveSystem};
 use crate::algebra::{Complex, MAXIMUM_ITERATIONS};
@@ -6,43 +6,43 @@ use crate::continuum::Stiffness;
 use crate::lattice::Particle;
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-/// Internal displacements softer than this fraction of the stiffest entry are free.
-const FREE: f64 = 1e-10;
+/// Largest stiffness of a free internal displacement, relative to the largest entry of `D(0)`. It is well above the rounding error of sums.
+const FREE_STIFFNESS_FRACTION: f64 = 1e-10;
 
-/// What sums lose, in units of the rounding of what is summed up.
-const SUMS: f64 = 1024.0;
+/// Rounding error of a lattice sum, in units of `f64::EPSILON` times its largest terms. A heuristic value.
+const SUM_ROUNDING_FACTOR: f64 = 1024.0;
 
-/// The inverse, on the complement of the displacements that cost nothing where there are some: no force answers them, so that they
-/// take no part in the relaxation.
+/// Inverse of a matrix, or its pseudoinverse if some displacements are free of energy. Free displacements meet no force and take no part in the
+/// relaxation.
 fn inverse(matrix: DMatrix<Complex>) -> DMatrix<Complex> {
     let largest = |matrix: &DMatrix<Complex>| matrix.iter().map(|z| z.norm()).fold(0.0, f64::max);
     let scale = largest(&matrix);
-    // By elimination, whatever the size: cofactors lose nearly free displacements, whose products make the determinant.
+    // Elimination for any size: cofactors lose nearly free displacements, because the determinant contains the product of their stiffnesses.
     let regular = matrix.clone().lu().try_inverse();
-    if let Some(regular) = regular.filter(|inverse| largest(inverse) * scale < FREE.recip()) {
+    if let Some(regular) = regular.filter(|inverse| largest(inverse) * scale < FREE_STIFFNESS_FRACTION.recip()) {
         return regular;
     }
     let size = matrix.nrows();
     let svd = matrix.try_svd(true, true, f64::EPSILON, MAXIMUM_ITERATIONS * size);
-    let pseudo = svd.and_then(|svd| svd.pseudo_inverse(FREE * scale).ok());
+    let pseudo = svd.and_then(|svd| svd.pseudo_inverse(FREE_STIFFNESS_FRACTION * scale).ok());
     pseudo.unwrap_or_else(|| DMatrix::repeat(size, size, Complex::new(f64::NAN, 0.0)))
 }
 
-/// How the particles of a cell relax: what is the same for all directions.
+/// Relaxation of the particles of a cell: the part that does not depend on the direction of the wave.
 struct Relaxation {
-    /// `D(0)`.
+    /// Dynamical matrix `D(0)` at `k = 0`.
     d0: DMatrix<Complex>,
     /// Rigid translations `R`, as columns.
     translations: DMatrix<Complex>,
-    /// Their duals `Y`, `Y^T D0 = 0`, `Y^T R = 1`, as rows.
+    /// Duals `Y` of the translations, as rows: `Y^T D0 = 0`, `Y^T R = 1`.
     duals: DMatrix<Complex>,
-    /// The inverse of `D0` on the internal displacements, those with `Y^T u = 0`.
+    /// Inverse of `D0` on the internal displacements, defined by `Y^T u = 0`.
     internal: DMatrix<Complex>,
 }
 
 impl Relaxation {
-    /// From `D0`, the size of what it is summed up from, the translations and `L` with `L^T R = 1`, the mean displacement, weighted with the
-    /// masses.
+    /// Computes the relaxation from `D0`, the magnitude of the terms of its sum, the translations and `L`. `L^T u` with `L^T R = 1` is the mean
+    /// displacement, weighted with the masses.
     fn new(
         d0: DMatrix<Complex>,
         magnitude: f64,
@@ -50,14 +50,14 @@ impl Relaxation {
         mean: &DMatrix<Complex>,
     ) -> Self {
         let mean = mean.transpose();
-        // Forces that add up to zero make Y = L. In general S = D0 + R L^T has Y^T S = L^T.
-        let duals = if (&mean * &d0).norm() <= FREE * magnitude {
+        // If the forces add up to zero, `Y = L`. In general, `S = D0 + R L^T` satisfies `Y^T S = L^T`.
+        let duals = if (&mean * &d0).norm() <= FREE_STIFFNESS_FRACTION * magnitude {
             mean
         } else {
             &mean * inverse(&d0 + &translations * &mean)
         };
         let projector = &translations * &duals;
-        // On the internal displacements this is D0, on the translations the identity.
+        // On the internal displacements this matrix is `D0`, on the translations the identity.
         let internal = inverse(&d0 + &projector) - projector;
         Self {
             d0,
@@ -69,18 +69,19 @@ impl Relaxation {
 }
 
 impl<const D: usize> WaveSystem<D> {
-    /// The stiffness per density `T` with `D(k) -> T_iJkL k_J k_L` on the acoustic branches: the long-wavelength moduli once the
-    /// particles of a cell have relaxed against each other. Units length^2/time^2.
+    /// Long-wavelength stiffness per density `T`, with `D(k) -> T_iJkL k_J k_L` on the acoustic branches. Length^2/time^2.
     ///
-    /// With `R` the translations and `Y` their duals, `Y^T D0 = 0`, `T = Y^T (D2 - D1 G D1) R`, `G` the inverse of `D0` on the
-    /// internal displacements: perturbation theory of second order. Where forces do not add up to zero, `Y^T D1 R`, which belongs to
-    /// the wave number itself, need not vanish; such waves grow at any length, and are found at finite ones.
+    /// It includes the relaxation of the particles of a cell. With the translations `R` and their duals `Y`, `Y^T D0 = 0`, second-order perturbation
+    /// theory gives `T = Y^T (D2 - D1 G D1) R`, where `G` is the inverse of `D0` on the internal displacements. If the forces do not add up to zero,
+    /// the term `Y^T D1 R`, linear in the wave number, need not vanish. Such waves grow at any length, and the search finds them at finite lengths.
     pub fn long_wave_stiffness(&self) -> Stiffness<D> {
         self.relaxed_stiffness(&self.relaxation())
     }
 
-    /// The same, with the rounding error to expect in it: of its sums, in which the forces of particles that relax cancel others; and with that of
-    /// `D0`, which `G = D0^-1` makes `G dD0 G`.
+    /// Long-wave stiffness with two estimates of its rounding error.
+    ///
+    /// The first covers the sums, in which the forces of relaxing particles cancel others. The second adds the error of `D0`, which `G = D0^-1` turns
+    /// into `G dD0 G`.
     pub(super) fn long_waves(&self) -> (Stiffness<D>, [f64; 2]) {
         let relaxation = self.relaxation();
         (
@@ -93,7 +94,7 @@ impl<const D: usize> WaveSystem<D> {
         let unit = |i: usize| SVector::<f64, D>::from_fn(|j, _| f64::from(u8::from(i == j)));
         let along = |direction: &SVector<f64, D>| self.acoustic(relaxation, direction);
         let squares: Vec<SMatrix<f64, D, D>> = (0..D).map(|j| along(&unit(j))).collect();
-        // T(n) is a quadratic form in n, so that its mixed terms follow from those along diagonals.
+        // `T(n)` is a quadratic form in `n`: its mixed terms follow from the values along diagonals.
         let mixed: Vec<Vec<SMatrix<f64, D, D>>> = (0..D)
             .map(|j| {
                 (0..D)
@@ -111,7 +112,7 @@ impl<const D: usize> WaveSystem<D> {
         Stiffness::from_fn(|i, j, k, l| mixed[j][l][(i, k)])
     }
 
-    /// `T_iJkL n_J n_L`.
+    /// Acoustic tensor `T_iJkL n_J n_L`.
     fn acoustic(&self, relaxation: &Relaxation, direction: &SVector<f64, D>) -> SMatrix<f64, D, D> {
         let Relaxation {
             translations,
@@ -142,11 +143,11 @@ impl<const D: usize> WaveSystem<D> {
         let [relaxed, conditioned] = relaxed
             .filter(|x| x.iter().all(|x| x.is_finite()))
             .fold([0.0_f64; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-        let sums = SUMS * f64::EPSILON * (direct + relaxed);
-        [sums, sums + SUMS * f64::EPSILON * conditioned]
+        let sums = SUM_ROUNDING_FACTOR * f64::EPSILON * (direct + relaxed);
+        [sums, sums + SUM_ROUNDING_FACTOR * f64::EPSILON * conditioned]
     }
 
-    /// `D(0)` on the rigid translations: zero, unless a translation strains the body. 1/time^2.
+    /// `D(0)` on the rigid translations: zero unless a translation strains the body. 1/time^2.
     pub fn rigid_translation(&self) -> SMatrix<f64, D, D> {
         let rows = self.stiffness.row_sums();
         let total = self.cell_mass();
@@ -160,12 +161,12 @@ impl<const D: usize> WaveSystem<D> {
         }
     }
 
-    /// The mass of a cell.
+    /// Mass of a cell.
     pub fn cell_mass(&self) -> f64 {
         self.particle_masses().iter().sum()
     }
 
-    /// The size of what `D(k)` is summed up from.
+    /// Magnitude of the terms that add up to `D(k)`. 1/time^2.
     fn size_of_sums(&self) -> f64 {
         self.noise() / f64::EPSILON
     }
@@ -181,7 +182,7 @@ impl<const D: usize> WaveSystem<D> {
         Relaxation::new(d0, self.size_of_sums(), translations, &mean)
     }
 
-    /// `D1` and `D2` of `D(t n) = D0 + t D1 + t^2 D2 + ...` along a direction.
+    /// Coefficients `D1` and `D2` of `D(t n) = D0 + t D1 + t^2 D2 + ...` along a direction.
     fn orders(
         &self,
         relaxation: &Relaxation,
@@ -198,7 +199,7 @@ impl<const D: usize> WaveSystem<D> {
             }
         };
         let [k1, k2] = [moved(1), moved(2)];
-        // M(t n) D(t n) = K T order by order, where the mass matrix depends on the wave vector too.
+        // `M(t n) D(t n) = K T` order by order, because a consistent mass matrix depends on the wave vector too.
         match &self.mass {
             Mass::Lumped(_) => [k1, k2].map(|matrix| self.divided_by_mass(&zero, matrix)),
             Mass::Consistent(mass) => {

@@ -1,9 +1,8 @@
-//! Plane waves of discretizations with any number of particles in a cell, with consistent masses, damping and smoothed
-//! velocities.
+//! Plane waves of discretizations with several particles in a cell, consistent masses, damping or smoothed velocities.
 //!
-//! The linearized discrete equations are `M dv/dt = -K u - C v`, `du/dt = T v`. Usually `T = 1`; velocities that are smoothed
-//! before they move the particles (XSPH) make it a sum over neighbors. A wave `exp(i (k.X - omega t))` then obeys
-//! `(omega^2 M + i omega C - K T) v = 0`, without damping the eigenproblem of `D(k) = M^-1 K T`.
+//! The linearized discrete equations are `M dv/dt = -K u - C v`, `du/dt = T v`. Usually `T = 1`; if velocities are smoothed before they move the
+//! particles (XSPH), `T` is a sum over neighbors. A wave `exp(i (k.X - omega t))` then satisfies `(omega^2 M + i omega C - K T) v = 0`. Without
+//! damping, this is the eigenproblem of `D(k) = M^-1 K T`.
 
 mod expansion;
 mod long_wave;
@@ -22,36 +21,36 @@ use crate::method::MethodError;
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::borrow::Cow;
 
-/// A mass below this fraction of that of a cell vanishes.
-const MASSLESS: f64 = 1e-9;
+/// Smallest eigenvalue of the mass matrix, relative to the mass of a cell, that counts as a mass; smaller values are rounding.
+const VANISHING_MASS_FRACTION: f64 = 1e-9;
 
-/// The linearized equations of motion of a discretization at a homogeneous state.
+/// Linearized equations of motion of a discretization at a homogeneous state.
 #[derive(Clone, Debug)]
 pub struct WaveSystem<const D: usize> {
     crystal: Crystal<D>,
-    /// `K`: minus the derivative of the forces by the displacements; force/length.
+    /// Stiffness `K`: minus the derivative of the forces with respect to the displacements. Force/length.
     stiffness: BlochSum<D>,
     mass: Mass<D>,
-    /// `C`: minus the derivative of the forces by the velocities.
+    /// Damping `C`: minus the derivative of the forces with respect to the velocities. Force/velocity.
     damping: Option<BlochSum<D>>,
-    /// `T`, where velocities are smoothed.
+    /// Smoothing `T` of the velocities, `du/dt = T v`.
     drift: Option<BlochSum<D>>,
     is_hermitian: bool,
-    /// A system of fewer unknowns with the same `omega^2` other than zero.
+    /// System with fewer unknowns and the same nonzero `omega^2`.
     reduced: Option<Box<WaveSystem<D>>>,
 }
 
-/// The masses of a discretization.
+/// Masses of a discretization.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mass<const D: usize> {
-    /// One number for each particle of a cell.
+    /// One mass for each particle of a cell.
     Lumped(Vec<f64>),
-    /// A mass matrix, as consistent finite elements have.
+    /// Mass matrix, as for consistent finite elements.
     Consistent(BlochSum<D>),
 }
 
 impl<const D: usize> WaveSystem<D> {
-    /// The system without damping and with unsmoothed velocities.
+    /// Creates a system without damping and without smoothed velocities.
     pub fn new(crystal: Crystal<D>, stiffness: BlochSum<D>, mass: Mass<D>) -> Self {
         let is_hermitian = stiffness.is_hermitian();
         Self {
@@ -65,52 +64,53 @@ impl<const D: usize> WaveSystem<D> {
         }
     }
 
-    /// The same with damping.
+    /// Returns the system with damping.
     #[must_use]
     pub fn with_damping(mut self, damping: BlochSum<D>) -> Self {
         self.damping = (damping.magnitude() > 0.0).then_some(damping);
         self
     }
 
-    /// The same with velocities that are smoothed before they move the particles, `du/dt = T v`.
+    /// Returns the system with velocities that are smoothed before they move the particles, `du/dt = T v`.
     #[must_use]
     pub fn with_drift(mut self, drift: BlochSum<D>) -> Self {
         self.drift = Some(drift);
         self.is_hermitian = false;
-        // It is that of other equations.
+        // The reduced system belongs to the unsmoothed equations.
         self.reduced = None;
         self
     }
 
-    /// The same with a system of fewer unknowns on the same lattice that has all of its `omega^2` but zeros, at every wave vector. With
-    /// `D = A B`, `A` of more rows than columns, that is `B A`; what is in the null space of `B` meets no force.
+    /// Attaches a system with fewer unknowns on the same lattice, which has all nonzero `omega^2` at every wave vector.
+    ///
+    /// If `D = A B` and `A` has more rows than columns, this is `B A`; displacements in the null space of `B` cause no force.
     #[must_use]
     pub fn with_reduced(mut self, reduced: Self) -> Self {
         self.reduced = Some(Box::new(reduced));
         self
     }
 
-    /// The system of fewer unknowns, where there is one.
+    /// Returns the system with fewer unknowns, if it exists.
     pub fn reduced(&self) -> Option<&Self> {
         self.reduced.as_deref()
     }
 
-    /// The lattice of the particles in the reference state.
+    /// Lattice of the particles in the reference state.
     pub fn crystal(&self) -> &Crystal<D> {
         &self.crystal
     }
 
-    /// `K`; force/length.
+    /// Stiffness `K`. Force/length.
     pub fn stiffness(&self) -> &BlochSum<D> {
         &self.stiffness
     }
 
-    /// `M`.
+    /// Masses `M` of the particles.
     pub fn mass(&self) -> &Mass<D> {
         &self.mass
     }
 
-    /// The masses of the particles of a cell; of a consistent mass matrix the sums of its rows.
+    /// Masses of the particles of a cell; the row sums of a consistent mass matrix.
     pub(crate) fn particle_masses(&self) -> Cow<'_, [f64]> {
         match &self.mass {
             Mass::Lumped(masses) => Cow::Borrowed(masses),
@@ -118,40 +118,41 @@ impl<const D: usize> WaveSystem<D> {
         }
     }
 
-    /// `C`, where forces depend on velocities; force/velocity.
+    /// Damping `C`, if forces depend on velocities. Force/velocity.
     pub fn damping(&self) -> Option<&BlochSum<D>> {
         self.damping.as_ref()
     }
 
-    /// `T`, where velocities are smoothed; dimensionless.
+    /// Smoothing `T` of the velocities, if they are smoothed. Dimensionless.
     pub fn drift(&self) -> Option<&BlochSum<D>> {
         self.drift.as_ref()
     }
 
-    /// The number of degrees of freedom of a cell, `D n`.
+    /// Number of degrees of freedom of a cell, `D n`.
     pub fn size(&self) -> usize {
         self.stiffness.size()
     }
 
-    /// The number of particles in a cell.
+    /// Number of particles in a cell.
     pub(super) fn sites(&self) -> usize {
         self.crystal.sites().len()
     }
 
-    /// Whether, damping apart, the forces derive from an energy, so that all `omega^2` are real.
+    /// Returns true if the forces, apart from damping, derive from an energy; then all `omega^2` are real.
     pub fn is_hermitian(&self) -> bool {
         self.is_hermitian
     }
 
-    /// Whether all numbers are finite.
+    /// Returns true if all entries are finite.
     pub fn is_finite(&self) -> bool {
         self.stiffness.magnitude().is_finite()
     }
 
-    /// That a consistent mass does not vanish where particles alternate in sign, as it does with one point in the middle of a cell.
+    /// Checks that a consistent mass matrix is regular for waves in which neighboring particles move in opposite directions. With one quadrature
+    /// point in the middle of a cell it is singular there.
     ///
     /// # Errors
-    /// [`MethodError::SingularMass`] when it does: there is no equation of motion for such waves, and frequencies have no bound.
+    /// [`MethodError::SingularMass`] if the mass vanishes: such waves have no equation of motion, and frequencies are unbounded.
     pub fn check_mass(&self) -> Result<(), MethodError> {
         let Mass::Consistent(mass) = &self.mass else {
             return Ok(());
@@ -162,7 +163,7 @@ impl<const D: usize> WaveSystem<D> {
             let k = reciprocal * SVector::from(phases.each(|phase| 0.5 * f64::from(phase)));
             let values = hermitian_eigen(mass.at(&k));
             let least = values.map_or(f64::NAN, |eigen| eigen.eigenvalues.min());
-            if least <= MASSLESS * self.cell_mass() {
+            if least <= VANISHING_MASS_FRACTION * self.cell_mass() {
                 return Err(MethodError::SingularMass {
                     phases: phases.to_vec(),
                 });
@@ -171,7 +172,7 @@ impl<const D: usize> WaveSystem<D> {
         Ok(())
     }
 
-    /// The mass matrix `M(k)`.
+    /// Mass matrix `M(k)` at a wave vector.
     pub fn mass_at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
         match &self.mass {
             Mass::Consistent(sum) => sum.at(k),
@@ -182,7 +183,7 @@ impl<const D: usize> WaveSystem<D> {
         }
     }
 
-    /// `M^-1` times a matrix at a wave vector; not a number where the mass matrix is singular.
+    /// Returns `M^-1` times a matrix at a wave vector; NaN if the mass matrix is singular.
     fn divided_by_mass(&self, k: &SVector<f64, D>, matrix: DMatrix<Complex>) -> DMatrix<Complex> {
         match &self.mass {
             Mass::Lumped(masses) => {
@@ -201,7 +202,9 @@ impl<const D: usize> WaveSystem<D> {
         }
     }
 
-    /// `D(k) = M^-1 K T`, whose eigenvalues are `omega^2` without damping. Shape `(D n) x (D n)`, units 1/time^2.
+    /// Dynamical matrix `D(k) = M^-1 K T`, with the undamped `omega^2` as eigenvalues.
+    ///
+    /// Shape `(D n) x (D n)`. Unit 1/time^2.
     pub fn dynamical_matrix_at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
         let stiffness = self.stiffness.at(k);
         let moved = match &self.drift {
@@ -211,14 +214,13 @@ impl<const D: usize> WaveSystem<D> {
         self.divided_by_mass(k, moved)
     }
 
-    /// The same with stiffness and mass in units in which neither is very large or small, and the unit of `omega^2`; none where
-    /// they are neither.
+    /// Returns the system in units in which stiffness and mass have moderate magnitudes, and the unit of `omega^2`; `None` if this is already so.
     pub(super) fn in_moderate_units(&self) -> Option<(Self, f64)> {
         let [force, mass] = [self.stiffness.magnitude(), self.cell_mass()].map(moderate_unit);
         ([force, mass] != [1.0; 2]).then(|| (self.over(force, mass), force / mass))
     }
 
-    /// The same with stiffness and mass divided by units, and damping by that of force over velocity.
+    /// Returns the system with stiffness and mass divided by the given units, and damping by the unit of force over velocity.
     fn over(&self, force: f64, mass: f64) -> Self {
         Self {
             crystal: self.crystal.clone(),
@@ -240,8 +242,7 @@ impl<const D: usize> WaveSystem<D> {
         }
     }
 
-    /// Coordinates in which the forces reach equally far in all directions, where the reference lattice is too oblique for
-    /// them.
+    /// Returns coordinates in which the forces have the same range in all directions, if the reference lattice is too oblique for them.
     pub(super) fn short_range(&self) -> Option<ShortRange<D>> {
         let place = |particle: &Particle<D>| self.crystal.place(particle);
         let force = |(from, to, block): (usize, &Particle<D>, &SMatrix<f64, D, D>)| {
@@ -251,7 +252,7 @@ impl<const D: usize> WaveSystem<D> {
         ShortRange::of(self.crystal.lattice(), &forces)
     }
 
-    /// The same in such coordinates.
+    /// Returns the system in the coordinates of `range`.
     pub(super) fn in_short_range(&self, range: &ShortRange<D>) -> Option<Self> {
         let lattice = range.lattice(self.crystal.lattice())?;
         let sites = self.crystal.sites().iter();
@@ -277,8 +278,9 @@ impl<const D: usize> WaveSystem<D> {
         })
     }
 
-    /// The dynamical matrix as a sum with one particle in a cell, where that is all there is and no mass is consistent; damping left
-    /// out. Smoothed velocities make `K T` of it, which is a sum too, and Hermitian where both are isotropic.
+    /// Returns the dynamical matrix of a system with one particle in a cell and lumped mass, without damping; otherwise `None`.
+    ///
+    /// Smoothed velocities turn `K` into `K T`, which is again a lattice sum. It is Hermitian if both factors are isotropic.
     pub fn single(&self) -> Option<DynamicalMatrix<D>> {
         let Mass::Lumped(masses) = &self.mass else {
             return None;

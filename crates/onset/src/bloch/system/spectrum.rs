@@ -8,9 +8,9 @@ use crate::algebra::{
 use nalgebra::{DMatrix, DVector, SVector};
 
 impl<const D: usize> WaveSystem<D> {
-    /// The eigenvalues `omega^2` of `D(k)`, by increasing real part; damping left out. 1/time^2.
+    /// Eigenvalues `omega^2` of `D(k)` by increasing real part, without damping. 1/time^2.
     ///
-    /// Not numbers where the eigenvalue iteration does not converge, which needs entries that are not finite.
+    /// NaN if the eigenvalue iteration does not converge, which happens only if entries are not finite.
     pub fn omega_squared(&self, k: &SVector<f64, D>) -> Vec<Complex> {
         if let Some((system, unit)) = self.in_moderate_units() {
             let values = system.omega_squared(k).into_iter();
@@ -24,8 +24,10 @@ impl<const D: usize> WaveSystem<D> {
         values
     }
 
-    /// The eigenvalues of `D(0)`; where a translation costs no force, without the zeros that belong to translations, so that rounding
-    /// of them, which can be much where `D(0)` is not Hermitian, is not taken for more. 1/time^2.
+    /// Eigenvalues of `D(0)`, without the zeros that belong to free translations. 1/time^2.
+    ///
+    /// If a translation costs no force, its zeros are removed. Their rounding error, which can be large if `D(0)` is not Hermitian, would otherwise
+    /// be taken for growth.
     pub(super) fn omega_squared_at_rest(&self) -> Vec<Complex> {
         let zero = SVector::zeros();
         if self.rigid_translation().amax() > 0.0 {
@@ -34,7 +36,7 @@ impl<const D: usize> WaveSystem<D> {
         if let Some(values) = self.hermitian_at_rest() {
             return values;
         }
-        // R L^T with L^T R = 1 moves the zeros to s and leaves the other eigenvalues where they are.
+        // `R L^T` with `L^T R = 1` moves the zeros to `s` and leaves the other eigenvalues unchanged.
         let matrix = self.dynamical_matrix_at(&zero);
         let far = 4.0 * matrix.norm() + f64::MIN_POSITIVE;
         let share = Complex::new(far / self.sites() as f64, 0.0);
@@ -50,7 +52,7 @@ impl<const D: usize> WaveSystem<D> {
         self.without_largest(general_eigenvalues(moved, self.noise()))
     }
 
-    /// The same of a Hermitian system: `s M R R^T M / (R^T M R)`, added to the stiffness, moves the zeros.
+    /// Eigenvalues of `D(0)` of a Hermitian system. Adding `s M R R^T M / (R^T M R)` to the stiffness moves the zeros of the translations.
     fn hermitian_at_rest(&self) -> Option<Vec<Complex>> {
         let zero = SVector::zeros();
         let mut stiffness = self.is_hermitian.then(|| self.stiffness.at(&zero))?;
@@ -67,19 +69,20 @@ impl<const D: usize> WaveSystem<D> {
         Some(self.without_largest(hermitian_eigenvalues(moved)))
     }
 
-    /// Without those of the translations, which have been moved far up.
+    /// Removes the largest `D` eigenvalues, which belong to the translations and have been moved upward.
     fn without_largest(&self, mut values: Vec<Complex>) -> Vec<Complex> {
         values.sort_by(|a, b| b.re.total_cmp(&a.re));
         values.split_off(D.min(values.len()))
     }
 
-    /// All modes at a wave vector without damping: `omega^2` with the unit displacements of the particles of a cell, by
-    /// increasing real part of `omega^2`. Displacements are those of the wave `u_K = g_K exp(i k.X_K)`.
+    /// All undamped modes at a wave vector: `omega^2` with the unit displacements `g` of the particles of a cell, by increasing real part.
+    ///
+    /// The wave is `u_K = g_K exp(i k.X_K)`.
     pub fn modes(&self, k: &SVector<f64, D>) -> Vec<(Complex, DVector<Complex>)> {
         self.modes_of(k, |values| (0..values.len()).collect())
     }
 
-    /// Those of the modes whose numbers are chosen from the values of `omega^2`.
+    /// Undamped modes at a wave vector with the numbers that `chosen` selects from the values of `omega^2`.
     pub(crate) fn modes_of(
         &self,
         k: &SVector<f64, D>,
@@ -96,7 +99,7 @@ impl<const D: usize> WaveSystem<D> {
         }
         let matrix = self.dynamical_matrix_at(k);
         let values = self.omega_squared(k);
-        // Equal eigenvalues share a space: the n-th of them takes its n-th vector.
+        // Equal eigenvalues share an eigenspace: the n-th of them takes its n-th vector.
         let scale = matrix.iter().map(|z| z.norm()).fold(0.0, f64::max);
         let nth = |index: usize| {
             let before = values[..index].iter();
@@ -111,21 +114,22 @@ impl<const D: usize> WaveSystem<D> {
         chosen(&values).into_iter().map(shown).collect()
     }
 
-    /// The unit displacements of the particles of a cell in a mode with a given `omega^2`.
+    /// Unit displacements of the particles of a cell in the mode with the given `omega^2`.
     pub(super) fn mode_of(&self, k: &SVector<f64, D>, omega_squared: Complex) -> DVector<Complex> {
         let vector = null_vector(&self.dynamical_matrix_at(k), omega_squared, 0);
         self.displaced(k, vector)
     }
 
-    /// The frequencies with damping: the roots `omega` of `det(omega^2 M + i omega C - K T) = 0`, twice as many as degrees of
-    /// freedom, the fastest growing ones (largest imaginary part) first. 1/time.
+    /// Frequencies with damping, largest growth rate first. 1/time.
+    ///
+    /// The roots `omega` of `det(omega^2 M + i omega C - K T) = 0`, two for each degree of freedom.
     pub fn frequencies(&self, k: &SVector<f64, D>) -> Vec<Complex> {
         if let Some((system, unit)) = self.in_moderate_units() {
             let values = system.frequencies(k).into_iter();
             return values.map(|value| value * unit.sqrt()).collect();
         }
-        // d/dt (u, v) = ((0, T), (-M^-1 K, -M^-1 C)) (u, v), and exp(-i omega t) makes omega = i times its eigenvalues. The
-        // velocities are measured in units of displacement times a typical frequency, which balances the matrix.
+        // `d/dt (u, v) = ((0, T), (-M^-1 K, -M^-1 C)) (u, v)`; with `exp(-i omega t)`, `omega` is `i` times the eigenvalue. Velocities are scaled by
+        // a typical frequency, which balances the matrix.
         let n = self.size();
         let stiffness = self.divided_by_mass(k, self.stiffness.at(k));
         let norm = stiffness.iter().map(|z| z.norm()).fold(0.0, f64::max);
@@ -154,18 +158,18 @@ impl<const D: usize> WaveSystem<D> {
         values
     }
 
-    /// Rounding error to expect in an entry of `D(k)`. 1/time^2.
+    /// Rounding error of an entry of `D(k)`. 1/time^2.
     pub fn noise(&self) -> f64 {
         f64::EPSILON * self.stiffness.magnitude() / self.lightest_mass()
     }
 
-    /// The smallest mass of a particle.
+    /// Smallest mass of a particle.
     fn lightest_mass(&self) -> f64 {
         let masses = self.particle_masses();
         masses.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// A Hermitian matrix with the eigenvalues of `D(k)`, where the system is Hermitian.
+    /// Hermitian matrix with the eigenvalues of `D(k)`; `None` if the system is not Hermitian.
     fn hermitian_matrix(&self, k: &SVector<f64, D>) -> Option<DMatrix<Complex>> {
         match self.is_hermitian {
             true => self.symmetrized(k, self.stiffness.at(k)),
@@ -173,7 +177,7 @@ impl<const D: usize> WaveSystem<D> {
         }
     }
 
-    /// `L^-1 K L^-*` with `M = L L*` for a Hermitian stiffness at a wave vector: a Hermitian matrix with the eigenvalues of `M^-1 K`.
+    /// Hermitian matrix `L^-1 K L^-*` with `M = L L*`; it has the eigenvalues of `M^-1 K`.
     fn symmetrized(
         &self,
         k: &SVector<f64, D>,
@@ -198,7 +202,7 @@ impl<const D: usize> WaveSystem<D> {
         Some(hermitian(symmetrized))
     }
 
-    /// The modes of a Hermitian system.
+    /// Modes of a Hermitian system by increasing `omega^2`; `None` if the system is not Hermitian.
     fn hermitian_modes(&self, k: &SVector<f64, D>) -> Option<Vec<(Complex, DVector<Complex>)>> {
         let eigen = hermitian_eigen(self.hermitian_matrix(k)?)?;
         let back = |vector: DVector<Complex>| match &self.mass {
@@ -220,7 +224,7 @@ impl<const D: usize> WaveSystem<D> {
         Some(modes)
     }
 
-    /// The displacements that go with the velocities of an eigenvector of `M^-1 K T`: `T v`.
+    /// Displacements `T v` that belong to the velocities `v` of an eigenvector of `M^-1 K T`.
     fn displaced(&self, k: &SVector<f64, D>, velocities: DVector<Complex>) -> DVector<Complex> {
         match &self.drift {
             Some(drift) => oriented(drift.at(k) * velocities),
@@ -229,13 +233,13 @@ impl<const D: usize> WaveSystem<D> {
     }
 }
 
-/// Of unit length, with a largest component that is real and positive.
+/// Scales a vector to unit length and turns its phase so that its largest component is real and positive.
 fn oriented(vector: DVector<Complex>) -> DVector<Complex> {
     let largest = vector
         .iter()
         .copied()
         .fold(Complex::new(0.0, 0.0), |best: Complex, z| {
-            // Of components of the same size the first one, whatever rounding says.
+            // The first of several components that are equal to rounding.
             if z.norm() > best.norm() * (1.0 + 1e-9) {
                 z
             } else {
@@ -250,12 +254,12 @@ fn oriented(vector: DVector<Complex>) -> DVector<Complex> {
     vector.map(|z| z * turn)
 }
 
-/// The Hermitian part, which removes what rounding adds to it.
+/// Hermitian part of a matrix that is Hermitian except for rounding.
 fn hermitian(matrix: DMatrix<Complex>) -> DMatrix<Complex> {
     (&matrix + matrix.adjoint()) * Complex::new(0.5, 0.0)
 }
 
-/// Eigenvalues of any complex matrix; imaginary parts that the noise of the entries explains are left out.
+/// Eigenvalues of any complex matrix. Imaginary parts that the noise of the entries explains are set to zero.
 pub(super) fn general_eigenvalues(matrix: DMatrix<Complex>, noise: f64) -> Vec<Complex> {
     let norm = matrix.norm();
     let Some(mut values) = any_eigenvalues(&matrix) else {
@@ -267,8 +271,7 @@ pub(super) fn general_eigenvalues(matrix: DMatrix<Complex>, noise: f64) -> Vec<C
     values
 }
 
-/// A unit vector of the space that belongs to an eigenvalue: the `nth` right singular vector of `D - lambda`, counted from
-/// the smallest singular value.
+/// Unit vector of an eigenspace: the `nth` right singular vector of `D - lambda`, counted from the smallest singular value.
 fn null_vector(matrix: &DMatrix<Complex>, eigenvalue: Complex, nth: usize) -> DVector<Complex> {
     let size = matrix.nrows();
     let shifted = matrix - DMatrix::identity(size, size) * eigenvalue;

@@ -1,4 +1,4 @@
-//! Sums over the lattice with plane-wave phases, for several particles in a cell.
+//! Lattice sums with plane-wave phases, for several particles in a cell.
 
 use super::expansion::MatrixExpansion;
 use crate::algebra::{Complex, Each, array_of};
@@ -7,37 +7,37 @@ use crate::lattice::{Crystal, Particle};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::collections::BTreeMap;
 
-/// `S(k) = sum_R S(R) exp(i k.(X_to - X_from))`: a matrix between the displacements of the particles of a cell, made of blocks
-/// between pairs of particles. The row belongs to a particle `from` of the cell at the origin.
+/// Lattice sum `S(k) = sum_R S(R) exp(i k.(X_to - X_from))`: a matrix between the displacements of the particles of a cell.
 ///
-/// Shape `(D n) x (D n)` with `n` particles in a cell.
+/// It consists of blocks between pairs of particles; the row belongs to a particle `from` of the cell at the origin. Shape `(D n) x (D n)` with `n`
+/// particles in a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlochSum<const D: usize> {
-    /// Where the particles of a cell are, from the first one.
+    /// Positions of the particles of a cell, relative to the first particle.
     sites: Vec<SVector<f64, D>>,
-    /// The cells with particles of columns, lattice coordinates and where they are. Of many pairs with the same cells the phase is computed once.
+    /// Cells that contain column particles: lattice coordinates and position. Stored once, so that their phases are computed once for all pairs.
     cells: Vec<([i32; D], SVector<f64, D>)>,
     primitive: [SVector<f64, D>; D],
-    /// The largest lattice coordinate of a cell.
+    /// Largest lattice coordinate of a cell, in magnitude.
     reach: usize,
-    /// The sum of the largest entries of the blocks.
+    /// Sum over the blocks of the largest entry of each.
     magnitude: f64,
     terms: Vec<Term<D>>,
 }
 
-/// The block of one pair.
+/// Block of one pair of particles.
 #[derive(Clone, Debug, PartialEq)]
 struct Term<const D: usize> {
     from: usize,
     to: Particle<D>,
-    /// The number of its cell.
+    /// Index of the cell of `to` in `cells`.
     cell: usize,
     /// `X_to - X_from` in the reference state.
     vector: SVector<f64, D>,
     block: SMatrix<f64, D, D>,
 }
 
-/// `exp(i k.X)` of particles at home and of cells.
+/// Phases `exp(i k.X)` of the particles of the cell at the origin and of the cells.
 struct Phases {
     sites: Vec<Complex>,
     cells: Vec<Complex>,
@@ -56,21 +56,21 @@ pub struct BlochBlocks<const D: usize> {
 }
 
 impl<const D: usize> BlochBlocks<D> {
-    /// No blocks.
+    /// Creates an empty collection.
     pub fn new() -> Self {
         Self {
             blocks: BTreeMap::new(),
         }
     }
 
-    /// Adds to the block between two particles; only their difference counts.
+    /// Adds to the block between two particles; it depends only on their sites and the difference of their cells.
     pub fn add(&mut self, from: &Particle<D>, to: &Particle<D>, block: &SMatrix<f64, D, D>) {
         let back = from.cell.each(|n| -n);
         let entry = self.blocks.entry((from.site, to.moved(&back)));
         *entry.or_insert_with(SMatrix::zeros) += block;
     }
 
-    /// Collects blocks between some particles, by their numbers.
+    /// Collects blocks between the given particles, addressed by their indices.
     pub(crate) fn between<'a>(&'a mut self, particles: &'a [Particle<D>]) -> Between<'a, D> {
         Between {
             table: Table::of(particles),
@@ -79,7 +79,7 @@ impl<const D: usize> BlochBlocks<D> {
         }
     }
 
-    /// The sum. Blocks that are zero to rounding are left out.
+    /// Returns the sum. Blocks that are zero to rounding are omitted.
     pub fn sum(self, crystal: &Crystal<D>) -> BlochSum<D> {
         let largest = self.blocks.values().map(|b| b.amax()).fold(0.0, f64::max);
         let is_zero = |entry: &f64| entry.abs() <= 1e-15 * largest;
@@ -93,8 +93,10 @@ impl<const D: usize> BlochBlocks<D> {
     }
 }
 
-/// Blocks between some particles, each with each: as many pairs have the same difference, their sums are taken in a table of differences where that is no
-/// larger than the pairs are many.
+/// Blocks between all pairs of some particles.
+///
+/// Many pairs have the same difference of cells. Their sums are collected in a table of differences if it is not much larger than the number of
+/// pairs.
 pub(crate) struct Between<'a, const D: usize> {
     particles: &'a [Particle<D>],
     table: Option<Table<D>>,
@@ -114,7 +116,7 @@ impl<const D: usize> Between<'_, D> {
         }
     }
 
-    /// Adds what has been collected.
+    /// Adds the collected blocks to the sum.
     pub(crate) fn finish(mut self) {
         let Some(table) = self.table.take() else {
             return;
@@ -128,22 +130,22 @@ impl<const D: usize> Between<'_, D> {
     }
 }
 
-/// Sums of blocks by the sites of two particles and the difference of their cells.
+/// Sums of blocks, indexed by the sites of two particles and the difference of their cells.
 struct Table<const D: usize> {
     sums: Vec<SMatrix<f64, D, D>>,
-    /// What the particles add to the number of a sum as the first and as the second one.
+    /// Contribution of a particle to the index of a sum, as first (`rows`) and as second particle (`columns`).
     rows: Vec<usize>,
     columns: Vec<usize>,
     sites: usize,
-    /// The largest difference along each axis.
+    /// Largest difference of cells along each axis.
     span: [i32; D],
 }
 
-/// Entries of a table for each pair of particles, at most.
-const SPARSE: usize = 4;
+/// Maximum number of table entries per pair of particles; it limits the memory of a table.
+const TABLE_ENTRIES_PER_PAIR: usize = 4;
 
 impl<const D: usize> Table<D> {
-    /// None where it would be much larger than pairs are many.
+    /// Creates the table; `None` if it would be much larger than the number of pairs.
     fn of(particles: &[Particle<D>]) -> Option<Self> {
         let along = |axis: usize| particles.iter().map(move |particle| particle.cell[axis]);
         let [low, high] = [i32::min, i32::max]
@@ -154,8 +156,8 @@ impl<const D: usize> Table<D> {
         let size = widths
             .iter()
             .try_fold(sites * sites, |size, width| size.checked_mul(*width));
-        let size = size.filter(|size| *size <= SPARSE * particles.len().pow(2))?;
-        // By site of the first, site of the second and difference, counted from the lowest one.
+        let size = size.filter(|size| *size <= TABLE_ENTRIES_PER_PAIR * particles.len().pow(2))?;
+        // Index by the site of the first particle, the site of the second, and the difference of cells counted from the lowest.
         let number = |site: usize, place: [usize; D]| {
             let places = place.iter().zip(&widths);
             places.fold(site, |number, (n, width)| number * width + n)
@@ -172,7 +174,7 @@ impl<const D: usize> Table<D> {
         })
     }
 
-    /// The particles of a sum, the first of them at home.
+    /// Returns the particles of a sum, the first in the cell at the origin.
     fn pair(&self, number: usize) -> (Particle<D>, Particle<D>) {
         let mut rest = number;
         let mut cell = [0; D];
@@ -191,8 +193,9 @@ impl<const D: usize> Table<D> {
 }
 
 impl<const D: usize> Term<D> {
-    /// The phase and its derivatives by the components of the wave vector, as many as there is room for: the first, then the second ones
-    /// by `a` and `b <= a`.
+    /// Writes the phase and its derivatives with respect to the wave vector, up to the length of `room`.
+    ///
+    /// The order is: phase, first derivatives, second derivatives by `a` and `b <= a`.
     fn derivatives(&self, phase: Complex, room: &mut [Complex]) {
         let first = (0..D).map(|a| phase * Complex::new(0.0, self.vector[a]));
         let second = (0..D)
@@ -260,7 +263,7 @@ impl<const D: usize> BlochSum<D> {
         }
     }
 
-    /// Those of the cells, by powers unless the basis is so oblique that there are more of them than cells.
+    /// Phases of the cells: products of powers, unless the basis is so oblique that the powers outnumber the cells.
     fn cell_phases(&self, phase: impl Fn(&SVector<f64, D>) -> Complex) -> Vec<Complex> {
         let cells = self.cells.iter();
         if D * self.reach > self.cells.len() {
@@ -271,14 +274,14 @@ impl<const D: usize> BlochSum<D> {
         cells.map(|(cell, _)| powers.turned(one, cell)).collect()
     }
 
-    /// The blocks: the site of the row, the particle of the column, and the block itself.
+    /// Iterates over the blocks: the site of the row, the particle of the column, and the block.
     pub fn blocks(&self) -> impl Iterator<Item = (usize, &Particle<D>, &SMatrix<f64, D, D>)> {
         self.terms
             .iter()
             .map(|term| (term.from, &term.to, &term.block))
     }
 
-    /// The same divided by a number.
+    /// Returns the sum divided by a number.
     pub(super) fn over(&self, unit: f64) -> Self {
         let mut scaled = self.clone();
         for term in &mut scaled.terms {
@@ -288,7 +291,8 @@ impl<const D: usize> BlochSum<D> {
         scaled
     }
 
-    /// The same with lattice coordinates in another basis of a crystal, which come from those here by a matrix of integers.
+    /// Returns the sum in lattice coordinates of another basis. `inverse` maps the present lattice coordinates to the new ones and has integer
+    /// entries.
     pub(super) fn relabeled(&self, inverse: &SMatrix<f64, D, D>, crystal: &Crystal<D>) -> Self {
         let blocks = self.terms.iter().map(|term| {
             let cell = inverse * SVector::from(term.to.cell.map(f64::from));
@@ -301,13 +305,13 @@ impl<const D: usize> BlochSum<D> {
         Self::of_blocks(crystal, blocks)
     }
 
-    /// `S(k)`.
+    /// Evaluates the sum `S(k)` at a wave vector.
     pub fn at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
         let phases = self.phases(k);
         self.summed(|term| phases.of(term))
     }
 
-    /// The Taylor coefficient of order `p` of `S(t n)` in `t` at zero: `sum S(R) (i n.R)^p / p!`, for `p` up to two.
+    /// Taylor coefficient of order `p` of `S(t n)` in `t` at zero: `sum S(R) (i n.R)^p / p!`, for `p` up to two.
     pub(super) fn taylor(&self, direction: &SVector<f64, D>, order: usize) -> DMatrix<Complex> {
         self.summed(|term| {
             let phase = Complex::new(0.0, direction.dot(&term.vector));
@@ -319,7 +323,7 @@ impl<const D: usize> BlochSum<D> {
         })
     }
 
-    /// `S(k)` with its derivatives by the components of the wave vector.
+    /// `S(k)` with its derivatives with respect to the components of the wave vector.
     pub(super) fn expansion_at(&self, k: &SVector<f64, D>) -> MatrixExpansion<D> {
         let parts = 1 + D + D * (D + 1) / 2;
         let phases = self.phases(k);
@@ -340,7 +344,7 @@ impl<const D: usize> BlochSum<D> {
             .swap_remove(0)
     }
 
-    /// The sums of the blocks times so many factors each.
+    /// Sums of the blocks multiplied by each of `count` factors.
     fn sums(
         &self,
         count: usize,
@@ -364,7 +368,7 @@ impl<const D: usize> BlochSum<D> {
         sums
     }
 
-    /// Whether `S(k)` is Hermitian for every wave vector, to rounding.
+    /// Returns true if `S(k)` is Hermitian for every wave vector, to rounding.
     pub fn is_hermitian(&self) -> bool {
         let tolerance = 1e-10 * self.magnitude();
         let blocks: BTreeMap<(usize, Particle<D>), &SMatrix<f64, D, D>> = self
@@ -383,17 +387,17 @@ impl<const D: usize> BlochSum<D> {
         })
     }
 
-    /// The largest lattice coordinate of a vector.
+    /// Largest lattice coordinate of a vector, in magnitude.
     pub fn reach(&self) -> usize {
         self.reach
     }
 
-    /// The sum of the largest entries of the blocks: rounding errors are a few [`f64::EPSILON`] of it.
+    /// Sum over the blocks of the largest entry of each; rounding errors are a few [`f64::EPSILON`] of it.
     pub fn magnitude(&self) -> f64 {
         self.magnitude
     }
 
-    /// The sum over the columns' particles, `S(0)` applied to a rigid translation; for each site of the rows.
+    /// Sums over the particles of the columns, one for each site of the rows: `S(0)` applied to a rigid translation.
     pub fn row_sums(&self) -> Vec<SMatrix<f64, D, D>> {
         let mut sums = vec![SMatrix::zeros(); self.sites.len()];
         for term in &self.terms {
