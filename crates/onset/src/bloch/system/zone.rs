@@ -1,9 +1,16 @@
-//! The extremes of the spectrum over the zone, for any number of particles in a cell.
+//! Extremes of the spectrum over the zone, for any number of particles in a cell.
 //!
-//! With one particle in a cell the search of [`ZoneSearch`] is used. Otherwise: each objective is the lowest of several branches,
-//! smooth but where two of them meet, so that its minima are smooth ones, however narrow the crossings leave them. The wells of a
-//! grid are followed to their bottoms with exact derivatives; then the boxes around points of the grid in which some branch, by its
-//! slope, can get lower are divided, again and again, and what lies lower there is followed too.
+//! Systems with one particle in a cell are left to the matrix search of [`ZoneSearch`]. Otherwise, each objective is the lowest of several
+//! branches. Its minima are smooth, because branches that cross leave a ridge, but crossings can make them narrow. The search has four steps:
+//!
+//! 1. `omega^2` is computed on a grid over half of the zone, and the wells of the grid are followed to their bottoms by Newton's method with exact
+//!    derivatives.
+//! 2. Boxes around grid points in which some branch can fall lower, judging by its slope, are halved repeatedly; lower values found there are
+//!    followed too.
+//! 3. If the forces do not derive from an energy, pockets of complex `omega^2` are predicted from the derivatives at grid points (`bloch::pocket`).
+//! 4. On request, branch and bound computes a lower bound (`bloch::bound`).
+//!
+//! Only the bound is guaranteed. The extremes themselves are sampled values.
 
 use super::WaveSystem;
 use crate::algebra::{
@@ -22,76 +29,81 @@ use nalgebra::{DVector, SMatrix, SVector};
 use std::convert::Infallible;
 use std::sync::{Arc, OnceLock};
 
-/// Points of the grid per period of the fastest phase.
+/// Grid points per period of the fastest phase. A heuristic value; the division of boxes finds wells between the points.
 const POINTS_PER_PERIOD: usize = 10;
-/// What is within this multiple of the rounding error of sums counts as zero: force constants carry the rounding of the shape functions
-/// that they are made of, which is some times that of the sums.
+/// Tolerance for zero, as a multiple of the rounding error of lattice sums. Force constants also carry the rounding error of their shape functions,
+/// which is several times larger.
 const ROUNDING: f64 = 16.0;
-/// What a limit of long waves makes of the longest wave that is asked whether it grows, in units of what rounding makes of it; how many
-/// waves are asked, two octaves apart; and how near in octaves the fastest growing one is found.
+/// Noise factor: at the smallest wave number tested for growth, the long-wave limit predicts this multiple of the rounding error.
 const TOLD: f64 = 8.0;
+/// Number of wave numbers tested for growth, two octaves apart.
 const FOLLOWED: i32 = 5;
+/// Tolerance, in octaves, of the wave number of the fastest growing long wave.
 const NARROWED: f64 = 1e-5;
-/// What is not told from the largest and the smallest squared frequency, relative to it, and the part of the work for a bound that
-/// is done for them.
+/// Accepted gap between an extreme squared frequency and its bound, relative to the largest squared frequency of a wave at speed `c`.
 const FREQUENCY_GAP: f64 = 1e-6;
+/// Divisor of the box budget for the bounds of the largest and the smallest squared frequency, which are less important than the bound of the scaled
+/// measure.
 const FREQUENCY_SHARE: usize = 4;
-/// Differences of a bound from the smallest value, relative to it, from which the smallest value is searched too.
+/// Maximum gap between a bound and the smallest value, relative to this value. Beyond it the wells of the grid are followed too.
 const LOOSE: f64 = 1e-3;
-/// Growth rates above this part of the fastest one that is known are followed where Newton's method has not ended.
+/// Minimum fraction of the largest known growth rate at which a wave is followed further although Newton's method has not converged. A heuristic
+/// value.
 const PROMISING: f64 = 0.7;
-/// Waves that grow faster than the one at `k = 0` by less than this part are taken for it.
+/// Relative tolerance of squared frequencies: a wave that is no lower than the wave at `k = 0` is replaced by it.
 const ALIKE: f64 = 1e-9;
-/// Steps of the grid from a known bottom within which a descent that is not lower has come to the same one.
+/// Distance from a known bottom, in grid steps, within which a descent that ends no lower has reached the same bottom.
 const AT_BOTTOM: f64 = 0.02;
-/// How often boxes are divided.
+/// Number of times that boxes are halved.
 const DIVISIONS: usize = 2;
-/// How many of the lowest branches may have a well between the points of the grid.
+/// Number of lowest branches that are checked for wells between the grid points.
 const BRANCHES: usize = 3;
-/// Cells of so many degrees of freedom are large.
+/// Minimum number of degrees of freedom of a large cell. Each eigenvalue problem then uses a separate core, and fewer descents start.
 const LARGE: usize = 24;
-/// The zone of those of so many is so small that a few points are as dense as many are in that of one particle.
+/// Minimum number of degrees of freedom of a huge cell. Its zone is so small that a few grid points resolve it.
 const HUGE: usize = 96;
-/// Within half of a step of the grid a branch changes by about this fraction of its change within a step.
+/// Change of a branch within half a grid step, as a fraction of its change within a whole step. It exceeds one half as a margin for curvature.
 const HALF: f64 = 0.6;
-/// Points of the grid along a reciprocal vector, and wells that are followed, with damping, where each value takes the eigenvalues of many
-/// steps. The shortest of these is that of short waves, which vary slowly over the zone.
+/// Grid points along a reciprocal vector with damping, where each value takes the eigenvalues of many time steps. The extreme time steps belong to
+/// short waves, which vary slowly over the zone.
 const DAMPED_GRID: usize = 12;
+/// Wells followed to their bottoms with damping.
 const DAMPED_WELLS: usize = 4;
-/// Steps of the grid from the middle of a shell of long waves to its faces.
+/// Half the side of the cube of points around `k = 0`, in grid steps: the largest shell of long waves.
 const SHELL: usize = 4;
-/// Wave vectors below this fraction of a reciprocal vector are long waves, which are taken to their limit.
+/// Largest wave number of a long wave, as a fraction of the shortest reciprocal vector. The long-wave limit represents such waves.
 const LONG: f64 = 1e-3;
 
-/// A wave vector with the value of the objective there.
+/// Value of the objective, and its wave vector.
 type Candidate<const D: usize> = (f64, SVector<f64, D>);
 
-/// What is sought; always a minimum.
+/// Objective of a search over the zone; always minimized.
 #[derive(Clone, Copy, PartialEq)]
 enum Objective {
-    /// `Re omega^2 / (c^2 |k|_h^2)`.
+    /// Scaled measure `Re omega^2 / (c^2 |k|_h^2)` of the lowest branch.
     Scaled,
-    /// `Re omega^2`.
+    /// Real part `Re omega^2` of the lowest branch.
     Lowest,
-    /// `-Re omega^2`.
+    /// Minus the real part, `-Re omega^2`, of the highest branch.
     Highest,
     /// Minus the growth rate of complex `omega^2`.
     Growth,
-    /// A function of the wave vector, [`Sweep::function`].
+    /// The function of the wave vector in [`Sweep::function`].
     Function,
 }
 
-/// A function of the wave vector whose least value is searched.
+/// Function of the wave vector whose minimum is computed.
 pub(crate) type WaveFunction<'a, const D: usize> = &'a (dyn Fn(&SVector<f64, D>) -> f64 + Sync);
 
 impl<const D: usize> ZoneSearch<D> {
-    /// The extremes of the spectrum of a system; damping left out.
+    /// Computes the extremes of the undamped spectrum of a system. Sampled, without a lower bound.
     pub fn summary_of(&self, system: &WaveSystem<D>) -> SpectrumSummary<D> {
         self.found_of(system, Flutter::All, None)
     }
 
-    /// Least value over the zone of a function that depends on the waves of a system, and its wave vector. Waves longer than
-    /// `1 / LONG` cells are left out. The best value so far once `is_ended`.
+    /// Minimum over the zone of a function that depends on the waves of a system, and its wave vector.
+    ///
+    /// Long waves are left out. After cancellation, the best value so far.
     pub(crate) fn least_of(
         &self,
         system: &WaveSystem<D>,
@@ -116,7 +128,7 @@ impl<const D: usize> ZoneSearch<D> {
         (value, self.folded(&k))
     }
 
-    /// The same, but for flutter that grows more slowly than what diverges, as [`ZoneSearch::extremes`] of a matrix.
+    /// Like `summary_of`, but without flutter that grows more slowly than the divergence of the state, as in [`ZoneSearch::extremes`].
     pub(crate) fn extremes_of(
         &self,
         system: &WaveSystem<D>,
@@ -128,12 +140,12 @@ impl<const D: usize> ZoneSearch<D> {
         self.found_of(system, sought, None)
     }
 
-    /// The same with a lower bound of the scaled measure wherever equations allow one.
+    /// Like `summary_of`, with a lower bound of the scaled measure if the equations allow it.
     pub fn bounded_summary_of(&self, system: &WaveSystem<D>) -> SpectrumSummary<D> {
         self.bounded_summary_of_unless(system, &|| false)
     }
 
-    /// The same, given up as soon as nobody waits for it any more.
+    /// Like `bounded_summary_of`, with cancellation through `is_ended`.
     pub fn bounded_summary_of_unless(
         &self,
         system: &WaveSystem<D>,
@@ -142,7 +154,7 @@ impl<const D: usize> ZoneSearch<D> {
         self.found_of(system, Flutter::All, Some(is_ended))
     }
 
-    /// The extremes; with a bound while somebody waits for it, where there is one.
+    /// Computes the extremes; `is_bounded` requests a lower bound and carries the cancellation test.
     fn found_of(
         &self,
         system: &WaveSystem<D>,
@@ -166,9 +178,13 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// Whether a mode grows, and how: the same answer as that of the summary, without the largest frequency, and without more than one
-    /// witness; with a measure whose sign it is where the spectrum is real, and the softest mode of a stable state whose measure is at
-    /// most `soft`. Where witnesses of the states beside it are given, these are tried before any is searched for.
+    /// Returns whether a wave grows, and by divergence or flutter.
+    ///
+    /// Cheaper than `summary_of`: it stops at the first growing wave and omits the largest frequency. The sign of the measure decides stability if
+    /// the spectrum is real.
+    ///
+    /// - `soft`: the softest mode of a stable state is returned if its scaled measure is at most this value.
+    /// - `beside`: growing wave vectors of neighboring states, which are tried first.
     pub(crate) fn judgment_of(
         &self,
         system: &WaveSystem<D>,
@@ -183,11 +199,11 @@ impl<const D: usize> ZoneSearch<D> {
             };
         }
         if let Some(reduced) = system.reduced() {
-            // The modes that are left out have the measure zero: where one up to zero is asked about, the softest mode is wanted always.
+            // The omitted modes have the scaled measure zero: if a limit of zero or above is requested, the softest mode is always needed.
             let soft = if soft < 0.0 { soft } else { f64::INFINITY };
             let judgment = self.judgment_of(reduced, soft, beside);
             return Judgment {
-                // What is no number stays none.
+                // A NaN measure remains NaN.
                 measure: match judgment.measure > 0.0 {
                     true => 0.0,
                     false => judgment.measure,
@@ -211,7 +227,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// What has been found of the reduced system, of the whole one: its other modes have `omega = 0` at any wave vector.
+    /// Extends the summary of the reduced system to the whole one, whose other modes have `omega = 0` at every wave vector.
     fn with_null_space(
         &self,
         system: &WaveSystem<D>,
@@ -227,7 +243,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// The softest mode of the whole system, given that of the reduced one.
+    /// Softest mode of the whole system, from the softest mode of the reduced one.
     fn softest_of(&self, system: &WaveSystem<D>, reduced: Mode<D>) -> Mode<D> {
         let softest = match reduced.scaled > 0.0 {
             true => Mode {
@@ -242,8 +258,8 @@ impl<const D: usize> ZoneSearch<D> {
         shown_of(system, softest)
     }
 
-    /// Whether long waves of an unstable state grow, by flutter only where that is how waves of the material grow, as
-    /// [`ZoneSearch::long_waves_grow`] of a matrix.
+    /// Returns true if long waves of an unstable state grow, as in [`ZoneSearch::long_waves_grow`]. Flutter counts only if the waves of the material
+    /// also grow by flutter alone.
     pub(crate) fn long_waves_grow_of(
         &self,
         system: &WaveSystem<D>,
@@ -271,7 +287,7 @@ impl<const D: usize> ZoneSearch<D> {
     }
 }
 
-/// A mode of the reduced system, with the displacements of the whole one.
+/// Mode of the reduced system, with the displacements of the whole system.
 fn shown_of<const D: usize>(system: &WaveSystem<D>, mode: Mode<D>) -> Mode<D> {
     match mode.is_long_wave || mode.wave_vector.norm() == 0.0 {
         true => mode,
@@ -285,8 +301,7 @@ fn shown_of<const D: usize>(system: &WaveSystem<D>, mode: Mode<D>) -> Mode<D> {
 }
 
 impl<const D: usize> ZoneSearch<D> {
-    /// Search and system in coordinates in which the forces reach equally far in all directions, where the reference lattice
-    /// is too oblique for them.
+    /// Search and system in coordinates in which the forces have the same range in all directions, if the reference lattice is too oblique for them.
     pub(in crate::bloch) fn short_ranged_system(
         &self,
         system: &WaveSystem<D>,
@@ -300,33 +315,34 @@ impl<const D: usize> ZoneSearch<D> {
 struct Sweep<'a, const D: usize> {
     search: &'a ZoneSearch<D>,
     system: &'a WaveSystem<D>,
-    /// Whether bounds are wanted, which take several times as long as a search.
+    /// True if lower bounds are requested; they cost several times the search.
     is_bounded: bool,
-    /// Whether nobody waits any more: then nothing is looked at that is not known.
+    /// True once the caller has cancelled; then no further wave vectors are evaluated.
     is_ended: IsEnded<'a>,
-    /// The function of [`Objective::Function`].
+    /// Objective function for [`Objective::Function`].
     function: Option<WaveFunction<'a, D>>,
     effort: Effort,
     waves: Arc<WaveGrid<D>>,
-    /// `omega^2` at half of the grid, once they are needed; `-k` has the same, conjugated.
+    /// `omega^2` at half of the grid, computed when first needed. The wave vector `-k` has the complex conjugates.
     spectra: OnceLock<Vec<Vec<Complex>>>,
-    /// `omega^2` at `k = 0`, translations left out where they are free.
+    /// `omega^2` at `k = 0`, without free translations.
     at_rest: Vec<Complex>,
-    /// Of long waves, with the rounding errors of that.
+    /// Long-wave stiffness, with the two estimates of its rounding error below.
     stiffness: Stiffness<D>,
     long_wave_noise: [f64; 2],
 }
 
-/// What is known without a search: of the limit of long waves, and of `k = 0`.
+/// Results that need no search: the long-wave limit and `k = 0`.
 struct LongWaves<const D: usize> {
     mode: Mode<D>,
     rest: Mode<D>,
-    /// Scaled measures of smaller magnitude are zero to rounding; and those of the limit, where particles of a cell relax.
+    /// Tolerance of scaled measures at finite wave vectors; smaller magnitudes are zero to rounding.
     tolerance: f64,
+    /// Tolerance of scaled measures in the long-wave limit, which includes the relaxation of the particles of a cell.
     of_limit: f64,
 }
 
-/// What does not flutter.
+/// Softest and lowest mode of a system, without flutter.
 struct Softest<const D: usize> {
     softest: Mode<D>,
     lowest: Mode<D>,
@@ -336,25 +352,25 @@ struct Softest<const D: usize> {
     bound: f64,
 }
 
-/// How much is looked at, at most.
+/// Upper limits of the work of a search.
 #[derive(Clone, Copy)]
 struct Effort {
-    /// Wells of the grid that are followed to their bottoms.
+    /// Number of grid wells that are followed to their bottoms.
     wells: usize,
-    /// Boxes that are divided each time.
+    /// Number of boxes that are divided each time.
     boxes: usize,
-    /// Of the smallest boxes those from which a bottom is sought.
+    /// Number of smallest boxes that start a descent.
     leaves: usize,
-    /// Pockets of complex `omega^2` that are foreseen and looked at again.
+    /// Number of predicted pockets of complex `omega^2` that are refined.
     pockets: usize,
-    /// Points between halved steps from which these are foreseen.
+    /// Number of points between halved steps at which pockets are predicted.
     finer: usize,
-    /// Whether each spectrum is worth a core: only the lowest wave along a ray is followed, and a bottom is searched once.
+    /// True if one spectrum is worth a core. Then only the lowest wave along a ray is followed, and each bottom is followed only once.
     is_large: bool,
 }
 
 impl Effort {
-    /// For small cells in the plane that is cheap; large cells have small zones, with little between the points of the grid.
+    /// Chooses the limits. Small cells in the plane are cheap; large cells have small zones with little detail between the grid points.
     fn of<const D: usize>(system: &WaveSystem<D>) -> Self {
         let (wells, boxes, leaves, pockets) = match (D, system.size()) {
             (3, 0..8) => (48, 16, 8, 256),
@@ -376,18 +392,18 @@ impl Effort {
     }
 }
 
-/// A box of wave vectors.
+/// Box of wave vectors around a center.
 struct Region<const D: usize> {
     center: SVector<f64, D>,
-    /// The objective of the lowest branches in the middle.
+    /// Objective of the lowest branches at the center.
     branches: Vec<f64>,
-    /// The branch that may get lowest in it, how low by its slope, and how low it is expected to get.
+    /// Branch that can fall lowest in the box, its estimated lower limit from the slope, and its expected minimum.
     branch: usize,
     bound: f64,
     expected: f64,
 }
 
-/// How far a branch may fall in a box, and how far it is expected to.
+/// Estimated fall of a branch within a box: the largest and the expected one.
 #[derive(Clone, Copy)]
 struct Fall {
     most: f64,
@@ -395,7 +411,7 @@ struct Fall {
 }
 
 impl<const D: usize> Region<D> {
-    /// From how much each branch may fall.
+    /// Creates a box from the estimated fall of each branch.
     fn new(center: SVector<f64, D>, branches: Vec<f64>, falls: impl Fn(usize) -> Fall) -> Self {
         let lowest = branches.iter().take(BRANCHES).enumerate();
         let bounds = lowest.map(|(n, value)| (n, value - falls(n).most, value - falls(n).expected));
@@ -423,8 +439,9 @@ impl Fall {
         }
     }
 
-    /// Between the middles of steps to both sides, from the changes within these: of a parabola through the three points where that
-    /// is a valley, otherwise along a line.
+    /// Fall within half a grid step to both sides, from the changes over the whole steps ahead and behind.
+    ///
+    /// The expected fall follows from the parabola through the three points if it is a valley; otherwise the change is linear.
     fn between(ahead: f64, behind: f64) -> Self {
         let steepest = ahead.abs().max(behind.abs());
         let (slope, curvature) = (0.5 * (ahead - behind).abs(), ahead + behind);
@@ -507,7 +524,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         }
     }
 
-    /// As [`ZoneSearch::judgment_of`].
+    /// Implements [`ZoneSearch::judgment_of`] by a search.
     fn judgment(&self, soft: f64, beside: &[SVector<f64, D>]) -> Judgment<D> {
         let diverges = |measure, witness| Judgment {
             stability: Stability::Divergence,
@@ -517,10 +534,10 @@ impl<'a, const D: usize> Sweep<'a, D> {
         };
         let long = self.long_waves();
         if long.rest.omega_squared.re < 0.0 || long.mode.scaled < -long.of_limit {
-            // The limit of long waves is that of the rest, unless this grows itself.
+            // The long-wave limit also describes the mode at `k = 0`, unless this mode grows itself.
             return diverges(long.rest.scaled, None);
         }
-        // One witness is enough: one that is known, or one of the grid.
+        // One witness is enough: a known one, or one on the grid.
         let known = beside.iter().map(|k| (*k, self.omega_squared(k)));
         let mut known = known.filter_map(|(k, spectrum)| self.witness(&long, k, &spectrum));
         let seen = || {
@@ -549,7 +566,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         }
     }
 
-    /// A wave vector with its scaled measure, where that is negative beyond rounding.
+    /// Returns the scaled measure of a wave vector if it is negative beyond rounding.
     fn witness(
         &self,
         long: &LongWaves<D>,
@@ -571,7 +588,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let least = at_rest.fold(f64::INFINITY, f64::min);
         let strains = self.system.rigid_translation().amax() > 0.0;
         if strains && least >= -ROUNDING * self.system.noise() {
-            // A translation that costs energy leaves no long waves to become soft; what is free beside it is found at finite ones.
+            // A translation that costs energy excludes long waves of vanishing frequency. Free modes near it are found at finite wave vectors.
             mode.scaled = f64::INFINITY;
         }
         let [tolerance, mut of_limit] = self.long_wave_noise.each(|noise| self.search.told(noise));
@@ -586,8 +603,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
         }
     }
 
-    /// The longest wave along the direction of a limit below zero of which rounding can tell that it grows, and `Re omega^2` of the lowest
-    /// branch at the wave that is so many octaves shorter.
+    /// Smallest wave number, along the direction of a negative long-wave limit, at which growth exceeds rounding; and the lowest `Re omega^2` as a
+    /// function of octaves above this wave number.
     fn longest_told(&self, limit: &Mode<D>) -> (f64, impl Fn(f64) -> f64) {
         let stiffness = -limit.scaled * self.search.speed_squared();
         let longest = (TOLD * ROUNDING * self.system.noise() / stiffness).sqrt();
@@ -600,15 +617,15 @@ impl<'a, const D: usize> Sweep<'a, D> {
         (longest, lowest)
     }
 
-    /// Whether waves grow where the limit of long ones does.
+    /// Returns true if finite waves grow along a direction of negative long-wave stiffness.
     fn is_followed(&self, limit: &Mode<D>) -> bool {
         let (_, lowest) = self.longest_told(limit);
         let noise = ROUNDING * self.system.noise();
         (0..FOLLOWED).any(|n| lowest(f64::from(2 * n)) < -noise)
     }
 
-    /// The fastest growing wave along the direction of a limit below zero, among those longer than a step of the grid: particles of a cell
-    /// that hardly resist each other relax in these only.
+    /// Fastest growing wave along a direction of negative long-wave stiffness, among waves longer than the grid resolves. Particles of a cell that
+    /// barely resist relative motion relax only in such long waves.
     fn growing_long_wave(&self, limit: &Mode<D>) -> Option<Mode<D>> {
         let (longest, lowest) = self.longest_told(limit);
         let step = self.search.reference().reciprocal().column(0).norm();
@@ -625,7 +642,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
     fn softest(&self, long: &LongWaves<D>) -> Softest<D> {
         let (long_wave, rest) = (long.mode, long.rest);
         let grows_at_rest = rest.omega_squared.re < 0.0;
-        // What grows at k = 0 has no scaled measure: the lowest wave tells all.
+        // If a mode grows at `k = 0`, no scaled measure exists, and the lowest wave decides.
         let covered = (!grows_at_rest)
             .then(|| self.covered(Objective::Scaled, long_wave.scaled, None))
             .flatten();
@@ -656,7 +673,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
                     .flatten()
             })
             .unwrap_or(rest);
-        // What is hardly negative, where no other wave grows, is zero to the rounding of the relaxation or of eigenvalues.
+        // Slightly negative values are rounding of the relaxation or of eigenvalues unless a finite wave also grows.
         let rounding = match softest.is_long_wave {
             true => long.of_limit,
             false => self.rounding_at(&softest),
@@ -676,8 +693,10 @@ impl<'a, const D: usize> Sweep<'a, D> {
         }
     }
 
-    /// The scaled measure of what rounding makes of a squared frequency whose vectors on both sides are nearly dependent: the product of their
-    /// lengths times as much as of one of a Hermitian matrix, of which the measure of zero is told already.
+    /// Rounding error of the scaled measure of a mode of a system that is not Hermitian.
+    ///
+    /// If the left and right eigenvectors are nearly orthogonal, the eigenvalue is ill-conditioned: its error is the rounding error of the matrix
+    /// times the product of the norms of these vectors. Zero for Hermitian systems, whose error the general tolerance covers.
     fn rounding_at(&self, mode: &Mode<D>) -> f64 {
         if self.system.is_hermitian() {
             return 0.0;
@@ -693,7 +712,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         noise / (self.search.speed_squared() * self.search.reference().laplacian(&k))
     }
 
-    /// Wave vectors in pockets of complex `omega^2`, where waves may grow faster than a rival.
+    /// Wave vectors in pockets of complex `omega^2` in which waves may grow faster than `rival`.
     fn pockets(&self, rival: f64) -> Vec<SVector<f64, D>> {
         let pockets = Pockets {
             around: &|k, _| {
@@ -703,7 +722,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             is_large: self.effort.is_large,
             steps: self.search.reference().reciprocal() / self.waves.resolution() as f64,
             threshold: self.search.flutter_threshold(self.system.sites()),
-            // What is foreseen of a pocket can be half of what is found from there.
+            // The predicted growth rate of a pocket can be half of the rate found by a descent from there.
             rival: 0.5 * rival,
             most: self.effort.pockets,
             finer: self.effort.finer,
@@ -711,7 +730,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         pockets.around(half(&self.waves).into_iter())
     }
 
-    /// The omega^2 at half of the grid.
+    /// `omega^2` at half of the grid.
     fn spectra(&self) -> &[Vec<Complex>] {
         self.spectra.get_or_init(|| {
             let spectrum = |k| self.omega_squared(&k);
@@ -719,7 +738,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         })
     }
 
-    /// All `omega^2` of a wave vector, none where nobody waits for them.
+    /// All `omega^2` at a wave vector; empty after cancellation.
     fn omega_squared(&self, k: &SVector<f64, D>) -> Vec<Complex> {
         match (self.is_ended)() {
             true => Vec::new(),
@@ -727,7 +746,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         }
     }
 
-    /// The smallest value of an objective, where one is below a floor: with a bound where there is one, otherwise searched.
+    /// Smallest value of an objective below `floor`: by branch and bound if possible, otherwise sampled.
     fn lowest(&self, objective: Objective, floor: f64, softest: &Mode<D>) -> Option<Candidate<D>> {
         let start = match objective {
             Objective::Lowest => Some(self.lowest_near(softest)),
@@ -735,7 +754,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         };
         let covered = self.covered(objective, floor, start);
         let sought = covered.as_ref().is_none_or(|covered| {
-            // What is softer than a wave that grows can be less than the bound of frequencies tells from zero.
+            // A growing wave can be so slow that the bound of the squared frequencies does not separate it from zero.
             objective == Objective::Lowest && covered.wave_vector.is_none()
         });
         if sought {
@@ -746,7 +765,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
         covered.and_then(|covered| covered.wave_vector.map(|k| (covered.lowest, k)))
     }
 
-    /// The smallest `Re omega^2` downhill from the softest wave; where that is the limit of long waves, from waves along its direction.
+    /// Smallest `Re omega^2` reached by descent from the softest wave. If the softest wave is the long-wave limit, the descent starts from waves
+    /// along its direction.
     fn lowest_near(&self, softest: &Mode<D>) -> Candidate<D> {
         let k = softest.wave_vector;
         let reciprocal = self.search.reference().reciprocal().column(0).norm();
@@ -763,15 +783,16 @@ impl<'a, const D: usize> Sweep<'a, D> {
         lowest.unwrap_or((f64::INFINITY, k))
     }
 
-    /// The smallest value of an objective, of which one below a floor may be known, and a bound of all its values; `None` where there is
-    /// no bound.
+    /// Smallest value of an objective and a lower bound of all its values, by branch and bound; `None` if no bound is available.
+    ///
+    /// Values at or above `floor` need not be resolved. `start` is a known value.
     fn covered(
         &self,
         objective: Objective,
         floor: f64,
         start: Option<Candidate<D>>,
     ) -> Option<Covered<D>> {
-        // The bound of a Hermitian part does not tell how far the values themselves go down.
+        // The bound of the Hermitian part is no bound of the frequencies of a system that is not Hermitian.
         let is_hermitian = self.system.is_hermitian();
         if !self.is_bounded || !(is_hermitian || objective == Objective::Scaled) {
             return None;
@@ -783,7 +804,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             Objective::Highest => Measure::Highest,
             Objective::Growth | Objective::Function => return None,
         };
-        // A value that is attained, to begin with.
+        // An attained value to begin with.
         let corner = self.search.reference().reciprocal() * SVector::repeat(0.5);
         let corner = (self.value(objective, &corner), corner);
         let start = start.filter(|start| start.0 < corner.0).unwrap_or(corner);
@@ -810,7 +831,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let mut covered = cover_system(self.system, measure, self.search.reference(), &question)?;
         let is_loose = covered.bound < covered.lowest - LOOSE * covered.lowest.abs();
         if is_loose || !is_hermitian {
-            // Where the bound does not tell the value, the wells of the grid are looked at too.
+            // If the bound does not determine the value, the wells of the grid are searched too.
             let lower = self.bottom(objective, covered.lowest);
             if let Some((value, k)) = lower.filter(|(value, _)| *value < covered.lowest) {
                 covered.wave_vector = Some(k);
@@ -824,14 +845,14 @@ impl<'a, const D: usize> Sweep<'a, D> {
         Some(covered)
     }
 
-    /// Whether a wave with a complex `omega^2` grows noticeably: where nobody asks how fast, one on the grid is enough.
+    /// Returns true if a wave with complex `omega^2` grows noticeably. Only its existence matters, so that one such grid point suffices.
     fn flutters(&self) -> bool {
         let threshold = self.search.flutter_threshold(self.system.sites());
         let is_seen = || -self.fastest_seen().0 > threshold;
         !self.system.is_hermitian() && (is_seen() || self.flutter(0.0, 0.0).is_some())
     }
 
-    /// The fastest growth of complex `omega^2` among the points of the grid and `k = 0`.
+    /// Largest growth rate of complex `omega^2` on the grid and at `k = 0`, with its wave vector; the value has a minus sign.
     fn fastest_seen(&self) -> Candidate<D> {
         let fastest = |spectrum: &[Complex]| complex_growth(spectrum).fold(0.0, f64::min);
         let waves = half(&self.waves).into_iter().zip(self.spectra());
@@ -841,8 +862,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
         seen.fold(at_rest, |best, own| if own.0 < best.0 { own } else { best })
     }
 
-    /// The fastest growing mode with a complex `omega^2`, if one grows noticeably, and faster than a rival. Where one is seen on the grid, others
-    /// are of interest only if they grow faster than it, and than what grows anyway.
+    /// Fastest growing mode with complex `omega^2`, if it grows noticeably and faster than `rival`.
+    ///
+    /// If flutter is already present on the grid, other pockets matter only if they grow faster than it and than `growth`, the rate of divergence.
     fn flutter(&self, rival: f64, growth: f64) -> Option<Mode<D>> {
         if self.system.is_hermitian() {
             return None;
@@ -851,7 +873,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let threshold = self.search.flutter_threshold(sites);
         let seen = self.fastest_seen();
         let is_seen = -seen.0 > threshold.max(rival);
-        // That of what is to be beaten, where the flutter that is seen is an answer.
+        // Rate that further flutter must exceed. The rate of divergence counts only if flutter on the grid already answers whether the state
+        // flutters.
         let least = |growth: f64| match is_seen {
             true => rival.max(self.search.as_rival(growth, sites)),
             false => rival,
@@ -875,7 +898,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .map(|(_, k)| self.fluttering(&k))
     }
 
-    /// The objective of the branches, lowest first.
+    /// Objective of all branches at a wave vector, lowest first, from its spectrum.
     fn branches(
         &self,
         objective: Objective,
@@ -907,7 +930,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         self.branches_at(objective, k)[0]
     }
 
-    /// The objective of the branches at a wave vector whose spectrum is not known yet.
+    /// Objective of all branches at a wave vector whose spectrum is not yet known.
     fn branches_at(&self, objective: Objective, k: &SVector<f64, D>) -> Vec<f64> {
         match objective {
             Objective::Function if (self.is_ended)() => vec![f64::INFINITY],
@@ -916,8 +939,10 @@ impl<'a, const D: usize> Sweep<'a, D> {
         }
     }
 
-    /// `omega^2 / (c^2 |k|_h^2)`. Rounding of `omega^2`, which does not become smaller with the wave vector, counts as zero: modes
-    /// that no force answers would otherwise seem to grow at long waves.
+    /// Scaled measure `omega^2 / (c^2 |k|_h^2)` of a squared frequency.
+    ///
+    /// Rounding of `omega^2`, which does not decrease with the wave vector, counts as zero. Otherwise zero-energy modes would seem to grow for long
+    /// waves.
     fn scaled(&self, k: &SVector<f64, D>, omega_squared: f64) -> f64 {
         if omega_squared.abs() <= ROUNDING * self.system.noise() {
             return 0.0;
@@ -925,7 +950,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         omega_squared / (self.search.speed_squared() * self.search.reference().laplacian(k))
     }
 
-    /// Whether a wave vector is near enough to zero (or to a reciprocal vector) to be taken to the limit.
+    /// Returns true if the wave vector is so close to zero, or to a reciprocal vector, that the long-wave limit represents it.
     fn is_long(&self, k: &SVector<f64, D>) -> bool {
         let lattice = self.search.reference();
         let smallest = lattice.reciprocal().column_iter().map(|b| b.norm());
@@ -933,13 +958,13 @@ impl<'a, const D: usize> Sweep<'a, D> {
         lattice.laplacian(k) < (LONG * smallest).powi(2)
     }
 
-    /// The deepest bottom.
+    /// Smallest bottom that a descent finds.
     fn bottom(&self, objective: Objective, floor: f64) -> Option<Candidate<D>> {
         let bottoms = self.bottoms(objective, floor).into_iter();
         bottoms.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// Bottoms that lie, or seemed to, below a floor and those found before.
+    /// Ends of all descents that may fall below `floor` and below the bottoms found before.
     fn bottoms(&self, objective: Objective, floor: f64) -> Vec<Candidate<D>> {
         let wave_vectors = half(&self.waves);
         let branches: Vec<Vec<f64>> = match objective {
@@ -963,7 +988,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 ends.push(self.followed(objective, 0, start, to_beat(&ends), &ends));
             }
         }
-        // Wells that open at k = 0 are narrow in angle: a ray along the softest long waves, on which points of the grid need not lie.
+        // Wells that open at `k = 0` are narrow in angle and can miss the grid: start along the direction of the softest long waves.
         if matches!(objective, Objective::Scaled | Objective::Lowest) {
             let along = self.search.long_wave_mode(&self.stiffness).wave_vector;
             let reciprocal = self.search.reference().reciprocal().column(0).norm();
@@ -972,7 +997,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 ends.push(self.followed(objective, 0, start, to_beat(&ends), &ends));
             }
         }
-        // At points of high symmetry slopes vanish, and the lowest point near need not be that of their well.
+        // At points of high symmetry slopes vanish, and the lowest point nearby need not belong to their well.
         for index in self.symmetric_points() {
             let k = wave_vectors[index];
             let beside = self.beside(&k).map(|k| (self.value(objective, &k), k));
@@ -991,7 +1016,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         ends
     }
 
-    /// Least value of the function: the bottoms of the grid, of pockets of complex `omega^2`, and of long waves.
+    /// Minimum of the function: over the bottoms from the grid, from pockets of complex `omega^2`, and from long waves.
     fn least(&self) -> Candidate<D> {
         let objective = Objective::Function;
         let mut ends = self.bottoms(objective, f64::INFINITY);
@@ -1005,11 +1030,11 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 }
             }
         }
-        // Of long damped waves two factors of a step are equal to rounding, which says nothing of the step.
+        // For long damped waves two amplification factors of a time step coincide to rounding and do not limit the step.
         if self.system.damping().is_some() {
             return least_of_all(ends);
         }
-        // Shells around k = 0, an octave apart: what vanishes with k has its bottoms anywhere between k = 0 and the grid.
+        // Shells around `k = 0`, one octave apart: the minimum of a function that vanishes with `k` can lie at any distance from `k = 0`.
         let step = self.search.reference().reciprocal() / self.waves.resolution() as f64;
         let shells: Vec<(f64, Candidate<D>)> =
             std::iter::successors(Some(1.0), |size| Some(0.5 * size))
@@ -1036,7 +1061,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         least_of_all(ends)
     }
 
-    /// Where to begin along a ray, of which one step is given; in large cells at the lowest place.
+    /// Starts of descents along a ray, given one grid step along it. In large cells only the lowest of them.
     fn along_ray(&self, objective: Objective, step: &SVector<f64, D>) -> Vec<Candidate<D>> {
         let start = |steps: f64| (self.value(objective, &(step * steps)), step * steps);
         let mut starts = RELAXED_RAY.each(start).to_vec();
@@ -1047,7 +1072,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         starts
     }
 
-    /// The points of the grid at halves and thirds of reciprocal vectors, `k = 0` left out.
+    /// Indices of the grid points at halves and thirds of reciprocal vectors, except `k = 0`.
     fn symmetric_points(&self) -> impl Iterator<Item = usize> {
         let n = self.waves.resolution();
         let is_symmetric = move |c: &usize| [0, n / 3, n / 2, 2 * n / 3].contains(c);
@@ -1055,15 +1080,15 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .filter(move |index| grid_coordinates::<D>(*index, n).iter().all(is_symmetric))
     }
 
-    /// Wave vectors near a point of high symmetry: folded branches that nearly cross there bend within a part of a step. Beyond one
-    /// dimension they would be as many as those of the grid.
+    /// Wave vectors near a point of high symmetry, in one dimension only. Folded branches that nearly cross there bend within a fraction of a grid
+    /// step. In higher dimensions their number would be comparable to the size of the grid.
     fn beside(&self, k: &SVector<f64, D>) -> impl Iterator<Item = SVector<f64, D>> {
         let step = self.search.reference().reciprocal().column(0) / self.waves.resolution() as f64;
         let near = RELAXED_RAY.each(|share| [k - step * share, k + step * share]);
         near.into_iter().flatten().filter(|_| D == 1)
     }
 
-    /// Differences of an objective that mean nothing: modes that no force answers have many wells of rounding.
+    /// Differences of an objective that are rounding. Zero-energy modes have many wells of rounding.
     fn margin(&self, objective: Objective) -> f64 {
         let noise = ROUNDING * self.system.noise();
         let scale = self.search.speed_squared() * self.search.largest_laplacian();
@@ -1075,7 +1100,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         }
     }
 
-    /// The distinct wells of the grid, deepest first: value, how far the highest point around is above it, and where it is.
+    /// Distinct wells of the grid, deepest first: value, height of the highest neighbor above it, and index.
     fn wells(&self, branches: &[Vec<f64>]) -> Vec<(f64, f64, usize)> {
         let n = self.waves.resolution();
         let values: Vec<f64> = branches.iter().map(|branches| branches[0]).collect();
@@ -1089,14 +1114,15 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .map(|index| (values[index], relief(index), index))
             .collect();
         sort_by_value(&mut wells, |item| item.0);
-        // Wells of the same depth are images of each other under the symmetry of the lattice.
+        // Wells of equal depth are symmetric images of each other.
         wells.dedup_by(|b, a| (b.0 - a.0).abs() <= 1e-10 * a.0.abs());
         wells.truncate(self.effort.wells);
         wells
     }
 
-    /// Small boxes in which a branch may get below a value, by how it changes around them: found by division of those around the
-    /// points of the grid, but for those of known bottoms.
+    /// Small boxes in which a branch may fall below `below`, estimated from its changes around them.
+    ///
+    /// The boxes around the grid points are halved repeatedly; boxes of known bottoms are omitted.
     fn regions(
         &self,
         objective: Objective,
@@ -1120,7 +1146,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         };
         let wave_vectors = half(&self.waves);
         let around = |index: usize| {
-            // Opposite neighbors are as far from the ends of the list.
+            // Opposite neighbors have the same distance from the ends of the list.
             let around: Vec<usize> = neighbors::<D>(index, n, count).collect();
             let own = branches[index].clone();
             Region::new(wave_vectors[index], own, |branch| {
@@ -1128,7 +1154,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             })
         };
         let mut regions: Vec<Region<D>> = (1..count).map(around).collect();
-        // What is around k = 0, no point tells.
+        // No grid point describes the neighborhood of `k = 0`.
         regions.push(Region {
             center: SVector::zeros(),
             branches: Vec::new(),
@@ -1152,13 +1178,13 @@ impl<'a, const D: usize> Sweep<'a, D> {
         regions
     }
 
-    /// Whether a box with sides of so many steps of the grid is that of a bottom that is known.
+    /// Returns true if a box, with the given side in grid steps, contains a known bottom of its lowest branch.
     fn is_known(&self, region: &Region<D>, known: &[Candidate<D>], side: f64) -> bool {
         let is_near = |end: &Candidate<D>| self.steps_between(&region.center, &end.1) <= side;
         region.branch == 0 && !region.branches.is_empty() && known.iter().any(is_near)
     }
 
-    /// The parts of a box with given sides.
+    /// Divides a box with the given sides into halves along each axis.
     fn divided(
         &self,
         objective: Objective,
@@ -1172,7 +1198,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 (k, self.branches_at(objective, &k))
             })
             .collect();
-        // From the middle to those of the parts it is as far as from these to their corners.
+        // The distance from the center to the centers of the parts equals the distance from these to their corners.
         let fall = |branch: usize| {
             let values = || parts.iter().filter_map(|part| part.1.get(branch));
             let middle = match region.branches.get(branch) {
@@ -1187,15 +1213,17 @@ impl<'a, const D: usize> Sweep<'a, D> {
         parts.into_iter().map(part).collect()
     }
 
-    /// How many steps of the grid two wave vectors are apart, equivalent ones being the same.
+    /// Distance of two wave vectors in grid steps, modulo reciprocal vectors.
     fn steps_between(&self, a: &SVector<f64, D>, b: &SVector<f64, D>) -> f64 {
         let periods = self.search.reference().fractional(&(a - b));
         let apart = periods.map(|x| (x - x.round()).abs()).max();
         apart * self.waves.resolution() as f64
     }
 
-    /// Follows a branch from a start to its bottom: by Newton's method, where that does not end in a smooth minimum with a
-    /// look around. Left early where it is not going to get below a floor, and at a bottom that is known.
+    /// Follows a branch from a start to its bottom.
+    ///
+    /// Newton's method comes first; if it does not end in a smooth minimum, a search with finite differences follows. The descent ends early if it
+    /// will not fall below `floor`, or at a known bottom.
     fn followed(
         &self,
         objective: Objective,
@@ -1212,7 +1240,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             return settled(&|k| self.value(objective, k), start, &step);
         }
         let taylor = |k: &SVector<f64, D>| self.taylor(objective, branch, k);
-        // At the edge of a pocket growth is a square root, of which no parabola tells how far it goes on.
+        // At the edge of a pocket the growth rate is a square root, so that no parabola predicts its minimum.
         let (to_beat, floor) = match objective {
             Objective::Growth => (f64::INFINITY, PROMISING * floor),
             _ => (floor, floor),
@@ -1220,7 +1248,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let (bottom, is_settled) = self.search.newton(&taylor, start, to_beat);
         let end = (self.value(objective, &bottom.1), bottom.1);
         let margin = self.margin(objective);
-        // In the zone of a small cell a step of the grid is long, and within one around a known bottom there may be a lower one.
+        // In the zone of a small cell a grid step is long, so that a lower bottom can lie within one step of a known one.
         let is_known = |known: &Candidate<D>| {
             self.effort.is_large
                 && known.0 <= end.0 + margin
@@ -1232,7 +1260,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         settled(&|k| self.value(objective, k), end, &step)
     }
 
-    /// A branch of an objective with its derivatives; `None` for long waves.
+    /// Taylor expansion of a branch of an objective; `None` for long waves.
     fn taylor(
         &self,
         objective: Objective,
@@ -1261,13 +1289,13 @@ impl<'a, const D: usize> Sweep<'a, D> {
         })
     }
 
-    /// The mode with the lowest `Re omega^2` at a wave vector.
+    /// Mode with the lowest `Re omega^2` at a wave vector.
     fn mode(&self, k: &SVector<f64, D>) -> Mode<D> {
         let k = self.search.folded(k);
         self.shown(&k, |values| (!values.is_empty()).then_some(0))
     }
 
-    /// The mode with complex `omega^2` that grows fastest at a wave vector.
+    /// Fastest growing mode with complex `omega^2` at a wave vector.
     fn fluttering(&self, k: &SVector<f64, D>) -> Mode<D> {
         let k = self.search.folded(k);
         self.shown(&k, |values| {
@@ -1276,7 +1304,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         })
     }
 
-    /// The mode that is chosen from the values of `omega^2` at a wave vector.
+    /// Mode at a wave vector that `chosen` selects from the values of `omega^2`.
     fn shown(&self, k: &SVector<f64, D>, chosen: impl Fn(&[Complex]) -> Option<usize>) -> Mode<D> {
         let modes = self
             .system
@@ -1292,8 +1320,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         }
     }
 
-    /// The mode with the lowest `Re omega^2` at `k = 0`: the translation, with the scaled measure of its neighborhood, unless
-    /// another one, or the translation itself, grows.
+    /// Mode with the lowest `Re omega^2` at `k = 0`. This is the translation, with the given scaled measure, unless a mode grows there.
     fn rest(&self, scaled: f64) -> Mode<D> {
         let lowest = self.at_rest.iter().map(|value| value.re);
         let lowest = lowest.fold(f64::INFINITY, f64::min);
@@ -1313,22 +1340,22 @@ impl<'a, const D: usize> Sweep<'a, D> {
     }
 }
 
-/// The boxes that may hold something lower, as many as there may be.
+/// Keeps the boxes that may contain a value below `below`, at most `most` of them.
 fn chosen<const D: usize>(regions: &mut Vec<Region<D>>, below: f64, most: usize) {
     regions.retain(|region| region.bound < below);
     sort_by_value(regions, |region| region.expected);
     regions.truncate(most);
 }
 
-/// Minus the growth rates of complex `omega^2`, zero for real ones.
+/// Minus the growth rates of complex `omega^2`; zero for real ones.
 fn complex_growth(spectrum: &[Complex]) -> impl Iterator<Item = f64> {
     spectrum
         .iter()
         .map(|z| if z.im == 0.0 { 0.0 } else { -growth_rate(*z) })
 }
 
-/// Points along each reciprocal vector: enough for the range of the forces, fewer for large cells, whose zones are small. Multiples of six
-/// have the points of high symmetry among them.
+/// Grid points along each reciprocal vector: enough for the range of the forces, fewer for large cells, whose zones are small. A multiple of six
+/// places points of high symmetry on the grid.
 fn resolution<const D: usize>(system: &WaveSystem<D>) -> usize {
     let drift = system.drift().map_or(0, |drift| drift.reach());
     let reach = system.stiffness().reach() + drift;
@@ -1344,13 +1371,13 @@ fn resolution<const D: usize>(system: &WaveSystem<D>) -> usize {
     points.clamp(least, most).next_multiple_of(6)
 }
 
-/// The candidate with the least value; infinite where there is none.
+/// Candidate with the smallest value; infinite if the list is empty.
 fn least_of_all<const D: usize>(ends: Vec<Candidate<D>>) -> Candidate<D> {
     let best = ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
     best.unwrap_or((f64::INFINITY, SVector::zeros()))
 }
 
-/// Half of the points on the surface of a cube around zero, in steps of a grid; of opposite points one.
+/// Points on the surface of a cube around zero, in grid steps; one of each pair of opposite points.
 fn shell<const D: usize>() -> impl Iterator<Item = SVector<f64, D>> {
     let side = 2 * SHELL + 1;
     let places = (0..side.pow(D as u32) / 2).map(move |n| grid_coordinates::<D>(n, side));
@@ -1358,12 +1385,12 @@ fn shell<const D: usize>() -> impl Iterator<Item = SVector<f64, D>> {
     centered.filter(|place| place.amax() == SHELL as f64)
 }
 
-/// Half of the wave vectors of a grid; `-k` has the same spectrum, conjugated.
+/// Half of the wave vectors of a grid; `-k` has the complex conjugate spectrum.
 fn half<const D: usize>(waves: &WaveGrid<D>) -> Vec<SVector<f64, D>> {
     waves.wave_vectors().take(waves.half()).collect()
 }
 
-/// The displacement, of unit length, of the particle that moves most.
+/// Displacement of the particle with the largest amplitude, scaled to unit length.
 fn largest_of_particles<const D: usize>(displacements: &DVector<Complex>) -> SVector<Complex, D> {
     let mut best = SVector::<Complex, D>::zeros();
     for start in (0..displacements.len()).step_by(D) {
@@ -1375,7 +1402,7 @@ fn largest_of_particles<const D: usize>(displacements: &DVector<Complex>) -> SVe
     best.try_normalize(0.0).unwrap_or(best)
 }
 
-/// What is shown where the eigenvalue iteration has not converged.
+/// NaN mode for an eigenvalue iteration that has not converged.
 fn no_mode(size: usize) -> (Complex, DVector<Complex>) {
     let nan = Complex::new(f64::NAN, f64::NAN);
     (nan, DVector::repeat(size, nan))
