@@ -1,4 +1,4 @@
-//! From the wells of the grid to their bottoms.
+//! Descent from the wells of the grid to their bottoms.
 
 use super::grid::Grid;
 use super::{Candidate, Objective, RAY, Seen, ZoneSearch};
@@ -9,23 +9,23 @@ use crate::lattice::grid_coordinates;
 use nalgebra::{SMatrix, SVector, Vector2};
 use std::convert::Infallible;
 
-/// Distinct wells of the grid that are followed to their bottom, deepest first.
+/// Maximum number of grid wells that are followed to their bottoms, deepest first.
 const WELLS: usize = 16;
-/// Below this fraction of the zone a wave vector counts as a long wave, which the limit covers.
+/// Wave number of the longest wave that is sampled, as a fraction of the longest reciprocal vector; the limit covers longer waves.
 const LONG_WAVE: f64 = 1e-3;
-/// Newton steps to the bottom of a well.
+/// Maximum number of Newton steps to the bottom of a well.
 const STEPS: usize = 40;
-/// A well is a valley when its curvatures differ by this factor.
+/// Largest ratio of the smallest to the largest curvature of a valley. A heuristic value.
 const SHALLOW: f64 = 0.1;
-/// Steps along an edge of a zone that does not repeat, between which its minima are sought.
+/// Intervals along an edge of a zone that is not periodic; minima along the edge are bracketed by them.
 const SAMPLES: usize = 24;
-/// To which part of such a step they are found.
+/// Tolerance of a minimum along an edge, in intervals.
 const ALONG_EDGES: f64 = 1e-6;
-/// Relative length of a step that counts as converged.
+/// Length of a converged Newton step, relative to the longest reciprocal vector.
 const CONVERGED: f64 = 1e-9;
 
 impl<const D: usize> ZoneSearch<D> {
-    /// The bottom of the deepest well. A well that is not going to reach below `floor` is left early.
+    /// Bottom of the deepest well. The descent in a well that will not reach below `floor` ends early.
     pub(super) fn bottom(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -33,7 +33,7 @@ impl<const D: usize> ZoneSearch<D> {
         objective: Objective,
         floor: f64,
     ) -> Option<Candidate<D>> {
-        // On the boundary of a zone that does not repeat, the minimum need not be stationary.
+        // On the boundary of a zone that is not periodic, the minimum need not be stationary.
         let boundary = if self.is_periodic {
             Vec::new()
         } else {
@@ -41,17 +41,17 @@ impl<const D: usize> ZoneSearch<D> {
         };
         let mut best: Option<Candidate<D>> =
             boundary.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0));
-        // Without a smooth measure of how near complex branches are, growth tells only where it is.
+        // Without a smooth discriminant, the growth rate is informative only inside pockets.
         let is_growth = objective == Objective::Discriminant && !matrix.is_centrosymmetric();
         let below = if is_growth { 0.0 } else { f64::INFINITY };
         for well in grid.wells(objective, below).iter().take(WELLS) {
             let to_beat = best.map_or(floor, |best| floor.min(best.0));
-            // Folded back, points of the grid do not tell what is beside them.
+            // Near the boundary, neighbors on the folded grid are not the actual neighbors.
             if well.start.0 - well.relief <= to_beat || self.is_near_boundary(&well.start.1) {
                 self.improve(matrix, objective, well.start, floor, &mut best);
             }
         }
-        // From the boundary too: beside it the grid, folded back, does not tell the wells.
+        // Starts on the boundary are needed too: near it the folded grid can hide wells.
         let others = self.long_starts(matrix, grid, objective);
         for start in others.into_iter().chain(boundary) {
             self.improve(matrix, objective, start, floor, &mut best);
@@ -59,7 +59,7 @@ impl<const D: usize> ZoneSearch<D> {
         best
     }
 
-    /// Descends from a start, as long as that can beat the best so far and the floor.
+    /// Descends from a start if it can still fall below the best value and the floor.
     pub(super) fn improve(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -69,22 +69,22 @@ impl<const D: usize> ZoneSearch<D> {
         best: &mut Option<Candidate<D>>,
     ) {
         let to_beat = best.map_or(floor, |best| floor.min(best.0));
-        // At the edge of a pocket growth is a square root, of which no parabola tells how far it goes on.
+        // At the edge of a pocket the growth rate is a square root, so that no parabola predicts its minimum.
         let is_growth = objective == Objective::Discriminant && !matrix.is_centrosymmetric();
         let to_leave = if is_growth { f64::INFINITY } else { to_beat };
         let (value, k) = self.descend(matrix, objective, start, to_leave);
         if !value.is_finite() || value > to_beat {
             return;
         }
-        // Descended on fast sums; near zero only the exact evaluation tells the sign.
+        // The descent uses fast sums; near zero only the exact evaluation gives the sign.
         let value = self.value_at(matrix, objective, &k);
         if value.is_finite() && best.is_none_or(|best| value < best.0) {
             *best = Some((value, k));
         }
     }
 
-    /// Starts between the origin and the first points of the grid, along the softest of the long waves: a well that
-    /// opens there is narrow in angle, so that the grid may miss it.
+    /// Starts between the origin and the first grid points, along the softest long wave. A well that opens at the origin is narrow in angle, so that
+    /// the grid may miss it.
     fn long_starts(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -98,7 +98,7 @@ impl<const D: usize> ZoneSearch<D> {
             let k = grid.soft_direction * (steps * grid.step(self));
             (self.value_at(matrix, objective, &k), k)
         };
-        // A dip on the ray. What falls on beyond is seen from the grid.
+        // A dip on the ray. The grid covers branches that fall beyond it.
         let ray = RAY.map(at);
         let is_dip = |n: &usize| {
             let nearer = *n == 0 || ray[n - 1].0 >= ray[*n].0;
@@ -107,12 +107,12 @@ impl<const D: usize> ZoneSearch<D> {
         (0..3).find(is_dip).map(|n| ray[n]).into_iter().collect()
     }
 
-    /// Whether a wave vector belongs to the search: inside of the zone where `D` is not periodic.
+    /// Returns true if a wave vector belongs to the search: inside the zone if `D` is not periodic.
     pub(super) fn is_admissible(&self, k: &SVector<f64, D>) -> bool {
         self.is_periodic || self.zone().contains(&(self.from_reference * k), 1e-9)
     }
 
-    /// Whether a wave vector is next to the boundary of a zone that does not repeat.
+    /// Returns true if a wave vector is close to the boundary of a zone that is not periodic.
     fn is_near_boundary(&self, k: &SVector<f64, D>) -> bool {
         !self.is_periodic && !self.zone().contains(&(self.from_reference * k * 1.08), 0.0)
     }
@@ -153,7 +153,7 @@ impl<const D: usize> ZoneSearch<D> {
         minima
     }
 
-    /// What is seen along the edges of the zone in the plane, of which `k` and `-k` make one half enough; none in one and three dimensions.
+    /// Spectra along the edges of the zone in the plane, on one edge of each opposite pair; empty in one and three dimensions.
     fn edges(&self, matrix: &DynamicalMatrix<D>) -> Vec<Vec<Seen<D>>> {
         if D != 2 {
             return Vec::new();
@@ -168,8 +168,10 @@ impl<const D: usize> ZoneSearch<D> {
         (0..count.div_ceil(2)).map(edge).collect()
     }
 
-    /// Follows a well to its bottom by Newton's method with exact derivatives and a line search; where the objective is
-    /// not smooth, at a crossing of two branches, with a look around.
+    /// Follows a well to its bottom.
+    ///
+    /// Newton's method with exact derivatives and a line search; where the objective is not smooth, at a crossing of two branches, a coordinate
+    /// search follows.
     fn descend(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -196,7 +198,7 @@ impl<const D: usize> ZoneSearch<D> {
             if value > floor {
                 return (value, k);
             }
-            // Near the boundary of a zone that does not repeat, the bottom may lie on it: a look around is needed there.
+            // The bottom may lie on the boundary of a zone that is not periodic: a coordinate search is needed there.
             if settled && !self.is_near_boundary(&k) {
                 match self.lower_in_valley(&expansion, &at, (value, k)) {
                     Some(lower) => (value, k) = lower,
@@ -213,8 +215,7 @@ impl<const D: usize> ZoneSearch<D> {
         (value, k)
     }
 
-    /// From the bottom of a shallow valley, a lower bottom along it: such a valley can have several within a few steps of
-    /// the grid, which then sees one.
+    /// Lower bottom along a shallow valley. Such a valley can have several bottoms within a few grid steps, and the grid resolves only one.
     fn lower_in_valley(
         &self,
         expansion: &impl Fn(&SVector<f64, D>) -> Option<Taylor<f64, D>>,
@@ -237,7 +238,7 @@ impl<const D: usize> ZoneSearch<D> {
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// Where a descent from a wave vector ends; one that is not going to reach below `floor` is left early.
+    /// End of the descent from a wave vector; a descent that will not reach below `floor` ends early.
     pub(super) fn settled(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -249,8 +250,8 @@ impl<const D: usize> ZoneSearch<D> {
         self.descend(matrix, objective, (value, start), floor).1
     }
 
-    /// Whether the objective is sought at a wave vector: the limit of long waves is taken exactly elsewhere, and a zone
-    /// that does not repeat is not left.
+    /// Returns true if the objective is evaluated at a wave vector. Long waves are represented by their limit, and a zone that is not periodic is not
+    /// left.
     pub(in crate::bloch) fn is_sought(&self, objective: Objective, k: &SVector<f64, D>) -> bool {
         let too_long = objective == Objective::Scaled && k.norm() < LONG_WAVE * self.longest();
         !too_long && self.is_admissible(k)
@@ -264,8 +265,9 @@ impl<const D: usize> ZoneSearch<D> {
             .fold(0.0, f64::max)
     }
 
-    /// Newton's method on a function of the wave vector, `None` where it is not sought; the last value tells whether it
-    /// ended where it should: in a smooth minimum, or on its way to one above the floor.
+    /// Newton's method on a function of the wave vector, which is `None` outside its domain.
+    ///
+    /// The flag is true if the method ended in a smooth minimum, or on its way to a minimum above `floor`.
     pub(in crate::bloch) fn newton(
         &self,
         expansion: &impl Fn(&SVector<f64, D>) -> Option<Taylor<f64, D>>,
@@ -289,7 +291,7 @@ impl<const D: usize> ZoneSearch<D> {
             if is_convex && (step.norm() < CONVERGED * longest || decrease <= 1e-13 * value.abs()) {
                 return ((value, k), true);
             }
-            // A quadratic well falls by half of the linear decrease; eight times as much is on the safe side.
+            // A quadratic well falls by half of the linear decrease; eight times this amount is a safe limit.
             if is_convex && value - 4.0 * decrease > floor {
                 return ((value, k), true);
             }
@@ -302,7 +304,7 @@ impl<const D: usize> ZoneSearch<D> {
                 }
                 length *= 0.25;
                 if length < 1e-4 {
-                    // The decrease that is left may be below rounding.
+                    // The remaining decrease may be below rounding.
                     return ((value, k), is_convex && decrease <= 1e-12 * value.abs());
                 }
             }
@@ -310,7 +312,7 @@ impl<const D: usize> ZoneSearch<D> {
         ((value, k), false)
     }
 
-    /// The objective with its derivatives.
+    /// Objective with its derivatives.
     fn expansion(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -338,7 +340,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// The quotient of a branch and `c^2 |k|_h^2`.
+    /// Quotient of a branch and `c^2 |k|_h^2`, with derivatives.
     pub(in crate::bloch) fn scaled(
         &self,
         branch: &Taylor<f64, D>,
@@ -354,7 +356,7 @@ impl<const D: usize> ZoneSearch<D> {
         })
     }
 
-    /// The objective with its derivatives in three dimensions, by the branch through the eigenvalue.
+    /// Objective with its derivatives in three dimensions, by the branch through the eigenvalue.
     fn spatial_expansion(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -384,7 +386,7 @@ impl<const D: usize> ZoneSearch<D> {
             }
         };
         let Some(chosen) = chosen else {
-            // Nothing grows here, and nothing tells where it would.
+            // No mode grows here, and the gradient of the growth rate is unknown.
             return Taylor {
                 value: 0.0,
                 gradient: [f64::NAN; D],
@@ -406,9 +408,10 @@ impl<const D: usize> ZoneSearch<D> {
     }
 }
 
-/// The Newton step and whether the curvature is positive. Where it is not, its negative principal values are taken
-/// with the other sign, so that the step leads down; from a saddle, along the direction of negative curvature. At
-/// most a tenth of the zone long.
+/// Newton step, at most a tenth of `longest`, and whether the curvature is positive.
+///
+/// Negative principal curvatures are replaced by their magnitudes, so that the step leads down. At a saddle it follows the direction of negative
+/// curvature.
 pub(super) fn newton_step<const D: usize>(
     slope: &SVector<f64, D>,
     curvature: &SMatrix<f64, D, D>,
@@ -425,7 +428,7 @@ pub(super) fn newton_step<const D: usize>(
     for (value, axis) in values.iter().zip(&axes) {
         let along = axis.dot(slope);
         let size = value.abs().max(1e-12 * largest);
-        // On the crest the slope vanishes: some way down is taken on one side.
+        // On the crest the slope vanishes: a step of full length to one side.
         let length = if *value < 0.0 && along.abs() < 1e-3 * limit * size {
             limit * if along > 0.0 { -1.0 } else { 1.0 }
         } else {
@@ -448,8 +451,7 @@ pub(super) fn newton_step<const D: usize>(
     }
 }
 
-/// The Newton step in the plane where the curvature is positive beyond doubt: by Cramer's rule, many times faster than by
-/// principal axes.
+/// Newton step in the plane if the curvature is clearly positive: by Cramer's rule, much faster than by principal axes.
 #[inline]
 fn planar_step<const D: usize>(
     slope: &SVector<f64, D>,
@@ -479,7 +481,7 @@ fn planar_step<const D: usize>(
     Some(SVector::from_fn(|i, _| step[i]))
 }
 
-/// Principal values and axes of a symmetric matrix of up to three rows.
+/// Principal values and axes of a symmetric matrix with up to three rows.
 pub(super) fn principal<const D: usize>(
     m: &SMatrix<f64, D, D>,
 ) -> ([f64; D], [SVector<f64, D>; D]) {
@@ -509,8 +511,8 @@ pub(super) fn principal<const D: usize>(
     (values, axes)
 }
 
-/// The minimum of a function on a convex face in space, given by its corners in turn: the lowest of points between the middle
-/// and the rim, and from there along the face.
+/// Minimum of a function on a convex face in three dimensions, given by its corners in order. The lowest of the points between center and rim starts
+/// a search along the face.
 fn minimum_on_face<const D: usize>(
     corners: &[SVector<f64, D>],
     at: &impl Fn(&SVector<f64, D>) -> Candidate<D>,
@@ -518,7 +520,7 @@ fn minimum_on_face<const D: usize>(
     const RINGS: usize = 6;
     let count = corners.len();
     let middle: SVector<f64, D> = corners.iter().sum::<SVector<f64, D>>() / count.max(1) as f64;
-    // Sector by sector: weights of the middle, of a corner and of the next one.
+    // In each sector: weights of the center, of a corner and of the next corner.
     let place = |sector: usize, weights: &Vector2<f64>| {
         let (next, rim) = (weights[0], weights[1]);
         let (from, to) = (corners[sector], corners[(sector + 1) % count]);
@@ -548,7 +550,7 @@ fn minimum_on_face<const D: usize>(
     at(&place(sector, &weights))
 }
 
-/// Minimization without derivatives along axes and diagonals with a shrinking step.
+/// Minimization without derivatives along axes and diagonals, with a shrinking step.
 pub(super) fn coordinate_search<const D: usize>(
     f: &impl Fn(&SVector<f64, D>) -> f64,
     start: SVector<f64, D>,
@@ -561,7 +563,7 @@ pub(super) fn coordinate_search<const D: usize>(
             break;
         }
         let count = 3_usize.pow(D as u32);
-        // The middle one is where it is.
+        // The middle shift is no move.
         let better = (0..count)
             .filter(|shift| 2 * shift + 1 != count)
             .map(|shift| {

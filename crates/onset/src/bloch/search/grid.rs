@@ -1,4 +1,4 @@
-//! The spectrum on a grid over the zone, and its wells.
+//! Spectrum on a grid over the zone, and the wells of the grid.
 
 use super::{Candidate, Objective, Seen, ZoneSearch};
 use crate::algebra::{Complex, Zeros, neighbors, sort_by_value};
@@ -13,49 +13,49 @@ use pulp::{Arch, NullaryFnOnce};
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-/// A discriminant, which is quadratic in the distance of two branches, is at most this fraction of the largest one around a point from
-/// which the branches meet within 0.6 of a step along each axis: `(0.6/1.6)^2`.
+/// Largest ratio of the discriminant at a point near a crossing to the largest value around it.
+///
+/// The discriminant is quadratic in the distance of two branches. If they cross within 0.6 grid steps along each axis, the ratio is `(0.6/1.6)^2 =
+/// 0.14`.
 const NEAR: f64 = 0.15;
-/// Points along an axis in space among which pockets are looked for where no discriminant tells where.
+/// Maximum number of grid points along an axis that predict pockets in three dimensions without a discriminant.
 const SPARSE: usize = 24;
 
-/// The objectives on a periodic grid over the zone.
+/// Objectives on a periodic grid over the zone.
 pub(super) struct Grid<const D: usize> {
     pub(super) waves: Arc<WaveGrid<D>>,
-    /// Points of the same spectrum, where they are known.
+    /// Classes of symmetric grid points with the same spectrum, if known.
     wedge: Option<Arc<Wedge>>,
     spectrum: GridSpectrum,
-    /// The direction of the softest long waves.
+    /// Direction of the softest long wave.
     pub(super) soft_direction: SVector<f64, D>,
-    /// Wave vectors in pockets of complex `omega^2` between its points, once they are needed.
+    /// Wave vectors in pockets of complex `omega^2` between the grid points, computed when first needed.
     pub(super) pockets: OnceLock<Vec<SVector<f64, D>>>,
-    /// Wave vectors along the direction in which the longest waves flutter, likewise.
+    /// Wave vectors along the direction in which the longest waves flutter, computed when first needed.
     pub(super) opening: OnceLock<Vec<SVector<f64, D>>>,
-    /// What is seen along the edges of a zone that does not repeat, likewise.
+    /// Spectra along the edges of a zone of a matrix that is not periodic, computed when first needed.
     pub(super) edges: OnceLock<Vec<Vec<Seen<D>>>>,
 }
 
-/// A point of the grid that is lower than those around it.
+/// Grid point that is lower than its neighbors.
 pub(super) struct Well<const D: usize> {
     pub(super) start: Candidate<D>,
-    /// How far the highest of those around it is above. The bottom of a quadratic well is at most a quarter of this
-    /// below the point.
+    /// Height of the highest neighbor above the point. The bottom of a quadratic well is at most a quarter of it below the point.
     pub(super) relief: f64,
 }
 
-/// One number a grid point, known at half of them, and beyond as far as wells need neighbors; the rest follows from
-/// `D(-k) = conj D(k)`.
+/// Values at half of the grid points, and at the neighbors that wells need beyond this half. The remaining values follow from `D(-k) = conj D(k)`.
 struct GridSpectrum {
-    /// Points of the half.
+    /// Number of points in the half.
     half: usize,
     /// `Re omega^2 / (c^2 |k|_h^2)` of the lowest branch; infinite at `k = 0`.
     scaled: Zeros,
     lowest: Zeros,
     highest: Zeros,
     discriminant: Zeros,
-    /// Minus the growth rate of complex branches; not where it follows from the others, in the plane with a real `D`.
+    /// Minus the growth rate of complex branches. Empty for a real `D` in the plane, where it follows from the other values.
     slowness: Zeros,
-    /// The square of the norm of the antisymmetric part, in space with a real `D`.
+    /// Squared norm of the antisymmetric part, for a real `D` in three dimensions.
     asymmetry: Zeros,
 }
 
@@ -73,12 +73,12 @@ impl GridSpectrum {
         }
     }
 
-    /// The values of an objective at half of the points: all distinct ones.
+    /// Values of an objective at half of the points, which include all distinct values.
     fn known(&self, objective: Objective) -> &[f64] {
         &self.with_neighbors(objective)[..self.half]
     }
 
-    /// The same with those around them; zeros elsewhere.
+    /// Values of an objective at half of the points and at their neighbors; zero elsewhere.
     fn with_neighbors(&self, objective: Objective) -> &[f64] {
         match objective {
             Objective::Scaled => &self.scaled,
@@ -89,7 +89,7 @@ impl GridSpectrum {
         }
     }
 
-    /// Minus the growth rates of complex branches, in the plane those of `Re omega^2 +- i sqrt(-p)`.
+    /// Minus the growth rates of complex branches; in the plane, `omega^2` is `Re omega^2 +- i sqrt(-p)`.
     fn slowness(&self) -> Cow<'_, [f64]> {
         if !self.slowness.is_empty() {
             return Cow::Borrowed(&self.slowness);
@@ -102,8 +102,8 @@ impl GridSpectrum {
         pairs.map(slowness).collect()
     }
 
-    /// How near branches are to each other: in space the discriminant over the sixth power of the distance of the outer ones, which can
-    /// vary by orders of magnitude over the zone.
+    /// Measure of the separation of branches. In three dimensions, the discriminant over the sixth power of the distance of the outer branches, which
+    /// can vary by orders of magnitude over the zone.
     fn relative_discriminants<const D: usize>(&self) -> Cow<'_, [f64]> {
         let known = self.known(Objective::Discriminant);
         if D < 3 {
@@ -118,7 +118,7 @@ impl GridSpectrum {
             .collect()
     }
 
-    /// From the real entries of half of the grid.
+    /// Computes the values from the real entries of `D` at half of the grid.
     #[inline(always)]
     fn of_planar(entries: &PlanarEntries, laplacian: &[f64], speed_squared: f64) -> Self {
         let [a, b, c, d] = entries;
@@ -136,7 +136,7 @@ impl GridSpectrum {
             let p = difference * difference + b[n] * c[n];
             let root = if p > 0.0 { p } else { 0.0 }.sqrt();
             lowest[n] = mean - root;
-            // As an objective: always a minimum is sought.
+            // Negated, because objectives are minimized.
             highest[n] = -(mean + root);
             discriminant[n] = p;
             scaled[n] = (mean - root) / (speed_squared * laplacian[n]);
@@ -144,7 +144,7 @@ impl GridSpectrum {
         spectrum
     }
 
-    /// Of a real matrix in space, from the points of half of the grid that symmetries do not map to earlier ones.
+    /// Computes the values of a real matrix in three dimensions at one point of each symmetry class.
     fn of_spatial<const D: usize>(
         matrix: &DynamicalMatrix<D>,
         waves: &WaveGrid<D>,
@@ -181,7 +181,7 @@ impl GridSpectrum {
         spectrum
     }
 
-    /// Copies what is known of `k` to `-k`, `D(-k) = conj D(k)`, as far as points of the known half have neighbors there.
+    /// Copies values from `k` to `-k`, `D(-k) = conj D(k)`, at the neighbors of points of the known half.
     fn mirrored<const D: usize>(&mut self, n: usize) {
         let lines = if D == 1 {
             (n / 2 + 1..n).collect()
@@ -214,14 +214,14 @@ impl<const D: usize> ZoneSearch<D> {
         points_per_period: usize,
         soft_direction: SVector<f64, D>,
     ) -> Grid<D> {
-        // In space a grid has many more points, in more directions around each well.
+        // In three dimensions a grid has many more points, in more directions around each well.
         let points_per_period = if D == 3 {
             2 * points_per_period / 3
         } else {
             points_per_period
         };
-        // Near the boundary of a zone that does not repeat, the grid is folded and tells less; and where branches can be
-        // complex, they are so in small pockets.
+        // Near the boundary of a zone that is not periodic, the folded grid is less reliable; complex branches occupy small pockets. Both need a
+        // finer grid.
         let resolution = if !self.is_periodic {
             points_per_period * matrix.reach().clamp(4, 32)
         } else if matrix.is_hermitian() {
@@ -229,7 +229,7 @@ impl<const D: usize> ZoneSearch<D> {
         } else {
             points_per_period * 4 * matrix.effective_reach().clamp(4, 32) / 3
         };
-        // A multiple of six has M, X and K among its points.
+        // A multiple of six places M, X and K on the grid.
         let resolution = resolution.next_multiple_of(6);
         let resolution = if D == 3 {
             resolution.min(48)
@@ -258,7 +258,7 @@ impl<const D: usize> ZoneSearch<D> {
             }),
         };
         spectrum.mirrored::<D>(resolution);
-        // Long waves are taken to their limit elsewhere.
+        // Long waves are represented by their limit.
         spectrum.scaled[0] = f64::INFINITY;
         Grid {
             waves,
@@ -271,7 +271,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// The objectives of half of the grid, one matrix after the other.
+    /// Evaluates the objectives at half of the grid, one matrix at a time.
     fn pointwise(&self, matrix: &DynamicalMatrix<D>, waves: &WaveGrid<D>) -> GridSpectrum {
         let count = waves.count();
         let half = waves.half();
@@ -291,7 +291,7 @@ impl<const D: usize> ZoneSearch<D> {
 }
 
 impl<const D: usize> Grid<D> {
-    /// The smallest value of an objective and where it is.
+    /// Smallest value of an objective on the grid, and its wave vector.
     pub(super) fn minimum(&self, objective: Objective) -> Candidate<D> {
         let mut best = (f64::INFINITY, 0);
         for (index, value) in self.spectrum.known(objective).iter().enumerate() {
@@ -302,23 +302,23 @@ impl<const D: usize> Grid<D> {
         (best.0, self.waves.wave_vector(best.1))
     }
 
-    /// The largest `Re omega^2`.
+    /// Largest `Re omega^2` on the grid.
     pub(super) fn largest(&self) -> f64 {
         let highest = self.spectrum.known(Objective::Highest).iter();
         highest.map(|value| value.abs()).fold(0.0, f64::max)
     }
 
-    /// The distinct local minima of the grid below a bound, deepest first.
+    /// Distinct local minima of an objective on the grid below `below`, deepest first.
     pub(super) fn wells(&self, objective: Objective, below: f64) -> Vec<Well<D>> {
         self.wells_of(self.spectrum.with_neighbors(objective), below)
     }
 
-    /// The local minima below a bound.
+    /// Distinct local minima of grid values below `below`, deepest first.
     fn wells_of(&self, values: &[f64], below: f64) -> Vec<Well<D>> {
         let n = self.waves.resolution();
         let lines = values.len() / n;
         let mut wells: Vec<Well<D>> = Vec::new();
-        // Of k and -k only one is taken: the first half of the lines.
+        // Only one of `k` and `-k` is taken: the first half of the lines.
         let half = if D == 1 { 1 } else { (n / 2 + 1) * lines / n };
         let mut is_low = vec![false; n];
         for line in 0..half {
@@ -355,23 +355,23 @@ impl<const D: usize> Grid<D> {
             }
         }
         sort_by_value(&mut wells, |well| well.start.0);
-        // Wells of the same depth are images of each other under the symmetry of the lattice.
+        // Wells of equal depth are symmetric images of each other.
         wells.dedup_by(|b, a| (b.start.0 - a.start.0).abs() <= 1e-10 * a.start.0.abs());
         wells
     }
 
-    /// Where complex branches grow fastest, fastest first.
+    /// Grid points with the largest growth rates of complex branches, fastest first.
     pub(super) fn fastest_flutter(&self) -> impl Iterator<Item = SVector<f64, D>> {
         let wells = self.wells_of(&self.spectrum.slowness(), 0.0).into_iter();
         wells.map(|well| well.start.1)
     }
 
-    /// Whether antisymmetric parts are known, which bound imaginary parts.
+    /// Returns true if the antisymmetric parts are known, which bound the imaginary parts.
     pub(super) fn has_asymmetry(&self) -> bool {
         !self.spectrum.asymmetry.is_empty()
     }
 
-    /// The fastest growth of complex branches at its points.
+    /// Largest growth rate of complex branches at the grid points.
     pub(super) fn largest_growth(&self) -> f64 {
         let slowness = self.spectrum.slowness();
         -slowness[..self.spectrum.half]
@@ -380,9 +380,10 @@ impl<const D: usize> Grid<D> {
             .fold(0.0, f64::min)
     }
 
-    /// Points near which two branches may cross, and how many steps of the grid there are between them. Where a discriminant is
-    /// known, those at which it is small beside its neighbors, one of those that symmetries map to each other; otherwise all of a grid that is
-    /// not too fine. Of those around which no `omega^2` of a complex pair can grow faster than a rival, none.
+    /// Grid points near which two branches may cross, and their spacing in grid steps.
+    ///
+    /// With a discriminant, these are the points at which it is small compared with its neighbors, one of each symmetry class. Without it, these are
+    /// all points of a grid that is not too fine. Points around which no complex pair can grow faster than `rival` are omitted.
     pub(super) fn near_crossings(
         &self,
         has_discriminant: bool,
@@ -407,7 +408,7 @@ impl<const D: usize> Grid<D> {
                     .iter()
                     .all(|c| c % stride == 0);
             }
-            // Most are so far from a crossing that no surroundings would matter.
+            // Most points are too distant from a crossing for their neighbors to matter.
             if known[*index].is_nan() || known[*index] > largest {
                 return false;
             }
@@ -428,13 +429,13 @@ impl<const D: usize> Grid<D> {
         (points, stride)
     }
 
-    /// The length of a step of the grid along the first reciprocal vector.
+    /// Length of a grid step along the first reciprocal vector.
     pub(super) fn step(&self, search: &ZoneSearch<D>) -> f64 {
         search.reference().reciprocal().column(0).norm() / self.waves.resolution() as f64
     }
 }
 
-/// Work for the widest vectors of the machine. (A closure would not be inlined there.)
+/// Vectorized evaluation for the instruction set of the machine. A closure would not be inlined there.
 struct OfPlanar<'a> {
     entries: &'a PlanarEntries,
     laplacian: &'a [f64],
@@ -450,7 +451,7 @@ impl NullaryFnOnce for OfPlanar<'_> {
     }
 }
 
-/// Likewise.
+/// Vectorized marking of low points for the instruction set of the machine.
 struct MarkLow<'a> {
     line: &'a [f64],
     beside: &'a [&'a [f64]],
@@ -467,7 +468,7 @@ impl NullaryFnOnce for MarkLow<'_> {
     }
 }
 
-/// Marks the points of a line that none beside them on lines `beside` is lower than; at its ends too generously.
+/// Marks the points of a line that are no higher than their neighbors on the lines `beside`. The ends of the line can be marked wrongly.
 #[inline(always)]
 fn mark_low(line: &[f64], beside: &[&[f64]], below: f64, is_low: &mut [bool]) {
     let n = line.len();
@@ -484,7 +485,7 @@ fn mark_low(line: &[f64], beside: &[&[f64]], below: f64, is_low: &mut [bool]) {
     }
 }
 
-/// A line of the grid (all coordinates but the last) and those beside it.
+/// Indices of a line of the grid (all coordinates except the last) and of its neighboring lines.
 fn lines_beside<const D: usize>(line: usize, n: usize) -> Vec<usize> {
     let mut beside = Vec::with_capacity(3_usize.pow(D as u32 - 1));
     beside.push(0);
@@ -506,7 +507,7 @@ fn lines_beside<const D: usize>(line: usize, n: usize) -> Vec<usize> {
     beside
 }
 
-/// The fastest growth among complex eigenvalues.
+/// Largest growth rate among complex eigenvalues.
 pub(super) fn complex_growth(omega_squared: &[Complex]) -> f64 {
     omega_squared
         .iter()

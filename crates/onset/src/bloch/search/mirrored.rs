@@ -1,8 +1,8 @@
-//! The search over the zone of a matrix with a mirror line.
+//! Search over the zone of a planar matrix with a mirror line.
 //!
-//! The spectrum is computed at a quarter of the zone's wave vectors, the measure that is scaled by the lattice Laplacian,
-//! which need not have the mirror, at each and at its image. Wells of all objectives are found in one pass over a few lines
-//! of the grid at a time, and followed to their bottoms several at once by Newton's method with exact derivatives.
+//! The spectrum is computed at a quarter of the wave vectors of the zone. The lattice Laplacian need not have the mirror symmetry, so that the scaled
+//! measure is computed at each wave vector and at its image. One pass over a few grid lines at a time finds the wells of all objectives. Newton's
+//! method with exact derivatives then follows several wells simultaneously in the lanes of a vector register (`steps`).
 
 use super::descent::{newton_step, principal};
 use super::steps::{Places, Stepper, Steps};
@@ -14,26 +14,27 @@ use nalgebra::{Matrix2, Vector2};
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::Arc;
 
-/// Points of the grid per period of the fastest phase.
+/// Grid points per period of the fastest phase.
 const DENSITY: usize = 12;
-/// Multiples of the phases along the mirror lines below which none is taken to end: the scaled measure varies by itself.
+/// Smallest number of multiples of the phases along the mirror lines for which the grid is designed; the lattice Laplacian itself varies with the
+/// phases.
 const LEAST_REACH: usize = 3;
-/// Wells that are followed to their bottom, deepest first.
+/// Maximum number of wells that are followed to their bottoms, deepest first.
 const WELLS: usize = 12;
-/// Steps of Newton's method.
+/// Maximum number of Newton steps.
 const STEPS: usize = 24;
-/// A step that is shorter than this over the fastest multiple of a phase leaves an error below rounding.
+/// Phase of a converged Newton step, in the fastest multiple of a phase: the remaining error of the value is below rounding.
 const SHORT: f64 = 2e-4;
-/// A well is a valley when its curvatures differ by this factor.
+/// Largest ratio of the smallest to the largest curvature of a valley. A heuristic value.
 const SHALLOW: f64 = 0.3;
-/// How far along a valley others are looked for, in phases.
+/// Distance along a valley, as a phase, at which other bottoms are searched.
 const ALONG_VALLEY: f64 = 0.4;
-/// Steps of the grid around the origin from which a descent towards it is not followed.
+/// Distance from the origin, in grid steps, within which a descent towards the origin is abandoned.
 const NEAR: f64 = 1.5;
-/// Descents from around a bottom that come as near to it, in phases, lead nowhere else.
+/// Phase difference from a known bottom within which a descent from its neighborhood is abandoned.
 const SAME: f64 = 0.03;
 
-/// What is sought on the grid, in the order in which it lies in memory.
+/// Objectives on the grid in their order in memory, and whether they belong to the mirror image.
 const SOUGHT: [(Objective, bool); 5] = [
     (Objective::Scaled, false),
     (Objective::Scaled, true),
@@ -42,43 +43,44 @@ const SOUGHT: [(Objective, bool); 5] = [
     (Objective::Discriminant, false),
 ];
 
-/// The places of real branches among them.
+/// Index of the lowest real branch among the objectives.
 const LOWEST: usize = 2;
+/// Index of the highest real branch among the objectives.
 const HIGHEST: usize = 3;
 const _: () = assert!(matches!(SOUGHT[LOWEST], (Objective::Lowest, false)));
 const _: () = assert!(matches!(SOUGHT[HIGHEST], (Objective::Highest, false)));
-/// The softest long waves are looked at together, for both objectives of the lowest branch.
+/// Both objectives of the lowest branch are evaluated together along the ray of soft long waves.
 const _: () = assert!(2 * RAY.len() <= LANES);
 
-/// A search of one objective, with the value below which its minimum matters; omega^2 without the scale `c^2`.
+/// Search for one objective, with the floor that its minimum must reach to matter. The scaled measure lacks the factor `1 / c^2`.
 #[derive(Clone, Copy)]
 pub(super) struct Request {
     pub(super) objective: Objective,
     pub(super) floor: f64,
 }
 
-/// A local minimum of the grid.
+/// Local minimum on the grid.
 struct Well {
     objective: Objective,
-    /// The square of the fastest growth of complex branches that is expected around it; of other objectives it is not limited.
+    /// Square of the largest growth rate of complex branches that is expected nearby; infinite for other objectives.
     growth_squared: f64,
-    /// The lowest that it is expected to reach, and its phases after a step to the bottom of a paraboloid.
+    /// Lowest expected value, the grid value, and the phases after a step to the bottom of a paraboloid.
     bound: f64,
     value: f64,
     place: [f64; 2],
 }
 
-/// On its way to the bottom of a well.
+/// State of a descent to the bottom of a well.
 struct Descent {
     objective: Objective,
     place: [f64; 2],
-    /// The last place that was lower than all before, and the step from there.
+    /// Last place that was lower than all earlier ones, and the step from there.
     last: [f64; 2],
     step: [f64; 2],
     value: f64,
-    /// A known bottom of the same valley.
+    /// Known bottom of the same valley.
     bottom: Option<[f64; 2]>,
-    /// Whether it has ended in a valley or near a crossing of branches, where the grid does not tell all wells.
+    /// True if it ended in a valley or near a crossing of branches, where the grid can miss wells.
     is_intricate: bool,
     state: State,
 }
@@ -86,41 +88,41 @@ struct Descent {
 #[derive(Clone, Copy, PartialEq)]
 enum State {
     Running,
-    /// In a smooth minimum, which is a valley along a direction or not.
+    /// Ended in a smooth minimum, with its direction if it is a valley.
     Settled(Option<[f64; 2]>),
-    /// On its way to one that is not low enough.
+    /// Abandoned on the way to a minimum that is too high.
     Left,
     /// Newton's method does not lead down.
     Lost,
 }
 
-/// Steps of a grid along the mirror lines that is fine enough for the range of the force constants.
+/// Numbers of grid intervals along the mirror lines, fine enough for the range of the force constants.
 pub(super) fn intervals(sums: &MirrorSums) -> [usize; 2] {
     let [u, v] = sums.effective_reach().each(|reach| reach.max(LEAST_REACH));
-    // A half of the period of u, of a centered rectangle a quarter.
+    // Half of the period of `u`; a quarter for a centered rectangle.
     let part = if sums.mirror.is_centered() { 4 } else { 2 };
     [(DENSITY * u).div_ceil(part), (DENSITY * v).div_ceil(2)]
 }
 
-/// The search of one matrix.
+/// Search for one matrix.
 pub(super) struct Mirrored {
     sums: MirrorSums,
     waves: Arc<MirrorWaves>,
     stepper: Stepper,
     wells: Vec<Well>,
-    /// The phases along the mirror lines of a step of the grid along the softest of the long waves.
+    /// Phases along the mirror lines of one grid step along the softest long wave.
     soft: [f64; 2],
-    /// Minus the largest `Re omega^2` of the grid.
+    /// Minus the largest `Re omega^2` on the grid.
     lowest: f64,
     /// Rounding error of the discriminant, negative.
     rounding: f64,
-    /// What has been followed so far.
+    /// Ends of the completed descents.
     pub(super) bottoms: Vec<Bottom>,
 }
 
 impl Mirrored {
-    /// Sweeps over the grid: all wells of the objectives that may reach below the floors. Of the softest long waves the phases of the
-    /// primitive vectors are given.
+    /// Sweeps over the grid and finds all wells that may reach below the floors of the requests. `soft` contains the phases of the primitive vectors
+    /// in the softest long wave.
     pub(super) fn new<const D: usize>(
         lattice: &BravaisLattice<D>,
         sums: MirrorSums,
@@ -161,20 +163,19 @@ impl Mirrored {
         }
     }
 
-    /// The largest `Re omega^2` of the grid.
+    /// Largest `Re omega^2` on the grid.
     pub(super) fn largest(&self) -> f64 {
         -self.lowest
     }
 
-    /// Finds where the minima of real objectives are, with their values as far as fast sums tell them; none where the floor is not reached.
+    /// Follows the wells of real objectives that may reach below their floors. The values of the bottoms come from fast sums.
     pub(super) fn follow(&mut self, requests: &[Request]) {
         let mut descents = self.along_soft(requests);
         for request in requests {
             self.start(request, 0.0, &mut descents);
         }
         self.descend(&mut descents, requests);
-        // Near a crossing of branches, and along a shallow valley, there can be several bottoms within a step of the grid,
-        // which then sees one.
+        // Near a crossing of branches, and along a shallow valley, several bottoms can lie within one grid step.
         let mut others = Vec::new();
         let mut bests = requests.to_vec();
         for request in &mut bests {
@@ -190,7 +191,7 @@ impl Mirrored {
         self.keep(&others);
     }
 
-    /// Finds where branches are complex and where they grow fastest; but for what grows less than half as fast as a rival.
+    /// Follows the wells of the discriminant and the pockets of complex branches, except where growth is less than half of the rival's rate.
     pub(super) fn follow_flutter(&mut self, rival: f64) {
         let request = Request {
             objective: Objective::Discriminant,
@@ -199,7 +200,7 @@ impl Mirrored {
         let mut descents = Vec::new();
         self.start(&request, 0.25 * rival * rival, &mut descents);
         self.descend(&mut descents, &[request]);
-        // Pockets of complex branches lie along the valleys of the discriminant, on which branches nearly cross.
+        // Pockets of complex branches lie along the valleys of the discriminant, where branches nearly cross.
         let length = self.waves.steps[0].max(self.waves.steps[1]);
         let beside = descents.iter().flat_map(|best| {
             let along = match best.state {
@@ -220,7 +221,7 @@ impl Mirrored {
         let floor = best.map_or(0.0, |best| best.value);
         self.descend(&mut others, &[Request { floor, ..request }]);
         descents.append(&mut others);
-        // Where branches are complex they grow fastest elsewhere than where the discriminant is lowest.
+        // The growth rate of complex branches has its maximum away from the minimum of the discriminant.
         let is_complex = |descent: &&Descent| descent.value < self.rounding;
         let mut growing: Vec<Descent> = descents
             .iter()
@@ -232,7 +233,7 @@ impl Mirrored {
         self.keep(&growing);
     }
 
-    /// Notes where descents have ended.
+    /// Records the ends of descents.
     fn keep(&mut self, descents: &[Descent]) {
         let bottoms = descents.iter().filter_map(|descent| match descent.state {
             State::Left | State::Running => None,
@@ -246,7 +247,7 @@ impl Mirrored {
         self.bottoms.extend(bottoms);
     }
 
-    /// Descents from around a bottom.
+    /// Starts descents around a bottom.
     fn look_around(&self, best: &Descent, others: &mut Vec<Descent>) {
         let mut start = |offset: [f64; 2]| {
             others.push(Descent {
@@ -265,7 +266,8 @@ impl Mirrored {
         }
     }
 
-    /// The starts of the descents for one objective: the wells of the grid, of the discriminant those in which something may grow so fast.
+    /// Starts descents for one objective from the wells of the grid. For the discriminant, only from wells in which the growth rate squared can reach
+    /// `growth_squared`.
     fn start(&self, request: &Request, growth_squared: f64, descents: &mut Vec<Descent>) {
         let own = || {
             let wells = self.wells.iter();
@@ -281,8 +283,8 @@ impl Mirrored {
         }
     }
 
-    /// Starts between the origin and the first points of the grid, along the softest of the long waves, where a well may be too narrow in
-    /// angle for the grid. What falls on beyond is seen from there.
+    /// Starts between the origin and the first grid points, along the softest long wave, where a well may be too narrow in angle for the grid. The
+    /// grid covers branches that fall beyond them.
     fn along_soft(&self, requests: &[Request]) -> Vec<Descent> {
         let mut descents = Vec::with_capacity(16);
         let objectives = requests.iter().map(|request| request.objective);
@@ -305,7 +307,7 @@ impl Mirrored {
         descents
     }
 
-    /// Follows descents to their ends, several at once.
+    /// Follows descents to their ends, `LANES` at a time.
     fn descend(&self, descents: &mut [Descent], requests: &[Request]) {
         let mut floors = Floors::new(requests, descents);
         let mut running = Vec::with_capacity(descents.len());
@@ -328,15 +330,15 @@ impl Mirrored {
         }
     }
 
-    /// How many steps of the grid a place is from the origin.
+    /// Distance of a place from the origin in grid steps.
     fn steps_from_origin(&self, place: [f64; 2]) -> f64 {
         let [u, v] = self.waves.steps;
         (place[0].abs() / u).max(place[1].abs() / v)
     }
 }
 
-/// What descents have to get below: the floor of the search, and what others have reached; of the discriminant, all of
-/// whose wells are wanted, the former alone.
+/// Values that descents must fall below: the floor of the request and the lowest value of other descents. For the discriminant only the floor counts,
+/// because all its wells are needed.
 struct Floors([f64; 5]);
 
 impl Floors {
@@ -364,14 +366,14 @@ impl Floors {
     }
 }
 
-/// Where a descent has ended.
+/// End of a descent.
 pub(super) struct Bottom {
     pub(super) objective: Objective,
-    /// By fast sums; of the scaled measure without `c^2`.
+    /// Value from fast sums; the scaled measure lacks the factor `1 / c^2`.
     pub(super) value: f64,
-    /// The phases of the primitive vectors.
+    /// Phases of the primitive vectors.
     pub(super) phases: [f64; 2],
-    /// Whether Newton's method has ended in a smooth minimum.
+    /// True if Newton's method ended in a smooth minimum.
     pub(super) is_settled: bool,
 }
 
@@ -401,7 +403,7 @@ impl Descent {
         }
     }
 
-    /// A step of Newton's method with what is known of the place reached, back towards the last one if that was lower.
+    /// One step of Newton's method from the values at the place reached. If the place is higher than the last one, the step is shortened instead.
     fn proceed(&mut self, here: &Steps, lane: usize, floor: f64, search: &Mirrored) {
         let reach = search.sums.reach;
         let length =
@@ -414,7 +416,7 @@ impl Descent {
         if value.is_nan() || value >= self.value {
             self.step = [0.25 * self.step[0], 0.25 * self.step[1]];
             if length(self.step) < SHORT {
-                // The value is that of the last place.
+                // The value belongs to the last place.
                 self.place = self.last;
                 self.state = State::Lost;
             } else {
@@ -434,7 +436,7 @@ impl Descent {
                 return;
             }
             None => {
-                // Steps are at most a tenth of what is given: a step of the grid.
+                // `newton_step` limits steps to a tenth of its argument: one grid step.
                 let [u, v] = search.waves.steps;
                 let slope = here.slope(lane);
                 let (step, is_convex) = newton_step(&slope, &here.curvature(lane), 10.0 * u.max(v));
@@ -460,13 +462,13 @@ impl Descent {
     }
 }
 
-/// The direction of a valley, where curvatures differ much.
+/// Direction of a valley, if the curvatures differ by a large factor.
 fn valley(curvature: &Matrix2<f64>) -> Option<[f64; 2]> {
     let ([high, low], [_, along]) = principal(curvature);
     (low.abs() < SHALLOW * high.abs()).then_some([along[0], along[1]])
 }
 
-/// A pass over the grid.
+/// One pass over the grid.
 struct Sweep<'a> {
     sums: &'a MirrorSums,
     waves: &'a MirrorWaves,
@@ -475,7 +477,7 @@ struct Sweep<'a> {
     lowest: f64,
 }
 
-/// Work for the widest vectors of the machine.
+/// Vectorized sweep for the instruction set of the machine.
 struct Sweeping<'a, 'b>(&'b mut Sweep<'a>);
 
 impl WithSimd for Sweeping<'_, '_> {
@@ -494,9 +496,9 @@ impl Sweep<'_> {
         let mut rows = vec![[[0.0; FILL]; 4]; groups * (self.sums.reach[1] + 1)];
         let [cosines, sines] = &self.waves.along;
         self.sums.rows(simd, [cosines, sines], &mut rows);
-        // The values of the objectives on the last three lines.
+        // Values of the objectives on the last three lines.
         let size = SOUGHT.len() * groups;
-        // What is looked at beside the last column of all does not count.
+        // Values beyond the last column are not used.
         let mut ring = vec![[0.0; FILL]; 3 * size + 1];
         for line in 0..self.waves.lines() {
             self.fill(simd, line, &rows, &mut ring[line % 3 * size..][..size]);
@@ -506,7 +508,7 @@ impl Sweep<'_> {
         }
     }
 
-    /// The objectives on a line.
+    /// Evaluates the objectives on a line.
     #[inline(always)]
     fn fill<S: Simd>(&self, simd: S, line: usize, rows: &[[Group; 4]], values: &mut [Group]) {
         let groups = self.waves.groups();
@@ -545,14 +547,14 @@ impl Sweep<'_> {
             }
         }
         if line == 1 {
-            // Long waves are taken to their limit elsewhere.
+            // Long waves are represented by their limit.
             for number in 0..SOUGHT.len() {
                 values[number * groups][1] = f64::INFINITY;
             }
         }
     }
 
-    /// The wells on a line with those before and behind it.
+    /// Finds the wells on a line from the values on it and on both neighboring lines.
     #[inline(always)]
     fn find<S: Simd>(&mut self, simd: S, line: usize, ring: &[f64]) {
         let width = self.waves.width;
@@ -560,7 +562,7 @@ impl Sweep<'_> {
         let [last_column, last_line] = self.waves.intervals.each(|n| n + 1);
         for number in 0..SOUGHT.len() {
             let (objective, is_image) = SOUGHT[number];
-            // On mirror lines the image is the wave itself.
+            // On the mirror lines wave and image coincide.
             if is_image && (line == 1 || line == last_line) {
                 continue;
             }
@@ -589,7 +591,7 @@ impl Sweep<'_> {
         }
     }
 
-    /// Notes a well of the grid, unless it is not going to reach below the floor.
+    /// Records a well of the grid if it may reach below its floor.
     fn record(&mut self, number: usize, at: [usize; 2], ring: &[f64]) {
         let around = |number: usize| {
             let lines = [at[1] + 2, at[1], at[1] + 1];
@@ -617,7 +619,7 @@ impl Sweep<'_> {
             (at[0] as f64 - 1.0) * steps[0],
             (at[1] as f64 - 1.0) * steps[1],
         ];
-        // To the bottom of the paraboloid through the points around.
+        // Step to the bottom of the paraboloid through the points around.
         let slope = Vector2::new(0.5 * (b[2] - b[0]), 0.5 * (c[1] - a[1]));
         let mixed = 0.25 * (c[2] - c[0] - a[2] + a[0]);
         let curvature = Matrix2::new(
@@ -649,7 +651,7 @@ impl Sweep<'_> {
     }
 }
 
-/// The least and the largest of some numbers, those left out that are not finite.
+/// Smallest and largest finite value.
 fn range(values: &[f64]) -> (f64, f64) {
     let finite = values.iter().filter(|value| value.is_finite());
     finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), x| {
@@ -657,15 +659,16 @@ fn range(values: &[f64]) -> (f64, f64) {
     })
 }
 
-/// The square of the growth rate `Im omega` of a pair `omega^2 = h +- i sqrt(-p)` where the discriminant `p`, not positive, is that low and the mean
-/// `h` lower than those around by as much as these differ.
+/// Expected square of the largest growth rate `Im omega` of a pair `omega^2 = h +- i sqrt(-p)`.
+///
+/// `p <= 0` is the expected discriminant. The mean `h` is taken lower than all neighboring means, by the range of these means.
 fn fastest_growth(p: f64, means: &[f64]) -> f64 {
     let (least, most) = range(means);
     let mean = least - (most - least);
     0.5 * ((mean * mean - p).sqrt() - mean)
 }
 
-/// The lowest of the eight points around each point of a group on the second of three lines, its first point left out.
+/// Lowest of the eight neighbors of each point of a group on the second of three lines, without its first point.
 #[inline(always)]
 fn lowest_around<S: Simd>(simd: S, lines: &[&[f64]; 3], group: usize) -> Pack<S> {
     let width = lines[1].len() - 2;

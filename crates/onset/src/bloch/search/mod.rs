@@ -1,7 +1,14 @@
-//! The extremes of the spectrum over the whole first Brillouin zone.
+//! Extremes of the spectrum of one particle in a cell over the whole first Brillouin zone.
 //!
-//! A grid fine enough for the range of the force constants finds the wells; each distinct one is then
-//! followed to its bottom with exact gradients. Long waves are not sampled but taken to their limit.
+//! The search has three steps:
+//!
+//! 1. `D(k)` is evaluated on a grid over half of the zone, fine enough for the range of the force constants. In two dimensions with a mirror line,
+//!    the sums run along the mirror lines and several wave vectors are evaluated at a time (`mirrored`, `steps`).
+//! 2. The distinct wells of the grid are followed to their bottoms by Newton's method with exact gradients and Hessians (`descent`).
+//! 3. Pockets of complex `omega^2` between the grid points are predicted from derivatives (`bloch::pocket`).
+//!
+//! Long waves are not sampled but represented by the limit `k -> 0`. The extremes are sampled values. Only the `bounded` variants add a guaranteed
+//! lower bound of the scaled measure, for periodic matrices, by branch and bound (`bloch::bound`).
 
 mod descent;
 mod grid;
@@ -25,50 +32,54 @@ use mirrored::{Mirrored, Request};
 use nalgebra::{SMatrix, SVector};
 use std::sync::{Arc, OnceLock};
 
-/// Scaled measures within this multiple of the rounding error of the matrix count as zero.
+/// Tolerance for zero of scaled measures, as a multiple of the rounding error of the long-wave stiffness.
 const ROUNDING: f64 = 4.0;
-/// Wells that may reach below this scaled measure are followed to their bottom, so that along a path the measure of a
-/// nearly unstable state is accurate.
+/// Largest scaled measure of a nearly unstable state. Wells that may reach below it are followed to their bottoms, so that the measure is accurate
+/// along a path that approaches instability.
 const ACCURATE: f64 = 1e-3;
-/// Growth rates of complex `omega^2` count as flutter beyond this fraction of sound speed over spacing.
+/// Growth rate of the slowest flutter that counts, as a fraction of sound speed over particle spacing. Slower growth is rounding of complex
+/// eigenvalues.
 const FLUTTER: f64 = 1e-7;
-/// Where waves diverge more slowly than this fraction of it, all flutter is looked for: it may be faster anywhere, of long waves too.
+/// Largest growth rate of slow divergence, as a fraction of sound speed over particle spacing. All flutter is searched in states that diverge slowly;
+/// otherwise only faster flutter matters.
 const RIVAL: f64 = 0.05;
-/// No scaled measure is told from zero below this.
+/// Smallest tolerance of scaled measures: a few times `f64::EPSILON`, the rounding error of `c^2` itself.
 const LEAST: f64 = 1e-15;
-/// Squared wave speeds below this over `c^2` are zero to rounding, where no sum of force constants tells better.
+/// Largest squared wave speed over `c^2` that is zero to rounding, where no sum of force constants gives a better estimate.
 const ZERO: f64 = 1e-13;
-/// Pockets of complex `omega^2` that are foreseen and looked at again.
+/// Maximum number of predicted pockets of complex `omega^2` that are refined.
 const POCKETS: usize = 1 << 14;
-/// Of these the fastest ones from which the fastest growth is sought.
+/// Number of refined pockets that start a maximization of growth, fastest first.
 const FOLLOWED: usize = 16;
-/// Wave vectors along the softest long waves, or the fastest growing ones, in steps of a grid on which none need lie near; and with
-/// nearer ones, for what is so only as long as particles of a cell can relax.
+/// Distances from `k = 0` of starts along the softest or fastest growing long waves, in grid steps. The grid can miss wells that open there, because
+/// they are narrow in angle.
 const RAY: [f64; 4] = [0.15, 0.35, 0.7, 1.2];
+/// Distances of [`RAY_STEPS`] with a shorter one, for softness that needs the relaxation of the particles of a cell and is lost at shorter waves.
 pub(in crate::bloch) const RELAXED_RAY: [f64; 5] = [0.05, RAY[0], RAY[1], RAY[2], RAY[3]];
-/// Points of the grid per period of the fastest phase: to look for a witness, and to look for all wells.
+/// Grid points per period of the fastest phase, to find a witness of instability.
 const COARSE: usize = 6;
+/// Grid points per period of the fastest phase, to find all wells.
 const FINE: usize = 9;
 
-/// The search over the zone of one method at one state.
+/// Search over the Brillouin zone of one lattice, with the speed `c` of the scaled measure `omega^2 / (c^2 |k|_h^2)`.
 #[derive(Clone, Debug)]
 pub struct ZoneSearch<const D: usize> {
-    /// The lattice whose zone is searched, and the zone once it is needed.
+    /// Lattice whose zone is searched, and this zone once it is needed.
     lattice: BravaisLattice<D>,
     zone: OnceLock<BrillouinZone<D>>,
-    /// From wave vectors of the searched zone to reference wave vectors, `home^T`.
+    /// Map from wave vectors of the searched zone to reference wave vectors, `home^T`.
     to_reference: SMatrix<f64, D, D>,
-    /// The inverse.
+    /// Inverse of the matrix `to_reference`.
     from_reference: SMatrix<f64, D, D>,
-    /// Whether the searched lattice is the reference lattice.
+    /// True if the searched lattice is the reference lattice.
     home_is_reference: bool,
-    /// Wave vectors of the reference lattice.
+    /// Grids of wave vectors of the reference lattice.
     grids: Arc<WaveGrids<D>>,
     is_periodic: bool,
     speed_squared: f64,
 }
 
-/// What is sought over the zone; always a minimum.
+/// Objective of a search over the zone; always minimized.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::bloch) enum Objective {
     /// `Re omega^2 / (c^2 |k|_h^2)` of the lowest branch.
@@ -77,18 +88,19 @@ pub(in crate::bloch) enum Objective {
     Lowest,
     /// `-Re omega^2` of the highest branch.
     Highest,
-    /// Where `D` is real, the discriminant `((D11 - D22)/2)^2 + D12 D21`, in three dimensions `a^3 - h^2`, of degree six: negative
-    /// where `omega^2` is complex, and smooth, unlike the imaginary part. Elsewhere `omega^2` is complex almost everywhere, and it is
-    /// minus the growth rate itself.
+    /// A function that is negative where `omega^2` is complex.
+    ///
+    /// If `D` is real, this is the discriminant: `((D11 - D22)/2)^2 + D12 D21` in the plane, and `a^3 - h^2`, of degree six, in three dimensions.
+    /// Unlike the imaginary part it is smooth. If `D` is complex, `omega^2` is complex almost everywhere, and the objective is minus the growth rate.
     Discriminant,
     /// Minus the growth rate of a mode with complex `omega^2`.
     Growth,
 }
 
-/// A wave vector with the value of the objective there.
+/// Value of the objective, and its wave vector.
 pub(in crate::bloch) type Candidate<const D: usize> = (f64, SVector<f64, D>);
 
-/// A wave vector, the matrix there, and its eigenvalues, by increasing real part: what all objectives follow from.
+/// A wave vector with the matrix and its eigenvalues by increasing real part, which determine all objectives.
 struct Seen<const D: usize> {
     wave_vector: SVector<f64, D>,
     matrix: SMatrix<Complex, D, D>,
@@ -113,7 +125,7 @@ impl<const D: usize> Seen<D> {
     }
 }
 
-/// The discriminant of a real matrix, negative where two `omega^2` are complex, in the plane and in space.
+/// Discriminant of a real matrix in two or three dimensions, negative where two `omega^2` are complex; `None` if the matrix is complex.
 fn discriminant<const D: usize>(
     matrix: &DynamicalMatrix<D>,
     d: &SMatrix<Complex, D, D>,
@@ -135,7 +147,7 @@ fn discriminant<const D: usize>(
 }
 
 impl<const D: usize> ZoneSearch<D> {
-    /// The zone of a method at a state. `speed_squared` is the `c^2` of the scaled measure.
+    /// Creates the search for a method at a state, with the `c^2` of the scaled measure.
     ///
     /// `None` when the lattice degenerates in floating point.
     pub fn new(method: &Method<D>, f: &DeformationGradient, speed_squared: f64) -> Option<Self> {
@@ -153,7 +165,7 @@ impl<const D: usize> ZoneSearch<D> {
         })
     }
 
-    /// The zone of a lattice of cells, for systems whose wave vectors are those of the lattice itself.
+    /// Creates the search over the zone of the lattice itself, for systems of cells.
     pub fn of_lattice(lattice: BravaisLattice<D>, speed_squared: f64) -> Self {
         Self {
             lattice,
@@ -167,22 +179,22 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// A grid of wave vectors over a cell of the reciprocal lattice.
+    /// Grid of wave vectors over a cell of the reciprocal lattice.
     pub(in crate::bloch) fn grid_of(&self, resolution: usize) -> Arc<WaveGrid<D>> {
         self.grids.grid(resolution)
     }
 
-    /// Whether waves repeat with the reciprocal vectors.
+    /// Returns true if waves are periodic in the reciprocal vectors.
     pub(in crate::bloch) fn is_periodic(&self) -> bool {
         self.is_periodic
     }
 
-    /// The `c^2` of the scaled measure.
+    /// Squared speed `c^2` of the scaled measure.
     pub(in crate::bloch) fn speed_squared(&self) -> f64 {
         self.speed_squared
     }
 
-    /// `G^-1/2` of the long-wave metric.
+    /// `G^-1/2` of the metric `G` of long waves, `|k|_h^2 -> k.G k`.
     pub(in crate::bloch) fn long_wave_map(&self) -> &SMatrix<f64, D, D> {
         self.grids.long_wave_map()
     }
@@ -195,7 +207,7 @@ impl<const D: usize> ZoneSearch<D> {
         self.zone.get_or_init(|| BrillouinZone::new(self.lattice))
     }
 
-    /// The search for a matrix that is divided by a unit.
+    /// Returns the search for a matrix that is divided by `unit`.
     pub(in crate::bloch) fn in_units(&self, unit: f64) -> Self {
         Self {
             speed_squared: self.speed_squared / unit,
@@ -203,13 +215,13 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// The search in coordinates in which the forces reach equally far in all directions.
+    /// Returns the search in coordinates in which the forces have the same range in all directions.
     pub(in crate::bloch) fn in_short_range(&self, range: &ShortRange<D>) -> Option<Self> {
         let lattice = range.lattice(self.reference())?;
         Some(Self::of_lattice(lattice, self.speed_squared))
     }
 
-    /// Search and matrix in such coordinates, where the reference lattice is too oblique for kernels of current ones.
+    /// Search and matrix in isotropic coordinates, if the reference lattice is too oblique for kernels of current coordinates.
     fn short_ranged(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -223,13 +235,14 @@ impl<const D: usize> ZoneSearch<D> {
         Some((range, search, matrix))
     }
 
-    /// The extremes of the spectrum, as a search finds them.
+    /// Computes the extremes of the spectrum by samples and descents, without a bound.
     pub fn summary(&self, matrix: &DynamicalMatrix<D>) -> SpectrumSummary<D> {
         self.found(matrix, Flutter::All, None)
     }
 
-    /// The same, but for flutter that grows more slowly than what diverges, which the summary of a diverging state may leave out; that of long waves
-    /// is left out there unless it is asked about.
+    /// Like `summary`, except that flutter which grows more slowly than the divergence of a state may be omitted.
+    ///
+    /// Flutter of long waves is then omitted too, unless `asks_about_long_waves` requests it.
     pub(crate) fn extremes(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -241,12 +254,13 @@ impl<const D: usize> ZoneSearch<D> {
         self.found(matrix, sought, None)
     }
 
-    /// The same with a lower bound of the scaled measure, where the matrix is Hermitian and periodic.
+    /// Like `summary`, with a lower bound of the scaled measure if the matrix is periodic. For matrices that are not Hermitian it bounds the
+    /// Hermitian part.
     pub fn bounded_summary(&self, matrix: &DynamicalMatrix<D>) -> SpectrumSummary<D> {
         self.bounded_summary_unless(matrix, &|| false)
     }
 
-    /// The same, given up as soon as nobody waits for it any more.
+    /// Like `bounded_summary`, with cancellation through `is_ended`.
     pub fn bounded_summary_unless(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -255,7 +269,7 @@ impl<const D: usize> ZoneSearch<D> {
         self.found(matrix, Flutter::All, Some(is_ended))
     }
 
-    /// The growth rate of a wave that flutter is to beat where only what is faster is sought; zero where all is.
+    /// Growth rate that flutter must exceed to matter; zero if all flutter is requested.
     pub(in crate::bloch) fn rival(
         &self,
         sought: Flutter,
@@ -269,7 +283,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// A growth rate as one that flutter is to beat: zero for slow ones, which any flutter may.
+    /// Growth rate of divergence as the rate that flutter must exceed; zero if the divergence is slow.
     pub(in crate::bloch) fn as_rival(&self, growth: f64, sites: usize) -> f64 {
         match growth > RIVAL * self.speed_over_spacing(sites) {
             true => growth,
@@ -277,7 +291,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// The extremes; with a bound while somebody waits for it, where that is told.
+    /// Computes the extremes; `is_bounded` requests a lower bound and carries the cancellation test.
     pub(in crate::bloch) fn found(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -305,7 +319,7 @@ impl<const D: usize> ZoneSearch<D> {
             Some(is_ended) => self.bounded(matrix, softest, is_ended),
             None => (softest, f64::NEG_INFINITY),
         };
-        // A translation that strains the body can have a negative omega^2 itself.
+        // A translation that strains the body can have a negative `omega^2` itself.
         let grows = softest.scaled < -tolerance || rest.omega_squared.re < 0.0;
         let lowest = grows
             .then(|| wells.bottom(self, matrix, Objective::Lowest, rest.omega_squared.re))
@@ -341,7 +355,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// The softest mode of the whole zone, of which one is known, and a lower bound of the scaled measure.
+    /// Softest mode of the zone and a lower bound of the scaled measure by branch and bound, starting from a known soft mode.
     fn bounded(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -384,15 +398,18 @@ impl<const D: usize> ZoneSearch<D> {
         (softest, covered.bound)
     }
 
-    /// Whether a mode grows, and how: the same answer as that of the summary, without the modes; with a measure
-    /// whose sign it is where the spectrum is real.
+    /// Returns whether a wave grows, and by divergence or flutter, with a scaled measure.
+    ///
+    /// The result agrees with the summary, but is cheaper. The sign of the measure decides stability if the spectrum is real.
     pub fn stability(&self, matrix: &DynamicalMatrix<D>) -> (Stability, f64) {
         let judgment = self.judgment(matrix, f64::NEG_INFINITY, None);
         (judgment.stability, judgment.measure)
     }
 
-    /// The same, with the softest mode of a stable state whose measure is at most `soft`. Where witnesses of the states beside it are given, all that
-    /// these have, they are tried first, and a coarse grid is not: few states are told by it then.
+    /// Like `stability`, with the softest mode of a stable state if its scaled measure is at most `soft`.
+    ///
+    /// `beside`: all growing wave vectors of neighboring states. They are tried first, and then the coarse grid is skipped, because it would decide
+    /// few of the remaining states.
     pub(crate) fn judgment(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -425,8 +442,8 @@ impl<const D: usize> ZoneSearch<D> {
             witness,
             softest: None,
         };
-        // One witness is enough. Most unstable states have one among the long waves, those of the states beside them, at the points of high
-        // symmetry, or on a coarse grid, sought in the order of what they cost.
+        // One witness is enough. Most unstable states have one among the long waves, the witnesses of neighboring states, the points of high symmetry
+        // or a coarse grid; these are tried in the order of their cost.
         let long_wave = self.long_wave_limit(matrix);
         let rest = self.rest(matrix, long_wave.scaled);
         let mut least = (long_wave.scaled, None);
@@ -436,7 +453,7 @@ impl<const D: usize> ZoneSearch<D> {
         let known = beside.unwrap_or_default().iter();
         let known = known.map(|k| match self.is_periodic {
             true => *k,
-            // The zone that holds them is that of another state.
+            // The witnesses belong to the zone of another state.
             false => k * self.reach(k).min(1.0),
         });
         let seen = |k| (self.value_at(matrix, Objective::Scaled, &k), k);
@@ -447,7 +464,7 @@ impl<const D: usize> ZoneSearch<D> {
         if least.0 < -tolerance {
             return diverges(least);
         }
-        // The wells of a Hermitian matrix are followed from it.
+        // The wells of a Hermitian matrix are followed from the coarse grid too.
         let is_coarse = matrix.is_hermitian() || beside.is_none();
         let points_per_period = if is_coarse { COARSE } else { FINE };
         let followed = [Objective::Scaled];
@@ -492,7 +509,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// The softest mode, of the deepest bottom of the zone and the limit of long waves.
+    /// Softest mode: the deepest bottom in the zone or the long-wave limit.
     fn softest(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -504,19 +521,19 @@ impl<const D: usize> ZoneSearch<D> {
             .map_or(long_wave, |bottom| self.mode(matrix, &bottom.1))
     }
 
-    /// The mode at a given reference wave vector with the lowest `Re omega^2`.
+    /// Mode with the lowest `Re omega^2` at a reference wave vector.
     pub fn mode(&self, matrix: &DynamicalMatrix<D>, k: &SVector<f64, D>) -> Mode<D> {
         let (k, d, omega_squared) = self.spectrum_at(matrix, k);
         self.mode_of(k, &d, &omega_squared, omega_squared[0])
     }
 
-    /// The wave vector that is shown of those equivalent to a given one, with `D` and its eigenvalues there.
+    /// Reported wave vector among those equivalent to `k`, with `D` and its eigenvalues there.
     fn spectrum_at(
         &self,
         matrix: &DynamicalMatrix<D>,
         k: &SVector<f64, D>,
     ) -> (SVector<f64, D>, SMatrix<Complex, D, D>, [Complex; D]) {
-        // Of equivalent wave vectors the one in the zone is shown, of k and -k that with a positive leading component.
+        // The zone contains one of the equivalent wave vectors; of `k` and `-k`, the vector with a positive leading component is reported.
         let mut folded = if self.is_periodic { self.folded(k) } else { *k };
         if is_shown_reversed(&folded) {
             folded = -folded;
@@ -525,7 +542,7 @@ impl<const D: usize> ZoneSearch<D> {
         (folded, d, eigenvalues(&d, matrix.noise()))
     }
 
-    /// The mode of one of the eigenvalues.
+    /// Mode of one of the eigenvalues.
     fn mode_of(
         &self,
         wave_vector: SVector<f64, D>,
@@ -543,8 +560,9 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// The limit `k -> 0` of the scaled measure, minimized over all directions; infinite where a translation costs energy, which leaves
-    /// no long waves to become soft.
+    /// Limit `k -> 0` of the scaled measure, minimized over all directions.
+    ///
+    /// Infinite if a translation costs energy, because then no long wave becomes soft.
     pub fn long_wave_limit(&self, matrix: &DynamicalMatrix<D>) -> Mode<D> {
         let limit = self.long_wave_mode(&matrix.long_wave_stiffness());
         if self.rest(matrix, 0.0).omega_squared.re > matrix.noise() {
@@ -556,9 +574,9 @@ impl<const D: usize> ZoneSearch<D> {
         limit
     }
 
-    /// The softest long wave of a stiffness per density.
+    /// Softest long wave of a stiffness per density.
     pub(in crate::bloch) fn long_wave_mode(&self, stiffness: &Stiffness<D>) -> Mode<D> {
-        // With k = G^-1/2 m the scale |k|_h^2 -> k.G k becomes |m|^2.
+        // With `k = G^-1/2 m` the scale `|k|_h^2 -> k.G k` becomes `|m|^2`.
         let map = self.grids.long_wave_map();
         let mapped = stiffness.with_directions_mapped(map).minimum_by_descent();
         let mode = |minimum: &AcousticMinimum<D>, direction: SVector<f64, D>, scaled: f64| Mode {
@@ -574,8 +592,8 @@ impl<const D: usize> ZoneSearch<D> {
         if self.reference().is_measured_by_own_vectors() {
             return mode(&mapped, map * mapped.direction, softest);
         }
-        // A metric of other coordinates can be so anisotropic that rounding decides the sign of the quotient: that is the sign of
-        // its numerator.
+        // A metric of other coordinates can be so anisotropic that rounding decides the sign of the quotient. The sign is then taken from the
+        // numerator.
         let plain = stiffness.minimum_by_descent();
         let metric = self.reference().long_wave_metric();
         let value = plain.eigenvalue.re / self.speed_squared;
@@ -591,7 +609,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// As [`SpectrumSummary::long_waves_grow`].
+    /// Returns true if modes grow in the long-wave limit, as in [`SpectrumSummary::long_waves_grow`].
     pub(crate) fn long_waves_grow(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -607,36 +625,36 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// Scaled measures of smaller magnitude are zero to rounding.
+    /// Tolerance of scaled measures; smaller magnitudes are zero to rounding.
     pub fn tolerance(&self, matrix: &DynamicalMatrix<D>) -> f64 {
         self.told(ROUNDING * matrix.long_wave_noise())
     }
 
-    /// The scaled measure of a rounding error of a squared wave speed; no less than that of `c^2` itself, which is what the force
-    /// constants of particles that hardly see each other are sums of.
+    /// Scaled measure of a rounding error of a squared wave speed. It is at least the rounding error of `c^2`, because the force constants of weakly
+    /// coupled particles are sums of that magnitude.
     pub(in crate::bloch) fn told(&self, noise: f64) -> f64 {
         (noise / self.speed_squared).max(LEAST)
     }
 
-    /// Growth rates of complex `omega^2` are flutter beyond this. 1/time.
+    /// Smallest growth rate of complex `omega^2` that counts as flutter. 1/time.
     pub(in crate::bloch) fn flutter_threshold(&self, sites: usize) -> f64 {
         FLUTTER * self.speed_over_spacing(sites)
     }
 
-    /// Sound speed over the spacing of so many particles in a cell. 1/time.
+    /// Sound speed over particle spacing, for cells of `sites` particles. 1/time.
     fn speed_over_spacing(&self, sites: usize) -> f64 {
         let side = self.reference().vectors().column(0).norm();
         self.speed_squared.sqrt() * (sites as f64).powf(1.0 / D as f64) / side
     }
 
-    /// The largest `|k|_h^2` of all wave vectors. 1/length^2.
+    /// Largest `|k|_h^2` of all wave vectors. 1/length^2.
     pub(in crate::bloch) fn largest_laplacian(&self) -> f64 {
         let vectors = self.reference().vectors().column_iter();
         vectors.map(|a| 4.0 / a.norm_squared()).sum()
     }
 
-    /// A mode with `Re omega^2` over `c^2` times the largest `|k|_h^2` as its scaled measure. That of wave vectors has no minimum
-    /// where a mode grows at `k = 0`.
+    /// Replaces the scaled measure of a mode by `Re omega^2` over `c^2` times the largest `|k|_h^2`. The usual measure has no minimum if a mode grows
+    /// at `k = 0`.
     pub(in crate::bloch) fn over_largest_laplacian(&self, mode: Mode<D>) -> Mode<D> {
         let scale = self.speed_squared * self.largest_laplacian();
         Mode {
@@ -645,10 +663,11 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// Wave vectors along the direction in which the longest waves flutter fastest, if some do, as fractions of a step (itself
-    /// one of a reciprocal vector) of a grid that may miss a pocket that opens at `k = 0`.
+    /// Wave vectors along the direction in which the longest waves flutter fastest; empty if long waves do not flutter.
     ///
-    /// The long-wave stiffness of forces without an energy has no major symmetry: its acoustic tensors can have complex eigenvalues.
+    /// A pocket of complex `omega^2` can open at `k = 0` between the grid points. `step` is the grid step as a fraction of a reciprocal vector.
+    ///
+    /// The long-wave stiffness of forces without an energy has no major symmetry, so that its acoustic tensors can have complex eigenvalues.
     pub(in crate::bloch) fn long_flutter(
         &self,
         stiffness: &Stiffness<D>,
@@ -664,13 +683,13 @@ impl<const D: usize> ZoneSearch<D> {
         RELAXED_RAY.map(along).to_vec()
     }
 
-    /// The points of high symmetry, in the searched zone where `D` is not periodic.
+    /// Points of high symmetry, moved into the searched zone if `D` is not periodic.
     fn symmetric_waves(&self) -> impl Iterator<Item = SVector<f64, D>> {
         self.symmetric_points()
             .map(|k| if self.is_periodic { k } else { self.folded(&k) })
     }
 
-    /// The halves and thirds of reciprocal vectors, among which are X, M and K; of `k` and `-k` one.
+    /// Halves and thirds of reciprocal vectors, which include X, M and K; one of each pair `k`, `-k`.
     fn symmetric_points(&self) -> impl Iterator<Item = SVector<f64, D>> {
         let fractions = [0.0, 1.0 / 3.0, 0.5, 2.0 / 3.0];
         (1..4_usize.pow(D as u32))
@@ -680,7 +699,7 @@ impl<const D: usize> ZoneSearch<D> {
             .map(|fractional| self.reference().reciprocal() * fractional)
     }
 
-    /// The rigid translation, with the scaled measure of its neighborhood.
+    /// Rigid translation, with the given scaled measure.
     fn rest(&self, matrix: &DynamicalMatrix<D>, scaled: f64) -> Mode<D> {
         let d = matrix
             .rigid_translation()
@@ -695,23 +714,24 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// A reference wave vector in the coordinates of the kernel: `F^-T k` for Eulerian kernels on the convected
-    /// lattice, `k` itself otherwise.
+    /// Converts a reference wave vector to the coordinates of the kernel.
+    ///
+    /// This is `F^-T k` for Eulerian kernels on the convected lattice, otherwise `k`.
     pub fn kernel_wave_vector(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
         self.from_reference * k
     }
 
-    /// The equivalent reference wave vector in the searched zone.
+    /// Returns the equivalent reference wave vector in the searched zone.
     pub fn folded(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
         self.to_reference * self.zone().folded(&(self.from_reference * k))
     }
 
-    /// How many times a reference wave vector fits into the searched zone; infinite for zero.
+    /// Number of times that a reference wave vector fits into the searched zone; infinite for zero.
     pub fn reach(&self, k: &SVector<f64, D>) -> f64 {
         self.zone().reach(&(self.from_reference * k))
     }
 
-    /// Whether a reference wave vector lies in the searched zone.
+    /// Returns true if a reference wave vector lies in the searched zone.
     pub(in crate::bloch) fn is_in_zone(&self, k: &SVector<f64, D>) -> bool {
         self.zone().contains(&(self.from_reference * k), 1e-12)
     }
@@ -747,7 +767,7 @@ impl<const D: usize> ZoneSearch<D> {
         self.value(matrix, objective, &Seen::with(matrix, *k, d))
     }
 
-    /// Whether a wave on the grid has a complex `omega^2` and grows noticeably: where nobody asks how fast, that is enough.
+    /// Returns true if a wave on the grid flutters noticeably. Only its existence matters, so that the best grid point suffices.
     fn grid_flutters(&self, matrix: &DynamicalMatrix<D>, wells: &Wells<D>) -> bool {
         let Wells::Grid(grid) = wells else {
             return false;
@@ -761,8 +781,9 @@ impl<const D: usize> ZoneSearch<D> {
         lowest < 0.0 && self.fluttering_mode(matrix, &k).is_some_and(grows)
     }
 
-    /// A mode with complex `omega^2` that grows noticeably, if there is one; where there is a rival, unless none can grow faster. The fastest one is
-    /// to be found from it.
+    /// A noticeably fluttering mode, or `None`. `fastest` then maximizes its growth rate.
+    ///
+    /// With a `rival`, `None` also if no flutter can grow faster than this rate.
     fn flutter(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -783,8 +804,8 @@ impl<const D: usize> ZoneSearch<D> {
             (_, true) => -matrix.noise() * largest,
             (_, false) => 0.0,
         };
-        // In space pockets between the points of the grid are looked at one by one; what grows less than half as fast as a rival at all points is
-        // far from it.
+        // In three dimensions, each pocket between the grid points is examined. If the largest growth rate on the grid is less than half of the
+        // rival's, no pocket is likely to exceed it.
         let is_far = match wells {
             Wells::Grid(grid) if rival > 0.0 => {
                 grid.has_asymmetry() && grid.largest_growth() <= 0.5 * rival
@@ -810,7 +831,7 @@ impl<const D: usize> ZoneSearch<D> {
             .max_by(|a, b| growth_rate(a.omega_squared).total_cmp(&growth_rate(b.omega_squared)))
             .filter(noticeable)
             .or_else(|| {
-                // In the plane the discriminant of a real matrix tells all of its pockets.
+                // In the plane, the discriminant of a real matrix detects all of its pockets.
                 let is_told = D < 3 && matrix.is_centrosymmetric();
                 let pockets = match wells {
                     Wells::Grid(grid) if !is_told => self.pockets(matrix, grid, rival),
@@ -830,7 +851,7 @@ impl<const D: usize> ZoneSearch<D> {
             .get_or_init(|| self.long_flutter(&matrix.long_wave_stiffness(), step))
     }
 
-    /// Whether the longest waves flutter.
+    /// Returns true if the longest waves flutter.
     fn long_waves_flutter(&self, matrix: &DynamicalMatrix<D>, wells: &Wells<D>) -> bool {
         match wells {
             Wells::Grid(grid) => !self.opening(matrix, grid).is_empty(),
@@ -841,7 +862,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// Wave vectors in pockets of complex `omega^2` that are smaller than the steps of a grid, where waves may grow faster than a rival.
+    /// Wave vectors in pockets of complex `omega^2` between the grid points, in which waves may grow faster than `rival`.
     fn pockets<'g>(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -859,7 +880,7 @@ impl<const D: usize> ZoneSearch<D> {
         rival: f64,
     ) -> Vec<SVector<f64, D>> {
         let (points, stride) = grid.near_crossings(matrix.is_centrosymmetric(), rival);
-        // What is foreseen of a pocket can be half of what is found from there; in the plane all cost little.
+        // The predicted growth rate of a pocket can be half of the rate found by a descent from there. In the plane all pockets are cheap to examine.
         let rival = match grid.has_asymmetry() {
             true => 0.5 * rival,
             false => 0.0,
@@ -886,8 +907,7 @@ impl<const D: usize> ZoneSearch<D> {
         pockets.around(points.into_iter())
     }
 
-    /// The wells of the zone: those of a grid with as many points per period of the fastest phase, or, where there is a mirror, those of some
-    /// objectives followed to their bottoms.
+    /// Wells of the zone: from a grid with the given density, or, for a matrix with a mirror line, the bottoms of the requested objectives.
     fn wells(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -928,14 +948,15 @@ impl<const D: usize> ZoneSearch<D> {
         Wells::Mirrored(Box::new(search))
     }
 
-    /// The reference wave vector with given phases of the primitive vectors; planar.
+    /// Reference wave vector with the given phases of the two primitive vectors, in the plane.
     fn with_phases(&self, phases: [f64; 2]) -> SVector<f64, D> {
         let fractional = SVector::from_fn(|n, _| phases[n] / std::f64::consts::TAU);
         self.reference().reciprocal() * fractional
     }
 
-    /// The fastest growing mode where some have a complex `omega^2`: the best of `lowest` and of the searches from
-    /// one that is `fluttering`, from the fastest points of the grid and from the pockets between them.
+    /// Fastest growing mode of a state with complex `omega^2`: the best of `lowest` and of the descents.
+    ///
+    /// The descents start from `fluttering`, from the fastest grid points and from the pockets between them.
     fn fastest(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -944,7 +965,7 @@ impl<const D: usize> ZoneSearch<D> {
         fluttering: Mode<D>,
         rival: f64,
     ) -> Mode<D> {
-        // In space a descent is not worth its while where it cannot beat the growth without oscillation.
+        // In three dimensions a descent that cannot exceed the growth by divergence is too expensive.
         let floor = match D {
             3 => -growth_rate(lowest.omega_squared),
             _ => f64::INFINITY,
@@ -977,7 +998,7 @@ impl<const D: usize> ZoneSearch<D> {
             .unwrap_or(lowest)
     }
 
-    /// The fastest growing mode with a complex `omega^2` at a wave vector.
+    /// Fastest growing mode with complex `omega^2` at a wave vector.
     fn fluttering_mode(&self, matrix: &DynamicalMatrix<D>, k: &SVector<f64, D>) -> Option<Mode<D>> {
         let (k, d, all) = self.spectrum_at(matrix, k);
         let omega_squared = all
@@ -988,17 +1009,17 @@ impl<const D: usize> ZoneSearch<D> {
     }
 }
 
-/// Which waves with a complex `omega^2` are sought.
+/// Requested part of the flutter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::bloch) enum Flutter {
-    /// All.
+    /// All waves with complex `omega^2`.
     All,
-    /// Those that may grow faster than the lowest wave, and long waves where these are asked about.
+    /// Waves that may grow faster than the lowest wave, and long waves on request.
     Fastest { asks_about_long_waves: bool },
 }
 
 impl Flutter {
-    /// Whether long waves are looked at, given the rival and whether something that flutters was found.
+    /// Returns true if flutter of long waves is evaluated, given the rival's growth rate and whether flutter was found.
     pub(in crate::bloch) fn asks_about_long_waves(self, rival: f64, flutters: bool) -> bool {
         match self {
             Self::Fastest {
@@ -1009,7 +1030,7 @@ impl Flutter {
     }
 }
 
-/// The lower one of two measures: that of the limit of long waves or of a wave vector, and that of another wave vector.
+/// Smaller of two scaled measures: one of the long-wave limit or of a wave vector, and one of another wave vector.
 fn lower<const D: usize>(
     least: (f64, Option<SVector<f64, D>>),
     (value, k): Candidate<D>,
@@ -1021,16 +1042,16 @@ fn lower<const D: usize>(
     }
 }
 
-/// The wells of the zone.
+/// Wells of the zone.
 enum Wells<const D: usize> {
-    /// Of a grid, to be followed.
+    /// Wells of a grid, not yet followed.
     Grid(Box<Grid<D>>),
-    /// Where the matrix has a mirror line, with the bottoms that have been followed: at first those of real objectives.
+    /// Wells of a matrix with a mirror line, with the known bottoms; initially only of the real objectives.
     Mirrored(Box<Mirrored>),
 }
 
 impl<const D: usize> Wells<D> {
-    /// The deepest bottom, where one may lie below a floor.
+    /// Deepest bottom, if it may lie below `floor`.
     fn bottom(
         &self,
         search: &ZoneSearch<D>,
@@ -1060,7 +1081,7 @@ impl<const D: usize> Wells<D> {
         best
     }
 
-    /// The largest `Re omega^2` of the grid.
+    /// Largest `Re omega^2` on the grid.
     fn largest(&self) -> f64 {
         match self {
             Self::Grid(grid) => grid.largest(),

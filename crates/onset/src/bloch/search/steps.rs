@@ -1,4 +1,4 @@
-//! Objectives with their derivatives, and steps of Newton's method, at several wave vectors of a matrix with a mirror line at once.
+//! Objectives with derivatives, and Newton steps, at several wave vectors of a matrix with a mirror line simultaneously.
 
 use super::Objective;
 use crate::algebra::{Each, Mask, Pack, sines_and_cosines};
@@ -7,20 +7,19 @@ use crate::lattice::{BravaisLattice, HARMONICS, Mirror, MirrorWaves};
 use nalgebra::{Matrix2, Vector2};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Below these phases a wave counts as long, which the limit covers.
+/// Phase of the longest wave that is sampled; the limit covers longer waves.
 const LONG_WAVE: f64 = 5e-3;
-/// Steps of the grid around the origin within which the discriminant, which vanishes there with the fourth power, is not sought.
+/// Distance from the origin, in grid steps, within which the discriminant is not searched; it vanishes there with the fourth power of `k`.
 const FLAT: f64 = 0.5;
-/// Determinants of curvatures below this fraction of the square of the trace leave in doubt whether there is a minimum, as in `newton_step`, which
-/// does the same for one wave vector.
+/// Smallest determinant of a clearly positive curvature, over the square of the trace; the same value as in `newton_step` for a single wave vector.
 const DOUBT: f64 = 1e-6;
-/// Steps of the grid within which branches that nearly cross count as crossing.
+/// Distance, in grid steps, within which branches that nearly cross count as crossing.
 const CROSSING: f64 = 2.0;
 
-/// `|k|_h^2` in the phases along the mirror lines.
+/// Lattice Laplacian `|k|_h^2` as a function of the phases along the mirror lines.
 #[derive(Clone, Copy, Debug)]
 struct Laplacian {
-    /// `1 / |a_n|^2`, and the multiples of `u` and `v` in `k.a_n`.
+    /// Weights `1 / |a_n|^2`, and the multiples of `u` and `v` in `k.a_n`.
     vectors: [(f64, [i32; 2]); 2],
 }
 
@@ -35,7 +34,7 @@ impl Laplacian {
         }
     }
 
-    /// From sines and cosines of multiples of half the phases.
+    /// Evaluates it from sines and cosines of multiples of half the phases.
     #[inline(always)]
     fn at<S: Simd>(&self, [u, v]: [&Multiples<S, HALVES>; 2]) -> Jet<S> {
         let zero = u.sines[0];
@@ -62,15 +61,15 @@ impl Laplacian {
     }
 }
 
-/// Multiples of half a phase, up to those of the largest coordinates of primitive vectors.
+/// Number of multiples of half a phase: up to the largest coordinate of a primitive vector.
 const HALVES: usize = Mirror::REACH as usize + 1;
 
-/// A function of `u` and `v`: value, and derivatives by `u`, `v`, `uu`, `uv`, `vv`.
+/// Function of `u` and `v`: value, and derivatives with respect to `u`, `v`, `uu`, `uv`, `vv`.
 #[derive(Clone, Copy)]
 struct Jet<S: Simd>([Pack<S>; 6]);
 
 impl<S: Simd> Jet<S> {
-    /// `self * factor + other`, with a factor that is constant.
+    /// `self * factor + other` with a constant factor.
     #[inline(always)]
     fn times_plus(&self, factor: Pack<S>, other: &Self) -> Self {
         let mut sum = *other;
@@ -80,7 +79,7 @@ impl<S: Simd> Jet<S> {
         sum
     }
 
-    /// `self + product of two others`.
+    /// `self` plus the product of two functions.
     #[inline(always)]
     fn plus_product(&self, Self(x): &Self, Self(y): &Self) -> Self {
         let mut sum = *self;
@@ -97,12 +96,12 @@ impl<S: Simd> Jet<S> {
         sum
     }
 
-    /// The square root: no number where the function is negative, derivatives that are not finite where it vanishes.
+    /// Square root: NaN where the function is negative; the derivatives are not finite where it vanishes.
     #[inline(always)]
     fn root(&self) -> Self {
         let Self(own) = self;
         let root = own[0].sqrt();
-        // 1 / 2 sqrt(p) and -1 / 4 sqrt(p)^3, with one division.
+        // `1 / 2 sqrt(p)` and `-1 / 4 sqrt(p)^3`, with one division.
         let inverse = own[0].constant(1.0) / root;
         let first = inverse * own[0].constant(0.5);
         let second = -(first * own[0].constant(0.5)) * inverse * inverse;
@@ -116,7 +115,7 @@ impl<S: Simd> Jet<S> {
         composed
     }
 
-    /// The quotient with another function.
+    /// Quotient of two functions.
     #[inline(always)]
     fn over(&self, Self(scale): &Self) -> Self {
         let mut quotient = *self;
@@ -144,7 +143,7 @@ impl<S: Simd> Jet<S> {
         difference
     }
 
-    /// The other one where it is to be taken.
+    /// Selects `other` in the lanes of the mask.
     #[inline(always)]
     fn or(&self, is_other: Mask<S>, other: &Self) -> Self {
         let mut chosen = *self;
@@ -155,39 +154,39 @@ impl<S: Simd> Jet<S> {
     }
 }
 
-/// The second derivatives, and by what is differentiated.
+/// Indices of the second derivatives, each with the indices of its two first derivatives.
 const SECOND: [(usize, usize, usize); 3] = [(3, 1, 1), (4, 1, 2), (5, 2, 2)];
 
-/// Where objectives are sought.
+/// Evaluation of the objectives on a lattice and its grid.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stepper {
     laplacian: Laplacian,
-    /// Phases along the mirror lines between points of the grid.
+    /// Grid steps as phases along the mirror lines.
     grid: [f64; 2],
 }
 
-/// Objectives at several wave vectors, one at each, and what Newton's method makes of them.
+/// Objectives at several wave vectors, one at each, with the Newton steps from there.
 pub(super) struct Steps {
-    /// Value, and derivatives by `u`, `v`, `uu`, `uv`, `vv`; the value of what is not sought there is infinite.
+    /// Value, and derivatives with respect to `u`, `v`, `uu`, `uv`, `vv`; the value is infinite where the objective is not defined.
     taylor: [Lanes; 6],
-    /// The step to the bottom of the paraboloid, and by how much the tangent plane falls along it; not finite where there may be none.
+    /// Step to the bottom of the paraboloid, and the decrease of the tangent plane along it; the decrease is infinite if there may be no minimum.
     step: [Lanes; 2],
     decrease: Lanes,
-    /// Negative where branches may cross within [`CROSSING`] steps of the grid.
+    /// Negative where branches may cross within [`CROSSING`] grid steps.
     distance: Lanes,
 }
 
-/// Several wave vectors and what is sought at each.
+/// Several wave vectors with the objective at each.
 pub(super) struct Places {
     pub(super) count: usize,
     u: Lanes,
     v: Lanes,
-    /// The objectives by their numbers.
+    /// Objectives by their numbers.
     sought: Lanes,
 }
 
 impl Places {
-    /// Of up to [`LANES`] places.
+    /// Collects up to [`LANES`] places.
     pub(super) fn new(places: impl Iterator<Item = (Objective, [f64; 2])>) -> Self {
         let mut all = Self {
             count: 0,
@@ -222,8 +221,7 @@ impl Steps {
         Matrix2::new(uu, uv, uv, vv)
     }
 
-    /// The step of Newton's method, no longer than one of the grid, and the decrease along it, where the curvature is positive
-    /// beyond doubt.
+    /// Newton step, at most one grid step long, and the decrease along it, if the curvature is clearly positive.
     pub(super) fn newton(&self, lane: usize) -> Option<([f64; 2], f64)> {
         let decrease = self.decrease[lane];
         decrease
@@ -244,7 +242,7 @@ impl Stepper {
         }
     }
 
-    /// The objectives at several wave vectors.
+    /// Evaluates the objectives at several wave vectors.
     pub(super) fn at(&self, sums: &MirrorSums, places: &Places) -> Steps {
         Arch::new().dispatch(StepsAt {
             stepper: self,
@@ -253,7 +251,7 @@ impl Stepper {
         })
     }
 
-    /// The objectives of a group of lanes, from the entries of `D` and from what they are divided by.
+    /// Objectives of a group of lanes, from mean and discriminant of the eigenvalues and from the lattice Laplacian.
     #[inline(always)]
     fn objectives<S: Simd>(
         &self,
@@ -263,7 +261,7 @@ impl Stepper {
     ) -> Jet<S> {
         let (zero, one) = (u.constant(0.0), u.constant(1.0));
         let infinite = u.constant(f64::INFINITY);
-        // Of a complex pair the real part is half of the trace.
+        // The real part of a complex pair is half of the trace.
         let root = p.root().or(p.0[0].is_below(zero), &Jet([zero; 6]));
         let sign = is(sought, Objective::Highest).select(-one, one);
         let branch = Jet([zero; 6]).minus(&root);
@@ -287,8 +285,8 @@ impl Stepper {
         }
         let is_growth = is(sought, Objective::Growth);
         if is_growth.any() {
-            // Minus the square of the growth rate of a complex pair, (h - sqrt(h^2 - p)) / 2; as smooth where branches are real,
-            // and positive there.
+            // Minus the square of the growth rate of a complex pair, `(h - sqrt(h^2 - p)) / 2`. It continues smoothly to real branches and is
+            // positive there.
             let determinant = Jet([zero; 6]).minus(p).plus_product(mean, mean);
             let growth = mean.minus(&determinant.root());
             let half = growth.times_plus(u.constant(0.5), &Jet([zero; 6]));
@@ -298,14 +296,14 @@ impl Stepper {
     }
 }
 
-/// Where an objective is the one that is sought.
+/// Mask of the lanes with the given objective.
 #[inline(always)]
 fn is<S: Simd>(sought: Pack<S>, objective: Objective) -> Mask<S> {
     let own = sought.constant(f64::from(objective as u8));
     own.is_at_most(sought).and(sought.is_at_most(own))
 }
 
-/// Work for the widest vectors of the machine.
+/// Vectorized evaluation for the instruction set of the machine.
 struct StepsAt<'a> {
     stepper: &'a Stepper,
     sums: &'a MirrorSums,
@@ -326,7 +324,7 @@ impl WithSimd for StepsAt<'_> {
 }
 
 impl StepsAt<'_> {
-    /// With tables of at least as many multiples as there are.
+    /// Evaluation with tables of `COUNT` multiples of the phases.
     #[inline(always)]
     fn with<S: Simd, const COUNT: usize>(&self, simd: S) -> Steps {
         let Places {
@@ -384,7 +382,7 @@ fn halves(phases: &Lanes) -> (Lanes, Lanes) {
 }
 
 impl Steps {
-    /// Sets a group of lanes.
+    /// Sets the results of a group of lanes.
     #[inline(always)]
     fn set<S: Simd>(
         &mut self,
@@ -455,7 +453,7 @@ mod tests {
         Objective::Growth,
     ];
 
-    /// Against the matrix itself and its differences, and against the step of Newton's method from these derivatives.
+    /// Compares with the matrix itself and its finite differences, and with the Newton step from these derivatives.
     #[test]
     fn objectives_along_the_mirror_lines_are_those_of_the_matrix_with_their_derivatives() {
         let (mut random, mut steep, mut certain) = (7_u64, 0, 0);
@@ -506,7 +504,7 @@ mod tests {
                     let middle = at(0.0, 0.0);
                     let own = steps.value(lane);
                     if middle.is_nan() {
-                        // One of two real branches is negative.
+                        // One of the two real branches is negative.
                         assert!(objective == Objective::Growth && own.is_nan());
                         continue;
                     }
@@ -521,7 +519,7 @@ mod tests {
                     let curvature = steps.curvature(lane);
                     let size = curvature.amax().max(1.0);
                     if size > 100.0 || !size.is_finite() {
-                        // Next to a crossing.
+                        // Close to a crossing.
                         steep += 1;
                         continue;
                     }
