@@ -128,7 +128,9 @@ fn is_plainly_short<const D: usize>(forces: &[(SVector<f64, D>, f64)]) -> bool {
     }
     // In isotropic coordinates a basis vector has the squared length `(N^-1)_ii`, and the cell has the squared volume `1 / det N`.
     let volume = determinant(&extents).powf(1.0 / D as f64);
-    let is_short = |squared: f64| squared * volume <= (1.0 - 1e-6) * LONGEST_VECTOR_RATIO * LONGEST_VECTOR_RATIO;
+    let is_short = |squared: f64| {
+        squared * volume <= (1.0 - 1e-6) * LONGEST_VECTOR_RATIO * LONGEST_VECTOR_RATIO
+    };
     inverse_of(&extents).is_some_and(|inverse| inverse.diagonal().iter().all(|x| is_short(*x)))
 }
 
@@ -149,7 +151,10 @@ fn isotropic<const D: usize>(
     let matrix = DMatrix::from_fn(D, D, |i, j| extents[(i, j)]);
     let eigen = hermitian_eigen(matrix)?;
     let largest = eigen.eigenvalues.max();
-    let is_flat = eigen.eigenvalues.iter().any(|x| *x <= FLAT_EXTENT_RATIO * largest);
+    let is_flat = eigen
+        .eigenvalues
+        .iter()
+        .any(|x| *x <= FLAT_EXTENT_RATIO * largest);
     let root = SMatrix::<f64, D, D>::from_fn(|i, j| {
         let along = |n: usize| {
             let extent = eigen.eigenvalues[n].max(FLAT_EXTENT_RATIO * largest);

@@ -19,7 +19,9 @@ fn inverse(matrix: DMatrix<Complex>) -> DMatrix<Complex> {
     let scale = largest(&matrix);
     // Elimination for any size: cofactors lose nearly free displacements, because the determinant contains the product of their stiffnesses.
     let regular = matrix.clone().lu().try_inverse();
-    if let Some(regular) = regular.filter(|inverse| largest(inverse) * scale < FREE_STIFFNESS_FRACTION.recip()) {
+    if let Some(regular) =
+        regular.filter(|inverse| largest(inverse) * scale < FREE_STIFFNESS_FRACTION.recip())
+    {
         return regular;
     }
     let size = matrix.nrows();
@@ -144,7 +146,10 @@ impl<const D: usize> WaveSystem<D> {
             .filter(|x| x.iter().all(|x| x.is_finite()))
             .fold([0.0_f64; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
         let sums = SUM_ROUNDING_FACTOR * f64::EPSILON * (direct + relaxed);
-        [sums, sums + SUM_ROUNDING_FACTOR * f64::EPSILON * conditioned]
+        [
+            sums,
+            sums + SUM_ROUNDING_FACTOR * f64::EPSILON * conditioned,
+        ]
     }
 
     /// `D(0)` on the rigid translations: zero unless a translation strains the body. 1/time^2.
