@@ -1,4 +1,4 @@
-//! What must hold for a material, one check each.
+//! Checks of a material: energy, symmetry, objectivity, continuity and others.
 
 use super::convention::{Convention, StressChange};
 use super::difference::{derivative, limit, steps};
@@ -14,32 +14,32 @@ use onset_umat::{UmatSettings, VOIGT};
 use serde::Serialize;
 use std::f64::consts::{SQRT_2, TAU};
 
-/// How a check ended.
+/// Outcome of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
-    /// It holds.
+    /// The material meets the requirement.
     Passed,
-    /// It does not hold, and should.
+    /// The material violates the requirement.
     Failed,
-    /// Differences of the stress are not known well enough to tell, as near a kink.
+    /// The differences of the stress are too inaccurate for a decision, as near a kink.
     Undetermined,
-    /// Worth knowing, neither right nor wrong.
+    /// A remark, neither right nor wrong.
     Noted,
 }
 
 /// A check with its result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
-    /// Its name.
+    /// Name of the check.
     pub name: &'static str,
-    /// How it ended.
+    /// Outcome of the check.
     pub outcome: Outcome,
-    /// The largest relative error, where there is one.
+    /// Largest relative error, or `None` if the check measures none.
     pub error: Option<f64>,
-    /// Where that error is, unless the check passed.
+    /// State of the largest error, unless the check passed.
     pub state: Option<State>,
-    /// What was found.
+    /// Finding of the check, in words.
     pub finding: String,
 }
 
@@ -59,7 +59,7 @@ impl Check {
         }
     }
 
-    /// A check with an error at each state: the largest one counts, and its state is told.
+    /// Check with one error for each state. The largest error decides, and the finding names its state.
     fn at_states(
         name: &'static str,
         measured: &[Measured],
@@ -79,7 +79,7 @@ impl Check {
         check
     }
 
-    /// As [`Check::at_states`], with errors of differences: where these are not known they are no finding.
+    /// Like [`Check::at_states`], for errors of finite differences: states at which these are too inaccurate cannot fail.
     fn by_differences(
         name: &'static str,
         measured: &[Measured],
@@ -107,7 +107,7 @@ impl Check {
         }
     }
 
-    /// A failure that differences known no better than to an uncertainty cannot tell.
+    /// Turns a failure into `Undetermined` if the uncertainty of the differences is too large.
     fn unless_unknown(mut self, uncertainty: f64) -> Self {
         if uncertainty > UNKNOWN && self.outcome == Outcome::Failed {
             self.outcome = Outcome::Undetermined;
@@ -118,7 +118,7 @@ impl Check {
         self
     }
 
-    /// A finding that is none for a material with a history.
+    /// Turns a failure into a remark for materials with a history, which may dissipate.
     fn excused(mut self, is_excused: bool) -> Self {
         if is_excused && self.outcome == Outcome::Failed {
             self.outcome = Outcome::Noted;
@@ -127,36 +127,35 @@ impl Check {
     }
 }
 
-/// A state with how stress and energy change there.
+/// State with the derivatives of stress and energy.
 #[derive(Clone, Debug)]
 pub struct Measured {
     pub sample: Sample,
     pub change: StressChange,
     /// `dW/dl_kl`, with the energy per reference volume, for `F' = (1 + l) F`.
     energy_gradient: Matrix3<f64>,
-    /// The same, were what is taken as energy per current volume one per reference volume.
+    /// Like `energy_gradient`, with the reported energy read as per reference instead of per current volume.
     reference_energy_gradient: Matrix3<f64>,
-    /// How well the change of the stress is known, relative to it.
+    /// Relative uncertainty of the derivative of the stress.
     pub uncertainty: f64,
-    /// Half of how much the change of the stress differs to both sides of the state, relative to it.
+    /// Relative half difference of the one-sided derivatives of the stress.
     kink: f64,
-    /// How far stress and energy are from their limits at the state, relative to those of a small strain.
+    /// Distance of stress and energy from their limits at the state, relative to the stress and energy of a small strain.
     jump: f64,
-    /// Whether there is an energy here or nearby; at a state free of stress it may well be zero.
+    /// Whether the material reports an energy here or nearby; at a stress-free state the energy may be zero.
     reports_energy: bool,
 }
 
-/// Stresses that a smaller strain than this would make are compared with the one that it makes: at a state free of stress,
-/// differences are nothing but rounding.
+/// Strain whose stress is the smallest scale for relative errors. At a stress-free state, differences are pure rounding.
 const SMALL_STRAIN: f64 = 1e-3;
 
 impl Measured {
-    /// Measures at a state.
+    /// Measures stress, energy and their derivatives at a state.
     ///
     /// # Errors
-    /// [`AuditError`] when the material fails there or nearby.
+    /// [`AuditError`] when the material fails at the state or nearby.
     pub fn new(subject: &Subject<'_>, f: &DeformationGradient) -> Result<Self, AuditError> {
-        // All states at once: the one itself, then for each direction the steps forth and back.
+        // One batch of states: the state itself, then for each direction the steps forward and backward.
         let mut states = vec![*f];
         for direction in 0..9 {
             for sign in [1.0, -1.0] {
@@ -187,7 +186,7 @@ impl Measured {
             .iter()
             .map(|(plus, minus)| derivative(plus, minus))
             .collect();
-        // Matrices run by columns: component (i, j) is at 3 j + i.
+        // Matrices are stored by columns: component (i, j) is at 3 j + i.
         let gradient = FourthOrder::from_fn(|i, j, k, l| derivatives[3 * k + l].values[3 * j + i]);
         let size = derivatives
             .iter()
@@ -198,7 +197,7 @@ impl Measured {
             .iter()
             .map(|derivative| derivative.uncertainty)
             .fold(0.0, f64::max);
-        // Of the limits to both sides: what the values there differ by over the step is the jump of the derivative.
+        // Jumps of the derivative show as the difference between the mean of both sides and their common limit, over the step.
         let (mut kink, mut jump): (f64, f64) = (0.0, 0.0);
         let nearest = steps().last().unwrap_or_default();
         for (plus, minus) in &sides {
@@ -209,12 +208,12 @@ impl Measured {
             };
             let bends: Vec<Vec<f64>> = plus.iter().zip(*minus).map(mean).collect();
             let none = vec![vec![0.0; 10]; bends.len()];
-            // Twice the central difference of one side alone.
+            // Twice the central difference, applied to one side only.
             let bend = derivative(&bends, &none);
             let small = SMALL_STRAIN * size;
             for n in 0..10 {
                 let slope = 2.0 * bend.values[n].abs();
-                // A kink nearer than the smallest step is no jump.
+                // A kink closer than the smallest step is not a jump.
                 let off = (here.values[n] - values[0][n]).abs()
                     - 10.0 * here.uncertainty
                     - 2.0 * nearest * slope;
@@ -250,49 +249,48 @@ impl Measured {
         })
     }
 
-    /// The state in words.
+    /// Returns the description of the state.
     pub fn state(&self) -> State {
         State::new(&self.sample.deformation)
     }
 
-    /// Whether the change of the stress is known, and has one value.
+    /// Returns true if the derivative of the stress is accurate enough and has no kink.
     pub fn is_known(&self) -> bool {
         self.uncertainty <= UNKNOWN && self.kink <= TOLERANCE
     }
 
-    /// How far a tangent may be from the differences.
+    /// Largest relative error between a tangent and the differences that is accepted.
     pub fn tolerance(&self) -> f64 {
         TOLERANCE.max(10.0 * self.uncertainty)
     }
 
-    /// The same where the stress has a kink at the state: every tangent between those of both sides is right. None is where
-    /// differences are not known.
+    /// Tolerance at a kink of the stress, where every tangent between the two one-sided derivatives is right. Zero if the differences are too
+    /// inaccurate.
     pub fn tolerance_of_kink(&self) -> f64 {
         match self.uncertainty > UNKNOWN {
             true => 0.0,
-            // Of nine directions each may be on either side.
+            // Each of the nine directions may fall on either side of the kink.
             false => self.tolerance() + 3.0 * self.kink,
         }
     }
 
-    /// The stress of a small strain.
     fn small_stress(&self) -> f64 {
         SMALL_STRAIN * modulus(self)
     }
 
-    /// How far a Cauchy stress is from that of this state.
+    /// Relative error of a Cauchy stress against the expected stress.
     pub fn stress_error(&self, stress: &Matrix3<f64>, expected: &Matrix3<f64>) -> f64 {
         relative_to(stress.as_slice(), expected.as_slice(), self.small_stress())
     }
 
-    /// How far an energy is from that of this state.
+    /// Relative error of an energy against the energy of this state.
     fn energy_error(&self, energy: f64) -> f64 {
         let small = SMALL_STRAIN * self.small_stress();
         relative_to(&[energy], &[self.sample.energy], small)
     }
 }
 
-/// All checks but that of the tangent's convention.
+/// Runs all checks except the identification of the tangent.
 pub fn all(
     subject: &Subject<'_>,
     reference: &Measured,
@@ -319,7 +317,6 @@ pub fn all(
     Ok(checks)
 }
 
-/// The norm of a matrix.
 fn size(matrix: &Matrix3<f64>) -> f64 {
     matrix.norm()
 }
@@ -334,12 +331,12 @@ fn largest(errors: impl IntoIterator<Item = f64>) -> f64 {
     })
 }
 
-/// A material whose dissipation is no mistake.
+/// Returns true for materials with a history, whose dissipation is no error.
 fn has_history(subject: &Subject<'_>) -> bool {
     matches!(subject, Subject::User(umat) if umat.settings().state_variables > 0)
 }
 
-/// The stiffness of a state: the norm of how the stress changes.
+/// Stiffness of a state: the norm of the derivative of the stress.
 fn modulus(state: &Measured) -> f64 {
     let gradient = &state.change.gradient;
     let mut sum = 0.0;
@@ -361,10 +358,10 @@ fn reference_stress(reference: &Measured) -> Check {
     )
 }
 
-/// What rounding makes of a modulus that is zero, over the largest one.
+/// Rounding error of a vanishing modulus, relative to the largest modulus.
 const ROUNDING_OF_MODULI: f64 = 1e-11;
 
-/// Eigenvalues of the elasticity of the reference state, in an orthonormal basis of symmetric tensors, and what they mean.
+/// Eigenvalues of the elasticity of the reference configuration in an orthonormal basis of symmetric tensors, and their meaning.
 fn moduli(reference: &Measured) -> Check {
     let c = Convention::JaumannKirchhoff.tangent(&reference.change, &reference.change.gradient);
     let weight = |a: usize| if a < 3 { 1.0 } else { SQRT_2 };
@@ -395,7 +392,7 @@ fn moduli(reference: &Measured) -> Check {
         told_of(young, largest),
         told_of(poisson, 1.0)
     );
-    // What noise of the stress leaves open beyond that.
+    // Noise of the stress may exceed rounding; then the sign of the least modulus stays open.
     let noise = 10.0 * reference.uncertainty * largest;
     let (outcome, finding) = match least {
         _ if least.abs() > rounding && least.abs() <= noise && noise.is_finite() => (
@@ -491,7 +488,7 @@ fn energy(subject: &Subject<'_>, measured: &[Measured]) -> Check {
         measured.iter().map(error).collect()
     };
     let right = errors(|state| &state.energy_gradient);
-    // SSE is read both ways: per current volume, as Abaqus takes it, and per reference volume, as many routines give it.
+    // Routines report SSE per current volume, as Abaqus expects it, or per reference volume; both readings are tried.
     let other = match subject {
         Subject::User(_) => errors(|state| &state.reference_energy_gradient),
         Subject::Law(..) => vec![f64::INFINITY; measured.len()],
@@ -525,13 +522,15 @@ fn energy(subject: &Subject<'_>, measured: &[Measured]) -> Check {
     .excused(has_history(subject))
 }
 
-/// The work around closed loops: a smooth closed curve is integrated by the trapezoidal rule to all orders. Where the stress has
-/// a kink it is not smooth; a stress that is the derivative of an energy does no work around it all the same.
+/// Work along closed loops of deformation.
+///
+/// The trapezoidal rule is accurate to all orders on a smooth closed curve. Across a kink of the stress it is not, although a stress that is the
+/// derivative of an energy does no work along the loop there either.
 fn closed_loops(subject: &Subject<'_>, is_derivative: bool) -> Result<Check, AuditError> {
     const POINTS: usize = 64;
     const RADIUS: f64 = 0.1;
     let planes: [(usize, usize); 3] = [(0, 4), (1, 8), (2, 3)];
-    // All loops have one scale: in some planes a law may have no stress at all.
+    // One scale for all loops, because in some planes a law may have no stress.
     let (mut left, mut moved): (f64, f64) = (0.0, 0.0);
     for (first, second) in planes {
         let unit = |n: usize| {
@@ -543,7 +542,7 @@ fn closed_loops(subject: &Subject<'_>, is_derivative: bool) -> Result<Check, Aud
         let states = (0..POINTS)
             .map(|n| {
                 let (sine, cosine) = angle(n).sin_cos();
-                // Away from the reference state, where a mistake of second order would not show.
+                // The loops avoid the reference configuration, where an error of second order would not show.
                 let center = Matrix3::identity() + 0.5 * (unit(first) + unit(second));
                 deformation(&(center + cosine * unit(first) + sine * unit(second)))
             })
@@ -609,12 +608,12 @@ fn material_symmetry(subject: &Subject<'_>, measured: &[Measured]) -> Result<Che
     Ok(Check::noted("material symmetry", Some(error), finding))
 }
 
-/// The largest uncertainty of differences over the states.
+/// Largest uncertainty of the differences over the states.
 pub(super) fn uncertainty(measured: &[Measured]) -> f64 {
     largest(measured.iter().map(|state| state.uncertainty))
 }
 
-/// Major symmetry of `dP/dF` as the stress has it.
+/// Major symmetry of `dP/dF`, computed from the stress.
 fn stress_tangent_symmetry(subject: &Subject<'_>, measured: &[Measured]) -> Check {
     let error = |state: &Measured| {
         let piola = Convention::FirstPiola.tangent(&state.change, &state.change.gradient);
@@ -647,7 +646,7 @@ fn delivered_symmetry(subject: &Subject<'_>, measured: &[Measured]) -> Check {
     Check::noted("symmetry of the tangent", Some(error), finding)
 }
 
-/// Whether a state that was visited before has the same answer.
+/// Checks that the stress does not depend on the states evaluated before.
 fn memory(subject: &Subject<'_>, measured: &[Measured]) -> Result<Check, AuditError> {
     let states: Vec<DeformationGradient> = measured
         .iter()
@@ -670,7 +669,7 @@ fn memory(subject: &Subject<'_>, measured: &[Measured]) -> Result<Check, AuditEr
     ))
 }
 
-/// Whether the number of increments matters.
+/// Reports how much the stress depends on the number of increments.
 fn increments(settings: &UmatSettings, measured: &[Measured]) -> Result<Check, AuditError> {
     let more = UmatSettings {
         increments: 2 * settings.increments,

@@ -1,60 +1,59 @@
-//! The tangents that people mean when they say "the tangent", all from one measured thing: how the Cauchy stress changes.
+//! Conventions for the tangent of a material, all computed from one measured quantity: the derivative of the Cauchy stress.
 
 use nalgebra::{Matrix3, SymmetricEigen};
 use onset::kinematics::DeformationGradient;
 use onset::material::{FourthOrder, Response};
 use serde::Serialize;
 
-/// A meaning of "the tangent". Rates are per rate of deformation `D`; all in units of stress.
+/// Convention of a tangent. Rates are per rate of deformation `D`; all in units of stress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Convention {
-    /// `(J sigma)' - W J sigma + J sigma W = J c : D`: Abaqus's `DDSDDE`.
+    /// `(J sigma)' - W J sigma + J sigma W = J c : D`: the `DDSDDE` of Abaqus.
     JaumannKirchhoff,
-    /// `sigma' - W sigma + sigma W = c : D`: as above, without `sigma_ij delta_kl`.
+    /// `sigma' - W sigma + sigma W = c : D`: Jaumann rate of the Cauchy stress, without the term `sigma_ij delta_kl`.
     JaumannCauchy,
-    /// `sigma' - L sigma - sigma L^T + tr(D) sigma = c : D`: `F F dS/dE F F / J`.
+    /// Truesdell rate `sigma' - L sigma - sigma L^T + tr(D) sigma = c : D`, so that `c = F F dS/dE F F / J`.
     Truesdell,
-    /// `(J sigma)' - Omega J sigma + J sigma Omega = J c : D`, `Omega = R' R^T`.
+    /// Green-Naghdi rate of the Kirchhoff stress, `(J sigma)' - Omega J sigma + J sigma Omega = J c : D` with `Omega = R' R^T`.
     GreenNaghdiKirchhoff,
-    /// `sigma' - Omega sigma + sigma Omega = c : D`.
+    /// Green-Naghdi rate of the Cauchy stress, `sigma' - Omega sigma + sigma Omega = c : D`.
     GreenNaghdiCauchy,
-    /// `d sigma / d ln V` of the last increment with its rotation held: what the small-strain tangent of a corotational update is.
+    /// `d sigma / d ln V` of the last increment at constant rotation: the small-strain tangent of a corotational update.
     LogarithmicStrain,
     /// `d sigma / d epsilon` with the small strain `epsilon = sym(F) - 1`.
     SmallStrain,
-    /// `dS/dE`, in material axes.
+    /// `dS/dE` in the reference configuration (material axes).
     SecondPiola,
-    /// `A_iJkL = dP_iJ/dF_kL`.
+    /// First elasticity tensor, the derivative of the nominal stress: `A_iJkL = dP_iJ/dF_kL`.
     FirstPiola,
-    /// `dN_Ji/d(F^T)_Lk`, `N = P^T` the nominal stress: `A` with both pairs of indices exchanged.
+    /// `dN_Ji/d(F^T)_Lk` with the nominal stress `N = P^T`: `A` with both pairs of indices exchanged.
     Nominal,
-    /// `dN_Ji/dF_kL`.
+    /// Derivative `dN_Ji/dF_kL` of the nominal stress.
     NominalGradient,
-    /// The elasticity of the reference state, at every state.
+    /// Elasticity of the reference configuration, used at every state.
     Reference,
 }
 
-/// `delta_ij`.
 fn delta(i: usize, j: usize) -> f64 {
     f64::from(u8::from(i == j))
 }
 
-/// How the Cauchy stress changes at a state.
+/// Derivative of the Cauchy stress at a state.
 #[derive(Clone, Debug)]
 pub struct StressChange {
-    /// The state.
+    /// Deformation gradient of the state.
     pub deformation: DeformationGradient,
-    /// The last increment by which it was reached; all of it for a law without a history.
+    /// Last increment on the way to the state; the whole deformation for a law without history.
     pub increment: Matrix3<f64>,
-    /// `sigma`.
+    /// Cauchy stress `sigma`. Units of stress.
     pub cauchy: Matrix3<f64>,
-    /// `g_ijkl = d sigma_ij / d l_kl` for `F' = (1 + l) F`.
+    /// Derivative `g_ijkl = d sigma_ij / d l_kl` for `F' = (1 + l) F`.
     pub gradient: FourthOrder,
 }
 
 impl Convention {
-    /// All of them, the one that Abaqus expects first.
+    /// All conventions, first the convention of Abaqus.
     pub const ALL: [Self; 12] = [
         Self::JaumannKirchhoff,
         Self::JaumannCauchy,
@@ -70,7 +69,7 @@ impl Convention {
         Self::Reference,
     ];
 
-    /// Its name.
+    /// Name on the command line and in JSON.
     pub fn name(self) -> &'static str {
         match self {
             Self::JaumannKirchhoff => "jaumann-kirchhoff",
@@ -88,7 +87,7 @@ impl Convention {
         }
     }
 
-    /// What it is, in words.
+    /// Description of the convention, in words.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::JaumannKirchhoff => "the Jaumann rate of the Kirchhoff stress over J",
@@ -108,14 +107,14 @@ impl Convention {
         }
     }
 
-    /// The convention of a name.
+    /// Returns the convention with this name, or `None`.
     pub fn of_name(name: &str) -> Option<Self> {
         Self::ALL
             .into_iter()
             .find(|convention| convention.name() == name)
     }
 
-    /// The tensor in this convention; `reference` is that of the reference state.
+    /// Computes the tangent in this convention; `reference` is the tangent of the reference configuration.
     pub fn tangent(self, change: &StressChange, reference: &FourthOrder) -> FourthOrder {
         match self {
             Self::JaumannKirchhoff => change.jaumann(1.0),
@@ -134,7 +133,7 @@ impl Convention {
     }
 }
 
-/// `T_abcd = A_badc`, or only the first pair exchanged.
+/// `T_abcd = A_badc`, or with only the first pair exchanged.
 fn exchanged(tensor: &FourthOrder, both: bool) -> FourthOrder {
     FourthOrder::from_fn(|a, b, c, d| match both {
         true => tensor[(b, a, d, c)],
@@ -142,7 +141,7 @@ fn exchanged(tensor: &FourthOrder, both: bool) -> FourthOrder {
     })
 }
 
-/// `T_ijkl` with its second pair transformed: `T_ijmn m_mn(k, l)`.
+/// Transforms the second pair of indices, `T_ijmn m_mn(k, l)`.
 fn composed(
     tensor: &FourthOrder,
     velocity_gradient: impl Fn(usize, usize) -> Matrix3<f64>,
@@ -156,7 +155,7 @@ fn composed(
     })
 }
 
-/// The symmetric tensor with unit strain `kl`: `(e_k e_l + e_l e_k) / 2`.
+/// Symmetric tensor of the unit strain `kl`: `(e_k e_l + e_l e_k) / 2`.
 fn unit_strain(k: usize, l: usize) -> Matrix3<f64> {
     let mut unit = Matrix3::zeros();
     unit[(k, l)] += 0.5;
@@ -165,7 +164,7 @@ fn unit_strain(k: usize, l: usize) -> Matrix3<f64> {
 }
 
 impl StressChange {
-    /// Of a response: the effective tangent (50).
+    /// Takes the derivative from the effective tangent of a response, (50).
     pub fn of_response(response: &Response) -> Self {
         Self {
             deformation: response.deformation,
@@ -176,15 +175,14 @@ impl StressChange {
     }
 
     fn inverse(&self) -> Matrix3<f64> {
-        // The determinant of a checked deformation gradient is positive.
+        // The determinant of a validated deformation gradient is positive.
         self.deformation
             .matrix()
             .try_inverse()
             .unwrap_or_else(Matrix3::zeros)
     }
 
-    /// The change without spin is Jaumann's rate of the Cauchy stress; that of the Kirchhoff stress over `J` adds
-    /// `tr(D) sigma`.
+    /// Jaumann rate from the measured derivative. Without spin, the derivative is the Jaumann rate of the Cauchy stress; the rate of the Kirchhoff stress over `J` adds `tr(D) sigma`.
     fn jaumann(&self, kirchhoff: f64) -> FourthOrder {
         let gradient = &self.gradient;
         FourthOrder::from_fn(|i, j, k, l| {
@@ -193,7 +191,7 @@ impl StressChange {
         })
     }
 
-    /// Jaumann's rate of the Kirchhoff stress over `J` less `D sigma + sigma D`.
+    /// Jaumann rate of the Kirchhoff stress over `J`, less `D sigma + sigma D`.
     fn truesdell(&self) -> FourthOrder {
         let jaumann = self.jaumann(1.0);
         let products: Vec<Matrix3<f64>> = (0..9)
@@ -205,7 +203,7 @@ impl StressChange {
         FourthOrder::from_fn(|i, j, k, l| jaumann[(i, j, k, l)] - products[3 * k + l][(i, j)])
     }
 
-    /// Stretches and principal axes of `V`, of the state or of its last increment.
+    /// Principal stretches and axes of `V`, of the state or of its last increment.
     fn principal(f: &Matrix3<f64>) -> (nalgebra::Vector3<f64>, Matrix3<f64>) {
         let left = SymmetricEigen::try_new(f * f.transpose(), f64::EPSILON, 500);
         left.map_or(
@@ -214,8 +212,8 @@ impl StressChange {
         )
     }
 
-    /// With `W - Omega = M`, `M_ab = D_ab (v_a - v_b) / (v_a + v_b)` in the principal axes of `V`, the rate is Jaumann's plus
-    /// `M sigma - sigma M`.
+    /// Green-Naghdi rate. With `W - Omega = M`, `M_ab = D_ab (v_a - v_b) / (v_a + v_b)` in the principal axes of `V`, the rate is the Jaumann rate plus `M sigma - sigma
+    /// M`.
     fn green_naghdi(&self, kirchhoff: f64) -> FourthOrder {
         let jaumann = self.jaumann(kirchhoff);
         let (stretches, axes) = Self::principal(&self.deformation.matrix());
@@ -232,8 +230,10 @@ impl StressChange {
         FourthOrder::from_fn(|i, j, k, l| jaumann[(i, j, k, l)] + products[3 * k + l][(i, j)])
     }
 
-    /// For a rate `h` of `ln V`, `V` that of the last increment, in principal axes `V'_ab = h_ab (v_a - v_b) / (ln v_a - ln v_b)`. With the rotation held,
-    /// `L = V' V^-1`, so that `L_ab = h_ab (e^x - 1) / x` with `x = ln(v_a / v_b)`.
+    /// Tangent for a rate `h` of `ln V`, where `V` belongs to the last increment.
+    ///
+    /// In principal axes `V'_ab = h_ab (v_a - v_b) / (ln v_a - ln v_b)`.
+    /// At constant rotation `L = V' V^-1`, so that `L_ab = h_ab (e^x - 1) / x` with `x = ln(v_a / v_b)`.
     fn logarithmic(&self) -> FourthOrder {
         let (stretches, axes) = Self::principal(&self.increment);
         composed(&self.gradient, |k, l| {
@@ -245,13 +245,13 @@ impl StressChange {
         })
     }
 
-    /// `F' = epsilon'`, `L = F' F^-1`.
+    /// Tangent per small strain: `F' = epsilon'`, `L = F' F^-1`.
     fn small_strain(&self) -> FourthOrder {
         let inverse = self.inverse();
         composed(&self.gradient, |k, l| unit_strain(k, l) * inverse)
     }
 
-    /// The Truesdell tangent pulled back: `J F^-1 F^-1 c F^-T F^-T`.
+    /// Truesdell tangent, pulled back: `J F^-1 F^-1 c F^-T F^-T`.
     fn second_piola(&self) -> FourthOrder {
         let inverse = self.inverse();
         let jacobian = self.deformation.jacobian();
@@ -269,7 +269,7 @@ impl StressChange {
         })
     }
 
-    /// `a_ijkl = g_ijkl + sigma_ij delta_kl - sigma_il delta_jk`, `A_iJkL = J F^-1_Jj F^-1_Ll a_ijkl`.
+    /// First elasticity from `a_ijkl = g_ijkl + sigma_ij delta_kl - sigma_il delta_jk` and `A_iJkL = J F^-1_Jj F^-1_Ll a_ijkl`.
     fn first_piola(&self) -> FourthOrder {
         let sigma = &self.cauchy;
         let spatial = FourthOrder::from_fn(|i, j, k, l| {
@@ -279,7 +279,7 @@ impl StressChange {
     }
 }
 
-/// `(e^x - 1) / x`, which is 1 at zero.
+/// `(e^x - 1) / x`, with the limit 1 at zero.
 fn difference_quotient(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { x.exp_m1() / x }
 }

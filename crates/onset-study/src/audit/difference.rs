@@ -1,24 +1,24 @@
-//! Derivatives by differences, extrapolated to no step at all.
+//! Finite differences, extrapolated to zero step size.
 
-/// Steps along a direction: the largest, and how many halvings of it.
+/// Largest step in each direction, and the number of halvings.
 const LARGEST: f64 = 0.02;
 const LEVELS: usize = 10;
 
-/// The steps at which a function must be known, largest first; each also with the other sign.
+/// Steps at which a function must be evaluated, largest first; each is also used with negative sign.
 pub fn steps() -> impl Iterator<Item = f64> {
     (0..LEVELS).map(|level| LARGEST * 0.5_f64.powi(level as i32))
 }
 
-/// A value extrapolated to no step, with the extrapolation's own estimate of its error.
+/// Value extrapolated to zero step size, with the error estimate of the extrapolation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extrapolated {
-    /// A number for each component of the function.
+    /// One value for each component of the function.
     pub values: Vec<f64>,
-    /// The largest error to expect in one of them.
+    /// Largest expected error of a component.
     pub uncertainty: f64,
 }
 
-/// The derivative of a function of several components from its values at plus and minus each of the [`steps`], by central differences.
+/// Derivative of a vector-valued function by central differences, from its values at plus and minus each of the [`steps`].
 pub fn derivative(plus: &[Vec<f64>], minus: &[Vec<f64>]) -> Extrapolated {
     let central = steps().zip(plus).zip(minus).map(|((step, plus), minus)| {
         let pairs = plus.iter().zip(minus);
@@ -27,7 +27,7 @@ pub fn derivative(plus: &[Vec<f64>], minus: &[Vec<f64>]) -> Extrapolated {
     extrapolated(&central.collect::<Vec<_>>())
 }
 
-/// The limit of such a function from both sides, its value at no step left out.
+/// Limit of a vector-valued function from both sides, without its value at the point itself.
 pub fn limit(plus: &[Vec<f64>], minus: &[Vec<f64>]) -> Extrapolated {
     let mean = |(plus, minus): (&Vec<f64>, &Vec<f64>)| {
         let pairs = plus.iter().zip(minus);
@@ -36,10 +36,11 @@ pub fn limit(plus: &[Vec<f64>], minus: &[Vec<f64>]) -> Extrapolated {
     extrapolated(&plus.iter().zip(minus).map(mean).collect::<Vec<_>>())
 }
 
-/// Richardson's scheme for steps that are halved, and of its table the entry which differs least from its neighbors (Ridders,
-/// Adv. Eng. Software 4 (1982) 75). Large steps err by truncation, small ones by rounding, and steps across a kink of the function
-/// do not agree with each other: none of them is trusted beforehand. The error has even powers of the step for smooth functions, and all
-/// powers where a derivative jumps at the state: both tables are tried.
+/// Richardson extrapolation with halved steps.
+///
+/// The result is the entry of the table that differs least from its neighbors (Ridders, Adv. Eng. Software 4 (1982) 75). Large steps suffer from
+/// truncation, small ones from rounding, and steps across a kink disagree with each other, so no step is trusted beforehand. The error has even
+/// powers of the step for smooth functions, and all powers if a derivative jumps at the state: both tables are tried.
 fn extrapolated(levels: &[Vec<f64>]) -> Extrapolated {
     let mut best = Extrapolated {
         values: levels.first().cloned().unwrap_or_default(),
@@ -106,7 +107,7 @@ mod tests {
         let kinked = |at: f64| of(move |x| vec![x.sin() + (x - at).max(0.0)]);
         let beyond = kinked(1e-3);
         assert!((beyond.values[0] - 1.0).abs() < 1e-9);
-        // Its central differences agree with each other, but not more than a half is to be had.
+        // The central differences agree with each other, but converge only to the mean of both sides.
         assert!((kinked(0.0).values[0] - 1.5).abs() < 1e-9);
     }
 }

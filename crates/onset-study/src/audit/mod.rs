@@ -1,7 +1,7 @@
-//! Is a material what its author believes? Stress against energy, tangent against stress, frames against each other.
+//! Audit of a material: stress against energy, tangent against stress, and objectivity.
 //!
-//! Nothing is taken from the material but values: every derivative is a difference of stresses or energies. See
-//! [`Convention`] for the tangents that are told from each other, and [`Reading`] for the usual slips.
+//! The audit uses nothing but values of the material: every derivative is a difference of stresses or energies. [`Convention`] lists the tangents
+//! that are distinguished, and [`Reading`] the usual mistakes.
 
 mod checks;
 mod convention;
@@ -27,32 +27,32 @@ use onset_umat::Umat;
 use serde::Serialize;
 use thiserror::Error;
 
-/// Why an audit came to no end.
+/// Reasons why an audit fails.
 #[derive(Debug, Error)]
 pub enum AuditError {
     /// The material failed at a state.
     #[error("{source}{}", hint(source))]
     Material {
-        /// How.
+        /// Cause of the failure.
         #[from]
         source: MaterialError,
     },
-    /// A user material delivers in one convention only.
+    /// A convention was requested for a user material, which can deliver only one.
     #[error(
         "a UMAT delivers its tangent as {}; --as is for laws of onset's own",
         Convention::JaumannKirchhoff.name()
     )]
     Convention,
-    /// A law whose tangent is not the derivative of its stress along paths from the reference.
+    /// The law is in rate form, so that its tangent is not the derivative of its stress along paths from the reference configuration.
     #[error(
         "{0} is in rate form: its tangent is that of rates that go on (of a metal, of continued flow), and not the derivative of the stress by the end of the path\n  hint: an audit is for laws with an energy \
          and for UMATs, whose last increment is compared"
     )]
     Flow(&'static str),
-    /// A state near one of those asked for is none.
+    /// A state near a requested state has no valid deformation gradient.
     #[error("{source}\n  hint: choose smaller strains")]
     Kinematics {
-        /// What is wrong.
+        /// Cause of the failure.
         #[from]
         source: KinematicsError,
     },
@@ -65,38 +65,38 @@ fn hint(error: &MaterialError) -> &'static str {
     }
 }
 
-/// Relative errors above this are findings; differences are known to about 1e-10.
+/// Largest relative error that is accepted; differences are accurate to about 1e-10.
 pub const TOLERANCE: f64 = 1e-6;
 
 /// The result of an audit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Audit {
-    /// What was audited.
+    /// Material with its parameters.
     pub material: String,
-    /// Whether all that must hold does; `false` also where a check is undetermined.
+    /// Whether every requirement holds; `false` also if a check is undetermined.
     pub consistent: bool,
-    /// In a sentence.
+    /// Summary of the audit, in a sentence or two.
     pub verdict: String,
-    /// The number of states; the undeformed one is always among them.
+    /// Number of states, including the reference configuration.
     pub states: usize,
-    /// What was checked.
+    /// Results of the checks.
     pub checks: Vec<Check>,
-    /// The tangent.
+    /// Identification of the tangent.
     pub tangent: TangentFinding,
 }
 
 impl Audit {
-    /// Audits a material as set. The tangent of a law is taken as delivered in the convention, `dP/dF` unless named.
+    /// Audits a material as set. The tangent of a law is delivered in the given convention, or as `dP/dF`.
     ///
     /// # Errors
-    /// [`AuditError`] when the material cannot be made, or fails at a state or near it.
+    /// [`AuditError`] when the material cannot be built, or fails at a state or near it.
     pub fn of_material(
         settings: &MaterialSettings,
         convention: Option<Convention>,
         states: &[DeformationGradient],
     ) -> Result<Self, AuditError> {
         let name = description(settings);
-        // Rotations and strains across a plane are part of what is checked.
+        // The checks include rotations and strains out of the plane.
         let settings = &settings.clone().in_space();
         match (settings.umat_permitted()?, convention) {
             (Some(_), Some(_)) => Err(AuditError::Convention),
@@ -115,10 +115,10 @@ impl Audit {
         }
     }
 
-    /// Audits a material in the undeformed state and at states.
+    /// Audits a material in the reference configuration and at the given states.
     ///
     /// # Errors
-    /// [`AuditError`] when it fails at one of them, or near it.
+    /// [`AuditError`] when the material fails at a state or near it.
     pub fn new(
         material: &str,
         subject: &Subject<'_>,
@@ -149,7 +149,6 @@ impl Audit {
     }
 }
 
-/// The material with its parameters.
 fn description(settings: &MaterialSettings) -> String {
     let entries = settings.entries();
     let entry = |(name, value): &(&str, Value)| format!("{name} = {value}");
@@ -160,5 +159,5 @@ fn description(settings: &MaterialSettings) -> String {
     }
 }
 
-/// Differences that are known no better than this tell no convention from another.
+/// Largest uncertainty of the differences for which conventions can be distinguished.
 const UNKNOWN: f64 = 1e-4;

@@ -1,4 +1,4 @@
-//! Which tangent is it? Every convention, right or with the usual slips, against what was delivered.
+//! Identification of a tangent: every convention, correct or with the usual mistakes, compared with the delivered tangent.
 
 use super::convention::{Convention, StressChange};
 use nalgebra::Matrix6;
@@ -6,32 +6,32 @@ use onset::material::FourthOrder;
 use onset_umat::voigt_of_tensor;
 use serde::Serialize;
 
-/// A tangent as delivered.
+/// Tangent as delivered by the material.
 #[derive(Clone, Debug)]
 pub enum Delivery {
-    /// A matrix between stresses and engineering strains, as `DDSDDE`.
+    /// Matrix between stresses and engineering strains, like `DDSDDE`.
     Matrix(Box<Matrix6<f64>>),
-    /// All 81 components.
+    /// Fourth-order tensor with all 81 components.
     Tensor(Box<FourthOrder>),
 }
 
-/// What shear strain the columns of shear are per.
+/// Measure of shear strain in the columns of shear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Shear {
-    /// Engineering shear, as it should be.
+    /// Engineering shear strain, which is correct.
     Engineering,
-    /// The tensor's component: columns twice too large.
+    /// Tensor component of the shear strain: columns twice too large.
     Tensor,
     /// Columns half as large as they should be.
     Halved,
 }
 
-/// The power of `J` that is wrong.
+/// Possible errors by a factor `J`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Volume {
-    /// As it should be.
+    /// No error: the factor is correct.
     Right,
     /// Too large by `J`: not divided by it.
     TimesJacobian,
@@ -39,20 +39,20 @@ pub enum Volume {
     OverJacobian,
 }
 
-/// The order of the shear components.
+/// Order of the shear components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Order {
-    /// 12, 13, 23: Abaqus/Standard's.
+    /// 12, 13, 23, as in Abaqus/Standard.
     Standard,
-    /// 12, 23, 13: Abaqus/Explicit's.
+    /// 12, 23, 13, as in Abaqus/Explicit.
     Explicit,
-    /// 23, 13, 12: Voigt's.
+    /// 23, 13, 12, as in Voigt notation.
     Voigt,
 }
 
 impl Order {
-    /// Where the components of the standard order stand in this one.
+    /// Positions in this order of the components of the standard order.
     fn places(self) -> [usize; 6] {
         match self {
             Self::Standard => [0, 1, 2, 3, 4, 5],
@@ -62,23 +62,23 @@ impl Order {
     }
 }
 
-/// A convention with slips, or without.
+/// A convention, correct or with mistakes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Reading {
-    /// The convention.
+    /// Convention of the tangent.
     pub convention: Convention,
     /// Whether rows and columns are exchanged.
     pub transposed: bool,
-    /// The measure of shear strain.
+    /// Measure of shear strain.
     pub shear: Shear,
-    /// The power of `J`.
+    /// Error by a factor `J`.
     pub volume: Volume,
-    /// The order of shear components.
+    /// Order of the shear components.
     pub order: Order,
 }
 
 impl Reading {
-    /// A convention without slips.
+    /// The convention without mistakes.
     pub fn plain(convention: Convention) -> Self {
         Self {
             convention,
@@ -89,7 +89,7 @@ impl Reading {
         }
     }
 
-    /// All that are tried, without slips first.
+    /// All readings that are tried, those without mistakes first.
     fn all(is_matrix: bool) -> Vec<Self> {
         let (shears, orders): (&[Shear], &[Order]) = match is_matrix {
             true => (
@@ -120,7 +120,7 @@ impl Reading {
         readings
     }
 
-    /// What is wrong beside the convention, in words.
+    /// Mistakes in addition to the convention, in words.
     pub fn slips(&self) -> Vec<&'static str> {
         let slips = [
             (self.transposed, "transposed"),
@@ -152,7 +152,7 @@ impl Reading {
             .collect()
     }
 
-    /// In words.
+    /// Convention and mistakes, in words.
     pub fn sentence(&self) -> String {
         let slips = self.slips();
         match slips.is_empty() {
@@ -161,7 +161,7 @@ impl Reading {
         }
     }
 
-    /// What would have been delivered under this reading; `tangent` is that of the convention.
+    /// Components that a material with this reading delivers; `tangent` is the tangent of the convention.
     fn expected(&self, tangent: &FourthOrder, jacobian: f64, is_matrix: bool) -> Vec<f64> {
         let scale = match self.volume {
             Volume::Right => 1.0,
@@ -213,7 +213,7 @@ impl Delivery {
         }
     }
 
-    /// The largest difference of a component and its mirror image across the diagonal, relative to all.
+    /// Largest difference between a component and its mirror image across the diagonal, relative to the norm of all.
     pub fn asymmetry(&self) -> f64 {
         match self {
             Self::Matrix(matrix) => relative(matrix.transpose().as_slice(), matrix.as_slice()),
@@ -228,12 +228,12 @@ impl Delivery {
     }
 }
 
-/// `|a - b| / |b|`, one where only `b` is zero, infinite where one of them is not finite.
+/// `|a - b| / |b|`; one if only `b` is zero, infinite if any value is not finite.
 pub fn relative(a: &[f64], b: &[f64]) -> f64 {
     relative_to(a, b, 0.0)
 }
 
-/// `|a - b|` relative to `|b|` or to a size below which nothing counts, whichever is larger.
+/// `|a - b|` relative to the larger of `|b|` and `least`.
 pub fn relative_to(a: &[f64], b: &[f64], least: f64) -> f64 {
     let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
     let difference = norm(&mut a.iter().zip(b).map(|(a, b)| a - b));
@@ -244,7 +244,7 @@ pub fn relative_to(a: &[f64], b: &[f64], least: f64) -> f64 {
     if error.is_nan() { f64::INFINITY } else { error }
 }
 
-/// A size relative to another: all of it where the other is zero.
+/// `size / scale`; one if only `scale` is zero, zero if both are.
 pub fn ratio(size: f64, scale: f64) -> f64 {
     match (size == 0.0, scale == 0.0) {
         (true, _) => 0.0,
@@ -253,22 +253,22 @@ pub fn ratio(size: f64, scale: f64) -> f64 {
     }
 }
 
-/// A reading with how far it is from what was delivered.
+/// Reading with its error against the delivered tangent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Match {
-    /// The reading.
+    /// Convention and mistakes of the tangent.
     #[serde(flatten)]
     pub reading: Reading,
-    /// In words.
+    /// Convention and mistakes, in words.
     pub sentence: String,
-    /// The largest relative error over the states, in the Frobenius norm.
+    /// Largest relative error over the states, in the Frobenius norm.
     pub error: f64,
-    /// The error at each state.
+    /// Relative error at each state.
     #[serde(skip)]
     pub errors: Vec<f64>,
 }
 
-/// Every reading with its error, those with fewer slips first.
+/// Computes the error of every reading; readings with fewer mistakes come first.
 pub fn matches(
     changes: &[StressChange],
     deliveries: &[Delivery],

@@ -1,10 +1,10 @@
-//! An audit in words.
+//! Text output of an audit.
 
 use super::checks::{Check, Outcome};
 use super::{Audit, TangentFinding};
 use std::fmt::{self, Display, Formatter};
 
-/// The audit in a sentence or two.
+/// Summary of the audit, in a sentence or two.
 pub fn verdict(consistent: bool, checks: &[Check], tangent: &TangentFinding) -> String {
     let of_tangent = checks.iter().find(|check| check.name == "tangent");
 

@@ -1,23 +1,23 @@
-//! The states at which a material is audited unless others are named.
+//! States of an audit, unless the user names others.
 
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
 use onset::kinematics::{DeformationGradient, KinematicsError};
 use serde::Serialize;
 
-/// A state with the position of its stretches and axes in words.
+/// State with a description of its principal stretches and axes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct State {
     /// The deformation gradient, by rows.
     pub deformation_gradient: [[f64; 3]; 3],
-    /// Which stretches are equal and which axes are those of the coordinates.
+    /// Equal stretches and axes that coincide with the coordinate axes, in words.
     pub position: String,
 }
 
-/// Stretches and components that differ by less, relatively, are equal.
+/// Largest relative difference of stretches and components that are considered equal.
 const EQUAL: f64 = 1e-9;
 
 impl State {
-    /// The state of a deformation gradient.
+    /// Describes the state of a deformation gradient.
     pub fn new(f: &DeformationGradient) -> Self {
         let f = f.matrix();
         Self {
@@ -26,14 +26,14 @@ impl State {
         }
     }
 
-    /// In words and numbers.
+    /// Description with the components of `F`.
     pub fn sentence(&self) -> String {
         let rows = self.deformation_gradient.map(|row| row.map(told).join(","));
         format!("{} (F = {})", self.position, rows.join(","))
     }
 }
 
-/// A component in six digits, without zeros at its end.
+/// A component to six decimal places, without trailing zeros.
 fn told(value: f64) -> String {
     let rounded = (value * 1e6).round() / 1e6;
     format!("{}", rounded + 0.0)
@@ -68,10 +68,12 @@ fn position(f: &Matrix3<f64>) -> String {
     words.join(", ")
 }
 
-/// States with strains of about the given amount. Routines branch where stretches are equal and where axes are those of the coordinates, so
-/// each such position is among them: the undeformed state, dilations, two equal stretches and three different ones along the axes, with one axis
-/// turned and with all of them, each also rotated, at a volume that is smaller, larger and exactly unchanged. In the general ones
-/// nothing is aligned, symmetric or isochoric, so that no two conventions agree.
+/// Default states of an audit, with strains of about the given amount.
+///
+/// Routines branch where stretches are equal and where principal axes coincide with the coordinate axes. The states include each of these cases: the
+/// reference configuration, dilations, two equal and three different stretches along the axes, with one axis rotated and with all of them. Each
+/// occurs also rotated, and at a volume that is smaller, larger and exactly unchanged. The general states are neither aligned nor symmetric nor
+/// isochoric, so that no two conventions agree.
 ///
 /// # Errors
 /// [`KinematicsError`] when the strain is so large that matter is turned inside out.
@@ -98,7 +100,7 @@ pub fn states(strain: f64) -> Result<Vec<DeformationGradient>, KinematicsError> 
     let quarter = Matrix3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
     let turned = |stretch: Matrix3<f64>| axes * stretch * axes.transpose();
     let isochoric = |f: Matrix3<f64>| f / f.determinant().cbrt();
-    // Bits that a quotient keeps: the volume of such stretches is one to the last.
+    // Reciprocals instead of a scaling: the product of these stretches is one to the last bit.
     let longer = 1.0 + strain;
     let shorter = 1.0 / longer;
     let general_isochoric = isochoric(one + strain * general);

@@ -1,4 +1,4 @@
-//! What is audited: something that answers with stress, energy and a tangent.
+//! Material under audit, which returns stress, energy and a tangent.
 
 use super::convention::{Convention, StressChange};
 use super::reading::Delivery;
@@ -7,28 +7,28 @@ use onset::kinematics::{DeformationGradient, KinematicsError};
 use onset::material::{FourthOrder, Hyperelastic, MaterialError};
 use onset_umat::Umat;
 
-/// A material to audit.
+/// Material under audit: a law or a user material.
 pub enum Subject<'a> {
-    /// A law of ours, of which the tangent is taken as delivered in a convention.
+    /// Built-in law, with its tangent in the given convention.
     Law(&'a dyn Hyperelastic, Convention),
-    /// A user material, which delivers `DDSDDE`.
+    /// User material, which delivers `DDSDDE`.
     User(&'a Umat),
 }
 
-/// What a material says at a state.
+/// Response of a material at a state.
 #[derive(Clone, Debug)]
 pub struct Sample {
-    /// The state.
+    /// Deformation gradient of the state.
     pub deformation: DeformationGradient,
-    /// The Cauchy stress.
+    /// Cauchy stress. Units of stress.
     pub cauchy: Matrix3<f64>,
-    /// The energy per reference volume.
+    /// Energy per reference volume.
     pub energy: f64,
-    /// The tangent as delivered.
+    /// Tangent as the material delivers it.
     pub delivery: Delivery,
 }
 
-/// A deformation gradient from a matrix.
+/// Validates a matrix as a deformation gradient.
 pub fn deformation(matrix: &Matrix3<f64>) -> Result<DeformationGradient, KinematicsError> {
     DeformationGradient::new(std::array::from_fn(|i| {
         std::array::from_fn(|j| matrix[(i, j)])
@@ -36,7 +36,7 @@ pub fn deformation(matrix: &Matrix3<f64>) -> Result<DeformationGradient, Kinemat
 }
 
 impl Subject<'_> {
-    /// The convention that its tangent should be in.
+    /// Convention in which the tangent should be.
     pub fn convention(&self) -> Convention {
         match self {
             Self::Law(_, convention) => *convention,
@@ -44,10 +44,10 @@ impl Subject<'_> {
         }
     }
 
-    /// What it says at states that are reached each on its own.
+    /// Evaluates the material at each state, along separate paths from the reference configuration.
     ///
     /// # Errors
-    /// [`MaterialError`] when it fails at one of them.
+    /// [`MaterialError`] when the material fails at a state.
     pub fn samples(&self, states: &[DeformationGradient]) -> Result<Vec<Sample>, MaterialError> {
         match self {
             Self::Law(law, convention) => states
@@ -64,11 +64,12 @@ impl Subject<'_> {
         }
     }
 
-    /// What it says at states near one: a material with a history reaches them in its last increment, so that its tangent, which
-    /// is that of an increment, can be held against them.
+    /// Evaluates the material at states near `f`.
+    ///
+    /// A material with a history reaches them in its last increment, so that they can be compared with its tangent, which belongs to this increment.
     ///
     /// # Errors
-    /// [`MaterialError`] when it fails at one of them.
+    /// [`MaterialError`] when the material fails at a state.
     pub fn samples_near(
         &self,
         f: &DeformationGradient,
@@ -92,10 +93,10 @@ impl Subject<'_> {
 }
 
 impl Subject<'_> {
-    /// The last increment by which a state is reached: all of it for a law without a history.
+    /// Last increment on the way to a state; the whole deformation for a law without history.
     ///
     /// # Errors
-    /// [`MaterialError`] where there is no path to the state.
+    /// [`MaterialError`] when no path leads to the state.
     pub fn last_increment(&self, f: &DeformationGradient) -> Result<Matrix3<f64>, MaterialError> {
         let Self::User(umat) = self else {
             return Ok(f.matrix());
@@ -108,10 +109,10 @@ impl Subject<'_> {
         Ok(start.map_or(f.matrix(), |start| f.matrix() * start))
     }
 
-    /// What it says at states that are reached each by way of the state before, the first one by way of the last.
+    /// Evaluates the material at each state after visiting the preceding one (for the first, the last).
     ///
     /// # Errors
-    /// [`MaterialError`] when it fails at one of them.
+    /// [`MaterialError`] when the material fails at a state.
     pub fn samples_by_way_of_others(
         &self,
         states: &[DeformationGradient],

@@ -1,4 +1,4 @@
-//! Which tangent is delivered, and at which states.
+//! Identification of the delivered tangent.
 
 use super::checks::{Check, Measured, Outcome};
 use super::convention::{Convention, StressChange};
@@ -10,67 +10,66 @@ use nalgebra::{SymmetricEigen, Vector6};
 use onset_umat::VOIGT;
 use serde::Serialize;
 
-/// What the tangent is.
+/// Identification of a tangent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TangentFinding {
-    /// What it should be.
+    /// Convention that the tangent should follow.
     pub expected: Convention,
-    /// The largest error against that.
+    /// Largest relative error against the expected convention.
     pub expected_error: f64,
-    /// What it is at all states; none when no reading fits.
+    /// Reading that fits at all states, or `None`.
     pub identified: Option<Match>,
-    /// Other readings that fit as well, with as few slips, at these states.
+    /// Other readings that also fit at these states, with as few mistakes.
     pub indistinguishable: Vec<Match>,
-    /// What it is at a part of the states, where no reading fits at all of them.
+    /// Reading that fits at some of the states, if none fits at all of them.
     pub in_part: Option<Partial>,
-    /// What it lacks of the expected one, relative to it, where it is the tangent of a small-strain update: the largest
-    /// `|sigma_ij delta_kl|`.
+    /// For the tangent of a small-strain update: the largest `|sigma_ij delta_kl|`, which it lacks, relative to the expected tangent.
     pub small_strain_update: Option<f64>,
-    /// The largest relative error of stress = tangent : logarithmic strain, where it is the secant stiffness.
+    /// For a secant stiffness: the largest relative error of stress = tangent : logarithmic strain.
     pub secant: Option<f64>,
-    /// What comes clearly nearer than what is expected, where nothing fits.
+    /// Closest reading if none fits, provided it is clearly closer than the expected one.
     pub nearest: Option<Match>,
-    /// Every convention without slips.
+    /// Errors of every convention without mistakes.
     pub conventions: Vec<Match>,
-    /// The relative uncertainty of the differences.
+    /// Relative uncertainty of the differences.
     pub uncertainty: f64,
 }
 
-/// A reading that fits at more states than others.
+/// Reading that fits at more states than others.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Partial {
-    /// The reading.
+    /// Convention and mistakes, with the error.
     #[serde(flatten)]
     pub reading: Match,
-    /// States at which it fits, of those at which differences are known.
+    /// Number of states at which it fits, among those with accurate differences.
     pub fits: usize,
-    /// States at which differences are known.
+    /// Number of states with accurate differences.
     pub of: usize,
-    /// Where it does not fit, worst first.
+    /// States at which it does not fit, worst first.
     pub fails: Vec<Misfit>,
 }
 
-/// A state at which a tangent is another one.
+/// State at which a reading does not fit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Misfit {
-    /// The state.
+    /// Description of the state.
     #[serde(flatten)]
     pub state: State,
-    /// The relative error there.
+    /// Relative error at the state.
     pub error: f64,
 }
 
-/// A reading comes clearly nearer when its error is at most this part of the error of what is expected.
+/// Largest ratio of the error of a reading to the error of the expected one for which it is clearly closer.
 const CLEARLY_NEARER: f64 = 0.1;
 
-/// A reading that fits at less than this part of the states is a coincidence.
+/// A fit at no more than this fraction of the states is considered a coincidence.
 const COINCIDENCE: f64 = 0.25;
 
-/// States at which a misfit is told in a sentence.
+/// Number of misfits that are listed in a sentence.
 const TOLD_STATES: usize = 3;
 
 impl TangentFinding {
-    /// Finds out what the tangent is.
+    /// Identifies the tangent from the measured states.
     ///
     /// # Errors
     /// [`AuditError`] when the material fails on a path.
@@ -100,7 +99,7 @@ impl TangentFinding {
             known.iter().filter(fits).count()
         };
         let expected = Reading::plain(subject.convention());
-        // What fits at most states goes first, then fewer slips before more, then what is expected.
+        // Order: fits at most states, then fewest mistakes, then the expected convention.
         let mut ranked: Vec<(usize, &Match)> = all
             .iter()
             .map(|candidate| (fits(candidate), candidate))
@@ -116,7 +115,7 @@ impl TangentFinding {
             .filter(|(fits, _)| *fits == known.len())
             .map(|(_, best)| best.clone());
         let in_part = best
-            // What fits at all of them is identified.
+            // A reading that fits at all of them is identified, not in part.
             .filter(|(fits, _)| {
                 *fits < known.len() && *fits as f64 > COINCIDENCE * known.len() as f64
             })
@@ -163,7 +162,7 @@ impl TangentFinding {
         })
     }
 
-    /// The check that follows from it.
+    /// The check of the tangent that follows from the finding.
     pub(super) fn check(&self, subject: &Subject<'_>, measured: &[Measured]) -> Check {
         let name = match subject {
             Subject::Law(..) => "The tangent",
@@ -208,7 +207,7 @@ impl TangentFinding {
         }
     }
 
-    /// How it differs from what is expected.
+    /// Describes how the tangent differs from the expected one.
     fn misfit(&self, name: &str) -> String {
         let expected = self.expected.meaning();
         if let Some(lacking) = self.small_strain_update {
@@ -276,7 +275,8 @@ impl Partial {
     }
 }
 
-/// How far the stress is from what is delivered times the logarithmic strain, where that is clearly nearer than by the tangent of the stress.
+/// Relative error of the secant relation, stress = delivered matrix : logarithmic strain; `None` unless it is clearly smaller than with the tangent
+/// of the stress.
 fn secant_error<'a>(states: impl Iterator<Item = &'a Measured>) -> Option<f64> {
     let (mut secant, mut tangent): (f64, f64) = (0.0, 0.0);
     for state in states {
@@ -303,8 +303,10 @@ fn secant_error<'a>(states: impl Iterator<Item = &'a Measured>) -> Option<f64> {
     (secant <= CLEARLY_NEARER * tangent).then_some(secant)
 }
 
-/// What the tangent of a small-strain update lacks. Its stress follows from increments of strain, and depends on the path; a law of the whole deformation
-/// with this tangent has a wrong one.
+/// Term that the tangent of a small-strain update lacks; `None` if the stress does not depend on the path.
+///
+/// A stress that is integrated from strain
+/// increments depends on it; a law of the whole deformation with this tangent is wrong.
 fn small_strain_update(
     subject: &Subject<'_>,
     identified: &Option<Match>,
@@ -328,7 +330,7 @@ fn small_strain_update(
         .any(|(other, state)| state.stress_error(&other.cauchy, &state.sample.cauchy) > TOLERANCE);
     let lacking = measured.iter().map(|state| {
         let full = Convention::JaumannKirchhoff.tangent(&state.change, &state.change.gradient);
-        // |sigma_ij delta_kl| is sqrt(3) |sigma|.
+        // `|sigma_ij delta_kl|` is `sqrt(3) |sigma|`.
         3.0_f64.sqrt() * state.sample.cauchy.norm() / onset_umat::voigt_of_tensor(&full).norm()
     });
     Ok(depends.then(|| lacking.fold(0.0, f64::max)))

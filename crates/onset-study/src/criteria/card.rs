@@ -1,4 +1,4 @@
-//! The safe range card of a law: where it is strongly elliptic, on one page.
+//! Safe range card of a law: the stretches at which it is strongly elliptic, on one page.
 
 use super::figure::{held, mark, stretches};
 use super::sentence::{opening, title, witness};
@@ -17,106 +17,107 @@ use serde::Serialize;
 use std::fmt::{Display, Formatter};
 use thiserror::Error;
 
-/// Where a law is strongly elliptic.
+/// Ranges of stretch in which a law is strongly elliptic.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CardAnswer {
-    /// The law.
+    /// Law with its parameters.
     pub material: LawAnswer,
-    /// The smallest and the largest stretch looked at.
+    /// Smallest and largest stretch of the search.
     pub range: [f64; 2],
-    /// How the numbers were found.
+    /// Method of the search for limits, in words.
     pub method: &'static str,
-    /// How sure the limits are: `searched`.
+    /// Evidence for the limits: `searched`.
     pub evidence: Evidence,
-    /// The largest box `[1/b, b]^3` of principal stretches; `null` where the law is not elliptic in the reference, and of incompressible response.
+    /// Largest box `[1/b, b]^3` of principal stretches; `null` if the law is not elliptic in the reference configuration or its response is
+    /// incompressible.
     pub symmetric_box: Option<BoxAnswer>,
-    /// The box `[a, b]^3` with the largest `b/a`.
+    /// Box `[a, b]^3` with the largest `b/a`.
     pub widest_box: Option<BoxAnswer>,
-    /// The limits in each loading.
+    /// Limits of each loading.
     pub loadings: Vec<Limits>,
 }
 
 /// A box of principal stretches.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BoxAnswer {
-    /// The smallest stretch.
+    /// Smallest principal stretch in the box.
     pub low: f64,
-    /// The largest stretch.
+    /// Largest principal stretch in the box.
     pub high: f64,
-    /// What keeps the smallest stretch from being smaller.
+    /// Reason why the box cannot extend to smaller stretches.
     pub low_end: BoxEnd,
-    /// What keeps the largest stretch from being larger.
+    /// Reason why the box cannot extend to larger stretches.
     pub high_end: BoxEnd,
-    /// The principal stretches of the critical state on its surface; `null` where only the range ends the box.
+    /// Principal stretches of the critical state on the surface of the box; `null` if only the range limits the box.
     pub critical_stretches: Option<[f64; 3]>,
-    /// The critical wave there; `null` where the law is not defined beyond.
+    /// Critical wave in this state; `null` if the law is not defined beyond the box.
     pub witness: Option<Witness>,
 }
 
-/// The limits of ellipticity in a loading.
+/// Limits of ellipticity for one loading.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Limits {
-    /// The loading in a few words.
+    /// Short name of the loading.
     pub title: &'static str,
-    /// The stretch at which ellipticity is lost in compression; `null` when it is not.
+    /// Stretch at which ellipticity is lost in compression; `null` if it is kept.
     pub compression: Option<f64>,
-    /// The stretch at which ellipticity is lost in tension; `null` when it is not.
+    /// Stretch at which ellipticity is lost in tension; `null` if it is kept.
     pub tension: Option<f64>,
-    /// The critical wave in compression.
+    /// Critical wave at the limit in compression.
     pub compression_witness: Option<Witness>,
-    /// The critical wave in tension.
+    /// Critical wave at the limit in tension.
     pub tension_witness: Option<Witness>,
-    /// Where the path ends in compression.
+    /// End of the path in compression.
     pub compression_end: EndAnswer,
-    /// Where the path ends in tension.
+    /// End of the path in tension.
     pub tension_end: EndAnswer,
-    /// The stretches at which the law is elliptic.
+    /// Intervals of stretch in which the law is elliptic.
     pub elliptic: Vec<(f64, f64)>,
-    /// The limits of ellipticity, of Drucker's and Hill's criteria and of the load, each with nominal strain and stress.
+    /// Limits of ellipticity, of Drucker's and Hill's criteria and of the load, each with nominal strain and stress.
     pub criteria: Vec<CriterionLimits>,
     /// Stretches at which energy, stress or tangent jump.
     pub kinks: Vec<KinkAnswer>,
 }
 
-/// The limits of a criterion in a loading.
+/// Limits of one criterion for one loading.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CriterionLimits {
-    /// Which one.
+    /// Name of the criterion.
     pub criterion: Criterion,
-    /// Whether it is defined for this law.
+    /// Whether the criterion is defined for this law.
     pub defined: bool,
-    /// Whether it holds in the reference.
+    /// Whether it holds in the reference configuration.
     pub holds_in_reference: bool,
-    /// Where it is lost in compression; `null` when it is not.
+    /// State at which the criterion is lost in compression; `null` if it is kept.
     pub compression: Option<LimitPoint>,
-    /// Where it is lost in tension; `null` when it is not.
+    /// State at which the criterion is lost in tension; `null` if it is kept.
     pub tension: Option<LimitPoint>,
 }
 
-/// The state in which a criterion is lost.
+/// State at which a criterion is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LimitPoint {
-    /// The imposed stretch.
+    /// Imposed stretch at the limit.
     pub stretch: f64,
-    /// `lambda - 1`, in simple shear the amount of shear.
+    /// Nominal strain `lambda - 1`; in simple shear the amount of shear.
     pub nominal_strain: f64,
-    /// `P_11`, in simple shear `P_12`. Units of stress.
+    /// Nominal stress `P_11`, in simple shear `P_12`. Units of stress.
     pub nominal_stress: f64,
 }
 
-/// Why a card could not be written.
+/// Reasons why a card cannot be written.
 #[derive(Debug, Error)]
 pub enum CardError {
-    /// The figure.
+    /// The figure cannot be drawn.
     #[error(transparent)]
     Figure(#[from] FigureError),
-    /// The document.
+    /// The answer cannot be written as JSON.
     #[error("the card cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
 }
 
-/// What a card tells of every loading. Drucker's check is that of the programs that fit laws.
-const TOLD: [Criterion; 5] = [
+/// Criteria listed on a card. Drucker's check is the one made by programs that fit laws to tests.
+const CARD_CRITERIA: [Criterion; 5] = [
     Criterion::StrongEllipticity,
     Criterion::DruckerAbaqus,
     Criterion::Hill,
@@ -128,20 +129,20 @@ const METHOD: &str = "dense search from the reference with local improvement; no
                       states along the path and dips between them, refined to rounding";
 
 impl Question {
-    /// The card.
+    /// Computes the safe range card.
     ///
     /// # Errors
-    /// [`CriteriaError`] when the law has no state in the reference.
+    /// [`CriteriaError`] when the law cannot be evaluated in the reference configuration.
     pub fn card(&self) -> Result<CardAnswer, CriteriaError> {
         let loadings: Vec<Limits> = self
             .loadings
             .par_iter()
             .map(|loading| {
-                let answer = self.along(*loading, &TOLD)?;
+                let answer = self.along(*loading, &CARD_CRITERIA)?;
                 Ok(Limits::of(&answer))
             })
             .collect::<Result<_, CriteriaError>>()?;
-        // A box of three stretches asks of states that an incompressible material does not have.
+        // A box of three principal stretches contains states that an incompressible or a planar material cannot reach.
         let is_asked = !self.law.incompressible && !self.law.in_plane;
         let (symmetric, widest) = rayon::join(
             || match is_asked {
@@ -177,7 +178,6 @@ impl BoxAnswer {
         }
     }
 
-    /// What its ends are, in words.
     pub(super) fn ends(&self) -> String {
         let [low, high] = [self.low_end, self.high_end].map(|end| self.end(end));
         match low == high {
@@ -224,7 +224,7 @@ impl Limits {
         }
     }
 
-    /// The folds of its path, in a line each.
+    /// One line for each fold (limit point) of the path.
     pub(super) fn folds(&self) -> Vec<String> {
         let ends = [
             ("compression", &self.compression_end),
@@ -234,7 +234,6 @@ impl Limits {
         folds.filter_map(|(side, end)| end.line(side)).collect()
     }
 
-    /// A limit in words.
     pub(super) fn cell(limit: Option<f64>, end: &EndAnswer) -> String {
         match (limit, &end.reason) {
             (Some(limit), _) => told(limit),
@@ -269,7 +268,6 @@ impl CriterionLimits {
         }
     }
 
-    /// Stretch, nominal strain and stress of a limit as texts.
     pub(super) fn cells(&self, limit: Option<LimitPoint>) -> [String; 3] {
         let none = || String::from("-");
         match limit {
@@ -286,7 +284,6 @@ impl CriterionLimits {
     }
 }
 
-/// In which sense stretches were followed to an end of a range.
 fn toward(end: f64) -> &'static str {
     match end < 1.0 {
         true => "down to",
@@ -295,7 +292,7 @@ fn toward(end: f64) -> &'static str {
 }
 
 impl CardAnswer {
-    /// The unit of stresses in a heading, where the parameters have units.
+    /// Unit of stress for a table heading; empty if the parameters have no units.
     pub(super) fn unit_of_stress(&self) -> &'static str {
         match self.material.units.values().any(|unit| *unit == "Pa") {
             true => " in Pa",
@@ -303,7 +300,7 @@ impl CardAnswer {
         }
     }
 
-    /// The boxes with their names.
+    /// The boxes that were found, with their names.
     pub(super) fn boxes(&self) -> Vec<(&'static str, &BoxAnswer)> {
         let named = [
             ("largest box [1/b, b]", &self.symmetric_box),
@@ -315,7 +312,7 @@ impl CardAnswer {
             .collect()
     }
 
-    /// The ranges as bars.
+    /// Draws the ranges as horizontal bars.
     pub fn figure(&self) -> Figure {
         let [low, high] = self.range;
         let boxes = self.boxes();
@@ -359,10 +356,10 @@ impl CardAnswer {
             .with(panel)
     }
 
-    /// The card as `card.svg`, `card.png`, `card.json` and `card.html`.
+    /// Returns the files `card.svg`, `card.png`, `card.json` and `card.html`.
     ///
     /// # Errors
-    /// [`CardError`] when it cannot be drawn or written as a document.
+    /// [`CardError`] when the figure cannot be drawn or the answer cannot be written as JSON.
     pub fn files(&self) -> Result<Files, CardError> {
         let mut files = self.figure().files("card")?;
         files.push(text("card.json", json::document(self)?));

@@ -1,4 +1,4 @@
-//! Ranges of criteria as horizontal bars, a panel for each loading.
+//! Figure of the ranges in which criteria hold: horizontal bars, one panel for each loading.
 
 use super::{CriteriaAnswer, CriterionAnswer, KinkAnswer, LoadingAnswer};
 use crate::figure::{Axis, Color, Figure, Line, Panel, Rule, palette};
@@ -8,7 +8,7 @@ use onset::criteria::{Change, Criterion, Discontinuity};
 const BAR: f64 = 8.0;
 
 impl CriteriaAnswer {
-    /// The ranges in which criteria hold, as bars.
+    /// Draws the intervals in which the criteria hold as bars.
     pub fn figure(&self) -> Figure {
         let figure = Figure::new(format!(
             "Where stability criteria hold: {}",
@@ -59,7 +59,7 @@ impl CriteriaAnswer {
     }
 }
 
-/// Where a jump of a law is marked, with its name.
+/// Position and name of the mark for a discontinuity of the law.
 pub(super) fn mark(kink: &KinkAnswer) -> (f64, &'static str) {
     let name = match kink.kind {
         Discontinuity::StepOfEnergy => "step of the energy",
@@ -69,7 +69,7 @@ pub(super) fn mark(kink: &KinkAnswer) -> (f64, &'static str) {
     (kink.stretch, name)
 }
 
-/// The axis of stretches, with ticks at round numbers.
+/// Logarithmic axis of stretches, with ticks at round numbers.
 pub(super) fn stretches(low: f64, high: f64) -> Axis {
     let round = [
         0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0,
@@ -83,7 +83,7 @@ pub(super) fn stretches(low: f64, high: f64) -> Axis {
     Axis::log("imposed stretch λ (−)", (low, high)).ticks(shown.map(|x| (x, format!("{x}"))))
 }
 
-/// Color and word of what a criterion perturbs with.
+/// Color of a criterion's class of perturbations, and its name in the legend.
 fn kind(criterion: Criterion) -> (Color, &'static str) {
     match criterion {
         Criterion::StrongEllipticity
@@ -102,7 +102,7 @@ fn kind(criterion: Criterion) -> (Color, &'static str) {
     }
 }
 
-/// Intervals of stretch in which a criterion holds, between the ends of a path.
+/// Intervals of stretch in which a criterion holds, between the ends of the path.
 pub(super) fn held(answer: &CriterionAnswer, [low, high]: [f64; 2]) -> Vec<(f64, f64)> {
     let mut intervals = Vec::new();
     for (side, end) in [(&answer.compression, low), (&answer.tension, high)] {
@@ -127,7 +127,7 @@ mod tests {
     use crate::settings::Settings;
     use onset::criteria::LoadingPath;
 
-    /// Laws that hold everywhere, lose criteria in tension, in compression, in the reference, and with the first deformation.
+    /// Laws that keep all criteria, or lose some in tension, in compression, in the reference configuration, or at the slightest deformation.
     const LAWS: [&[&str]; 4] = [
         &["model=blatz-ko"],
         &[
@@ -148,7 +148,7 @@ mod tests {
         ],
     ];
 
-    /// Horizontal lines of a panel as wide as bars, as height and ends.
+    /// Thick horizontal lines of a panel, which are its bars: height and ends.
     fn bars(panel: &Panel) -> Vec<(f64, [f64; 2])> {
         let lines = panel.layers.iter().filter_map(|layer| match layer {
             Layer::Line(line) if line.width > 2.0 => Some(&line.points),

@@ -1,4 +1,4 @@
-//! The card as one HTML file that needs nothing else, and that can be read on paper.
+//! The card as one self-contained HTML file, which can also be printed.
 
 use super::card::{CardAnswer, Limits};
 use super::kink;
@@ -14,7 +14,7 @@ td.n{font-variant-numeric:tabular-nums}table.c{font-size:12px;line-height:1.25}t
 @media print{body{margin:0;max-width:none}h2{break-after:avoid}tr,figure{break-inside:avoid}}";
 
 impl CardAnswer {
-    /// The card as a page.
+    /// Writes the card as an HTML page.
     pub fn html(&self) -> String {
         let [low, high] = self.range;
         let title = escaped(&title(&self.material));
@@ -63,7 +63,6 @@ impl CardAnswer {
         page
     }
 
-    /// The boxes.
     fn page_of_boxes(&self) -> String {
         let mut page = String::from("<h2>All principal stretches within a box</h2>\n");
         if self.symmetric_box.is_none() {
@@ -91,7 +90,7 @@ impl CardAnswer {
         page
     }
 
-    /// The limits of every criterion, with nominal strain and stress.
+    /// Section with the limits of every criterion, with nominal strain and stress.
     fn page_of_criteria(&self) -> String {
         let mut page = format!(
             "<h2>Criteria, each with nominal strain and stress{}</h2>\n<table class=\"c\"><tr><th></th><th>compression</th><th>strain</th>\

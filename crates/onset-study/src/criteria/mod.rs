@@ -1,4 +1,5 @@
-//! Stability criteria of a law side by side: along which loading is which one lost, and where do they disagree?
+//! Stability criteria of a material law compared: the stretch at which each of them is lost in each loading, and where they disagree with strong
+//! ellipticity.
 
 mod card;
 mod figure;
@@ -22,58 +23,58 @@ use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use thiserror::Error;
 
-/// Why a law cannot be asked.
+/// Reasons why the criteria of a law cannot be evaluated.
 #[derive(Debug, Error)]
 pub enum CriteriaError {
-    /// The law.
+    /// The law itself is invalid.
     #[error("{0}")]
     Material(#[from] MaterialError),
-    /// A law whose incompressible response is not known.
+    /// The incompressible response is known only for isotropic laws.
     #[error(
         "{law} is not isotropic; expected an isotropic law beside --incompressible\n  hint: leave --incompressible out, a large bulk modulus comes near to it"
     )]
     NotIsotropic {
-        /// Its name.
+        /// Name of the law.
         law: String,
     },
-    /// A law without an energy, of which no volumetric part can be told.
+    /// The incompressible response needs a law with an energy, which can be split into an isochoric and a volumetric part.
     #[error(
         "{law} has no energy, so that its incompressible response is not known; expected a law with one beside --incompressible\n  hint: leave --incompressible out, a large bulk \
          modulus comes near to it"
     )]
     NoEnergy {
-        /// Its name.
+        /// Name of the law.
         law: String,
     },
-    /// No loading that keeps the volume.
+    /// Every requested loading changes the volume.
     #[error(
         "an incompressible material keeps its volume; expected --mode uniaxial, equibiaxial, planar or simple-shear"
     )]
     ChangesVolume,
-    /// A metal whose own axes the loadings are not along.
+    /// The loading directions do not coincide with the material axes of an anisotropic metal.
     #[error(
         "{law} {how}: each of some ten thousand states would be integrated along a path of its own, for minutes; expected loadings along the \
          axes of the metal, material.angle = 0 or 90, without simple shear\n  hint: `onset path --mode uniaxial` follows a single loading at any angle"
     )]
     Turned {
-        /// Its name.
+        /// Name of the law.
         law: &'static str,
-        /// What turns.
+        /// Orientation or loading that is refused, for example `in simple shear`.
         how: String,
     },
-    /// A loading of it.
+    /// The path of a loading failed.
     #[error("{title}: {source}{}{}", hint(source), told(notes))]
     Loading {
-        /// Which one.
+        /// Name of the loading.
         title: &'static str,
-        /// What is wrong.
+        /// Cause of the failure.
         source: LoadingError,
-        /// What is known of the law that may be why.
+        /// Notes on the law that may explain the failure.
         notes: Vec<String>,
     },
 }
 
-/// What to do where a law has no numbers.
+/// Hint for laws that cannot be evaluated.
 fn hint(error: &LoadingError) -> &'static str {
     match error {
         LoadingError::Law(_) => {
@@ -83,122 +84,122 @@ fn hint(error: &LoadingError) -> &'static str {
     }
 }
 
-/// Notes as they follow a text.
+/// Appends notes to a message, one a line.
 fn told(notes: &[String]) -> String {
     let lines = notes.iter().map(|note| format!("\n  note: {note}"));
     lines.collect()
 }
 
-/// A law as asked for.
+/// Material law of the answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LawAnswer {
-    /// Its name.
+    /// Name of the law as in `onset list materials`.
     pub model: String,
-    /// What it is called where its energy is a table's, too long to be told in a title.
+    /// Custom title, for laws whose energy or table is too long for one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Its parameters, and what else it is made of, in the order of its documentation.
+    /// Parameters of the law and its other inputs, in the order of the documentation.
     #[serde(serialize_with = "as_map")]
     pub parameters: Vec<(String, serde_json::Value)>,
-    /// The units of those that have one.
+    /// Units of the parameters that have a dimension.
     pub units: BTreeMap<String, &'static str>,
-    /// Whether it is isotropic, found out by turning the reference.
+    /// Whether the law is isotropic, found by rotating the reference configuration.
     pub isotropic: bool,
-    /// Whether its incompressible response is asked.
+    /// Whether the incompressible response is evaluated.
     pub incompressible: bool,
-    /// Whether it is a law of the plane, of two dimensions.
+    /// Whether the law is two-dimensional.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub in_plane: bool,
-    /// Shear and bulk modulus at small strains; `null` of a law that is not isotropic or has stress at `F = 1`.
+    /// Shear and bulk modulus at small strains; `null` if the law is anisotropic or has a stress at `F = 1`.
     pub moduli: Option<[f64; 2]>,
-    /// What a reader must know of it.
+    /// Remarks on the law for the reader.
     pub notes: Vec<String>,
 }
 
-/// What is known about polyconvexity.
+/// Knowledge about the polyconvexity of the law.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PolyconvexityAnswer {
-    /// What is known.
+    /// Whether the law is known to be polyconvex.
     pub knowledge: Knowledge,
-    /// Why.
+    /// Argument for or against polyconvexity.
     pub reason: String,
-    /// Where it is proved.
+    /// Source of the proof.
     pub source: String,
 }
 
-/// A criterion as asked.
+/// Definition of a criterion.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Definition {
-    /// Its name.
+    /// Name of the criterion.
     pub criterion: Criterion,
-    /// What it demands.
+    /// Requirement of the criterion, as a formula or in words.
     pub definition: &'static str,
-    /// Where it is from.
+    /// Source of the criterion.
     pub source: &'static str,
-    /// What its limits are where they are not exact.
+    /// Explanation of limits that are not exact.
     pub note: Option<&'static str>,
 }
 
-/// What a limit of rank-one convexity is.
+/// Meaning of a limit of rank-one convexity.
 const UPPER_BOUND: &str = "a limit is an upper bound of the distance from the reference: jumps that gain energy earlier may exist and not have been \
                            found (so the signs ≤ and ≥); at the limit the jump that is named gains energy";
 
-/// The answer: every criterion along every loading.
+/// Answer of `onset criteria`: every criterion for every loading.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CriteriaAnswer {
-    /// The law.
+    /// Law with its parameters.
     pub material: LawAnswer,
-    /// The smallest and the largest stretch looked at.
+    /// Smallest and largest stretch of the search.
     pub range: [f64; 2],
-    /// What is known about polyconvexity.
+    /// Knowledge about the polyconvexity of the law.
     pub polyconvexity: PolyconvexityAnswer,
-    /// What the criteria demand.
+    /// Definitions of the criteria.
     pub criteria: Vec<Definition>,
-    /// The loadings.
+    /// Results for each loading.
     pub loadings: Vec<LoadingAnswer>,
-    /// How sure the limits are: `searched`.
+    /// Evidence for the limits: `searched`.
     pub evidence: Evidence,
-    /// Where criteria disagree, in words.
+    /// Disagreements between the criteria and strong ellipticity, in words.
     pub disagreements: Vec<String>,
 }
 
-/// Every criterion along a loading.
+/// Every criterion for one loading.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LoadingAnswer {
-    /// What is imposed.
+    /// Deformation mode that is imposed.
     pub mode: Mode,
-    /// What holds the other directions.
+    /// Condition on the lateral directions.
     pub lateral: Lateral,
-    /// In a few words.
+    /// Short name of the loading.
     pub title: &'static str,
-    /// Where the path ends in compression, and why.
+    /// End of the path in compression, with its cause.
     pub compression_end: EndAnswer,
-    /// Where the path ends in tension, and why.
+    /// End of the path in tension, with its cause.
     pub tension_end: EndAnswer,
-    /// States with the same imposed stretch and other free stretches, where some were met.
+    /// Further equilibria with the same imposed stretch and other free stretches, if any were found.
     pub other_states: Vec<OtherState>,
-    /// Stretches at which energy, stress or tangent jump, nearest to the reference first.
+    /// Stretches at which energy, stress or tangent jump, nearest to the reference configuration first.
     pub kinks: Vec<KinkAnswer>,
-    /// The criteria.
+    /// Results for each criterion.
     pub criteria: Vec<CriterionAnswer>,
 }
 
-/// A jump of energy, stress or tangent, counted from the smaller stretch to the larger one.
+/// Jump of energy, stress or tangent, taken from the smaller to the larger stretch.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct KinkAnswer {
-    /// The imposed stretch.
+    /// Imposed stretch at the jump.
     pub stretch: f64,
-    /// The first of energy, stress and tangent that jumps.
+    /// Lowest derivative that jumps: energy, stress or tangent.
     pub kind: Discontinuity,
-    /// The size of that jump by that of the tangent.
+    /// Size of this jump relative to the tangent.
     pub jump: f64,
-    /// The jump of the energy. Units of stress.
+    /// Jump of the energy. Units of stress.
     pub energy: f64,
-    /// The largest component of the jump of the Cauchy stress. Units of stress.
+    /// Largest component of the jump of the Cauchy stress. Units of stress.
     pub largest_stress: f64,
-    /// The jump of the mean Cauchy stress. Units of stress.
+    /// Jump of the mean Cauchy stress. Units of stress.
     pub mean_stress: f64,
-    /// The jump of the second derivative of the energy by `J` at a constant shape. Units of stress.
+    /// Jump of the second derivative of the energy with respect to `J` at constant isochoric deformation. Units of stress.
     pub bulk_tangent: f64,
 }
 
@@ -226,83 +227,81 @@ impl KinkAnswer {
     }
 }
 
-/// The end of a path.
+/// End of a loading path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EndAnswer {
-    /// The last stretch.
+    /// Last stretch of the path.
     pub stretch: f64,
-    /// Whether it is a fold, the limit point of the equilibrium of the free faces.
+    /// Whether the end is a fold, the limit point of the equilibrium of the free faces.
     pub fold: bool,
-    /// Why the path leads no further; `null` at the end of the range.
+    /// Reason why the path ends; `null` at the end of the range.
     pub reason: Option<String>,
 }
 
-/// What ends a path at a fold.
 const FOLD: &str =
     "a fold (limit point): beyond it the free faces have no equilibrium nearby (dynamic jump)";
 
-/// A second state with free faces.
+/// Further equilibrium of the free faces at a given imposed stretch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OtherState {
-    /// The imposed stretch.
+    /// Imposed stretch of the state.
     pub stretch: f64,
-    /// `F_iJ`.
+    /// Deformation gradient `F_iJ`, by rows.
     pub deformation_gradient: [[f64; 3]; 3],
 }
 
-/// A criterion along a loading.
+/// Result for one criterion and one loading.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CriterionAnswer {
-    /// Which one.
+    /// Name of the criterion.
     pub criterion: Criterion,
-    /// Whether it is defined for this law.
+    /// Whether the criterion is defined for this law.
     pub defined: bool,
-    /// Whether it holds in the reference.
+    /// Whether it holds in the reference configuration.
     pub holds_in_reference: bool,
-    /// Below stretch 1.
+    /// Result for stretches below 1.
     pub compression: SideAnswer,
-    /// Above stretch 1.
+    /// Result for stretches above 1.
     pub tension: SideAnswer,
 }
 
-/// A criterion on one side of the reference.
+/// Result for a criterion on one side of the reference configuration.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SideAnswer {
-    /// The stretch at which it is lost, counted from the reference; `null` when it is not.
+    /// First stretch, counted from the reference configuration, at which the criterion is lost; `null` if it is kept.
     pub limit: Option<f64>,
-    /// Whether it may be lost nearer to the reference: the loss at the limit is shown, and nothing shows that it holds before.
+    /// Whether the limit is only an upper bound: the criterion is lost there, but it may be lost nearer to the reference configuration.
     pub upper_bound: bool,
-    /// All changes, nearest to the reference first.
+    /// All losses and recoveries, nearest to the reference configuration first.
     pub changes: Vec<ChangeAnswer>,
 }
 
-/// A change of a criterion.
+/// Loss or recovery of a criterion.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChangeAnswer {
-    /// Lost or regained.
+    /// Direction of the change: lost or regained.
     pub change: Change,
-    /// The imposed stretch.
+    /// Imposed stretch at the change.
     pub stretch: f64,
-    /// Half of the width of its bracket, relative, or how far rounding can move it; of an upper bound that of the perturbation which is named.
+    /// Relative half width of the bracket, or the shift that rounding can cause if it is larger; for an upper bound, the tolerance of the named
+    /// witness.
     pub tolerance: f64,
-    /// The nominal strain there: `lambda - 1`, in simple shear the amount of shear.
+    /// Nominal strain at the change: `lambda - 1`, in simple shear the amount of shear.
     pub nominal_strain: f64,
-    /// The nominal stress there, force by reference area: `P_11`, in simple shear `P_12`. Units of stress.
+    /// Nominal stress at the change, force by reference area: `P_11`, in simple shear `P_12`. Units of stress.
     pub nominal_stress: f64,
-    /// The perturbation that tells.
+    /// Perturbation that proves the change.
     pub witness: Witness,
-    /// `F_iJ` there.
+    /// Deformation gradient `F_iJ` at the change, by rows.
     pub deformation_gradient: [[f64; 3]; 3],
 }
 
-/// Why simple shear is not among the loadings of a metal unless it is asked for.
 const SHEAR_LEFT_OUT: &str = "simple shear is left out: its principal axes turn, so that the proportional path to a state is not the loading itself, and each state \
                               takes long; --mode simple-shear asks for it";
-/// Why it never is of a metal that has axes of its own.
 const SHEAR_OF_AXES: &str = "simple shear is left out: its principal axes turn against those of the metal, so that each state is integrated along a path of its \
                              own, which takes minutes";
 
-/// Refuses loadings that turn a metal's principal axes against its own.
+/// Refuses loadings whose principal axes do not coincide with the material axes of the metal.
 fn along_axes(settings: &MaterialSettings, modes: &[Mode]) -> Result<(), CriteriaError> {
     let refused = |how: String| CriteriaError::Turned {
         law: settings.model.name(),
@@ -320,21 +319,21 @@ fn along_axes(settings: &MaterialSettings, modes: &[Mode]) -> Result<(), Criteri
     }
 }
 
-/// A law with what is to be asked.
+/// Stability criteria of a law for a range of stretches and some loadings.
 pub struct Question {
     law: LawAnswer,
     material: Box<dyn Hyperelastic>,
-    /// Whether its stress follows from the energy that it gives; what a metal stores elastically is none once it flows.
+    /// Whether the stress is the derivative of an energy; the elastic energy of a metal in plastic flow is no potential of its stress.
     has_energy: bool,
     range: Range,
     loadings: Vec<Loading>,
 }
 
 impl Question {
-    /// A law over a range of stretches, in some modes; all of them when none is named.
+    /// Prepares the criteria of a law over a range of stretches for the given modes, or for all modes if `modes` is empty.
     ///
     /// # Errors
-    /// [`CriteriaError`] when a parameter is out of range.
+    /// [`CriteriaError`] when a parameter is out of range, or when a loading is not possible for this law.
     pub fn new(
         settings: &MaterialSettings,
         range: Range,
@@ -349,7 +348,7 @@ impl Question {
         let has_unit = |name: &str| Some((name.to_owned(), settings.unit(name)?));
         let units = settings.entries().into_iter();
         let turns = material.is_path_dependent() && !settings.is_library();
-        // A metal may be isotropic where it does not flow yet.
+        // A metal with an anisotropic yield surface may be isotropic before it yields.
         let has_axes = turns && !settings.model.is_isotropic();
         if has_axes {
             along_axes(settings, modes)?;
@@ -397,22 +396,23 @@ impl Question {
         })
     }
 
-    /// With a name of its own for the law.
+    /// Replaces the title of the law.
     pub fn with_name(mut self, name: Option<String>) -> Self {
         self.law.name = name;
         self
     }
 
-    /// With more that a reader must know of the law.
+    /// Adds remarks on the law for the reader.
     pub fn with_notes(mut self, notes: Vec<String>) -> Self {
         self.law.notes.extend(notes);
         self
     }
 
-    /// The same question of the incompressible response of the law: its volumetric part does not count, the pressure follows from a free face.
+    /// Evaluates the incompressible response of the law: the volumetric part is dropped, and the pressure follows from a traction-free face.
     ///
     /// # Errors
-    /// [`CriteriaError::NotIsotropic`] of a law that is not isotropic, [`CriteriaError::NoEnergy`] of one whose stress depends on the path, [`CriteriaError::ChangesVolume`] when none of the modes keeps the volume.
+    /// [`CriteriaError::NotIsotropic`] if the law is anisotropic, [`CriteriaError::NoEnergy`] if its stress depends on the path,
+    /// [`CriteriaError::ChangesVolume`] if none of the modes keeps the volume.
     pub fn incompressible(mut self) -> Result<Self, CriteriaError> {
         if !self.law.isotropic {
             return Err(CriteriaError::NotIsotropic {
@@ -433,7 +433,7 @@ impl Question {
         Ok(self)
     }
 
-    /// Returns true for a law of the plane.
+    /// Returns true for a two-dimensional law.
     fn is_in_plane(&self) -> bool {
         self.material.dimension() == 2
     }
@@ -445,7 +445,7 @@ impl Question {
         }
     }
 
-    /// The criteria with an answer: true stress and Kirchhoff stress are one in incompressible response, whose surfaces have a criterion.
+    /// Criteria that apply. True and Kirchhoff stress coincide in incompressible response, so only one of the two monotonicity criteria remains.
     fn criteria(&self) -> Vec<Criterion> {
         let left_out: &[Criterion] = match self.law.incompressible {
             true => &[Criterion::TrueStressMonotonicity],
@@ -462,10 +462,10 @@ impl Question {
         criteria
     }
 
-    /// Every criterion along every loading.
+    /// Evaluates every criterion for every loading.
     ///
     /// # Errors
-    /// [`CriteriaError`] when the law has no state in the reference.
+    /// [`CriteriaError`] when the law cannot be evaluated in the reference configuration.
     pub fn answer(&self) -> Result<CriteriaAnswer, CriteriaError> {
         let criteria = self.criteria();
         let loadings: Vec<LoadingAnswer> = self
@@ -501,7 +501,7 @@ impl Question {
         let refuted = loadings
             .iter()
             .find_map(|loading| Some((loading.title, loading.refutes_polyconvexity()?)));
-        // What refutes it may be the volumetric part.
+        // The proof against polyconvexity may rest on the volumetric part, which the incompressible response lacks.
         let is_of_volume = self.law.incompressible && known.knowledge == Knowledge::NotPolyconvex;
         let knowledge = match is_of_volume {
             true => Knowledge::Unknown,
@@ -580,14 +580,13 @@ impl Question {
 }
 
 impl CriterionAnswer {
-    /// Whether it is lost somewhere.
     fn has_limit(&self) -> bool {
         self.compression.limit.is_some() || self.tension.limit.is_some()
     }
 }
 
 impl LoadingAnswer {
-    /// A stretch at which the law is not rank-one convex.
+    /// Returns a stretch at which the law is not rank-one convex, and hence not polyconvex.
     fn refutes_polyconvexity(&self) -> Option<f64> {
         let lost = |criterion: Criterion| {
             let found = self
@@ -601,7 +600,7 @@ impl LoadingAnswer {
 }
 
 impl EndAnswer {
-    /// Why the path leads no further, in a line; `None` at the end of the range.
+    /// Reason why the path ends, in a line; `None` at the end of the range.
     fn line(&self, side: &str) -> Option<String> {
         let reason = self.reason.as_ref()?;
         Some(format!(
@@ -610,7 +609,6 @@ impl EndAnswer {
         ))
     }
 
-    /// The end of a path whose range ends at `limit`.
     pub(crate) fn of(end: &PathEnd, limit: f64) -> Self {
         let (stretch, reason) = match end {
             PathEnd::Range => (limit, None),
@@ -637,7 +635,7 @@ impl EndAnswer {
     }
 }
 
-/// Pairs as a map in their order.
+/// Serializes pairs as a map, in their order.
 fn as_map<S: Serializer>(
     pairs: &[(String, serde_json::Value)],
     serializer: S,
@@ -645,7 +643,6 @@ fn as_map<S: Serializer>(
     serializer.collect_map(pairs.iter().map(|(name, value)| (name, value)))
 }
 
-/// A setting as it is written in JSON.
 fn document(value: Value) -> serde_json::Value {
     match value {
         Value::Number(number) => number.into(),
@@ -654,7 +651,7 @@ fn document(value: Value) -> serde_json::Value {
     }
 }
 
-/// Parts of the way to the ends at which second states are looked for.
+/// Fractions of the distance to each end of the path at which further equilibria are searched.
 const OTHERS: [f64; 3] = [0.25, 0.5, 1.0];
 
 fn other_states(path: &LoadingPath<'_>) -> Vec<OtherState> {
@@ -672,7 +669,7 @@ fn other_states(path: &LoadingPath<'_>) -> Vec<OtherState> {
         .collect()
 }
 
-/// A jump of energy, stress or tangent in words.
+/// Describes a jump of energy, stress or tangent.
 fn kink(kink: &KinkAnswer) -> String {
     let place = number::told(kink.stretch);
     let [energy, stress, mean, bulk] = [
@@ -696,7 +693,6 @@ fn kink(kink: &KinkAnswer) -> String {
     }
 }
 
-/// The nominal strain at a stretch.
 fn nominal_strain(loading: Loading, stretch: f64) -> f64 {
     match loading.mode {
         Mode::SimpleShear => loading.mode.imposed(stretch.ln()),
@@ -704,7 +700,6 @@ fn nominal_strain(loading: Loading, stretch: f64) -> f64 {
     }
 }
 
-/// The nominal stress of a state.
 fn nominal_stress(loading: Loading, state: &PathState) -> f64 {
     let stress = &state.response.first_piola;
     match loading.mode {
@@ -713,7 +708,7 @@ fn nominal_stress(loading: Loading, state: &PathState) -> f64 {
     }
 }
 
-/// How far before a change its state is taken, in shares of `ln lambda`, where it has none of its own.
+/// Offsets before a change at which its state is taken if the path has none at the change itself, relative to `ln lambda`.
 const BEFORE: [f64; 4] = [1e-12, 1e-11, 1e-9, 1e-7];
 
 fn side(path: &LoadingPath<'_>, loading: Loading, track: Option<&Track>) -> SideAnswer {
@@ -722,7 +717,7 @@ fn side(path: &LoadingPath<'_>, loading: Loading, track: Option<&Track>) -> Side
     };
     let change = |event: &Event| {
         let s = event.stretch.ln();
-        // Where the free faces branch, the path has no state at the change, and one close before it.
+        // If the equilibrium of the free faces branches at the change, the path has no state there; the state just before it is reported.
         let state = path
             .at(s)
             .or_else(|| BEFORE.iter().find_map(|share| path.at(s * (1.0 - share))));

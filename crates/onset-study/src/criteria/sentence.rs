@@ -1,12 +1,12 @@
-//! Criteria in words: a table for people, and where criteria disagree.
+//! Criteria in words: the table of the console, and the sentences on disagreements.
 
 use super::{CriteriaAnswer, CriterionAnswer, LoadingAnswer, SideAnswer, told};
 use crate::number;
 use onset::criteria::{Change, Criterion, Knowledge, Witness};
 use std::fmt::{Display, Formatter, Result};
 
-/// Limits closer than this, relative, count as the same.
-const SAME: f64 = 1e-6;
+/// Largest relative difference of two limits that are considered equal.
+const LIMIT_TOLERANCE: f64 = 1e-6;
 
 impl Display for CriteriaAnswer {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> Result {
@@ -77,21 +77,21 @@ impl Display for CriteriaAnswer {
     }
 }
 
-/// Letters of a typed energy that a title has room for.
+/// Maximum length of a user-defined energy in a title, in characters.
 const LETTERS: usize = 60;
 
-/// The law in a line.
+/// Name and parameters of the law, in a line.
 pub(super) fn heading(law: &super::LawAnswer) -> String {
     in_a_line(law, usize::MAX)
 }
 
-/// The law in a title, with the beginning of a long energy.
+/// Name and parameters of the law, with a long energy abbreviated.
 pub(super) fn title(law: &super::LawAnswer) -> String {
     in_a_line(law, LETTERS)
 }
 
 fn in_a_line(law: &super::LawAnswer, letters: usize) -> String {
-    // What has a name of its own does not tell its energy too.
+    // A custom name replaces the energy or table.
     let told = |(name, _): &&(String, serde_json::Value)| {
         let is_named = law.name.is_some() && ["energy", "table"].contains(&name.as_str());
         !is_named && !is_of_an_empty_term(law, name)
@@ -126,7 +126,7 @@ fn in_a_line(law: &super::LawAnswer, letters: usize) -> String {
     format!("{name} ({}), {symmetry}", parameters.join(", "))
 }
 
-/// Whether a parameter is one of a numbered term, `mu4` and `alpha4`, whose modulus is zero.
+/// Returns true for parameters of a numbered term (`mu4`, `alpha4`) whose modulus is zero.
 fn is_of_an_empty_term(law: &super::LawAnswer, name: &str) -> bool {
     let number = name.trim_start_matches(|letter: char| !letter.is_ascii_digit());
     let modulus = format!("mu{number}");
@@ -134,7 +134,7 @@ fn is_of_an_empty_term(law: &super::LawAnswer, name: &str) -> bool {
     !number.is_empty() && own.any(|(_, value)| value.as_f64() == Some(0.0))
 }
 
-/// The heading with the notes on a law.
+/// Heading of the answer, with moduli and notes.
 pub(super) fn opening(law: &super::LawAnswer) -> String {
     let moduli = law.moduli.map_or(String::new(), |moduli| {
         let pascal = law.units.values().find(|unit| **unit == "Pa");
@@ -148,7 +148,7 @@ pub(super) fn opening(law: &super::LawAnswer) -> String {
     format!("{}.{moduli}{}", heading(law), told(&law.notes))
 }
 
-/// What is known about polyconvexity, in a line.
+/// Knowledge about polyconvexity, in a line.
 pub(super) fn polyconvexity(known: &super::PolyconvexityAnswer) -> String {
     let word = match known.knowledge {
         Knowledge::Polyconvex => "yes",
@@ -186,7 +186,7 @@ fn cell(answer: &CriterionAnswer, side: &SideAnswer) -> String {
     }
 }
 
-/// The perturbation at the loss in tension, or else in compression.
+/// Perturbation at the loss in tension, or else in compression.
 fn witnesses(answer: &CriterionAnswer) -> String {
     let first = |side: &SideAnswer| side.changes.first().map(|change| witness(&change.witness));
     let mut text = first(&answer.tension)
@@ -206,7 +206,7 @@ fn witnesses(answer: &CriterionAnswer) -> String {
     text
 }
 
-/// A perturbation in a few words.
+/// Describes a perturbation in a few words.
 pub(super) fn witness(witness: &Witness) -> String {
     match witness {
         Witness::Wave {
@@ -264,7 +264,7 @@ fn component(x: f64, digits: usize) -> String {
     }
 }
 
-/// Where the criteria disagree with strong ellipticity: a sentence or two for each criterion.
+/// Sentences on how each criterion disagrees with strong ellipticity.
 pub(super) fn disagreements(loadings: &[LoadingAnswer]) -> Vec<String> {
     let mut sentences = Vec::new();
     for criterion in Criterion::ALL {
@@ -291,7 +291,7 @@ pub(super) fn disagreements(loadings: &[LoadingAnswer]) -> Vec<String> {
                 _ => format!("{title} is lost while strong ellipticity holds: {list}."),
             });
         }
-        // What follows from strong ellipticity holds on of necessity.
+        // Criteria implied by strong ellipticity necessarily outlast it; this is no disagreement.
         let implied = matches!(
             criterion,
             Criterion::BakerEricksen | Criterion::RankOneConvexity
@@ -326,7 +326,7 @@ pub(super) fn disagreements(loadings: &[LoadingAnswer]) -> Vec<String> {
     sentences
 }
 
-/// How a criterion compares with strong ellipticity in a loading, in words.
+/// Outcome of comparing a criterion with strong ellipticity in a loading, as the text to print.
 enum Comparison {
     Sooner(String),
     Later(String),
@@ -358,13 +358,13 @@ fn comparison(loading: &LoadingAnswer, criterion: Criterion, tension: bool) -> O
     };
     match own {
         Some(1.0) if criterion == Criterion::Hill => None,
-        Some(own) if near < far * (1.0 - SAME) => Some(Comparison::Sooner(format!(
+        Some(own) if near < far * (1.0 - LIMIT_TOLERANCE) => Some(Comparison::Sooner(format!(
             "{what} from {} (waves {})",
             number::told(own),
             until(waves)
         ))),
         _ => {
-            let waves = waves.filter(|_| near > far * (1.0 + SAME))?;
+            let waves = waves.filter(|_| near > far * (1.0 + LIMIT_TOLERANCE))?;
             Some(Comparison::Later(format!(
                 "{what} from {} ({})",
                 number::told(waves),

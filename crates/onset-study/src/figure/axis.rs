@@ -1,29 +1,29 @@
 //! Axes: ranges, scales and ticks at nice numbers.
 
-/// How an axis maps numbers to lengths.
+/// Scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Scale {
-    /// Equal differences are equal lengths.
+    /// Equal differences have equal lengths.
     #[default]
     Linear,
-    /// Equal ratios are equal lengths.
+    /// Equal ratios have equal lengths.
     Log10,
 }
 
 /// One axis of a [`Panel`](super::Panel).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// What is measured, with its unit.
+    /// Quantity on the axis, with its unit.
     pub label: String,
-    /// The numbers at the start and at the end; the start may be the larger one.
+    /// Numbers at the start and at the end; the start may be the larger one.
     pub range: (f64, f64),
-    /// How numbers become lengths.
+    /// Linear or logarithmic scale.
     pub scale: Scale,
     /// Named ticks such as Γ, X, M instead of numbers.
     pub ticks: Option<Vec<(f64, String)>>,
 }
 
-/// A tick with its label; minor ticks carry an empty one.
+/// Tick with its label; minor ticks have an empty label.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tick {
     pub(super) at: f64,
@@ -32,7 +32,7 @@ pub(super) struct Tick {
 }
 
 impl Axis {
-    /// A linear axis.
+    /// Creates an axis with linear scale.
     pub fn linear(label: impl Into<String>, range: (f64, f64)) -> Self {
         Self {
             label: label.into(),
@@ -42,7 +42,7 @@ impl Axis {
         }
     }
 
-    /// A logarithmic axis.
+    /// Creates an axis with logarithmic scale.
     pub fn log(label: impl Into<String>, range: (f64, f64)) -> Self {
         Self {
             scale: Scale::Log10,
@@ -50,7 +50,7 @@ impl Axis {
         }
     }
 
-    /// Set the range to the finite `values` (on a logarithmic axis the positive ones) with a small margin.
+    /// Sets the range to the finite `values` (on a logarithmic axis the positive ones) with a small margin.
     ///
     /// ```
     /// use onset_study::figure::Axis;
@@ -76,14 +76,14 @@ impl Axis {
         self
     }
 
-    /// Put named ticks in place of numbers.
+    /// Replaces the numbers by named ticks.
     pub fn ticks<S: Into<String>>(mut self, ticks: impl IntoIterator<Item = (f64, S)>) -> Self {
         let named = ticks.into_iter().map(|(at, name)| (at, name.into()));
         self.ticks = Some(named.collect());
         self
     }
 
-    /// The number as a length along the axis; not finite where the scale has no place for it.
+    /// Length along the axis of a number; not finite if the scale cannot show the number.
     pub(super) fn length(&self, number: f64) -> f64 {
         match self.scale {
             Scale::Linear => number,
@@ -98,7 +98,7 @@ impl Axis {
         }
     }
 
-    /// The range as lengths, finite and never empty, whatever the caller wrote.
+    /// Range as lengths. Always finite and nonempty, for any range that the caller set.
     pub(super) fn limits(&self) -> (f64, f64) {
         let bound = 1e300;
         let (mut start, mut end) = match (self.length(self.range.0), self.length(self.range.1)) {
@@ -116,14 +116,14 @@ impl Axis {
         (start, end)
     }
 
-    /// Where the number lies between the start (0) and the end (1) of the axis.
+    /// Position of the number between the start (0) and the end (1) of the axis.
     pub(super) fn fraction(&self, number: f64) -> Option<f64> {
         let (start, end) = self.limits();
         let fraction = (self.length(number) - start) / (end - start);
         fraction.is_finite().then_some(fraction)
     }
 
-    /// At most about `target` labelled ticks inside the range, in increasing order.
+    /// About `target` labelled ticks inside the range, in increasing order.
     pub(super) fn marks(&self, target: usize) -> Vec<Tick> {
         let (start, end) = self.limits();
         let (low, high) = (start.min(end), start.max(end));
@@ -178,7 +178,7 @@ fn linear_marks(low: f64, high: f64, target: usize) -> Vec<Tick> {
     let last = (high / step + 1e-9).floor();
     let largest = (first * step).abs().max((last * step).abs());
     let scientific = largest >= 99_999.5 || power < -4;
-    // One exponent for all, so that the labels compare at a glance.
+    // All labels have the same exponent, so that they can be compared at a glance.
     let exponent =
         (scientific && largest > 0.0).then(|| (largest * (1.0 + 1e-9)).log10().floor() as i32);
     (0..=(last - first).clamp(0.0, 100.0) as i32)
@@ -191,7 +191,7 @@ fn linear_marks(low: f64, high: f64, target: usize) -> Vec<Tick> {
         .collect()
 }
 
-/// Ticks at powers of ten, or at 1, 2, 5 times them where the range is short. `low` and `high` are exponents.
+/// Ticks at powers of ten, or also at 2 and 5 times these if the range is short. `low` and `high` are exponents.
 fn log_marks(low: f64, high: f64, target: usize) -> Vec<Tick> {
     let (lowest, highest) = ((low - 1e-9).ceil() as i32, (high + 1e-9).floor() as i32);
     let inside = |at: f64| (low - 1e-9..=high + 1e-9).contains(&at.log10());
@@ -230,7 +230,7 @@ fn log_marks(low: f64, high: f64, target: usize) -> Vec<Tick> {
     linear_marks(10f64.powf(low), 10f64.powf(high), target)
 }
 
-/// The number with as many digits as ticks `10^power` apart need, and with a true minus sign; over `10^exponent` if given.
+/// Formats a number with the digits needed for ticks spaced `10^power` apart, with a true minus sign; over `10^exponent` if given.
 fn number_label(at: f64, power: i32, exponent: Option<i32>) -> String {
     let label = match exponent {
         Some(_) if at == 0.0 => "0".to_string(),

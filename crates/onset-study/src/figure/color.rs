@@ -12,7 +12,7 @@ pub struct Color {
 }
 
 impl Color {
-    /// The color `0xRRGGBB`, as designers and browsers write it.
+    /// The color `0xRRGGBB`, as in HTML.
     ///
     /// ```
     /// use onset_study::figure::Color;
@@ -26,7 +26,7 @@ impl Color {
         }
     }
 
-    /// The color a fraction `t` of the way to `other`, component by component.
+    /// Mixes the colors componentwise: a fraction `t` of the way to `other`.
     pub fn toward(self, other: Self, t: f64) -> Self {
         let mix = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * t).round() as u8;
         Self {
@@ -43,13 +43,13 @@ impl std::fmt::Display for Color {
     }
 }
 
-/// How the numbers of a [`Field`](super::Field) become colors; all are safe for color-blind readers.
+/// Color map of a [`Field`](super::Field). All maps are safe for color-blind readers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ColorMap {
     /// Dark to light, for quantities with an order but no special value.
     #[default]
     Viridis,
-    /// Dark blue to yellow, the same to readers with and without color blindness.
+    /// Dark blue to yellow; appears the same with and without color blindness.
     Cividis,
     /// White to black, for prints without color.
     Grey,
@@ -79,7 +79,7 @@ const RED_BLUE: [u32; 11] = [
 ];
 
 impl ColorMap {
-    /// All of them.
+    /// All color maps, in the order of the help.
     pub const ALL: [Self; 4] = [Self::Viridis, Self::Cividis, Self::Grey, Self::Diverging];
 
     /// The word used on the command line.
@@ -92,7 +92,7 @@ impl ColorMap {
         }
     }
 
-    /// The color of `value` when the map covers `range`; values beyond it take the end colors.
+    /// Color of `value` when the map covers `range`; values outside take the end colors.
     ///
     /// ```
     /// use onset_study::figure::{Color, ColorMap};

@@ -1,4 +1,4 @@
-//! What a panel shows, drawn into its box.
+//! Drawing of the layers of a panel into its box.
 
 use super::pen::{CAPITAL, NUMBERS, Pen, crisp, marker, pixels, polygon, rectangle, segment};
 use super::scene::{Anchor, Paint, Shape, Words};
@@ -8,10 +8,10 @@ use super::{
 };
 use tiny_skia::PathBuilder;
 
-/// Colors in a map of numbers and in its color bar.
+/// Number of colors in a map of numbers and in its color bar.
 pub(super) const LEVELS: u8 = 128;
 
-/// The discs of a ball: their size and how far they lie to the upper left, both in radii, and how much lighter they are.
+/// Discs of a shaded ball: radius and shift to the upper left, both relative to the radius of the ball, and lightness.
 const SHADES: [(f64, f64, f64); 5] = [
     (1.0, 0.0, -0.45),
     (0.93, 0.0, 0.0),
@@ -20,13 +20,13 @@ const SHADES: [(f64, f64, f64); 5] = [
     (0.20, 0.38, 0.80),
 ];
 
-/// The values of a field that have a cell.
+/// Values of a field that belong to a cell.
 pub(super) fn shown_values(field: &Field) -> impl Iterator<Item = f64> + Clone {
     let cells = field.columns.saturating_mul(field.rows);
     field.values.iter().take(cells).copied()
 }
 
-/// The ends of the color bar, made finite and distinct.
+/// Ends of the color bar, made finite and distinct.
 pub(super) fn field_range(field: &Field) -> (f64, f64) {
     let of_data = || {
         let finite = shown_values(field).filter(|value| value.is_finite());
@@ -50,7 +50,7 @@ pub(super) fn level_color(map: ColorMap, level: u8, range: (f64, f64)) -> Color 
     map.color(range.0 + t * (range.1 - range.0), range)
 }
 
-/// The box of a panel in the picture.
+/// Box of a panel in the picture.
 pub(super) struct Frame<'a> {
     pub(super) panel: &'a Panel,
     pub(super) left: f64,
@@ -72,7 +72,7 @@ impl Frame<'_> {
         Some((self.x(x)?, self.y(y)?))
     }
 
-    /// Whether a place is in the box, its edge included.
+    /// Returns true if a point lies in the box or on its edge.
     fn holds(&self, (x, y): (f64, f64)) -> bool {
         let slack = 1e-6;
         (self.left - slack..=self.left + self.width + slack).contains(&x)
@@ -158,7 +158,7 @@ impl Frame<'_> {
         }
     }
 
-    /// A map of classes: one outline a color.
+    /// Categorical map, drawn as one outline for each color.
     fn map(
         &self,
         pen: &mut Pen,
@@ -217,7 +217,7 @@ impl Frame<'_> {
         );
     }
 
-    /// The part of a segment inside the box (Liang and Barsky).
+    /// Part of a segment inside the box (Liang and Barsky).
     fn clip(&self, from: (f64, f64), to: (f64, f64)) -> Option<((f64, f64), (f64, f64))> {
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
         let (mut enter, mut leave) = (0.0f64, 1.0f64);
@@ -248,7 +248,7 @@ impl Frame<'_> {
         Some((along(enter), along(leave)))
     }
 
-    /// Balls from back to front, each with its arrow: discs within discs that are lighter toward the upper left.
+    /// Balls from back to front, each with its arrow. Nested discs, lighter toward the upper left, give the shading.
     fn balls(&self, pen: &mut Pen, balls: &Balls) {
         for ball in &balls.balls {
             let edge = (ball.at.0 + ball.radius, ball.at.1);
@@ -283,7 +283,7 @@ impl Frame<'_> {
         }
     }
 
-    /// An arrow as one filled outline; the part of its shaft in the box, and its head if the tip is there.
+    /// Arrow as one filled outline: the part of its shaft in the box, and its head if the tip is there.
     fn arrow(&self, outline: &mut PathBuilder, tail: (f64, f64), tip: (f64, f64), width: f64) {
         let (dx, dy) = (tip.0 - tail.0, tip.1 - tail.1);
         let length = dx.hypot(dy);
@@ -310,7 +310,7 @@ impl Frame<'_> {
     }
 }
 
-/// The level of a value; [`u8::MAX`] for none.
+/// Color level of a value; [`u8::MAX`] for NaN.
 fn level(value: f64, (low, high): (f64, f64)) -> u8 {
     if value.is_nan() {
         return u8::MAX;

@@ -1,8 +1,9 @@
-//! The one font of all figures, embedded: DejaVu Sans, free under the terms in `DejaVu-LICENSE.txt` beside this file.
+//! The font of all figures, embedded: DejaVu Sans, free under the terms in `DejaVu-LICENSE.txt` in this folder.
 //!
-//! Of its letters those that need no shaping are kept: Latin, Greek, Cyrillic, punctuation, arrows and mathematics, a quarter of the whole. Made from release 2.37 with
-//! fonttools 4.68: `pyftsubset DejaVuSans.ttf --unicodes=U+0020-024F,U+0300-052F,U+1D2C-1D6A,U+1E00-1EFF,U+2000-22FF,U+25A0-25FF --retain-gids --no-hinting
-//! --layout-features= --drop-tables+=GPOS,GSUB,GDEF,MATH,kern,FFTM,post,gasp,OS/2 --notdef-outline --no-glyph-names`.
+//! The subset contains the characters that need no shaping: Latin, Greek, Cyrillic, punctuation, arrows and mathematics, a quarter of the font. It
+//! was made from release 2.37 with fonttools 4.68: `pyftsubset DejaVuSans.ttf
+//! --unicodes=U+0020-024F,U+0300-052F,U+1D2C-1D6A,U+1E00-1EFF,U+2000-22FF,U+25A0-25FF --retain-gids --no-hinting --layout-features=
+//! --drop-tables+=GPOS,GSUB,GDEF,MATH,kern,FFTM,post,gasp,OS/2 --notdef-outline --no-glyph-names`.
 
 use std::sync::OnceLock;
 use tiny_skia::{Path, PathBuilder};
@@ -15,12 +16,12 @@ fn face() -> &'static Face<'static> {
     FACE.get_or_init(|| Face::parse(FONT, 0).expect("the embedded font is whole"))
 }
 
-/// Font units in the font size.
+/// Font units per em.
 pub(super) fn units() -> f32 {
     f32::from(face().units_per_em())
 }
 
-/// The glyphs of a line of text and where each starts, in font units.
+/// Glyphs of a line of text with their starting positions, in font units.
 pub(super) fn glyphs(text: &str) -> impl Iterator<Item = (GlyphId, f32)> {
     let mut pen = 0.0;
     text.chars().map(move |c| {
@@ -32,7 +33,7 @@ pub(super) fn glyphs(text: &str) -> impl Iterator<Item = (GlyphId, f32)> {
     })
 }
 
-/// The width of a line of text.
+/// Width of a line of text.
 pub(super) fn width(text: &str, size: f64) -> f64 {
     let last = glyphs(text).last().map_or(0.0, |(glyph, start)| {
         start + f32::from(face().glyph_hor_advance(glyph).unwrap_or(0))
@@ -40,14 +41,14 @@ pub(super) fn width(text: &str, size: f64) -> f64 {
     f64::from(last / units()) * size
 }
 
-/// The outline of a glyph in font units, y upward; `None` for a space.
+/// Outline of a glyph in font units, y upward; `None` for a space.
 pub(super) fn outline(glyph: GlyphId) -> Option<Path> {
     let mut pen = Pen(PathBuilder::new());
     face().outline_glyph(glyph, &mut pen)?;
     pen.0.finish()
 }
 
-/// Break a text at spaces so that its lines are no wider than `available` where words allow it.
+/// Breaks a text at spaces into lines no wider than `available`, unless a single word is wider.
 pub(super) fn wrap(text: &str, size: f64, available: f64) -> Vec<String> {
     let mut lines = Vec::new();
     for paragraph in text.lines().filter(|line| !line.trim().is_empty()) {

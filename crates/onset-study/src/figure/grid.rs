@@ -1,6 +1,6 @@
-//! A grid of classes as few rectangles.
+//! Decomposition of a grid of classes into few rectangles.
 
-/// A block of cells of one class; the end is exclusive.
+/// Block of cells of one class; the end is exclusive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Block {
     pub(super) class: u8,
@@ -8,13 +8,13 @@ pub(super) struct Block {
     pub(super) rows: (usize, usize),
 }
 
-/// The grid as disjoint blocks: runs along a row, joined with the equal runs of the rows above. Missing cells have no block.
+/// Decomposes the grid into disjoint blocks: runs along a row, joined with equal runs in the rows above. Missing cells have no block.
 pub(super) fn blocks(columns: usize, classes: &[u8]) -> Vec<Block> {
     let mut blocks: Vec<Block> = Vec::new();
     if columns == 0 {
         return blocks;
     }
-    // Blocks that end at the row before, by their first column.
+    // Blocks that end in the preceding row, by their first column.
     let mut open: Vec<Option<usize>> = vec![None; columns.min(classes.len())];
     for (row, cells) in classes.chunks(columns).enumerate() {
         let mut start = 0;

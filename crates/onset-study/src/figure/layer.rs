@@ -1,147 +1,149 @@
-//! What a panel shows: maps, curves, points, arrows, words.
+//! Layers of a panel: maps, curves, points, arrows, words.
 
 use super::{Color, ColorMap, palette};
 
-/// One thing drawn in a [`Panel`](super::Panel), over the layers before it.
+/// A layer of a [`Panel`](super::Panel), drawn over the layers before it.
 ///
-/// Numbers that are not finite are never drawn. Everything is clipped to the panel. What lies over a map gets a white rim, so that it
-/// shows on every color.
+/// Numbers that are not finite are never drawn. Everything is clipped to the panel. Layers over a map get a white rim, so that they stand out from
+/// every color.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Layer {
-    /// A categorical map.
+    /// Categorical map on a grid.
     Regions(Regions),
-    /// A map of numbers, with a color bar.
+    /// Map of numbers, with a color bar.
     Field(Field),
-    /// A curve.
+    /// Curve through a list of vertices.
     Line(Line),
-    /// Markers.
+    /// Markers at a list of points.
     Points(Points),
-    /// Arrows.
+    /// Arrows between pairs of points, as displacements.
     Arrows(Arrows),
     /// Shaded balls with arrows.
     Balls(Balls),
-    /// A word in the plane.
+    /// Word at a point.
     Label(Label),
-    /// A straight line across the whole panel.
+    /// Straight line across the whole panel.
     Rule(Rule),
 }
 
-/// A categorical map on a grid that divides the rectangle evenly, as the axes measure it (evenly in the logarithm on a
-/// logarithmic axis); each class is one cell wide around its sample.
+/// Categorical map on a uniform grid.
+///
+/// The grid divides the rectangle evenly, as the axes measure it (evenly in the logarithm on a logarithmic axis); each sample lies in the middle of
+/// its cell.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Regions {
     /// Left and right edge of the grid.
     pub x: (f64, f64),
     /// Lower and upper edge of the grid.
     pub y: (f64, f64),
-    /// Cells along x.
+    /// Number of cells along x.
     pub columns: usize,
-    /// Cells along y.
+    /// Number of cells along y.
     pub rows: usize,
-    /// Index into `key` of each cell, row after row from the smallest y; an index beyond the key leaves a blank.
+    /// Index into `key` for each cell, row after row from the smallest y; an index beyond the key leaves a blank.
     pub classes: Vec<u8>,
     /// Name and color of each class.
     pub key: Vec<(String, Color)>,
 }
 
-/// A map of numbers on a grid as in [`Regions`], with a color bar.
+/// Map of numbers on a grid as in [`Regions`], with a color bar.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Field {
     /// Left and right edge of the grid.
     pub x: (f64, f64),
     /// Lower and upper edge of the grid.
     pub y: (f64, f64),
-    /// Cells along x.
+    /// Number of cells along x.
     pub columns: usize,
-    /// Cells along y.
+    /// Number of cells along y.
     pub rows: usize,
     /// Value of each cell, row after row from the smallest y; NaN leaves a blank, infinities take the end colors.
     pub values: Vec<f64>,
-    /// What is measured, with its unit.
+    /// Quantity shown, with its unit.
     pub label: String,
-    /// How numbers become colors.
+    /// Color map of the numbers.
     pub map: ColorMap,
-    /// The numbers at the ends of the color bar; those of the data if `None`.
+    /// Numbers at the ends of the color bar; the range of the data if `None`.
     pub range: Option<(f64, f64)>,
 }
 
-/// A curve.
+/// Curve through a list of vertices.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// The vertices; a NaN breaks the curve.
+    /// Vertices; a NaN interrupts the curve.
     pub points: Vec<(f64, f64)>,
     /// Name in the legend.
     pub name: Option<String>,
-    /// Color.
+    /// Color of the curve.
     pub color: Color,
-    /// Width in pixels.
+    /// Width of the curve in pixels.
     pub width: f64,
-    /// Dashes.
+    /// Dash pattern of the curve.
     pub dash: Dash,
 }
 
-/// The dashes of a line.
+/// Dash pattern of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Dash {
-    /// Drawn through.
+    /// One continuous stroke without gaps.
     #[default]
     Solid,
-    /// Long dashes.
+    /// A line of long dashes.
     Dashed,
-    /// Dots.
+    /// A line of dots.
     Dotted,
 }
 
-/// Markers at points.
+/// Markers at a list of points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Points {
-    /// Where the markers are.
+    /// Positions of the markers.
     pub points: Vec<(f64, f64)>,
     /// Name in the legend.
     pub name: Option<String>,
-    /// Color.
+    /// Color of the markers.
     pub color: Color,
-    /// Diameter in pixels.
+    /// Diameter of the markers in pixels.
     pub size: f64,
-    /// Shape.
+    /// Shape of the markers.
     pub marker: Marker,
-    /// Filled, or only an outline around white.
+    /// Whether the markers are filled; otherwise they are outlines around white.
     pub filled: bool,
 }
 
-/// The shape of a marker.
+/// Shape of a marker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Marker {
-    /// A disc.
+    /// Disc around the point.
     #[default]
     Circle,
-    /// A triangle that stands on its base.
+    /// Triangle with a horizontal base.
     Triangle,
-    /// A square.
+    /// Square around the point.
     Square,
-    /// Two crossing strokes; filled or not is the same.
+    /// Two crossing strokes, which ignore `filled`.
     Cross,
 }
 
-/// Arrows from points to points.
+/// Arrows between pairs of points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arrows {
-    /// The tails.
+    /// Tails of the arrows.
     pub from: Vec<(f64, f64)>,
-    /// The tips, one a tail.
+    /// Tips of the arrows, one for each tail.
     pub to: Vec<(f64, f64)>,
     /// Name in the legend.
     pub name: Option<String>,
-    /// Color.
+    /// Color of the arrows.
     pub color: Color,
     /// Width of the shaft in pixels.
     pub width: f64,
 }
 
-/// Balls in space as they are seen, each with an arrow from its center; drawn in the order of the list, the farthest first.
+/// Projected balls, each with an arrow from its center; drawn in the order of the list, the farthest first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Balls {
-    /// The balls.
+    /// Balls, the farthest first.
     pub balls: Vec<Ball>,
     /// Name of the balls in the legend.
     pub name: Option<String>,
@@ -155,56 +157,56 @@ pub struct Balls {
     pub arrow_width: f64,
 }
 
-/// A ball.
+/// Projection of a ball with its arrow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ball {
-    /// Its center.
+    /// Center of the ball.
     pub at: (f64, f64),
-    /// Its radius, measured along the horizontal axis.
+    /// Radius, measured along the horizontal axis.
     pub radius: f64,
-    /// How pale it is, from 0 (near) to 1 (far).
+    /// Paleness, from 0 (near) to 1 (far).
     pub fade: f64,
-    /// The tip of its arrow.
+    /// Tip of the arrow, if there is an arrow.
     pub tip: Option<(f64, f64)>,
 }
 
-/// A word in the plane, centered at a point but kept inside the panel.
+/// Word centered at a point but kept inside the panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Label {
-    /// Where the word is.
+    /// Center of the word.
     pub at: (f64, f64),
-    /// The word.
+    /// Text of the label.
     pub text: String,
-    /// Color; a white rim keeps the word legible on any map.
+    /// Color of the word; a white rim keeps it legible on any map.
     pub color: Color,
 }
 
-/// A straight line across the whole panel.
+/// Straight line across the whole panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rule {
     /// Direction of the line.
     pub direction: Direction,
-    /// Its x if it is vertical, its y if it is horizontal.
+    /// The x of a vertical line, the y of a horizontal one.
     pub at: f64,
     /// Name in the legend.
     pub name: Option<String>,
-    /// Color.
+    /// Color of the line.
     pub color: Color,
-    /// Dashes.
+    /// Dash pattern of the line.
     pub dash: Dash,
 }
 
 /// The direction of a [`Rule`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Direction {
-    /// At a constant y.
+    /// Line at a constant y.
     Horizontal,
-    /// At a constant x.
+    /// Line at a constant x.
     Vertical,
 }
 
 impl Regions {
-    /// A map of classes whose names and colors are in `key`.
+    /// Creates a map of classes whose names and colors are in `key`.
     pub fn new<S: Into<String>>(
         x: (f64, f64),
         y: (f64, f64),
@@ -223,7 +225,7 @@ impl Regions {
         }
     }
 
-    /// A map of words, row after row: verdicts take their fixed colors, other words those of [`palette::SERIES`] in turn.
+    /// Creates a map of words, row after row. Verdicts take their fixed colors, other words the colors of [`palette::SERIES`] in order.
     ///
     /// ```
     /// use onset_study::figure::{Regions, palette};
@@ -258,7 +260,7 @@ impl Regions {
 }
 
 impl Field {
-    /// A map of numbers in [`ColorMap::Viridis`] over the range of the data.
+    /// Creates a map of numbers in [`ColorMap::Viridis`] over the range of the data.
     pub fn new(
         x: (f64, f64),
         y: (f64, f64),
@@ -278,13 +280,13 @@ impl Field {
         }
     }
 
-    /// Show the sign: [`ColorMap::Diverging`].
+    /// Uses the color map [`ColorMap::Diverging`], which shows the sign.
     pub fn diverging(mut self) -> Self {
         self.map = ColorMap::Diverging;
         self
     }
 
-    /// Fix the numbers at the ends of the color bar.
+    /// Sets the numbers at the ends of the color bar.
     pub fn range(mut self, low: f64, high: f64) -> Self {
         self.range = Some((low, high));
         self
@@ -292,7 +294,7 @@ impl Field {
 }
 
 impl Line {
-    /// A solid black curve.
+    /// Creates a solid black curve.
     pub fn new(points: Vec<(f64, f64)>) -> Self {
         Self {
             points,
@@ -303,7 +305,7 @@ impl Line {
         }
     }
 
-    /// Set the width in pixels.
+    /// Sets the width in pixels.
     pub fn width(mut self, width: f64) -> Self {
         self.width = width;
         self
@@ -311,7 +313,7 @@ impl Line {
 }
 
 impl Points {
-    /// Filled black discs.
+    /// Creates filled black discs at the points.
     pub fn new(points: Vec<(f64, f64)>) -> Self {
         Self {
             points,
@@ -323,19 +325,19 @@ impl Points {
         }
     }
 
-    /// Set the shape.
+    /// Sets the shape of the markers.
     pub fn marker(mut self, marker: Marker) -> Self {
         self.marker = marker;
         self
     }
 
-    /// Set the diameter in pixels.
+    /// Sets the diameter in pixels.
     pub fn size(mut self, size: f64) -> Self {
         self.size = size;
         self
     }
 
-    /// Draw only the outline, around white.
+    /// Draws only the outline of the markers, around white.
     pub fn open(mut self) -> Self {
         self.filled = false;
         self
@@ -343,7 +345,7 @@ impl Points {
 }
 
 impl Arrows {
-    /// Black arrows from each point of `from` to the same point of `to`.
+    /// Creates black arrows from each point of `from` to the corresponding point of `to`.
     pub fn new(from: Vec<(f64, f64)>, to: Vec<(f64, f64)>) -> Self {
         Self {
             from,
@@ -356,7 +358,7 @@ impl Arrows {
 }
 
 impl Balls {
-    /// Blue balls with vermilion arrows.
+    /// Creates blue balls with vermilion arrows.
     pub fn new(balls: Vec<Ball>) -> Self {
         Self {
             balls,
@@ -368,7 +370,7 @@ impl Balls {
         }
     }
 
-    /// Give the arrows a name in the legend.
+    /// Sets the name of the arrows in the legend.
     pub fn arrows_named(mut self, name: impl Into<String>) -> Self {
         self.arrow_name = Some(name.into());
         self
@@ -376,7 +378,7 @@ impl Balls {
 }
 
 impl Label {
-    /// A black word centered at a point.
+    /// Creates a black word centered at a point.
     pub fn new(at: (f64, f64), text: impl Into<String>) -> Self {
         Self {
             at,
@@ -385,7 +387,7 @@ impl Label {
         }
     }
 
-    /// Set the color.
+    /// Sets the color of the word.
     pub fn color(mut self, color: Color) -> Self {
         self.color = color;
         self
@@ -393,7 +395,7 @@ impl Label {
 }
 
 impl Rule {
-    /// A thin grey line at `x = at`.
+    /// Creates a thin grey line at `x = at`.
     pub fn vertical(at: f64) -> Self {
         Self {
             direction: Direction::Vertical,
@@ -404,7 +406,7 @@ impl Rule {
         }
     }
 
-    /// A thin grey line at `y = at`.
+    /// Creates a thin grey line at `y = at`.
     pub fn horizontal(at: f64) -> Self {
         Self {
             direction: Direction::Horizontal,
@@ -413,17 +415,17 @@ impl Rule {
     }
 }
 
-/// `named` and `color` for layers that stand in the legend.
+/// Defines `named` and `color` for layers with an entry in the legend.
 macro_rules! named {
     ($($layer:ident),*) => {$(
         impl $layer {
-            /// Give it a name in the legend.
+            /// Sets the name in the legend.
             pub fn named(mut self, name: impl Into<String>) -> Self {
                 self.name = Some(name.into());
                 self
             }
 
-            /// Set the color.
+            /// Sets the color of the layer.
             pub fn color(mut self, color: Color) -> Self {
                 self.color = color;
                 self
@@ -433,17 +435,17 @@ macro_rules! named {
 }
 named!(Line, Points, Arrows, Balls, Rule);
 
-/// `dashed` and `dotted` for layers that are lines.
+/// Defines `dashed` and `dotted` for layers of lines.
 macro_rules! dashed {
     ($($layer:ident),*) => {$(
         impl $layer {
-            /// Draw it in dashes.
+            /// Draws the line in dashes.
             pub fn dashed(mut self) -> Self {
                 self.dash = Dash::Dashed;
                 self
             }
 
-            /// Draw it in dots.
+            /// Draws the line in dots.
             pub fn dotted(mut self) -> Self {
                 self.dash = Dash::Dotted;
                 self

@@ -1,4 +1,4 @@
-//! From a figure to a scene: measure the panels, line them up, draw them with their axes.
+//! Layout of a figure: measures the panels, aligns them, and draws them with their axes.
 
 use super::axis::{Scale, Tick};
 use super::draw::{Frame, LEVELS, field_range, level_color, shown_values};
@@ -7,26 +7,26 @@ use super::scene::{Anchor, Paint, Scene};
 use super::{Axis, Dash, Field, Figure, Layer, Panel, font, legend};
 use tiny_skia::PathBuilder;
 
-/// Sizes of type, in pixels.
+/// Font sizes, in pixels.
 const TITLE: f64 = 16.0;
 const WORDS: f64 = 13.0;
-/// Baseline to baseline, in sizes of type.
+/// Distance of baselines, in font sizes.
 const LEADING: f64 = 1.3;
-/// White around the figure, and between its parts.
+/// White space around the figure and between its parts.
 const PADDING: f64 = 14.0;
 const GAP: f64 = 18.0;
-/// Length of a tick, and the white to its label.
+/// Length of a tick, and its distance from the label.
 const TICK: f64 = 5.0;
 const TICK_GAP: f64 = 4.0;
-/// Baseline to baseline of named ticks.
+/// Distance of the baselines of named ticks.
 const NAME: f64 = 17.0;
-/// White between the tick labels and the label of the axis.
+/// Distance between the tick labels and the label of the axis.
 const LABEL_GAP: f64 = 8.0;
-/// The color bar: white before it, and its width.
+/// The color bar: distance from the panel, and width.
 const BAR_GAP: f64 = 12.0;
 const BAR: f64 = 13.0;
 
-/// Draw the whole figure.
+/// Draws the whole figure.
 pub(super) fn scene(figure: &Figure) -> Scene {
     let columns = figure.columns.clamp(1, figure.panels.len().max(1));
     let usual = if columns == 1 { 420.0 } else { 300.0 };
@@ -107,13 +107,13 @@ pub(super) fn scene(figure: &Figure) -> Scene {
     }
 }
 
-/// A panel and the sizes of its parts.
+/// A panel with the sizes of its parts.
 struct Measured<'a> {
     panel: &'a Panel,
     /// Size of the box between the axes.
     width: f64,
     height: f64,
-    /// What sticks out of the box.
+    /// Margins around the box, for labels, titles and color bars.
     left: f64,
     right: f64,
     top: f64,
@@ -126,7 +126,7 @@ struct Measured<'a> {
     bars: Vec<Bar<'a>>,
 }
 
-/// A color bar.
+/// A color bar with its axis.
 struct Bar<'a> {
     field: &'a Field,
     axis: Axis,
@@ -144,7 +144,7 @@ impl<'a> Measured<'a> {
         let x_marks = spaced_marks(&panel.x, width);
         let y_marks = panel.y.marks(match panel.y.scale {
             Scale::Linear => mark_target(height, 42.0),
-            // Every decade, while there is room.
+            // One tick per decade if there is room.
             Scale::Log10 => mark_target(height, 22.0),
         });
         let bars: Vec<Bar> = panel
@@ -158,7 +158,7 @@ impl<'a> Measured<'a> {
 
         let lines = |lines: &[String]| lines.len() as f64 * WORDS * LEADING;
         let gap = |lines: &[String]| if lines.is_empty() { 0.0 } else { LABEL_GAP };
-        // Words centered on the box may be wider than it.
+        // Text centered on the box may be wider than the box.
         let overhang = title
             .iter()
             .chain(&x_label)
@@ -268,7 +268,7 @@ impl<'a> Measured<'a> {
     }
 }
 
-/// The largest box between the axes: its width, its height where the axes measure different things, and where they measure the same.
+/// Largest box between the axes: width, height for axes of different quantities, and height for an equal aspect.
 #[derive(Clone, Copy)]
 struct Size {
     width: f64,
@@ -277,7 +277,7 @@ struct Size {
 }
 
 impl Size {
-    /// As asked for, made drawable; of the usual width otherwise.
+    /// The requested size, made drawable; the usual width without a request.
     fn of(asked: Option<(f64, f64)>, usual: f64) -> Self {
         let sane = |pixels: f64| {
             if pixels.is_finite() {
@@ -301,7 +301,6 @@ impl Size {
     }
 }
 
-/// The size of the box between the axes.
 fn box_size(panel: &Panel, size: Size) -> (f64, f64) {
     let length = |axis: &Axis| {
         let (start, end) = axis.limits();
@@ -309,7 +308,7 @@ fn box_size(panel: &Panel, size: Size) -> (f64, f64) {
     };
     let width = size.width;
     if !panel.equal_aspect || panel.x.scale != panel.y.scale {
-        // Names below each other need their lines.
+        // Named ticks on the vertical axis need one line each.
         let names = panel.y.ticks.as_ref().map_or(0, Vec::len);
         let wider = if panel.width.is_finite() {
             panel.width.clamp(0.1, 10.0)
@@ -321,7 +320,7 @@ fn box_size(panel: &Panel, size: Size) -> (f64, f64) {
             size.height.max(NAME * names as f64),
         );
     }
-    // Beyond a shape of 1 to 8 a panel is a line; there the longer side is cut rather than the figure.
+    // The aspect ratio is limited to 1 to 8; beyond that the longer side is cut, because a panel would become a line.
     let ratio = (length(&panel.y) / length(&panel.x)).clamp(0.125, 8.0);
     let highest = size.equal_height;
     if ratio * width <= highest {
@@ -335,7 +334,7 @@ fn mark_target(length: f64, spacing: f64) -> usize {
     (length / spacing).floor().clamp(1.0, 9.0) as usize
 }
 
-/// Marks of a horizontal axis whose labels do not touch.
+/// Ticks of a horizontal axis whose labels do not overlap.
 fn spaced_marks(axis: &Axis, width: f64) -> Vec<Tick> {
     let clear = |marks: &[Tick]| {
         let mut ends: Vec<(f64, f64)> = marks
@@ -356,7 +355,7 @@ fn spaced_marks(axis: &Axis, width: f64) -> Vec<Tick> {
         target -= 1;
         marks = axis.marks(target);
     }
-    // Named marks cannot be thinned by asking for fewer: keep the tick, drop the label that touches.
+    // A smaller target does not thin named ticks, so overlapping labels are dropped while their ticks stay.
     for i in 1..=marks.len() {
         if !clear(&marks[..i]) {
             marks[i - 1].label.clear();
@@ -408,7 +407,7 @@ impl<'a> Bar<'a> {
             pen.words(mark.label.clone(), place, Anchor::Start, NUMBERS);
         }
         pen.outline(frame, Paint::stroke(INK, 1.0, Dash::Solid));
-        // Points at the ends say that the map holds numbers beyond them.
+        // Arrowheads at the ends show that the data exceed the range of the bar.
         let shown = shown_values(self.field);
         let (low, high) = (range.0.min(range.1), range.0.max(range.1));
         let ends = [

@@ -1,54 +1,54 @@
-//! The shared legend: words outside the panels.
+//! Shared legend outside the panels.
 
 use super::pen::{CAPITAL, NUMBERS, Pen, marker, pixels, polygon, rectangle, segment};
 use super::scene::{Anchor, Paint};
 use super::{Color, Dash, Direction, Layer, Marker, Panel, font, palette};
 use tiny_skia::PathBuilder;
 
-/// White after a symbol and after a name, distance of rows.
+/// Distances after a symbol and after a name, and between rows.
 const SYMBOL_GAP: f64 = 7.0;
 const ENTRY_GAP: f64 = 24.0;
 const LEGEND_ROW: f64 = 21.0;
 
-/// A symbol and what it means.
+/// Symbol with its meaning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LegendEntry {
-    /// What it means.
+    /// Name next to the symbol.
     pub name: String,
-    /// How it is drawn.
+    /// Symbol of the layer or class.
     pub symbol: Symbol,
 }
 
-/// How a layer looks in the legend.
+/// Symbol of a layer in the legend.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Symbol {
-    /// A patch of a map.
+    /// Patch in the color of a class.
     Patch(Color),
-    /// A piece of a line.
+    /// Short piece of a line.
     Line {
-        /// Color.
+        /// Color of the line.
         color: Color,
-        /// Width in pixels.
+        /// Width of the line in pixels.
         width: f64,
-        /// Dashes.
+        /// Dash pattern of the line.
         dash: Dash,
-        /// Upright for a vertical line, lying for all others.
+        /// Vertical for a vertical line, horizontal for all others.
         direction: Direction,
     },
-    /// A marker.
+    /// Marker as in the panel.
     Marker {
-        /// Color.
+        /// Color of the marker.
         color: Color,
-        /// Shape.
+        /// Shape of the marker.
         marker: Marker,
-        /// Filled or open.
+        /// Whether the marker is filled.
         filled: bool,
     },
-    /// An arrow.
+    /// Arrow in the given color.
     Arrow(Color),
 }
 
-/// What the layers name, each once; maps first, so that they read as one block.
+/// Collects the named layers and classes, each once; maps come first and form one block.
 pub(super) fn collect(panels: &[Panel]) -> Vec<LegendEntry> {
     let layers = || panels.iter().flat_map(|panel| &panel.layers);
     let mut entries: Vec<LegendEntry> = Vec::new();
@@ -60,7 +60,7 @@ pub(super) fn collect(panels: &[Panel]) -> Vec<LegendEntry> {
         }
     };
 
-    // Every key in its own order, however its classes are spread over the panels.
+    // The classes of a key keep their order, independent of how they are spread over the panels.
     let maps = || {
         layers().filter_map(|layer| match layer {
             Layer::Regions(regions) => Some(regions),
@@ -145,7 +145,7 @@ pub(super) fn entry_width(entry: &LegendEntry) -> f64 {
     symbol_width(entry.symbol) + SYMBOL_GAP + font::width(&entry.name, NUMBERS)
 }
 
-/// Entries in rows no wider than `available`, with the width of each row.
+/// Distributes entries over rows no wider than `available`; returns them with the width of each row.
 fn legend_rows(entries: &[LegendEntry], available: f64) -> Vec<(f64, Vec<&LegendEntry>)> {
     let mut rows: Vec<(f64, Vec<&LegendEntry>)> = Vec::new();
     for entry in entries {
@@ -161,7 +161,7 @@ fn legend_rows(entries: &[LegendEntry], available: f64) -> Vec<(f64, Vec<&Legend
     rows
 }
 
-/// Draw the entries in centered rows between left and right; returns where the legend ends.
+/// Draws the entries in centered rows between left and right, and returns the lower end of the legend.
 pub(super) fn draw(
     pen: &mut Pen,
     entries: &[LegendEntry],
@@ -170,7 +170,7 @@ pub(super) fn draw(
 ) -> f64 {
     let mut available = right - left;
     let mut rows = legend_rows(entries, available);
-    // As narrow as it goes without one row more, so that the rows are about equal.
+    // Narrower rows, while their number stays the same, have more equal lengths.
     while available > 0.0 {
         available -= 8.0;
         let narrower = legend_rows(entries, available);

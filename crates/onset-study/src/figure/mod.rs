@@ -1,8 +1,7 @@
 //! Figures: axes, layers and their rendering to SVG, PNG and PDF.
 //!
-//! A [`Figure`] is plain data: panels, each with two axes and layers of arrays. It becomes an SVG, a PNG and a PDF that show
-//! the same picture on every machine: all are drawn from the same outlines, and the letters are outlines of an embedded
-//! font. (In the SVG each line of text keeps its words in an `aria-label`.)
+//! A [`Figure`] is plain data: panels, each with two axes and layers of arrays. SVG, PNG and PDF show the same picture on every machine, because all
+//! are drawn from the same outlines, and letters are outlines of an embedded font. (In the SVG each line of text keeps its words in an `aria-label`.)
 //!
 //! ```
 //! use onset_study::figure::{Axis, Figure, Line, Panel, Regions, palette};
@@ -57,46 +56,46 @@ pub struct Figure {
     pub caption: String,
     /// The panels, row after row.
     pub panels: Vec<Panel>,
-    /// Panels in a row; 0 counts as 1.
+    /// Number of panels in a row; 0 counts as 1.
     pub columns: usize,
-    /// The legend below the panels; collected from the layers if empty.
+    /// Legend below the panels; collected from the layers if empty.
     pub legend: Vec<LegendEntry>,
-    /// Width and height of the box of a panel in pixels, of which an inch has 96; with an equal aspect the largest. As usual if `None`.
+    /// Width and height of the box of a panel in pixels (1/96 inch); the maximum for an equal aspect. The usual size if `None`.
     pub panel_size: Option<(f64, f64)>,
 }
 
-/// Two axes and what is drawn between them.
+/// Two axes with the layers between them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     /// Title above the panel; may be empty.
     pub title: String,
-    /// The axis that runs rightward.
+    /// Horizontal axis, increasing rightward.
     pub x: Axis,
-    /// The axis that runs upward.
+    /// Vertical axis, increasing upward.
     pub y: Axis,
-    /// One unit (one decade on logarithmic axes) is as long in x as in y.
+    /// Whether one unit (on logarithmic axes one decade) has the same length in x and y.
     pub equal_aspect: bool,
-    /// Width of the box in usual ones; panels with an equal aspect take no notice.
+    /// Width of the box in usual widths; ignored with an equal aspect.
     pub width: f64,
-    /// What is drawn, from back to front.
+    /// Layers, from back to front.
     pub layers: Vec<Layer>,
 }
 
-/// Why a figure could not be made.
+/// Reasons why a figure cannot be produced.
 #[derive(Debug, thiserror::Error)]
 pub enum FigureError {
-    /// The picture has more pixels than can be held.
+    /// The picture has too many pixels.
     #[error("a picture of {width} x {height} pixels is too large")]
     Size {
-        /// Width in pixels.
+        /// Width of the picture in pixels.
         width: u32,
-        /// Height in pixels.
+        /// Height of the picture in pixels.
         height: u32,
     },
     /// The PNG could not be encoded.
     #[error("the PNG could not be encoded: {reason}")]
     Encode {
-        /// What the encoder says.
+        /// Message of the encoder.
         reason: String,
     },
     /// A file or its directory could not be written.
@@ -104,13 +103,13 @@ pub enum FigureError {
     Write {
         /// The file or directory.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
 }
 
 impl Figure {
-    /// A figure without panels, three in a row once they come.
+    /// Creates a figure without panels, for three panels in a row.
     pub fn new(title: impl Into<String>) -> Self {
         Self {
             title: title.into(),
@@ -119,26 +118,26 @@ impl Figure {
         }
     }
 
-    /// Set the caption.
+    /// Sets the caption below the panels.
     pub fn caption(mut self, caption: impl Into<String>) -> Self {
         self.caption = caption.into();
         self
     }
 
-    /// Set the number of panels in a row.
+    /// Sets the number of panels in a row.
     pub fn columns(mut self, columns: usize) -> Self {
         self.columns = columns;
         self
     }
 
-    /// Add a panel.
+    /// Adds a panel after the others.
     pub fn with(mut self, panel: Panel) -> Self {
         self.panels.push(panel);
         self
     }
 
-    /// The legend as it is drawn: `legend`, or what the layers of all panels name, each once, if that is empty.
-    /// Of a categorical map only the classes that occur are named, in the order of its key.
+    /// Legend as it is drawn: `legend`, or if it is empty, the names of the layers of all panels, each once. A categorical map names only the classes
+    /// that occur, in the order of its key.
     pub fn legend_entries(&self) -> Vec<LegendEntry> {
         if self.legend.is_empty() {
             legend::collect(&self.panels)
@@ -147,12 +146,12 @@ impl Figure {
         }
     }
 
-    /// The picture as an SVG document.
+    /// Returns the picture as an SVG document.
     pub fn to_svg(&self) -> String {
         layout::scene(self).to_svg()
     }
 
-    /// The same picture as a PNG, two device pixels a pixel.
+    /// Returns the picture as a PNG with twice the resolution: four device pixels for each pixel.
     ///
     /// # Errors
     /// [`FigureError::Size`] if the figure has so many panels that the picture would have more than 2^27 device pixels.
@@ -160,15 +159,15 @@ impl Figure {
         layout::scene(self).to_png()
     }
 
-    /// The same picture as a PDF of one page, as large as it is in pixels of 1/96 inch.
+    /// Returns the picture as a PDF with one page. A pixel is 1/96 inch.
     pub fn to_pdf(&self) -> Vec<u8> {
         layout::scene(self).to_pdf()
     }
 
-    /// The picture as the files `name.svg` and `name.png`.
+    /// Returns the picture as the files `name.svg` and `name.png`.
     ///
     /// # Errors
-    /// Those of [`Figure::to_png`].
+    /// Fails like [`Figure::to_png`].
     pub fn files(&self, name: impl AsRef<OsStr>) -> Result<Files, FigureError> {
         let scene = layout::scene(self);
         let file = |format: &str, bytes: Vec<u8>| {
@@ -180,10 +179,10 @@ impl Figure {
         Ok(vec![file(".svg", scene.to_svg().into()), file(".png", png)])
     }
 
-    /// Write `name.svg` and `name.png`, and the directory if it is missing; returns the paths of the two.
+    /// Writes `name.svg` and `name.png`, and creates the directory if needed; returns both paths.
     ///
     /// # Errors
-    /// Those of [`Figure::to_png`], and [`FigureError::Write`] with the path that could not be written.
+    /// Fails like [`Figure::to_png`], and with [`FigureError::Write`] if a path cannot be written.
     pub fn write(&self, directory: &Path, name: &str) -> Result<[PathBuf; 2], FigureError> {
         let files = self.files(name)?;
         output::write(directory, &files)
@@ -193,7 +192,7 @@ impl Figure {
 }
 
 impl Panel {
-    /// An empty panel.
+    /// Creates an empty panel with two axes.
     pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Self {
         Self {
             title: title.into(),
@@ -205,19 +204,19 @@ impl Panel {
         }
     }
 
-    /// Make one unit as long in x as in y.
+    /// Gives one unit the same length in x and y.
     pub fn equal_aspect(mut self) -> Self {
         self.equal_aspect = true;
         self
     }
 
-    /// Make it so many times as wide as usual, and as high as usual.
+    /// Multiplies the usual width by `width` and keeps the usual height.
     pub fn wider(mut self, width: f64) -> Self {
         self.width = width;
         self
     }
 
-    /// Draw a layer over those before it.
+    /// Adds a layer over those before it.
     pub fn with(mut self, layer: impl Into<Layer>) -> Self {
         self.layers.push(layer.into());
         self

@@ -1,39 +1,40 @@
 //! Named colors, safe for color-blind readers, and the fixed colors of the verdicts.
 //!
-//! The named colors are those of M. Okabe and K. Ito, *Color universal design* (2008).
+//! The named colors follow M. Okabe and K. Ito, *Color universal design* (2008).
 
 use super::Color;
 
-/// Black.
+/// Black, for curves and words.
 pub const BLACK: Color = Color::hex(0x000000);
-/// White.
+/// White, for rims and backgrounds.
 pub const WHITE: Color = Color::hex(0xffffff);
 /// Mid grey, for auxiliary lines.
 pub const GREY: Color = Color::hex(0x777777);
-/// Orange.
+/// Orange of Okabe and Ito.
 pub const ORANGE: Color = Color::hex(0xe69f00);
-/// Sky blue.
+/// Sky blue of Okabe and Ito.
 pub const SKY: Color = Color::hex(0x56b4e9);
-/// Bluish green.
+/// Bluish green of Okabe and Ito.
 pub const GREEN: Color = Color::hex(0x009e73);
 /// Yellow; too pale for thin lines on white.
 pub const YELLOW: Color = Color::hex(0xf0e442);
-/// Blue.
+/// Blue of Okabe and Ito.
 pub const BLUE: Color = Color::hex(0x0072b2);
-/// Vermilion.
+/// Vermilion of Okabe and Ito.
 pub const VERMILION: Color = Color::hex(0xd55e00);
-/// Reddish purple.
+/// Reddish purple of Okabe and Ito.
 pub const PURPLE: Color = Color::hex(0xcc79a7);
 
-/// Colors for the first, second, ... curve of a panel.
+/// Colors of the first, second, ... curve of a panel.
 pub const SERIES: [Color; 7] = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK];
 
-/// Uniaxial tension and compression, equibiaxial tension and compression: the lighter one of two blues is the equibiaxial one.
+/// Colors of uniaxial tension, uniaxial compression, equibiaxial tension and equibiaxial compression; of the two blues the lighter one is
+/// equibiaxial.
 pub const LOADS: [Color; 4] = [BLUE, ORANGE, SKY, BLACK];
 
 /// The verdicts and their colors, from harmless to dangerous.
 ///
-/// The lightness differs from each to each, so a greyscale print or a color-blind reader can still tell them apart.
+/// Any two differ in lightness, so that they can be distinguished in greyscale and by color-blind readers.
 pub const VERDICTS: [(&str, Color); 6] = [
     ("stable", Color::hex(0xe4f1f7)),
     ("physical", Color::hex(0x17548f)),
@@ -43,7 +44,7 @@ pub const VERDICTS: [(&str, Color); 6] = [
     ("undefined", Color::hex(0xc4c4c4)),
 ];
 
-/// The color of a verdict word, `None` for any other word.
+/// Returns the color of a verdict, or `None` for any other word.
 ///
 /// ```
 /// use onset_study::figure::palette;
@@ -57,7 +58,7 @@ pub fn verdict(word: &str) -> Option<Color> {
         .map(|&(_, color)| color)
 }
 
-/// The color of what is proved: light where all is well, grey where nothing was asked, yellow where nothing could be proved.
+/// Color of a proof result: light if stability is proved, grey if nothing was tested, yellow if nothing could be proved.
 pub fn certainty(word: &str) -> Color {
     match word {
         "proved-stable" => Color::hex(0xe4f1f7),

@@ -1,4 +1,4 @@
-//! A picture as a PDF: one page of its size, all outlines and letters as paths.
+//! Output of a picture as a PDF: one page of its size, with all outlines and letters as paths.
 
 use super::pen::INK;
 use super::scene::{Paint, Scene, Shape, Words};
@@ -10,11 +10,11 @@ use pdf_writer::{Content, Filter, Finish, Pdf, Rect, Ref, TextStr};
 use std::io::Write;
 use tiny_skia::{Path, PathSegment, Point, Transform};
 
-/// Points a pixel: 72 points and 96 pixels are an inch.
+/// Points per pixel: an inch has 72 points and 96 pixels.
 const POINTS: f32 = 0.75;
-/// The longest side of a page that readers accept, in points.
+/// Longest side of a page that PDF readers accept, in points.
 const LONGEST: f32 = 14_400.0;
-/// The width of the rim by which cells of a map overlap their neighbors, in pixels: readers show the seams between areas that only touch.
+/// Overlap of neighboring cells of a map, in pixels; without it PDF readers show seams between adjacent areas.
 const OVERLAP: f64 = 0.3;
 
 impl Scene {
@@ -45,7 +45,7 @@ impl Scene {
         pdf.finish()
     }
 
-    /// The shapes as operators; the upper left corner of a page is its origin as that of a picture.
+    /// Drawing operators of the shapes. `upright` moves the origin of the page to the upper left corner, where pictures have it.
     fn content(&self, upright: [f32; 6]) -> Vec<u8> {
         let mut out = Content::new();
         out.transform(upright);
@@ -56,7 +56,7 @@ impl Scene {
                     paint_path(&mut out, std::iter::once(outline.clone()), paint);
                 }
                 Shape::Stamps { outline, at, paint } => {
-                    // One by one: they may lie over each other.
+                    // One by one, because they may overlap.
                     for &(x, y) in at {
                         let place = Transform::from_translate(x as f32, y as f32);
                         paint_path(&mut out, outline.clone().transform(place), paint);
@@ -91,7 +91,7 @@ fn write_words(out: &mut Content, words: &Words) {
     paint_path(out, letters(), &Paint::fill(words.color));
 }
 
-/// Outlines painted as one.
+/// Paints several outlines as one path.
 fn paint_path(out: &mut Content, outlines: impl IntoIterator<Item = Path>, paint: &Paint) {
     let stroke = match (paint.crisp, paint.fill) {
         (true, Some(color)) => Paint::stroke(color, OVERLAP, Dash::Solid).stroke,
@@ -137,7 +137,7 @@ fn write_path(out: &mut Content, outline: &Path) {
                 last = p;
             }
             PathSegment::QuadTo(c, p) => {
-                // PDF has cubic curves only.
+                // PDF has only cubic curves.
                 let toward = |end: Point| {
                     (
                         end.x + 2.0 / 3.0 * (c.x - end.x),

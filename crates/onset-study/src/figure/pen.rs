@@ -1,21 +1,21 @@
-//! The pen: primitives that fill a scene.
+//! Pen: primitives that add shapes to a scene.
 
 use super::scene::{Anchor, Paint, Shape, Stroke, Words};
 use super::{Color, Dash, Marker, palette};
 use tiny_skia::{Path, PathBuilder};
 
-/// Ink of axes and words.
+/// Color of axes and words.
 pub(super) const INK: Color = Color::hex(0x222222);
-/// Size of numbers, legends and captions, in pixels.
+/// Font size of numbers, legends and captions, in pixels.
 pub(super) const NUMBERS: f64 = 12.0;
-/// Height of figures and capitals, in sizes of type.
+/// Height of digits and capitals, in font sizes.
 pub(super) const CAPITAL: f64 = 0.73;
 
-/// Collects the shapes of a scene; what has no extent is left out.
+/// Collects the shapes of a scene; shapes without extent are skipped.
 #[derive(Default)]
 pub(super) struct Pen {
     pub(super) shapes: Vec<Shape>,
-    /// Put a white rim around what is drawn, so that it shows on any color.
+    /// Whether shapes get a white rim, so that they stand out from any color.
     pub(super) rims: bool,
 }
 
@@ -102,7 +102,7 @@ pub(super) fn crisp(color: Color) -> Paint {
     }
 }
 
-/// A width or size as the caller wrote it, made drawable.
+/// Makes a width or size drawable: finite and between 0 and 100 pixels.
 pub(super) fn pixels(size: f64) -> f64 {
     if size.is_finite() {
         size.clamp(0.0, 100.0)
@@ -111,7 +111,7 @@ pub(super) fn pixels(size: f64) -> f64 {
     }
 }
 
-/// A marker around the origin.
+/// Outline of a marker around the origin.
 pub(super) fn marker(
     marker: Marker,
     size: f64,
@@ -130,7 +130,7 @@ pub(super) fn marker(
             outline.cubic_to(k, -r, r, -k, r, 0.0);
             outline.close();
         }
-        // Centered on the centroid, so that the data point is where the eye puts it.
+        // Centered on the centroid, where the eye expects the data point.
         Marker::Triangle => {
             let r = 1.2 * r;
             polygon(

@@ -1,6 +1,6 @@
-//! A picture as a list of painted outlines and words, written as SVG or as PNG.
+//! Picture as a list of painted outlines and words, written as SVG or PNG.
 //!
-//! Both are made from the same outlines, glyphs included, so they look the same wherever they are opened.
+//! Both use the same outlines, glyphs included, so that they look the same in every viewer.
 
 use super::{Color, Dash, FigureError, font, palette};
 use std::collections::BTreeMap;
@@ -10,33 +10,31 @@ use tiny_skia::{
 };
 use ttf_parser::GlyphId;
 
-/// Device pixels a pixel in the PNG.
+/// Device pixels per pixel in the PNG, along each side.
 pub(super) const RESOLUTION: f32 = 2.0;
 
-/// Device pixels in the largest PNG; beyond them memory gives out before anybody looks at it.
-const MOST_PIXELS: u64 = 1 << 27;
+/// Maximum number of device pixels in a PNG, which limits the memory.
+const MAX_PNG_PIXELS: u64 = 1 << 27;
 
 /// The whole picture, in pixels from the upper left corner.
 pub(super) struct Scene {
     pub(super) width: f64,
     pub(super) height: f64,
-    /// Name of the picture, for machines and screen readers.
+    /// Name of the picture, for screen readers and other programs.
     pub(super) title: String,
-    /// Description of the picture, for machines and screen readers.
+    /// Description of the picture, for screen readers and other programs.
     pub(super) description: String,
     pub(super) shapes: Vec<Shape>,
 }
 
 pub(super) enum Shape {
-    /// An outline.
     Outline { outline: Path, paint: Paint },
-    /// The same outline at many places.
+    /// One outline repeated at many positions.
     Stamps {
         outline: Path,
         at: Vec<(f64, f64)>,
         paint: Paint,
     },
-    /// A line of text.
     Words(Words),
 }
 
@@ -44,7 +42,7 @@ pub(super) enum Shape {
 pub(super) struct Paint {
     pub(super) fill: Option<Color>,
     pub(super) stroke: Option<Stroke>,
-    /// Fill whole pixels only, so that neighbours meet without a seam.
+    /// Whether only whole pixels are filled, so that neighbors meet without a seam.
     pub(super) crisp: bool,
 }
 
@@ -55,20 +53,20 @@ pub(super) struct Stroke {
     pub(super) dash: Dash,
 }
 
-/// A line of text; `at` is on its baseline.
+/// A line of text; `at` lies on its baseline.
 pub(super) struct Words {
     pub(super) text: String,
     pub(super) at: (f64, f64),
     pub(super) anchor: Anchor,
-    /// Reads upward instead of rightward.
+    /// Whether the text runs upward instead of rightward.
     pub(super) upward: bool,
     pub(super) size: f64,
     pub(super) color: Color,
-    /// A white rim around the letters.
+    /// Whether the letters have a white rim.
     pub(super) rim: bool,
 }
 
-/// The part of a line of text that is at its point.
+/// Part of a line of text that lies at its position.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Anchor {
     Start,
@@ -104,7 +102,7 @@ impl Stroke {
 }
 
 impl Words {
-    /// From font units to pixels.
+    /// Transform from font units to pixels.
     pub(super) fn transform(&self) -> Transform {
         let scale = self.size as f32 / font::units();
         let shift = match self.anchor {
@@ -122,7 +120,7 @@ impl Words {
         }
     }
 
-    /// The width of the rim in font units.
+    /// Width of the rim in font units.
     pub(super) fn rim_width(&self) -> f32 {
         3.0 / self.size as f32 * font::units()
     }
@@ -197,7 +195,7 @@ impl Scene {
         let device = |pixels: f64| (pixels * f64::from(RESOLUTION)).ceil() as u32;
         let (width, height) = (device(self.width), device(self.height));
         let mut pixmap = Some((width, height))
-            .filter(|_| u64::from(width) * u64::from(height) <= MOST_PIXELS)
+            .filter(|_| u64::from(width) * u64::from(height) <= MAX_PNG_PIXELS)
             .and_then(|_| Pixmap::new(width, height))
             .ok_or(FigureError::Size { width, height })?;
         pixmap.fill(tiny_skia::Color::WHITE);
@@ -272,7 +270,7 @@ fn paint_outline(canvas: &mut PixmapMut<'_>, outline: &Path, paint: &Paint, plac
     }
 }
 
-/// The opaque pixels as an RGB image that prints at 96 pixels an inch.
+/// Encodes the opaque pixels as an RGB image that prints at 96 pixels per inch.
 fn encode(pixmap: &Pixmap) -> Result<Vec<u8>, FigureError> {
     let failed = |error: png::EncodingError| FigureError::Encode {
         reason: error.to_string(),
@@ -392,7 +390,7 @@ fn write_outline(out: &mut String, outline: &Path) {
             PathSegment::CubicTo(p, q, r) => write_points(out, 'C', &[p, q, r]),
             PathSegment::Close => out.push('Z'),
         }
-        // After closing comes always a move, so the last point need not return to the start.
+        // A closed contour is always followed by a move, so the last point need not return to the start.
         if let PathSegment::MoveTo(p)
         | PathSegment::LineTo(p)
         | PathSegment::QuadTo(_, p)
@@ -403,7 +401,7 @@ fn write_outline(out: &mut String, outline: &Path) {
     }
 }
 
-/// The number to a hundredth, without needless zeros.
+/// Writes a number to two decimals, without trailing zeros.
 fn write_number(out: &mut String, number: f32) {
     let hundredths = (f64::from(number) * 100.0).round() as i64;
     if hundredths < 0 {
@@ -420,7 +418,7 @@ fn write_number(out: &mut String, number: f32) {
     };
 }
 
-/// The text with the characters that XML gives a meaning to, or forbids, replaced.
+/// Writes a text with the special and forbidden characters of XML replaced.
 fn write_escaped(out: &mut String, text: &str) {
     for c in text.chars() {
         match c {

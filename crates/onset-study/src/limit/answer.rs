@@ -1,4 +1,4 @@
-//! Critical time steps over the values of a setting, and between which values a step is stable.
+//! Critical time steps over the values of a setting, and the intervals of values for which a step is stable.
 
 use super::{LimitQuestion, VALUES};
 use crate::answers::{
@@ -17,38 +17,38 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// Evaluations by which a limit is refined.
+/// Maximum number of evaluations for the refinement of a limit.
 const REFINEMENTS: usize = 60;
-/// Halvings towards values with which nothing can be evaluated.
+/// Maximum number of halvings toward values that cannot be evaluated.
 const HALVINGS: usize = 12;
-/// How close to one the ratio of the steps is at a limit, and two values of which only one admits the step.
-const CLOSE: f64 = 1e-10;
+/// Tolerance of the logarithmic step ratio at a limit, and of the relative width of the bracket.
+const LIMIT_TOLERANCE: f64 = 1e-10;
 
-/// What a value of the setting gives.
+/// Result for one value of the setting.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Tried {
-    /// The value.
+    /// Value of the setting.
     pub value: f64,
-    /// The critical time step of the state, of a study with a body the smaller of that of the infinite lattice and that of the body; zero where no step is
-    /// stable, `null` where no mode oscillates, so that every step is stable, and where nothing can be evaluated. Time.
+    /// Critical time step of the state; for a study with a body, the smaller of the steps of lattice and body. Zero if no step is stable.
+    /// `null` if every step is stable because no mode oscillates, or if the value cannot be evaluated. Time.
     #[serde(serialize_with = "finite")]
     pub critical_time_step: f64,
-    /// The verdict on the state; of an unstable one the step is that of the waves that do not grow.
+    /// Verdict on the state. For an unstable state the step belongs to the waves that do not grow.
     pub verdict: Option<Verdict>,
-    /// The body of the study at the state.
+    /// Critical step of the body of the study at this state.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<BodyStepAnswer>,
-    /// The critical step of an isolated material point, of methods with a transfer. Time.
+    /// Critical step of an isolated material point, for methods with a transfer. Time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub isolated_point_time_step: Option<f64>,
-    /// Why nothing can be evaluated.
+    /// Reason why the value cannot be evaluated.
     pub note: Option<String>,
-    /// Whether it lies between values of the grid.
+    /// Whether the value was added by the refinement, between values of the grid.
     #[serde(skip)]
     is_refined: bool,
 }
 
-/// Numbers that are not finite are `null`.
+/// Serializes numbers that are not finite as `null`.
 fn finite<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     Some(*value)
         .filter(|value| value.is_finite())
@@ -56,7 +56,7 @@ fn finite<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::
 }
 
 impl Tried {
-    /// The logarithm of what the critical step is larger by than what it must be; no number where nothing can be evaluated.
+    /// Logarithm of the ratio of the critical to the needed step; NaN if the value cannot be evaluated.
     fn margin(&self, needed: f64) -> f64 {
         (self.critical_time_step / needed).ln()
     }
@@ -67,86 +67,85 @@ impl Tried {
     }
 }
 
-/// What an end of the values that admit a step is.
+/// Kind of an end of an admissible interval.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EndKind {
-    /// Beyond it the step is too large.
+    /// The step is too large beyond it.
     Limit,
-    /// Nothing beyond it was looked at.
+    /// The range ends here.
     Range,
-    /// Beyond it nothing can be evaluated.
+    /// Values beyond it cannot be evaluated.
     Undefined,
 }
 
-/// An end of the values that admit a step.
+/// End of an interval of values that admit the step.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct End {
-    /// The last value that admits it.
+    /// Last value that admits the step.
     pub value: f64,
-    /// What is beyond.
+    /// Reason why the interval ends.
     pub kind: EndKind,
-    /// The nearest value found with which nothing can be evaluated.
+    /// Nearest value found that cannot be evaluated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub undefined_at: Option<f64>,
-    /// Why nothing can be evaluated there.
+    /// Reason why it cannot be evaluated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
 
-/// Values that admit a step, from one to another.
+/// Interval of values that admit the step.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Admitted {
-    /// The smallest.
+    /// Smallest value of the interval.
     pub from: End,
-    /// The largest.
+    /// Largest value of the interval.
     pub to: End,
 }
 
-/// Which values of a setting admit a time step.
+/// Answer of `onset limit`: the values of a setting that admit a time step.
 #[derive(Clone, Debug, Serialize)]
 pub struct LimitAnswer {
     /// The key of the setting.
     pub key: &'static str,
-    /// Its unit, where values have units.
+    /// Unit of the setting, if values have units.
     pub unit: Option<&'static str>,
     /// The time step that must be stable. Time.
     pub time_step: f64,
-    /// The share of the critical step that it may be.
+    /// Maximum ratio of the step to the critical step.
     pub safety: f64,
-    /// How steps are taken; `null` of a method with a transfer, which has a step of its own.
+    /// Time integrator; `null` for a method with a transfer, which defines its step.
     pub integrator: Option<&'static str>,
-    /// The body whose critical steps are given.
+    /// Kind of body of the critical steps: infinite lattice, or body of the study.
     pub critical_time_step_of: String,
-    /// A step for finite bodies with the present value; `null` where nothing is known of them.
+    /// Stable step of finite bodies with the present value; `null` if none is known.
     pub finite_bodies: Option<FiniteBodyAnswer>,
-    /// The state, `F_iJ`.
+    /// Deformation gradient `F_iJ` of the state, by rows.
     pub deformation_gradient: [[f64; 3]; 3],
-    /// What the setting is now, where it is anything, and what that gives.
+    /// Present value of the setting and its critical step, if it has a value.
     pub present: Option<Tried>,
-    /// The values that admit the step.
+    /// Intervals of values that admit the step.
     pub admitted: Vec<Admitted>,
-    /// Everything that was tried, by increasing value.
+    /// All values that were evaluated, in increasing order.
     pub tried: Vec<Tried>,
-    /// How sure it is which values admit the step: `searched`.
+    /// Evidence for the intervals: `searched`.
     pub evidence: Evidence,
-    /// What a reader must know of law and method.
+    /// Remarks on law and method for the reader.
     pub notes: Vec<String>,
-    /// Every choice in effect beside the setting.
+    /// All settings in effect except the varied one.
     pub settings: Effective,
 }
 
-/// What the critical step must be at least, of which a step is at most a share.
+/// Smallest critical step for which the step, a fraction of it, is safe.
 fn needed(time_step: f64, safety: f64) -> f64 {
     time_step / safety
 }
 
-/// The question at one state.
+/// Search for the limits at one state.
 struct Search<'a> {
     question: &'a LimitQuestion,
     settings: &'a Settings,
     strain: &'a Strain,
-    /// What the critical step must be at least.
     needed: f64,
     is_told: &'a (dyn Fn(f64) + Sync),
 }
@@ -165,7 +164,7 @@ impl Search<'_> {
             None => undamped_time_step(self.question.integrator, assessment.spectrum.maximum_omega),
         };
         let body = BodyStepAnswer::new(&problem, f)?;
-        // The step of the body is that of central differences.
+        // The step of the body is the limit of central differences, and is rescaled for the integrator.
         let share = self.question.integrator.undamped_reach()
             / Integrator::CentralDifferences.undamped_reach();
         let of_body = body.and_then(|body| body.time_step).map(|own| own * share);
@@ -197,17 +196,17 @@ impl Search<'_> {
         tried.margin(self.needed) >= 0.0
     }
 
-    /// The end between a value that admits the step and one that does not.
+    /// Refines the end between a value that admits the step and a neighbor that does not.
     fn end(&self, inside: &Tried, outside: &Tried, all: &mut Vec<Tried>) -> End {
         let (mut inside, mut outside) = (inside.clone(), outside.clone());
         for n in 0..REFINEMENTS {
             let width = (outside.value - inside.value).abs();
-            let is_close = width <= CLOSE * inside.value.abs().max(outside.value.abs());
+            let is_close = width <= LIMIT_TOLERANCE * inside.value.abs().max(outside.value.abs());
             let is_of_domain = outside.note.is_some() && n >= HALVINGS;
-            if is_close || is_of_domain || inside.margin(self.needed) <= CLOSE {
+            if is_close || is_of_domain || inside.margin(self.needed) <= LIMIT_TOLERANCE {
                 break;
             }
-            // Two secants, then a halving: each end of the interval moves.
+            // Two secant steps, then one bisection, so that both ends of the interval move.
             let halved = middle(inside.value, outside.value);
             let value = match n % 3 {
                 2 => halved,
@@ -231,7 +230,7 @@ impl Search<'_> {
         }
     }
 
-    /// Where the margin vanishes if it is linear between two values, of positive ones in their logarithms.
+    /// Zero of the margin by linear interpolation between two values, logarithmic if both are positive.
     fn secant(&self, inside: &Tried, outside: &Tried) -> Option<f64> {
         let (a, b) = (inside.margin(self.needed), outside.margin(self.needed));
         let share = a / (a - b);
@@ -246,10 +245,10 @@ impl Search<'_> {
 }
 
 impl LimitAnswer {
-    /// Looks at all values, on all cores, and refines where the step becomes too large; `is_told` is called with each value.
+    /// Evaluates all values in parallel, and refines the limits; `is_told` is called with each value.
     ///
     /// # Errors
-    /// [`ProblemError`] when settings or state are not admissible, no value is, or the key is not read.
+    /// [`ProblemError`] when settings or state are invalid, no value can be evaluated, or the key is not used.
     pub fn new(
         settings: &Settings,
         strain: &Strain,
@@ -261,7 +260,7 @@ impl LimitAnswer {
             .value(question.key())
             .and_then(|value| value.number());
         let [low, high] = question.range(present)?;
-        // What is wrong with the key is wrong with its present value too.
+        // Fails with the present value if the key itself is invalid.
         if let Some(present) = present {
             question.settings(settings, present)?;
         }
@@ -288,7 +287,7 @@ impl LimitAnswer {
             .chunk_by(|a, b| search.admits(a) == search.admits(b))
             .filter(|run| search.admits(&run[0]))
             .map(|run| {
-                // Neighbors by place: a run is a part of the grid.
+                // Neighbors are found by position, because a run is part of the grid.
                 let first = grid.partition_point(|one| one.value < run[0].value);
                 let mut end = |own: &Tried, beyond: Option<&Tried>| match beyond {
                     Some(beyond) => search.end(own, beyond, &mut all),
@@ -347,19 +346,17 @@ impl LimitAnswer {
         Ok(answer)
     }
 
-    /// What the critical step must be at least.
     fn needed(&self) -> f64 {
         needed(self.time_step, self.safety)
     }
 
-    /// What values admit the step.
     fn admitting(&self) -> impl Iterator<Item = &Tried> {
         let needed = self.needed();
         let tried = self.tried.iter();
         tried.filter(move |one| one.margin(needed) >= 0.0)
     }
 
-    /// Where the waves of a filled body admit the step, and an isolated material point does not.
+    /// Warning if the waves of a filled body admit the step but an isolated material point does not.
     fn isolated_point(&self) -> Option<String> {
         let needed = self.needed();
         let (value, step) = self.admitting().find_map(|one| {
@@ -374,7 +371,7 @@ impl LimitAnswer {
         ))
     }
 
-    /// What is to be known of the verdicts on states that admit the step.
+    /// Note on verdicts other than stable among the values that admit the step.
     fn verdicts(&self) -> Option<String> {
         let unstable = |one: &&Tried| one.verdict.is_some_and(|own| own != Verdict::Stable);
         let names: BTreeSet<&str> = self
@@ -395,7 +392,7 @@ impl LimitAnswer {
         })
     }
 
-    /// Where values end because nothing can be evaluated beyond them.
+    /// Notes on intervals that end because values beyond cannot be evaluated.
     fn ends_of_domain(&self) -> impl Iterator<Item = String> {
         let ends = self.admitted.iter().flat_map(|own| [&own.from, &own.to]);
         ends.filter_map(|end| {
@@ -407,7 +404,7 @@ impl LimitAnswer {
         })
     }
 
-    /// Critical steps over the values, and the step that must be stable.
+    /// Figure of the critical step over the values, with the step that must be stable.
     pub fn figure(&self) -> Figure {
         let units = self.units();
         let has_step =
@@ -453,13 +450,13 @@ impl LimitAnswer {
         self.settings.units()
     }
 
-    /// The ends beyond which the step is too large.
+    /// Ends at which the step becomes too large.
     fn limits(&self) -> impl Iterator<Item = &End> {
         let ends = self.admitted.iter().flat_map(|own| [&own.from, &own.to]);
         ends.filter(|end| end.kind == EndKind::Limit)
     }
 
-    /// All values as CSV.
+    /// All evaluated values as CSV.
     pub fn csv(&self) -> String {
         let mut text = String::from("value,critical_time_step,verdict,note\n");
         for one in &self.tried {
@@ -502,7 +499,7 @@ impl LimitAnswer {
         }
     }
 
-    /// The answer in a sentence. Limits are told so that what is told admits the step.
+    /// The answer in a sentence. Limits are rounded inward, so that the printed value admits the step.
     fn sentence(&self) -> String {
         let step = self.step(self.time_step);
         let critical = match self.safety {
@@ -562,13 +559,12 @@ impl LimitAnswer {
         }
     }
 
-    /// Returns true if no value has a stable step.
     fn is_unstable_for_every_step(&self) -> bool {
         let mut evaluated = self.tried.iter().filter(|one| one.note.is_none());
         evaluated.all(|one| one.critical_time_step == 0.0)
     }
 
-    /// What the setting is now, and what that gives.
+    /// Sentence on the present value.
     fn present_sentence(&self) -> Option<String> {
         let present = self.present.as_ref()?;
         let value = self.value(told(present.value));
@@ -592,7 +588,7 @@ impl LimitAnswer {
         ))
     }
 
-    /// Values of the grid, and those at which the step is just admitted.
+    /// Values of the grid, and the limits.
     fn rows(&self) -> impl Iterator<Item = &Tried> {
         let ends = self
             .admitted

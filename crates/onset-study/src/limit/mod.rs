@@ -1,7 +1,7 @@
-//! Which values of a setting admit a given time step: the largest modulus, the smallest spacing or density, the largest penalty.
+//! Limits of a setting for a given time step: the largest modulus, the smallest spacing or density, the largest penalty.
 //!
-//! The step of a simulation is often given, by other parts of it or by what it may cost. The critical step of a state is looked at on a grid of
-//! values, and where it becomes that of the simulation is found by secants between halvings.
+//! The step of a simulation is often prescribed by other parts of it or by cost. The critical step of a state is evaluated on a grid of values. The
+//! values at which it equals the needed step are found by secant steps with interposed bisection.
 
 mod answer;
 
@@ -14,10 +14,10 @@ use crate::settings::{
     KEYS, Key, Kind, Origin, STEP_OF_RATES, SettingError, Settings, Value, units, unknown_key,
 };
 
-/// Values that are looked at before limits are refined.
+/// Number of grid values that are evaluated before limits are refined.
 const VALUES: usize = 25;
-/// How far below and above its present value a setting is looked at unless a range is given.
-const REACH: f64 = 1e6;
+/// Ratio of the ends of the default range to the present value of the setting.
+const DEFAULT_RANGE_RATIO: f64 = 1e6;
 
 /// The time step, as a value with a unit.
 static TIME_STEP: Key = Key {
@@ -27,11 +27,11 @@ static TIME_STEP: Key = Key {
     read_with: &[],
 };
 
-/// Which setting is varied, and which time step must be stable.
+/// A setting to vary, and the time step that must be stable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitQuestion {
     key: &'static Key,
-    /// As typed, with a unit or without.
+    /// Time step as typed, with or without a unit.
     step: String,
     range: Option<[f64; 2]>,
     safety: f64,
@@ -39,10 +39,10 @@ pub struct LimitQuestion {
 }
 
 impl LimitQuestion {
-    /// A setting by its key, and a time step as typed.
+    /// Creates a question for a key and a time step as typed.
     ///
     /// # Errors
-    /// [`SettingError`] when there is no such key, or it takes no number.
+    /// [`SettingError`] when the key does not exist or is not a number.
     pub fn new(name: &str, step: &str) -> Result<Self, SettingError> {
         let origin = || Origin::CommandLine(name.to_owned());
         let Some(key) = Key::named(name) else {
@@ -69,40 +69,40 @@ impl LimitQuestion {
         })
     }
 
-    /// Between two values.
+    /// Restricts the values to a range.
     pub fn between(mut self, range: Option<(f64, f64)>) -> Self {
         self.range = range.map(|(low, high)| [low, high]);
         self
     }
 
-    /// With a step that is at most this share of the critical one.
+    /// Sets the maximum ratio of the step to the critical step.
     pub fn with_safety(mut self, safety: f64) -> Self {
         self.safety = safety;
         self
     }
 
-    /// With the critical step of an integrator.
+    /// Selects the time integrator.
     pub fn with_integrator(mut self, integrator: Integrator) -> Self {
         self.integrator = integrator;
         self
     }
 
-    /// The name of the setting.
+    /// Returns the key of the setting.
     pub fn key(&self) -> &'static str {
         self.key.name
     }
 
-    /// How many values are looked at, before limits are refined.
+    /// Returns the number of grid values that are evaluated before limits are refined.
     pub fn values(&self) -> usize {
         VALUES
     }
 
-    /// Refuses a key that method and law do not read.
+    /// Refuses a key that method and law do not use.
     fn check(&self, settings: &Settings) -> Result<(), SettingError> {
         settings.check_read(self.key, Origin::CommandLine(self.key.name.to_owned()), &[])
     }
 
-    /// The time step in the units of the settings.
+    /// Converts the time step to the units of the settings.
     fn time_step(&self, settings: &Settings) -> Result<f64, SettingError> {
         let origin = Origin::CommandLine(format!("--time-step {}", self.step));
         let typed = Value::typed(&self.step, Some(TIME_STEP.kind));
@@ -123,14 +123,14 @@ impl LimitQuestion {
         }
     }
 
-    /// The range that is looked at about the present value.
+    /// Range of values: as requested, or around the present value.
     fn range(&self, present: Option<f64>) -> Result<[f64; 2], SettingError> {
         if let Some(range) = self.range {
             return Ok(range);
         }
         let present = present.filter(|value| *value > 0.0);
         present
-            .map(|value| [value / REACH, (value * REACH).min(f64::MAX)])
+            .map(|value| [value / DEFAULT_RANGE_RATIO, (value * DEFAULT_RANGE_RATIO).min(f64::MAX)])
             .ok_or_else(|| {
                 let origin = Origin::CommandLine(self.key.name.to_owned());
                 let message = format!(
@@ -142,7 +142,7 @@ impl LimitQuestion {
             })
     }
 
-    /// The settings with another value, which is measured as the others are.
+    /// Sets another value of the varied key and checks the result.
     fn settings(&self, settings: &Settings, value: f64) -> Result<Settings, ProblemError> {
         let mut changed = settings.clone();
         let unit = settings.unit(self.key);
@@ -150,7 +150,7 @@ impl LimitQuestion {
             Value::Word(format!("{value:e} {unit}"))
         });
         changed.set(self.key.name, &value, Origin::Combination)?;
-        // What is read with some values of the setting is not without effect.
+        // A key that is used with only some of its values must not be reported as unused.
         changed.check(&[self.key.name])?;
         Ok(changed)
     }

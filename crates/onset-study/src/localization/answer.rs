@@ -1,4 +1,4 @@
-//! The answer to: where along this path does the material localize?
+//! Answer of `onset localization`: the first state of a path at which the material localizes.
 
 use super::{LocalizationError, PlasticLaw, PlasticSettings};
 use crate::number::{told as number, told_of, vector};
@@ -7,100 +7,100 @@ use nalgebra::Vector3;
 use onset::plasticity::{BandKind, Bands, Criterion, End, PathPoint, follow, follow_increments};
 use serde::Serialize;
 
-/// Onset of localization along a path, and what led to it.
+/// Onset of localization along a path, with the states that lead to it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LocalizationAnswer {
     /// The answer in words.
     pub sentence: String,
-    /// The parameters that have an effect.
+    /// Parameters that have an effect.
     pub settings: serde_json::Map<String, serde_json::Value>,
-    /// The units of all numbers with dimensions: those of the parameters, or SI.
+    /// Units of all numbers with dimensions: the units of the parameters, or SI.
     pub units: Units,
-    /// The parameters as a text.
+    /// Parameters as a text.
     #[serde(skip)]
     pub told: String,
-    /// First yield.
+    /// State at first yield.
     pub first_yield: PointAnswer,
-    /// Where strong ellipticity is lost: the symmetric part of the acoustic tensor becomes singular.
+    /// State at which strong ellipticity is lost: the symmetric part of the acoustic tensor becomes singular.
     pub strong_ellipticity_lost: Option<PointAnswer>,
-    /// Where ellipticity is lost: a band can form.
+    /// State at which ellipticity is lost and a band can form.
     pub localization: Option<PointAnswer>,
-    /// Where `h - h_cr` is smallest; the onset, if there is one.
+    /// State with the smallest `h - h_cr`, which is the onset if localization occurs.
     pub closest: PointAnswer,
-    /// Why the path ends.
+    /// Reason why the path ends.
     pub end: End,
     /// Critical moduli by direction at the closest state, in the plane of the largest and the smallest principal stress.
     pub directions: Vec<DirectionAnswer>,
     /// States of the path.
     pub path: Vec<PointAnswer>,
-    /// Of a law that is known by increments: the onset with half as many, which tells how far their number matters.
+    /// For incremental laws: the onset with half the number of increments, as a measure of convergence.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub with_half_the_increments: Option<HalfAnswer>,
-    /// What such a law says where it fails and the path ends.
+    /// Message of an incremental law whose failure ends the path.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refusal: Option<String>,
-    /// The elastic stiffness of shear, which moduli are compared with.
+    /// Elastic shear stiffness, the scale for moduli.
     #[serde(skip)]
     stiffness: f64,
 }
 
-/// The onset of localization in half as many increments, where there is one.
+/// Onset of localization with half the number of increments; `None` in each field without localization.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HalfAnswer {
-    /// Its plastic shear strain.
+    /// Plastic shear strain at the onset.
     pub localization_slip: Option<f64>,
-    /// Its strain along axis 1.
+    /// Strain along axis 1 at the onset.
     pub localization_strain: Option<f64>,
 }
 
-/// A state of the path. Stresses are Cauchy's, tension positive; axes are those of the path.
+/// State of the path, in the axes of the path. Stresses are Cauchy stresses, tension positive.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PointAnswer {
-    /// Plastic shear strain.
+    /// Accumulated plastic shear strain.
     pub slip: f64,
     /// Strains since the confined state.
     pub strain: [f64; 3],
-    /// Stresses.
+    /// Cauchy stresses along the axes, tension positive. Units of stress.
     pub stress: [f64; 3],
-    /// `sqrt(s:s/2)`.
+    /// Equivalent shear stress `sqrt(s:s/2)`. Units of stress.
     pub equivalent_shear: f64,
-    /// Mean stress.
+    /// Mean stress, tension positive. Units of stress.
     pub mean_stress: f64,
-    /// The plastic modulus `h`.
+    /// Plastic modulus `h`. Units of stress.
     pub plastic_modulus: f64,
-    /// The critical modulus of localization, largest over all directions.
+    /// Critical modulus of localization, maximized over all directions.
     pub critical_modulus: f64,
-    /// What the critical modulus of no direction exceeds.
+    /// Upper bound of the critical modulus over all directions.
     pub critical_modulus_bound: f64,
-    /// The critical modulus of strong ellipticity.
+    /// Critical modulus of strong ellipticity.
     pub strong_critical_modulus: f64,
-    /// The band at the critical modulus of localization.
+    /// Band at the critical modulus of localization.
     pub band: BandAnswer,
 }
 
-/// A band.
+/// Localization band at a state.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BandAnswer {
-    /// What kind of a band.
+    /// Kind of the band.
     pub kind: BandKind,
-    /// Its unit normal.
+    /// Unit normal of the band.
     pub normal: [f64; 3],
-    /// Unit vector along the jump of velocity across it.
+    /// Unit vector along the velocity jump across the band.
     pub polarization: [f64; 3],
-    /// Degrees between the normal and the axis of the largest (most tensile) principal stress.
+    /// Angle in degrees between the normal and the axis of the largest (most tensile) principal stress.
     pub angle_to_major: f64,
-    /// Degrees between the normal and the axis of the smallest (most compressive) principal stress.
+    /// Angle in degrees between the normal and the axis of the smallest (most compressive) principal stress.
     pub angle_to_minor: f64,
 }
 
 /// Critical moduli of one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DirectionAnswer {
-    /// Degrees between the normal and the axis of the smallest principal stress, toward that of the largest.
+    /// Angle in degrees of the normal from the axis of the smallest principal stress, toward the axis of the largest.
     pub angle: f64,
-    /// That of ellipticity.
+    /// Critical modulus of ellipticity.
     pub critical_modulus: f64,
-    /// That of strong ellipticity.
+    /// Critical modulus of strong ellipticity.
     pub strong_critical_modulus: f64,
 }
 
@@ -129,10 +129,10 @@ impl From<&PathPoint> for PointAnswer {
 }
 
 impl LocalizationAnswer {
-    /// Follows the path.
+    /// Follows the path to its end.
     ///
     /// # Errors
-    /// [`LocalizationError`] when the law does not admit its parameters or cannot follow the path.
+    /// [`LocalizationError`] when the law has invalid parameters or cannot follow the path.
     pub fn new(settings: &PlasticSettings) -> Result<Self, LocalizationError> {
         let loading = settings.loading();
         let (found, coarser) = match settings.law()? {
@@ -182,7 +182,7 @@ impl LocalizationAnswer {
         Ok(told)
     }
 
-    /// A table of the path, with a line of names.
+    /// Table of the path as CSV with a header line.
     pub fn csv(&self) -> String {
         let mut text = String::from(
             "plastic_shear_strain,strain_1,strain_2,strain_3,stress_1,stress_2,stress_3,plastic_modulus,\
@@ -210,7 +210,7 @@ impl LocalizationAnswer {
         text
     }
 
-    /// A table of critical moduli by direction, with a line of names.
+    /// Table of critical moduli by direction as CSV with a header line.
     pub fn directions_csv(&self) -> String {
         let mut text = String::from("angle_to_minor,critical_modulus,strong_critical_modulus\n");
         for direction in &self.directions {
@@ -223,7 +223,7 @@ impl LocalizationAnswer {
         text
     }
 
-    /// What forms: in a sheet a neck, whose thickness changes as the kind of the band says.
+    /// Name of the band. In a sheet it is a neck, and the kind of the band gives the change of thickness.
     fn band_name(&self, point: &PointAnswer) -> &'static str {
         match self
             .settings
@@ -235,7 +235,7 @@ impl LocalizationAnswer {
         }
     }
 
-    /// The answer in words.
+    /// Composes the sentence of the answer.
     fn tell(&self, slip: f64) -> String {
         let mut sentence = match &self.localization {
             Some(onset) => {
@@ -244,7 +244,7 @@ impl LocalizationAnswer {
                 } else {
                     format!("at the plastic shear strain {}", number(onset.slip))
                 };
-                // A modulus of rounding errors is neither.
+                // A modulus within rounding error is neither hardening nor softening.
                 let scale = 1e-9 * self.first_yield.plastic_modulus.abs();
                 let hardening = if onset.plastic_modulus > scale {
                     "while it still hardens"
@@ -335,7 +335,7 @@ impl LocalizationAnswer {
         sentence
     }
 
-    /// How far the number of increments matters.
+    /// Sentence on the influence of the number of increments.
     fn tell_increments(&self) -> String {
         let Some(half) = self.with_half_the_increments else {
             return String::new();
@@ -351,7 +351,7 @@ impl LocalizationAnswer {
     }
 }
 
-/// Critical moduli over a quarter turn from the axis of the smallest to that of the largest principal stress.
+/// Critical moduli over a quarter turn from the axis of the smallest to the axis of the largest principal stress.
 fn directions(point: &PathPoint, bands: Bands) -> Result<Vec<DirectionAnswer>, LocalizationError> {
     let axes = match bands {
         Bands::Bulk => 3,
@@ -360,7 +360,7 @@ fn directions(point: &PathPoint, bands: Bands) -> Result<Vec<DirectionAnswer>, L
     let stress = |axis: &usize| point.stress[*axis];
     let by_stress = |a: &usize, b: &usize| stress(a).total_cmp(&stress(b));
     let major = (0..axes).max_by(by_stress).unwrap_or(0);
-    // Of equal stresses the first and the last, so that two axes differ.
+    // For equal stresses the first and the last axis, so that the two differ.
     let minor = (0..axes).min_by(by_stress).unwrap_or(1);
     let mut told = Vec::with_capacity(181);
     for half_degrees in 0..=180 {

@@ -1,10 +1,10 @@
-//! The figure of a localization: moduli along the path, and critical moduli by direction.
+//! Figure of a localization: moduli along the path, and critical moduli by direction.
 
 use super::LocalizationAnswer;
 use crate::figure::{Axis, Figure, Line, Panel, Points, Rule, palette};
 
 impl LocalizationAnswer {
-    /// Plastic and critical moduli against plastic shear strain, and critical moduli by direction at the closest state.
+    /// Draws plastic and critical moduli against plastic shear strain, and critical moduli by direction at the closest state.
     pub fn figure(&self, title: impl Into<String>) -> Figure {
         Figure::new(title)
             .columns(2)
@@ -43,7 +43,7 @@ impl LocalizationAnswer {
                     .named("critical modulus, ellipticity")
                     .color(palette::VERMILION),
             )
-            // Above the other line, from which it may not differ.
+            // Drawn last, because it may coincide with the line of ellipticity.
             .with(
                 Line::new(strong)
                     .named("critical modulus, strong ellipticity")

@@ -1,4 +1,4 @@
-//! Plasticity and localization: where along a loading path does a plastic material form a band, and which?
+//! Plasticity and localization: the first state of a loading path at which a band forms in a plastic material, and the band.
 
 mod answer;
 mod figure;
@@ -12,22 +12,22 @@ use crate::settings::SettingError;
 use onset::plasticity::PlasticityError;
 use thiserror::Error;
 
-/// Why there is no answer. Always the input's fault, and said so.
+/// Reasons why there is no answer; the input is always at fault.
 #[derive(Debug, Error)]
 pub enum LocalizationError {
-    /// A setting.
+    /// A setting is invalid.
     #[error(transparent)]
     Setting(#[from] SettingError),
-    /// The law, or the path with it.
+    /// The law is invalid or fails on the path.
     #[error("{source}{}", hint(source))]
     Plasticity {
-        /// What is wrong.
+        /// Cause of the failure.
         #[from]
         source: PlasticityError,
     },
 }
 
-/// What to do about it.
+/// Hint for an error of the law or the path.
 fn hint(error: &PlasticityError) -> String {
     let hint = match error {
         PlasticityError::Parameter { name, .. } => format!("set it with --set plasticity.{name}=..."),

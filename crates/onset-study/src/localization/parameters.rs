@@ -1,4 +1,4 @@
-//! The parameters of plastic laws and loading paths, each defined once.
+//! Parameters of plastic laws and loading paths, each defined once.
 
 use super::LocalizationError;
 use crate::settings::{
@@ -13,18 +13,18 @@ use onset::plasticity::{
 use onset_umat::Umat;
 use serde::de::DeserializeOwned;
 
-/// A parameter that can be set.
+/// Definition of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// Its dotted name.
+    /// Dotted name of the parameter.
     pub name: &'static str,
-    /// What it expects.
+    /// Kind of value that it accepts.
     pub kind: Kind,
-    /// Its default, as one would write it.
+    /// Default value, as it would be typed.
     pub default: &'static str,
-    /// What it means.
+    /// Meaning, with formula or options.
     pub meaning: &'static str,
-    /// The parameter and its words without which it has no effect.
+    /// Condition for an effect: another parameter and its admissible words; `None` without a condition.
     pub only_with: Option<(&'static str, &'static [&'static str])>,
 }
 
@@ -53,7 +53,7 @@ impl Parameter {
         Value::typed(self.default, Some(self.kind))
     }
 
-    /// It as a key of settings, so that it takes units as they do.
+    /// Converts the parameter to a key of settings, so that it accepts units.
     fn key(&self) -> Key {
         Key {
             name: self.name,
@@ -63,7 +63,7 @@ impl Parameter {
         }
     }
 
-    /// Its unit in SI, where it has a dimension.
+    /// SI unit of the parameter, if it has a dimension.
     fn si_unit(&self) -> Option<&'static str> {
         self.key().unit().and_then(units::si)
     }
@@ -79,10 +79,9 @@ impl Parameter {
 const CONFINEMENT: &str = "plasticity.confinement";
 const MODEL: &str = "plasticity.model";
 const HARDENING: &str = "plasticity.hardening";
-/// The model that is a routine, chosen by keys of `[material]`.
+/// Model name of a user routine, which is specified by keys of `[material]`.
 const UMAT: &str = "umat";
 
-/// The laws.
 pub(crate) const MODELS: &[&str] = &[
     "drucker-prager",
     "j2",
@@ -96,9 +95,9 @@ pub(crate) const MODELS: &[&str] = &[
     "deformation-theory",
     UMAT,
 ];
-/// Those that are isotropic elastic before they flow.
+/// Models with isotropic elasticity.
 const WITH_ELASTICITY: &[&str] = MODELS.split_at(MODELS.len() - 1).0;
-/// Those whose strength follows plasticity.hardening.
+/// Models whose strength follows `plasticity.hardening`.
 const HARDENING_WITH_SLIP: &[&str] = &[
     "drucker-prager",
     "j2",
@@ -109,7 +108,7 @@ const HARDENING_WITH_SLIP: &[&str] = &[
     "damage",
     "deformation-theory",
 ];
-/// Those that have plasticity.strength.
+/// Models that use `plasticity.strength`.
 const WITH_STRENGTH: &[&str] = &[
     "drucker-prager",
     "j2",
@@ -122,7 +121,7 @@ const WITH_STRENGTH: &[&str] = &[
     "deformation-theory",
 ];
 
-/// Every parameter, in the order of the documentation.
+/// All parameters, in the order of the documentation.
 pub const PARAMETERS: &[Parameter] = &[
     parameter(
         MODEL,
@@ -367,24 +366,24 @@ pub const PARAMETERS: &[Parameter] = &[
     .only_with(MODEL, &[UMAT]),
 ];
 
-/// A plastic law and a loading path, as set.
+/// Plastic law and loading path, as set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlasticSettings {
     /// One value for each of [`PARAMETERS`].
     values: Vec<Value>,
-    /// Where those that were set were set.
+    /// Place at which each value was set; `None` for defaults.
     origins: Vec<Option<Origin>>,
-    /// Whether the value of each has a unit; it is in SI then.
+    /// Whether each value was given with a unit; it is then in SI.
     with_units: Vec<bool>,
-    /// The user material, where the model is one.
+    /// User material, if the model is a routine.
     routine: Option<MaterialSettings>,
 }
 
-/// A law by what is known of it.
+/// Plastic law, by the way in which it is evaluated.
 pub enum PlasticLaw {
-    /// Its flow.
+    /// Law in rate form, with yield surface and flow rule.
     Flow(Box<dyn FlowLaw>),
-    /// Its answers to increments, and how many of them are taken.
+    /// Law of finite increments, with the number of increments.
     Increments(Box<dyn IncrementalLaw>, usize),
 }
 
@@ -400,7 +399,7 @@ impl Default for PlasticSettings {
 }
 
 impl PlasticSettings {
-    /// The defaults, changed by assignments such as `plasticity.friction=0.7`, in order.
+    /// Applies assignments such as `plasticity.friction=0.7` to the defaults, in order.
     ///
     /// ```
     /// use onset_study::localization::PlasticSettings;
@@ -435,7 +434,7 @@ impl PlasticSettings {
         Ok(settings)
     }
 
-    /// The user material of `plasticity.model = umat`, by the keys that it has everywhere.
+    /// Reads the user material of `plasticity.model = umat` from keys of `[material]`.
     fn choose_routine(&mut self, assignments: &[&str]) -> Result<(), SettingError> {
         if !self.is(MODEL, UMAT) {
             return match assignments.first() {
@@ -479,7 +478,7 @@ impl PlasticSettings {
         Ok(())
     }
 
-    /// Sets one parameter; whether it has an effect is checked by [`PlasticSettings::from_assignments`].
+    /// Sets one parameter. [`PlasticSettings::from_assignments`] checks afterwards whether it has an effect.
     fn set(&mut self, name: &str, text: &str, origin: Origin) -> Result<(), SettingError> {
         let names = PARAMETERS.iter().map(|parameter| parameter.name);
         let Some(place) = names.clone().position(|known| known == name) else {
@@ -504,7 +503,8 @@ impl PlasticSettings {
         Ok(())
     }
 
-    /// Cam-clay has no strength without pressure: where none is set, it is confined by half of its preconsolidation, in the middle of its yield surface.
+    /// Sets the confinement of Cam-clay, which has no strength without pressure, unless the user sets it: half of the preconsolidation pressure, in
+    /// the middle of the yield surface.
     fn confine(&mut self) {
         let place = |name: &str| PARAMETERS.iter().position(|known| known.name == name);
         let places = (place(CONFINEMENT), place("plasticity.preconsolidation"));
@@ -539,7 +539,7 @@ impl PlasticSettings {
         self.check_units()
     }
 
-    /// That all values with dimensions that are in effect have units, or none.
+    /// Checks that either all values with dimensions in effect have units, or none.
     fn check_units(&self) -> Result<(), SettingError> {
         let states = PARAMETERS.iter().zip(&self.values);
         let states = states.zip(self.with_units.iter().zip(&self.origins));
@@ -553,7 +553,7 @@ impl PlasticSettings {
         units::check(measures).map(drop)
     }
 
-    /// The units of answers.
+    /// Returns the units of answers.
     pub fn units(&self) -> Units {
         match self.with_units.contains(&true) {
             true => Units::Si,
@@ -569,7 +569,7 @@ impl PlasticSettings {
         })
     }
 
-    /// The parameters that have an effect as a text: names with values, those with dimensions with their units.
+    /// Parameters in effect as a text: names with values, and units if there is a dimension.
     pub fn told(&self) -> String {
         let units = self.units();
         let one = |(parameter, value): (&'static Parameter, &Value)| {
@@ -593,13 +593,13 @@ impl PlasticSettings {
         own.chain(routine).collect::<Vec<_>>().join(", ")
     }
 
-    /// The keys of the user material, with their values.
+    /// Keys of the user material, with their values.
     pub fn routine_entries(&self) -> Vec<(&'static str, Value)> {
         let entries = self.routine.as_ref().map(MaterialSettings::entries);
         entries.unwrap_or_default()
     }
 
-    /// The parameters that have an effect, with their values.
+    /// Parameters in effect, with their values.
     pub fn values(&self) -> impl Iterator<Item = (&'static Parameter, &Value)> {
         PARAMETERS
             .iter()
@@ -625,10 +625,10 @@ impl PlasticSettings {
         matches!(self.value(name), Value::Word(set) if set == word)
     }
 
-    /// The law.
+    /// Builds the plastic law.
     ///
     /// # Errors
-    /// [`LocalizationError::Plasticity`] when it does not admit its parameters.
+    /// [`LocalizationError::Plasticity`] when the parameters are invalid.
     pub fn law(&self) -> Result<PlasticLaw, LocalizationError> {
         match &self.routine {
             Some(routine) => self.routine_law(routine),
@@ -713,7 +713,7 @@ impl PlasticSettings {
         }
     }
 
-    /// How the strength changes with slip.
+    /// Hardening curve of the strength.
     fn hardening(&self) -> Hardening {
         let initial = self.number("plasticity.strength");
         let modulus = self.number("plasticity.hardening-modulus");
@@ -742,7 +742,7 @@ impl PlasticSettings {
         }
     }
 
-    /// The loading.
+    /// Returns the loading path.
     pub fn loading(&self) -> Loading {
         Loading {
             path: self.word::<LoadingPath>("plasticity.path"),

@@ -1,4 +1,4 @@
-//! Modes that move, in a page that needs nothing else.
+//! Animated modes in a self-contained HTML page.
 
 use super::view::View;
 use super::{ModesAnswer, ShownMode};
@@ -7,17 +7,17 @@ use crate::html::escaped;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-/// Positions of a particle in a period.
+/// Number of positions of a particle in a period.
 const FRAMES: usize = 24;
 /// Width of a picture, in pixels.
 const WIDTH: f64 = 320.0;
 
-/// How pages with moving pictures look.
+/// Style sheet of pages with animated pictures.
 pub(crate) const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#111}\
 main{display:flex;flex-wrap:wrap;gap:1.5rem}figure{margin:0}figcaption{max-width:320px}";
 
 impl ModesAnswer {
-    /// A page on which every mode moves: each particle along its ellipse, all in one period. The displacements are those of the
+    /// Writes a page that animates every mode. Each particle moves along its ellipse, all with the same period; the amplitudes equal those of the
     /// exported fields.
     pub fn page(&self) -> String {
         let mut page = format!(
@@ -60,8 +60,8 @@ impl ModesAnswer {
     }
 }
 
-/// Particles that move along paths of equally many places, over and over, in a picture; all lengths in the same unit. What belongs at rest to the
-/// `places` decides about the frame.
+/// Draws particles that move periodically along their paths, all of equal numbers of points. `places` are the reference positions, which determine
+/// the frame. All lengths have the same unit.
 pub(crate) fn moving_particles(
     places: &[[f64; 3]],
     paths: &[Vec<[f64; 3]>],
@@ -70,7 +70,7 @@ pub(crate) fn moving_particles(
     seconds: u32,
 ) -> String {
     let view = View::of(places, dimension);
-    // The farthest are drawn first.
+    // The farthest particles are drawn first.
     let mut order: Vec<usize> = (0..places.len()).collect();
     order.sort_by(|a, b| {
         let farness = |n: &usize| view.seen(&places[*n]).farness;

@@ -1,4 +1,4 @@
-//! Modes as displacement fields of a patch, to seed a simulation.
+//! Modes as displacement fields of a patch, for initial conditions of a simulation.
 
 use super::{ModesAnswer, ShownMode};
 use crate::figure::FigureError;
@@ -6,8 +6,8 @@ use crate::output::{Files, text};
 use std::fmt::Write;
 
 impl ModesAnswer {
-    /// The figure (`modes.svg`, `modes.png`), the moving picture (`modes.html`), and for each mode the displacement field of the
-    /// patch as `mode-1.csv` and `mode-1.vtk`.
+    /// Returns the figure (`modes.svg`, `modes.png`), the animation (`modes.html`), and for each mode the displacement field of the patch
+    /// (`mode-1.csv` and `mode-1.vtk`).
     ///
     /// # Errors
     /// [`FigureError`] when the figure is too large.
@@ -23,7 +23,7 @@ impl ModesAnswer {
 }
 
 impl ShownMode {
-    /// Positions and displacements of the particles, a line each.
+    /// Positions and displacements as CSV, one line for each particle.
     pub fn csv(&self) -> String {
         let mut text = String::from("x1,x2,x3,u1,u2,u3\n");
         for (x, u) in self.positions.iter().zip(&self.displacements) {
@@ -33,7 +33,7 @@ impl ShownMode {
         text
     }
 
-    /// The same as a VTK file (legacy format, text): points with the vectors `displacement`, for ParaView and its kin.
+    /// Positions with the vectors `displacement` as a VTK file (legacy format, text), for ParaView and similar programs.
     pub fn vtk(&self, cells: usize) -> String {
         let count = self.positions.len();
         let misfit = match self.fits {

@@ -1,4 +1,4 @@
-//! Modes drawn on the lattice.
+//! Figure of modes on the lattice.
 
 use super::view::View;
 use super::{ModesAnswer, ShownMode};
@@ -6,26 +6,25 @@ use crate::figure::{
     Arrows, Axis, Ball, Balls, Color, Figure, Label, Line, Panel, Points, palette,
 };
 
-/// Modes that are drawn.
+/// Maximum number of modes that are drawn.
 const DRAWN: usize = 6;
 
-/// Half the side of the cube of particles that is drawn in space, in spacings.
+/// Half the edge of the cube of particles that is drawn in 3D, in spacings.
 const HALF_SIDE: f64 = 1.6;
 /// Radius of a ball, in spacings.
 const RADIUS: f64 = 0.15;
-/// Neighbors nearer than this, in spacings, are joined by a line.
+/// Largest distance of neighbors that are joined by a line, in spacings.
 const JOINED: f64 = 1.05;
-/// The lines between neighbors.
+/// Color of the lines between neighbors.
 const PALE: Color = Color::hex(0xc4c4c4);
 
 impl ModesAnswer {
-    /// The first modes, each on a patch of particles: where they are, and how they move. Of three dimensions the middle of the patch
-    /// is shown, in perspective.
+    /// Draws the first modes, each on a patch of particles with their displacements. In 3D the middle of the patch is drawn in perspective.
     pub fn figure(&self) -> Figure {
         let figure = Figure::new("Spurious modes of the reference configuration").columns(3);
         let shown = self.modes.iter().take(DRAWN);
         let mut figure = shown.fold(figure, |figure, mode| figure.with(self.panel(mode)));
-        // One patch in all panels, at one scale.
+        // All panels show the same patch at the same scale.
         let ranges = figure
             .panels
             .iter()
@@ -52,7 +51,7 @@ impl ModesAnswer {
         figure.caption(caption.trim_start())
     }
 
-    /// The particles that are shown: all, in space those in the middle of the patch.
+    /// Indices of the drawn particles: all of them, in 3D only the middle of the patch.
     pub(super) fn shown(&self, mode: &ShownMode) -> Vec<usize> {
         let all = 0..mode.positions.len();
         if self.dimension < 3 {
@@ -79,7 +78,7 @@ impl ModesAnswer {
             .map(|n| self.arrow(&mode.positions[n], &mode.displacements[n]))
             .unzip();
         let ends = || from.iter().chain(&to);
-        // Displacements along a line are drawn across it.
+        // Displacements along a line are drawn perpendicular to it.
         let second = match self.dimension {
             1 => "displacement u₁",
             _ => "x₂",
@@ -112,11 +111,11 @@ impl ModesAnswer {
         if self.dimension == 1 {
             return ((x[0], 0.0), (x[0], u[0]));
         }
-        // Twice as long, so that it shows.
+        // Doubled for visibility.
         ((x[0], x[1]), (x[0] + 2.0 * u[0], x[1] + 2.0 * u[1]))
     }
 
-    /// Balls in perspective, the farther the paler, with lines between neighbors and the directions of the axes.
+    /// Perspective view with balls, paler with distance, lines between neighbors, and the axes.
     fn panel_in_space(&self, mode: &ShownMode, title: &str) -> Panel {
         let shown = self.shown(mode);
         let places: Vec<[f64; 3]> = shown.iter().map(|n| mode.positions[*n]).collect();
@@ -181,7 +180,7 @@ impl ModesAnswer {
         points
     }
 
-    /// The directions of the axes as arrows from a corner, with their names.
+    /// Axes as arrows from a corner, with their names.
     fn triad(&self, view: &View, corner: (f64, f64)) -> (Arrows, Vec<Label>) {
         let length = 0.8 * self.spacing;
         let base = (corner.0 - 0.9 * self.spacing, corner.1 - 0.2 * self.spacing);

@@ -1,27 +1,27 @@
-//! Waves and patches: which numbers of cells hold whole wavelengths.
+//! Fit of waves into patches: numbers of cells that hold whole wavelengths.
 
 use serde::Serialize;
 
-/// The most cells along a primitive vector.
-pub(super) const MOST: usize = 512;
-/// The largest denominator of a fraction that stands for an incommensurate wave.
-const SMALL: usize = 16;
-/// A wave fits if it misses a whole number of wavelengths by this share of one.
+/// Maximum number of cells along a primitive vector.
+pub(super) const MAX_CELLS: usize = 512;
+/// Maximum number of cells for an incommensurate wave, the denominator of its approximate fraction.
+const MAX_DENOMINATOR: usize = 16;
+/// Largest deviation from a whole number of wavelengths for a wave that fits.
 const WHOLE: f64 = 1e-6;
 
-/// A patch of as many cells along each primitive vector, and the wave nearest to a given one that fits into it.
+/// Patch with equal numbers of cells along the primitive vectors, and the wave closest to a given one that fits into it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fit {
-    /// Cells along each primitive vector.
+    /// Number of cells along each primitive vector.
     pub cells: usize,
-    /// The wave vector of the wave that fits, in units of the reciprocal vectors.
+    /// Wave vector of the wave that fits, in units of the reciprocal vectors.
     pub fractional: Vec<f64>,
-    /// The largest difference of a component from that of the wave itself; zero if the wave fits.
+    /// Largest deviation of a component from the given wave vector, in the same units; zero if the wave fits.
     pub error: f64,
 }
 
 impl Fit {
-    /// The nearest wave in a patch.
+    /// The wave closest to the given one for a number of cells.
     fn of(fractional: &[f64], cells: usize) -> Self {
         let count = cells as f64;
         let nearest: Vec<f64> = fractional
@@ -37,19 +37,19 @@ impl Fit {
         }
     }
 
-    /// Whether a wave fits into a patch.
+    /// Returns true if a wave fits into a patch.
     pub(super) fn is_whole(fractional: &[f64], cells: usize) -> bool {
         Self::of(fractional, cells).error == 0.0
     }
 
-    /// The smallest patch that a wave fits into. For a wave that fits into none, the small patch with the nearest wave.
+    /// Smallest patch that a wave fits into. For an incommensurate wave, the small patch with the closest wave.
     pub(super) fn smallest(fractional: &[f64]) -> Self {
-        let whole = (1..=MOST).map(|cells| Self::of(fractional, cells));
+        let whole = (1..=MAX_CELLS).map(|cells| Self::of(fractional, cells));
         whole
             .into_iter()
             .find(|fit| fit.error == 0.0)
             .unwrap_or_else(|| {
-                let small = (2..=SMALL).map(|cells| Self::of(fractional, cells));
+                let small = (2..=MAX_DENOMINATOR).map(|cells| Self::of(fractional, cells));
                 small
                     .reduce(|best, fit| if fit.error < best.error { fit } else { best })
                     .unwrap_or_else(|| Self::of(fractional, 1))
@@ -76,7 +76,7 @@ mod tests {
                     || cells == 1
             );
         }
-        // No patch holds 0.20983...; three fourteenths are nearest among small fractions.
+        // No patch fits 0.20983...; 3/14 is the closest small fraction.
         let fit = Fit::smallest(&[0.209_834_1, 0.5]);
         assert_eq!((fit.cells, fit.fractional[1]), (14, 0.5));
         assert!((fit.error - (3.0 / 14.0 - 0.209_834_1)).abs() < 1e-12);

@@ -1,4 +1,4 @@
-//! The spurious modes of a method: told, drawn on the lattice, animated, and exported to seed a simulation.
+//! Spurious modes of a method: listed, drawn on the lattice, animated, and exported as initial conditions of a simulation.
 
 mod animation;
 mod export;
@@ -20,19 +20,19 @@ use onset::measures::{Extent, SpuriousMode};
 use serde::Serialize;
 use std::fmt;
 
-/// Particles of the largest patch.
+/// Maximum number of particles of a patch.
 const LARGEST: f64 = 40_000.0;
 
-/// What is shown of modes.
+/// Options for the list and the export of modes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModesQuestion {
-    /// Waves slower than this share of the material's slowest wave are listed as weak.
+    /// Largest frequency of weak modes, relative to the slowest wave of the material.
     pub weak: f64,
-    /// Cells of the patch along each primitive vector.
+    /// Number of cells of the patch along each primitive vector.
     pub cells: usize,
     /// The largest displacement of the exported fields, in particle spacings.
     pub amplitude: f64,
-    /// Whether displacement fields are exported, so that it is said which waves the patch does not hold.
+    /// Whether displacement fields are exported, so that notes on waves that do not fit the patch are needed.
     pub is_exported: bool,
 }
 
@@ -47,77 +47,78 @@ impl Default for ModesQuestion {
     }
 }
 
-/// The spurious modes of a method.
+/// Spurious modes of a method in the reference configuration.
 #[derive(Clone, Debug, Serialize)]
 pub struct ModesAnswer {
-    /// Space dimensions.
+    /// Number of space dimensions.
     pub dimension: usize,
     /// The particle spacing; length.
     pub spacing: f64,
-    /// How far zero-energy modes extend at most; `None` where there are none.
+    /// Largest set formed by zero-energy modes (point, line, surface or zone); `None` without such modes.
     pub zero_extent: Option<Extent>,
     /// Whether all zero-energy modes have been found.
     pub complete: bool,
-    /// How sure it is that these are all zero-energy modes: `bounded` where the zone is divided into parts that bounds on the strain exclude or hold one, `searched`
-    /// where parts are left.
+    /// Evidence that the list of zero-energy modes is complete: `bounded` if bounds on the strain decide every part of the zone, `searched` if parts
+    /// are undecided.
     pub evidence: Evidence,
-    /// The lowest relative frequency anywhere; `None` where the slowest waves of the material have no energy, as the shear waves of a fluid.
+    /// The lowest relative frequency anywhere; `None` if the slowest waves of the material have zero frequency, like the shear waves of a fluid.
     pub weakest: Option<f64>,
-    /// The modes: those of zero energy first.
+    /// Modes, zero-energy modes first.
     pub modes: Vec<ShownMode>,
-    /// The limit of weakness.
+    /// Largest relative frequency of modes that are listed as weak.
     pub weak: f64,
-    /// Cells of the patch along each primitive vector.
+    /// Number of cells of the patch along each primitive vector.
     pub cells: usize,
-    /// Numbers of particles of the cell of the settings and of its primitive cell, if that is smaller.
+    /// Numbers of particles of the cell in the settings and of its primitive cell, if that is smaller.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reduced_cell: Option<ReducedCell>,
     #[serde(skip)]
     is_exported: bool,
-    /// What a reader must know of law and method.
+    /// Remarks on law and method for the reader.
     pub notes: Vec<String>,
-    /// Every choice in effect.
+    /// All settings in effect.
     pub settings: Effective,
 }
 
-/// A mode on a patch of particles.
+/// Mode on a patch of particles.
 #[derive(Clone, Debug, Serialize)]
 pub struct ShownMode {
     /// The wave vector; 1/length.
     pub wave_vector: Vec<f64>,
-    /// The same in units of the reciprocal vectors.
+    /// Wave vector in units of the reciprocal vectors.
     pub fractional: Vec<f64>,
-    /// The wave vector of the material's wave that it is, which that of a cell with several particles tells up to reciprocal vectors; 1/length.
+    /// Wave vector of the material wave that the mode approximates. For a cell with several particles it differs from `wave_vector` by a reciprocal
+    /// vector; 1/length.
     pub wave: Vec<f64>,
-    /// The same in units of the reciprocal vectors, where that is another one.
+    /// `wave` in units of the reciprocal vectors, if it differs from `fractional`.
     #[serde(skip)]
     pub unfolded: Option<Vec<f64>>,
-    /// Its frequency over that of the material's slowest wave.
+    /// Frequency relative to the slowest wave of the material.
     pub relative_frequency: f64,
-    /// How many independent zero-energy modes there are.
+    /// Number of independent zero-energy modes at this wave vector.
     pub nullity: usize,
-    /// How far zero-energy modes extend from it.
+    /// Set of zero-energy modes that contains this mode: point, line, surface or zone.
     pub extent: Extent,
     /// Whether the wave fits into the patch. If not, its displacement field jumps at the periodic boundary.
     pub fits: bool,
-    /// The smallest patch that the wave fits into; for an incommensurate wave a small patch with the nearest wave.
+    /// Smallest patch that the wave fits into; for an incommensurate wave a small patch with the closest wave.
     pub fit: Fit,
     /// Positions of the particles of a patch, three coordinates each; length.
     #[serde(skip)]
     pub positions: Vec<[f64; 3]>,
-    /// Their displacements at the time at which the mode is largest; length.
+    /// Displacements of the particles at the time of the largest displacement; length.
     #[serde(skip)]
     pub displacements: Vec<[f64; 3]>,
-    /// Their displacements a quarter of a period later.
+    /// Displacements of the particles a quarter of a period later; length.
     #[serde(skip)]
     pub quarter: Vec<[f64; 3]>,
 }
 
 impl ModesAnswer {
-    /// The spurious modes of the discretization in the reference configuration.
+    /// Computes the spurious modes of the discretization in the reference configuration.
     ///
     /// # Errors
-    /// [`ProblemError`] when material or method are not admissible, or the patch is too large.
+    /// [`ProblemError`] when material or method are invalid, or the patch is too large.
     pub fn new(settings: &Settings, question: &ModesQuestion) -> Result<Self, ProblemError> {
         let Problem {
             settings,
@@ -167,14 +168,14 @@ impl ShownMode {
         let fractional = analysis.fractional(&k);
         let apart = (mode.wave - k).norm().min((mode.wave + k).norm());
         let is_folded = analysis.sites() > 1 && apart > 1e-6 * mode.wave.norm();
-        // The time at which the particle that moves most is farthest out: its g is turned until g.g is real and positive.
+        // Phase at which the particle with the largest amplitude g is farthest out: g is rotated until g.g is real and positive.
         let square = |own: &SVector<Complex, 3>| own.iter().map(|z| z * z).sum::<Complex>();
         let most = mode
             .displacements
             .iter()
             .max_by(|a, b| a.norm().total_cmp(&b.norm()));
         let time = most.map_or(0.0, |own| 0.5 * square(own).arg());
-        // Re and Im of g exp(i k.X): the mode now and a quarter of a period later.
+        // Real and imaginary part of g exp(i k.X): the mode at this time and a quarter of a period later.
         let turned = |particle: &PatchParticle| {
             let phase = k.dot(&particle.position) - time;
             mode.displacements[particle.site] * Complex::new(phase.cos(), phase.sin())
@@ -216,27 +217,26 @@ impl ShownMode {
         }
     }
 
-    /// The wave vector in units of the reciprocal vectors, as fractions where it is one; of those that differ by reciprocal vectors with
-    /// 1/2 in place of -1/2.
+    /// Wave vector in units of the reciprocal vectors, as fractions if possible. Equivalent wave vectors are printed with 1/2 instead of -1/2.
     pub fn place(&self) -> String {
         self.told(&self.fractional)
     }
 
-    /// A wave vector near that of the mode in the same way.
+    /// Another wave vector, in the representation chosen for the mode.
     fn told(&self, near: &[f64]) -> String {
         let is_half = |x: f64| (x.abs() - 0.5).abs() < 1e-6;
         let first = self
             .fractional
             .iter()
             .find(|x| x.abs() > 1e-6 && !is_half(**x));
-        // Of k and -k the one whose first component is positive.
+        // Of k and -k, the one with a positive first component.
         let sign = first.map_or(1.0, |x| x.signum());
         let normal = |x: &f64| fraction(&if is_half(*x) { 0.5 } else { sign * x });
         let parts: Vec<String> = near.iter().map(normal).collect();
         format!("({})", parts.join(", "))
     }
 
-    /// That the wave does not fit into a patch, and which patch it fits into; `None` if it fits.
+    /// Note that the wave does not fit into a patch, with a patch that it fits into; `None` if it fits.
     pub fn misfit(&self, cells: usize) -> Option<String> {
         let Fit {
             cells: fitting,
@@ -260,7 +260,7 @@ impl ShownMode {
         })
     }
 
-    /// What it is, in words.
+    /// Kind of the mode, in words.
     pub fn kind(&self) -> String {
         let of_zero = match self.nullity {
             0 => {
@@ -286,7 +286,7 @@ impl ShownMode {
     }
 }
 
-/// A number as a fraction where it is one.
+/// A number as a fraction if it is one with a small denominator.
 fn fraction(x: &f64) -> String {
     for denominator in 1..=16_u32 {
         let numerator = x * f64::from(denominator);

@@ -1,37 +1,37 @@
-//! How particles are seen: those of a line or a plane as they lie, those of space in perspective.
+//! View of particles: plain for a line or a plane, in perspective for 3D.
 
-/// Where the eye is, in space: turned so far around the third axis from the first, and so far above the plane of the first two; degrees.
+/// Direction of the eye in 3D, in degrees: azimuth about axis 3 from axis 1, and elevation above the plane of axes 1 and 2.
 const AZIMUTH: f64 = -62.0;
 const ELEVATION: f64 = 22.0;
-/// Distance of the eye from the center, in radii of what is seen.
+/// Distance of the eye from the center, in radii of the set of particles.
 const DISTANCE: f64 = 5.0;
 
-/// A view of places around a center.
+/// Projection of points around a center.
 pub(super) struct View {
     center: [f64; 3],
-    /// Directions in three dimensions that point rightward, upward, and to the eye.
+    /// Unit vectors that point right, up, and toward the eye.
     right: [f64; 3],
     up: [f64; 3],
     toward: [f64; 3],
-    /// The distance of the eye; infinite where nothing is shortened.
+    /// Distance of the eye; infinite for a parallel projection.
     distance: f64,
     /// Half the extent along the line of sight.
     depth: f64,
 }
 
-/// A place as it is seen.
+/// A point in the picture plane, with its magnification and distance.
 #[derive(Clone, Copy)]
 pub(super) struct Seen {
-    /// Its place in the picture.
+    /// Position in the picture.
     pub(super) at: (f64, f64),
-    /// How much larger than in the middle things look there.
+    /// Magnification relative to the center.
     pub(super) scale: f64,
-    /// From 0, the nearest, to 1, the farthest.
+    /// Relative distance from the eye, from 0 (nearest) to 1 (farthest).
     pub(super) farness: f64,
 }
 
 impl View {
-    /// A view of places in some dimensions.
+    /// Creates a view of points in the given number of dimensions.
     pub(super) fn of(places: &[[f64; 3]], dimension: usize) -> Self {
         let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         if dimension < 3 || places.is_empty() {
@@ -65,7 +65,7 @@ impl View {
         }
     }
 
-    /// A place as it is seen.
+    /// Projects a point into the picture plane.
     pub(super) fn seen(&self, x: &[f64; 3]) -> Seen {
         let x = less(x, &self.center);
         let near = dot(&x, &self.toward);
@@ -81,7 +81,7 @@ impl View {
         }
     }
 
-    /// A direction as it is seen in the middle.
+    /// Projection of a coordinate axis at the center.
     pub(super) fn direction(&self, axis: usize) -> (f64, f64) {
         (self.right[axis], self.up[axis])
     }
@@ -123,7 +123,7 @@ mod tests {
                 assert_eq!(a.farness < b.farness, a.scale > b.scale);
             }
         }
-        // The third axis points upward, and the plane is seen as it is.
+        // The third axis points upward, and a plane is shown without distortion.
         assert!(view.direction(2).1 > 0.9 && view.direction(2).0.abs() < 1e-15);
         let flat = View::of(&cube, 2);
         assert_eq!(flat.seen(&[0.25, 0.75, 0.0]).at, (0.25, 0.75));

@@ -1,4 +1,4 @@
-//! Boundaries in a figure: traced, or along the edges of cells.
+//! Stability boundaries in a figure: traced curves, or the edges of cells.
 
 use super::stored::{Slice, StoredMap};
 use super::{Lines, PlotError, is_elliptic};
@@ -10,12 +10,12 @@ use crate::settings::Study;
 use onset::verdict::boundary::Boundary;
 use std::time::{Duration, Instant};
 
-/// How long the boundaries of a figure are traced where cells would do.
+/// Time limit for tracing the boundaries of a figure if the edges of cells are an alternative.
 const PATIENCE: Duration = Duration::from_secs(10);
 const MATERIAL: &str = "boundary of the material";
 const PARTICLES: &str = "boundary of the discretization";
 
-/// All curves of a boundary of stability as one line.
+/// All curves of a stability boundary as one line, with breaks between them.
 pub(super) fn joined(boundary: &Boundary) -> Vec<(f64, f64)> {
     let mut points = Vec::new();
     for curve in boundary.of_stability() {
@@ -27,7 +27,7 @@ pub(super) fn joined(boundary: &Boundary) -> Vec<(f64, f64)> {
     points
 }
 
-/// A name in the legend that hides no gap: a boundary whose curves were not all followed to their ends says so.
+/// Name in the legend. It mentions gaps if a curve of the boundary was not followed to its ends.
 pub(super) fn honest(name: &str, boundary: &Boundary) -> String {
     match boundary.is_complete() {
         true => name.to_owned(),
@@ -35,12 +35,12 @@ pub(super) fn honest(name: &str, boundary: &Boundary) -> String {
     }
 }
 
-/// The line of the material; so wide that it shows beside that of particles that agree with it.
+/// Line of the material boundary. It is wide enough to show under the line of a discretization that agrees with it.
 fn of_material(points: Vec<(f64, f64)>, name: String) -> Option<Line> {
     (!points.is_empty()).then(|| Line::new(points).width(6.0).named(name))
 }
 
-/// The traced boundary of the material.
+/// Traced boundary of the material.
 pub(super) fn material(boundary: &Boundary) -> Option<Line> {
     of_material(joined(boundary), honest(MATERIAL, boundary))
 }
@@ -54,8 +54,8 @@ fn of_particles(points: Vec<(f64, f64)>, name: String) -> Option<Line> {
     })
 }
 
-/// The boundaries of studies, traced as asked for; `None` where they are to be taken from cells, all of them, so that those in one
-/// figure can be compared.
+/// Traces the boundaries of all studies, or returns `None` if cells should be used. Within one figure all boundaries are traced or none, so that they
+/// can be compared.
 pub(super) fn boundaries<'a>(
     studies: impl Iterator<Item = &'a Study> + Clone,
     lines: Lines,
@@ -77,7 +77,7 @@ pub(super) fn boundaries<'a>(
     Ok(Some(all))
 }
 
-/// The boundaries of a study where they are found in time, and as whole as they have to be.
+/// Traces the boundaries of a study; `None` if time runs out, or if they have gaps that are not acceptable.
 fn traced_until(
     study: &Study,
     lines: Lines,
@@ -97,7 +97,7 @@ fn traced_until(
     }
 }
 
-/// Both boundaries as they are traced.
+/// Lines of both traced boundaries.
 pub(super) fn traced(boundaries: &Boundaries) -> Vec<Line> {
     let lines = [
         material(&boundaries.material),
@@ -122,7 +122,7 @@ pub(super) fn of_cells(map: &StoredMap, slice: &Slice) -> Result<Vec<Line>, Plot
     Ok(lines.into_iter().flatten().collect())
 }
 
-/// The boundary of the material as edges of cells.
+/// Boundary of the material as edges of cells.
 pub(super) fn material_of_cells(map: &StoredMap, slice: &Slice) -> Result<Option<Line>, PlotError> {
     let (cells, classes) = map.classes(slice)?;
     let acoustic = match map.holds("acoustic_minimum") {
@@ -133,7 +133,7 @@ pub(super) fn material_of_cells(map: &StoredMap, slice: &Slice) -> Result<Option
         .iter()
         .zip(&acoustic)
         .map(|(class, minimum)| {
-            // A verdict knows of flutter too, which the smallest real part does not tell.
+            // The verdict accounts for flutter, which the smallest real part does not show.
             let decided = match class {
                 Some(Class::Verdict(verdict)) => is_elliptic(*verdict),
                 Some(Class::Flutter | Class::Undefined) | None => None,
@@ -146,7 +146,7 @@ pub(super) fn material_of_cells(map: &StoredMap, slice: &Slice) -> Result<Option
     Ok(of_material(points, MATERIAL.to_owned()))
 }
 
-/// Whether the particles are stable in each cell, where the method can be evaluated and the map is computed.
+/// Stability of the discretization in each cell; `None` where it is undefined or not yet computed.
 pub(super) fn stable_for_particles(classes: &[Option<Class>]) -> Vec<Option<bool>> {
     let stable = |class: &Option<Class>| {
         let defined = class.filter(|class| *class != Class::Undefined)?;
@@ -155,7 +155,7 @@ pub(super) fn stable_for_particles(classes: &[Option<Class>]) -> Vec<Option<bool
     classes.iter().map(stable).collect()
 }
 
-/// The edges between cells of different flags, with breaks between them.
+/// Edges between cells of different flags, with breaks between separate curves.
 pub(super) fn edges(
     flags: &[Option<bool>],
     (columns, rows): (usize, usize),
@@ -168,7 +168,7 @@ pub(super) fn edges(
     let differ = |a: usize, b: usize| matches!((flags[a], flags[b]), (Some(a), Some(b)) if a != b);
     let mut points = Vec::new();
     let mut add = |from: (f64, f64), to: (f64, f64)| {
-        // An edge goes on where the last one ended.
+        // A new curve begins unless this edge continues the last one.
         if points.last() != Some(&from) {
             if !points.is_empty() {
                 points.push((f64::NAN, f64::NAN));

@@ -15,64 +15,64 @@ use std::path::PathBuf;
 use stored::{Slice, StoredMap};
 use thiserror::Error;
 
-/// Panels of a map with three axes.
+/// Maximum number of panels for a map with three axes.
 const SLICES: usize = 6;
-/// The field of time steps.
-const STEP: &str = "critical_time_step";
-/// Numbers below this share of what they are made of are rounding.
-const ROUNDING: f64 = 1e-12;
-/// The field that shows verdicts.
+/// Name of the field of critical time steps.
+const STEP_FIELD: &str = "critical_time_step";
+/// Numbers below this fraction of their scale are rounding errors.
+const ROUNDING_FRACTION: f64 = 1e-12;
+/// Name of the field of verdicts.
 const VERDICT: &str = "verdict";
 
-/// Why boundaries are coarser than they could be.
+/// Note for boundaries along cells instead of traced ones.
 const NOT_LOADED: &str =
     "Boundaries are the edges of cells: the library of the material was not loaded.";
 
-/// What to draw.
+/// Description of a plot.
 #[derive(Clone, Copy, Debug)]
 pub struct Plot<'a> {
-    /// The stores.
+    /// Folders of the stores.
     pub stores: &'a [PathBuf],
     /// `verdict`, `certainty`, `certainty_material`, or the name of a field of numbers.
     pub field: &'a str,
-    /// How the boundaries are found.
+    /// Source of the boundaries.
     pub boundaries: Lines,
-    /// How it looks.
+    /// Changes to the usual appearance.
     pub look: Look<'a>,
 }
 
-/// How the boundaries in a figure are found.
+/// Source of the boundaries in a figure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Lines {
-    /// Traced, unless that takes too long or leaves gaps, or an axis varies material or method, of which each costs a preparation; then
-    /// as the edges of cells.
+    /// Traced curves, or the edges of cells if tracing takes too long or leaves gaps, or if an axis varies the material or the method, so that each
+    /// state would need its own preparation.
     #[default]
     Best,
-    /// Traced as far as they can be followed, however long it takes.
+    /// Traced curves, without a time limit and even with gaps.
     Traced,
-    /// The edges of cells.
+    /// Edges of cells, without tracing.
     OfCells,
 }
 
-/// How a figure looks, where not as usual.
+/// Changes to the usual appearance of a figure.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Look<'a> {
-    /// Its title.
+    /// Title of the figure.
     pub title: Option<&'a str>,
     /// Width and height of a panel in pixels of 1/96 inch.
     pub size: Option<(f64, f64)>,
-    /// The ends of the horizontal axis.
+    /// Ends of the horizontal axis.
     pub x: Option<(f64, f64)>,
-    /// The ends of the vertical axis.
+    /// Ends of the vertical axis.
     pub y: Option<(f64, f64)>,
-    /// The numbers at the ends of the color bar.
+    /// Numbers at the ends of the color bar.
     pub range: Option<(f64, f64)>,
-    /// The colors of a field of numbers.
+    /// Color map of a field of numbers.
     pub color_map: Option<ColorMap>,
 }
 
 impl Look<'_> {
-    /// A figure with this look.
+    /// Applies the changes to a figure.
     fn applied(&self, mut figure: Figure) -> Figure {
         if let Some(title) = self.title {
             title.clone_into(&mut figure.title);
@@ -94,55 +94,55 @@ impl Look<'_> {
     }
 }
 
-/// Why a map cannot be drawn.
+/// Reasons why a map cannot be drawn.
 #[derive(Debug, Error)]
 pub enum PlotError {
-    /// The store.
+    /// A store cannot be read.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// The study in the attributes of the store.
+    /// The study in the attributes of the store is not valid.
     #[error("{}: the study in its attributes is not valid: {source}", path.display())]
     Study {
-        /// The store.
+        /// Folder of the store.
         path: PathBuf,
-        /// What is wrong.
+        /// Cause of the failure.
         source: SettingError,
     },
-    /// Something else than a map.
+    /// The path is not a store of results.
     #[error(
         "{} is not a store of results\n  hint: give the folder of a map, as `onset map STUDY.toml --out map.zarr` writes it", path.display()
     )]
     NotAMap {
-        /// What is there.
+        /// Path that was given.
         path: PathBuf,
     },
-    /// A boundary.
+    /// A boundary cannot be traced.
     #[error(transparent)]
     Boundary(#[from] BoundaryError),
-    /// A field that cannot be shown.
+    /// The field cannot be shown as a map.
     #[error(
         "the field `{field}` cannot be shown as a map\n  hint: fields that can are {}", known.join(", ")
     )]
     NotShown {
-        /// The field.
+        /// Name of the field.
         field: String,
-        /// Those that can.
+        /// Names of the fields that can be shown.
         known: Vec<String>,
     },
-    /// Maps that do not fit on each other.
+    /// The maps cannot be overlaid.
     #[error("{} does not fit on {}: {difference}\n  hint: overlay maps of one material over the same two axes", path.display(), first.display())]
     NotComparable {
-        /// The first store.
+        /// Folder of the first store.
         first: PathBuf,
-        /// The other one.
+        /// Folder of the store that does not match.
         path: PathBuf,
-        /// What differs.
+        /// Difference between the two stores.
         difference: &'static str,
     },
 }
 
 impl PlotError {
-    /// Whether what was asked for is wrong, and not the machine.
+    /// Returns true if the input is at fault, and not the machine.
     pub fn is_input(&self) -> bool {
         match self {
             Self::Store(error) => error.is_input(),
@@ -151,19 +151,20 @@ impl PlotError {
     }
 }
 
-/// The figure of one or several stores: verdicts of several are overlaid, fields stand side by side. No library that a store names
-/// is loaded; boundaries of its material are the edges of cells.
+/// Draws one or several stores: verdicts of several stores are overlaid, fields are drawn in adjacent panels.
+///
+/// No library that a store names is loaded; the boundaries of such a material are the edges of cells.
 ///
 /// # Errors
-/// [`PlotError`] when a store cannot be read, has no such field, or does not fit on the others.
+/// [`PlotError`] when a store cannot be read, lacks the field, or cannot be overlaid on the others.
 pub fn plot(plot: &Plot<'_>, watch: &dyn Watch) -> Result<Figure, PlotError> {
     plot_allowing(plot, &Trust::default(), watch)
 }
 
-/// The same, with the libraries loaded that the user allows.
+/// Draws like [`plot`], and loads the libraries that the user allows.
 ///
 /// # Errors
-/// As for [`plot`].
+/// Fails like [`plot`].
 pub fn plot_allowing(
     plot: &Plot<'_>,
     trust: &Trust,
@@ -210,25 +211,25 @@ pub fn plot_allowing(
     Ok(plot.look.applied(figure))
 }
 
-/// A stored map as cells: all of one with two axes, of one with three the section in the middle of the third.
+/// Cells of a stored map: all cells of a map with two axes, or the section in the middle of the third axis.
 pub struct Section {
-    /// The title of its study; the name of the folder when it has none.
+    /// Title of the study, or the name of the folder if the study has no title.
     pub title: String,
-    /// Where on the third axis it is.
+    /// Position of the section on the third axis, if there are three.
     pub name: Option<String>,
-    /// The study of the section.
+    /// Study of the section.
     pub study: Study,
-    /// Cells along both axes; of a finer map every n-th state is one.
+    /// Number of cells along both axes; finer maps are thinned to every n-th state.
     pub cells: (usize, usize),
-    /// The classes of the cells, the first axis running fastest; `None` where they are still to be computed.
+    /// Classes of the cells, the first axis running fastest; `None` for cells not yet computed.
     pub classes: Vec<Option<Class>>,
 }
 
 impl Section {
-    /// The section in the middle of a store; no library is loaded.
+    /// Reads the middle section of a store; no library is loaded.
     ///
     /// # Errors
-    /// [`PlotError`] when it cannot be read.
+    /// [`PlotError`] when the store cannot be read.
     pub fn middle(path: &std::path::Path) -> Result<Self, PlotError> {
         let map = StoredMap::open(path, &Trust::default())?;
         let slice = map.slices(1).remove(0);
@@ -243,7 +244,7 @@ impl Section {
     }
 }
 
-/// The figure of a map that is not stored, with its boundaries where they are known.
+/// Figure of a map that is not stored, with its boundaries if they are known.
 pub fn figure_of(map: &Domain, boundaries: Option<&Boundaries>) -> Figure {
     let panel = axes(&map.study, "").with(map.layer());
     let lines = boundaries.map(lines::traced).unwrap_or_default();
@@ -254,7 +255,7 @@ pub fn figure_of(map: &Domain, boundaries: Option<&Boundaries>) -> Figure {
         .caption(map.study.effective().caption())
 }
 
-/// What maps are of: what they have in common, and what of each is its own.
+/// Caption with the settings that all maps share, and the remaining settings of each map.
 fn captions(maps: &[StoredMap]) -> String {
     let effective: Vec<Effective> = maps.iter().map(|map| map.study.effective()).collect();
     let Some(first) = effective.first() else {
@@ -293,7 +294,7 @@ fn single(map: &StoredMap, plot: &Plot<'_>, watch: &dyn Watch) -> Result<Figure,
     Ok(figure.caption(caption))
 }
 
-/// Axes in the plane of a study.
+/// Panel with the two axes of the study.
 fn axes(study: &Study, title: &str) -> Panel {
     let [first, second] = study.plane();
     let units = study.settings.units();
@@ -310,7 +311,7 @@ fn axes(study: &Study, title: &str) -> Panel {
     }
 }
 
-/// A figure with sections of maps, each with a title, and their boundaries.
+/// Adds one panel with boundaries for each section, and its title.
 fn panels(
     figure: Figure,
     slices: &[(&StoredMap, Slice, String)],
@@ -332,7 +333,7 @@ fn panels(
     Ok(figure)
 }
 
-/// One scale of colors for the fields of all panels, so that they can be compared.
+/// Gives the fields of all panels one color scale, so that they can be compared.
 fn share_colors(figure: &mut Figure) {
     let layers = figure.panels.iter_mut().flat_map(|panel| &mut panel.layers);
     let mut fields: Vec<&mut Field> = layers
@@ -352,7 +353,7 @@ fn share_colors(figure: &mut Figure) {
     }
 }
 
-/// One map.
+/// Panel of one section: verdicts, proofs or a field of numbers.
 fn panel(map: &StoredMap, slice: &Slice, plot: &Plot<'_>, title: &str) -> Result<Panel, PlotError> {
     let [first, second] = slice.study.plane();
     let panel = axes(&slice.study, title);
@@ -377,7 +378,7 @@ fn panel(map: &StoredMap, slice: &Slice, plot: &Plot<'_>, title: &str) -> Result
     })
 }
 
-/// What is proved, in words; white where it is still to be computed.
+/// Map of proof results; cells not yet computed are white.
 fn proofs(
     map: &StoredMap,
     slice: &Slice,
@@ -402,33 +403,33 @@ fn proofs(
     ))
 }
 
-/// What the numbers of a field are made of: beside it smaller ones are rounding. Zero where that is not known.
+/// Scale of the rounding error of each number of a field; zero if it is unknown.
 fn sizes(map: &StoredMap, slice: &Slice, name: &str) -> Result<Vec<f64>, PlotError> {
     let (_, values) = map.numbers(slice, name)?;
     Ok(match name {
         "scaled_minimum" => vec![1.0; values.len()],
-        // The largest omega^2 is (2 / step)^2.
-        "lowest_omega_squared" if map.holds(STEP) => {
-            let (_, steps) = map.numbers(slice, STEP)?;
+        // The largest `omega^2` is `(2 / step)^2`.
+        "lowest_omega_squared" if map.holds(STEP_FIELD) => {
+            let (_, steps) = map.numbers(slice, STEP_FIELD)?;
             steps.iter().map(|step| (2.0 / step).powi(2)).collect()
         }
         _ => vec![0.0; values.len()],
     })
 }
 
-/// A field of numbers over the range of most of them.
+/// Field of numbers with a color range from its first to its last percentile.
 fn field(map: &StoredMap, slice: &Slice, name: &str) -> Result<Field, PlotError> {
     let label = map.label(name)?;
     let [first, second] = slice.study.plane();
     let (cells, mut values) = map.numbers(slice, name)?;
     for (value, size) in values.iter_mut().zip(sizes(map, slice, name)?) {
-        if value.abs() <= ROUNDING * size {
+        if value.abs() <= ROUNDING_FRACTION * size {
             *value = 0.0;
         }
     }
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
-    // A few extreme states would leave one color to all others.
+    // The percentiles ignore a few extreme states, which would leave one color to all others.
     let at = |share: f64| sorted.get((share * sorted.len() as f64) as usize).copied();
     let is_signed = sorted.first().is_some_and(|low| *low < 0.0);
     let field = Field::new(first.range, second.range, cells, values, label);
@@ -439,7 +440,7 @@ fn field(map: &StoredMap, slice: &Slice, name: &str) -> Result<Field, PlotError>
     Ok(if is_signed { field.diverging() } else { field })
 }
 
-/// Whether no wave of the material grows, as far as the verdict says.
+/// Returns whether the material is strongly elliptic, or `None` if the verdict does not decide it.
 fn is_elliptic(verdict: Verdict) -> Option<bool> {
     match verdict {
         Verdict::Stable | Verdict::ZeroEnergy => Some(true),

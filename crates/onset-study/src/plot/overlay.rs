@@ -1,4 +1,4 @@
-//! Boundaries of several discretizations over the domain of their material.
+//! Overlay of several discretizations: their boundaries over the domain of the material.
 
 use super::stored::StoredMap;
 use super::{Lines, PlotError, axes, lines};
@@ -12,9 +12,9 @@ use onset::method::MethodError;
 use onset::verdict::{Phase, Probe, Verdict};
 use rayon::prelude::*;
 
-/// Cells of the material's domain along each axis.
+/// Number of cells of the material's domain along each axis.
 const CELLS: usize = 256;
-/// Lines that differ in color and, for greyscale prints, in dashes.
+/// Colors and, for greyscale prints, dash patterns of the lines.
 const COLORS: [Color; 6] = [
     palette::VERMILION,
     palette::BLUE,
@@ -25,7 +25,7 @@ const COLORS: [Color; 6] = [
 ];
 const DASHES: [Dash; 3] = [Dash::Solid, Dash::Dashed, Dash::Dotted];
 
-/// The figure of several maps with two axes.
+/// Figure of several maps with two axes.
 pub(super) fn overlay(
     maps: &[StoredMap],
     boundaries: Lines,
@@ -41,7 +41,7 @@ pub(super) fn overlay(
             });
         }
     }
-    // The window that holds all of them.
+    // The panel covers the ranges of all maps.
     let ranges: Vec<(f64, f64)> = (0..2)
         .map(|axis| {
             let ranges = maps.iter().map(|map| map.study.axes[axis].range);
@@ -67,7 +67,7 @@ pub(super) fn overlay(
     for (n, map) in maps.iter().enumerate() {
         let slice = &map.slices(1)[0];
         let mut name = map.title();
-        // Of equal titles the folders tell which is which.
+        // Equal titles are distinguished by their folders.
         if maps.iter().filter(|other| other.title() == name).count() > 1 {
             name = format!("{name} ({})", map.path.display());
         }
@@ -96,7 +96,7 @@ pub(super) fn overlay(
         .with(panel))
 }
 
-/// Where the material is strongly elliptic, for perturbations in the plane.
+/// Domain in which the material is strongly elliptic for in-plane perturbations.
 fn domain(study: &Study) -> Result<Regions, PlotError> {
     let shared = if study.varies_settings() {
         None

@@ -1,4 +1,4 @@
-//! A stored map, read for a picture: at most as many cells as can be told apart.
+//! Stored map, read for a picture with a limited number of cells.
 
 use super::PlotError;
 use crate::domain::Class;
@@ -9,10 +9,10 @@ use onset::verdict::Verdict;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Cells along each edge of a picture; of a finer map every n-th state is shown.
+/// Maximum number of cells along each edge of a picture; finer maps are thinned to every n-th state.
 const CELLS: usize = 1024;
 
-/// Fields of words that are shown beside the verdict.
+/// Fields of words that can be shown instead of the verdict.
 const PROOFS: [&str; 2] = [map::CERTAINTY, map::CERTAINTY_MATERIAL];
 
 /// A store with its study.
@@ -22,23 +22,23 @@ pub(super) struct StoredMap {
     pub(super) path: PathBuf,
 }
 
-/// A section through a map: all of one with two axes.
+/// Section through a map; a map with two axes is its only section.
 pub(super) struct Slice {
-    /// The study of the section.
+    /// Study of the section.
     pub(super) study: Study,
-    /// The state along the third axis.
+    /// Index of the state along the third axis.
     index: Option<usize>,
-    /// Its value, in words.
+    /// Value on the third axis, in words.
     pub(super) title: Option<String>,
 }
 
-/// The cells of a picture along its two edges, and their values.
+/// Numbers of cells of a picture along its two edges, and the values of the cells.
 pub(super) type Picture<T> = ((usize, usize), Vec<T>);
 
 impl StoredMap {
     pub(super) fn open(path: &Path, trust: &Trust) -> Result<Self, PlotError> {
         let store = ZarrStore::open(path).map_err(|error| match error {
-            // What to do about it is another thing than where a map shall be written.
+            // The hints of these errors concern writing a map, not reading one.
             StoreError::NotAStore { path } | StoreError::Foreign { path } => {
                 PlotError::NotAMap { path }
             }
@@ -54,7 +54,7 @@ impl StoredMap {
             path: path.to_owned(),
             source,
         })?;
-        // A store of the format before has earlier names, which are not the user's.
+        // Stores of an earlier format contain renamed keys, which are no fault of the user.
         drop(crate::settings::notes_on_settings());
         let mut study = study.allowing(trust);
         if study.settings.material.permitted().is_ok() {
@@ -63,7 +63,7 @@ impl StoredMap {
                 .material
                 .fingerprint_is(store.attributes().get(LIBRARY));
         }
-        // What is there must be a map of this study, before anything of its size is read.
+        // The layout is checked before anything of its size is read.
         store.check(&stored_layout(&study, store.attributes()))?;
         Ok(Self {
             store,
@@ -72,12 +72,12 @@ impl StoredMap {
         })
     }
 
-    /// Whether states can be asked about that are not stored: whether no library must be loaded for that, or it may be.
+    /// Returns true if states that are not stored can be evaluated: no library is needed, or it may be loaded.
     pub(super) fn may_be_evaluated(&self) -> bool {
         self.study.settings.material.permitted().is_ok()
     }
 
-    /// The title of the study; the name of the folder when it has none.
+    /// Title of the study, or the name of the folder if the study has no title.
     pub(super) fn title(&self) -> String {
         if self.study.title.is_empty() {
             let name = self.path.file_stem().unwrap_or(self.path.as_os_str());
@@ -87,27 +87,25 @@ impl StoredMap {
         }
     }
 
-    /// What is in effect at all states, as a caption.
+    /// Settings in effect at all states, as a caption.
     pub(super) fn settings(&self) -> String {
         self.study.effective().caption()
     }
 
-    /// The units of the study.
     fn units(&self) -> Units {
         self.study.settings.units()
     }
 
-    /// Whether a field is stored.
     pub(super) fn holds(&self, field: &str) -> bool {
         self.store.fields().any(|stored| stored == field)
     }
 
-    /// How many tiles are still to be computed.
+    /// Number of tiles not yet computed.
     pub(super) fn missing(&self) -> Result<usize, PlotError> {
         Ok(self.store.tiling().tiles() - self.store.done()?)
     }
 
-    /// The map itself, or sections at values of its third axis, evenly chosen.
+    /// Sections of the map: the map itself, or at most `most` evenly chosen values of its third axis.
     pub(super) fn slices(&self, most: usize) -> Vec<Slice> {
         let Some(third) = self.study.axes.get(2).copied() else {
             return vec![Slice {
@@ -122,11 +120,11 @@ impl StoredMap {
             let value = third.coordinate(index);
             let mut study = self.study.clone();
             study.axes.truncate(2);
-            // What the axis has varied can be set.
+            // A setting that the axis varies can also be fixed.
             let assignment = format!("{}={value:?}", third.quantity.key_name());
             let study = study.override_with(&[assignment]).unwrap_or(study);
             let name = third.title();
-            // A dimension such as stress is no unit.
+            // `unit` may be the name of a dimension, such as stress.
             let unit = match (third.unit(), self.units().are_si()) {
                 (unit @ ("rad" | "deg"), _) => format!(" {unit}"),
                 (unit, true) if unit != "1" => format!(" {}", self.units().unit(unit)),
@@ -141,7 +139,7 @@ impl StoredMap {
         (0..count).map(slice).collect()
     }
 
-    /// The verdicts; `None` where they are still to be computed.
+    /// Verdicts of a section; `None` for cells not yet computed.
     pub(super) fn classes(&self, slice: &Slice) -> Result<Picture<Option<Class>>, PlotError> {
         let (cells, verdicts) = self.numbers(slice, map::VERDICT)?;
         let (_, stabilities) = self.numbers(slice, "stability")?;
@@ -161,7 +159,7 @@ impl StoredMap {
         ))
     }
 
-    /// The meanings of the flags of a field of proofs that the store has.
+    /// Flag meanings of a field of proofs, if the store has it.
     pub(super) fn words(&self, name: &str) -> Option<Vec<&'static str>> {
         if !PROOFS.contains(&name) || !self.holds(name) {
             return None;
@@ -175,7 +173,7 @@ impl StoredMap {
         }
     }
 
-    /// The label of a field of numbers, with its unit.
+    /// Label of a field of numbers, with its unit.
     pub(super) fn label(&self, name: &str) -> Result<String, PlotError> {
         let fields = map::fields(&self.study.map);
         let is_shown =
@@ -201,17 +199,18 @@ impl StoredMap {
         }
     }
 
-    /// The values of a field in a section; NaN where they are still to be computed.
+    /// Values of a field in a section; NaN for cells not yet computed.
     pub(super) fn numbers(&self, slice: &Slice, field: &str) -> Result<Picture<f64>, PlotError> {
         let [first, second] = slice.study.plane();
         let (columns, rows) = (first.count.min(CELLS), second.count.min(CELLS));
-        // The state in the middle of a cell of the picture.
+        // State in the middle of a cell of the picture.
         let state =
             |cell: usize, cells: usize, states: usize| (2 * cell + 1) * states / (2 * cells);
         let mut values = vec![f64::NAN; columns * rows];
         let (shape, tile) = (&self.store.tiling().shape, &self.store.tiling().tile);
         let axes = shape.len();
-        // The tiles along a dimension in which states are shown, slowest dimension first: the second axis is the last but one.
+        // Tiles that contain a state of the picture, along one dimension. Dimensions are ordered from slowest to fastest, so the second axis is the
+        // last but one.
         let along = |dimension: usize| -> BTreeSet<usize> {
             let cells = |cells: usize| {
                 (0..cells)
@@ -267,7 +266,7 @@ impl StoredMap {
         Ok(((columns, rows), values))
     }
 
-    /// Whether two maps can be drawn on each other; what differs if not.
+    /// Returns the reason why two maps cannot be overlaid, or `None` if they can.
     pub(super) fn differs_from(&self, other: &Self) -> Option<&'static str> {
         let quantities = |study: &Study| -> Vec<Quantity> {
             study.axes.iter().map(|axis| axis.quantity).collect()
@@ -290,7 +289,7 @@ impl StoredMap {
     }
 }
 
-/// What a field of numbers is, as the color bar of a figure says it.
+/// Name of a field for the color bar.
 fn title(field: &str) -> String {
     match field {
         "acoustic_minimum" => "smallest acoustic eigenvalue".to_owned(),
@@ -300,7 +299,7 @@ fn title(field: &str) -> String {
     }
 }
 
-/// A number with four significant digits, without zeros at its end.
+/// A number with four significant digits, without trailing zeros.
 fn rounded(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();

@@ -1,4 +1,4 @@
-//! What a coefficient does, and which value to take.
+//! Effect of a stabilization coefficient, and the recommended value.
 
 use super::TuneQuestion;
 use crate::answers::{Evidence, OF_LATTICE, ProblemError, notes};
@@ -14,21 +14,21 @@ use serde::Serialize;
 use std::fmt;
 use std::sync::Arc;
 
-/// Halvings of the interval from which values are sufficient.
+/// Number of bisections for the smallest sufficient value.
 const HALVINGS: usize = 12;
 
-/// What a value of the coefficient does.
+/// Result for one value of the coefficient.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Tried {
-    /// The value.
+    /// Value of the coefficient.
     pub value: f64,
-    /// What is measured; why not where it cannot be.
+    /// Measured errors, or the reason why the value cannot be evaluated.
     #[serde(flatten, serialize_with = "outcome")]
     pub measured: Result<Measured, String>,
 }
 
 impl Tried {
-    /// Whether there are no spurious modes, and no false instability.
+    /// Returns true if there are no spurious modes and no false instability.
     pub fn is_sufficient(&self, limits: &Thresholds) -> bool {
         self.measured.as_ref().is_ok_and(|measured| {
             measured.zero_modes == 0
@@ -37,7 +37,8 @@ impl Tried {
         })
     }
 
-    /// Whether the instability of the material is masked: stable where it is not, or unstable clearly later.
+    /// Returns true if the instability of the material is masked: the discretization is stable where the material is not, or loses stability clearly
+    /// later.
     pub fn masks(&self, limits: &Thresholds) -> bool {
         self.measured.as_ref().is_ok_and(|measured| {
             let later = measured.onsets.iter().any(|pair| {
@@ -50,45 +51,45 @@ impl Tried {
     }
 }
 
-/// The tuned coefficient.
+/// Answer of `onset tune`: the recommended coefficient, with all values that were tried.
 #[derive(Clone, Debug, Serialize)]
 pub struct TuneAnswer {
     /// The key of the coefficient.
     pub key: &'static str,
-    /// The smallest value that is sufficient and does not mask; `None` when there is none.
+    /// The smallest value that is sufficient and does not mask, or `None`.
     pub recommended: Option<f64>,
-    /// The limits of what counts as sufficient, and as hidden.
+    /// Thresholds for sufficient and masking values.
     pub thresholds: Thresholds,
-    /// What other limits would give, from the values that were tried.
+    /// Recommendations for other thresholds, from the values that were tried.
     pub dependence: Vec<Dependence>,
-    /// Whether some value is sufficient at all.
+    /// Whether any value is sufficient.
     pub is_ever_sufficient: bool,
-    /// Everything that was tried, by increasing value.
+    /// All values that were tried, in increasing order.
     pub tried: Vec<Tried>,
-    /// How sure it is which values are sufficient: `searched`.
+    /// Evidence for the recommendation: `searched`.
     pub evidence: Evidence,
-    /// What a reader must know of law and method.
+    /// Remarks on law and method for the reader.
     pub notes: Vec<String>,
-    /// Every choice in effect beside the coefficient.
+    /// All settings in effect except the coefficient.
     pub settings: Effective,
 }
 
-/// What a limit that is halved or doubled gives.
+/// Recommendation for a threshold that is halved or doubled.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Dependence {
-    /// The limit.
+    /// Name of the threshold.
     pub threshold: &'static str,
-    /// What it would be.
+    /// Changed value of the threshold.
     pub value: f64,
-    /// The smallest of the values that were tried that cures and does not hide then.
+    /// Smallest value tried that is then sufficient and does not mask, or `None`.
     pub recommended: Option<f64>,
 }
 
 impl TuneAnswer {
-    /// Looks at all values, on all cores, and refines where they become sufficient; `told` is called with each value of the grid.
+    /// Evaluates all values in parallel, and refines the smallest sufficient one; `told` is called with each value of the grid.
     ///
     /// # Errors
-    /// [`ProblemError`] when the material is not admissible, no value is, or the method does not read the coefficient.
+    /// [`ProblemError`] when the material is invalid, no value can be evaluated, or the method does not use the coefficient.
     pub fn new(
         settings: &Settings,
         question: &TuneQuestion,
@@ -98,7 +99,7 @@ impl TuneAnswer {
         let limits = question.thresholds;
         let law = settings.law();
         let material = law.map_err(|error| ProblemError::of(settings, error.into()))?;
-        // Fewer states than a comparison takes.
+        // Tuning needs fewer states than a comparison.
         let options = CompareSettings {
             stretches: question.stretches,
             states: 8,
@@ -121,7 +122,7 @@ impl TuneAnswer {
             })
             .collect();
         if all.iter().all(|one| one.measured.is_err()) {
-            // The settings are at fault, or the range: the first value tells how.
+            // The settings or the range are at fault; the error of the first value is reported.
             let [low, high] = question.range;
             measured(low).map_err(|source| ProblemError::Range {
                 key: question.key(),
@@ -173,7 +174,7 @@ impl TuneAnswer {
         })
     }
 
-    /// What each value does, as a figure.
+    /// Figure of the errors over the values.
     pub fn figure(&self) -> Figure {
         let positive: Vec<f64> = self
             .tried

@@ -1,8 +1,7 @@
-//! The smallest coefficient that removes the spurious modes of a method without hiding the instability of the material.
+//! Smallest stabilization coefficient that removes the spurious modes of a method without masking the instability of the material.
 //!
-//! A stabilization has a coefficient. Too small, and zero-energy modes stay; too large, and the method stays stable where the
-//! material does not, or needs tiny time steps. The coefficient is looked at on a grid of values, and where it becomes sufficient is
-//! refined by bisection.
+//! If the coefficient is too small, zero-energy modes remain. If it is too large, the method stays stable where the material does not, or needs tiny
+//! time steps. The coefficient is evaluated on a grid of values, and the smallest sufficient value is refined by bisection.
 
 mod answer;
 
@@ -13,10 +12,10 @@ use crate::range::spread;
 use crate::settings::{KEYS, Key, STEP_OF_RATES, Settings, Value, unknown_key};
 use crate::settings::{Origin, SettingError};
 
-/// Values of the coefficient that are looked at.
+/// Number of values on the grid.
 const VALUES: usize = 13;
 
-/// Which coefficient, and over which range.
+/// Coefficient to tune, with its range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TuneQuestion {
     key: &'static Key,
@@ -26,10 +25,10 @@ pub struct TuneQuestion {
 }
 
 impl TuneQuestion {
-    /// A coefficient by its key, the range of its values, and the stretches of the states on which verdicts are compared.
+    /// Creates a question for a key, the range of its values, and the range of stretches for which verdicts are compared.
     ///
     /// # Errors
-    /// [`SettingError`] when there is no such key, or it takes no number.
+    /// [`SettingError`] when the key does not exist or is not a number.
     pub fn new(name: &str, range: (f64, f64), stretches: (f64, f64)) -> Result<Self, SettingError> {
         let origin = || Origin::CommandLine(name.to_owned());
         let is_coefficient = |key: &&Key| key.parts().0 == "discretization" && key.unit().is_some();
@@ -72,31 +71,31 @@ impl TuneQuestion {
         })
     }
 
-    /// With other limits of what counts as sufficient, and as hidden.
+    /// Replaces the thresholds for sufficient and masking values.
     pub fn with_thresholds(mut self, thresholds: Thresholds) -> Self {
         self.thresholds = thresholds;
         self
     }
 
-    /// Refuses a coefficient that the method does not read.
+    /// Checks that the method uses the coefficient.
     ///
     /// # Errors
-    /// [`SettingError`] with what the coefficient needs.
+    /// [`SettingError`] with the settings under which the coefficient is used.
     pub fn check(&self, settings: &Settings) -> Result<(), SettingError> {
         settings.check_read(self.key, Origin::CommandLine(self.key.name.to_owned()), &[])
     }
 
-    /// The name of the coefficient.
+    /// Returns the key of the coefficient.
     pub fn key(&self) -> &'static str {
         self.key.name
     }
 
-    /// The values that are looked at.
+    /// Returns the values of the grid.
     pub fn values(&self) -> Vec<f64> {
         spread(self.range, VALUES)
     }
 
-    /// The settings with a value of the coefficient.
+    /// Sets a value of the coefficient.
     fn settings(&self, settings: &Settings, value: f64) -> Result<Settings, SettingError> {
         let mut changed = settings.clone();
         changed.set(self.key.name, &Value::Number(value), Origin::Combination)?;
