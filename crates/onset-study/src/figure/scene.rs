@@ -28,7 +28,10 @@ pub(super) struct Scene {
 }
 
 pub(super) enum Shape {
-    Outline { outline: Path, paint: Paint },
+    Outline {
+        outline: Path,
+        paint: Paint,
+    },
     /// One outline repeated at many positions.
     Stamps {
         outline: Path,

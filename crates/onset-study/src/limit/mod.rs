@@ -130,7 +130,12 @@ impl LimitQuestion {
         }
         let present = present.filter(|value| *value > 0.0);
         present
-            .map(|value| [value / DEFAULT_RANGE_RATIO, (value * DEFAULT_RANGE_RATIO).min(f64::MAX)])
+            .map(|value| {
+                [
+                    value / DEFAULT_RANGE_RATIO,
+                    (value * DEFAULT_RANGE_RATIO).min(f64::MAX),
+                ]
+            })
             .ok_or_else(|| {
                 let origin = Origin::CommandLine(self.key.name.to_owned());
                 let message = format!(
