@@ -1,12 +1,12 @@
-//! Work on all cores.
+//! Parallel work on all cores.
 
 use std::sync::{Mutex, PoisonError};
 
-/// Work on each of some things, on all cores where there are any; results in their order.
+/// Applies `work` to each item, in parallel if available, and returns the results in order.
 pub(crate) fn of_each<T: Send, R: Send>(things: Vec<T>, work: impl Fn(T) -> R + Sync) -> Vec<R> {
     let place = |thing| Mutex::new((Some(thing), None));
     let places: Vec<_> = things.into_iter().map(place).collect();
-    // Each lock is taken once, so that none is waited for; a panic of the work ends the call before results are read.
+    // Each lock is taken once, so there is no waiting. A panic of the work ends the call before results are read.
     on_all_cores(places.len(), &|n| {
         let mut place = places[n].lock().unwrap_or_else(PoisonError::into_inner);
         let thing = place.0.take();
@@ -19,7 +19,7 @@ pub(crate) fn of_each<T: Send, R: Send>(things: Vec<T>, work: impl Fn(T) -> R + 
     places.into_iter().filter_map(result).collect()
 }
 
-/// The same where each takes long enough to be worth a core, otherwise on one.
+/// Like [`of_each`] if each item takes long enough to be worth a thread, otherwise sequential.
 pub(crate) fn of_each_long<T: Send, R: Send>(
     is_long: bool,
     things: Vec<T>,
@@ -31,8 +31,8 @@ pub(crate) fn of_each_long<T: Send, R: Send>(
     }
 }
 
-/// Calls for each number below a count. It is compiled once for all kinds of work: for each kind it would be some ten thousand lines of
-/// intermediate code.
+/// Calls `work` for each number below a count. It is compiled once for all kinds of work; a generic version would be about ten thousand lines of
+/// intermediate code for each kind.
 fn on_all_cores(count: usize, work: &(dyn Fn(usize) + Sync)) {
     #[cfg(feature = "rayon")]
     {

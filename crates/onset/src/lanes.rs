@@ -1,4 +1,4 @@
-//! The kind of vectors that sums run in.
+//! Vector instructions used for sums.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -12,9 +12,9 @@ impl WithSimd for Name {
     }
 }
 
-/// The kind of vectors that this processor has and sums run in, for example `V3` (AVX2) or `V4` (AVX-512).
+/// Name of the vector instructions of this processor that sums use, for example `V3` (AVX2) or `V4` (AVX-512).
 ///
-/// Numbers of processors with different vectors differ in their last digits, because sums are taken in another order.
+/// Results on processors with different vectors differ in their last digits, because the order of summation differs.
 ///
 /// ```
 /// assert!(["Scalar", "V3", "V4", "Neon"].contains(&onset::lanes()));

@@ -1,22 +1,21 @@
-//! Where a material and its particle discretization are stable, and whether the first instability is physical
-//! or numerical.
+//! Stability of a material and of its particle discretization, and whether the first instability is physical or numerical.
 //!
-//! The crate is read the way the theory is: *material → continuum → particles → waves → verdict*.
+//! The crate is organized like the theory: *material → continuum → particles → waves → verdict*.
 //!
-//! 1. [`real`]: numbers that an energy is written with; jets differentiate it exactly.
+//! 1. [`real`]: number types in which an energy is evaluated; jets differentiate it exactly.
 //! 2. [`kinematics`]: the deformation gradient `F`, its invariants, straight paths.
 //! 3. [`material`]: a law is its strain energy `W(F)`; stress `P` and tangent `A` follow.
-//! 4. [`continuum`]: the acoustic tensor `Q(N)` and strong ellipticity; in one and two dimensions no direction is sampled.
-//! 5. [`criteria`]: other stability criteria side by side, along loadings.
+//! 4. [`continuum`]: the acoustic tensor `Q(N)` and strong ellipticity, without sampling of directions in one and two dimensions.
+//! 5. [`criteria`]: other stability criteria, along loadings.
 //! 6. [`lattice`], [`kernel`], [`approximation`], [`quadrature`], [`method`]: particles, in that order.
 //! 7. [`bloch`]: the dynamical matrix `D(k)` and its extremes over the Brillouin zone.
 //! 8. [`scheme`]: discretizations of any other kind, by their forces.
-//! 9. [`verdict`]: stable or not, why, and where along a path that changes.
-//! 10. [`certificate`]: the same answer proved, or left open.
-//! 11. [`time_step`], [`measures`]: which steps are stable, and how good a method is beside others.
+//! 9. [`verdict`]: stable or not, why, and where along a path the verdict changes.
+//! 10. [`certificate`]: a proof of the verdict, or the statement that it is undecided.
+//! 11. [`time_step`], [`measures`]: stable time steps, and measures that compare methods.
 //! 12. [`motion`]: the discrete equations themselves, step by step.
 //!
-//! Beside it stands [`plasticity`]: rate-independent flow, and where it localizes.
+//! [`plasticity`] is separate: rate-independent flow, and where it localizes.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -30,8 +29,8 @@
 //! | `V_q`, `V0`, `m` | volume of a quadrature point, of a cell; particle mass `rho0 V0` | |
 //! | `D_mx`, `R0` | support radius in spacings; support radius | -, length |
 //!
-//! Any consistent system of units will do: lengths in units of `spacing`, stresses in those of the
-//! material's parameters, densities in those of `density`.
+//! Any consistent system of units can be used: lengths in units of `spacing`, stresses in the units of the material parameters, densities in the
+//! units of `density`.
 
 pub mod algebra;
 pub mod analysis;

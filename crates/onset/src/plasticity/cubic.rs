@@ -3,11 +3,12 @@
 use crate::real::Real;
 use nalgebra::Vector3;
 
-/// A sum of products of three linear forms in `(x1, x2, x3)`, as its symmetric trilinear form: the value at `x` is that form
-/// at `(x, x, x)`, and the values at triples of corners of a simplex are the Bernstein coefficients on it.
+/// Sum of products of three linear forms in `(x1, x2, x3)`, stored as its symmetric trilinear form.
+///
+/// The value at `x` is the form at `(x, x, x)`. The values at triples of corners of a simplex are the Bernstein coefficients on the simplex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Cubic {
-    /// The form at `(e_i, e_j, e_k)`.
+    /// Form at the unit vectors `(e_i, e_j, e_k)`.
     form: [[[f64; 3]; 3]; 3],
 }
 
@@ -35,7 +36,7 @@ impl Cubic {
         }
     }
 
-    /// The value at a point.
+    /// Value of the polynomial at a point.
     pub(super) fn at<R: Real>(&self, x: &[R; 3]) -> R {
         let mut sum = R::constant(0.0);
         for i in 0..3 {
@@ -48,7 +49,7 @@ impl Cubic {
         sum
     }
 
-    /// The trilinear form at three points.
+    /// Value of the trilinear form at three points.
     fn polar(&self, u: &Vector3<f64>, v: &Vector3<f64>, w: &Vector3<f64>) -> f64 {
         let mut sum = 0.0;
         for i in 0..3 {
@@ -61,8 +62,7 @@ impl Cubic {
         sum
     }
 
-    /// The Bernstein coefficients on the simplex with these corners; the values on it lie between the smallest and the
-    /// largest.
+    /// Bernstein coefficients on the simplex with the given corners. The values on it lie between the smallest and the largest coefficient.
     pub(super) fn coefficients(&self, corners: &[Vector3<f64>]) -> Vec<f64> {
         let count = corners.len();
         let mut coefficients = Vec::with_capacity(10);

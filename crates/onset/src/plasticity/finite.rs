@@ -5,13 +5,13 @@ use crate::kinematics::DeformationGradient;
 use crate::material::FourthOrder;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-/// Iterations allowed to the spectral decomposition.
+/// Largest number of iterations of the spectral decomposition.
 const MAXIMUM_ITERATIONS: usize = 200;
 
-/// What a material point remembers: `C_p^-1 = F_p^-1 F_p^-T`, which no rotation of the body changes, and the slip.
+/// State of a material point: `C_p^-1 = F_p^-1 F_p^-T`, which is invariant under rotations of the body, and the slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FiniteState {
-    /// `C_p^-1`, symmetric, material indices; the identity before any flow.
+    /// Symmetric tensor `C_p^-1` with material indices; the identity before any flow.
     pub inverse_plastic_metric: Matrix3<f64>,
     /// Plastic shear strain `gamma`.
     pub slip: f64,
@@ -26,14 +26,14 @@ impl Default for FiniteState {
     }
 }
 
-/// Stress and state after a step of finite strain.
+/// Stress and state after a step at finite strain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FiniteUpdate {
-    /// The deformation gradient at the end of the step.
+    /// Deformation gradient at the end of the step.
     pub deformation: DeformationGradient,
-    /// The state to go on from.
+    /// State at the end of the step.
     pub state: FiniteState,
-    /// What the step did.
+    /// Kind of the step: elastic, or flow on the cone or at the apex.
     pub branch: Branch,
     law: DruckerPrager,
     /// Principal directions of stress, as columns.
@@ -42,19 +42,18 @@ pub struct FiniteUpdate {
     elastic: Vector3<f64>,
     stress: Vector3<f64>,
     theta: f64,
-    /// `d tau_i / d trial_j`.
+    /// Derivatives `d tau_i / d trial_j`.
     consistent: Matrix3<f64>,
 }
 
 impl DruckerPrager {
-    /// The stress at a deformation gradient, by an implicit step with exponential return mapping.
+    /// Computes the stress at a deformation gradient by an implicit step with exponential return mapping.
     ///
-    /// `b_trial = F C_p^-1 F^T`; its logarithmic principal strains are returned to the yield surface exactly as small strains
-    /// are, with the Kirchhoff stress in place of the stress (J. C. Simo, *Comput. Methods Appl. Mech. Engrg.* 99 (1992) 61).
-    /// Without flow this is Hencky's law.
+    /// The logarithmic principal strains of `b_trial = F C_p^-1 F^T` are returned to the yield surface exactly as small strains are, with the
+    /// Kirchhoff stress in place of the stress (J. C. Simo, *Comput. Methods Appl. Mech. Engrg.* 99 (1992) 61). Without flow this is Hencky's law.
     ///
     /// # Errors
-    /// As [`DruckerPrager::update`].
+    /// See [`DruckerPrager::update`].
     pub fn finite_update(
         &self,
         deformation: &DeformationGradient,
@@ -96,22 +95,22 @@ impl DruckerPrager {
 }
 
 impl FiniteUpdate {
-    /// The Kirchhoff stress `tau = J sigma`.
+    /// Kirchhoff stress `tau = J sigma`.
     pub fn kirchhoff(&self) -> Matrix3<f64> {
         self.frame * Matrix3::from_diagonal(&self.stress) * self.frame.transpose()
     }
 
-    /// The Cauchy stress.
+    /// Cauchy stress `sigma` at the end of the step.
     pub fn cauchy(&self) -> Matrix3<f64> {
         self.kirchhoff() / self.deformation.jacobian()
     }
 
-    /// The first Piola-Kirchhoff stress `P = tau F^-T`, first index spatial.
+    /// First Piola-Kirchhoff stress `P = tau F^-T`, first index spatial.
     pub fn first_piola(&self) -> Matrix3<f64> {
         self.kirchhoff() * inverse(&self.deformation).transpose()
     }
 
-    /// `dP_iJ/dF_kL` of the step. Units of stress.
+    /// Consistent tangent `dP_iJ/dF_kL` of the step. Units of stress.
     pub fn consistent_tangent(&self) -> FourthOrder {
         let moduli = SpatialModuli::new(
             self.consistent,
@@ -122,7 +121,7 @@ impl FiniteUpdate {
         self.pulled_back(&moduli)
     }
 
-    /// `dP_iJ/dF_kL` of rates: with flow if the step has flowed, elastic otherwise. Units of stress.
+    /// Continuum tangent `dP_iJ/dF_kL` of rates: with flow if the step has flowed, elastic otherwise. Units of stress.
     ///
     /// # Errors
     /// [`PlasticityError::NoDeviator`] at the apex.
@@ -140,7 +139,7 @@ impl FiniteUpdate {
         Ok(self.pulled_back(&moduli))
     }
 
-    /// The moduli that decide on bands, for continued flow from here.
+    /// Rate moduli that determine localization bands, for continued flow from this state.
     ///
     /// # Errors
     /// [`PlasticityError::NoDeviator`] at the apex.
@@ -148,7 +147,7 @@ impl FiniteUpdate {
         RateModuli::finite(&self.law, &self.elastic, self.state.slip, self.frame)
     }
 
-    /// `A_iJkL = a_ijkl F^-1_Jj F^-1_Ll`.
+    /// Pull-back `A_iJkL = a_ijkl F^-1_Jj F^-1_Ll`.
     fn pulled_back(&self, moduli: &SpatialModuli) -> FourthOrder {
         let spatial = |a: usize| self.frame.column(a);
         let material = inverse(&self.deformation) * self.frame;
@@ -172,7 +171,7 @@ impl FiniteUpdate {
     }
 }
 
-/// `a_ijkl` of `(dP/dt F^T)_ij = a_ijkl (dv/dx)_kl` in principal axes: `a_iijj`, `a_ijij` and `a_ijji`.
+/// Spatial moduli `a_ijkl` of `(dP/dt F^T)_ij = a_ijkl (dv/dx)_kl` in principal axes: `a_iijj`, `a_ijij` and `a_ijji`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SpatialModuli {
     pub(super) normal: Matrix3<f64>,
@@ -181,10 +180,10 @@ pub(super) struct SpatialModuli {
 }
 
 impl SpatialModuli {
-    /// From `d tau_i / d e_j`, the stresses, the strains `e` and the shear modulus `g` with `tau_i - tau_j = 2 g (e_i - e_j)`:
+    /// Computes the moduli from `d tau_i / d e_j`, the stresses, the strains `e` and the shear modulus `g` with `tau_i - tau_j = 2 g (e_i - e_j)`.
     ///
-    /// `a_iijj = d tau_i/d e_j - tau_i delta_ij`, `a_ijij = (tau_i - tau_j) b_j / (b_i - b_j)`, `a_ijji = a_ijij b_i/b_j - tau_i`,
-    /// where `b = exp 2e`; with `x = e_i - e_j` the quotient is `g exp(-x) x / sinh x`, which has no singularity.
+    /// They are `a_iijj = d tau_i/d e_j - tau_i delta_ij`, `a_ijij = (tau_i - tau_j) b_j / (b_i - b_j)`, `a_ijji = a_ijij b_i/b_j - tau_i`, where
+    /// `b = exp 2e`. With `x = e_i - e_j` the quotient is `g exp(-x) x / sinh x`, which has no singularity.
     pub(super) fn new(
         derivative: Matrix3<f64>,
         stress: &Vector3<f64>,

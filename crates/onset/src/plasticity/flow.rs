@@ -1,23 +1,23 @@
-//! What a law says of its plastic flow: the one interface through which paths and bands see every law.
+//! Interface of plastic laws: flow at a state, as used by paths and localization bands.
 
 use super::law::{deviator, equivalent_shear, mean};
 use super::{DruckerPrager, PlasticityError};
 use nalgebra::{Matrix3, Vector3};
 
-/// Isotropic elasticity, by its moduli. Units of stress.
+/// Isotropic elasticity, given by its moduli. Units of stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Elasticity {
-    /// The shear modulus `G`.
+    /// Shear modulus `G` in units of stress.
     pub shear: f64,
-    /// The bulk modulus `K`.
+    /// Bulk modulus `K` in units of stress.
     pub bulk: f64,
 }
 
 impl Elasticity {
-    /// From the shear modulus and Poisson's ratio, `K = 2 G (1 + nu) / (3 (1 - 2 nu))`.
+    /// Creates the elasticity from the shear modulus and Poisson's ratio, `K = 2 G (1 + nu) / (3 (1 - 2 nu))`.
     ///
     /// # Errors
-    /// [`PlasticityError::Parameter`] outside of `G > 0`, `-1 < nu < 1/2`.
+    /// [`PlasticityError::Parameter`] unless `G > 0`, `-1 < nu < 1/2`.
     pub fn new(shear: f64, poisson_ratio: f64) -> Result<Self, PlasticityError> {
         PlasticityError::require(
             shear > 0.0,
@@ -35,45 +35,46 @@ impl Elasticity {
         Ok(Self { shear, bulk })
     }
 
-    /// `2 G dev e + K tr(e) 1` of principal strains.
+    /// Principal stresses `2 G dev e + K tr(e) 1` of principal strains.
     pub fn stress(&self, strain: &Vector3<f64>) -> Vector3<f64> {
         let volume = strain.sum();
         strain.map(|e| 2.0 * self.shear * (e - volume / 3.0) + self.bulk * volume)
     }
 
-    /// `dev(sigma) / (2 G) + sigma_m / (3 K) 1` of principal stresses.
+    /// Principal strains `dev(sigma) / (2 G) + sigma_m / (3 K) 1` of principal stresses.
     pub fn strain(&self, stress: &Vector3<f64>) -> Vector3<f64> {
         let mean = stress.sum() / 3.0;
         stress.map(|s| (s - mean) / (2.0 * self.shear) + mean / (3.0 * self.bulk))
     }
 
-    /// `d sigma_i / d e_j`: `K + 4G/3` and `K - 2G/3`.
+    /// Derivatives `d sigma_i / d e_j`: `K + 4G/3` and `K - 2G/3`.
     pub(super) fn normal(&self) -> Matrix3<f64> {
         Matrix3::repeat(self.bulk - 2.0 / 3.0 * self.shear)
             + Matrix3::identity() * (2.0 * self.shear)
     }
 }
 
-/// The flow of a state, along the axes of the path: `sigma' = C : (e' - P l)` with `Q : sigma' = h l`, so that the tangent is
-/// `C - (C:P)(Q:C) / (h + Q:C:P)`.
+/// Flow of a state along the axes of the path: `sigma' = C : (e' - P l)` with `Q : sigma' = h l`.
+///
+/// The tangent is `C - (C:P)(Q:C) / (h + Q:C:P)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flow {
-    /// What the state answers with where it does not flow: `C`. It changes with the state where the law loses stiffness.
+    /// Elasticity `C` of the state without flow. It changes with the state if the law loses stiffness.
     pub elasticity: Elasticity,
     /// Direction of inelastic strain `P`.
     pub direction: Vector3<f64>,
-    /// Direction `Q` of the stress that drives it.
+    /// Direction `Q` of the stress that drives the flow.
     pub normal: Vector3<f64>,
-    /// `h m`, `m` as below. Units of stress.
+    /// Product `h m` of the plastic modulus and `per_slip`. Units of stress.
     pub hardening: f64,
-    /// `m`: how much of `P` is added per slip; 1 where slip measures plastic strain.
+    /// Multiple `m` of `P` that is added per unit of slip; 1 if slip measures plastic strain.
     pub per_slip: f64,
-    /// Rates of the internal variables per slip.
+    /// Rates of the internal variables per unit of slip.
     pub internal: Vector3<f64>,
 }
 
 impl Flow {
-    /// Plastic flow along the normal, without internal variables.
+    /// Associated plastic flow along the normal, without internal variables.
     pub fn associated(elasticity: Elasticity, normal: Vector3<f64>, hardening: f64) -> Self {
         Self {
             elasticity,
@@ -85,42 +86,43 @@ impl Flow {
         }
     }
 
-    /// The plastic modulus `h`. Units of stress.
+    /// Plastic modulus `h`. Units of stress.
     pub fn modulus(&self) -> f64 {
         self.hardening / self.per_slip
     }
 
-    /// `Q : C : P`. Units of stress.
+    /// Relaxation `Q : C : P`. Units of stress.
     pub fn relaxation(&self) -> f64 {
         self.normal.dot(&self.elasticity.stress(&self.direction))
     }
 }
 
-/// A law that flows along fixed axes: stress, strain and flow are diagonal in them.
+/// Law that flows along fixed axes: stress, strain and flow are diagonal in them.
 ///
-/// The state is the stress, the slip (the plastic shear strain, the independent variable of a path) and up to three internal variables. At
-/// finite strain the stress is Kirchhoff's and strains are logarithmic; all laws here have isotropic elasticity, of which the shear stiffness between two axes
-/// follows.
+/// The state consists of the stress, the slip (the plastic shear strain, the independent variable of a path) and up to three internal variables. At
+/// finite strain the stress is the Kirchhoff stress, and strains are logarithmic. All laws here have isotropic elasticity, which determines the shear
+/// stiffness between two axes.
 pub trait FlowLaw {
     /// Elasticity before any flow.
     fn elasticity(&self) -> Elasticity;
 
-    /// A stress of the size of the strength at first yield, by which errors are measured. Units of stress.
+    /// Stress of the order of the strength at first yield, which scales errors. Units of stress.
     fn strength(&self) -> f64;
 
-    /// The internal variables at first yield, and the size by which errors of them are measured.
+    /// Internal variables at first yield, and the magnitudes that scale their errors.
     fn start(&self, _stress: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         (Vector3::zeros(), Vector3::repeat(1.0))
     }
 
-    /// The yield function; negative within the elastic range, zero while the material flows. Units of stress.
+    /// Yield function: negative in the elastic range, zero during flow. Units of stress.
     fn excess(&self, stress: &Vector3<f64>, slip: f64, internal: &Vector3<f64>) -> f64;
 
-    /// The flow of a state on the yield surface.
+    /// Returns the flow of a state on the yield surface.
     ///
     /// # Errors
-    /// [`PlasticityError::NoDeviator`] where it has no direction, [`PlasticityError::Exhausted`] where the strength is used up,
-    /// [`PlasticityError::Corner`] where another face of the yield surface is reached.
+    /// - [`PlasticityError::NoDeviator`] if the direction of flow is undefined
+    /// - [`PlasticityError::Exhausted`] if the strength is exhausted
+    /// - [`PlasticityError::Corner`] if another face of the yield surface is reached
     fn flow(
         &self,
         stress: &Vector3<f64>,
@@ -140,10 +142,10 @@ pub(super) fn parts(stress: &Vector3<f64>) -> (f64, Vector3<f64>, f64) {
     )
 }
 
-/// `s / (2 tau)`, and `tau`.
+/// Direction `s / (2 tau)`, and `tau`.
 ///
 /// # Errors
-/// [`PlasticityError::NoDeviator`] where `tau` vanishes.
+/// [`PlasticityError::NoDeviator`] if `tau` vanishes.
 pub(super) fn direction(stress: &Vector3<f64>) -> Result<(Vector3<f64>, f64), PlasticityError> {
     let (_, deviator, shear) = parts(stress);
     if shear <= 1e-14 * stress.amax() {
@@ -153,7 +155,7 @@ pub(super) fn direction(stress: &Vector3<f64>) -> Result<(Vector3<f64>, f64), Pl
 }
 
 impl DruckerPrager {
-    /// The flow of a state, whether or not strength is left.
+    /// Flow of a state, even if no strength is left.
     pub(super) fn flow_unlimited(
         &self,
         stress: &Vector3<f64>,

@@ -1,8 +1,8 @@
-//! How strength changes with plastic shear strain.
+//! Hardening laws: strength as a function of plastic shear strain.
 
 use super::PlasticityError;
 
-/// The strength `k(gamma)`, the yield stress in pure shear, as a function of the plastic shear strain. Units of stress.
+/// Strength `k(gamma)`, the yield stress in pure shear, as a function of the plastic shear strain. Units of stress.
 ///
 /// ```
 /// use onset::plasticity::Hardening;
@@ -13,42 +13,41 @@ use super::PlasticityError;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hardening {
-    /// `k = initial + modulus gamma`; a softening law is used up where it reaches zero.
+    /// Linear hardening `k = initial + modulus gamma`. With softening the strength is exhausted at zero.
     Linear {
         /// Strength at first yield.
         initial: f64,
-        /// Plastic modulus `h`.
+        /// Constant plastic modulus `h`.
         modulus: f64,
     },
-    /// `k = saturation + (initial - saturation) exp(-gamma/reference)`: hardens or softens toward a limit
-    /// (E. Voce, *J. Inst. Metals* 74 (1948) 537).
+    /// Voce hardening `k = saturation + (initial - saturation) exp(-gamma/reference)`: hardens or softens toward a limit (E. Voce, *J. Inst. Metals*
+    /// 74 (1948) 537).
     Voce {
         /// Strength at first yield.
         initial: f64,
         /// Strength after large slip.
         saturation: f64,
-        /// Slip in which the difference falls by `1/e`.
+        /// Slip over which the difference falls by the factor `1/e`.
         reference: f64,
     },
-    /// `k = initial (1 + gamma/reference)^exponent`.
+    /// Power law `k = initial (1 + gamma/reference)^exponent`.
     Power {
         /// Strength at first yield.
         initial: f64,
-        /// Slip that counts as one.
+        /// Reference slip of the power law.
         reference: f64,
-        /// The exponent; negative for softening.
+        /// Hardening exponent; negative for softening.
         exponent: f64,
     },
-    /// `k = residual + (initial - residual + modulus gamma) exp(-gamma/reference)`: hardens, passes a peak, softens toward
-    /// the residual strength.
+    /// Hardening to a peak, then softening to a residual strength: `k = residual + (initial - residual + modulus gamma) exp(-gamma/reference)`.
     Peak {
         /// Strength at first yield.
         initial: f64,
         /// Strength after large slip.
         residual: f64,
-        /// Slope that the exponential wears down.
+        /// Hardening slope that the exponential reduces.
         modulus: f64,
-        /// Slip in which it does so by `1/e`.
+        /// Slip over which the exponential falls by the factor `1/e`.
         reference: f64,
     },
 }
@@ -109,7 +108,7 @@ impl Hardening {
         }
     }
 
-    /// The strength `k(gamma)`. Units of stress.
+    /// Strength `k(gamma)`. Units of stress.
     pub fn strength(&self, slip: f64) -> f64 {
         match *self {
             Self::Linear { initial, modulus } => initial + modulus * slip,
@@ -132,7 +131,7 @@ impl Hardening {
         }
     }
 
-    /// The plastic modulus `h = dk/dgamma`. Units of stress.
+    /// Plastic modulus `h = dk/dgamma`. Units of stress.
     pub fn modulus(&self, slip: f64) -> f64 {
         match *self {
             Self::Linear { modulus, .. } => modulus,
@@ -158,11 +157,11 @@ impl Hardening {
         }
     }
 
-    /// The smallest plastic modulus over all slips, or zero where it is positive everywhere. Units of stress.
+    /// Smallest plastic modulus over all slips, or zero if it is positive everywhere. Units of stress.
     pub fn lowest_modulus(&self) -> f64 {
         let lowest = self.modulus(0.0).min(0.0);
         match *self {
-            // The slope of the modulus vanishes where `initial - residual + modulus gamma = 2 modulus reference`.
+            // The slope of the modulus vanishes at `initial - residual + modulus gamma = 2 modulus reference`.
             Self::Peak {
                 initial,
                 residual,

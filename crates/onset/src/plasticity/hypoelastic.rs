@@ -1,21 +1,22 @@
-//! Hypoelastic laws: the stress is integrated in time from an objective rate, and no energy is known.
+//! Hypoelastic laws: the stress is integrated in time from an objective rate, without an energy.
 //!
-//! `sigma = -p 1 + s` with the pressure `p = kappa/n (J^(-n) - 1)`, which for `n = 0` is `-kappa ln J` and so in rate form too, and the deviator
+//! The stress is `sigma = -p 1 + s` with the pressure `p = kappa/n (J^(-n) - 1)`, which for `n = 0` is `-kappa ln J` and thus has a rate form too,
+//! and the deviator
 //!
 //! `s' = 2 mu dev D + Omega s - s Omega`,
 //!
-//! where `D` and `W` are the symmetric and the skew part of `L = F' F^-1`. Jaumann's rate turns the stress with `Omega = W`, that of Green and Naghdi with
-//! `Omega = R' R^T` of `F = V R`; in the principal axes of `V`, with its stretches `v_a`,
+//! where `D` and `W` are the symmetric and the skew part of `L = F' F^-1`. The Jaumann rate uses `Omega = W`, the Green-Naghdi rate `Omega = R' R^T`
+//! of `F = V R`. In the principal axes of `V`, with its stretches `v_a`,
 //!
 //! `W_ab - Omega_ab = D_ab (v_a - v_b)/(v_a + v_b)`.
 //!
-//! A state `F = R U` is reached along `R U^t`, `0 <= t <= 1`, where neither turns the axes of the stress: `s = 2 mu dev ln V` of both.
+//! A state `F = R U` is reached along `R U^t`, `0 <= t <= 1`, where neither rate rotates the axes of the stress: both give `s = 2 mu dev ln V`.
 //!
 //! **Tangent.** The rates above are linear in `L`, `sigma'_ij = g_ijkl L_kl`, and
 //!
 //! `A_iJkL = J F^-1_Jj F^-1_Ll (g_ijkl + sigma_ij delta_kl - sigma_il delta_jk)`.
 //!
-//! Of a stressed state it has no major symmetry, since no energy stands behind it: waves can flutter.
+//! In a stressed state it has no major symmetry, since it does not derive from an energy: waves can flutter.
 //!
 //! Sources: C. Truesdell, *J. Rational Mech. Anal.* 4 (1955) 83; J. K. Dienes, *Acta Mech.* 32 (1979) 217; W. Prager, *Q. Appl. Math.* 18 (1961) 403.
 
@@ -28,7 +29,7 @@ use crate::material::{
 };
 use nalgebra::Matrix3;
 
-/// Points of Gauss along the path to a state, for the work on it.
+/// Number of Gauss points for the work along the path to a state.
 const POINTS: usize = 16;
 
 const MU: Parameter = Parameter::new("mu", "stress", 1.0, Admitted::Positive, "shear modulus");
@@ -79,16 +80,16 @@ pub(super) const GREEN_NAGHDI: Law = Law {
     ..JAUMANN
 };
 
-/// What turns the stress.
+/// Objective rate of the stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Rate {
-    /// The spin `W`, with a factor that is one unless a code has it wrong.
+    /// Jaumann rate with the spin `W`, multiplied by a factor that is one unless a code implements it incorrectly.
     Jaumann { spin: f64 },
-    /// `R' R^T`.
+    /// Green-Naghdi rate with the spin `R' R^T`.
     GreenNaghdi,
 }
 
-/// A hypoelastic law.
+/// Hypoelastic law with its parameters.
 struct Hypoelastic {
     mu: f64,
     kappa: f64,
@@ -105,19 +106,19 @@ fn made(p: &[f64], rate: Rate) -> Made {
     }))
 }
 
-/// `delta_ij`.
+/// Kronecker delta.
 fn delta(i: usize, j: usize) -> f64 {
     f64::from(u8::from(i == j))
 }
 
-/// A state, and the stress that the path to it leaves.
+/// State with the stress that results from the path to it.
 struct Stressed<'a> {
     law: &'a Hypoelastic,
-    /// `ln V`.
+    /// Logarithmic strain `ln V`.
     logarithm: Spectral,
-    /// `tr ln V = ln J`.
+    /// Logarithm of the volume ratio, `tr ln V = ln J`.
     volume: f64,
-    /// `s`.
+    /// Stress deviator `s`.
     deviator: Matrix3<f64>,
 }
 
@@ -137,7 +138,7 @@ impl Hypoelastic {
         })
     }
 
-    /// `-p` at a logarithm of `J`.
+    /// Mean stress `-p` at a logarithm of `J`.
     fn tension(&self, volume: f64) -> f64 {
         match self.n == 0.0 {
             true => self.kappa * volume,
@@ -147,12 +148,12 @@ impl Hypoelastic {
 }
 
 impl Stressed<'_> {
-    /// `sigma`.
+    /// Cauchy stress `sigma` of the state.
     fn cauchy(&self) -> Matrix3<f64> {
         self.deviator + Matrix3::identity() * self.law.tension(self.volume)
     }
 
-    /// The work of the stress on the path per reference volume, `int J sigma : ln V dt`.
+    /// Work of the stress along the path per reference volume, `int J sigma : ln V dt`.
     fn work(&self) -> f64 {
         let law = self.law;
         let deviator = self.deviator.norm_squared() / (2.0 * law.mu);
@@ -164,7 +165,7 @@ impl Stressed<'_> {
         points.iter().map(|(t, weight)| weight * power(*t)).sum()
     }
 
-    /// `Omega` of a velocity gradient `e_k (x) e_l`.
+    /// Spin `Omega` for the velocity gradient `e_k (x) e_l`.
     fn spin(&self, k: usize, l: usize) -> Matrix3<f64> {
         let mut gradient = Matrix3::zeros();
         gradient[(k, l)] = 1.0;
@@ -182,7 +183,7 @@ impl Stressed<'_> {
             .turned(&Matrix3::from_fn(|a, b| strain[(a, b)] * share(a, b)))
     }
 
-    /// `Omega s - s Omega` of all velocity gradients `e_k (x) e_l`, at `3 k + l`.
+    /// Rotational terms `Omega s - s Omega` for all velocity gradients `e_k (x) e_l`, stored at `3 k + l`.
     fn turned(&self) -> Vec<Matrix3<f64>> {
         let of = |n: usize| {
             let spin = self.spin(n / 3, n % 3);
@@ -191,13 +192,13 @@ impl Stressed<'_> {
         (0..9).map(of).collect()
     }
 
-    /// `kappa_J tr D 1 + 2 mu dev D` of a velocity gradient, with a bulk modulus.
+    /// Component of `kappa_J tr D 1 + 2 mu dev D` for a velocity gradient, with a given bulk modulus.
     fn stiffness(&self, bulk: f64, [i, j, k, l]: [usize; 4]) -> f64 {
         let shear = delta(i, k) * delta(j, l) + delta(i, l) * delta(j, k);
         self.law.mu * shear + (bulk - self.law.mu / 1.5) * delta(i, j) * delta(k, l)
     }
 
-    /// `d(-p)/d ln J`.
+    /// Bulk modulus `d(-p)/d ln J`.
     fn bulk(&self) -> f64 {
         self.law.kappa * (-self.law.n * self.volume).exp()
     }
@@ -208,7 +209,7 @@ impl Hyperelastic for Hypoelastic {
         true
     }
 
-    /// The energy is the work on the path: stress and tangent have no potential.
+    /// Response of the law. Its energy is the work along the path; stress and tangent have no potential.
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         let state = self.at(f)?;
         let (sigma, turned, bulk) = (state.cauchy(), state.turned(), state.bulk());
@@ -230,7 +231,8 @@ impl Hyperelastic for Hypoelastic {
         .finite()
     }
 
-    /// Stress in unrotated axes is turned by the positions; what Jaumann's rate turns, it turns in time. A pressure that is a function of the volume is not integrated.
+    /// Tangent that is integrated in time. Stress in unrotated axes follows the positions, whereas the Jaumann rate integrates the rotation in time.
+    /// A pressure that is a function of the volume is not integrated.
     fn integrated_tangent(
         &self,
         f: &DeformationGradient,

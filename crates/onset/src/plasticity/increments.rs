@@ -1,14 +1,14 @@
-//! Laws that are known by their answers to increments alone, as user subroutines are, along a loading path.
+//! Localization of laws known only by their response to increments, such as user subroutines, along a loading path.
 //!
-//! Of such a law neither yield surface nor flow rule is known. What [`follow`](super::follow) reads from a [`FlowLaw`](super::FlowLaw) is read from two tangents
-//! of a state here: of the next small increment along the path, and of the same increment backward, which unloads. Their difference is the part that flow takes
-//! away,
+//! Neither yield surface nor flow rule of such a law is known. The quantities that [`follow`](super::follow) takes from a [`FlowLaw`](super::FlowLaw)
+//! are computed here from two tangents of a state: for the next small increment along the path, and for the reversed increment, which unloads. Their
+//! difference is the reduction by flow,
 //!
 //! `C_e - C_p = (C_e:P)(Q:C_e) / (h + Q:C_e:P)`,
 //!
-//! of rank one. Its factors are `P` and `Q`, whose deviators have the size that those of Drucker and Prager have, `sqrt(P':P') = 1/sqrt(2)`, and its size tells
-//! the plastic modulus `h`. The tangent that a return mapping delivers is that of its increment; with increments that shrink it tends to the tangent of continued
-//! flow, linearly in their size, so that two sizes tell the limit.
+//! of rank one. Its factors give `P` and `Q`, whose deviators are normalized as in the Drucker-Prager law, `sqrt(P':P') = 1/sqrt(2)`, and its
+//! magnitude gives the plastic modulus `h`. A return mapping provides the tangent of its increment. As the increments shrink, this tangent approaches
+//! the tangent of continued flow linearly, so the limit is extrapolated from two increment sizes.
 
 use super::path::{Bands, Course, End, Loading, Localization, PathPoint, Strains};
 use super::{Criterion, PlasticityError, RateModuli};
@@ -16,45 +16,47 @@ use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, MaterialError, Response};
 use nalgebra::{Matrix3, Vector3};
 
-/// A law that answers to histories of strain.
+/// Law that responds to histories of strain.
 pub trait IncrementalLaw {
-    /// Stress and tangent of the last increment after a history of deformation from the unstressed reference state, one deformation gradient for the end of each
-    /// increment.
+    /// Returns stress and tangent of the last increment after a history of deformation from the unstressed reference state.
+    ///
+    /// The history has one deformation gradient for the end of each increment.
     ///
     /// # Errors
-    /// [`MaterialError`] where the law fails.
+    /// [`MaterialError`] if the law fails.
     fn after(&self, history: &[DeformationGradient]) -> Result<Response, MaterialError>;
 }
 
-/// Smallest driving strain at which yield is looked for.
+/// Smallest driving strain in the search for yield.
 const SMALLEST_STRAIN: f64 = 1e-7;
-/// The largest.
+/// Largest driving strain in the search for yield.
 const LARGEST_STRAIN: f64 = 1.0;
-/// Each trial before first yield is larger than the last one by this factor.
+/// Growth factor of trial strains before first yield.
 const GROWTH: f64 = 1.5;
-/// Flow takes away at least this part of the elastic tangent.
+/// Smallest relative reduction of the elastic tangent that counts as flow.
 const FLOWS: f64 = 1e-3;
-/// Small increments by which tangents are probed, in units of the strain of first yield.
+/// Size of the increments with which tangents are probed, in units of the strain of first yield.
 const PROBE: f64 = 1e-4;
-/// Components of the tangent that an orthotropic one along the axes does not have, and flow beside the first mechanism, in units of the largest component.
+/// Relative size of tangent components that count as zero: components that violate orthotropy along the axes, and flow by a second mechanism.
 const NEGLIGIBLE: f64 = 1e-4;
-/// Newton iterations for the lateral strains.
+/// Largest number of Newton iterations for the lateral strains.
 const ITERATIONS: usize = 40;
-/// Corrections of strains at which they end, in units of the strain of first yield.
+/// Corrections of strains below which the iteration has converged, in units of the strain of first yield.
 const SETTLED: f64 = 1e-11;
-/// What is left of lateral stresses in units of the elastic moduli by the strain of first yield, where corrections do not settle.
+/// Largest admissible lateral stresses, in units of the elastic moduli times the strain of first yield, if the corrections do not converge.
 const BALANCED: f64 = 1e-6;
 /// Halvings of the increment in which a criterion is lost.
 const HALVINGS: usize = 36;
 
-/// Follows a loading of a law that is known by increments, from the confined state through first yield, and finds where it localizes.
+/// Follows a loading of a law known by increments, from the confined state through first yield, and finds where it localizes.
 ///
-/// Up to the plastic shear strain of the loading about `increments` increments are taken, shorter near first yield; what the law answers to them is all that is
-/// known of the path, so that its error falls with their number. The plastic shear strain is that of the flow read from the tangents.
+/// About `increments` increments are taken up to the plastic shear strain of the loading, shorter ones near first yield. The path is known only
+/// through the response to them, so its error decreases with their number. The plastic shear strain is computed from the flow that the tangents
+/// imply.
 ///
 /// # Errors
-/// As [`follow`](super::follow), [`PlasticityError::Law`] where the law fails before it flows, [`PlasticityError::NotAlongAxes`] and
-/// [`PlasticityError::SeveralMechanisms`] where its tangent is not that of one mechanism of flow along the axes.
+/// See [`follow`](super::follow); in addition [`PlasticityError::Law`] if the law fails before it flows, and [`PlasticityError::NotAlongAxes`] or
+/// [`PlasticityError::SeveralMechanisms`] if its tangent does not correspond to one mechanism of flow along the axes.
 pub fn follow_increments(
     law: &dyn IncrementalLaw,
     loading: &Loading,
@@ -94,19 +96,19 @@ pub fn follow_increments(
     Ok(found)
 }
 
-/// How flow goes on from a state.
+/// Rates of continued flow from a state.
 #[derive(Clone, Copy)]
 struct Rates {
-    /// `dgamma = slip . de` of the strains along the axes.
+    /// Coefficients of `dgamma = slip . de` in the strains along the axes.
     slip: Vector3<f64>,
-    /// The driving strain by slip along the path.
+    /// Driving strain per unit of slip along the path.
     strain_per_slip: f64,
 }
 
-/// The tangent of continued flow, and the direction of strain in which it goes on.
+/// Tangent of continued flow, with the direction of strain of the flow.
 struct Continued {
     direction: Vector3<f64>,
-    /// As those of [`Answer`].
+    /// Tangent in the measures of [`Answer`].
     normal: Matrix3<f64>,
     shear: Matrix3<f64>,
     swap: Matrix3<f64>,
@@ -116,29 +118,29 @@ struct Continued {
 struct Answer {
     /// Cauchy stress.
     stress: Vector3<f64>,
-    /// `d sigma_i / d e_j`.
+    /// Derivatives `d sigma_i / d e_j`.
     slope: Matrix3<f64>,
-    /// `d tau_i / d e_j` of the measure of the loading.
+    /// Derivatives `d tau_i / d e_j` in the strain measure of the loading.
     normal: Matrix3<f64>,
-    /// `a_iijj`, `a_ijij` and `a_ijji`.
+    /// Moduli `a_iijj`, `a_ijij` and `a_ijji`.
     moduli: [Matrix3<f64>; 3],
     /// Stress in the measure of the loading.
     driving: Vector3<f64>,
 }
 
-/// A state that increments have led to.
+/// State reached by a sequence of increments.
 #[derive(Clone)]
 struct Increments<'a> {
     law: &'a dyn IncrementalLaw,
     loading: &'a Loading,
     course: Course,
-    /// Logarithmic strains at the ends of the increments so far.
+    /// Logarithmic strains at the ends of the increments.
     history: Vec<Vector3<f64>>,
-    /// Lateral strains by the driving one, in the last increment.
+    /// Strain per unit of driving strain in the last increment.
     direction: Vector3<f64>,
-    /// The strain of the confined state, along every axis.
+    /// Strain of the confined state, along every axis.
     initial: f64,
-    /// The driving strain of first yield.
+    /// Driving strain at first yield.
     scale: f64,
 }
 
@@ -158,7 +160,7 @@ impl<'a> Increments<'a> {
         Ok(walk)
     }
 
-    /// The state under the pressure alone, in one increment.
+    /// Computes the state under the pressure alone, in one increment.
     fn confine(&mut self) -> Result<(), PlasticityError> {
         let pressure = self.loading.confinement;
         if pressure == 0.0 {
@@ -181,7 +183,7 @@ impl<'a> Increments<'a> {
         })
     }
 
-    /// What the law answers after more increments.
+    /// Response of the law after additional increments.
     fn answer(&self, more: &[Vector3<f64>]) -> Result<Answer, PlasticityError> {
         let history = self.history.iter().chain(more);
         let states = history.map(|strain| {
@@ -197,7 +199,7 @@ impl<'a> Increments<'a> {
         self.history.last().copied().unwrap_or_default()
     }
 
-    /// The lateral strains of an increment, from a direction of strain: those with constant lateral stresses.
+    /// Strains after an increment of the driving strain, with lateral strains that keep the lateral stresses constant.
     fn balanced(&self, driving: f64) -> Result<Vector3<f64>, PlasticityError> {
         let start = self.strain();
         let mut strain = start + self.direction * driving;
@@ -225,7 +227,7 @@ impl<'a> Increments<'a> {
         Err(PlasticityError::NoBalance)
     }
 
-    /// The state an increment further.
+    /// State after one more increment.
     fn advanced(&self, driving: f64) -> Result<Self, PlasticityError> {
         let strain = self.balanced(driving)?;
         let mut next = self.clone();
@@ -234,12 +236,12 @@ impl<'a> Increments<'a> {
         Ok(next)
     }
 
-    /// The elastic tangent of a state, from a small increment backward.
+    /// Elastic tangent of a state, from a small increment backward.
     fn unloading(&self) -> Result<Answer, PlasticityError> {
         self.answer(&[self.strain() - self.direction * (PROBE * self.scale)])
     }
 
-    /// Advances to first yield in one increment: its length is halved until the last increment that flows is known to rounding.
+    /// Advances to first yield in one increment, whose length is bisected until the shortest increment with flow is known to rounding.
     fn yield_first(&mut self) -> Result<(), PlasticityError> {
         let at = |driving: f64| {
             let mut trial = self.clone();
@@ -279,10 +281,10 @@ impl<'a> Increments<'a> {
         Ok(())
     }
 
-    /// The tangent of continued flow: that of small increments along the path, continued to none.
+    /// Tangent of continued flow: the limit of small increments along the path.
     fn flowing(&self) -> Result<Continued, PlasticityError> {
         let size = PROBE * self.scale;
-        // The direction of the path bends where flow begins.
+        // The direction of the path changes abruptly when flow begins.
         let mut ahead = self.clone();
         let strain = ahead.balanced(2.0 * size)?;
         ahead.direction = (strain - self.strain()) / (2.0 * size);
@@ -299,7 +301,7 @@ impl<'a> Increments<'a> {
         })
     }
 
-    /// This state of the path with its critical moduli at a plastic shear strain, and how flow goes on.
+    /// State of the path at a plastic shear strain with its critical moduli, and the rates of continued flow.
     fn point(&self, slip: f64) -> Result<(PathPoint, Rates), PlasticityError> {
         let elastic = self.unloading()?;
         let own = self.answer(&[])?;
@@ -344,7 +346,7 @@ impl<'a> Increments<'a> {
         Ok((point, rates))
     }
 
-    /// The same after an increment: the slip by the mean of its rates at both ends.
+    /// State of the path after an increment. The slip uses the mean of its rates at both ends.
     fn point_after(
         &self,
         before: &PathPoint,
@@ -357,7 +359,7 @@ impl<'a> Increments<'a> {
         Ok((point, own))
     }
 
-    /// The first state behind the crossing of the modulus and the critical one within an increment.
+    /// First state beyond the point in an increment where the modulus falls to the critical modulus.
     fn crossing(
         &self,
         before: &PathPoint,
@@ -395,7 +397,7 @@ impl Answer {
         let normal = Matrix3::from_fn(|i, j| f[i] * tangent[(i, i, j, j)] * f[j]);
         let shear = Matrix3::from_fn(|i, j| tangent[(i, j, i, j)] * f[j] * f[j]);
         let swap = Matrix3::from_fn(|i, j| tangent[(i, j, j, i)] * f[j] * f[i]);
-        // Kirchhoff's stress by logarithmic strains, and Cauchy's.
+        // Kirchhoff stress by logarithmic strains, and Cauchy stress.
         let kirchhoff = normal + Matrix3::from_diagonal(&tau);
         let slope = kirchhoff / volume - stress * Vector3::repeat(1.0).transpose();
         Ok(match strains {
@@ -406,7 +408,7 @@ impl Answer {
                 moduli: [normal, shear, swap],
                 driving: tau,
             },
-            // At small strain stress rates have no terms of the stress: the shear moduli are those of Jaumann's rate.
+            // At small strain the stress rates have no stress terms: the shear moduli belong to the Jaumann rate.
             Strains::Small => {
                 let plain = Matrix3::from_fn(|i, j| match i == j {
                     true => 0.0,
@@ -425,7 +427,7 @@ impl Answer {
     }
 }
 
-/// That a tangent couples neither shear with normal strains nor one shear with another.
+/// Checks that a tangent couples neither shear with normal strains nor one shear with another.
 fn is_along_axes(tangent: &FourthOrder) -> Result<(), PlasticityError> {
     let (mut largest, mut other) = (0.0_f64, 0.0_f64);
     for n in 0..81 {
@@ -443,20 +445,20 @@ fn is_along_axes(tangent: &FourthOrder) -> Result<(), PlasticityError> {
     }
 }
 
-/// What flow takes away from the elastic tangent.
+/// Reduction of the elastic tangent by flow.
 struct Taken {
-    /// `C:P`.
+    /// Direction of the stress relaxed by flow, `C:P`.
     flow: Vector3<f64>,
-    /// `Q:C`.
+    /// Vector `Q:C` that multiplies the strain.
     loading: Vector3<f64>,
-    /// `h + Q:C:P`.
+    /// Denominator `h + Q:C:P`.
     stiffness: f64,
-    /// `Q:C:P`.
+    /// Relaxation `Q:C:P`.
     relaxation: f64,
 }
 
 impl Taken {
-    /// From the elastic tangent and that of continued flow in a direction of strain.
+    /// Computes the reduction from the elastic tangent and the tangent of continued flow in a direction of strain.
     fn of(
         elastic: &Matrix3<f64>,
         flowing: &Matrix3<f64>,
@@ -481,7 +483,7 @@ impl Taken {
             left.column(first).into_owned(),
             right.row(first).transpose(),
         );
-        // Flow goes on along the path.
+        // Orient the factors so that flow continues along the path.
         if b.dot(direction) < 0.0 {
             (a, b) = (-a, -b);
         }
@@ -499,7 +501,8 @@ impl Taken {
     }
 }
 
-/// The size of a direction of flow, by which it is divided: that of the deviator times the root of two, and of a direction without a deviator its own.
+/// Norm by which a direction of flow is divided: the norm of the deviator times `sqrt(2)`, or the norm of the direction itself if its deviator
+/// vanishes.
 fn unit(direction: &Vector3<f64>) -> f64 {
     let deviator = direction.add_scalar(-direction.mean());
     let size = std::f64::consts::SQRT_2 * deviator.norm();

@@ -1,24 +1,25 @@
-//! Ordinary differential equations of loading paths, with control of the error.
+//! Integration of ordinary differential equations of loading paths, with error control.
 
 use nalgebra::SVector;
 
-/// Steps shorter than this part of the end of the interval are taken whatever their error.
+/// Step length, relative to the end of the interval, below which steps are accepted regardless of their error.
 const SHORTEST: f64 = 1e-12;
 
-/// Steps admitted to an integration.
+/// Largest number of steps of an integration.
 const MOST_STEPS: usize = 20_000;
 
-/// Why an integration did not reach its end.
+/// Reason why an integration did not reach its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Stop<E> {
-    /// There are no rates, however short the step.
+    /// The rates are undefined even for the shortest step.
     Rates(E),
-    /// The steps are too short to come to the end.
+    /// The steps are too short to reach the end.
     TooManySteps,
 }
 
-/// Integrates `dy/dx = rates(y, x)` from one `x` to a later one (J. R. Dormand and P. J. Prince, *J. Comput. Appl. Math.* 6 (1980) 19); errors
-/// of a step are at most `accuracy` in units of `size`.
+/// Integrates `dy/dx = rates(y, x)` forward in `x` (J. R. Dormand and P. J. Prince, *J. Comput. Appl. Math.* 6 (1980) 19).
+///
+/// The error of a step is at most `accuracy` in units of `size`.
 pub(super) fn integrate<const N: usize, E>(
     start: &SVector<f64, N>,
     [from, to]: [f64; 2],
@@ -36,7 +37,7 @@ pub(super) fn integrate<const N: usize, E>(
         let last = x + step >= to;
         let length = if last { to - x } else { step };
         let shortest = length <= SHORTEST * to;
-        // The last rates of a step are the first ones of the next.
+        // The last rates of a step are the first of the next one.
         let begun = first.map_or_else(|| rates(&y, x), Ok);
         let reached = begun.and_then(|begun| {
             first = Some(begun);
@@ -45,7 +46,7 @@ pub(super) fn integrate<const N: usize, E>(
         let [next, difference, ended] = match reached {
             Ok(reached) => reached,
             Err(end) if shortest => return Err(Stop::Rates(end)),
-            // Too long a step may have left the path; only short ones tell that it ends.
+            // A step that is too long may leave the path. Only failure of short steps means that the path ends.
             Err(_) => {
                 step = 0.1 * length;
                 continue;
@@ -65,7 +66,7 @@ pub(super) fn integrate<const N: usize, E>(
     Err(Stop::TooManySteps)
 }
 
-/// One step from a state with its rates: the state that it leads to, an estimate of its error, and the rates there.
+/// Takes one step from a state with known rates. Returns the new state, an estimate of its error, and the new rates.
 fn dormand_prince<const N: usize, E>(
     y: &SVector<f64, N>,
     begun: &SVector<f64, N>,
@@ -101,7 +102,7 @@ fn dormand_prince<const N: usize, E>(
             11.0 / 84.0,
         ],
     ];
-    // Fifth less fourth order.
+    // Fifth-order minus fourth-order weights.
     const ERROR: [f64; 7] = [
         71.0 / 57600.0,
         0.0,

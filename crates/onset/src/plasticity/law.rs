@@ -1,4 +1,4 @@
-//! The law of Drucker and Prager, with von Mises as its special case.
+//! Drucker-Prager law, with von Mises as its special case.
 
 use super::{Hardening, PlasticityError};
 use crate::material::FourthOrder;
@@ -6,8 +6,8 @@ use nalgebra::Matrix3;
 
 /// Isotropic elasticity with the yield surface and flow rule of Drucker and Prager.
 ///
-/// `f = tau + mu sigma_m - k(gamma)`, `P = s/(2 tau) + beta/3 1`, `Q = s/(2 tau) + mu/3 1`; tension is positive.
-/// Source: J. W. Rudnicki and J. R. Rice, *J. Mech. Phys. Solids* 23 (1975) 371, without their vertex.
+/// `f = tau + mu sigma_m - k(gamma)`, `P = s/(2 tau) + beta/3 1`, `Q = s/(2 tau) + mu/3 1`; tension is positive. Source: J. W. Rudnicki and J. R.
+/// Rice, *J. Mech. Phys. Solids* 23 (1975) 371, without their vertex.
 ///
 /// ```
 /// use onset::plasticity::{DruckerPrager, Hardening};
@@ -28,11 +28,11 @@ pub struct DruckerPrager {
 }
 
 impl DruckerPrager {
-    /// The law with shear modulus `G`, Poisson's ratio, pressure coefficient `mu`, dilatancy `beta`, and strength.
+    /// Creates the law from shear modulus `G`, Poisson's ratio, pressure coefficient `mu`, dilatancy `beta`, and strength.
     ///
     /// # Errors
-    /// [`PlasticityError::Parameter`] outside of `G > 0`, `-1 < nu < 1/2`, `mu >= 0`; [`PlasticityError::SnapBack`] unless
-    /// `h > -(G + mu beta K)` at every slip.
+    /// [`PlasticityError::Parameter`] unless `G > 0`, `-1 < nu < 1/2`, `mu >= 0`; [`PlasticityError::SnapBack`] unless `h > -(G + mu beta K)` at
+    /// every slip.
     pub fn new(
         shear_modulus: f64,
         poisson_ratio: f64,
@@ -76,10 +76,10 @@ impl DruckerPrager {
         }
     }
 
-    /// The law of von Mises (J2), `mu = beta = 0`.
+    /// Creates the von Mises (J2) law, `mu = beta = 0`.
     ///
     /// # Errors
-    /// As [`DruckerPrager::new`].
+    /// See [`DruckerPrager::new`].
     pub fn von_mises(
         shear_modulus: f64,
         poisson_ratio: f64,
@@ -88,59 +88,59 @@ impl DruckerPrager {
         Self::new(shear_modulus, poisson_ratio, 0.0, 0.0, hardening)
     }
 
-    /// The shear modulus `G`. Units of stress.
+    /// Shear modulus `G`. Units of stress.
     pub fn shear_modulus(&self) -> f64 {
         self.shear_modulus
     }
 
-    /// The bulk modulus `K = 2 G (1 + nu) / (3 (1 - 2 nu))`. Units of stress.
+    /// Bulk modulus `K = 2 G (1 + nu) / (3 (1 - 2 nu))`. Units of stress.
     pub fn bulk_modulus(&self) -> f64 {
         let nu = self.poisson_ratio;
         2.0 * self.shear_modulus * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
     }
 
-    /// The pressure coefficient `mu`.
+    /// Pressure coefficient `mu` of the yield function.
     pub fn friction(&self) -> f64 {
         self.friction
     }
 
-    /// The dilatancy `beta`.
+    /// Dilatancy `beta` of the flow rule.
     pub fn dilatancy(&self) -> f64 {
         self.dilatancy
     }
 
-    /// The strength as a function of slip.
+    /// Strength as a function of slip.
     pub fn hardening(&self) -> &Hardening {
         &self.hardening
     }
 
-    /// `Q : C : P = G + mu beta K`: how fast plastic flow at constant strain relaxes `tau + mu sigma_m`. Units of stress.
+    /// Rate `Q : C : P = G + mu beta K` at which plastic flow at constant strain relaxes `tau + mu sigma_m`. Units of stress.
     pub fn flow_stiffness(&self) -> f64 {
         self.shear_modulus + self.friction * self.dilatancy * self.bulk_modulus()
     }
 
-    /// The value `f` of the yield function; plastic flow keeps it at zero. Units of stress.
+    /// Value `f` of the yield function; plastic flow keeps it at zero. Units of stress.
     pub fn yield_function(&self, stress: &Matrix3<f64>, slip: f64) -> f64 {
         equivalent_shear(&deviator(stress)) + self.friction * mean(stress)
             - self.hardening.strength(slip)
     }
 
-    /// The stress `2 G dev e + K tr(e) 1` of an elastic strain.
+    /// Stress `2 G dev e + K tr(e) 1` of an elastic strain.
     pub fn elastic_stress(&self, strain: &Matrix3<f64>) -> Matrix3<f64> {
         deviator(strain) * (2.0 * self.shear_modulus)
             + Matrix3::identity() * (self.bulk_modulus() * strain.trace())
     }
 
-    /// The elastic strain `dev(sigma)/(2 G) + sigma_m/(3 K) 1` of a stress.
+    /// Elastic strain `dev(sigma)/(2 G) + sigma_m/(3 K) 1` of a stress.
     pub fn elastic_strain(&self, stress: &Matrix3<f64>) -> Matrix3<f64> {
         deviator(stress) / (2.0 * self.shear_modulus)
             + Matrix3::identity() * (mean(stress) / (3.0 * self.bulk_modulus()))
     }
 
-    /// Direction of plastic strain `P` and normal of the yield surface `Q` at a stress, symmetric and without unit.
+    /// Direction of plastic strain `P` and normal of the yield surface `Q` at a stress, symmetric and dimensionless.
     ///
     /// # Errors
-    /// [`PlasticityError::NoDeviator`] where they are undefined.
+    /// [`PlasticityError::NoDeviator`] if they are undefined.
     pub fn directions(
         &self,
         stress: &Matrix3<f64>,
@@ -158,8 +158,7 @@ impl DruckerPrager {
         ))
     }
 
-    /// The continuum tangent `C - (C:P)(Q:C) / (h + Q:C:P)`: rate of stress by rate of strain while the material flows.
-    /// Units of stress.
+    /// Continuum tangent `C - (C:P)(Q:C) / (h + Q:C:P)`: rate of stress by rate of strain during flow. Units of stress.
     ///
     /// # Errors
     /// [`PlasticityError::NoDeviator`] at the apex.
@@ -176,7 +175,7 @@ impl DruckerPrager {
         }))
     }
 
-    /// `2 G theta I_dev + K 1 1` plus another part.
+    /// Tensor `2 G theta I_dev + K 1 1` plus another part.
     pub(super) fn tangent(
         &self,
         theta: f64,
@@ -193,17 +192,17 @@ impl DruckerPrager {
     }
 }
 
-/// A third of the trace.
+/// Mean value: a third of the trace.
 pub(super) fn mean(tensor: &Matrix3<f64>) -> f64 {
     tensor.trace() / 3.0
 }
 
-/// The traceless part.
+/// Traceless part of a tensor.
 pub(super) fn deviator(tensor: &Matrix3<f64>) -> Matrix3<f64> {
     tensor - Matrix3::identity() * mean(tensor)
 }
 
-/// `sqrt(s:s/2)`.
+/// Equivalent shear `sqrt(s:s/2)` of a deviator.
 pub(super) fn equivalent_shear(deviator: &Matrix3<f64>) -> f64 {
     (0.5 * deviator.norm_squared()).sqrt()
 }

@@ -4,10 +4,10 @@ use super::search::largest;
 use super::{PlasticityError, RateModuli};
 use nalgebra::{Matrix3, Vector3};
 
-/// What is lost at a critical modulus.
+/// Condition that is lost at a critical modulus.
 ///
-/// For associated flow (`mu = beta`) the acoustic tensor is symmetric and both are lost together; otherwise strong
-/// ellipticity is lost first (D. Bigoni and D. Zaccaria, *Int. J. Solids Struct.* 29 (1992) 2123).
+/// For associated flow (`mu = beta`) the acoustic tensor is symmetric and both conditions are lost together. Otherwise strong ellipticity is lost
+/// first (D. Bigoni and D. Zaccaria, *Int. J. Solids Struct.* 29 (1992) 2123).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -15,13 +15,13 @@ use nalgebra::{Matrix3, Vector3};
     serde(rename_all = "kebab-case")
 )]
 pub enum Criterion {
-    /// `det q(n) = 0` for a direction: a band of localized deformation can form.
+    /// Ellipticity: at its loss `det q(n) = 0` for a direction, and a band of localized deformation can form.
     Ellipticity,
-    /// The symmetric part of `q(n)` is no longer positive definite for all directions.
+    /// Strong ellipticity: at its loss the symmetric part of `q(n)` is no longer positive definite for all directions.
     StrongEllipticity,
 }
 
-/// The kind of a band, by the angle between its normal and the jump of velocity across it.
+/// Kind of a band, by the angle between its normal and the jump of velocity across it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -29,26 +29,26 @@ pub enum Criterion {
     serde(rename_all = "kebab-case")
 )]
 pub enum BandKind {
-    /// Opens, without shear.
+    /// Opening without shear.
     DilationBand,
-    /// Shears and opens.
+    /// Shear with opening.
     DilatantShearBand,
-    /// Shears at constant thickness.
+    /// Shear at constant thickness.
     ShearBand,
-    /// Shears and closes.
+    /// Shear with closing.
     CompactantShearBand,
-    /// Closes, without shear.
+    /// Closing without shear.
     CompactionBand,
 }
 
-/// A band: the jump of the velocity gradient is `polarization normal^T`.
+/// Localization band. The jump of the velocity gradient is `polarization normal^T`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
     /// Unit normal of the band.
     pub normal: Vector3<f64>,
-    /// Unit vector along the jump of velocity, directed as the material inside flows on.
+    /// Unit vector along the jump of velocity, oriented so that the material inside continues to flow.
     pub polarization: Vector3<f64>,
-    /// What kind of a band it is.
+    /// Kind of the band: opening, closing or shear.
     pub kind: BandKind,
     /// Angle between the normal and the axis of the largest (most tensile) principal stress, in degrees.
     pub angle_to_major: f64,
@@ -56,26 +56,25 @@ pub struct Band {
     pub angle_to_minor: f64,
 }
 
-/// The plastic modulus at which a criterion is lost, in the most critical direction.
+/// Plastic modulus at which a criterion is lost, in the most critical direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Critical {
-    /// The critical modulus `h_cr`: the criterion holds where `h > h_cr`. Units of stress.
+    /// Critical modulus `h_cr`: the criterion holds for `h > h_cr`. Units of stress.
     pub modulus: f64,
-    /// What the critical modulus of no direction exceeds, to rounding. Units of stress.
+    /// Upper bound, to rounding, of the critical moduli of all directions. Units of stress.
     pub bound: f64,
-    /// The band at it.
+    /// Band in the most critical direction.
     pub band: Band,
 }
 
 impl RateModuli {
-    /// The plastic modulus at which a criterion is lost in one spatial direction. Units of stress.
+    /// Returns the plastic modulus at which a criterion is lost in one spatial direction. Units of stress.
     ///
-    /// With `a = A n`, `b = B n` and the elastic acoustic tensor `q_e`,
-    /// `det q = det q_e (1 - b . q_e^-1 a / (h + Q:C:P))` vanishes at `h = b . q_e^-1 a - Q:C:P`, and the symmetric part becomes
-    /// singular at `h = (b . q_e^-1 a + sqrt(a . q_e^-1 a  b . q_e^-1 b)) / 2 - Q:C:P`.
+    /// With `a = A n`, `b = B n` and the elastic acoustic tensor `q_e`, `det q = det q_e (1 - b . q_e^-1 a / (h + Q:C:P))` vanishes at
+    /// `h = b . q_e^-1 a - Q:C:P`, and the symmetric part becomes singular at `h = (b . q_e^-1 a + sqrt(a . q_e^-1 a  b . q_e^-1 b)) / 2 - Q:C:P`.
     ///
     /// # Errors
-    /// [`PlasticityError::ElasticNotElliptic`] when `q_e` is not positive definite.
+    /// [`PlasticityError::ElasticNotElliptic`] if `q_e` is not positive definite.
     pub fn critical_modulus_along(
         &self,
         direction: &Vector3<f64>,
@@ -97,11 +96,11 @@ impl RateModuli {
         } - self.relaxation)
     }
 
-    /// The largest critical modulus over all directions, where, and the band that forms.
+    /// Returns the largest critical modulus over all directions, with its direction and the band that forms.
     ///
-    /// Over all directions of the sphere (those of the sheet for [`RateModuli::in_sheet`]): none is sampled. In principal axes
-    /// `h_cr(n)` is a quotient of cubics of `n_i^2`, bounded on parts of the triangle of these, and polished.
-    /// At small strain the maximum lies in the plane of the largest and the smallest principal stress, see the book.
+    /// The maximum extends over all directions of the sphere (of the sheet for [`RateModuli::in_sheet`]) without sampling. In principal axes
+    /// `h_cr(n)` is a quotient of cubics of `n_i^2`. It is bounded on parts of the triangle of these variables, and the best point is refined. At
+    /// small strain the maximum lies in the plane of the largest and the smallest principal stress (see the book).
     ///
     /// ```
     /// use nalgebra::{Matrix3, Vector3};
@@ -116,7 +115,7 @@ impl RateModuli {
     /// ```
     ///
     /// # Errors
-    /// [`PlasticityError::ElasticNotElliptic`] when the elastic part is not strongly elliptic.
+    /// [`PlasticityError::ElasticNotElliptic`] if the elastic part is not strongly elliptic.
     pub fn critical(&self, criterion: Criterion) -> Result<Critical, PlasticityError> {
         let scale = self.normal.amax();
         let found = largest(self, criterion, &self.region(scale), scale)?;
@@ -128,15 +127,15 @@ impl RateModuli {
         })
     }
 
-    /// Whether a criterion holds in every direction for continued flow.
+    /// Returns true if a criterion holds in every direction for continued flow.
     ///
     /// # Errors
-    /// As [`RateModuli::critical`].
+    /// See [`RateModuli::critical`].
     pub fn holds(&self, criterion: Criterion) -> Result<bool, PlasticityError> {
         Ok(self.modulus > self.critical(criterion)?.modulus)
     }
 
-    /// The corners of the simplex of `n_i^2` that holds a maximum.
+    /// Corners of the simplex of `n_i^2` that contains a maximum.
     fn region(&self, scale: f64) -> Vec<Vector3<f64>> {
         let axis = |i: usize| Vector3::ith(i, 1.0);
         if self.sheet {
@@ -146,7 +145,7 @@ impl RateModuli {
             let (major, minor) = self.extreme_axes();
             return vec![axis(major), axis(minor)];
         }
-        // Of two axes that the law cannot tell apart one is enough.
+        // If two axes are equivalent for the law, one of them suffices.
         for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
             let same = |a: f64, b: f64| (a - b).abs() <= 1e-13 * scale;
             if same(self.flow[j], self.flow[k])
@@ -163,16 +162,16 @@ impl RateModuli {
         vec![axis(0), axis(1), axis(2)]
     }
 
-    /// The axes of the largest and of the smallest flow, between which the maximum lies where it lies in a plane.
+    /// Axes of the largest and of the smallest flow. If the maximum lies in a principal plane, it lies between them.
     fn extreme_axes(&self) -> (usize, usize) {
         (self.flow.imax(), self.flow.imin())
     }
 
-    /// The principal axes of the largest and of the smallest stress, of equal ones those of the largest and smallest flow; in a sheet within it.
+    /// Principal axes of the largest and of the smallest stress; ties are resolved by the flow. In a sheet both lie within the sheet.
     fn stress_axes(&self) -> (usize, usize) {
         let count = if self.sheet { 2 } else { 3 };
         let key = |i: &usize| {
-            // Stresses that differ by rounding only are told apart by the flow.
+            // Stresses that are equal to rounding are ordered by the flow.
             let size = 1e-12 * self.stress.amax();
             (
                 (self.stress[*i] / size.max(f64::MIN_POSITIVE)).round(),
@@ -189,7 +188,7 @@ impl RateModuli {
         )
     }
 
-    /// The band with a normal in principal axes, at its critical modulus.
+    /// Band with a normal in principal axes, at its critical modulus.
     fn band(&self, n: &Vector3<f64>, criterion: Criterion) -> Result<Band, PlasticityError> {
         let factor = self
             .principal_acoustic_tensor(n)
@@ -197,7 +196,7 @@ impl RateModuli {
             .ok_or(PlasticityError::ElasticNotElliptic)?;
         let (a, b) = self.tractions(n);
         let (flow, loading) = (factor.solve(&a), factor.solve(&b));
-        // q g = 0, or (q + q^T) g = 0; b . g > 0 since plastic flow goes on inside.
+        // q g = 0, or (q + q^T) g = 0; b . g > 0 because plastic flow continues inside.
         let jump = match criterion {
             Criterion::Ellipticity => flow,
             Criterion::StrongEllipticity => {
@@ -221,7 +220,7 @@ impl RateModuli {
         })
     }
 
-    /// The smallest eigenvalue of the symmetric part of the acoustic tensor in a spatial direction. Units of stress.
+    /// Smallest eigenvalue of the symmetric part of the acoustic tensor in a spatial direction. Units of stress.
     pub fn smallest_symmetric_eigenvalue(&self, direction: &Vector3<f64>) -> f64 {
         let q = self.acoustic_tensor(direction);
         let symmetric: Matrix3<f64> = (q + q.transpose()) * 0.5;
@@ -230,9 +229,9 @@ impl RateModuli {
 }
 
 impl BandKind {
-    /// Below this sine a band counts as without shear.
+    /// Sine below which a band counts as free of shear.
     const PURE: f64 = 1e-6;
-    /// Below this cosine it counts as of constant thickness: laws that flow without change of volume leave an elastic rest.
+    /// Cosine below which a band counts as of constant thickness. Laws with isochoric flow leave an elastic remainder.
     const CONSTANT: f64 = 0.01;
 
     fn of(normal: &Vector3<f64>, polarization: &Vector3<f64>) -> Self {
@@ -247,7 +246,7 @@ impl BandKind {
         }
     }
 
-    /// Its name in a sentence.
+    /// Name of the kind in a sentence.
     pub fn name(self) -> &'static str {
         match self {
             Self::DilationBand => "dilation band",

@@ -1,25 +1,25 @@
 //! Metals as materials of a discretization: stress and tangent of continued flow at the end of a proportional path.
 //!
-//! `F = F_e F_p` with Hencky's law for `F_e`. With the Mandel stress `M` (symmetric, in the axes of the lattice of the metal, which flow does not
-//! turn), `E_e = 1/2 ln F_e^T F_e` and `M = 2 mu dev E_e + kappa tr E_e`, Hill's yield stress (R. Hill, *Proc. R. Soc. A* 193 (1948) 281)
+//! `F = F_e F_p` with Hencky's law for `F_e`. With the Mandel stress `M` (symmetric, in the material axes of the metal, which flow does not rotate),
+//! `E_e = 1/2 ln F_e^T F_e` and `M = 2 mu dev E_e + kappa tr E_e`, Hill's yield stress (R. Hill, *Proc. R. Soc. A* 193 (1948) 281)
 //!
 //! `phi^2 = f (M22 - M33)^2 + g (M33 - M11)^2 + h (M11 - M22)^2 + 3 (M23^2 + M13^2) + 2 n M12^2`
 //!
-//! reaches the flow stress `sigma_y(e)`, and `dF_p/dt F_p^-1 = N de/dt` with the normal `N = dphi/dM`, no plastic spin. With equal strain
-//! ratios `phi` is von Mises' stress, and the law is J2.
+//! reaches the flow stress `sigma_y(e)`, and `dF_p/dt F_p^-1 = N de/dt` with the normal `N = dphi/dM`, without plastic spin. With equal strain ratios
+//! `phi` is the von Mises stress, and the law is J2.
 //!
-//! A state `F = R U` is reached along `R U^t`, `0 <= t <= 1`: the path that Abaqus' user materials take here too. Of J2 the strains keep
-//! their direction, and the flow is that of one closed step. Otherwise the rates are integrated.
+//! A state `F = R U` is reached along `R U^t`, `0 <= t <= 1`, which is also the path of Abaqus user materials here. For J2 the strains keep their
+//! direction, and the flow follows from one step in closed form. Otherwise the rates are integrated.
 //!
-//! **Tangent.** Let `w(F, e) = W(F F_p^-1 exp(-e N))` be the elastic energy at a flow `e` that follows the state. `P = dw/dF`, and the work that
-//! flow sets free is `-dw/de = M : N = phi`. Continued flow keeps `phi = sigma_y`, so that `e` is eliminated from the rates as an internal
-//! variable is from an energy:
+//! **Tangent.** Let `w(F, e) = W(F F_p^-1 exp(-e N))` be the elastic energy at a flow `e` that follows the state. Then `P = dw/dF`, and the work
+//! dissipated by the flow is `-dw/de = M : N = phi`. Continued flow keeps `phi = sigma_y`, so `e` is eliminated from the rates like an internal
+//! variable from an energy:
 //!
 //! `A = w_FF - w_Fe (x) w_Fe / (w_ee + dsigma_y/de)`,
 //!
-//! symmetric. It is the tangent of R. Hill's linear comparison solid (*J. Mech. Phys. Solids* 6 (1958) 236): a perturbation that unloads meets a
-//! stiffer material, so that a state which this tangent calls stable is stable, while a loss is reached only by perturbations that go on loading
-//! everywhere, which growing waves on a growing load do.
+//! which is symmetric. It is the tangent of R. Hill's linear comparison solid (*J. Mech. Phys. Solids* 6 (1958) 236). A perturbation that unloads
+//! meets a stiffer material, so a state that is stable for this tangent is stable. A loss of stability requires perturbations that continue loading
+//! everywhere, as growing waves under a growing load do.
 
 use super::integration::{Stop, integrate};
 use super::spectral::Spectral;
@@ -31,7 +31,7 @@ use crate::material::{
 };
 use nalgebra::{Matrix3, SVector, Vector3};
 
-/// Relative error of the elastic strains along a path that is integrated.
+/// Relative error of the elastic strains along an integrated path.
 const ACCURACY: f64 = 1e-10;
 
 const MU: Parameter = Parameter::new("mu", "stress", 80.0, Admitted::Positive, "shear modulus");
@@ -119,7 +119,7 @@ const fn ratio(name: &'static str, default: f64) -> Parameter {
     )
 }
 
-/// The flow stress `sigma_y(e)`.
+/// Flow stress `sigma_y(e)`.
 #[derive(Clone, Copy, Debug)]
 struct FlowStress {
     first: f64,
@@ -138,13 +138,13 @@ impl FlowStress {
         self.modulus + self.saturation * self.rate * (-self.rate * slip).exp()
     }
 
-    /// The smallest slope at any slip.
+    /// Smallest slope at any slip.
     fn lowest_slope(&self) -> f64 {
         self.modulus + (self.saturation * self.rate).min(0.0)
     }
 }
 
-/// Hill's quadratic form.
+/// Hill's quadratic yield function.
 #[derive(Clone, Copy, Debug)]
 struct Hill {
     f: f64,
@@ -164,7 +164,7 @@ impl Hill {
         }
     }
 
-    /// `phi` and its normal `dphi/dM`; no normal without a deviator.
+    /// Yield stress `phi` and its normal `dphi/dM`; the normal is undefined without a deviator.
     fn yield_stress(&self, m: &Matrix3<f64>) -> (f64, Matrix3<f64>) {
         let [a, b, c] = [
             self.f * (m[(1, 1)] - m[(2, 2)]),
@@ -188,16 +188,16 @@ impl Hill {
     }
 }
 
-/// How flow goes on from a state.
+/// Flow at an elastic deformation.
 struct Flow {
     normal: Matrix3<f64>,
-    /// `Y`, `N : dM = Y : dC_e`.
+    /// Dual normal `Y` with `N : dM = Y : dC_e`.
     dual: Matrix3<f64>,
-    /// `w_ee`.
+    /// Second derivative `w_ee`.
     stiffness: f64,
 }
 
-/// An elastic-plastic law.
+/// Elastic-plastic law with its parameters.
 struct Metal {
     elastic: Box<dyn Hyperelastic>,
     mu: f64,
@@ -209,7 +209,7 @@ struct Metal {
     frame: Matrix3<f64>,
 }
 
-/// A law with the parameters of J2, Lankford's ratios and the turn of the material axes.
+/// Creates the law from the parameters of J2, Lankford's ratios and the angle of the material axes.
 fn metal(p: &[f64], ratios: [f64; 3], degrees: f64) -> Made {
     let elastic = Law::named("hencky").ok_or_else(|| MaterialError::UnknownParameter {
         law: "j2",
@@ -222,7 +222,7 @@ fn metal(p: &[f64], ratios: [f64; 3], degrees: f64) -> Made {
         rate: p[5],
     };
     let hill = Hill::of_ratios(ratios);
-    // The elastic response to flow is at least 2 mu |N|^2, and |N|^2 >= 3/2 of J2 is left by no more than the ratios tell.
+    // The elastic response to flow is at least 2 mu |N|^2, where |N|^2 is 3/2 for J2 and its lower bound follows from the ratios.
     let least = -2.0 * p[0] * hill.smallest_normal();
     if flow_stress.lowest_slope() <= least {
         return Err(MaterialError::Parameter {
@@ -245,14 +245,14 @@ fn metal(p: &[f64], ratios: [f64; 3], degrees: f64) -> Made {
     }))
 }
 
-/// Whether a symmetric tensor has its principal axes along the fixed ones, to the last digit.
+/// Returns true if the principal axes of a symmetric tensor are the fixed axes, to the last digit.
 fn is_diagonal(tensor: &Matrix3<f64>) -> bool {
     [(0, 1), (0, 2), (1, 2)]
         .into_iter()
         .all(|at| tensor[at] == 0.0)
 }
 
-/// Why a metal cannot be brought to a state.
+/// Error for a state that a metal cannot reach.
 fn no_path(stop: Stop<()>) -> MaterialError {
     MaterialError::OutsideDomain {
         what: "the path to the state",
@@ -270,11 +270,11 @@ fn no_path(stop: Stop<()>) -> MaterialError {
 }
 
 impl Hill {
-    /// A lower bound of `|N|^2` over all stresses: `N = A M/phi` with `phi^2 = M : A M`, so that `|N|^2` is at least the smallest eigenvalue of `A`
-    /// on deviators.
+    /// Lower bound of `|N|^2` over all stresses: `N = A M/phi` with `phi^2 = M : A M`, so `|N|^2` is at least the smallest eigenvalue of `A` on
+    /// deviators.
     fn smallest_normal(&self) -> f64 {
         let Self { f, g, h, n } = *self;
-        // Of the normal components: (f + g + h) -+ the root of the rest, by the trace and the sum of the minors of A.
+        // Normal components: (f + g + h) -+ a square root, from the trace and the sum of the minors of A.
         let (sum, minors) = (f + g + h, 3.0 * (f * g + g * h + h * f));
         let normal = sum - (sum * sum - minors).max(0.0).sqrt();
         normal.min(1.5).min(n)
@@ -282,13 +282,13 @@ impl Hill {
 }
 
 impl Metal {
-    /// `2 mu dev T + kappa tr T 1`: of the elastic strain the Mandel stress.
+    /// Mandel stress `2 mu dev T + kappa tr T 1` of an elastic strain `T`.
     fn stiff(&self, tensor: &Matrix3<f64>) -> Matrix3<f64> {
         let trace = tensor.trace();
         tensor * (2.0 * self.mu) + Matrix3::identity() * ((self.kappa - self.mu / 1.5) * trace)
     }
 
-    /// How flow goes on at an elastic deformation.
+    /// Flow at an elastic deformation; `None` if it is undefined.
     fn flow(&self, elastic: &Matrix3<f64>) -> Option<Flow> {
         let metric = elastic.transpose() * elastic;
         let spectrum = Spectral::positive(&metric)?;
@@ -303,7 +303,7 @@ impl Metal {
         })
     }
 
-    /// `F_p^-1` and the slip at the end of the path to a symmetric stretch with a logarithm; `None` where it is elastic.
+    /// Plastic `F_p^-1` and slip at the end of the path to a symmetric stretch, given by its logarithm; `None` if the path is elastic.
     fn flowed(&self, logarithm: &Spectral) -> Result<Option<(Matrix3<f64>, f64)>, MaterialError> {
         let strain = logarithm.map(|value| value);
         let (trial, normal) = self.hill.yield_stress(&self.stiff(&strain));
@@ -323,7 +323,7 @@ impl Metal {
         Ok(Some(end))
     }
 
-    /// `e` with `trial - 3 mu e = sigma_y(e)`, whose left side falls faster.
+    /// Solution `e` of `trial - 3 mu e = sigma_y(e)`, whose left side decreases faster.
     fn slip_of_trial(&self, trial: f64) -> Result<f64, MaterialError> {
         let excess = |slip: f64| trial - 3.0 * self.mu * slip - self.flow_stress.at(slip);
         let (mut low, mut high) = (0.0, trial / (3.0 * self.mu));
@@ -354,8 +354,8 @@ impl Metal {
         })
     }
 
-    /// Flow along `U^t` from first yield to the end, where the principal axes of `U` are those of the metal: all tensors are diagonal, and the
-    /// logarithms of the elastic and the plastic stretches add up.
+    /// Integrates the flow along `U^t` from first yield to the end if the principal axes of `U` are the material axes. All tensors are diagonal, and
+    /// the logarithms of the elastic and the plastic stretches add up.
     fn coaxial(
         &self,
         logarithm: &Vector3<f64>,
@@ -365,7 +365,7 @@ impl Metal {
             let elastic = logarithm * t - y.fixed_rows::<3>(0);
             let mandel = self.stiff(&Matrix3::from_diagonal(&elastic));
             let normal = self.hill.yield_stress(&mandel).1.diagonal();
-            // The normal is a deviator, so that the bulk modulus does no work on it.
+            // The normal is a deviator, so the bulk modulus does not contribute.
             let driving = 2.0 * self.mu * normal.dot(logarithm);
             let stiffness = 2.0 * self.mu * normal.norm_squared();
             let rate = driving / (stiffness + self.flow_stress.slope(y[3]));
@@ -382,7 +382,7 @@ impl Metal {
         Ok((Matrix3::from_diagonal(&inverse), end[3]))
     }
 
-    /// Flow along `U^t` from first yield to the end.
+    /// Integrates the flow along `U^t` from first yield to the end.
     fn integrated(
         &self,
         logarithm: &Spectral,
@@ -416,7 +416,7 @@ impl Metal {
         Ok((Matrix3::from_column_slice(&end.as_slice()[..9]), end[9]))
     }
 
-    /// Stress and tangent at an elastic deformation and a plastic one, of continued flow.
+    /// Stress and tangent of continued flow at given elastic and plastic deformations.
     fn flowing(
         &self,
         f: &DeformationGradient,
@@ -451,7 +451,7 @@ impl Metal {
         .finite()
     }
 
-    /// The response of a state whose material axes are the fixed ones.
+    /// Response of a state whose material axes are the fixed axes.
     fn along_axes(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         let matrix = f.matrix();
         let logarithm =
@@ -472,7 +472,7 @@ impl Hyperelastic for Metal {
         true
     }
 
-    /// The energy is what is stored elastically: stress and tangent of a flowing metal have no potential.
+    /// Response of the law. Its energy is the stored elastic energy; stress and tangent of a flowing metal have no potential.
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         if self.frame == Matrix3::identity() {
             return self.along_axes(f);

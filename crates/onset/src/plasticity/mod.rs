@@ -1,29 +1,26 @@
-//! Rate-independent plasticity, and where it localizes.
+//! Rate-independent plasticity and its localization.
 //!
-//! The law is that of Drucker and Prager in the notation of J. W. Rudnicki and J. R. Rice, *J. Mech. Phys. Solids* 23 (1975)
-//! 371, of which von Mises (J2) is the case without friction and dilatancy: with the deviator `s`, `tau = sqrt(s:s/2)` and
-//! the mean stress `sigma_m`,
+//! The law is that of Drucker and Prager in the notation of J. W. Rudnicki and J. R. Rice, *J. Mech. Phys. Solids* 23 (1975) 371; von Mises (J2) is
+//! the case without friction and dilatancy. With the deviator `s`, `tau = sqrt(s:s/2)` and the mean stress `sigma_m`,
 //!
 //! `f = tau + mu sigma_m - k(gamma) <= 0`, `P = s/(2 tau) + beta/3 1`, `Q = s/(2 tau) + mu/3 1`, `h = dk/dgamma`,
 //!
-//! plastic strain rate `P gamma'`, normal `Q` to the yield surface, plastic shear strain `gamma` (the *slip*), plastic
-//! modulus `h`. A tension test has the yield stress `sqrt(3) k` and the plastic modulus `3 h` if `mu = beta = 0`.
+//! plastic strain rate `P gamma'`, normal `Q` to the yield surface, plastic shear strain `gamma` (the *slip*), plastic modulus `h`. A tension test
+//! has the yield stress `sqrt(3) k` and the plastic modulus `3 h` if `mu = beta = 0`.
 //!
 //! - Small strain: [`DruckerPrager::update`], [`DruckerPrager::continuum_tangent`].
-//! - Finite strain, `F = F_e F_p`, Hencky elasticity, the same law for the Kirchhoff stress: [`DruckerPrager::finite_update`].
-//! - [`RateModuli`]: the acoustic tensor of a state and the critical hardening moduli, for two criteria that differ when
-//!   `mu != beta`: [`Criterion`].
-//! - [`library`]: J2 and Hill 1948 as materials, with the continuum tangent at the end of a proportional path; beside them hypoelastic laws, which
-//!   are in rate form too.
-//! - [`FlowLaw`]: other laws along fixed axes, each by its elasticity `C`, direction of flow `P`, normal `Q` and plastic modulus `h`:
+//! - Finite strain, `F = F_e F_p`, Hencky elasticity, this law for the Kirchhoff stress: [`DruckerPrager::finite_update`].
+//! - [`RateModuli`]: the acoustic tensor of a state and the critical hardening moduli, for two criteria that differ if `mu != beta`: [`Criterion`].
+//! - [`library`]: J2 and Hill 1948 as materials, with the continuum tangent at the end of a proportional path, and hypoelastic laws, which are in
+//!   rate form too.
+//! - [`FlowLaw`]: other laws along fixed axes, each defined by its elasticity `C`, direction of flow `P`, normal `Q` and plastic modulus `h`:
 //!   [`MohrCoulomb`], [`CamClay`], [`EllipticCap`], [`HillOrthotropic`], [`Gurson`], [`Kinematic`], [`DeformationTheory`], [`ScalarDamage`].
 //! - [`follow`]: a loading path of any of them, and the first slip at which `h` falls to the critical modulus.
-//! - [`follow_increments`]: the same for laws that are known by their answers to increments alone, [`IncrementalLaw`].
+//! - [`follow_increments`]: a loading path of a law that is known only by its response to increments, [`IncrementalLaw`].
 //!
-//! Two tangents must not be confused. The *continuum* tangent relates the rates of stress and strain while the material
-//! flows; waves, bands and every condition of localization are statements on rates and use it. The *consistent* tangent is
-//! the derivative of the stress after a finite step of the return mapping; Newton's method needs it, and it depends on the
-//! size of the step. The two agree in the limit of small steps.
+//! Two tangents must be distinguished. The *continuum* tangent relates the rates of stress and strain during flow. Waves, bands and every condition
+//! of localization are statements on rates and use it. The *consistent* tangent is the derivative of the stress after a finite step of the return
+//! mapping. Newton's method needs it, and it depends on the size of the step. The two agree in the limit of small steps.
 
 mod cubic;
 mod finite;
@@ -60,8 +57,10 @@ pub use return_mapping::{Branch, State, Update};
 use crate::material::{Law, MaterialError};
 use thiserror::Error;
 
-/// The laws in rate form that have a name: metals that flow, and hypoelastic laws. Each answers with the stress at the end of the path `R U^t`,
-/// `0 <= t <= 1`, to a state `F = R U`, and with the tangent of what goes on from there.
+/// Named laws in rate form: metals that flow, and hypoelastic laws.
+///
+/// The stress is that at the end of the path `R U^t`, `0 <= t <= 1`, to a state `F = R U`, and the tangent belongs to loading that continues from
+/// there.
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -83,34 +82,34 @@ pub fn library() -> &'static [Law] {
     LIBRARY
 }
 
-/// What can be wrong with a plastic law or with a state of it.
+/// Error of a plastic law or of one of its states.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum PlasticityError {
-    /// A parameter is outside of what the law admits.
+    /// A parameter is outside its admissible range.
     #[error("parameter {name} is {value:?}; expected {expected}")]
     Parameter {
-        /// The parameter's name.
+        /// Name of the parameter.
         name: &'static str,
-        /// Its value.
+        /// Value of the parameter.
         value: f64,
-        /// What the law admits, in words.
+        /// Admissible range in words.
         expected: &'static str,
     },
-    /// The law softens so fast that the stress does not follow from the strain.
+    /// The law softens so fast that the strain does not determine the stress.
     #[error(
         "the law softens too fast: its plastic modulus falls to {modulus:.4e}, but must stay above {least:.4e} = -Q:C:P, \
          below which a strain does not determine the stress"
     )]
     SnapBack {
-        /// The smallest plastic modulus.
+        /// Smallest plastic modulus.
         modulus: f64,
-        /// What it must exceed.
+        /// Lower limit of the plastic modulus.
         least: f64,
     },
     /// The strength has fallen to zero.
     #[error("the strength is used up: it has fallen to zero at the plastic shear strain {slip}")]
     Exhausted {
-        /// The slip at which it is zero.
+        /// Slip at which the strength vanishes.
         slip: f64,
     },
     /// The stress is beyond the apex of the cone, and no plastic flow leads back.
@@ -118,7 +117,7 @@ pub enum PlasticityError {
         "the mean stress is beyond the apex of the yield cone, and without dilatancy no plastic flow relaxes it"
     )]
     Apex,
-    /// The stress deviator vanishes, so that neither flow nor normal has a direction.
+    /// The stress deviator vanishes, so neither flow nor normal has a direction.
     #[error("the stress has no deviator; the directions of flow and yield are undefined there")]
     NoDeviator,
     /// Another face of the yield surface is reached.
@@ -137,13 +136,13 @@ pub enum PlasticityError {
         "the confinement {confinement} itself makes the material yield; expected a pressure within the yield surface"
     )]
     Confinement {
-        /// The pressure.
+        /// Confining pressure.
         confinement: f64,
     },
     /// The material does not yield along a path.
     #[error("the material stays elastic on this path up to a strain of {strain}")]
     NeverYields {
-        /// How far was looked.
+        /// Largest strain that was tried.
         strain: f64,
     },
     /// Bands in a sheet need a stress-free surface.
@@ -151,29 +150,29 @@ pub enum PlasticityError {
         "bands in a sheet need a path that keeps the third stress zero: uniaxial-stress or sheet-stretch without confinement"
     )]
     NotASheet,
-    /// A law that is known by increments fails.
+    /// A law known by increments fails.
     #[error(transparent)]
     Law(#[from] MaterialError),
-    /// Its tangent couples shear with normal strains along the axes of the path.
+    /// The tangent couples shear with normal strains along the axes of the path.
     #[error(
         "the tangent couples shears with strains along the axes of the path; expected a law that is isotropic, or orthotropic along these axes"
     )]
     NotAlongAxes,
-    /// What flow takes away from its elastic tangent is not of rank one.
+    /// The reduction of the elastic tangent by flow is not of rank one.
     #[error(
         "flow takes a part from the elastic tangent that is not of rank one: several mechanisms flow at once; expected a law with one, away from corners of its \
          yield surface"
     )]
     SeveralMechanisms,
-    /// Loading and unloading have the same tangent.
+    /// Loading and unloading have equal tangents.
     #[error("the law does not flow: its tangents of loading and of unloading are the same")]
     Unloads,
-    /// It flows from the first increment on.
+    /// The law flows from the first increment on.
     #[error(
         "the law flows from the first small increment on; expected an elastic range, whose tangent tells what flow takes away"
     )]
     NoElasticRange,
-    /// The lateral stresses cannot be kept.
+    /// The lateral stresses cannot be kept constant.
     #[error("no lateral strains were found that keep the lateral stresses")]
     NoBalance,
 }

@@ -1,50 +1,47 @@
-//! What decides on bands: the moduli of rates in principal axes of stress.
+//! Rate moduli in principal axes of stress, which determine localization bands.
 
 use super::finite::SpatialModuli;
 use super::{DruckerPrager, Flow, FlowLaw, PlasticityError};
 use crate::algebra::Each;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-/// The rate moduli of a flowing state in its principal axes,
+/// Rate moduli of a flowing state in its principal axes, `L = a - A B^T / (h + Q:C:P)`, `A = C:P`, `B = Q:C`.
 ///
-/// `L = a - A B^T / (h + Q:C:P)`, `A = C:P`, `B = Q:C`,
-///
-/// where only the elastic part `a` depends on stress and elastic strain (at finite strain); the rank-one part is the same
-/// at small and at finite strain. Its acoustic tensor in the direction `n` is
-/// `q(n) = q_e(n) - (A n)(B n)^T / (h + Q:C:P)`. All in units of stress; at finite strain per unit of reference volume
-/// (Kirchhoff stress).
+/// Only the elastic part `a` depends on stress and elastic strain (at finite strain). The rank-one part is equal at small and at finite strain. The
+/// acoustic tensor in the direction `n` is `q(n) = q_e(n) - (A n)(B n)^T / (h + Q:C:P)`. All are in units of stress; at finite strain per unit of
+/// reference volume (Kirchhoff stress).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RateModuli {
-    /// `a_iijj`.
+    /// Normal moduli `a_iijj`.
     pub(super) normal: Matrix3<f64>,
-    /// `a_ijij`, the stiffness of a shear wave along `j` with polarization `i`.
+    /// Shear moduli `a_ijij`, the stiffness of a shear wave along `j` with polarization `i`.
     pub(super) shear: Matrix3<f64>,
-    /// `a_ijji`.
+    /// Shear moduli `a_ijji`.
     pub(super) swap: Matrix3<f64>,
-    /// `A`.
+    /// Vector `A` of flow.
     pub(super) flow: Vector3<f64>,
-    /// `B`.
+    /// Vector `B` of loading.
     pub(super) loading: Vector3<f64>,
-    /// `h`.
+    /// Plastic modulus `h`.
     pub(super) modulus: f64,
-    /// `Q:C:P`.
+    /// Relaxation `Q:C:P`.
     pub(super) relaxation: f64,
     /// Principal directions, as columns.
     pub(super) frame: Matrix3<f64>,
-    /// The principal stresses.
+    /// Principal stresses.
     pub(super) stress: Vector3<f64>,
-    /// The maximum over directions lies in the plane of the extreme flows: the elastic part is isotropic (small strain), and the deviators of `P` and `Q`
-    /// are parallel.
+    /// Whether the maximum over directions lies in the plane of the extreme flows: the elastic part is isotropic (small strain), and the deviators of
+    /// `P` and `Q` are parallel.
     pub(super) isotropic: bool,
-    /// Only directions within the plane of the first two axes are admitted.
+    /// Whether only directions within the plane of the first two axes are admitted.
     pub(super) sheet: bool,
 }
 
 impl DruckerPrager {
-    /// The rate moduli of a flowing state at small strain.
+    /// Computes the rate moduli of a flowing state at small strain.
     ///
     /// # Errors
-    /// [`PlasticityError::NoDeviator`] at the apex, [`PlasticityError::NotFinite`].
+    /// [`PlasticityError::NoDeviator`] at the apex, [`PlasticityError::NotFinite`] if a number over- or underflows.
     pub fn rate_moduli(
         &self,
         stress: &Matrix3<f64>,
@@ -57,7 +54,7 @@ impl DruckerPrager {
 }
 
 impl RateModuli {
-    /// At small strain, with principal stresses.
+    /// Moduli at small strain, from principal stresses.
     pub(super) fn small(
         law: &DruckerPrager,
         stress: &Vector3<f64>,
@@ -72,7 +69,7 @@ impl RateModuli {
         ))
     }
 
-    /// At finite strain, with elastic logarithmic strains.
+    /// Moduli at finite strain, from elastic logarithmic strains.
     pub(super) fn finite(
         law: &DruckerPrager,
         strain: &Vector3<f64>,
@@ -88,11 +85,12 @@ impl RateModuli {
         ))
     }
 
-    /// Of a flow in principal axes, the columns of `frame`, at small or at finite strain, with stresses as the flow has them.
+    /// Computes the moduli of a flow in principal axes, the columns of `frame`, at small or at finite strain. The stresses are in the measure of the
+    /// flow.
     pub fn of(flow: &Flow, stress: &Vector3<f64>, frame: Matrix3<f64>, is_finite: bool) -> Self {
         let elasticity = &flow.elasticity;
         let moduli = match is_finite {
-            // Only differences of strains count, which those of the deviators are.
+            // Only differences of strains matter, which equal those of the deviators.
             true => SpatialModuli::new(
                 elasticity.normal(),
                 stress,
@@ -120,9 +118,9 @@ impl RateModuli {
         }
     }
 
-    /// The moduli of a sheet normal to the third principal axis, whose surfaces stay free of stress: the thickness adapts.
+    /// Moduli of a sheet normal to the third principal axis, whose surfaces stay stress-free while the thickness adapts.
     ///
-    /// Bands that cross the whole sheet (localized necks) are told by it; its directions are those within the sheet.
+    /// They determine bands across the whole sheet (localized necks). Only directions within the sheet are admitted.
     pub fn in_sheet(&self) -> Self {
         let stiffness = self.normal[(2, 2)];
         let column = self.normal.column(2) / stiffness;
@@ -135,28 +133,29 @@ impl RateModuli {
         sheet
     }
 
-    /// The plastic modulus `h` of the state. Units of stress.
+    /// Plastic modulus `h` of the state. Units of stress.
     pub fn modulus(&self) -> f64 {
         self.modulus
     }
 
-    /// The same state with another plastic modulus.
+    /// Returns the moduli with another plastic modulus.
     pub fn with_modulus(&self, modulus: f64) -> Self {
         Self { modulus, ..*self }
     }
 
-    /// `h + Q:C:P`, positive. Units of stress.
+    /// Denominator `h + Q:C:P`, positive. Units of stress.
     pub fn flow_stiffness(&self) -> f64 {
         self.modulus + self.relaxation
     }
 
-    /// The acoustic tensor of the elastic part in a spatial direction. Shape 3 x 3, units of stress.
+    /// Acoustic tensor of the elastic part in a spatial direction. Shape 3 x 3, units of stress.
     pub fn elastic_acoustic_tensor(&self, direction: &Vector3<f64>) -> Matrix3<f64> {
         let n = self.frame.transpose() * direction;
         self.frame * self.principal_acoustic_tensor(&n) * self.frame.transpose()
     }
 
-    /// The acoustic tensor `q(n) = q_e(n) - (A n)(B n)^T / (h + Q:C:P)` of a flowing state in a spatial direction.
+    /// Acoustic tensor `q(n) = q_e(n) - (A n)(B n)^T / (h + Q:C:P)` of a flowing state in a spatial direction.
+    ///
     /// Shape 3 x 3, not symmetric if `mu != beta`, units of stress.
     pub fn acoustic_tensor(&self, direction: &Vector3<f64>) -> Matrix3<f64> {
         let n = self.frame.transpose() * direction;
@@ -165,7 +164,7 @@ impl RateModuli {
         self.frame * q * self.frame.transpose()
     }
 
-    /// `q_e(n)` in principal axes: `q_ii = a_ijij n_j^2`, `q_ik = (a_iikk + a_ikki) n_i n_k`.
+    /// Elastic acoustic tensor `q_e(n)` in principal axes: `q_ii = a_ijij n_j^2`, `q_ik = (a_iikk + a_ikki) n_i n_k`.
     pub(super) fn principal_acoustic_tensor(&self, n: &Vector3<f64>) -> Matrix3<f64> {
         Matrix3::from_fn(|i, k| {
             if i == k {
@@ -178,12 +177,12 @@ impl RateModuli {
         })
     }
 
-    /// `A n` and `B n` in principal axes.
+    /// Tractions `A n` and `B n` in principal axes.
     pub(super) fn tractions(&self, n: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         (self.flow.component_mul(n), self.loading.component_mul(n))
     }
 
-    /// `a_ijij`, also for `i = j`.
+    /// Wave stiffness `a_ijij`, including `i = j`.
     pub(super) fn wave_stiffness(&self, i: usize, j: usize) -> f64 {
         if i == j {
             self.normal[(i, i)]
@@ -192,13 +191,13 @@ impl RateModuli {
         }
     }
 
-    /// `a_iikk + a_ikki`.
+    /// Coupling `a_iikk + a_ikki` of two axes.
     pub(super) fn coupling(&self, i: usize, k: usize) -> f64 {
         self.normal[(i, k)] + self.swap[(i, k)]
     }
 }
 
-/// Whether the deviators of two diagonal tensors are parallel, to rounding.
+/// Returns true if the deviators of two diagonal tensors are parallel to rounding.
 fn are_parallel(a: &Vector3<f64>, b: &Vector3<f64>) -> bool {
     let [a, b] = [a, b].each(|v| v.add_scalar(-v.sum() / 3.0));
     a.cross(&b).norm() <= 1e-12 * a.norm() * b.norm() && a.dot(&b) > 0.0

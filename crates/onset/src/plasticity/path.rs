@@ -6,7 +6,7 @@ use super::{Criterion, Critical, FlowLaw, PlasticityError, RateModuli};
 use crate::material::MaterialError;
 use nalgebra::{Matrix3, Vector3};
 
-/// How strain is measured.
+/// Strain measure of a loading.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -14,14 +14,14 @@ use nalgebra::{Matrix3, Vector3};
     serde(rename_all = "kebab-case")
 )]
 pub enum Strains {
-    /// Small strain: no difference between the stress measures, no stress terms in the acoustic tensor.
+    /// Small strain: all stress measures coincide, and the acoustic tensor has no stress terms.
     #[default]
     Small,
-    /// Finite strain, logarithmic; yield in Kirchhoff stress.
+    /// Finite logarithmic strain; yield in Kirchhoff stress.
     Finite,
 }
 
-/// What a loading path prescribes along the fixed axes 1, 2, 3.
+/// Prescribed strains and stresses of a loading path along the fixed axes 1, 2, 3.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -44,7 +44,7 @@ pub enum LoadingPath {
     SheetStretch,
 }
 
-/// The sense of the strain along 1.
+/// Sign of the strain along axis 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -52,14 +52,14 @@ pub enum LoadingPath {
     serde(rename_all = "kebab-case")
 )]
 pub enum Load {
-    /// Lengthening.
+    /// Extension along axis 1.
     Tension,
-    /// Shortening.
+    /// Contraction along axis 1.
     #[default]
     Compression,
 }
 
-/// Which bands are looked for.
+/// Kind of localization bands in the search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -74,45 +74,45 @@ pub enum Bands {
     Sheet,
 }
 
-/// A loading.
+/// Loading of a plastic law along fixed axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loading {
-    /// What is prescribed.
+    /// Prescribed strains and stresses.
     pub path: LoadingPath,
-    /// Its sense.
+    /// Sign of the strain along axis 1.
     pub load: Load,
     /// Small or finite strain.
     pub strains: Strains,
-    /// Which bands are looked for.
+    /// Kind of localization bands in the search.
     pub bands: Bands,
-    /// Initial hydrostatic pressure, and the (Cauchy) pressure that constant lateral stresses keep. Units of stress.
+    /// Initial hydrostatic pressure, and the (Cauchy) pressure of constant lateral stresses. Units of stress.
     pub confinement: f64,
-    /// The strain along 2 by that along 1 of [`LoadingPath::SheetStretch`].
+    /// Ratio of the strain along axis 2 to the strain along axis 1 for [`LoadingPath::SheetStretch`].
     pub strain_ratio: f64,
     /// Plastic shear strain up to which the path is followed.
     pub slip: f64,
 }
 
-/// A state of a path.
+/// State of a loading path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPoint {
-    /// Plastic shear strain.
+    /// Plastic shear strain of the state.
     pub slip: f64,
     /// Strains along the axes since the confined state; logarithmic at finite strain.
     pub strain: [f64; 3],
     /// Cauchy stresses along the axes.
     pub stress: [f64; 3],
-    /// The plastic modulus `h`.
+    /// Plastic modulus `h` of the state.
     pub modulus: f64,
     /// Critical modulus and band of localization.
     pub ellipticity: Critical,
     /// Critical modulus of strong ellipticity.
     pub strong_ellipticity: Critical,
-    /// The moduli that decide.
+    /// Rate moduli of the state.
     pub moduli: RateModuli,
 }
 
-/// Why a path ends.
+/// Reason why a path ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -120,32 +120,32 @@ pub struct PathPoint {
     serde(rename_all = "kebab-case")
 )]
 pub enum End {
-    /// At the slip asked for.
+    /// The requested slip is reached.
     Slip,
-    /// The strength is used up.
+    /// The strength is exhausted.
     Exhausted,
-    /// The prescribed strain would have to turn back (snap-back): under control of strain nothing homogeneous goes on.
+    /// The prescribed strain would have to decrease (snap-back): under strain control no homogeneous state follows.
     TurnsBack,
     /// The stress deviator vanishes.
     Apex,
-    /// The intermediate principal stress meets another one, and another face of the yield surface would flow.
+    /// The intermediate principal stress becomes equal to another one, and another face of the yield surface would flow.
     Corner,
     /// The elastic strains have become too large for the elastic part of the law.
     ElasticNotElliptic,
-    /// The stress turns so fast per slip that the integration would take too many steps.
+    /// The stress rotates so fast per slip that the integration would take too many steps.
     TooStiff,
-    /// The law that is known by increments fails at the next one.
+    /// The law known by increments fails at the next increment.
     Law,
-    /// No lateral strains were found that keep the lateral stresses.
+    /// No lateral strains were found that keep the lateral stresses constant.
     NoBalance,
-    /// The law that is known by increments flows no further: loading and unloading have the same tangent.
+    /// The law known by increments stops flowing: loading and unloading have equal tangents.
     Unloads,
-    /// What flow takes away from the elastic tangent is not of rank one.
+    /// The reduction of the elastic tangent by flow is not of rank one.
     SeveralMechanisms,
 }
 
 impl End {
-    /// Why a path ends with an error of its law or of its equations.
+    /// Classifies the end of a path by the error of its law or of its equations.
     pub(super) fn of(error: &PlasticityError) -> Self {
         match error {
             PlasticityError::Exhausted { .. } => Self::Exhausted,
@@ -162,18 +162,18 @@ impl End {
     }
 }
 
-/// What a path shows.
+/// Result of following a loading path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Localization {
     /// States from first yield on.
     pub points: Vec<PathPoint>,
-    /// The first state at which ellipticity is lost, `h <= h_cr`.
+    /// First state at which ellipticity is lost, `h <= h_cr`.
     pub onset: Option<PathPoint>,
-    /// The first state at which strong ellipticity is lost.
+    /// First state at which strong ellipticity is lost.
     pub strong_ellipticity_lost: Option<PathPoint>,
-    /// Why the path ends.
+    /// Reason why the path ends.
     pub end: End,
-    /// What a law that is known by increments says of the next one, where it fails at it.
+    /// Error of a law known by increments, if it fails at the next increment.
     pub refusal: Option<MaterialError>,
 }
 
@@ -188,7 +188,7 @@ impl Localization {
         }
     }
 
-    /// Takes notice of a state: where it is the first without a criterion, of the crossing before it, and of itself where there is none.
+    /// Records a state. The first violation of a criterion is refined to the preceding crossing, or to the state itself if there is no crossing.
     pub(super) fn notice(
         &mut self,
         point: &PathPoint,
@@ -207,10 +207,10 @@ impl Localization {
     }
 }
 
-/// What a loading prescribes along the axes.
+/// Prescribed quantities of a loading along the axes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Course {
-    /// Rate of strain by that of the driving strain where strain is prescribed, nothing where stress is.
+    /// Rate of a prescribed strain relative to the driving strain; `None` for an axis with prescribed stress.
     pub(super) prescribed: [Option<f64>; 3],
 }
 
@@ -253,20 +253,20 @@ impl Course {
         Ok(Self { prescribed })
     }
 
-    /// Rates of the prescribed strains, the others zero.
+    /// Rates of the prescribed strains, zero for the others.
     pub(super) fn direction(&self) -> Vector3<f64> {
         Vector3::from(self.prescribed.map(Option::unwrap_or_default))
     }
 }
 
-/// Points at which a path is looked at; closer near first yield.
+/// Number of points along a path; closer together near first yield.
 const POINTS: usize = 200;
 
 /// Follows a loading from the confined state through first yield and finds where it localizes.
 ///
-/// Between the points the rate equations `sigma' = C : (e' - P)` are integrated per slip with controlled error; the result is
-/// that of infinitely small steps of the return mapping. A crossing of `h` and `h_cr` is refined to rounding; one that is
-/// undone between two neighboring points is overlooked.
+/// Between the points the rate equations `sigma' = C : (e' - P)` are integrated per slip with controlled error, which corresponds to infinitely small
+/// steps of the return mapping. A crossing of `h` and `h_cr` is refined to rounding. A crossing that is reversed between two neighboring points is
+/// overlooked.
 ///
 /// ```
 /// use onset::plasticity::*;
@@ -283,8 +283,7 @@ const POINTS: usize = 200;
 /// ```
 ///
 /// # Errors
-/// [`PlasticityError::Confinement`], [`PlasticityError::NeverYields`], [`PlasticityError::NotASheet`],
-/// [`PlasticityError::Parameter`].
+/// [`PlasticityError::Confinement`], [`PlasticityError::NeverYields`], [`PlasticityError::NotASheet`], [`PlasticityError::Parameter`].
 pub fn follow(law: &dyn FlowLaw, loading: &Loading) -> Result<Localization, PlasticityError> {
     let walk = Walk::new(law, loading)?;
     let mut y = walk.first_yield()?;
@@ -324,7 +323,7 @@ pub fn follow(law: &dyn FlowLaw, loading: &Loading) -> Result<Localization, Plas
 }
 
 impl PathPoint {
-    /// The critical state of a criterion.
+    /// Critical modulus of a criterion, with its band.
     pub fn critical(&self, criterion: Criterion) -> &Critical {
         match criterion {
             Criterion::Ellipticity => &self.ellipticity,
@@ -332,20 +331,20 @@ impl PathPoint {
         }
     }
 
-    /// `h - h_cr`.
+    /// Margin `h - h_cr` of a criterion.
     pub(super) fn margin(&self, criterion: Criterion) -> f64 {
         self.modulus - self.critical(criterion).modulus
     }
 }
 
 impl PathPoint {
-    /// `sqrt(s:s/2)` of the Cauchy stress.
+    /// Equivalent shear `sqrt(s:s/2)` of the Cauchy stress.
     pub fn equivalent_shear(&self) -> f64 {
         let stress = Matrix3::from_diagonal(&Vector3::from(self.stress));
         equivalent_shear(&deviator(&stress))
     }
 
-    /// The mean Cauchy stress, positive in tension.
+    /// Mean Cauchy stress, positive in tension.
     pub fn mean_stress(&self) -> f64 {
         mean(&Matrix3::from_diagonal(&Vector3::from(self.stress)))
     }

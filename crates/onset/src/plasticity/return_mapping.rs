@@ -5,7 +5,7 @@ use super::{DruckerPrager, Hardening, PlasticityError};
 use crate::material::FourthOrder;
 use nalgebra::Matrix3;
 
-/// What a material point remembers.
+/// State of a material point at small strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
     /// Plastic strain, symmetric.
@@ -14,10 +14,10 @@ pub struct State {
     pub slip: f64,
 }
 
-/// What a step did.
+/// Kind of a step of the return mapping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Branch {
-    /// Nothing flowed.
+    /// Elastic step without flow.
     Elastic,
     /// Flow on the smooth cone.
     Cone,
@@ -28,37 +28,37 @@ pub enum Branch {
 /// Stress and state after a step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Update {
-    /// Cauchy stress.
+    /// Cauchy stress at the end of the step.
     pub stress: Matrix3<f64>,
-    /// The state to go on from.
+    /// State at the end of the step.
     pub state: State,
-    /// What the step did.
+    /// Kind of the step.
     pub branch: Branch,
-    /// `d stress / d strain` of the step (with minor symmetries, without major symmetry if `mu != beta`).
-    /// Units of stress.
+    /// Consistent tangent `d stress / d strain` of the step (with minor symmetries, without major symmetry if `mu != beta`). Units of stress.
     pub consistent_tangent: FourthOrder,
 }
 
-/// A trial elastic strain brought back to the yield surface.
+/// Trial elastic strain returned to the yield surface.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Return {
     pub(super) stress: Matrix3<f64>,
     pub(super) slip: f64,
     pub(super) branch: Branch,
-    /// Deviator by trial deviator.
+    /// Ratio of the deviator to the trial deviator.
     pub(super) theta: f64,
     pub(super) tangent: FourthOrder,
 }
 
 impl DruckerPrager {
-    /// The stress at a total strain, by an implicit (backward Euler) step from a state.
+    /// Computes the stress at a total strain by an implicit (backward Euler) step from a state.
     ///
-    /// The step is `tau = tau_trial - G d`, `sigma_m = sigma_m,trial - K beta d`, with `d` the increment of slip such that
-    /// `f = 0`: closed for linear hardening, otherwise one scalar equation.
+    /// The step is `tau = tau_trial - G d`, `sigma_m = sigma_m,trial - K beta d`, with the increment of slip `d` such that `f = 0`. It has a closed
+    /// form for linear hardening and is one scalar equation otherwise.
     ///
     /// # Errors
-    /// [`PlasticityError::Exhausted`] when the strength falls to zero, [`PlasticityError::Apex`] when no flow leads back, and
-    /// [`PlasticityError::NotFinite`].
+    /// - [`PlasticityError::Exhausted`] if the strength falls to zero
+    /// - [`PlasticityError::Apex`] if no flow leads back to the yield surface
+    /// - [`PlasticityError::NotFinite`] if a number over- or underflows
     pub fn update(&self, strain: &Matrix3<f64>, state: &State) -> Result<Update, PlasticityError> {
         let total = (strain + strain.transpose()) * 0.5;
         let back = self.map_back(&(total - state.plastic_strain), state.slip)?;
@@ -77,7 +77,7 @@ impl DruckerPrager {
         })
     }
 
-    /// Brings a trial elastic strain back to the yield surface.
+    /// Returns a trial elastic strain to the yield surface.
     pub(super) fn map_back(
         &self,
         trial: &Matrix3<f64>,
@@ -127,12 +127,12 @@ impl DruckerPrager {
         })
     }
 
-    /// Brings a trial mean stress back to the apex: the flow there dilates by `beta` per slip.
+    /// Returns a trial mean stress to the apex, where the flow dilates by `beta` per unit of slip.
     fn map_back_to_apex(&self, trial_mean: f64, slip: f64) -> Result<Return, PlasticityError> {
         let (bulk, friction, dilatancy) = (self.bulk_modulus(), self.friction(), self.dilatancy());
         let excess = friction * trial_mean - self.hardening().strength(slip);
         let relaxation = friction * dilatancy * bulk;
-        // Without this the increment of slip is not determined.
+        // Otherwise the increment of slip is not determined.
         if !(dilatancy > 0.0 && relaxation + self.hardening().lowest_modulus() > 0.0) {
             return Err(PlasticityError::Apex);
         }
@@ -152,7 +152,7 @@ impl DruckerPrager {
 }
 
 impl Hardening {
-    /// The increment `d > 0` with `excess - relaxation d - (k(slip + d) - k(slip)) = 0`; the left-hand side decreases.
+    /// Solution `d > 0` of `excess - relaxation d - (k(slip + d) - k(slip)) = 0`, whose left-hand side decreases.
     fn increment(&self, excess: f64, relaxation: f64, slip: f64) -> f64 {
         if let Self::Linear { modulus, .. } = self {
             return excess / (relaxation + modulus);

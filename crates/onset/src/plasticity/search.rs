@@ -1,8 +1,8 @@
-//! The largest critical modulus over all directions, with a bound.
+//! Largest critical modulus over all directions, with a bound.
 //!
-//! In principal axes the critical modulus depends on the direction `n` through `x_i = n_i^2` alone, a point of the triangle
-//! `x_i >= 0`, `x1 + x2 + x3 = 1`, and is a quotient of cubic polynomials there. Parts of the triangle are discarded by bounds
-//! from Bernstein coefficients, the others are halved, and the best point is polished by Newton's method.
+//! In principal axes the critical modulus depends on the direction `n` only through `x_i = n_i^2`, a point of the triangle `x_i >= 0`,
+//! `x1 + x2 + x3 = 1`, where it is a quotient of cubic polynomials. Parts of the triangle are discarded by bounds from Bernstein coefficients, the
+//! others are bisected, and the best point is refined by Newton's method.
 
 use super::cubic::Cubic;
 use super::{Criterion, PlasticityError, RateModuli};
@@ -12,30 +12,30 @@ use nalgebra::Vector3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Parts that are looked at before the search ends with the bound that it has.
+/// Largest number of parts that are examined before the search ends with the current bound.
 const MOST_PARTS: usize = 4000;
 
-/// Distance of bound and value, relative to the largest modulus, at which the search ends.
+/// Gap between bound and value, relative to the largest modulus, that ends the search.
 const TOLERANCE: f64 = 1e-11;
 
-/// `A n . q_e^-1 B n` and its relatives as quotients of polynomials of `x_i = n_i^2`; moduli are divided by `scale`.
+/// Terms `A n . q_e^-1 B n`, `A n . q_e^-1 A n` and `B n . q_e^-1 B n` as quotients of polynomials of `x_i = n_i^2`; moduli are divided by `scale`.
 struct Quotients {
     criterion: Criterion,
     determinant: Cubic,
-    /// Both tractions.
+    /// Product of the tractions of flow and loading.
     mixed: Cubic,
-    /// The traction of flow twice, of loading twice.
+    /// Products of the traction of flow with itself, and of the traction of loading with itself.
     pure: [Cubic; 2],
 }
 
-/// The largest value found, where, and what no value exceeds.
+/// Largest value found, with its place and an upper bound of all values.
 pub(super) struct Largest {
     pub(super) point: Vector3<f64>,
     pub(super) value: f64,
     pub(super) bound: f64,
 }
 
-/// A part of the region and a bound of the values on it.
+/// Part of the region with a bound of its values.
 struct Part {
     bound: f64,
     corners: Vec<Vector3<f64>>,
@@ -54,7 +54,7 @@ impl Quotients {
             let square = coupling(j, k) * coupling(k, j);
             determinant.add([diagonal(i) * -square, axis(j), axis(k)]);
         }
-        // u . adj(q) v with u = (u_i n_i): entries of the adjugate times n_i n_j are again quadratic in x.
+        // u . adj(q) v with u = (u_i n_i): entries of the adjugate times n_i n_j are quadratic in x too.
         let form = |u: &Vector3<f64>, v: &Vector3<f64>| {
             let mut sum = Cubic::default();
             for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
@@ -94,7 +94,7 @@ impl Quotients {
         numerator / self.determinant.at(x)
     }
 
-    /// What no value on a simplex exceeds; infinite where the determinant is not known to be positive.
+    /// Upper bound of the values on a simplex; infinite if the determinant is not known to be positive.
     fn bound(&self, corners: &[Vector3<f64>]) -> f64 {
         let denominators = self.determinant.coefficients(corners);
         if denominators.iter().any(|value| *value <= 0.0) {
@@ -175,7 +175,7 @@ impl Quotients {
         (x, self.at(&[x[0], x[1], x[2]]))
     }
 
-    /// The best of the corners and of the maxima inside and on the edges.
+    /// Best of the corners and of the maxima inside and on the edges.
     fn best_of(&self, corners: &[Vector3<f64>]) -> (Vector3<f64>, f64) {
         let mut candidates: Vec<_> = corners
             .iter()
@@ -195,7 +195,7 @@ impl Quotients {
     }
 }
 
-/// The largest value of the quotient of a criterion on a simplex of directions `x_i = n_i^2`. In units of `scale`.
+/// Largest value of the quotient of a criterion on a simplex of directions `x_i = n_i^2`, in units of `scale`.
 pub(super) fn largest(
     moduli: &RateModuli,
     criterion: Criterion,
@@ -204,7 +204,7 @@ pub(super) fn largest(
 ) -> Result<Largest, PlasticityError> {
     let quotients = Quotients::new(moduli, criterion, scale);
     let elastic = |x: &Vector3<f64>| quotients.determinant.at(&[x[0], x[1], x[2]]) > 0.0;
-    // The elastic acoustic tensor is diagonal along the axes; where its determinant stays positive it stays definite.
+    // The elastic acoustic tensor is diagonal along the axes. It stays positive definite while its determinant is positive.
     let first = corners[0].imax();
     if !(corners.iter().all(elastic) && (0..3).all(|i| moduli.wave_stiffness(i, first) > 0.0)) {
         return Err(PlasticityError::ElasticNotElliptic);
@@ -250,7 +250,7 @@ pub(super) fn largest(
     }
 }
 
-/// The two halves of a simplex, cut across its longest edge, each with the middle of that edge.
+/// Bisects a simplex across its longest edge. Each half includes the midpoint of that edge.
 fn halves(corners: &[Vector3<f64>]) -> [(Vec<Vector3<f64>>, Vector3<f64>); 2] {
     let (mut first, mut second, mut longest) = (0, 1, 0.0);
     for i in 0..corners.len() {
@@ -269,7 +269,7 @@ fn halves(corners: &[Vector3<f64>]) -> [(Vec<Vector3<f64>>, Vector3<f64>); 2] {
     })
 }
 
-/// Newton's step toward a maximum, or a step uphill where the function is not concave.
+/// Newton step toward a maximum, or a gradient step if the function is not concave.
 fn newton_step(jet: &Jet<2>, dimension: usize) -> [f64; 2] {
     let ([g0, g1], [[a, b], [_, c]]) = (jet.gradient, jet.hessian);
     if dimension == 1 {
@@ -287,7 +287,7 @@ fn newton_step(jet: &Jet<2>, dimension: usize) -> [f64; 2] {
     }
 }
 
-/// The part of a step, at most all of it, that stays within the simplex.
+/// Largest fraction of a step, at most one, that stays within the simplex.
 fn longest_step(w: &[f64; 2], step: &[f64; 2], dimension: usize) -> f64 {
     let mut length = 1.0_f64;
     let mut limit = |weight: f64, change: f64| {

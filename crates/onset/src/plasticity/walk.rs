@@ -1,25 +1,25 @@
-//! The equations of a loading path along its fixed axes, and their integration.
+//! Equations of a loading path along its fixed axes, and their integration.
 
 use super::integration::{Stop, integrate};
 use super::path::{Bands, Course, End, Loading, PathPoint, Strains};
 use super::{Criterion, Flow, FlowLaw, PlasticityError, RateModuli};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-/// Largest elastic strain that is tried to reach yield.
+/// Largest elastic strain tried in the search for yield.
 const ELASTIC_STRAIN: f64 = 1.0;
 
-/// Relative error admitted to a step of the integration.
+/// Relative error of a step of the integration.
 const ACCURACY: f64 = 1e-12;
 
 /// Strains, stresses (Kirchhoff at finite strain) along the axes, and internal variables.
 pub(super) type Point = SVector<f64, 9>;
 
-/// A loading of a law, as equations along the axes.
+/// Loading of a law, as equations along the axes.
 pub(super) struct Walk<'a> {
     law: &'a dyn FlowLaw,
     loading: &'a Loading,
     course: Course,
-    /// The strain of the confined state, along every axis.
+    /// Strain of the confined state, along every axis.
     initial: f64,
 }
 
@@ -27,7 +27,7 @@ impl<'a> Walk<'a> {
     pub(super) fn new(law: &'a dyn FlowLaw, loading: &'a Loading) -> Result<Self, PlasticityError> {
         let course = Course::new(loading)?;
         let strength = law.strength();
-        // Below this, elastic strains are lost to rounding beside those of the path.
+        // For a smaller strength the elastic strains are lost in the rounding of the strains of the path.
         PlasticityError::require(
             strength >= 1e-10 * law.elasticity().shear,
             "strength",
@@ -48,12 +48,12 @@ impl<'a> Walk<'a> {
         self.loading.strains == Strains::Finite
     }
 
-    /// The strain with `3 K e = -p`, at finite strain `3 K e = -p exp(3 e)`.
+    /// Strain with `3 K e = -p`, at finite strain `3 K e = -p exp(3 e)`.
     fn confined_strain(&self) -> Result<f64, PlasticityError> {
         let (pressure, bulk) = (self.loading.confinement, self.law.elasticity().bulk);
         let mut strain = -pressure / (3.0 * bulk);
         if self.is_finite_strain() {
-            // The left-hand side rises faster than the right-hand side falls short; Newton's method from -p/3K is monotone.
+            // The left-hand side increases faster than the right-hand side decreases, so Newton's method from -p/3K converges monotonically.
             for _ in 0..100 {
                 let volume = (3.0 * strain).exp();
                 let rest = 3.0 * bulk * strain + pressure * volume;
@@ -74,7 +74,7 @@ impl<'a> Walk<'a> {
         self.law.excess(stress, 0.0, &self.law.start(stress).0)
     }
 
-    /// The elastic state at a driving strain.
+    /// Elastic state at a driving strain.
     fn elastic(&self, driving: f64) -> Point {
         let elasticity = self.law.elasticity();
         let mut strain = self
@@ -103,7 +103,7 @@ impl<'a> Walk<'a> {
         join(&strain, &stress, &self.law.start(&stress).0)
     }
 
-    /// The pressure that constant lateral stresses keep: `p`, in Kirchhoff stress `p J`.
+    /// Pressure of constant lateral stresses: `p`, in Kirchhoff stress `p J`.
     fn pressure(&self, strain: &Vector3<f64>) -> f64 {
         let volume = if self.is_finite_strain() {
             strain.sum().exp()
@@ -113,7 +113,7 @@ impl<'a> Walk<'a> {
         self.loading.confinement * volume
     }
 
-    /// The state of first yield.
+    /// State at first yield.
     pub(super) fn first_yield(&self) -> Result<Point, PlasticityError> {
         let excess = |driving: f64| self.excess_at_start(&split(&self.elastic(driving)).1);
         let mut high = 1e-3 * self.law.strength() / self.law.elasticity().shear;
@@ -129,7 +129,7 @@ impl<'a> Walk<'a> {
         Ok(self.elastic(bisect(low, high, |driving| excess(driving) < 0.0)))
     }
 
-    /// Rates per slip of strain, stress and internal variables while the material flows.
+    /// Rates per slip of strain, stress and internal variables during flow.
     fn rates(&self, y: &Point, slip: f64) -> Result<Point, End> {
         let (strain, _) = split(y);
         let flow = self.flow(y, slip)?;
@@ -146,7 +146,7 @@ impl<'a> Walk<'a> {
         } else {
             0.0
         };
-        // Unknown are three strain rates and that of the driving strain; Q:C:e' = h m + m Q:C:P says that the material flows.
+        // The unknowns are three strain rates and the rate of the driving strain. Q:C:e' = h m + m Q:C:P is the condition of flow.
         let mut matrix = SMatrix::<f64, 4, 4>::zeros();
         let mut right = SVector::<f64, 4>::zeros();
         for i in 0..3 {
@@ -177,7 +177,7 @@ impl<'a> Walk<'a> {
         ))
     }
 
-    /// The flow of a state, or why there is none.
+    /// Flow of a state, or the reason why it is undefined.
     pub(super) fn flow(&self, y: &Point, slip: f64) -> Result<Flow, End> {
         let internal = y.fixed_rows::<3>(6).into_owned();
         let flow = self.law.flow(&split(y).1, slip, &internal);
@@ -188,9 +188,9 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Integrates from one slip to another.
+    /// Integrates the path from one slip to another.
     pub(super) fn advance(&self, start: &Point, from: f64, to: f64) -> Result<Point, End> {
-        // Errors count against the strain of first yield, the strength, and what the law says of its internal variables.
+        // Errors are scaled by the strain of first yield, the strength, and the magnitudes of the internal variables given by the law.
         let strength = self.law.strength();
         let size = join(
             &Vector3::repeat(strength / self.law.elasticity().shear),
@@ -204,7 +204,7 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// The state with its critical moduli.
+    /// State of the path with its critical moduli.
     pub(super) fn point(&self, y: &Point, slip: f64) -> Result<PathPoint, End> {
         let (strain, stress) = split(y);
         let flow = self.flow(y, slip)?;
@@ -238,7 +238,7 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// The first state behind the crossing of the modulus and the critical one between two slips.
+    /// First state beyond the point between two slips where the modulus falls to the critical modulus.
     pub(super) fn crossing(
         &self,
         y: &Point,
@@ -259,7 +259,7 @@ fn join(strain: &Vector3<f64>, stress: &Vector3<f64>, internal: &Vector3<f64>) -
     Point::from_fn(|i, _| [strain, stress, internal][i / 3][i % 3])
 }
 
-/// Strains and stresses.
+/// Strains and stresses of a point.
 fn split(y: &Point) -> (Vector3<f64>, Vector3<f64>) {
     (
         y.fixed_rows::<3>(0).into_owned(),
@@ -267,7 +267,7 @@ fn split(y: &Point) -> (Vector3<f64>, Vector3<f64>) {
     )
 }
 
-/// The end of the part of an interval, from its start, in which a predicate holds; the last number behind it.
+/// Bisects an interval for the end of the part, from its start, in which a predicate holds. Returns the first number beyond it.
 fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..200 {
         let middle = 0.5 * (low + high);

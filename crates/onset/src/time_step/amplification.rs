@@ -5,20 +5,20 @@ use crate::algebra::{Complex, any_eigenvalues};
 use crate::bloch::{IsEnded, WaveSystem, ZoneSearch};
 use nalgebra::{DMatrix, SVector};
 
-/// Eigenvalues may leave the unit circle by this much: rounding.
+/// Distance outside the unit circle that an eigenvalue can have by rounding.
 const ROUNDING: f64 = 1e-9;
-/// The same of the factors of Runge-Kutta methods, which need no eigenvalues of `G`; and relative damping that is rounding.
+/// Rounding tolerance for the factors of Runge-Kutta methods, which need no eigenvalues of `G`, and for relative damping.
 const POLYNOMIAL_ROUNDING: f64 = 1e-9;
 const UNDAMPED: f64 = 1e-10;
-/// Steps up to a bound that are evaluated before the first loss is refined; beyond the bound each is longer by a factor, up to the
-/// farthest in units of the bound.
+/// Number of steps up to the undamped limit that are evaluated before the first loss is refined. Longer steps grow by the factor `LONGER`, up to
+/// `FARTHEST` times the limit.
 const STEPS: usize = 24;
 const LONGER: f64 = 1.05;
 const FARTHEST: f64 = 1e4;
-/// Halvings of the interval in which a step is lost.
+/// Halvings of the interval that contains the loss of stability.
 const HALVINGS: usize = 28;
 
-/// The matrices of one wave: `dv/dt = -K u - C v`, `du/dt = T v`, divided by the masses.
+/// Matrices of one wave: `dv/dt = -K u - C v`, `du/dt = T v`, divided by the masses.
 #[derive(Clone, Debug)]
 pub struct Amplification {
     stiffness: DMatrix<Complex>,
@@ -27,7 +27,7 @@ pub struct Amplification {
 }
 
 impl Amplification {
-    /// The wave with a wave vector.
+    /// Computes the matrices of the wave with a given wave vector.
     pub fn new<const D: usize>(system: &WaveSystem<D>, k: &SVector<f64, D>) -> Self {
         let n = system.size();
         let inverse = system.mass_at(k).try_inverse();
@@ -43,7 +43,7 @@ impl Amplification {
         }
     }
 
-    /// An oscillator without damping, `d^2 u / dt^2 = -omega^2 u`: one wave of many, in the direction of its own mode.
+    /// Undamped oscillator, `d^2 u / dt^2 = -omega^2 u`: a single mode of a wave.
     pub fn oscillator(omega_squared: Complex) -> Self {
         let one = |x| DMatrix::from_element(1, 1, x);
         Self {
@@ -53,14 +53,14 @@ impl Amplification {
         }
     }
 
-    /// `G(dt)` with `(u, v)' = G (u, v)`; shape `2 n x 2 n`.
+    /// Amplification matrix `G(dt)` with `(u, v)' = G (u, v)`; shape `2 n x 2 n`.
     pub fn matrix(&self, integrator: Integrator, step: f64) -> DMatrix<Complex> {
         let n = self.stiffness.nrows();
         let one = DMatrix::<Complex>::identity(n, n);
         let number = |x: f64| Complex::new(x, 0.0);
         let (dt, half) = (number(step), number(0.5 * step));
         let (k, c, t) = (&self.stiffness, &self.damping, &self.drift);
-        // Each quantity as a pair of matrices: its dependence on the old u and the old v.
+        // Each quantity is a pair of matrices: its dependence on the old u and on the old v.
         type Pair = [DMatrix<Complex>; 2];
         let acceleration =
             |u: &Pair, v: &Pair| -> Pair { [0, 1].map(|i| -(k * &u[i]) - c * &v[i]) };
@@ -112,7 +112,7 @@ impl Amplification {
         matrix
     }
 
-    /// The largest modulus of an eigenvalue of `G(dt)`; infinite where the eigenvalue iteration fails.
+    /// Largest modulus of an eigenvalue of `G(dt)`; infinite if the eigenvalue iteration fails.
     pub fn spectral_radius(&self, integrator: Integrator, step: f64) -> f64 {
         let moduli = self.moduli(integrator, step);
         moduli.map_or(f64::INFINITY, |moduli| {
@@ -120,9 +120,9 @@ impl Amplification {
         })
     }
 
-    /// The moduli of the eigenvalues of `G(dt)`; `None` where that is not finite.
+    /// Moduli of the eigenvalues of `G(dt)`; `None` if the matrix is not finite.
     fn moduli(&self, integrator: Integrator, step: f64) -> Option<Vec<f64>> {
-        // Velocities times the step: a similarity that keeps both halves of the same size.
+        // Scale velocities by the step: a similarity that balances the two halves.
         let n = self.stiffness.nrows();
         let mut matrix = self.matrix(integrator, step);
         let scale = Complex::new(step, 0.0);
@@ -137,20 +137,20 @@ impl Amplification {
     }
 }
 
-/// The solutions of one wave with damping in the steps of an integrator.
+/// Solutions of one damped wave, and their amplification by an integrator.
 struct DampedWave {
     factors: Factors,
-    /// `exp(lambda t)` in continuous time.
+    /// Rates `lambda` of the solutions `exp(lambda t)` in continuous time.
     rates: Vec<Complex>,
-    /// The largest step without damping, or the fastest decay where nothing oscillates: the scale of steps.
+    /// Scale of steps: the largest step without damping, or the fastest decay if nothing oscillates.
     bound: f64,
 }
 
-/// What a step multiplies solutions with.
+/// Source of the amplification factors of a step.
 enum Factors {
     /// Eigenvalues of the amplification matrix.
     Matrix(Amplification, Integrator),
-    /// `P(lambda dt)`.
+    /// Stability polynomial `P(lambda dt)`.
     Polynomial(Vec<f64>),
 }
 
@@ -185,11 +185,11 @@ impl DampedWave {
         }
     }
 
-    /// The largest modulus that a step must not raise above one: more factors may only where solutions of the linearized equations
-    /// grow. Less [`DampedWave::rounding`], so that zero is the limit.
+    /// Excess over one of the largest modulus that must be bounded. Only as many factors as there are growing solutions of the linearized equations
+    /// may exceed one. [`DampedWave::rounding`] is subtracted, so that zero is the limit.
     fn excess(&self, step: f64) -> f64 {
         let rounding = self.rounding();
-        // A solution of the integrator may grow somewhat faster than the one that it stands for.
+        // A discrete solution may grow slightly faster than the continuous one.
         let grows = |rate: &&Complex| rate.re * step > 0.5 * rounding;
         let modulus = match &self.factors {
             Factors::Polynomial(polynomial) => {
@@ -212,12 +212,12 @@ impl DampedWave {
     fn rounding(&self) -> f64 {
         match self.factors {
             Factors::Polynomial(_) => POLYNOMIAL_ROUNDING,
-            // Near a double eigenvalue rounding moves both by its square root.
+            // Near a double eigenvalue rounding shifts both by its square root.
             Factors::Matrix(..) => ROUNDING.sqrt() * 1e-2,
         }
     }
 
-    /// The largest stable step.
+    /// Largest stable step.
     fn critical_step(&self) -> f64 {
         match &self.factors {
             Factors::Polynomial(polynomial) => {
@@ -233,8 +233,8 @@ impl DampedWave {
         }
     }
 
-    /// The step at which stability is lost first: steps up to a bound are evaluated at equal distances, longer ones in a geometric series.
-    /// Infinite where it is never lost.
+    /// Step at which stability is first lost: equally spaced steps up to a bound are evaluated, then a geometric series of longer steps. Infinite if
+    /// it is never lost.
     fn first_loss(&self, bound: f64) -> f64 {
         if !bound.is_finite() {
             return f64::INFINITY;
@@ -264,23 +264,26 @@ impl DampedWave {
     }
 }
 
-/// The largest stable step of an integrator for the waves with one wave vector: the first step at which more factors of a step
-/// are outside of the unit circle than solutions of the equations of motion grow. So waves that grow by
-/// themselves do not bound it. Infinite for waves that do not oscillate, zero where no step is stable. Time.
+/// Returns the largest stable step of an integrator for the waves with one wave vector. Time.
+///
+/// It is the first step at which more amplification factors lie outside the unit circle than solutions of the equations of motion grow, so physically
+/// growing waves do not limit it. The result is infinite for waves that do not oscillate, and zero if no step is stable.
 pub fn critical_time_step_at<const D: usize>(
     system: &WaveSystem<D>,
     integrator: Integrator,
     k: &SVector<f64, D>,
 ) -> f64 {
     if system.damping().is_none() {
-        // Waves with a complex omega^2 grow anyway.
+        // Waves with complex omega^2 grow for any step.
         let fastest = system.omega_squared(k).last().map_or(0.0, |z| z.re);
         return undamped_time_step(integrator, fastest.max(0.0).sqrt());
     }
     DampedWave::new(system, integrator, k).critical_step()
 }
 
-/// The largest stable step without damping, given the largest frequency. Infinite where nothing oscillates, zero where no step is stable. Time.
+/// Returns the largest stable step without damping for a given largest frequency. Time.
+///
+/// The result is infinite if nothing oscillates, and zero if no step is stable.
 pub fn undamped_time_step(integrator: Integrator, largest_frequency: f64) -> f64 {
     match largest_frequency > 0.0 {
         true => integrator.undamped_reach() / largest_frequency,
@@ -288,11 +291,10 @@ pub fn undamped_time_step(integrator: Integrator, largest_frequency: f64) -> f64
     }
 }
 
-/// The largest stable step of an integrator at a state: the least over the zone. Time. Of a state that is unstable itself it is
-/// that of the waves that do not grow. Infinite where nothing oscillates, zero where no step is stable.
+/// Returns the largest stable step of an integrator at a state: the minimum over the zone. Time.
 ///
-/// Without damping the largest frequency decides, which the search over the zone finds; otherwise the search finds the least step of
-/// all waves.
+/// At an unstable state only the waves that do not grow count. The result is infinite if nothing oscillates, and zero if no step is stable. Without
+/// damping the largest frequency over the zone determines the step. With damping the search minimizes the step over all waves.
 pub fn critical_time_step<const D: usize>(
     system: &WaveSystem<D>,
     integrator: Integrator,

@@ -1,10 +1,10 @@
-//! Time steps: which are stable, for which integrator, with and without damping.
+//! Stable time steps of integrators, with and without damping.
 //!
-//! A wave of the linearized equations `M dv/dt = -K u - C v`, `du/dt = T v` is a small linear system; one step of an integrator
-//! multiplies `(u, v)` by the amplification matrix `G(dt)`. A step is stable when no more eigenvalues of `G` are outside of the unit
-//! circle than solutions of the equations themselves grow: what grows anyway needs no step, what does not must not.
+//! A wave of the linearized equations `M dv/dt = -K u - C v`, `du/dt = T v` is a small linear system. One step of an integrator multiplies `(u, v)`
+//! by the amplification matrix `G(dt)`. A step is stable if no more eigenvalues of `G` lie outside the unit circle than solutions of the equations
+//! themselves grow: physical growth does not limit the step, numerical growth does.
 //!
-//! Methods that filter velocities once a step have steps of their own, and no equations in continuous time: [`TransferredWaves`].
+//! Methods that filter velocities once per step define their own step and have no equations in continuous time: [`TransferredWaves`].
 
 mod amplification;
 mod runge_kutta;
@@ -36,15 +36,14 @@ use runge_kutta::Stages;
     serde(into = "&'static str", try_from = "String")
 )]
 pub enum Integrator {
-    /// Central differences with velocities at half steps, damping from the last half step: `v+ = v- + dt a(u, v-)`,
-    /// `u' = u + dt T v+`. Stable up to `2 / omega` without damping.
+    /// Central differences with velocities at half steps and damping from the last half step: `v+ = v- + dt a(u, v-)`, `u' = u + dt T v+`. Stable up
+    /// to `2 / omega` without damping.
     CentralDifferences,
-    /// Leapfrog as kick, drift, kick (velocity Verlet): `v+ = v + dt/2 a(u, v)`, `u' = u + dt T v+`, `v' = v+ + dt/2 a(u', v+)`.
-    /// Stable up to `2 / omega` without damping.
+    /// Leapfrog as kick, drift, kick (velocity Verlet): `v+ = v + dt/2 a(u, v)`, `u' = u + dt T v+`, `v' = v+ + dt/2 a(u', v+)`. Stable up to
+    /// `2 / omega` without damping.
     KickDriftKick,
-    /// The predictor-corrector usual in smoothed particle hydrodynamics (Monaghan 1989): half a step to `u*`, `v*`, the
-    /// acceleration there, then `v' = v + dt a(u*, v*)`, `u' = u + dt T (v + v') / 2`. Stable up to `2 / omega` without
-    /// damping.
+    /// Predictor-corrector common in smoothed particle hydrodynamics (Monaghan 1989): half a step to `u*`, `v*`, the acceleration there, then
+    /// `v' = v + dt a(u*, v*)`, `u' = u + dt T (v + v') / 2`. Stable up to `2 / omega` without damping.
     PredictorCorrector,
     /// Forward Euler; unstable for every step without damping.
     ForwardEuler,
@@ -54,16 +53,16 @@ pub enum Integrator {
     Rk3,
     /// The classical Runge-Kutta method of order four. Stable up to `2.828 / omega` without damping.
     Rk4,
-    /// The five stages of order four of Carpenter and Kennedy (1994). Stable up to `3.341 / omega` without damping.
+    /// The five-stage, fourth-order method of Carpenter and Kennedy (1994). Stable up to `3.341 / omega` without damping.
     CarpenterKennedy,
-    /// RDPK3SpFSAL35, five stages of order three (Ranocha and others 2022). Stable up to `2.739 / omega` without damping.
+    /// RDPK3SpFSAL35, five stages, order three (Ranocha and others 2022). Stable up to `2.739 / omega` without damping.
     Rdpk335,
-    /// RDPK3SpFSAL49, nine stages of order four (Ranocha and others 2022). Stable up to `5.030 / omega` without damping.
+    /// RDPK3SpFSAL49, nine stages, order four (Ranocha and others 2022). Stable up to `5.030 / omega` without damping.
     Rdpk349,
 }
 
 impl Integrator {
-    /// All integrators.
+    /// All integrators, in the order of tables.
     pub const ALL: [Self; 10] = [
         Self::CentralDifferences,
         Self::KickDriftKick,
@@ -77,7 +76,7 @@ impl Integrator {
         Self::Rdpk349,
     ];
 
-    /// The words used in files and on the command line, in the order of [`Integrator::ALL`].
+    /// Names used in files and on the command line, in the order of [`Integrator::ALL`].
     pub const NAMES: [&str; 10] = [
         "central-differences",
         "kick-drift-kick",
@@ -91,7 +90,7 @@ impl Integrator {
         "rdpk3-49",
     ];
 
-    /// Returns the integrator with a name, or with another usual name.
+    /// Returns the integrator with a given name or common alternative name.
     pub fn named(name: &str) -> Option<Self> {
         let name = match name {
             "velocity-verlet" => "kick-drift-kick",
@@ -106,12 +105,12 @@ impl Integrator {
         Self::ALL.into_iter().find(|own| own.name() == name)
     }
 
-    /// The word used in files and on the command line.
+    /// Name used in files and on the command line.
     pub fn name(self) -> &'static str {
         Self::NAMES[self as usize]
     }
 
-    /// The stages of a Runge-Kutta method; `None` of integrators that treat positions and velocities differently.
+    /// Stages of a Runge-Kutta method; `None` for integrators that treat positions and velocities differently.
     fn stages(self) -> Option<Stages> {
         match self {
             Self::CentralDifferences | Self::KickDriftKick | Self::PredictorCorrector => None,
@@ -125,12 +124,12 @@ impl Integrator {
         }
     }
 
-    /// The rows of the Butcher tableau of a Runge-Kutta method, the weights last.
+    /// Rows of the Butcher tableau of a Runge-Kutta method, followed by the weights.
     pub(crate) fn tableau(self) -> Option<Vec<Vec<f64>>> {
         self.stages().map(|stages| stages.rows())
     }
 
-    /// The largest `omega dt` at which an oscillation without damping stays bounded; zero if none does.
+    /// Largest `omega dt` for which an undamped oscillation stays bounded; zero if none does.
     pub fn undamped_reach(self) -> f64 {
         self.stages().map_or(2.0, |stages| {
             runge_kutta::reach(&stages.polynomial(), Complex::i())

@@ -2,22 +2,22 @@
 
 use crate::algebra::Complex;
 
-/// Coefficients of `|P|^2 - 1` below this share of their terms are zero: rounding of those of the method.
+/// Coefficients of `|P|^2 - 1` below this fraction of their terms are rounding of the coefficients of the method.
 const ROUNDING: f64 = 1e-12;
-/// Distance of points along a ray at which `|P|` is evaluated before its first excess is refined.
+/// Spacing of the points along a ray at which `|P|` is evaluated before its first excess is refined.
 const RESOLUTION: f64 = 0.02;
-/// No method in use is stable beyond.
+/// Upper limit of the search along a ray. No method in use is stable beyond it.
 const FARTHEST: f64 = 100.0;
-/// Halvings of the interval in which stability is lost.
+/// Halvings of the interval that contains the loss of stability.
 const HALVINGS: usize = 50;
 
-/// The coefficients of a method in the form of its publication.
+/// Coefficients of a method in the form of its publication.
 pub(super) enum Stages {
-    /// The rows of the Butcher tableau, the weights last.
+    /// Rows of the Butcher tableau, followed by the weights.
     Tableau(&'static [&'static [f64]]),
-    /// `A_i` and `B_i`: `d = A_i d + dt f(y)`, `y = y + B_i d` (Williamson 1980).
+    /// Coefficients `A_i` and `B_i`: `d = A_i d + dt f(y)`, `y = y + B_i d` (Williamson 1980).
     TwoRegisters(&'static [[f64; 2]]),
-    /// `beta_1`, then `gamma_1i`, `gamma_2i`, `gamma_3i`, `delta_i` and `beta_i`: `s = s + delta_i y`,
+    /// Coefficients `beta_1`, then `gamma_1i`, `gamma_2i`, `gamma_3i`, `delta_i` and `beta_i`: `s = s + delta_i y`,
     /// `y = gamma_1i y + gamma_2i s + gamma_3i y_0 + beta_i dt f(y)` (Ketcheson 2010).
     ThreeRegisters(f64, &'static [[f64; 5]]),
 }
@@ -91,7 +91,7 @@ pub(super) const RDPK3_35: Stages = Stages::ThreeRegisters(
         ],
     ],
 );
-/// RDPK3SpFSAL49 of the same publication.
+/// RDPK3SpFSAL49 of Ranocha, Dalcin, Parsani, Ketcheson, Commun. Appl. Math. Comput. 4 (2022) 1191.
 pub(super) const RDPK3_49: Stages = Stages::ThreeRegisters(
     0.283_634_300_518_436_5,
     &[
@@ -155,7 +155,7 @@ pub(super) const RDPK3_49: Stages = Stages::ThreeRegisters(
 );
 
 impl Stages {
-    /// The rows of the Butcher tableau, the weights last.
+    /// Rows of the Butcher tableau, followed by the weights.
     pub(super) fn rows(&self) -> Vec<Vec<f64>> {
         let sum = |terms: &[(f64, &Vec<f64>)], count: usize| -> Vec<f64> {
             let entry = |(factor, row): &(f64, &Vec<f64>), n| factor * row.get(n).unwrap_or(&0.0);
@@ -176,7 +176,7 @@ impl Stages {
                 }
             }
             Self::ThreeRegisters(first, own) => {
-                // The parts of both registers beside the value at the start of the step, which they keep together.
+                // Only the contributions of the stages are tracked. The value at the start of the step is preserved by both registers together.
                 let mut other = Vec::new();
                 rows.push(vec![*first]);
                 for (n, [a, b, _, delta, beta]) in (1..).zip(own.iter()) {
@@ -189,7 +189,7 @@ impl Stages {
         rows
     }
 
-    /// The coefficients of the stability polynomial: a step multiplies a solution `exp(lambda t)` with `P(lambda dt)`.
+    /// Coefficients of the stability polynomial: a step multiplies a solution `exp(lambda t)` by `P(lambda dt)`.
     pub(super) fn polynomial(&self) -> Vec<f64> {
         let rows = self.rows();
         // Each stage as a polynomial of z.
@@ -208,13 +208,13 @@ impl Stages {
     }
 }
 
-/// `P(z)`.
+/// Value `P(z)` of the polynomial.
 pub(super) fn value(polynomial: &[f64], z: Complex) -> Complex {
     let coefficients = polynomial.iter().rev();
     coefficients.fold(Complex::default(), |sum, c| sum * z + c)
 }
 
-/// The first distance from zero along a ray at which `|P|` exceeds one; zero where it does at once. `direction` has unit length.
+/// Distance from zero along a ray at which `|P|` first exceeds one; zero if it does so immediately. `direction` has unit length.
 pub(super) fn reach(polynomial: &[f64], direction: Complex) -> f64 {
     // |P(r e)|^2 - 1 as a polynomial of r.
     let mut excess = vec![0.0; 2 * polynomial.len() - 1];

@@ -1,20 +1,20 @@
-//! Time steps as particle codes take them, and the rates of waves in discrete time.
+//! Time-stepping schemes of particle codes, and the rates of waves in discrete time.
 
 use crate::algebra::{Complex, any_eigenvalues};
 use nalgebra::DMatrix;
 
-/// How a code takes a time step: what follows positions, what follows velocities, and from which time these are.
+/// Time-stepping scheme of a particle code: the quantities that follow positions or velocities, and the times at which these are evaluated.
 ///
-/// The waves of a state obey `dv/dt = -D u`, `D = X + S + R`: the part `X` of the forces follows the positions `x`, the parts `S` and `R` what particles
-/// carry along, stress and density, whose displacements `s` and `r` the code integrates from velocities of its own. In continuous time
-/// both are `x + const`; in discrete time they are not, and what was wrong at the start stays as a constant. With velocities
-/// `h` at half steps, `a = -X x - S s - R r` and the step `dt`:
+/// The waves of a state satisfy `dv/dt = -D u`, `D = X + S + R`. The part `X` of the forces follows the positions `x`. The parts `S` and `R` follow
+/// stress and density, which particles carry along, and whose displacements `s` and `r` the code integrates from separate velocities. In continuous
+/// time both equal `x + const`. In discrete time they do not, and an initial difference persists as a constant. With velocities `h` at half steps,
+/// `a = -X x - S s - R r` and the step `dt`:
 ///
 /// | stepping | a step |
 /// |---|---|
 /// | velocity Verlet | `h' = h + dt a`, `x' = x + dt h'`; `s = r = x` |
-/// | extrapolated stress | the same, and `s' = s + dt (h' + dt/2 a)`; `r = s` |
-/// | late density | the same, `e' = h' + dt/2 a`, `s' = s + dt e'` and `r' = r + dt e` |
+/// | extrapolated stress | as velocity Verlet, and `s' = s + dt (h' + dt/2 a)`; `r = s` |
+/// | late density | as velocity Verlet, `e' = h' + dt/2 a`, `s' = s + dt e'` and `r' = r + dt e` |
 /// | late acceleration | `y* = y + dt/2 f`, `f' = L y*`, `y' = y + dt f'` with `y = (x, v)`, `L = ((0, 1), (-D, 0))` |
 ///
 /// ```
@@ -35,30 +35,30 @@ use nalgebra::DMatrix;
 pub enum Stepping {
     /// Forces from positions: velocity Verlet, leapfrog, central differences.
     VelocityVerlet,
-    /// Stress integrated from velocities that are extrapolated to the end of the step, as in LAMMPS' total-Lagrangian SMD: it damps a
-    /// wave at the rate `omega^2 dt/4`.
+    /// Stress integrated from velocities extrapolated to the end of the step, as in LAMMPS' total-Lagrangian SMD. It damps a wave at the rate
+    /// `omega^2 dt/4`.
     ExtrapolatedStress,
-    /// Density integrated from the extrapolated velocities of the step before, as in LAMMPS' updated SMD: it amplifies a wave at
-    /// the rate `omega^2 dt/4`. Stress is integrated from those of the step.
+    /// Density integrated from the extrapolated velocities of the previous step, as in LAMMPS' updated SMD. It amplifies a wave at the rate
+    /// `omega^2 dt/4`. Stress is integrated from the velocities of the current step.
     LateDensity,
-    /// Predictor with the accelerations of the step before, evaluation, corrector, as in PySPH's `PECIntegrator`: positions,
-    /// velocities and densities at half steps are those of the second-order method of Adams and Bashforth.
+    /// Predictor with the accelerations of the previous step, evaluation, corrector, as in PySPH's `PECIntegrator`. Positions, velocities and
+    /// densities at half steps follow the second-order Adams-Bashforth method.
     LateAcceleration,
 }
 
-/// The parts of `D(k)` by what they follow; 1/time^2.
+/// Parts of `D(k)` that follow positions, stress and density; 1/time^2.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaveParts {
-    /// `X`.
+    /// Part `X` that follows the positions.
     pub positions: DMatrix<Complex>,
-    /// `S`.
+    /// Part `S` that follows the integrated stress.
     pub stress: DMatrix<Complex>,
-    /// `R`.
+    /// Part `R` that follows the integrated density.
     pub density: DMatrix<Complex>,
 }
 
 impl WaveParts {
-    /// Everything follows the positions.
+    /// Assigns all of `D(k)` to the positions.
     pub fn of_positions(positions: DMatrix<Complex>) -> Self {
         let none = DMatrix::zeros(positions.nrows(), positions.ncols());
         Self {
@@ -70,7 +70,7 @@ impl WaveParts {
 }
 
 impl Stepping {
-    /// All of them.
+    /// All time-stepping schemes.
     pub const ALL: [Self; 4] = [
         Self::VelocityVerlet,
         Self::ExtrapolatedStress,
@@ -78,7 +78,7 @@ impl Stepping {
         Self::LateAcceleration,
     ];
 
-    /// The word used in files and on the command line.
+    /// Name used in files and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::VelocityVerlet => "velocity-verlet",
@@ -88,7 +88,8 @@ impl Stepping {
         }
     }
 
-    /// The matrix of a step, `y' = G y` with the state `y` of the code: positions first, then what [`Stepping`] lists.
+    /// Matrix `G` of a step, `y' = G y`, where the state `y` of the code starts with the positions, followed by the quantities listed at
+    /// [`Stepping`].
     pub fn matrix(self, parts: &WaveParts, step: f64) -> DMatrix<Complex> {
         let (x, s, r) = (&parts.positions, &parts.stress, &parts.density);
         let n = x.nrows();
@@ -96,7 +97,7 @@ impl Stepping {
         let (dt, half) = (number(step), number(0.5 * step));
         let one = DMatrix::<Complex>::identity(n, n);
         let zero = DMatrix::<Complex>::zeros(n, n);
-        // Each quantity after the step as a row of matrices, one for each quantity before it.
+        // Each quantity after the step is a row of matrices, one for each quantity before it.
         let rows: Vec<Vec<DMatrix<Complex>>> = match self {
             Self::VelocityVerlet => {
                 let a = x + s + r;
@@ -116,7 +117,7 @@ impl Stepping {
             }
             Self::LateDensity => {
                 let later = dt + half;
-                // Minus the acceleration, times a factor, by the columns x, s, r.
+                // Minus the acceleration times a factor, by the columns x, s, r.
                 let pushed = |factor: Complex| [x, s, r].map(|part| -(part * factor));
                 let [x_h, s_h, r_h] = pushed(dt);
                 let [x_e, s_e, r_e] = pushed(later);
@@ -159,13 +160,14 @@ impl Stepping {
         matrix
     }
 
-    /// The rates `s` of all solutions `exp(s t)` at whole steps, `s = ln(z)/dt` with the eigenvalues `z` of the matrix of a step; the
-    /// imaginary part is the frequency, the real one the growth. Solutions that vanish after one step are left out; empty where parts are
-    /// not finite. 1/time.
+    /// Returns the rates `s = ln(z)/dt` of all solutions `exp(s t)` at whole steps, with the eigenvalues `z` of the matrix of a step. 1/time.
+    ///
+    /// The imaginary part is the frequency and the real part the growth rate. Solutions that vanish after one step are omitted. The result is empty
+    /// if the parts are not finite.
     pub fn rates(self, parts: &WaveParts, step: f64) -> Vec<Complex> {
         let n = parts.positions.nrows();
         let mut matrix = self.matrix(parts, step);
-        // Velocities times the step, accelerations times its square: a similarity that keeps all of the same size.
+        // Scale velocities by the step and accelerations by its square: a similarity that balances all quantities.
         let powers: &[i32] = match self {
             Self::VelocityVerlet => &[0, 1],
             Self::ExtrapolatedStress => &[0, 0, 1],
@@ -200,7 +202,7 @@ mod tests {
         }
     }
 
-    /// The rate next to a given one.
+    /// Rate closest to a given one.
     fn near(rates: &[Complex], expected: Complex) -> Complex {
         let apart = |z: &Complex| (z - expected).norm();
         let nearest = rates.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
@@ -229,7 +231,7 @@ mod tests {
 
     #[test]
     fn stress_from_extrapolated_velocities_damps_and_late_density_amplifies() {
-        // To first order in the step by omega^2 dt/4, from the characteristic polynomial by hand.
+        // Relative change omega^2 dt/4 to first order in the step, derived by hand from the characteristic polynomial.
         let (square, step): (f64, f64) = (0.7102, 0.02);
         let exact = Complex::new(0.0, square.sqrt());
         for (stepping, stress, density, sign) in [
@@ -249,7 +251,7 @@ mod tests {
 
     #[test]
     fn a_step_by_step_run_has_these_rates() {
-        // The code of each stepping, written out once more, without matrices.
+        // Independent implementation of each stepping scheme, without matrices.
         let (positions, stress, density, step) = (0.31, 0.14, 0.09, 0.17);
         for stepping in Stepping::ALL {
             let rates = stepping.rates(&parts(positions, stress, density), step);
@@ -280,7 +282,7 @@ mod tests {
                 }
                 x.push(here);
             }
-            // Every sequence of the run obeys the recurrence whose roots are those of the step.
+            // Every sequence of the run satisfies the recurrence whose roots are the eigenvalues of a step.
             let mut polynomial = vec![Complex::new(1.0, 0.0)];
             for rate in &rates {
                 let z = (rate * step).exp();

@@ -1,33 +1,35 @@
-//! Waves of methods whose velocities go through a grid once a step.
+//! Waves of methods that transfer velocities through a grid once per step.
 
 use crate::algebra::Complex;
 use crate::bloch::{BlochSum, IsEnded, WaveSystem, ZoneSearch};
 use crate::lattice::Particle;
 use nalgebra::SVector;
 
-/// `omega^2` below so many times its rounding is zero.
+/// Values of `omega^2` below this multiple of their rounding count as zero.
 const ROUNDING: f64 = 64.0;
-/// Factors of a step below this are zero: what does not outlast a step has no rate.
+/// Amplification factors below this count as zero. A solution that vanishes within a step has no rate.
 const VANISHED: f64 = 1e-12;
-/// A wave grows when its rate does so by more than this share of its frequency: beyond the rounding of `ln(z)`.
+/// Growth relative to the frequency that exceeds the rounding of `ln(z)`.
 const OUTSIDE: f64 = 1e-10;
-/// `|omega^2 dt^2|` beyond which the larger factor is `-omega^2 dt^2` to all digits, and squares leave the range of numbers.
+/// Value of `|omega^2 dt^2|` from which the larger factor equals `-omega^2 dt^2` to all digits, and squares may overflow.
 const LONG: f64 = 1e40;
 
-/// The waves of a state in discrete time, of a method that carries velocities on points and accelerates them on a grid.
+/// Waves of a state in discrete time, for a method that stores velocities at points and accelerates them on a grid.
 ///
-/// Displacements `u` of the nodes and the velocities `s` that points have brought to them obey, step by step,
+/// The displacements `u` of the nodes and the velocities `s` transferred to them from the points satisfy, step by step,
 ///
-/// `w = s - dt M^-1 K u`, `u' = u + dt w`, `s' = T w + R s`,
+/// `w = s - dt M^-1 K u`, `u' = u + dt w`, `s' = T w + R s`.
 ///
-/// with the velocities `w` after the forces, what the way to the points and back keeps of them, `0 <= T(k) <= 1`, and what points keep of
-/// their own velocities, `R = flip (1 - T)`. `T` is a number at each wave vector, 1 at zero. So each `omega^2` of `M^-1 K` has the factors `z` of
+/// Here `w` are the velocities after the forces, `T`, `0 <= T(k) <= 1`, is the transfer to the points and back, and `R = flip (1 - T)` is the part of
+/// their previous velocities that points keep. `T` is a number at each wave vector, 1 at zero. Each `omega^2` of `M^-1 K` therefore has the factors
+/// `z` of
 ///
 /// `z^2 - (1 + T + R - omega^2 dt^2) z + T + R - R omega^2 dt^2 = 0`.
 ///
-/// There is no such equation in continuous time: at the same physical time shorter steps filter more often, and as `dt -> 0` a wave with `T + R < 1`
-/// comes to rest. Waves with `omega^2 < 0` grow with any step and any filter; those with `omega^2 > 0` stay bounded up to `omega^2 dt^2 = 2 (1 + T + R) / (1 + R)`. What
-/// the grid does not see of the velocities of points is multiplied with `flip`, and what it does not see of positions and deformations stays: neither grows.
+/// There is no such equation in continuous time: over a given physical time shorter steps filter more often, and for `dt -> 0` a wave with
+/// `T + R < 1` stops. Waves with `omega^2 < 0` grow for any step and any filter. Waves with `omega^2 > 0` stay bounded up to
+/// `omega^2 dt^2 = 2 (1 + T + R) / (1 + R)`. Velocities of points without effect on the grid are multiplied by `flip`, and positions and deformations
+/// without effect on the grid persist, so neither grows.
 ///
 /// Units: `K` force/length, `M` mass, rates 1/time.
 ///
@@ -56,17 +58,19 @@ const LONG: f64 = 1e40;
 /// ```
 #[derive(Clone, Debug)]
 pub struct TransferredWaves<const D: usize> {
-    /// The equations on the grid, without filter.
+    /// Equations of motion on the grid, without filter.
     system: WaveSystem<D>,
-    /// `T(k) = sum c cos(k.X)`: vectors between nodes with `c`, which add up to one.
+    /// Transfer `T(k) = sum c cos(k.X)`: vectors between nodes with coefficients `c` that add up to one.
     kept: Vec<(SVector<f64, D>, f64)>,
     flip: f64,
     isolated_point: Option<f64>,
 }
 
 impl<const D: usize> TransferredWaves<D> {
-    /// Waves of a grid with one node in a cell: the equations of motion of nodes that keep their velocities, `T` between nodes as multiples of
-    /// the identity, and the share of its own velocity that a point keeps.
+    /// Creates the waves of a grid with one node per cell.
+    ///
+    /// The arguments are the equations of motion of nodes that keep their velocities, the transfer `T` between nodes as multiples of the identity,
+    /// and the fraction of its previous velocity that a point keeps.
     pub fn new(system: WaveSystem<D>, kept: &BlochSum<D>, flip: f64) -> Self {
         let position = |node: &Particle<D>| system.crystal().position(node);
         let term = |(site, to, block): (usize, &Particle<D>, &nalgebra::SMatrix<f64, D, D>)| {
@@ -83,30 +87,31 @@ impl<const D: usize> TransferredWaves<D> {
         }
     }
 
-    /// The same with the largest stable step of a point that has no neighbors.
+    /// Adds the largest stable step of a point without neighbors.
     #[must_use]
     pub fn with_isolated_point(mut self, step: Option<f64>) -> Self {
         self.isolated_point = step;
         self
     }
 
-    /// The largest stable step of an isolated, unstressed material point: such a point, as at the rim of a body or among few others, may bound the
-    /// step more than all waves do. `None` of laws with stress in the reference state. Time.
+    /// Largest stable step of an isolated, unstressed material point; `None` for laws with stress in the reference state. Time.
+    ///
+    /// Such a point, for example at the edge of a body or among few others, may restrict the step more than all waves do.
     pub fn isolated_point(&self) -> Option<f64> {
         self.isolated_point
     }
 
-    /// The equations of motion on the grid, `M dv/dt = -K u`, without filter.
+    /// Equations of motion on the grid, `M dv/dt = -K u`, without filter.
     pub fn system(&self) -> &WaveSystem<D> {
         &self.system
     }
 
-    /// The share of its own velocity that a point keeps in a step.
+    /// Fraction of its previous velocity that a point keeps in a step.
     pub fn flip(&self) -> f64 {
         self.flip
     }
 
-    /// What a step takes of the velocities of a wave on the way to the points and back, `1 - T(k)`; dimensionless.
+    /// Fraction `1 - T(k)` of the velocities of a wave that the transfer to the points and back removes in a step; dimensionless.
     pub fn lost(&self, k: &SVector<f64, D>) -> f64 {
         let term = |(vector, share): &(SVector<f64, D>, f64)| {
             let sine = (0.5 * k.dot(vector)).sin();
@@ -115,13 +120,13 @@ impl<const D: usize> TransferredWaves<D> {
         self.kept.iter().map(term).sum::<f64>().clamp(0.0, 1.0)
     }
 
-    /// `1 - T - R` and `R`.
+    /// Filter coefficients `1 - T - R` and `R`.
     fn filter(&self, k: &SVector<f64, D>) -> (f64, f64) {
         let lost = self.lost(k);
         ((1.0 - self.flip) * lost, self.flip * lost)
     }
 
-    /// All `omega^2` of a wave vector without filter; those that are rounding are zero. 1/time^2.
+    /// All `omega^2` of a wave vector without filter; values within rounding are set to zero. 1/time^2.
     fn omega_squared(&self, k: &SVector<f64, D>) -> Vec<Complex> {
         let noise = ROUNDING * self.system.noise();
         let values = self.system.omega_squared(k).into_iter();
@@ -132,7 +137,7 @@ impl<const D: usize> TransferredWaves<D> {
         values.map(told).collect()
     }
 
-    /// What a step multiplies the two solutions of each wave with, less one, by increasing real part of `omega^2`; the larger factor first.
+    /// Factors of the two solutions of each wave per step, minus one, sorted by the real part of `omega^2`; the larger factor first.
     fn changes(&self, k: &SVector<f64, D>, step: f64) -> Vec<[Complex; 2]> {
         let (damped, own) = self.filter(k);
         let of = |omega_squared: Complex| {
@@ -144,7 +149,7 @@ impl<const D: usize> TransferredWaves<D> {
                 true => half,
                 false => (half * half - product).sqrt(),
             };
-            // The larger one has no cancellation; the other follows from the product.
+            // The larger solution has no cancellation, and the other follows from the product.
             let far = match (half.conj() * root).re < 0.0 {
                 true => root - half,
                 false => -half - root,
@@ -159,7 +164,7 @@ impl<const D: usize> TransferredWaves<D> {
         self.omega_squared(k).into_iter().map(of).collect()
     }
 
-    /// What a step multiplies the two solutions of each wave with, by increasing real part of `omega^2`; the larger factor first.
+    /// Factors by which a step multiplies the two solutions of each wave, sorted by the real part of `omega^2`; the larger factor first.
     pub fn factors(&self, k: &SVector<f64, D>, step: f64) -> Vec<[Complex; 2]> {
         let changes = self.changes(k, step).into_iter();
         changes
@@ -167,16 +172,19 @@ impl<const D: usize> TransferredWaves<D> {
             .collect()
     }
 
-    /// The rates `s = ln(z)/dt` of all solutions `exp(s t)` at whole steps, by increasing real part of `omega^2`; the imaginary part is the frequency, the
-    /// real one the growth. Solutions that vanish after one step are left out. 1/time.
+    /// Rates `s = ln(z)/dt` of all solutions `exp(s t)` at whole steps, sorted by the real part of `omega^2`. 1/time.
+    ///
+    /// The imaginary part is the frequency and the real part the growth rate. Solutions that vanish after one step are omitted.
     pub fn rates(&self, k: &SVector<f64, D>, step: f64) -> Vec<Complex> {
         let changes = self.changes(k, step).into_iter().flatten();
         let lasting = changes.filter(|change| (change + 1.0).norm() > VANISHED);
         lasting.map(|change| logarithm(change) / step).collect()
     }
 
-    /// The largest stable step for the waves with one wave vector, `sqrt(2 (1 + T + R) / (1 + R)) / omega` of the fastest. Those that grow with any step
-    /// bound none; of a complex `omega^2`, which grows unless the filter holds it, the real part counts. Infinite where nothing oscillates. Time.
+    /// Largest stable step for the waves with one wave vector, `sqrt(2 (1 + T + R) / (1 + R)) / omega` of the fastest wave. Time.
+    ///
+    /// Waves that grow for any step do not count. For a complex `omega^2`, which grows unless the filter damps it, the real part counts. Infinite if
+    /// nothing oscillates.
     pub fn critical_time_step_at(&self, k: &SVector<f64, D>) -> f64 {
         let (damped, own) = self.filter(k);
         let squares = self.omega_squared(k).into_iter().map(|z| z.re);
@@ -184,28 +192,29 @@ impl<const D: usize> TransferredWaves<D> {
         (2.0 * (2.0 - damped) / ((1.0 + own) * fastest)).sqrt()
     }
 
-    /// The search over the zone of the nodes.
+    /// Search over the zone of the nodes.
     fn search(&self) -> ZoneSearch<D> {
         ZoneSearch::of_lattice(*self.system.crystal().lattice(), 1.0)
     }
 
-    /// The largest stable step: the least over the zone. Of a state that is unstable itself it is that of the waves that do not grow
-    /// with any step. Infinite where nothing oscillates. Time. Given up as soon as nobody waits for it any more.
+    /// Like [`TransferredWaves::critical_time_step`], with cancellation through `is_ended`.
     pub fn critical_time_step_unless(&self, is_ended: IsEnded<'_>) -> f64 {
         let at = |k: &SVector<f64, D>| self.critical_time_step_at(k);
         self.search().least_of(&self.system, &at, is_ended).0
     }
 
-    /// The same.
+    /// Largest stable step: the minimum over the zone. Time.
+    ///
+    /// At an unstable state only the waves that do not grow for every step count. Infinite if nothing oscillates.
     pub fn critical_time_step(&self) -> f64 {
         self.critical_time_step_unless(&|| false)
     }
 
-    /// The rate with the largest real part at a wave vector; growth that rounding of `omega^2` can make is none.
+    /// Rate with the largest real part at a wave vector. Growth within the rounding of `omega^2` is set to zero.
     fn fastest_at(&self, k: &SVector<f64, D>, step: f64) -> Complex {
         let noise = ROUNDING * self.system.noise();
         let told = |rate: Complex| {
-            // `d omega^2 = 2 s ds` of short steps, `ds = d omega^2 / (omega^2 dt)` of long ones, whose factor is `omega^2 dt^2`.
+            // Short steps: `d omega^2 = 2 s ds`. Long steps, whose factor is `omega^2 dt^2`: `ds = d omega^2 / (omega^2 dt)`.
             let change = ((rate * step).exp() - 1.0).norm() / step;
             let rounding = OUTSIDE * rate.norm() + noise / rate.norm().max(change);
             match rate.re > 0.0 && rate.re <= rounding {
@@ -218,7 +227,7 @@ impl<const D: usize> TransferredWaves<D> {
         fastest.unwrap_or_default()
     }
 
-    /// The rate with the largest real part over the zone with its wave vector; of stable waves, which include translations, it is zero. 1/time, 1/length.
+    /// Like [`TransferredWaves::fastest`], with cancellation through `is_ended`.
     pub fn fastest_unless(&self, step: f64, is_ended: IsEnded<'_>) -> (Complex, SVector<f64, D>) {
         let at = |k: &SVector<f64, D>| -self.fastest_at(k, step).re;
         let (value, k) = self.search().least_of(&self.system, &at, is_ended);
@@ -228,13 +237,13 @@ impl<const D: usize> TransferredWaves<D> {
         }
     }
 
-    /// The same.
+    /// Rate with the largest real part over the zone, with its wave vector; zero for stable waves, which include translations. 1/time, 1/length.
     pub fn fastest(&self, step: f64) -> (Complex, SVector<f64, D>) {
         self.fastest_unless(step, &|| false)
     }
 }
 
-/// `ln(1 + c)` without cancellation.
+/// Logarithm `ln(1 + c)` without cancellation.
 fn logarithm(change: Complex) -> Complex {
     let modulus = match change.norm() > LONG {
         true => change.norm().ln(),

@@ -4,22 +4,22 @@ use super::super::flow::{Elasticity, Flow, FlowLaw, direction, parts};
 use super::super::{Hardening, PlasticityError};
 use nalgebra::Vector3;
 
-/// How much inelastic strain of the secant stiffness `G_s` is added per slip `gamma`, where the strain at the strength `k(gamma)` is `k/G + gamma`:
-/// `m = 1 + k' (1/G - 1/G_s) = 1 - k' gamma / k`.
+/// Multiple of the flow direction added per unit of slip `gamma` to the inelastic strain of the secant stiffness `G_s`. The strain at the strength
+/// `k(gamma)` is `k/G + gamma`, so `m = 1 + k' (1/G - 1/G_s) = 1 - k' gamma / k`.
 fn per_slip(hardening: &Hardening, slip: f64) -> f64 {
     1.0 - hardening.modulus(slip) * slip / hardening.strength(slip)
 }
 
-/// `G_s / G = k / (k + G gamma)`.
+/// Remaining stiffness `G_s / G = k / (k + G gamma)`.
 fn remaining(hardening: &Hardening, slip: f64, shear: f64) -> f64 {
     let strength = hardening.strength(slip);
     strength / (strength + shear * slip)
 }
 
-/// The deformation theory of J2: stress by total strain, `s = 2 G_s dev(e)`, with the secant shear modulus `1/G_s = 1/G + gamma/k(gamma)`.
+/// J2 deformation theory: stress by total strain, `s = 2 G_s dev(e)`, with the secant shear modulus `1/G_s = 1/G + gamma/k(gamma)`.
 ///
-/// Its rates are those of a law with the stiffness `G_s`, `K` that flows along `s/(2 tau)` with `1/h = 1/G_t - 1/G_s`, `1/G_t = 1/G + 1/k'`: stiff along
-/// the stress, soft beside it, as a yield surface with a vertex is. At finite strain in logarithmic strains. Source: S. Stören and
+/// Its rates are the rates of a law with the stiffness `G_s`, `K` that flows along `s/(2 tau)` with `1/h = 1/G_t - 1/G_s`, `1/G_t = 1/G + 1/k'`. It
+/// is stiff along the stress and soft in other directions, like a yield surface with a vertex. Finite strains are logarithmic. Source: S. Stören and
 /// J. R. Rice, *J. Mech. Phys. Solids* 23 (1975) 421; J. W. Hutchinson and K. W. Neale, in *Mechanics of Sheet Metal Forming* (1978) 127.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeformationTheory {
@@ -28,10 +28,10 @@ pub struct DeformationTheory {
 }
 
 impl DeformationTheory {
-    /// The law with the strength of the tension test in shear, as of von Mises' law.
+    /// Creates the law from the shear strength of the tension test, as for the von Mises law.
     ///
     /// # Errors
-    /// [`PlasticityError::Parameter`] for what the hardening does not admit.
+    /// [`PlasticityError::Parameter`] if the hardening parameters are not admissible.
     pub fn new(elasticity: Elasticity, hardening: Hardening) -> Result<Self, PlasticityError> {
         hardening.check()?;
         Ok(Self {
@@ -74,11 +74,11 @@ impl FlowLaw for DeformationTheory {
     }
 }
 
-/// Scalar damage: `sigma = (1 - D) C : e`, `D` a function of the largest `sqrt(e : C : e / G)`, the equivalent shear strain.
+/// Scalar damage: `sigma = (1 - D) C : e`, where `D` depends on the largest equivalent shear strain `sqrt(e : C : e / G)`.
 ///
-/// The strain at which the stress in shear is `k(gamma)` is `k/G + gamma`, so that `1 - D = k / (k + G gamma)`; the criterion is
-/// `sqrt(G sigma : C^-1 : sigma) = k`, and inelastic strain goes along the strain. Source: J. C. Simo and J. W. Ju, *Int. J. Solids Struct.* 23 (1987)
-/// 821 (damage by the energy norm); its localization as of any law of this form: J. R. Rice, in *Theoretical and Applied Mechanics* (1976) 207.
+/// The strain at the shear stress `k(gamma)` is `k/G + gamma`, so that `1 - D = k / (k + G gamma)`. The criterion is
+/// `sqrt(G sigma : C^-1 : sigma) = k`, and inelastic strain is parallel to the strain. Source: J. C. Simo and J. W. Ju, *Int. J. Solids Struct.* 23
+/// (1987) 821 (damage by the energy norm). For localization of laws of this form see J. R. Rice, in *Theoretical and Applied Mechanics* (1976) 207.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScalarDamage {
     elasticity: Elasticity,
@@ -86,10 +86,10 @@ pub struct ScalarDamage {
 }
 
 impl ScalarDamage {
-    /// The law with its strength in shear.
+    /// Creates the law from its strength in shear.
     ///
     /// # Errors
-    /// [`PlasticityError::Parameter`] for what the hardening does not admit.
+    /// [`PlasticityError::Parameter`] if the hardening parameters are not admissible.
     pub fn new(elasticity: Elasticity, hardening: Hardening) -> Result<Self, PlasticityError> {
         hardening.check()?;
         Ok(Self {
@@ -98,7 +98,7 @@ impl ScalarDamage {
         })
     }
 
-    /// `sqrt(G sigma : C^-1 : sigma)`.
+    /// Equivalent stress `sqrt(G sigma : C^-1 : sigma)`.
     fn equivalent(&self, stress: &Vector3<f64>) -> f64 {
         (self.elasticity.shear * stress.dot(&self.elasticity.strain(stress))).sqrt()
     }

@@ -4,12 +4,13 @@ use super::super::flow::{Elasticity, Flow, FlowLaw, direction, parts};
 use super::super::{Hardening, PlasticityError};
 use nalgebra::Vector3;
 
-/// `(s_e/s_0)^2 + 2 q1 f cosh(3 q2 sigma_m / (2 s_0)) - 1 - (q1 f)^2 = 0`, associated, `s_e = sqrt(3) tau`, `s_0 = sqrt(3) k` of the matrix.
+/// Gurson's law: `(s_e/s_0)^2 + 2 q1 f cosh(3 q2 sigma_m / (2 s_0)) - 1 - (q1 f)^2 = 0`, associated.
 ///
-/// Voids grow with the plastic volume, `f' = (1 - f) tr(e_p')`, and the matrix hardens with the work done, `(1 - f) k gamma_m' = sigma : e_p'`; none
-/// nucleate or coalesce. Source: A. L. Gurson, *J. Eng. Mater. Technol.* 99 (1977) 2, with the constants of V. Tvergaard, *Int. J. Fract.* 17
-/// (1981) 389; as a law of the form of Rudnicki and Rice by H. Yamamoto, *Int. J. Fract.* 14 (1978) 347. Flow is measured by
-/// `P = s/(2 tau) + beta/3 1`, `beta = q1 q2 f s_0 sinh(3 q2 sigma_m / (2 s_0)) / (2 tau)`.
+/// Here `s_e = sqrt(3) tau`, and `s_0 = sqrt(3) k` is the flow stress of the matrix. Voids grow with the plastic volume, `f' = (1 - f) tr(e_p')`, and
+/// the matrix hardens with the plastic work, `(1 - f) k gamma_m' = sigma : e_p'`. Nucleation and coalescence are not included. Source: A. L. Gurson,
+/// *J. Eng. Mater. Technol.* 99 (1977) 2, with the constants of V. Tvergaard, *Int. J. Fract.* 17 (1981) 389; in the form of Rudnicki and Rice by H.
+/// Yamamoto, *Int. J. Fract.* 14 (1978) 347. Flow is measured by `P = s/(2 tau) + beta/3 1`,
+/// `beta = q1 q2 f s_0 sinh(3 q2 sigma_m / (2 s_0)) / (2 tau)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gurson {
     elasticity: Elasticity,
@@ -19,7 +20,7 @@ pub struct Gurson {
 }
 
 impl Gurson {
-    /// The law with the volume fraction of voids at first yield, `[q1, q2]`, and the strength of the matrix.
+    /// Creates the law from the volume fraction of voids at first yield, `[q1, q2]`, and the strength of the matrix.
     ///
     /// # Errors
     /// [`PlasticityError::Parameter`] unless `0 <= f`, `q1 f < 1`, and `q1`, `q2` are positive.
@@ -47,7 +48,7 @@ impl Gurson {
         })
     }
 
-    /// `2 q1 f cosh x - (q1 f)^2` is how much of 1 the voids take; with `x`.
+    /// Weakening by voids, `2 q1 f cosh x - (q1 f)^2`, with `x`.
     fn weakening(&self, mean: f64, flow_stress: f64, voids: f64) -> (f64, f64) {
         let x = 1.5 * self.q[1] * mean / flow_stress;
         let part = self.q[0] * voids;
@@ -64,7 +65,7 @@ impl FlowLaw for Gurson {
         self.hardening.strength(0.0)
     }
 
-    /// The slip of the matrix and the volume fraction of voids.
+    /// Slip of the matrix and volume fraction of voids at first yield.
     fn start(&self, _stress: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let strain = self.strength() / self.elasticity.shear;
         (

@@ -1,26 +1,26 @@
-//! Hill's orthotropic law of 1948.
+//! Hill's orthotropic yield criterion of 1948.
 
 use super::super::flow::{Elasticity, Flow, FlowLaw};
 use super::super::{Hardening, PlasticityError};
 use crate::algebra::array_of;
 use nalgebra::Vector3;
 
-/// `f = sqrt((F (s2 - s3)^2 + G (s3 - s1)^2 + H (s1 - s2)^2) / 3) - k(gamma)`, `G + H = 1`, associated, with the axes of orthotropy along those of the
-/// path.
+/// Hill's law: `f = sqrt((F (s2 - s3)^2 + G (s3 - s1)^2 + H (s1 - s2)^2) / 3) - k(gamma)`, `G + H = 1`, associated.
 ///
-/// `F`, `G`, `H` follow from the ratios `r0 = H/G` and `r90 = H/F` of widthwise to thickness strain in tension along axes 1 and 2, with 3 normal to the sheet;
-/// with both 1 it is von Mises' law. The yield stress in tension along axis 1 is `sqrt(3) k`. Source: R. Hill, *Proc. R. Soc. London A* 193 (1948)
-/// 281. Its fourth constant, for shear in the sheet, has no part in states along the axes.
+/// The axes of orthotropy coincide with the axes of the path. `F`, `G`, `H` follow from the ratios `r0 = H/G` and `r90 = H/F` of width to thickness
+/// strain in tension along axes 1 and 2, with axis 3 normal to the sheet. If both are 1, it is the von Mises law. The yield stress in tension along
+/// axis 1 is `sqrt(3) k`. Source: R. Hill, *Proc. R. Soc. London A* 193 (1948) 281. His fourth constant, for shear in the sheet, has no effect on
+/// states along the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HillOrthotropic {
     elasticity: Elasticity,
-    /// `F`, `G`, `H`.
+    /// Hill's constants `F`, `G`, `H`.
     constants: [f64; 3],
     hardening: Hardening,
 }
 
 impl HillOrthotropic {
-    /// The law with `r0` and `r90`.
+    /// Creates the law from the strain ratios `r0` and `r90`.
     ///
     /// # Errors
     /// [`PlasticityError::Parameter`] unless both are positive.
@@ -42,7 +42,7 @@ impl HillOrthotropic {
         })
     }
 
-    /// `[F (s2 - s3), G (s3 - s1), H (s1 - s2)]` and the equivalent shear.
+    /// Products `[F (s2 - s3), G (s3 - s1), H (s1 - s2)]` and the equivalent shear stress.
     fn differences(&self, s: &Vector3<f64>) -> ([f64; 3], f64) {
         let differences = [s[1] - s[2], s[2] - s[0], s[0] - s[1]];
         let weighted: [f64; 3] = array_of(|n| self.constants[n] * differences[n]);

@@ -1,14 +1,14 @@
-//! Von Mises' law with a yield surface that moves.
+//! Von Mises law with kinematic hardening.
 
 use super::super::flow::{Elasticity, Flow, FlowLaw, direction, parts};
 use super::super::{Hardening, PlasticityError};
 use nalgebra::Vector3;
 
-/// `f = tau(sigma - alpha) - k(gamma)`, associated, with the back stress `alpha' = (2 c P - b alpha) gamma'`.
+/// Kinematic hardening: `f = tau(sigma - alpha) - k(gamma)`, associated, with the back stress `alpha' = (2 c P - b alpha) gamma'`.
 ///
-/// Without recovery `b` it is Prager's rule (W. Prager, *J. Appl. Mech.* 23 (1956) 493); with it that of C. O. Frederick and P. J. Armstrong (report of
-/// 1966, *Mater. High Temp.* 24 (2007) 1). The plastic modulus is `h = dk/dgamma + c - b Q : alpha`; in pure shear the back stress tends to
-/// `c/b`.
+/// Without recovery `b` it is Prager's rule (W. Prager, *J. Appl. Mech.* 23 (1956) 493), with recovery the rule of C. O. Frederick and P. J.
+/// Armstrong (report of 1966, *Mater. High Temp.* 24 (2007) 1). The plastic modulus is `h = dk/dgamma + c - b Q : alpha`. In pure shear the back
+/// stress tends to `c/b`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kinematic {
     elasticity: Elasticity,
@@ -18,10 +18,10 @@ pub struct Kinematic {
 }
 
 impl Kinematic {
-    /// The law with the kinematic modulus `c` (units of stress) and the recovery `b` beside the hardening of the surface's size.
+    /// Creates the law from the kinematic modulus `c` (units of stress) and the recovery `b`, in addition to isotropic hardening.
     ///
     /// # Errors
-    /// [`PlasticityError::Parameter`] unless neither is negative.
+    /// [`PlasticityError::Parameter`] unless both are nonnegative.
     pub fn new(
         elasticity: Elasticity,
         modulus: f64,

@@ -1,4 +1,4 @@
-//! Laws beside that of Drucker and Prager, each by its yield function and flow.
+//! Laws other than Drucker-Prager, each defined by its yield function and flow.
 
 mod damage;
 mod gurson;

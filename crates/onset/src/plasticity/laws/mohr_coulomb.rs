@@ -1,15 +1,17 @@
-//! Mohr and Coulomb's law, with Tresca's as its case without friction.
+//! Mohr-Coulomb law, with Tresca as its frictionless case.
 
 use super::super::flow::{Elasticity, Flow, FlowLaw};
 use super::super::{Hardening, PlasticityError};
 use crate::algebra::Each;
 use nalgebra::Vector3;
 
-/// `f = (sigma_1 - sigma_3)/2 + (sigma_1 + sigma_3)/2 sin(phi) - k(gamma)`, `sigma_1 >= sigma_2 >= sigma_3`, tension positive, `k = c cos(phi)`;
-/// flow by the same function with the angle of dilation `psi`.
+/// Mohr-Coulomb law: `f = (sigma_1 - sigma_3)/2 + (sigma_1 + sigma_3)/2 sin(phi) - k(gamma)`, `k = c cos(phi)`.
 ///
-/// Source: as P. A. Vermeer and R. de Borst, *Heron* 29(3) (1984), write it. Where two principal stresses are equal at first yield (triaxial
-/// compression) both faces of the corner flow evenly; where a third stress comes to meet another one on the way, the path ends.
+/// The principal stresses are sorted, `sigma_1 >= sigma_2 >= sigma_3`, tension positive. The plastic potential has the form of `f` with the dilation
+/// angle `psi` in place of `phi`.
+///
+/// Source: P. A. Vermeer and R. de Borst, *Heron* 29(3) (1984), for this form. If two principal stresses are equal at first yield (triaxial
+/// compression), both faces of the corner flow equally. If the intermediate stress becomes equal to another one later, the path ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MohrCoulomb {
     elasticity: Elasticity,
@@ -18,14 +20,14 @@ pub struct MohrCoulomb {
     hardening: Hardening,
 }
 
-/// Principal stresses nearer to each other than this, by the largest, are equal.
+/// Relative difference below which principal stresses count as equal.
 const EQUAL: f64 = 1e-9;
 
 impl MohrCoulomb {
-    /// The law with angles in degrees.
+    /// Creates the law; angles are in degrees.
     ///
     /// # Errors
-    /// [`PlasticityError::Parameter`] outside of `0 <= phi < 90`, `-90 < psi < 90`, and of what the hardening admits.
+    /// [`PlasticityError::Parameter`] unless `0 <= phi < 90`, `-90 < psi < 90`, and the hardening parameters are admissible.
     pub fn new(
         elasticity: Elasticity,
         friction_angle: f64,
@@ -53,7 +55,7 @@ impl MohrCoulomb {
         })
     }
 
-    /// The shares of the axes in the largest and in the smallest principal stress: of equal stresses each has the same.
+    /// Weights of the axes in the largest and in the smallest principal stress. Axes with equal stresses have equal weights.
     fn shares(stress: &Vector3<f64>) -> [Vector3<f64>; 2] {
         let size = EQUAL * stress.amax();
         [stress.max(), stress.min()].each(|extreme| {
@@ -76,7 +78,7 @@ impl FlowLaw for MohrCoulomb {
         self.hardening.strength(0.0)
     }
 
-    /// Which axes have the largest and which the smallest stress: the faces that flow, which a path does not leave.
+    /// Weights of the axes in the largest and the smallest stress. They select the faces that flow, which a path does not leave.
     fn start(&self, stress: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let [largest, smallest] = Self::shares(stress);
         (largest - smallest, Vector3::repeat(1.0))
@@ -103,7 +105,7 @@ impl FlowLaw for MohrCoulomb {
         if stress.max() - stress.min() <= size {
             return Err(PlasticityError::NoDeviator);
         }
-        // An axis that was between the others must stay there.
+        // An axis with the intermediate stress must keep it.
         let [largest, smallest] = [0, 1].each(|n: usize| shares[n].dot(stress));
         if stress.max() > largest + size || stress.min() < smallest - size {
             return Err(PlasticityError::Corner);

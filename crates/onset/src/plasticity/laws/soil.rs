@@ -1,10 +1,10 @@
-//! Laws that harden as they are compacted: modified Cam-clay and an elliptic cap.
+//! Laws that harden by compaction: modified Cam-clay and an elliptic cap.
 
 use super::super::PlasticityError;
 use super::super::flow::{Elasticity, Flow, FlowLaw, direction, parts};
 use nalgebra::Vector3;
 
-/// How the pressure of compaction grows: `p_c' = p_c (-tr e_p') / c`, with `c = (lambda - kappa)/(1 + e)` of soil mechanics.
+/// Growth of the compaction pressure: `p_c' = p_c (-tr e_p') / c`, with `c = (lambda - kappa)/(1 + e)` of soil mechanics.
 fn growth(pressure: f64, compressibility: f64, dilatancy: f64) -> f64 {
     -pressure * dilatancy / compressibility
 }
@@ -13,10 +13,10 @@ fn positive(name: &'static str, value: f64) -> Result<(), PlasticityError> {
     PlasticityError::require(value > 0.0, name, value, "a positive finite number")
 }
 
-/// `q^2/M^2 + p (p - p_c) = 0`, associated, `q = sqrt(3) tau`, `p = -sigma_m`: modified Cam-clay, with elastic moduli that do not change.
+/// Modified Cam-clay with constant elastic moduli: `q^2/M^2 + p (p - p_c) = 0`, associated, `q = sqrt(3) tau`, `p = -sigma_m`.
 ///
 /// Source: K. H. Roscoe and J. B. Burland, in *Engineering Plasticity* (1968) 535. Flow is measured by `P = s/(2 tau) + beta/3 1`,
-/// `beta = -(2 p - p_c) M^2 / (6 tau)`; at the critical state `p = p_c/2` nothing hardens.
+/// `beta = -(2 p - p_c) M^2 / (6 tau)`. At the critical state `p = p_c/2` the plastic modulus vanishes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CamClay {
     elasticity: Elasticity,
@@ -26,7 +26,8 @@ pub struct CamClay {
 }
 
 impl CamClay {
-    /// The law with the slope `M` of the critical state line, the pressure `p_c` at first yield and the compressibility `(lambda - kappa)/(1 + e)`.
+    /// Creates the law from the slope `M` of the critical state line, the pressure `p_c` at first yield and the compressibility
+    /// `(lambda - kappa)/(1 + e)`.
     ///
     /// # Errors
     /// [`PlasticityError::Parameter`] unless all are positive.
@@ -81,7 +82,7 @@ impl FlowLaw for CamClay {
         let dilatancy = -(2.0 * pressure - limit) * square / (6.0 * shear);
         let normal = unit + Vector3::repeat(dilatancy / 3.0);
         let rate = growth(limit, self.compressibility, dilatancy);
-        // The gradient by the stress is 6 tau / M^2 times the normal, that by p_c is -p.
+        // The gradient by the stress is 6 tau / M^2 times the normal, the gradient by p_c is -p.
         let hardening = pressure * rate * square / (6.0 * shear);
         Ok(Flow {
             internal: Vector3::new(rate, 0.0, 0.0),
@@ -90,12 +91,11 @@ impl FlowLaw for CamClay {
     }
 }
 
-/// `((p - L)/(X - L))^2 + (tau/k)^2 - 1 = 0` for `p >= L`, and `tau = k` for smaller pressures, associated: a shear strength with an elliptic cap that moves
-/// out as the material is compacted.
+/// Shear strength with an elliptic cap that expands during compaction, associated.
 ///
-/// Source: an ellipse as J. W. Rudnicki, *J. Geophys. Res.* 109 (2004) B03402, writes it for compaction bands, after the caps of F. L. DiMaggio and
-/// I. S. Sandler, *J. Eng. Mech. Div. ASCE* 97 (1971) 935. Flow is measured by `P = s/(2 tau) + beta/3 1`,
-/// `beta = -(p - L) k^2 / (tau (X - L)^2)`.
+/// The yield surface is `((p - L)/(X - L))^2 + (tau/k)^2 - 1 = 0` for `p >= L`, and `tau = k` for smaller pressures. Source: the ellipse of J. W.
+/// Rudnicki, *J. Geophys. Res.* 109 (2004) B03402, for compaction bands, after the caps of F. L. DiMaggio and I. S. Sandler, *J. Eng. Mech. Div.
+/// ASCE* 97 (1971) 935. Flow is measured by `P = s/(2 tau) + beta/3 1`, `beta = -(p - L) k^2 / (tau (X - L)^2)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EllipticCap {
     elasticity: Elasticity,
@@ -106,10 +106,10 @@ pub struct EllipticCap {
 }
 
 impl EllipticCap {
-    /// The law with the shear strength `k`, the pressures `[L, X]` between which the cap begins and ends, and the compressibility.
+    /// Creates the law from the shear strength `k`, the pressures `[L, X]` at the two ends of the cap, and the compressibility.
     ///
     /// # Errors
-    /// [`PlasticityError::Parameter`] unless all but `L` are positive, `L` is not negative, and `X > L`.
+    /// [`PlasticityError::Parameter`] unless all except `L` are positive, `L` is nonnegative, and `X > L`.
     pub fn new(
         elasticity: Elasticity,
         strength: f64,
@@ -139,7 +139,7 @@ impl EllipticCap {
         })
     }
 
-    /// `p - L` where the cap is.
+    /// Pressure in excess of `L` on the cap, otherwise zero.
     fn beyond(&self, mean: f64) -> f64 {
         (-mean - self.start).max(0.0)
     }
@@ -177,7 +177,7 @@ impl FlowLaw for EllipticCap {
         let dilatancy = -beyond * square / (shear * width * width);
         let normal = unit + Vector3::repeat(dilatancy / 3.0);
         let rate = growth(internal[0], self.compressibility, dilatancy);
-        // The gradient by the stress is 2 tau / k^2 times the normal, that by X is -2 (p - L)^2 / (X - L)^3.
+        // The gradient by the stress is 2 tau / k^2 times the normal, the gradient by X is -2 (p - L)^2 / (X - L)^3.
         let hardening = beyond * beyond * rate * square / (shear * width.powi(3));
         Ok(Flow {
             internal: Vector3::new(rate, 0.0, 0.0),
