@@ -1,4 +1,4 @@
-// Builds the page from its sources into a folder: `node build.mjs FOLDER`. The same sources give the same bytes on every machine.
+// Builds the page from its sources into a folder: `node build.mjs FOLDER`. Equal sources give identical files on every machine.
 import { build } from "esbuild";
 import { createHash } from "node:crypto";
 import { cpSync, mkdirSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
@@ -23,13 +23,13 @@ const bundle = (entry, external) =>
     external,
     metafile: true,
   });
-// What three dimensions need is loaded when it is needed.
+// The module for three-dimensional views is loaded on demand.
 const results = [await bundle("page.ts", ["./space.js"]), await bundle("space.ts", []), await bundle("page.css", [])];
 for (const file of ["index.html", "icon.svg"]) {
   cpSync(join(here, "src", file), join(out, file));
 }
 
-// The licences of what is bundled.
+// Licences of the bundled packages.
 const packages = new Set();
 for (const { metafile } of results) {
   for (const input of Object.keys(metafile.inputs)) {
@@ -46,7 +46,7 @@ const licence = (name) => {
 };
 writeFileSync(join(out, "licenses.txt"), [...packages].sort().map(licence).join(`\n${"-".repeat(72)}\n\n`));
 
-// From which sources the files were made; a test of the command compares it without building.
+// Checksum of the sources; a test of the command compares it without building the page.
 export const sources = () => {
   const files = readdirSync(join(here, "src")).map((name) => `src/${name}`);
   const sum = createHash("sha256");

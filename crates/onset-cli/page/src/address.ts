@@ -1,10 +1,10 @@
-// The whole question stands behind the # of the address, as `onset explore` writes it.
+// The complete question is in the fragment (after #) of the address, in the form that `onset explore` prints.
 
 import type { Question, Window } from "./ask";
 
 export const WINDOW: Window = { axes: ["stretch-1", "stretch-2"], ranges: [[0.5, 2], [0.5, 2]] };
 
-/** What an address asks; `stored` for the map that was opened, nothing where it asks nothing. */
+/** Question of an address; `stored` for the map opened by the user, null for an address without a question. */
 export function read(hash: string): Question | "stored" | null {
   const parts = new URLSearchParams(hash.replace(/^#/, "").replaceAll("+", "%2B"));
   if (parts.get("map") === "stored") return "stored";
@@ -22,7 +22,7 @@ export function read(hash: string): Question | "stored" | null {
   return { set, stretch, window };
 }
 
-/** The address of a question. */
+/** Fragment of the address of a question. */
 export function written(question: Question): string {
   const { axes, ranges } = question.window;
   const parts = question.set.map((own) => `set=${encodeURIComponent(own)}`);

@@ -1,4 +1,4 @@
-// Questions to the program. A question that is asked anew gives up the one before; the program stops computing maps and boundaries then.
+// Requests to the program. A repeated request cancels the previous one, and the program then stops its computation.
 
 import { SHOWN, token } from "./token";
 
@@ -52,7 +52,7 @@ export interface State {
     minimum_acoustic_eigenvalue: number;
     direction: number[];
   };
-  /** None of a sheet in plane stress. */
+  /** Absent for a sheet in plane stress. */
   material_3d?: { minimum_acoustic_eigenvalue: number; direction: number[]; ellipticity: string };
   discretization: {
     stable: boolean;
@@ -72,7 +72,7 @@ export interface State {
   };
 }
 
-/** Frequencies upward, growth rates downward. */
+/** Frequencies as positive values, growth rates as negative ones. */
 export interface Heights {
   particles: number[];
   continuum: number[];
@@ -139,18 +139,18 @@ export interface Stored {
   map: ShownMap;
 }
 
-/** What the program says against a question. */
+/** Error message of the program. */
 export class Refusal extends Error {}
 
 const running = new Map<string, AbortController>();
 
-/** Gives up what was asked under a name. */
+/** Cancels the pending request in a place. */
 export function giveUp(name: string): void {
   running.get(name)?.abort();
   running.delete(name);
 }
 
-/** Asks; an earlier question of the same place is given up, and never answers. */
+/** Sends a request. An earlier request in the same place is cancelled and never resolves. */
 export async function ask<T>(name: string, question: Partial<Question> & Record<string, unknown>, place: string = name): Promise<T> {
   giveUp(place);
   const controller = new AbortController();
@@ -168,5 +168,5 @@ export async function ask<T>(name: string, question: Partial<Question> & Record<
   return document;
 }
 
-/** Whether a question was given up. */
+/** Returns true if a request was cancelled. */
 export const isGivenUp = (error: unknown): boolean => error instanceof DOMException && error.name === "AbortError";

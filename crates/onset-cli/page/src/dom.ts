@@ -1,16 +1,16 @@
-// Elements, made without any text becoming markup.
+// DOM elements, built so that no text is interpreted as markup.
 
 type Child = Node | string | number;
 type Values = Record<string, string | number | boolean | ((event: Event) => void) | undefined>;
 
-/** The element with an id. */
+/** Element with the given id. */
 export function the<T extends HTMLElement = HTMLElement>(id: string): T {
   const found = document.getElementById(id);
   if (!found) throw new Error(`no element ${id}`);
   return found as T;
 }
 
-/** An element with attributes, listeners and children. */
+/** Element with attributes, listeners and children. */
 export function element<K extends keyof HTMLElementTagNameMap>(name: K, values: Values = {}, ...children: Child[]): HTMLElementTagNameMap[K] {
   const made = document.createElement(name);
   for (const [key, value] of Object.entries(values)) {
@@ -22,7 +22,7 @@ export function element<K extends keyof HTMLElementTagNameMap>(name: K, values: 
   return made;
 }
 
-/** A table with a header and a caption. */
+/** Table with a header and a caption. */
 export function table(caption: string, header: string[], rows: (string | number)[][]): HTMLElement {
   const cells = (row: (string | number)[]) =>
     row.map((cell, n) => (n === 0 ? element("th", { scope: "row" }, cell) : element("td", {}, cell)));
@@ -35,7 +35,7 @@ export function table(caption: string, header: string[], rows: (string | number)
   );
 }
 
-/** Fills the place of a table, when somebody looks at it. */
+/** Fills the details element with a table when it is opened. */
 export function lazily(details: HTMLElement, make: () => HTMLElement): void {
   const place = details.querySelector("div")!;
   const fill = () => {
@@ -45,13 +45,13 @@ export function lazily(details: HTMLElement, make: () => HTMLElement): void {
   fill();
 }
 
-/** A table that scrolls by itself, with the keyboard too. */
+/** Scrollable container of a table, accessible by keyboard. */
 function scrolled(inner: HTMLElement): HTMLElement {
   const caption = inner.querySelector("caption")?.textContent ?? "table";
   return element("div", { class: "scrolled", tabindex: 0, role: "region", "aria-label": caption }, inner);
 }
 
-/** A number with six significant digits, as the command tells it. */
+/** Formats a number with six significant digits, as the command does. */
 export function told(value: number | null | undefined): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   if (value === 0) return "0";
@@ -60,12 +60,12 @@ export function told(value: number | null | undefined): string {
   return String(Number(value.toPrecision(6)));
 }
 
-/** A vector, likewise. */
+/** Formats a vector with six significant digits. */
 export function vector(values: number[]): string {
-  // Beside the largest what is rounding is zero.
+  // Components that are rounding errors of the largest one are shown as zero.
   const size = Math.max(...values.map(Math.abs));
   return `(${values.map((value) => told(Math.abs(value) < 1e-13 * size ? 0 : value)).join(", ")})`;
 }
 
-/** A color of the page, in the mode that is on. */
+/** Color of the page in the current color scheme. */
 export const color = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();

@@ -1,14 +1,14 @@
-// The form of a question: one control for each key that law and method read, as the program lists them.
+// Form of a question: one control for each key that law and method read, as listed by the program.
 
 import type { Catalog, Field, Form } from "./ask";
 import { element, told } from "./dom";
 
-/** A change of a key: while a slider moves, and when it is let go. */
+/** Change of a key; `isDone` is false while a slider is moving. */
 export type Change = (name: string, value: string, isDone: boolean) => void;
 
 const TITLES: Record<string, string> = { material: "Material", discretization: "Discretization" };
 
-/** Builds the form anew, keeping the place of the keyboard. */
+/** Rebuilds the form and keeps the keyboard focus. */
 export function build(place: HTMLElement, form: Form, catalog: Catalog, change: Change): void {
   const focused = document.activeElement?.id;
   const sections = Object.entries(TITLES).map(([section, title]) => {
@@ -19,7 +19,7 @@ export function build(place: HTMLElement, form: Form, catalog: Catalog, change: 
   if (focused) document.getElementById(focused)?.focus({ preventScroll: true });
 }
 
-/** What the catalog says of a word. */
+/** Description of a word in the catalog. */
 function described(catalog: Catalog, field: Field): HTMLElement[] {
   const topic = catalog.topics.find((own) => own.key === field.name);
   const entry = topic?.entries.find((own) => own.name === field.value);

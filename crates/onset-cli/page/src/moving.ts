@@ -1,24 +1,24 @@
-// The particles of a line or a plane in a mode.
+// Particles of a mode on a line or in a plane.
 
 import type { Mode } from "./ask";
 import { color } from "./dom";
 
-/** Seconds of a turn of the phase, and between two pictures. */
+/** Period of the animation, and time between frames; seconds. */
 export const PERIOD = 2;
 export const PAUSE = 1 / 30;
 
-/** What moves: it is drawn anew until it is stopped. */
+/** Animation that runs until it is stopped. */
 export interface Moving {
   amplitude: number;
   isPaused: boolean;
   stop(): void;
 }
 
-/** Displacement of a particle at a phase, over the largest amplitude. */
+/** Displacement of a particle at a phase, relative to the largest amplitude. */
 export const displacement = (own: Mode["particles"][0], phase: number, axis: number): number =>
   own.re[axis]! * Math.cos(phase) + own.im[axis]! * Math.sin(phase);
 
-/** Draws a mode on a canvas, over and over. */
+/** Animates a mode on a canvas. */
 export function moving(canvas: HTMLCanvasElement, mode: Mode, amplitude: number, isPaused: boolean): Moving {
   const places = mode.particles.map((own) => own.place);
   const ends = (axis: number): [number, number] => {
@@ -33,10 +33,10 @@ export function moving(canvas: HTMLCanvasElement, mode: Mode, amplitude: number,
   canvas.height = Math.round(tall * ratio);
   canvas.style.height = `${tall}px`;
   const scale = Math.min(canvas.width / (right - left), canvas.height / (top - bottom));
-  // A few dots are drawn soonest without the graphics card, which a machine may have to imitate.
+  // A few dots are drawn faster without a graphics card, which some machines emulate.
   const context = canvas.getContext("2d", { willReadFrequently: true })!;
   const state: Moving & { frame: number } = { amplitude, isPaused, frame: 0, stop: () => cancelAnimationFrame(state.frame) };
-  // The colors are looked up once: asking for them lays out the page.
+  // Colors are read once, because reading them triggers a layout of the page.
   const [still, alive] = [color("line"), color(mode.stable ? "blue" : "vermilion")];
   let phase = 0;
   let last = -Infinity;

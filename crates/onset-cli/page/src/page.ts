@@ -1,4 +1,4 @@
-// The page: a question on the left, the map of its plane in the middle, what is known of the state on the right.
+// The page: the question on the left, the map of its window in the middle, the results for the state on the right.
 
 import { read, written, WINDOW } from "./address";
 import { ask, giveUp, isGivenUp, Refusal } from "./ask";
@@ -9,15 +9,15 @@ import { moving, type Moving } from "./moving";
 import * as pictures from "./pictures";
 import { enter } from "./token";
 
-/** What is shown where nothing is asked. */
+/** Question of an address without one. */
 const FIRST: Question = {
   set: ["material.model=blatz-ko", "discretization.frame=eulerian"],
   stretch: "1.2,1",
   window: { axes: ["stretch-1", "stretch-2"], ranges: [[0.9, 2], [0.9, 2]] },
 };
-/** What can be done with the map. */
+/** Instructions below the map. */
 const HELP = "Click a state, or move with the arrow keys.";
-/** The energy with which a typed one begins. */
+/** Initial formula of a user-defined energy. */
 const ENERGY = "mu/2*(I1 - 3 - 2*ln(J)) + lambda/2*ln(J)^2";
 
 let catalog: Catalog;
@@ -30,13 +30,13 @@ let waves: Dispersion | null = null;
 let polar: Directions | null = null;
 let drawn: Moving | null = null;
 let globe: { stop(): void } | null = null;
-/** A place on the map for what is asked; the numbers are those of the address. */
+/** Key of an assignment. */
 const key = (assignment: string): string => assignment.split("=")[0]!.trim();
 const numbers = (text: string): number[] => text.split(",").map(Number);
 
 // --- the state on the axes of the window
 
-/** Where the state is on an axis. */
+/** Coordinate of the state along an axis. */
 function coordinate(axis: string): number {
   const stretch = /^stretch-([123])$/.exec(axis);
   if (stretch) return numbers(question.stretch)[Number(stretch[1]) - 1] ?? 1;
@@ -46,13 +46,13 @@ function coordinate(axis: string): number {
 
 const place = (): [number, number] => [coordinate(question.window.axes[0]), coordinate(question.window.axes[1])];
 
-/** Four digits more than the window has: a place that is clicked is a number that can be read. */
+/** Rounds a coordinate to four digits beyond the size of the window, so that the state after a click has readable numbers. */
 function rounded(value: number, [low, high]: [number, number]): number {
   const digits = Math.max(0, 4 - Math.floor(Math.log10(high - low)));
   return Number(value.toFixed(Math.min(digits, 12)));
 }
 
-/** Puts the state somewhere on the map. */
+/** Moves the state to a point of the map. */
 function move(at: [number, number], isPushed: boolean): void {
   const next = structuredClone(question);
   next.window.axes.forEach((axis, n) => {
@@ -73,11 +73,11 @@ function move(at: [number, number], isPushed: boolean): void {
 
 const assigned = (set: string[], name: string, value: string): string[] => [...set.filter((own) => key(own) !== name), `${name}=${value}`];
 
-// --- what is asked
+// --- requests
 
 type Extent = "state" | "values" | "form";
 
-/** Shows a question; its address is pushed for the back button, or put in the place of the last one. */
+/** Shows a question; its address is added to the history or replaces the last entry. */
 function show(next: Question, address: "push" | "replace" | "keep", extent: Extent): void {
   const isOther = extent !== "state";
   question = next;
@@ -101,7 +101,7 @@ function show(next: Question, address: "push" | "replace" | "keep", extent: Exte
   }
 }
 
-/** Asks which keys are read, and then everything. */
+/** Requests the form of the question, and then all results. */
 async function anew(): Promise<void> {
   try {
     form = await ask<Form>("form", { set: question.set });
@@ -123,12 +123,12 @@ async function anew(): Promise<void> {
   void (stored ? answered.then(askWaves) : askMap(answered));
 }
 
-/** What a chain is shown over beside its stretch: the length by which its particles see each other. */
+/** Second axis of a chain's map, next to its stretch: the interaction range. */
 const LENGTHS = ["discretization.support", "discretization.horizon"];
-/** From where on a particle of a chain sees its neighbors; in spacings. */
+/** Window of the interaction range, from slightly more than the nearest neighbor; particle spacings. */
 const SEEN: [number, number] = [1.2, 4];
 
-/** As many stretches as there are dimensions, and a window of what is read. */
+/** Adapts the stretches to the number of dimensions, and the window to the keys in the form. */
 function fit({ dimension, fields }: Form): void {
   const given = question.stretch === "" ? [] : numbers(question.stretch);
   const stretches = given.slice(0, 3);
@@ -147,7 +147,7 @@ function fit({ dimension, fields }: Form): void {
   });
 }
 
-/** A key was changed. */
+/** Applies a changed key. */
 function changed(name: string, value: string, isDone: boolean): void {
   const next = structuredClone(question);
   next.set = assigned(next.set, name, value);
@@ -159,7 +159,7 @@ function changed(name: string, value: string, isDone: boolean): void {
 
 const asked = () => ({ set: question.set, stretch: question.stretch });
 
-/** Asks for a picture of the state, which stays until the next is there. */
+/** Requests a result for the state and draws it; the previous picture stays until then. */
 const picture = <T>(name: string, draw: (answer: T) => void): Promise<void> =>
   ask<T>(name, asked()).then(
     (answer) => {
@@ -173,10 +173,10 @@ const picture = <T>(name: string, draw: (answer: T) => void): Promise<void> =>
     },
   );
 
-/** Which state is asked about. */
+/** Number of the current request for a state. */
 let state = 0;
 
-/** Asks about the state, and tells which it is when it is there. What is known of the last one is given up. */
+/** Requests the results for the state and resolves with the number of the request. Pending requests for the previous state are cancelled. */
 async function askState(): Promise<number> {
   const own = ++state;
   for (const name of ["directions", "dispersion"]) giveUp(name);
@@ -185,17 +185,17 @@ async function askState(): Promise<number> {
   return own;
 }
 
-/** Asks for the waves of the state, many as they are: after what is seen first. */
+/** Requests dispersion and directions of the state, after the faster results. */
 function askWaves(own: number): void {
   if (own !== state) return;
   void picture<Directions>("directions", showDirections);
   void picture<Dispersion>("dispersion", showDispersion);
 }
 
-/** Which map is asked for: an earlier one is given up. */
+/** Number of the current request for a map; earlier ones are cancelled. */
 let turn = 0;
 
-/** Asks for the map: coarse, beside the state; finer when that is there, which many states are not to delay; and its boundaries at the end. */
+/** Requests the map: first coarse, together with the state, then finer after the state is complete, and finally its boundaries. */
 async function askMap(answered: Promise<number>): Promise<void> {
   giveUp("boundary");
   giveUp("map");
@@ -225,9 +225,9 @@ async function askMap(answered: Promise<number>): Promise<void> {
   } catch (error) {
     if (isGivenUp(error)) return;
     the("plane").removeAttribute("aria-busy");
-    // A state can have waves where the window has no map.
+    // A state can have waves even if its window has no map.
     if (!isBegun) void answered.then(askWaves);
-    // What is wrong with the state is told beside it; what is wrong with the window alone, here.
+    // Errors of the state are shown next to it; errors of the window alone are shown here.
     const isDrawn = shown?.is_finest === true && error instanceof Refusal;
     the("map-state").textContent = isDrawn ? "" : error instanceof Refusal ? error.message : String(error);
     the("map-help").textContent = isDrawn ? "Click a state, or move with the arrow keys. The boundaries were not traced: it would take too long." : HELP;
@@ -235,7 +235,7 @@ async function askMap(answered: Promise<number>): Promise<void> {
   }
 }
 
-/** Tells why there is no answer; the last pictures stay. */
+/** Shows an error; the last pictures stay. */
 function failed(error: unknown): void {
   if (isGivenUp(error)) return;
   const place = the("error");
@@ -299,7 +299,7 @@ function stepped(event: KeyboardEvent): void {
 
 // --- the state
 
-/** Waves out of the plane; of a sheet or bar, which has none, the stretches that were found across it. */
+/** Three-dimensional perturbations; for a sheet or a bar, which has none, the computed transverse stretches. */
 function across(answer: State): [string, string][] {
   const space = answer.material_3d;
   if (space) return [["in 3D", `${told(space.minimum_acoustic_eigenvalue)} along ${vector(space.direction)}`]];
@@ -414,7 +414,7 @@ function showDirections(answer: Directions): void {
 
 // --- the small forms
 
-/** Fields for the stretches. */
+/** Input fields for the stretches. */
 function stateForm(): void {
   const holder = the("state-form");
   const values = numbers(question.stretch);
@@ -441,7 +441,7 @@ function stateForm(): void {
   );
 }
 
-/** Fields for the window of the map. */
+/** Input fields for the window of the map. */
 function windowForm(): void {
   const { axes, ranges } = question.window;
   const isNumber = (own: Form["fields"][0]) => own.takes === "number";
@@ -472,7 +472,7 @@ function windowForm(): void {
   the("window-form").replaceChildren(row(0), row(1));
 }
 
-/** What an entry of the zoo tells. */
+/** Shows an entry of the zoo. */
 function showEntry(entry: ZooEntry): void {
   const remedy = entry.remedy_question;
   const source = /^https?:\/\//.test(entry.where) ? element("a", { href: entry.where, rel: "noreferrer", target: "_blank" }, entry.where) : entry.where;
@@ -505,7 +505,7 @@ async function exported(kind: string): Promise<void> {
   }
 }
 
-/** A text to copy; into the clipboard where that is allowed. */
+/** Shows a text to copy, and copies it to the clipboard if permitted. */
 function toCopy(text: string): void {
   the("export").hidden = false;
   const area = the<HTMLTextAreaElement>("export-text");
@@ -515,7 +515,7 @@ function toCopy(text: string): void {
   void navigator.clipboard?.writeText(text).catch(() => {});
 }
 
-// --- beginning
+// --- initialization
 
 async function showStored(): Promise<void> {
   try {
@@ -534,7 +534,7 @@ async function showStored(): Promise<void> {
   await anew();
 }
 
-/** Shows what the address asks. */
+/** Shows the question of the address. */
 async function follow(): Promise<void> {
   await enter();
   const asks = read(location.hash);

@@ -1,4 +1,4 @@
-// Pictures of answers. The numbers are the program's; here they are only placed.
+// Drawings of results. All numbers are computed by the program.
 
 import * as Plot from "@observablehq/plot";
 import type { Catalog, Curves, Directions, Dispersion, Heights, ShownMap } from "./ask";
@@ -6,7 +6,7 @@ import { color } from "./dom";
 
 type Drawn = SVGSVGElement | HTMLElement;
 
-/** A picture with one name, in the place of those of its parts. */
+/** Drawing with a single accessible name in place of the names of its parts. */
 export function named(picture: Drawn, name: string): Drawn {
   for (const part of picture.querySelectorAll("[aria-label]")) part.removeAttribute("aria-label");
   picture.setAttribute("role", "img");
@@ -14,7 +14,7 @@ export function named(picture: Drawn, name: string): Drawn {
   return picture;
 }
 
-/** The cells of maps as images, one pixel each: they are painted once, however often the state moves. */
+/** Cells of maps as images with one pixel each, painted once and reused while the state moves. */
 const painted = new WeakMap<ShownMap, string>();
 
 function cells(shown: ShownMap, classes: Catalog["classes"]): string {
@@ -24,7 +24,7 @@ function cells(shown: ShownMap, classes: Catalog["classes"]): string {
   const canvas = document.createElement("canvas");
   canvas.width = columns;
   canvas.height = rows;
-  // It is read at once: on a graphics card that would wait for all that is drawn there.
+  // Kept in main memory: reading back from a graphics card would wait for all pending drawing.
   const context = canvas.getContext("2d", { willReadFrequently: true })!;
   shown.classes.forEach((n, place) => {
     if (n === null) return;
@@ -36,7 +36,7 @@ function cells(shown: ShownMap, classes: Catalog["classes"]): string {
   return image;
 }
 
-/** A map with the curves that are known, and the state. */
+/** Map with its known boundaries and the state. */
 export function map(shown: ShownMap, curves: Curves | null, classes: Catalog["classes"], at: [number, number], width: number): Drawn {
   const [first, second] = shown.axes as [ShownMap["axes"][0], ShownMap["axes"][0]];
   const isPlane = [first, second].every((axis) => axis.name.startsWith("stretch"));
@@ -80,13 +80,13 @@ function lined(curves: Curves | null): { of: string; points: [number, number][] 
   }));
 }
 
-/** A diagram of dispersion: frequencies upward, growth rates downward, the largest of waves that oscillate too in a curve of its own. */
+/** Dispersion diagram: frequencies as positive values, growth rates as negative ones; the largest growth rate of oscillating waves as a separate curve. */
 export function dispersion(answer: Dispersion, width: number): Drawn {
   const [branches, own] = [answer.heights[0]?.particles.length ?? 0, answer.heights[0]?.continuum.length ?? 0];
   const curve = (value: (heights: Heights) => number) =>
     answer.heights.flatMap((heights, n) => {
       const at: [number, number] = [answer.lengths[n]!, value(heights)];
-      // A jump of the path breaks the curve.
+      // A jump of the path interrupts the curve.
       return n > 0 && answer.lengths[n - 1] === answer.lengths[n] ? [[NaN, NaN], at] : [at];
     });
   const particles = Array.from({ length: branches }, (_, n) => curve((heights) => heights.particles[n]!));
@@ -97,7 +97,7 @@ export function dispersion(answer: Dispersion, width: number): Drawn {
   const heights = [...particles, fluttering, mark].flat().map(([, y]) => y!).filter(Number.isFinite);
   const [low, high] = [Math.min(0, ...heights), Math.max(0, ...heights)];
   const margin = 0.08 * (high - low || 1);
-  // Below zero by rounding alone is what a stable state has there.
+  // Stable states may have slightly negative values by rounding.
   const isGrowing = low < 0 && !critical.stable;
   const ticks = new Map<number, string>();
   for (const { name, length } of answer.corners) ticks.set(length, ticks.has(length) ? `${ticks.get(length)}|${name}` : name);
@@ -120,7 +120,7 @@ export function dispersion(answer: Dispersion, width: number): Drawn {
   });
 }
 
-/** The eigenvalues of the acoustic tensor in the directions of the plane; negative ones dashed. */
+/** Eigenvalues of the acoustic tensor over the directions in the plane; negative ones are dashed. */
 export function polar(answer: Directions, width: number): Drawn {
   const count = answer.normals.length;
   const size = Math.max(...answer.eigenvalues.flat().map(Math.abs)) || 1;

@@ -1,4 +1,4 @@
-// The built name of what is loaded where three dimensions are shown.
+// Built name of the module for three-dimensional views.
 declare module "./space.js" {
   export { lattice, sphere } from "./space";
 }

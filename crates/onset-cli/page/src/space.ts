@@ -1,4 +1,4 @@
-// What has three dimensions: the sphere of directions, and the lattice in a mode. Both can be turned, with the arrow keys too.
+// Three-dimensional views: the sphere of directions, and the lattice in a mode. Both can be rotated, also with the arrow keys.
 
 import {
   AmbientLight,
@@ -21,7 +21,7 @@ import type { Directions, Mode } from "./ask";
 import { color } from "./dom";
 import { displacement, PAUSE, PERIOD, type Moving } from "./moving";
 
-/** A scene that turns. */
+/** Scene that can be rotated. */
 function scene(place: HTMLElement, label: string, step: (now: number) => boolean) {
   const width = Math.max(place.clientWidth, 200);
   const side = Math.min(width, 360);
@@ -59,7 +59,7 @@ function scene(place: HTMLElement, label: string, step: (now: number) => boolean
   const draw = (now: number) => {
     frame = requestAnimationFrame(draw);
     const isMoved = step(now);
-    // What stands still is not drawn again.
+    // Frames without changes are skipped.
     if (!isMoved && !isTurned) return;
     isTurned = false;
     renderer.render(world, camera);
@@ -76,7 +76,7 @@ function scene(place: HTMLElement, label: string, step: (now: number) => boolean
   };
 }
 
-/** The smallest eigenvalue of the acoustic tensor over the sphere of directions: from blue, the largest, to vermilion, the least. */
+/** Smallest eigenvalue of the acoustic tensor over the sphere of directions, from blue (largest) to vermilion (smallest). */
 export function sphere(place: HTMLElement, answer: Directions): { stop(): void } {
   const [circles, around] = answer.shape;
   const values = answer.eigenvalues.map((own) => own[0]!);
@@ -86,7 +86,7 @@ export function sphere(place: HTMLElement, answer: Directions): { stop(): void }
   const colors: number[] = [];
   answer.normals.forEach((normal, n) => {
     positions.push(normal[0]!, normal[1]!, normal[2]!);
-    // Of an isotropic state all are equal but for rounding.
+    // For an isotropic state all values agree to rounding.
     const share = high - low > 1e-9 * Math.abs(high) ? (values[n]! - low) / (high - low) : 1;
     const own = warm.clone().lerp(cold, share);
     colors.push(own.r, own.g, own.b);
@@ -109,7 +109,7 @@ export function sphere(place: HTMLElement, answer: Directions): { stop(): void }
   return view;
 }
 
-/** The particles of a mode in space. */
+/** Particles of a mode in three dimensions. */
 export function lattice(place: HTMLElement, mode: Mode, amplitude: number, isPaused: boolean): Moving {
   const count = mode.particles.length;
   const center = [0, 1, 2].map((axis) => mode.particles.reduce((sum, own) => sum + own.place[axis]!, 0) / count);

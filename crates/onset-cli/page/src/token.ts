@@ -1,16 +1,16 @@
-// The token by which the program knows its user. It comes behind the # of the address that `onset explore` has printed, and is taken out of
-// it at once, so that no link has it; the browser keeps it for the pages of this server.
+// Token that identifies the user to the program. The fragment (after #) of the address printed by `onset explore` contains it. It is removed
+// from the address immediately, so that no link contains it; the browser stores it for the pages of this server.
 
 const KEPT = "onset-token";
-/** The header in which it is shown. */
+/** Request header with the token. */
 export const SHOWN = "Onset-Token";
 
 let own = "";
 
-/** The token; empty where there is none. */
+/** Token, or an empty string. */
 export const token = (): string => own;
 
-/** Takes a token out of the address. */
+/** Removes the token from the address and returns it. */
 function taken(): string | null {
   const parts = location.hash.replace(/^#/, "").split("&");
   const found = parts.find((part) => part.startsWith("token="));
@@ -20,17 +20,17 @@ function taken(): string | null {
   return found.slice("token=".length);
 }
 
-/** The token of a run that this browser has opened before. */
+/** Token stored by this browser for an earlier page. */
 function kept(): string {
   try {
     return localStorage.getItem(KEPT) ?? "";
   } catch {
-    // A browser may have been told to keep nothing.
+    // The browser may forbid storage.
     return "";
   }
 }
 
-/** Shows the token of the address, which may be good for once, and keeps the one that is given for it; without one it is that of before. */
+/** Exchanges the token of the address, which may be valid only once, for a stored one; without it the stored token is used. */
 export async function enter(): Promise<void> {
   const shown = taken();
   if (shown === null) {
@@ -39,12 +39,12 @@ export async function enter(): Promise<void> {
   }
   const answer = await fetch("api/enter", { method: "POST", headers: { [SHOWN]: shown } });
   const given = (await answer.json()) as { token?: string };
-  // A link with a token of another run is a link like others.
+  // A link with a token of another run is treated as a link without one.
   own = given.token ?? (own === "" ? kept() : own);
   if (given.token === undefined) return;
   try {
     localStorage.setItem(KEPT, own);
   } catch {
-    // It is asked for again then.
+    // Without storage the token is required again next time.
   }
 }

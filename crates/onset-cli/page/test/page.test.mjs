@@ -1,4 +1,4 @@
-// The page as somebody uses it, in a real browser, beside what the command prints.
+// The page as a user sees it, in a real browser, compared with the output of the command.
 
 import assert from "node:assert/strict";
 import { mkdirSync, mkdtempSync, writeFileSync } from "node:fs";
@@ -10,7 +10,7 @@ import { argumentsOf, browser, onset, serve } from "./serve.mjs";
 
 const SHOTS = process.env.ONSET_SCREENSHOTS ?? join(import.meta.dirname, "../../../../target/page-screenshots");
 const SIZES = { wide: [1440, 950], tablet: [900, 1100], phone: [390, 844] };
-/** The times that are demanded are those of a machine of one's own; a crowded one may take longer by this factor. */
+/** Factor on the time limits, which are set for an otherwise idle machine. */
 const PATIENCE = Number(process.env.ONSET_PATIENCE ?? 1);
 
 const chrome = await browser();
@@ -26,7 +26,7 @@ after(async () => {
   server?.end();
 });
 
-/** A page that is open, of which every message counts, and every request that leaves the machine. */
+/** Opens a page and records every console message, and every request that leaves the machine. */
 async function open({ hash = "", size = SIZES.wide, dark = false, shown = token(server.address), beside } = {}) {
   const context = beside?.context() ?? (await chrome.newContext({ viewport: { width: size[0], height: size[1] }, colorScheme: dark ? "dark" : "light" }));
   const page = await context.newPage();
@@ -37,7 +37,7 @@ async function open({ hash = "", size = SIZES.wide, dark = false, shown = token(
     const url = new URL(request.url());
     if (!["data:", "blob:"].includes(url.protocol) && url.origin !== origin()) messages.push(`a request to ${url.origin}`);
   });
-  // What the browser has really sent is known at the end.
+  // The browser's log is complete only at the end.
   page.on("requestfinished", (request) => {
     const told = (headers) => headers["referer"] !== undefined && messages.push(`${request.url()} is told where it was asked from`);
     asked.push(request.allHeaders().then(told, () => {}));
@@ -54,13 +54,13 @@ async function open({ hash = "", size = SIZES.wide, dark = false, shown = token(
 
 const origin = () => new URL(server.address).origin;
 const token = (address) => new URLSearchParams(new URL(address).hash.slice(1)).get("token");
-/** The address of a question, with a token or without. */
+/** Address of a question, with or without a token. */
 const linked = (hash, shown) => {
   const parts = [shown ? `token=${shown}` : "", hash.replace(/^#/, "")].filter((part) => part !== "");
   return `${origin()}/${parts.length > 0 ? "#" : ""}${parts.join("&")}`;
 };
 const finest = (page) => page.waitForFunction(() => document.querySelector("#map svg") && document.getElementById("map-state").textContent === "", null, { timeout: 120_000 });
-/** A picture when it has been drawn and none has followed for a second: the waves of a state come after its map. */
+/** Waits until a picture has been drawn and none has followed for a second: the waves of a state are drawn after its map. */
 const last = async (page, name) => {
   await page.waitForFunction((own) => performance.getEntriesByName(`drawn:${own}`).length > 0, name, { timeout: 120_000 });
   for (let before = null; ; ) {
@@ -73,13 +73,13 @@ const last = async (page, name) => {
 const sentence = (page) => page.locator("#sentence").textContent();
 const drawn = (page, stretch) => page.waitForFunction((own) => document.getElementById("sentence").dataset.state === own, stretch, { timeout: 60_000 });
 
-/** The question of an address. */
+/** Question of an address. */
 function questionOf(url) {
   const parts = new URLSearchParams(new URL(url).hash.slice(1));
   return { set: parts.getAll("set"), stretch: parts.get("stretch") };
 }
 
-/** Clicks where the map has a state. */
+/** Clicks the position of a state on the map. */
 async function click(page, x, y) {
   const at = await page.evaluate(
     ([x, y]) => {
@@ -93,7 +93,7 @@ async function click(page, x, y) {
   await page.mouse.click(at[0], at[1]);
 }
 
-/** A number with six digits, as the page tells it. */
+/** Formats a number with six digits, as the page does. */
 const six = (value) => (value === 0 ? "0" : String(Number(value.toPrecision(6))));
 const cell = (page, name) => page.locator("#numbers tr", { has: page.locator("th", { hasText: new RegExp(`^${name}$`) }) }).locator("td").textContent();
 
@@ -177,7 +177,7 @@ test("a slider draws anew within 200 ms of a step", options, async (own) => {
   times.sort((a, b) => a - b);
   own.diagnostic(`${times.map(Math.round).join(", ")} ms`);
   assert.ok(times[2] < 200 * PATIENCE, `${times} ms`);
-  // What is shown is of the last step.
+  // The results belong to the last step.
   await finest(page);
   const question = questionOf(page.url());
   assert.ok(question.set.some((own) => own.startsWith("material.mu=")), page.url());
@@ -217,7 +217,7 @@ test("the token stays out of links, and without it there is no answer", options,
   const stretch = "1.3,1.1";
   const hash = new URL(link).hash.replace(/stretch=[^&]*/, `stretch=${stretch}`);
   const told = onset(...argumentsOf(questionOf(linked(hash)))).sentence;
-  // In the browser that has the token a link is answered, also one with the token of another run.
+  // In the browser with the token a link is answered, even with the token of another run.
   for (const shown of ["", "0".repeat(32), ""]) {
     const other = await open({ hash, shown, beside: page });
     await drawn(other.page, stretch);
@@ -226,7 +226,7 @@ test("the token stays out of links, and without it there is no answer", options,
     await other.close(shown === "" ? [] : ["403"]);
   }
   await close();
-  // Another user of the machine has none, or guesses.
+  // Another user of the machine has no token, or a wrong one.
   for (const shown of ["", "0".repeat(32)]) {
     const stranger = await open({ hash, shown });
     await stranger.page.waitForSelector("#error:not([hidden])");
@@ -318,7 +318,7 @@ test("the zoo opens with one choice, in one and three dimensions too", options, 
   await space.page.waitForTimeout(500);
   assert.notEqual(await look(), first);
   await space.page.screenshot({ path: join(SHOTS, "space.png"), fullPage: true });
-  // The browser of the tests draws three dimensions without a graphics card, and says so.
+  // The browser of the tests renders three dimensions without a graphics card and prints a warning.
   await space.close(["GPU stall", "GL Driver", "WebGL"]);
 
   const chain = await open({ hash: `#set=${encodeURIComponent("discretization.method=updated-sph")}&set=${encodeURIComponent("discretization.lattice=chain")}&stretch=1.1` });
@@ -364,7 +364,7 @@ test("a stored map is shown, and a state in it is asked", options, async () => {
 test("axe-core finds nothing, and the pictures of three sizes are taken", options, async () => {
   for (const dark of [false, true]) {
     for (const [name, size] of Object.entries(SIZES)) {
-      // Boundaries that are not ragged are traced soon.
+      // Smooth boundaries must be traced quickly.
       const hash = "#set=material.model%3Dblatz-ko&set=discretization.method%3Dtotal-lagrangian-sph&set=discretization.penalty%3D0.3&stretch=1.2,1";
       const { page, close } = await open({ size, dark, hash });
       await finest(page);

@@ -1,13 +1,13 @@
-// The program that serves the page, and a browser for it.
+// Program that serves the page, and a browser for the tests.
 
 import { execFileSync, spawn } from "node:child_process";
 import { createInterface } from "node:readline";
 import { chromium as playwright } from "playwright-core";
 
-/** The program that is tested. */
+/** Tested program. */
 export const command = process.env.ONSET_COMMAND ?? "onset";
 
-/** Serves the page; its address, and how to end it. */
+/** Serves the page; returns its address, and a function that ends it. */
 export async function serve(...args) {
   const server = spawn(command, ["explore", "--no-browser", "--port", "0", ...args], { stdio: ["ignore", "pipe", "inherit"] });
   for await (const line of createInterface({ input: server.stdout })) {
@@ -16,7 +16,7 @@ export async function serve(...args) {
   throw new Error("no address was printed");
 }
 
-/** What the command prints as JSON. */
+/** Output of the command as JSON. */
 export const onset = (...args) => JSON.parse(execFileSync(command, [...args, "--json"], { encoding: "utf8", maxBuffer: 1 << 28 }));
 
 /** Arguments of `onset state` for a question. */
@@ -24,7 +24,7 @@ export const argumentsOf = ({ set, stretch }) => ["state", "--stretch", stretch,
 
 const ARGUMENTS = ["--no-sandbox", "--no-zygote", "--in-process-gpu", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"];
 
-/** A browser: the one that ONSET_CHROMIUM names, on Linux that of the packages, elsewhere an installed Chrome; nothing where there is none. */
+/** Browser: ONSET_CHROMIUM if set, on Linux the one of the packages, elsewhere an installed Chrome; null if there is no browser. */
 export async function browser() {
   const own = process.env.ONSET_CHROMIUM;
   try {
