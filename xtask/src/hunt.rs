@@ -86,7 +86,7 @@ const SUBJECTS: &[Subject] = &[
         claim: "an audit finds the fault of a routine that is right except at states of one kind",
         package: "onset-cli",
         program: "command",
-        test: "planted_faults_are_found_at_every_kind_of_states",
+        test: "planted_faults_are_detected_at_every_kind_of_state",
         cases: 300,
     },
     Subject {
@@ -102,7 +102,7 @@ const SUBJECTS: &[Subject] = &[
         claim: "a command that is killed at any call that changes files leaves each file old or new",
         package: "onset-cli",
         program: "command",
-        test: "kill_points_leave_each_file_old_or_new",
+        test: "commands_disturbed_at_any_point_leave_each_file_old_or_new",
         cases: 1_000_000,
     },
     Subject {
@@ -118,7 +118,7 @@ const SUBJECTS: &[Subject] = &[
         claim: "a damaged store is refused, or gives what was stored",
         package: "onset-cli",
         program: "command",
-        test: "damaged_stores_are_refused_or_give_what_was_stored",
+        test: "damaged_stores_are_refused_or_return_the_stored_values",
         cases: 1000,
     },
 ];

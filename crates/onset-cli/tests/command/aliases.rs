@@ -1,14 +1,14 @@
-//! Words and moduli that people type.
+//! Alternative words and moduli as users type them.
 
 use super::{Scratch, assert_close, document, number, onset, onset_line};
 
-/// The verdict and all numbers of an answer, without what was set.
+/// Verdict and all numbers of an answer, without its settings.
 fn numbers_of(line: &str) -> serde_json::Value {
     document(line)["discretization"].clone()
 }
 
 #[test]
-fn words_that_people_type_ask_the_same_as_the_names() {
+fn aliases_give_the_same_answers_as_the_names() {
     for (typed, own) in [
         ("set method=tlsph", "set method=total-lagrangian-sph"),
         ("set method=TLSPH", "set method=total-lagrangian-sph"),
@@ -45,7 +45,7 @@ fn words_that_people_type_ask_the_same_as_the_names() {
 }
 
 #[test]
-fn what_is_effective_is_told_under_its_own_name() {
+fn settings_in_effect_are_listed_under_their_names() {
     let text = onset_line("state --stretch 1.05,0.98 set method=tlsph").stdout;
     assert!(
         text.contains("total-lagrangian-sph") && !text.contains("tlsph"),
@@ -58,7 +58,7 @@ fn what_is_effective_is_told_under_its_own_name() {
 }
 
 #[test]
-fn ambiguous_words_name_what_they_can_be_and_typos_the_nearest() {
+fn ambiguous_words_list_their_meanings_and_typos_the_nearest_name() {
     for (line, facts) in [
         (
             "set method=sph",
@@ -100,7 +100,7 @@ fn ambiguous_words_name_what_they_can_be_and_typos_the_nearest() {
 }
 
 #[test]
-fn files_and_comparisons_take_the_same_words() {
+fn files_and_comparisons_accept_the_same_aliases() {
     let place = Scratch::new("methods.toml");
     let text = "[material]\nmodel = \"neo-hookean\"\nyoung = 2.5\npoisson = 0.25\n[discretization]\nlattice = \"square\"\n\
                 smoothing-length = 1.2\n[compare]\nstates = 2\n[[methods]]\nname = \"a\"\nmethod = \"tlsph\"\n\
@@ -136,7 +136,7 @@ fn the_smoothing_length_follows_the_kernel_and_is_set_once() {
         number(&settings, "/discretization.support/value")
     };
     assert_close(support("set smoothing-length=1.2"), 2.4, 1e-15);
-    // The quintic spline ends at 3 h, in whichever order the two are set.
+    // The quintic spline ends at 3 h, for either order of the two settings.
     assert_close(
         support("set smoothing-length=1.2 set kernel=quintic-spline"),
         3.6,
@@ -162,7 +162,7 @@ fn the_smoothing_length_follows_the_kernel_and_is_set_once() {
 }
 
 #[test]
-fn moduli_set_a_law_and_its_state_says_so() {
+fn moduli_determine_a_law_and_its_state_lists_them() {
     let line = "state --stretch 1,1 --set material.model=neo-hooke --set material.young=210 --set material.poisson=0.3";
     let answer = document(line);
     assert_close(

@@ -25,7 +25,7 @@ fn built_in_laws_pass_under_every_name_of_their_tangent() {
 }
 
 #[test]
-fn a_misnamed_convention_or_strain_is_refused_with_what_there_is() {
+fn a_misnamed_convention_or_strain_is_refused_with_the_available_ones() {
     let answer = onset_line("audit --as cauchy");
     assert_eq!(answer.code, Some(2));
     assert!(
@@ -66,7 +66,7 @@ mod user {
     }
 
     #[test]
-    fn a_umat_that_does_what_abaqus_expects_passes() {
+    fn a_umat_with_the_tangent_of_abaqus_passes() {
         let audit = audited("fortran/blatz_ko.f90", "32", "");
         assert_eq!(audit["consistent"], true, "{audit:#}");
         assert_eq!(
@@ -81,7 +81,7 @@ mod user {
     }
 
     #[test]
-    fn every_convention_that_a_umat_takes_by_mistake_is_named() {
+    fn every_mistaken_convention_of_a_umat_is_identified() {
         const CONVENTIONS: &str = "tests/fortran/conventions.f90";
         for (kind, name) in [
             "jaumann-kirchhoff",
@@ -104,7 +104,7 @@ mod user {
             assert_eq!(identified["convention"], name, "{audit:#}");
             assert_eq!(audit["tangent"]["indistinguishable"], serde_json::json!([]));
             assert_eq!(audit["consistent"], kind == 0);
-            // Nothing but the tangent is at fault.
+            // Only the tangent is at fault.
             for check in ["energy", "objectivity", "closed loops", "symmetry of dP/dF"] {
                 assert_eq!(outcome(&audit, check), "passed");
             }
@@ -112,10 +112,10 @@ mod user {
     }
 
     #[test]
-    fn the_usual_slips_are_named_beside_the_convention() {
+    fn common_mistakes_are_identified_together_with_the_convention() {
         const CONVENTIONS: &str = "tests/fortran/conventions.f90";
         for (kind, slip, key, value) in [
-            // A symmetric tangent cannot show that it is transposed; that of the Cauchy stress can.
+            // For a symmetric tangent transposition has no effect; the tangent of the Cauchy stress can show it.
             (1, 1, "transposed", Value::Bool(true)),
             (0, 2, "shear", "tensor".into()),
             (2, 4, "volume", "times-jacobian".into()),
@@ -133,15 +133,15 @@ mod user {
     }
 
     #[test]
-    fn a_corotational_update_with_its_small_strain_tangent_is_seen_through() {
+    fn a_corotational_update_with_a_small_strain_tangent_is_identified() {
         let history = "--set material.state-variables=1";
         let audit = audited("fortran/j2_plasticity.f90", "200e3,0.3,250,2e3", history);
         assert_eq!(outcome(&audit, "objectivity"), "passed");
         assert_eq!(outcome(&audit, "memory"), "passed");
-        // In one increment the tangent is that of the update: Cauchy stress per logarithmic strain.
+        // In one increment, the tangent of the update: Cauchy stress per logarithmic strain.
         let identified = &audit["tangent"]["identified"];
         assert_eq!(identified["convention"], "logarithmic-strain", "{audit:#}");
-        // In many, that of the last one; it is Jaumann's rate of the Cauchy stress up to the size of the increment.
+        // In many increments, the tangent of the last one: the Jaumann rate of the Cauchy stress, up to the size of the increment.
         let many = format!("{history} --set material.increments=10");
         let audit = audited("fortran/j2_plasticity.f90", "200e3,0.3,250,2e3", &many);
         let identified = &audit["tangent"]["identified"];
@@ -154,7 +154,7 @@ mod user {
                 .expect("an error")
         };
         assert!(error("jaumann-cauchy") < 1e-2 * error("jaumann-kirchhoff"));
-        // It is what it means to be, and lacks what is not in it.
+        // The routine is consistent with its definition, which is not that of a hyperelastic law.
         assert_eq!(audit["consistent"], true, "{audit:#}");
         assert_eq!(outcome(&audit, "tangent"), "noted");
         assert!(number(&audit, "/tangent/small_strain_update") > 0.01);
@@ -170,11 +170,11 @@ mod user {
         audited("tests/fortran/planted.f90", &properties, more)
     }
 
-    /// The kinds of states in the routine that is right elsewhere.
+    /// Number of kinds of states in the routine, which is correct at all others.
     const KINDS: usize = 28;
 
     #[test]
-    fn a_tangent_that_is_wrong_at_one_kind_of_states_is_found_there() {
+    fn a_tangent_that_is_wrong_at_one_kind_of_state_is_detected() {
         let audit = planted(0, 1, 0.9, "");
         assert_eq!(audit["consistent"], true, "{audit:#}");
         for (kind, position) in [
@@ -204,9 +204,9 @@ mod user {
         }
     }
 
-    /// Neither the tangent nor differences of the stress show a stress that jumps at a state; its limit does, with an energy and without.
+    /// Neither the tangent nor differences of the stress show a jump of the stress at a state; one-sided limits do, with or without an energy.
     #[test]
-    fn a_stress_that_jumps_at_a_state_is_found() {
+    fn a_stress_that_jumps_at_a_state_is_detected() {
         for kind in [3, 10] {
             let audit = planted(kind, 4, 1.2, "");
             assert_eq!(outcome(&audit, "continuity"), "failed", "{audit:#}");
@@ -215,7 +215,7 @@ mod user {
     }
 
     #[test]
-    fn a_secant_stiffness_is_named_and_a_nearest_convention_only_where_it_is_nearer() {
+    fn a_secant_stiffness_is_identified_and_a_nearest_convention_only_if_it_is_nearer() {
         let audit = audited("tests/fortran/secant.f90", "2,1,0.01,1", "--strain 0.001");
         assert_eq!(outcome(&audit, "tangent"), "failed");
         assert!(number(&audit, "/tangent/secant") < 1e-3);
@@ -226,7 +226,7 @@ mod user {
 
     /// Faults of random size in a random part, at states of a random kind; `cargo xtask hunt audits` draws more of them.
     #[test]
-    fn planted_faults_are_found_at_every_kind_of_states() {
+    fn planted_faults_are_detected_at_every_kind_of_state() {
         let (seed, cases) = crate::hunt::hunted(12);
         let mut random = crate::Random::new(seed);
         for case in 0..cases {
@@ -238,7 +238,7 @@ mod user {
             let factor = 1.0 + 10f64.powf(-3.0 * random.below(1000) as f64 / 1000.0);
             let strain = format!("--strain {}", [0.01, 0.05, 0.1, 0.25, 0.5][random.below(5)]);
             let audit = planted(kind, part, factor, &strain);
-            // A state without stress and energy hides that they are multiplied.
+            // A state without stress and energy hides a factor on them.
             let is_hidden = kind == 0 || (part >= 4 && kind <= 2);
             assert_eq!(
                 audit["consistent"], is_hidden,
@@ -247,9 +247,9 @@ mod user {
         }
     }
 
-    /// `SSE` per current volume, as Abaqus takes it, and per reference volume: both are the energy of the stress.
+    /// `SSE` per current volume, as Abaqus defines it, and per reference volume: both are the energy of the stress.
     #[test]
-    fn both_readings_of_sse_are_taken_and_told() {
+    fn both_readings_of_sse_are_accepted_and_reported() {
         const CONVENTIONS: &str = "tests/fortran/conventions.f90";
         for (slips, reading) in [("0", "per current volume"), ("16", "per reference volume")] {
             let audit = audited(CONVENTIONS, &format!("32,0,{slips}"), "");
@@ -262,9 +262,9 @@ mod user {
         }
     }
 
-    /// Yield is at a strain of 0.00125: differences reach across it.
+    /// Yield is at a strain of 0.00125, within the range of the differences.
     #[test]
-    fn near_yield_a_tangent_is_undetermined_and_not_wrong() {
+    fn near_yield_the_tangent_is_undetermined_and_not_wrong() {
         let near = "--set material.state-variables=1 --strain 0.001";
         let audit = audited("fortran/j2_plasticity.f90", "200e3,0.3,250,2e3", near);
         assert_eq!(outcome(&audit, "tangent"), "undetermined", "{audit:#}");
@@ -278,20 +278,20 @@ mod user {
     }
 
     #[test]
-    fn what_is_kept_between_calls_is_found() {
+    fn data_kept_between_calls_are_detected() {
         let audit = audited("tests/fortran/hostile.f90", "10,4,9", "");
         assert_eq!(outcome(&audit, "memory"), "failed");
-        // A stress that changes between calls has no derivative, so nothing is said about the tangent.
+        // A stress that changes between calls has no derivative, so that the tangent is not assessed.
         assert_eq!(audit["tangent"]["identified"], Value::Null);
         let audit = audited("tests/fortran/hostile.f90", "10,4,0", "");
         assert_eq!(outcome(&audit, "memory"), "passed");
         assert_eq!(outcome(&audit, "energy"), "noted", "no energy is reported");
-        // Cauchy stress linear in the logarithmic strain has no energy.
+        // A Cauchy stress linear in the logarithmic strain has no energy.
         assert_eq!(outcome(&audit, "closed loops"), "failed");
     }
 
     #[test]
-    fn a_crash_during_an_audit_is_told_and_a_convention_of_a_umat_is_not_chosen() {
+    fn a_crash_during_an_audit_is_reported_and_the_convention_of_a_umat_cannot_be_chosen() {
         let line = format!("audit {}", set("tests/fortran/hostile.f90", "10,4,1"));
         let answer = onset_line(&line);
         assert_eq!(answer.code, Some(2));

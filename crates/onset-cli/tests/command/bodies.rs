@@ -2,7 +2,7 @@
 
 use super::{Written, assert_close, document, number, onset, onset_line};
 
-/// A free block of corrected total-Lagrangian SPH. `validation/bodies.json` has its critical step.
+/// A free block of corrected total-Lagrangian SPH. Its critical step is in `validation/bodies.json`.
 const BLOCK: &str = "[material]\nmodel = 'neo-hooke'\nyoung = 1.0\npoisson = 0.45\n\
                      [discretization]\nmethod = 'total-lagrangian-sph'\nlattice = 'square'\nkernel = 'cubic-spline'\n\
                      support = 2.6\ncorrected = true\npenalty = 0.1\n[body]\nshape = 'block'\nsize = [20, 20]\n";
@@ -10,7 +10,7 @@ const STEP: f64 = 0.6718397769;
 const LATTICE: &str = "infinite lattice; free faces and distorted cells need less";
 
 #[test]
-fn a_state_tells_the_step_of_the_lattice_of_finite_bodies_and_of_the_body() {
+fn a_state_reports_the_steps_of_the_lattice_of_finite_bodies_and_of_the_body() {
     let file = Written::new("block.toml", BLOCK);
     let answer = document(&format!("state {} --stretch 1,1", &*file));
     let own = &answer["discretization"];
@@ -32,8 +32,8 @@ fn a_state_tells_the_step_of_the_lattice_of_finite_bodies_and_of_the_body() {
 }
 
 #[test]
-fn elements_bound_the_steps_of_bodies_of_them() {
-    // One square with full integration: omega^2 = c^2/h^2 * 4/(1 - nu), attained by a body of one.
+fn the_element_step_bounds_the_steps_of_finite_element_bodies() {
+    // One square with full integration: omega^2 = c^2/h^2 * 4/(1 - nu), attained by a body of one element.
     for nu in [0.3_f64, 0.45, 0.49] {
         let line = format!(
             "state --stretch 1,1 set method=fem set mesh=quadrilaterals --set material.model=neo-hooke --set material.young=1 --set material.poisson={nu}"
@@ -47,7 +47,7 @@ fn elements_bound_the_steps_of_bodies_of_them() {
 }
 
 #[test]
-fn a_limit_is_that_of_the_body() {
+fn the_limit_accounts_for_the_body() {
     let file = Written::new("block.toml", BLOCK);
     let line = format!("limit {} --time-step 1 --vary material.young", &*file);
     let answer = document(&line);
@@ -64,7 +64,7 @@ fn a_limit_is_that_of_the_body() {
 }
 
 #[test]
-fn a_run_and_a_check_have_the_step_of_a_state() {
+fn run_and_check_use_the_step_of_the_state() {
     let file = Written::new("block.toml", BLOCK);
     let run = document(&format!("simulate {} --steps 1", &*file));
     let step = number(&run, "/critical_time_step");
@@ -82,7 +82,7 @@ fn a_run_and_a_check_have_the_step_of_a_state() {
 }
 
 #[test]
-fn the_method_of_a_study_without_axes_is_compared() {
+fn a_study_without_axes_can_be_compared() {
     let file = Written::new("block.toml", BLOCK);
     for command in ["compare", "recommend"] {
         let answer = document(&format!("{command} {} --set compare.states=2", &*file));
@@ -96,7 +96,7 @@ fn the_method_of_a_study_without_axes_is_compared() {
 }
 
 #[test]
-fn a_body_that_the_method_has_not_is_refused_by_every_question() {
+fn a_body_is_refused_by_every_command_for_methods_without_bodies() {
     let text =
         "[discretization]\nmethod = 'peridynamics'\n[body]\nshape = 'block'\nsize = [9, 9]\n";
     let file = Written::new("block.toml", text);
@@ -117,7 +117,7 @@ fn a_body_that_the_method_has_not_is_refused_by_every_question() {
 }
 
 #[test]
-fn the_spacing_of_material_points_is_that_of_cells() {
+fn the_spacing_of_material_points_is_the_cell_size() {
     let line = "state --stretch 1,1 set method=mpm set spacing=0.5";
     let answer = document(line);
     let own = &answer["discretization"];

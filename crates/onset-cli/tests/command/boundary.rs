@@ -24,7 +24,7 @@ fn document(path: &Path) -> Value {
 }
 
 #[test]
-fn a_long_smooth_boundary_is_followed_to_its_ends() {
+fn a_long_smooth_boundary_is_traced_to_its_ends() {
     let study = concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../../studies/shear-stretch.toml"
@@ -33,7 +33,7 @@ fn a_long_smooth_boundary_is_followed_to_its_ends() {
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     let summary: Value = serde_json::from_str(&answer.stdout).expect("one JSON document");
     assert_eq!(summary["is_complete"], true);
-    // That of a Lagrangian kernel is the material's.
+    // The boundary of a Lagrangian kernel agrees with the material's.
     assert_eq!(summary["curves"].as_array().map(Vec::len), Some(2));
     assert!(number(&summary, "/fidelity/hausdorff/distance") < 1e-4);
     let text = onset(&["boundary", study]).stdout;
@@ -44,8 +44,8 @@ fn a_long_smooth_boundary_is_followed_to_its_ends() {
 }
 
 #[test]
-fn the_phases_of_a_window_without_boundaries_are_told() {
-    // Kernels that keep their support lose all neighbors.
+fn a_window_without_boundaries_reports_its_phases() {
+    // Kernels with a fixed support lose all neighbors.
     let wide = LAGRANGIAN.replace("[0.6, 2.4]", "[3.0, 3.2]");
     let lost = "--set=discretization.frame=eulerian";
     let (answer, _folder) = traced(&wide, &[lost]);
@@ -61,7 +61,7 @@ fn the_phases_of_a_window_without_boundaries_are_told() {
     let stable = serde_json::json!({ "material": "stable", "discretization": "stable" });
     assert_eq!(summary["throughout"], stable);
     assert_eq!(summary["notes"], serde_json::json!([]));
-    // What `stable` does not say.
+    // A fact that `stable` does not cover.
     let nodal = "--set=discretization.quadrature=nodal";
     let (answer, _folder) = traced(LAGRANGIAN, &[nodal]);
     assert!(
@@ -82,7 +82,7 @@ fn the_phases_of_a_window_without_boundaries_are_told() {
 }
 
 #[test]
-fn a_lagrangian_kernel_is_as_faithful_as_bracketing_can_tell() {
+fn a_lagrangian_kernel_is_faithful_to_the_accuracy_of_bracketing() {
     let (answer, folder) = traced(LAGRANGIAN, &["--json"]);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     assert_eq!(answer.stderr, "");
@@ -109,11 +109,11 @@ fn a_lagrangian_kernel_is_as_faithful_as_bracketing_can_tell() {
         let line = feature["geometry"]["coordinates"]
             .as_array()
             .expect("points");
-        // From the right edge of the window to its upper edge, or back.
+        // From the right edge of the window to its upper edge, or in the other direction.
         let ends = [&line[0], &line[line.len() - 1]];
         assert!(ends.iter().all(|end| end[0] == 2.4 || end[1] == 2.4));
     }
-    // The study that was traced can be read back.
+    // The traced study can be read back.
     let study = collection["study"].as_str().expect("the study");
     assert!(study.contains("quantity = \"stretch-1\""));
 
@@ -134,7 +134,7 @@ fn a_lagrangian_kernel_is_as_faithful_as_bracketing_can_tell() {
 }
 
 #[test]
-fn any_two_axes_will_do() {
+fn boundaries_are_traced_for_any_two_axes() {
     let text = "[discretization]\nframe = 'eulerian'\ncurrent-lattice = 'regular'\n[state]\nstretch-2 = 0.9\n\
                 [[axes]]\nquantity = 'stretch-1'\nrange = [0.8, 1.2]\nstates = 8\n\
                 [[axes]]\nquantity = 'discretization.support'\nrange = [1.7, 2.1]\nstates = 8\n";
@@ -147,12 +147,12 @@ fn any_two_axes_will_do() {
     );
     let collection = document(&folder.join("boundary.geojson"));
     assert_eq!(collection["axes"][1]["name"], "discretization.support");
-    // Stretches are no axes both: there are no rays.
+    // The axes are not both stretches, so that there are no rays.
     assert_eq!(collection["fidelity"]["rays"], Value::Null);
 }
 
 #[test]
-fn what_cannot_be_traced_is_refused_with_a_hint() {
+fn studies_that_cannot_be_traced_are_refused_with_a_hint() {
     let three =
         format!("{LAGRANGIAN}[[axes]]\nquantity = 'shear'\nrange = [0.0, 1.0]\nstates = 4\n");
     let (answer, _) = traced(&three, &[]);
@@ -164,7 +164,7 @@ fn what_cannot_be_traced_is_refused_with_a_hint() {
 }
 
 #[test]
-fn a_place_that_cannot_be_written_is_a_failure_of_the_machine() {
+fn an_unwritable_folder_is_a_failure_of_the_machine() {
     let folder = Scratch::new("boundary-file");
     std::fs::write(&folder, "a file").expect("a file");
     let study = Scratch::new("boundary-study");
@@ -180,7 +180,7 @@ fn a_place_that_cannot_be_written_is_a_failure_of_the_machine() {
 }
 
 #[test]
-fn a_file_in_the_place_of_the_folder_is_told_before_any_curve_is_traced() {
+fn a_file_in_place_of_the_folder_is_reported_before_any_curve_is_traced() {
     let folder = Scratch::new("boundary-file");
     std::fs::create_dir_all(&folder).expect("a folder");
     let file = folder.join("taken");
@@ -195,7 +195,7 @@ fn a_file_in_the_place_of_the_folder_is_told_before_any_curve_is_traced() {
     assert_eq!(std::fs::read_to_string(&file).expect("the file"), "mine");
 }
 
-/// What `onset state` says of the particles at a state of [`FLUTTERING`] ones.
+/// Stability in `onset state` for the particles [`FLUTTERING`].
 fn stability(state: [f64; 2]) -> &'static str {
     let stretch = format!("{:?},{:?}", state[0], state[1]);
     let mut arguments = vec!["state", "--json", "--stretch", &stretch];
@@ -224,7 +224,7 @@ const FLUTTERING: [&str; 4] = [
 ];
 
 #[test]
-fn flutter_is_told_from_divergence_on_both_sides_of_its_boundaries() {
+fn flutter_is_distinguished_from_divergence_on_both_sides_of_its_boundaries() {
     let text = "[[axes]]\nquantity = 'stretch-1'\nrange = [0.7, 1.15]\nstates = 8\n\
                 [[axes]]\nquantity = 'stretch-2'\nrange = [0.7, 1.15]\nstates = 8\n";
     let mut more = vec!["--flutter"];
@@ -243,7 +243,7 @@ fn flutter_is_told_from_divergence_on_both_sides_of_its_boundaries() {
             .as_array()
             .expect("points");
         let point = |n: usize| [0, 1].map(|axis| line[n][axis].as_f64().expect("a number"));
-        // In the middle of the curve, a little to the left and to the right of it.
+        // At the middle of the curve, slightly to the left and to the right.
         let (from, to) = (point(line.len() / 2), point(line.len() / 2 + 1));
         let along = [to[0] - from[0], to[1] - from[1]];
         let length = along[0].hypot(along[1]);

@@ -1,4 +1,4 @@
-//! `onset state --certify` and certified maps: what is proved, and that it goes before what the search says.
+//! `onset state --certify` and certified maps: proofs, and their precedence over the search.
 
 use crate::map::{Place, flags, numbers, opened};
 use crate::{document, number, onset_line};
@@ -7,7 +7,7 @@ use crate::{document, number, onset_line};
 const EULERIAN: &str = "set frame=eulerian set current-lattice=regular";
 
 #[test]
-fn a_stable_state_comes_with_a_bound_below_what_the_search_finds() {
+fn a_stable_state_is_certified_by_a_bound_below_the_result_of_the_search() {
     let line = format!("state --stretch 0.9,0.9 --certify {EULERIAN} set support=1.9");
     let state = document(&line);
     assert_eq!(state["verdict"], "stable");
@@ -28,7 +28,7 @@ fn a_stable_state_comes_with_a_bound_below_what_the_search_finds() {
 }
 
 #[test]
-fn an_unstable_state_comes_with_a_wave_that_grows() {
+fn an_unstable_state_is_certified_by_a_growing_wave() {
     let line = "state --stretch 1.2,1.0 --certify set frame=eulerian";
     let state = document(line);
     assert_eq!(state["verdict"], "numerical");
@@ -44,8 +44,8 @@ fn an_unstable_state_comes_with_a_wave_that_grows() {
 }
 
 #[test]
-fn a_material_that_is_elliptic_in_the_plane_only_is_said_and_proved_to_be_so() {
-    // Between the stretches of the plane the ratio is one; to the third one it is beyond 2 + sqrt 3.
+fn a_material_that_is_elliptic_only_in_the_plane_is_reported_and_proved_as_such() {
+    // The ratio is one between the in-plane stretches, and above 2 + sqrt 3 to the third stretch.
     let line = "state --stretch 0.25,0.25 --set material.model=blatz-ko --certify";
     let state = document(line);
     assert_eq!(state["material"]["elliptic"], true);
@@ -54,7 +54,7 @@ fn a_material_that_is_elliptic_in_the_plane_only_is_said_and_proved_to_be_so() {
     let value = number(space, "/minimum_acoustic_eigenvalue");
     let bound = number(space, "/bound");
     assert!(value < 0.0 && bound <= value && bound > 1.001 * value);
-    // Neither the normal nor the polarization lies in the plane or across it: a band through the thickness.
+    // Neither the normal nor the polarization lies in the plane or normal to it: a band through the thickness.
     for vector in ["direction", "polarization"] {
         let across = number(space, &format!("/{vector}/2")).abs();
         assert!(across > 0.01 && across < 0.9999, "{vector}: {across}");
@@ -78,7 +78,7 @@ fn a_material_that_is_elliptic_in_the_plane_only_is_said_and_proved_to_be_so() {
 }
 
 #[test]
-fn a_proof_is_made_only_when_asked_for() {
+fn a_proof_is_attempted_only_on_request() {
     assert!(
         document("state --stretch 1.2,1.0")
             .get("certificate")
@@ -91,7 +91,7 @@ fn a_proof_is_made_only_when_asked_for() {
 }
 
 #[test]
-fn a_pocket_of_flutter_that_the_search_misses_is_proved_and_corrects_the_verdict() {
+fn a_pocket_of_flutter_missed_by_the_search_is_proved_and_corrects_the_verdict() {
     let line =
         format!("state --stretch 1.7075,0.5825 {EULERIAN} set support=1.6 set linearization=paper");
     assert_eq!(document(&line)["verdict"], "stable");
@@ -104,7 +104,7 @@ fn a_pocket_of_flutter_that_the_search_misses_is_proved_and_corrects_the_verdict
     assert!(number(proof, "/witness/measure/0") > 0.0, "flutter");
     assert!(number(proof, "/witness/growth_rate") > 1e-4);
 
-    // The same in a map of which it is one state.
+    // A map that contains this state gives the same result.
     let place = Place::new(
         "[discretization]\nframe = 'eulerian'\ncurrent-lattice = 'regular'\nsupport = 1.6\nlinearization = 'paper'\n\
          [[axes]]\nquantity = 'stretch-1'\nrange = [1.7025, 1.7325]\nstates = 3\n\
@@ -118,10 +118,10 @@ fn a_pocket_of_flutter_that_the_search_misses_is_proved_and_corrects_the_verdict
     let (verdicts, stabilities) = (flags(&store, "verdict"), flags(&store, "stability"));
     let marks = flags(&store, "corrected");
     let rates = numbers(&store, "growth_rate");
-    // Kernel, flutter.
+    // Numerical verdict, flutter.
     assert_eq!((verdicts[0], stabilities[0], marks[0]), (3, 1, 1));
     assert!(rates[0] > 0.0);
-    // What was stored is counted as what was computed.
+    // Stored states are counted like computed ones.
     let resumed = place.document("a.zarr", "--resume");
     assert_eq!(resumed["proofs"], map["proofs"]);
 }
@@ -202,7 +202,7 @@ fn lagrangian_nodal_quadrature_is_proved_to_have_zero_energy_modes() {
 }
 
 #[test]
-fn a_figure_shows_what_is_proved_only_of_a_certified_map() {
+fn figures_show_proofs_of_certified_maps_only() {
     let text = "[[axes]]\nquantity = 'stretch-1'\nrange = [0.9, 3.0]\nstates = 4\n\
                 [[axes]]\nquantity = 'stretch-2'\nrange = [0.9, 3.0]\nstates = 4\n";
     for certify in [true, false] {
@@ -225,9 +225,9 @@ fn a_figure_shows_what_is_proved_only_of_a_certified_map() {
     }
 }
 
-/// Laws of principal stretches are proved to be elliptic in any axes, also where stretches are equal.
+/// Laws in principal stretches are proved to be elliptic in any axes, also at equal stretches.
 #[test]
-fn hencky_is_proved_to_be_elliptic() {
+fn the_hencky_law_is_proved_to_be_elliptic() {
     let law = "--certify --set material.model=hencky --set material.mu=1 --set material.kappa=2";
     for state in [
         "--deformation-gradient=1.4,0.1,0.1,0.9",

@@ -7,7 +7,7 @@ const STUDY: &str = "title = \"a title\"\n\
     [[axes]]\nquantity = \"stretch-1\"\nrange = [0.8, 1.2]\nstates = 20\n\
     [[axes]]\nquantity = \"discretization.support\"\nrange = [1.4, 1.8]\nstates = 10\n";
 
-/// A study with a text.
+/// Study with the given text.
 fn written(text: impl AsRef<[u8]>) -> Written {
     Written::new("study.toml", text)
 }
@@ -45,7 +45,7 @@ fn a_valid_study_is_summarized() {
 }
 
 #[test]
-fn the_document_says_the_same_as_the_text() {
+fn the_document_agrees_with_the_text() {
     let file = written(STUDY);
     let answer = onset(&["check", "--json", &file]);
     let entries: Value = serde_json::from_str(&answer.stdout).expect("one JSON document");
@@ -67,7 +67,7 @@ fn the_document_says_the_same_as_the_text() {
 }
 
 #[test]
-fn states_without_support_are_warned_about_and_keys_without_effect_refused() {
+fn states_without_support_give_a_warning_and_keys_without_effect_are_refused() {
     // A support of fixed size loses its neighbors in strong tension.
     let study = STUDY.replace("[0.8, 1.2]", "[1.0, 4.0]");
     let file = written(format!("discretization.frame = \"eulerian\"\n{study}"));
@@ -88,7 +88,7 @@ fn states_without_support_are_warned_about_and_keys_without_effect_refused() {
 }
 
 #[test]
-fn a_wrong_study_ends_with_code_2_and_its_place() {
+fn an_invalid_study_ends_with_code_2_and_the_position_of_the_error() {
     let file = written(STUDY.replace("stretch-1", "strech-1"));
     let answer = onset(&["check", &file]);
     assert_eq!((answer.code, answer.stdout.as_str()), (Some(2), ""));
@@ -102,7 +102,7 @@ fn a_wrong_study_ends_with_code_2_and_its_place() {
 }
 
 #[test]
-fn every_file_is_told_about_behind_a_wrong_one() {
+fn files_after_an_invalid_one_are_checked_too() {
     let (wrong, good) = (written(""), written(STUDY));
     let text = onset(&["check", &wrong, &good]);
     assert_eq!(text.code, Some(2));
@@ -160,7 +160,7 @@ fn assignments_are_checked_with_the_study() {
 }
 
 #[test]
-fn the_gallery_is_valid_for_the_command() {
+fn the_gallery_contains_valid_studies() {
     let names = [
         "support-against-stretch",
         "lattice-rotation",
@@ -180,7 +180,7 @@ fn the_gallery_is_valid_for_the_command() {
 }
 
 #[test]
-fn the_schema_is_printed_as_it_is_kept() {
+fn the_printed_schema_agrees_with_the_file() {
     let answer = onset(&["schema"]);
     assert_eq!((answer.code, answer.stderr.as_str()), (Some(0), ""));
     let path = format!(

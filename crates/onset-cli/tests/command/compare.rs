@@ -3,13 +3,13 @@
 use super::{Scratch, number, onset};
 use serde_json::Value;
 
-/// The comparison of methods in the plane that comes with the program, on a few states.
+/// Built-in comparison of methods in 2D, on a few states.
 const PLANE: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
     "/../../comparisons/methods-2d.toml"
 );
 
-/// A comparison written to a file of its own, with what the command says to it.
+/// Comparison written to a separate file, with the command's answer.
 fn compared(text: &str, more: &[&str]) -> (super::Answer, Scratch) {
     let folder = Scratch::new("compare");
     std::fs::create_dir_all(&folder).expect("a folder");
@@ -36,7 +36,7 @@ fn assert_refused(text: &str, facts: &[&str]) {
 }
 
 #[test]
-fn twenty_methods_stand_in_one_table() {
+fn twenty_methods_are_compared_in_one_table() {
     let folder = Scratch::new("twenty");
     let out = folder.display().to_string();
     let arguments = ["compare", PLANE, "--set", "compare.states=2", "--out", &out];
@@ -57,7 +57,7 @@ fn twenty_methods_stand_in_one_table() {
 }
 
 #[test]
-fn a_method_that_cannot_be_evaluated_says_why_in_its_row() {
+fn the_row_of_a_method_that_cannot_be_evaluated_gives_the_reason() {
     let text = "[[methods]]\nname = 'good'\n[[methods]]\nname = 'lonely, \"far\"'\nsupport = 0.5\n";
     let (answer, folder) = compared(text, &["--json"]);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
@@ -73,7 +73,7 @@ fn a_method_that_cannot_be_evaluated_says_why_in_its_row() {
 }
 
 #[test]
-fn without_any_method_that_can_be_evaluated_the_input_is_wrong() {
+fn a_comparison_without_any_method_that_can_be_evaluated_is_refused() {
     assert_refused(
         "[[methods]]\nname = 'lonely'\nsupport = 0.5\n",
         &[
@@ -86,7 +86,7 @@ fn without_any_method_that_can_be_evaluated_the_input_is_wrong() {
 }
 
 #[test]
-fn comparisons_that_are_wrong_are_refused_with_the_place() {
+fn invalid_comparisons_are_refused_with_the_position_of_the_error() {
     let one = |more: &str| format!("[[methods]]\nname = 'a'\n{more}\n");
     for (text, facts) in [
         (String::new(), vec!["1:1", "no methods", "[[methods]]"]),
@@ -149,7 +149,7 @@ fn comparisons_that_are_wrong_are_refused_with_the_place() {
 }
 
 #[test]
-fn a_wrong_assignment_to_a_comparison_names_the_key_that_was_meant() {
+fn a_misspelled_key_in_an_assignment_to_a_comparison_gets_a_suggestion() {
     for (assignment, fact) in [
         ("compare.stats=3", "did you mean `compare.states`"),
         ("compare.stretches=2,1", "two positive numbers"),
@@ -166,7 +166,7 @@ fn a_wrong_assignment_to_a_comparison_names_the_key_that_was_meant() {
 }
 
 #[test]
-fn keys_that_a_family_does_read_are_taken() {
+fn keys_that_a_family_of_methods_reads_are_accepted() {
     let text = "[discretization]\nquadrature = 'nodal'\n[[methods]]\nname = 'c'\n\
                 [[methods]]\nname = 'a'\nmethod = 'updated-sph'\nsupport-size = 'scaled'\n\
                 [[methods]]\nname = 'b'\nmethod = 'finite-elements'\nintegration = 'one-point'\nhourglass-stiffness = 0.1\n";
@@ -196,7 +196,7 @@ fn the_recommended_method_has_no_spurious_modes() {
         .expect("its row");
     assert_eq!(row["measured"]["zero_modes"], 0);
     assert!(number(row, "/measured/weakest") >= 0.1);
-    // Nodal integration is excluded for its modes.
+    // Nodal integration is excluded for its zero-energy modes.
     let ranking = document["ranking"].as_array().expect("a ranking");
     let nodal = ranking
         .iter()
@@ -205,7 +205,7 @@ fn the_recommended_method_has_no_spurious_modes() {
 }
 
 #[test]
-fn windows_that_are_none_are_refused() {
+fn invalid_windows_are_refused() {
     for window in ["2,1", "0.8", "-1,2", "0,1", "a,b"] {
         let answer = onset(&["recommend", "--stretches", window]);
         assert_eq!(answer.code, Some(2), "{window}");

@@ -12,7 +12,7 @@ fn criterion<'a>(loading: &'a Value, name: &str) -> &'a Value {
 }
 
 #[test]
-fn criteria_of_a_bar_are_told_with_their_limits_and_waves() {
+fn criteria_of_a_bar_are_printed_with_their_limits_and_waves() {
     let answer = document(&format!("criteria {BLATZ_KO} --mode uniaxial"));
     assert_eq!(answer["loadings"].as_array().expect("a list").len(), 3);
     let bar = &answer["loadings"][0];
@@ -42,7 +42,7 @@ fn criteria_of_a_bar_are_told_with_their_limits_and_waves() {
 }
 
 #[test]
-fn criteria_draw_a_figure_where_it_is_asked_for() {
+fn criteria_draw_a_figure_on_request() {
     let folder = Scratch::new("criteria");
     let place = folder.display().to_string();
     let answer = onset(&[
@@ -62,7 +62,7 @@ fn criteria_draw_a_figure_where_it_is_asked_for() {
 }
 
 #[test]
-fn a_card_is_one_page_without_references_to_anything_else() {
+fn a_card_is_a_self_contained_page() {
     let folder = Scratch::new("card");
     let place = folder.display().to_string();
     let answer = document(&format!("card {BLATZ_KO} --out {place}"));
@@ -84,7 +84,7 @@ fn a_card_is_one_page_without_references_to_anything_else() {
 }
 
 #[test]
-fn wrong_ranges_modes_and_laws_are_refused() {
+fn invalid_ranges_modes_and_laws_are_refused() {
     for (arguments, fact) in [
         (vec!["criteria", "--range", "2,3"], "around 1"),
         (vec!["criteria", "--range", "2"], "0.1,10"),
@@ -106,14 +106,14 @@ fn wrong_ranges_modes_and_laws_are_refused() {
     }
 }
 
-/// A block in a file of its own.
+/// Input block in a separate file.
 fn block(name: &str, text: &str) -> Written {
     Written::new(&format!("{name}.inp"), text)
 }
 
-/// Treloar's rubber in the constants of Abaqus, `mu_i alpha_i / 2` of Ogden's, is the default of `ogden`.
+/// Treloar's rubber with the constants of Abaqus, `mu_i alpha_i / 2` in Ogden's, is the default of `ogden`.
 #[test]
-fn a_block_of_abaqus_is_the_same_law_as_ogdens_constants() {
+fn a_block_of_abaqus_is_the_law_with_the_constants_of_ogden() {
     let text = "** Treloar\n*MATERIAL, NAME=RUBBER\n*Hyperelastic, n=3, OGDEN\n0.40157, 1.3, 0.0029425, 5.0, 0.009807, -2.0, 0.02, 0.0\n0.0\n*DENSITY\n1e-9\n";
     let file = block("abaqus-ogden", text);
     let read = document(&format!("criteria {file} --from abaqus --mode equibiaxial"));
@@ -184,7 +184,7 @@ fn incompressible_response_has_surfaces_and_no_pressure() {
 }
 
 #[test]
-fn a_limit_along_jumps_is_told_to_be_an_upper_bound() {
+fn a_limit_along_jumps_is_reported_as_an_upper_bound() {
     let arguments = [
         "criteria",
         "--set",
@@ -209,7 +209,7 @@ fn a_limit_along_jumps_is_told_to_be_an_upper_bound() {
 }
 
 #[test]
-fn blocks_that_determine_no_law_are_refused_with_their_line() {
+fn blocks_that_determine_no_law_are_refused_with_the_line_number() {
     for (name, program, text, fact) in [
         (
             "none",
@@ -302,9 +302,9 @@ fn blocks_that_determine_no_law_are_refused_with_their_line() {
     );
 }
 
-/// At its defaults the command finds what was found elsewhere, or earlier ones.
+/// With default settings the command finds this limit or an earlier one.
 #[test]
-fn jumps_at_the_limit_of_no_volume_are_followed_whatever_the_range() {
+fn jumps_to_zero_volume_are_followed_for_any_range() {
     for (law, limit) in [("cubic-crystal", 0.969_65), ("fung", 0.952_13)] {
         let answer = document(&format!(
             "criteria --set material.model={law} --mode hydrostatic"
@@ -329,7 +329,7 @@ fn jumps_at_the_limit_of_no_volume_are_followed_whatever_the_range() {
 }
 
 #[test]
-fn a_card_tells_every_limit_with_nominal_strain_and_stress() {
+fn a_card_lists_every_limit_with_nominal_strain_and_stress() {
     let card = document(&format!("card {BLATZ_KO} --mode uniaxial"));
     let bar = &card["loadings"][0];
     let limit = |name: &str| criterion(bar, name);
@@ -360,8 +360,8 @@ fn a_card_tells_every_limit_with_nominal_strain_and_stress() {
 }
 
 #[test]
-fn limits_where_free_faces_branch_have_the_stress_close_before() {
-    // Waves along the faces stop where a second state with free faces branches off, and states of the path end.
+fn limits_at_a_branching_of_free_faces_have_the_stress_just_before() {
+    // Waves along the faces lose stability where a second state with free faces branches off, and the path ends there.
     let card = document(
         "card --set material.model=ogden --set material.mu3=0.8479413870763222 --set material.mu5=0.6401741403941579 \
          --set material.mu6=6.0021899710915445 --set material.alpha6=0.9981311104709767 --set material.kappa=0.7291015901767021 --mode uniaxial",
@@ -372,7 +372,7 @@ fn limits_where_free_faces_branch_have_the_stress_close_before() {
 }
 
 #[test]
-fn an_incompressible_card_has_limits_and_no_boxes() {
+fn a_card_of_an_incompressible_law_has_limits_and_no_boxes() {
     let card = document("card --set material.model=ogden --incompressible --mode equibiaxial");
     assert_eq!(card["material"]["incompressible"], true);
     assert!(card["symmetric_box"].is_null() && card["widest_box"].is_null());
@@ -382,7 +382,7 @@ fn an_incompressible_card_has_limits_and_no_boxes() {
 }
 
 #[test]
-fn kinks_are_warned_of() {
+fn kinks_give_a_warning() {
     let energy = "mu/2*(I1bar - 3) + if(I1bar > 3.5, 2*(I1bar - 3.5)^2, 0) + 50*(J - 1)^2";
     let arguments = [
         "card",
@@ -410,9 +410,9 @@ fn kinks_are_warned_of() {
     }
 }
 
-/// With `W = 10 (I1 - 3 - 2 ln J) + 20 (J - 1)^2 + f(J)` all jumps lie at `J = 1.2`.
+/// With `W = 10 (I1 - 3 - 2 ln J) + 20 (J - 1)^2 + f(J)` all jumps are at `J = 1.2`.
 #[test]
-fn jumps_of_a_law_are_told_for_what_they_are_in_every_loading() {
+fn jumps_of_a_law_are_classified_in_every_loading() {
     let smooth = "10*(I1-3-2*ln(J)) + 20*(J-1)^2";
     let [held, equal, hydrostatic] = [1.0, 0.5, 1.0 / 3.0].map(|power| 1.2_f64.powf(power));
     let tension = |answer: &Value, title: &str| -> (Value, Option<f64>) {
@@ -422,7 +422,7 @@ fn jumps_of_a_law_are_told_for_what_they_are_in_every_loading() {
         let limit = &criterion(own, "rank-one-convexity")["tension"]["limit"];
         (own["kinks"].clone(), limit.as_f64())
     };
-    // A concave kink of size c is crossed with gain from (J - J0) < c/(2 q) before, q the stiffness along the jump.
+    // A concave kink of size c can be crossed with a gain from (J - J0) < c/(2 q), where q is the stiffness along the jump.
     for (term, kind, size, lost) in [
         ("+ 2*macaulay(J-1.2)", "jump-of-stress", 2.0, None),
         ("- 2*macaulay(J-1.2)", "jump-of-stress", -2.0, Some(true)),
@@ -467,7 +467,7 @@ fn jumps_of_a_law_are_told_for_what_they_are_in_every_loading() {
     }
 }
 
-/// A table of one test in a block of Abaqus.
+/// Table of one test in an input block of Abaqus.
 const TABLE: &str = "*HYPERELASTIC, MARLOW, POISSON=0.49\n*UNIAXIAL TEST DATA\n0.155, 0.1338\n0.2433, 0.2675\n0.4217, 0.3567\n0.6, 0.6242\n";
 
 #[test]
@@ -500,7 +500,7 @@ fn a_card_of_a_table_has_a_short_title() {
 }
 
 #[test]
-fn a_block_of_another_program_is_known_without_its_name() {
+fn a_block_of_another_program_is_recognized_without_naming_the_program() {
     for (name, text, program) in [
         ("marlow", TABLE, "abaqus"),
         (
@@ -520,14 +520,14 @@ fn a_block_of_another_program_is_known_without_its_name() {
         let hint = format!("hint: add --from {program}");
         assert!(answer.stderr.contains(&hint), "{}", answer.stderr);
     }
-    // A wrong study is told as such.
+    // An invalid study is reported as a study.
     let study = block("study", "[material]\nmodell = \"ogden\"\n");
     let answer = onset(&["card", &study]);
     assert!(answer.stderr.contains("did you mean"), "{}", answer.stderr);
 }
 
 #[test]
-fn tables_have_plain_numbers_in_straight_columns_and_constants_in_their_order() {
+fn tables_have_plain_numbers_in_aligned_columns_and_constants_in_order() {
     let card = onset(&[
         "card",
         "--set",

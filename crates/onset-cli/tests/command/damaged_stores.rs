@@ -1,5 +1,4 @@
-//! Stores with any damage, or made by somebody who means harm: nothing is believed that is not what onset wrote, in little memory and
-//! time.
+//! Stores with arbitrary damage, or forged with malicious intent: only content written by onset is accepted, within limits of memory and time.
 
 use crate::hunt::hunted;
 use crate::map::{Place, STUDY};
@@ -10,7 +9,7 @@ use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What is at a path.
+/// Entry of a folder.
 #[derive(Clone, PartialEq)]
 enum Entry {
     File(Vec<u8>),
@@ -19,7 +18,7 @@ enum Entry {
     Other,
 }
 
-/// Everything below a folder; nothing is followed or waited for.
+/// Entries below a folder; links are not followed, and special files not opened.
 fn snapshot(folder: &Path) -> BTreeMap<PathBuf, Entry> {
     let mut found = BTreeMap::new();
     let mut open = vec![folder.to_owned()];
@@ -58,7 +57,7 @@ fn restore(folder: &Path, entries: &BTreeMap<PathBuf, Entry>) {
     }
 }
 
-/// Runs the command with at most 2 GB of addresses and 20 s of processor time.
+/// Runs the command with at most 2 GB of address space and 20 s of processor time.
 fn limited(arguments: &[&str]) -> Answer {
     let output = Command::new("sh")
         .args([
@@ -78,7 +77,7 @@ fn limited(arguments: &[&str]) -> Answer {
     }
 }
 
-/// Damages a store in some way, in words.
+/// Damages a store in some way, and describes it in words.
 fn damage(store: &Path, other: &Path, random: &mut Random) -> String {
     let files: Vec<PathBuf> = snapshot(store)
         .into_iter()
@@ -174,7 +173,7 @@ fn damage(store: &Path, other: &Path, random: &mut Random) -> String {
     }
 }
 
-/// A text of JSON with one of its numbers or words another one.
+/// Changes one number or word in a JSON text.
 fn mutated(text: &str, random: &mut Random) -> (String, String) {
     let bytes = text.as_bytes();
     let mut starts = Vec::new();
@@ -212,7 +211,7 @@ fn mutated(text: &str, random: &mut Random) -> (String, String) {
 }
 
 #[test]
-fn damaged_stores_are_refused_or_give_what_was_stored() {
+fn damaged_stores_are_refused_or_return_the_stored_values() {
     let (seed, cases) = hunted(25);
     let mut random = Random::new(seed);
     let place = Place::new(&STUDY.replace("tile = 8", "tile = 16"));

@@ -1,4 +1,4 @@
-//! What `--json` prints: one document with documented keys and numbers of 17 significant digits.
+//! Output of `--json`: one document with documented keys and numbers of 17 significant digits.
 
 use crate::{document, number, numbers, onset_line};
 use serde_json::Value;
@@ -56,8 +56,8 @@ fn a_state_has_its_documented_keys() {
 }
 
 #[test]
-fn the_stresses_of_a_state_are_one_another() {
-    // P_iJ = J sigma_ij F^-T_jJ; the growth rate is that of the mode of smallest omega^2.
+fn cauchy_and_first_piola_stress_of_a_state_are_consistent() {
+    // P_iJ = J sigma_ij F^-T_jJ; the growth rate belongs to the mode with the smallest omega^2.
     let state = document(STATE);
     let f = [1.2, 0.9, 1.0];
     for i in 0..3 {
@@ -71,7 +71,7 @@ fn the_stresses_of_a_state_are_one_another() {
 }
 
 #[test]
-fn a_growing_mode_is_found_again_by_its_wave_vector() {
+fn the_growing_mode_is_reproduced_at_its_wave_vector() {
     let state = document(STATE);
     let k = numbers(&state, "/discretization/wave_vector");
     let line = format!(
@@ -167,7 +167,7 @@ fn numbers_have_17_significant_digits() {
 }
 
 #[test]
-fn text_and_document_say_the_same() {
+fn text_and_document_agree() {
     let text = onset_line(STATE).stdout;
     let state = document(STATE);
     assert!(text.starts_with(state["sentence"].as_str().expect("a sentence")));
@@ -180,7 +180,7 @@ fn text_and_document_say_the_same() {
 }
 
 #[test]
-fn every_verdict_says_how_sure_it_is() {
+fn every_verdict_states_its_evidence() {
     let stable =
         "--set discretization.method=total-lagrangian-sph --set discretization.penalty=0.5";
     for (line, evidence) in [

@@ -1,4 +1,4 @@
-//! `onset explore`: what the page asks is answered as the command answers, and nobody else is.
+//! `onset explore`: its answers equal those of the command, and only its page receives them.
 
 use crate::{Scratch, command, onset};
 use serde_json::{Value, json};
@@ -9,19 +9,19 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A page that is served.
+/// Running server of the page.
 struct Page {
     server: Child,
     host: String,
-    /// The whole address that was printed.
+    /// Complete address as printed.
     address: String,
-    /// The token in it.
+    /// Token in the address.
     token: String,
 }
 
 impl Drop for Page {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The server may have ended by itself.
         let _ = self.server.kill();
         let _ = self.server.wait();
     }
@@ -60,7 +60,7 @@ impl Page {
         }
     }
 
-    /// Sends bytes, and reads to the end of the answer: status and body.
+    /// Sends bytes and reads the complete answer: status and body.
     fn send(&self, request: &str) -> (u16, String) {
         let mut stream = TcpStream::connect(&self.host).expect("a connection");
         let request = request.replacen("\r\n", "\r\nConnection: close\r\n", 1);
@@ -104,7 +104,7 @@ impl Page {
         ))
     }
 
-    /// Begins to ask, without waiting for the answer.
+    /// Sends a question without waiting for the answer.
     fn begin(&self, name: &str, question: &Value) -> TcpStream {
         let body = question.to_string();
         let mut stream = TcpStream::connect(&self.host).expect("a connection");
@@ -118,12 +118,12 @@ impl Page {
         stream
     }
 
-    /// Seconds of processors that the server has taken.
+    /// Processor time of the server; seconds.
     #[cfg(target_os = "linux")]
     fn work(&self) -> f64 {
         let place = format!("/proc/{}/stat", self.server.id());
         let told = std::fs::read_to_string(place).expect("a process");
-        // Behind the name, which may hold spaces; in hundredths of a second.
+        // After the name, which may contain spaces; in hundredths of a second.
         let (_, numbers) = told.rsplit_once(')').expect("a name");
         let ticks = numbers.split_whitespace().skip(11).take(2);
         ticks
@@ -139,14 +139,14 @@ impl Page {
     }
 }
 
-/// The token of an address.
+/// Token of an address.
 fn token(address: &str) -> String {
     let behind = address.split_once("#token=").map(|(_, behind)| behind);
     let behind = behind.unwrap_or_else(|| panic!("no token: {address}"));
     behind.split('&').next().unwrap_or_default().to_owned()
 }
 
-/// A new folder.
+/// New folder.
 fn folder(name: &str) -> Scratch {
     let place = Scratch::new(&format!("explore-{name}"));
     std::fs::create_dir_all(&place).expect("a folder");
@@ -177,7 +177,7 @@ const QUESTIONS: [(&[&str], &str); 3] = [
 ];
 
 #[test]
-fn answers_are_those_of_the_command_to_the_last_byte() {
+fn answers_of_the_page_equal_those_of_the_command_to_the_last_byte() {
     let page = Page::serve(&[]);
     for (set, stretch) in QUESTIONS {
         let set: Vec<String> = set.iter().map(|own| (*own).to_owned()).collect();
@@ -199,7 +199,7 @@ fn answers_are_those_of_the_command_to_the_last_byte() {
 }
 
 #[test]
-fn what_is_wrong_is_told_as_by_the_command() {
+fn errors_on_the_page_equal_those_of_the_command() {
     let page = Page::serve(&[]);
     let energy = "material.energy=mu/2*(I1 - 3 -* 2)";
     let set = ["material.model=formula", energy];
@@ -221,7 +221,7 @@ fn what_is_wrong_is_told_as_by_the_command() {
         energy,
     ]);
     assert_eq!(command.stderr.trim_end(), format!("error: {message}"));
-    // A name is text, whatever it looks like.
+    // A name is treated as text, even if it contains markup.
     let set = ["material.model=<script>alert(1)</script>"];
     let (status, body) = page.post("state", &json!({ "set": set, "stretch": "1,1" }), &[]);
     assert_eq!(status, 200);
@@ -252,7 +252,7 @@ fn what_is_wrong_is_told_as_by_the_command() {
         .0,
         431
     );
-    // A header that is sent twice means two things.
+    // A repeated header is ambiguous.
     assert_eq!(page.get("/", &[&host, &host]).0, 403);
 }
 
@@ -293,10 +293,10 @@ fn other_hosts_and_origins_are_refused() {
         assert_eq!(page.post("state", &question, &[&own]).0, 200, "{own}");
     }
     assert_eq!(page.get("/", &[&format!("Host: localhost:{port}")]).0, 200);
-    // A link from elsewhere leads to the page, and nothing else does.
+    // A link from another site may open the page, but nothing else.
     assert_eq!(page.get("/", &["Sec-Fetch-Site: cross-site"]).0, 200);
     assert_eq!(page.get("/page.js", &["Sec-Fetch-Site: cross-site"]).0, 403);
-    // What a page can send without being asked for leave is not taken.
+    // Content types that a page can send without permission are refused.
     for kind in [
         "Content-Type: text/plain",
         "Content-Type: application/x-www-form-urlencoded",
@@ -343,14 +343,14 @@ fn other_users_of_the_machine_are_refused() {
             page.token.as_str()
         );
     }
-    // Files are those of the program, and tell nothing.
+    // Files belong to the program and contain no secret.
     assert!(!page.get("/", &[]).1.contains(&page.token));
 }
 
-/// The arguments of a program can be seen by other users: the token that a browser is started with is good for once.
+/// Other users can see the arguments of a program: the token given to the browser at its start is valid only once.
 #[test]
 #[cfg(target_os = "linux")]
-fn the_address_that_a_browser_is_started_with_opens_the_page_once() {
+fn the_address_given_to_the_browser_opens_the_page_only_once() {
     use std::os::unix::fs::PermissionsExt;
     let folder = folder("browser");
     let (browser, seen) = (folder.join("xdg-open"), folder.join("seen"));
@@ -386,7 +386,7 @@ fn the_address_that_a_browser_is_started_with_opens_the_page_once() {
 }
 
 #[test]
-fn the_page_is_whole_and_asks_nobody_else() {
+fn the_page_is_complete_and_contacts_no_other_server() {
     let page = Page::serve(&[]);
     let (status, html) = page.get("/", &[]);
     assert_eq!(status, 200);
@@ -415,7 +415,7 @@ fn the_page_is_whole_and_asks_nobody_else() {
 }
 
 #[test]
-fn the_built_page_is_of_its_sources() {
+fn the_page_is_built_from_the_current_sources() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("page");
     let mut files: Vec<String> = std::fs::read_dir(folder.join("src"))
         .expect("the sources")
@@ -457,10 +457,10 @@ fn the_built_page_is_of_its_sources() {
 }
 
 #[test]
-fn a_strangers_study_starts_no_library_and_reads_no_file() {
+fn a_study_from_a_stranger_starts_no_library_and_reads_no_file() {
     let folder = folder("stranger");
     let library = folder.join("stranger.so");
-    // Whoever reads it, as a library or otherwise, reads forever: it is a pipe without a writer.
+    // Reading it would block forever: it is a pipe without a writer.
     #[cfg(unix)]
     assert!(
         std::process::Command::new("mkfifo")
@@ -500,7 +500,7 @@ fn a_strangers_study_starts_no_library_and_reads_no_file() {
             "{name}: {body}"
         );
     }
-    // A study in a text names no other file, and one that is no study is refused.
+    // A study given as text cannot refer to other files, and an invalid study is refused.
     for text in [
         "include = \"/etc/passwd\"",
         "[material]\nfile = \"/etc/passwd\"",
@@ -514,7 +514,7 @@ fn a_strangers_study_starts_no_library_and_reads_no_file() {
     }
 }
 
-/// Hours of work.
+/// A problem that takes hours.
 const LONG: [&str; 3] = [
     "discretization.method=material-points",
     "discretization.lattice=simple-cubic",
@@ -522,14 +522,14 @@ const LONG: [&str; 3] = [
 ];
 
 #[test]
-fn a_map_that_is_given_up_is_not_computed_to_the_end() {
+fn a_cancelled_map_is_not_computed_to_the_end() {
     let page = Page::serve(&[]);
     let window = json!({ "axes": ["stretch-1", "stretch-2"], "ranges": [[0.5, 2.0], [0.5, 2.0]] });
     let question = json!({ "set": LONG, "stretch": "1,1,1", "window": window, "level": 3 });
     let stream = page.begin("map", &question);
     std::thread::sleep(Duration::from_millis(300));
     drop(stream);
-    // Another question is answered at once, with all cores.
+    // Another question is answered immediately, on all cores.
     let since = Instant::now();
     page.ask(
         "map",
@@ -542,7 +542,7 @@ fn a_map_that_is_given_up_is_not_computed_to_the_end() {
     );
 }
 
-/// A minute of work for one state.
+/// A problem that takes a minute for one state.
 #[cfg(target_os = "linux")]
 const SLOW: [&str; 4] = [
     "discretization.method=updated-sph",
@@ -551,10 +551,10 @@ const SLOW: [&str; 4] = [
     "discretization.perturbation=0.05",
 ];
 
-/// A slider asks about many states, of which nobody waits for any but the last.
+/// A slider requests many states, and only the last answer is needed.
 #[test]
 #[cfg(target_os = "linux")]
-fn a_state_its_mode_and_its_dispersion_are_given_up_with_the_connection() {
+fn closing_the_connection_cancels_a_state_its_mode_and_its_dispersion() {
     let page = Page::serve(&[]);
     let question = json!({ "set": SLOW, "stretch": "1.1,1,1" });
     for name in ["state", "mode", "dispersion"] {
@@ -569,7 +569,7 @@ fn a_state_its_mode_and_its_dispersion_are_given_up_with_the_connection() {
             std::thread::sleep(Duration::from_millis(20));
         }
         drop(stream);
-        // It takes a minute to the end.
+        // Without cancellation it would take a minute.
         let since = Instant::now();
         let mut done = page.work();
         loop {
@@ -586,14 +586,14 @@ fn a_state_its_mode_and_its_dispersion_are_given_up_with_the_connection() {
 }
 
 #[test]
-fn a_link_has_the_question_of_the_command() {
+fn a_link_contains_the_question_of_the_command() {
     let page = Page::serve(&["--set", "discretization.method=tlsph"]);
     assert!(page.address.ends_with(
         "&set=discretization.method%3Dtotal-lagrangian-sph&stretch=1,1&axis=stretch-1,0.5,2&axis=stretch-2,0.5,2"
     ), "{}", page.address);
     let plain = Page::serve(&[]);
     assert!(plain.address.ends_with(&format!("/#token={}", plain.token)));
-    // A link of another run, whose token and port are others, asks the same.
+    // A link of another run, with another token and port, asks the same question.
     let again = Page::serve(&[&page.address]);
     assert_ne!(again.token, page.token);
     let asked = |page: &Page| {
@@ -647,7 +647,7 @@ fn a_stored_map_is_shown() {
     );
     let stored = shown["map"]["classes"].as_array().expect("classes").clone();
     assert_eq!(stored.len(), 64);
-    // The state in the middle of a cell has the class that is stored.
+    // The state at the center of a cell has the stored class.
     let catalog: Value = serde_json::from_str(&page.ask("catalog", &json!({}))).expect("JSON");
     for n in [0, 27, 63] {
         let at = |i: usize| 0.9 + 0.4 * (i as f64 + 0.5) / 8.0;
@@ -666,7 +666,7 @@ fn a_stored_map_is_shown() {
 }
 
 #[test]
-fn connections_that_send_half_a_request_lock_nobody_out() {
+fn incomplete_requests_do_not_block_other_connections() {
     let page = Page::serve(&[]);
     let half = |n: usize| {
         let mut stream = TcpStream::connect(&page.host).expect("a connection");
@@ -692,11 +692,11 @@ fn connections_that_send_half_a_request_lock_nobody_out() {
 }
 
 #[test]
-fn a_request_that_drips_is_ended() {
+fn a_request_that_arrives_too_slowly_is_ended() {
     let page = Page::serve(&[]);
     let mut stream = TcpStream::connect(&page.host).expect("a connection");
     let begun = Instant::now();
-    // The first byte that cannot be sent, or that is answered, shows the end.
+    // The first byte that cannot be sent, or an answer, marks the end.
     let mut answer = [0; 64];
     stream
         .set_read_timeout(Some(Duration::from_millis(200)))

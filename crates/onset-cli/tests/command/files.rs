@@ -1,4 +1,4 @@
-//! Files that are written, files that cannot be, and readers that stop reading.
+//! Output files, obstacles to them, and readers that close the pipe.
 
 use crate::{Scratch, command, onset};
 use serde_json::Value;
@@ -47,7 +47,7 @@ fn a_diagram_is_written_as_svg_and_png() {
 }
 
 #[test]
-fn a_diagram_is_also_a_document() {
+fn a_diagram_is_also_available_as_json() {
     let folder = Scratch::new("document");
     let answer = onset(&[
         "dispersion",
@@ -64,7 +64,7 @@ fn a_diagram_is_also_a_document() {
         .iter()
         .map(|corner| corner["name"].as_str())
         .collect();
-    // The state tells two kinds of edges apart; the last segment passes through the critical wave.
+    // At this state two kinds of edges differ; the last segment passes through the critical wave.
     let expected = ["Γ", "M", "K", "Γ", "M′", "Γ", "k*"].map(Some);
     assert_eq!(names[..expected.len()], expected);
     let count = |key: &str| diagram[key].as_array().map(Vec::len);
@@ -72,8 +72,8 @@ fn a_diagram_is_also_a_document() {
 }
 
 #[test]
-fn folders_that_cannot_be_made_are_named() {
-    // For anybody: a file is in the way.
+fn folders_that_cannot_be_created_are_named() {
+    // Holds for any user: a file is in the way.
     let file = Scratch::new("file");
     fs::write(&file, "in the way").expect("a file");
     let folder = file.join("figures");
@@ -95,7 +95,7 @@ fn folders_that_cannot_be_made_are_named() {
     }
 }
 
-/// Commands that write files, each with the files.
+/// Commands that write files, each with its files.
 const WRITERS: [(&str, &[&str]); 4] = [
     (
         "dispersion --stretch 1.2,0.9 --path --out",
@@ -121,7 +121,7 @@ const WRITERS: [(&str, &[&str]); 4] = [
 ];
 
 #[test]
-fn what_is_in_the_way_of_a_file_is_told_before_the_work_and_no_other_is_changed() {
+fn an_obstacle_to_a_file_is_reported_before_the_work_and_other_files_stay_unchanged() {
     for (line, files) in WRITERS {
         let folder = Scratch::new("in-the-way");
         let last = folder.join(files[files.len() - 1]);
@@ -143,7 +143,7 @@ fn what_is_in_the_way_of_a_file_is_told_before_the_work_and_no_other_is_changed(
 
 #[test]
 #[cfg(target_os = "linux")]
-fn files_are_written_and_told_in_folders_whose_names_are_no_text_or_long() {
+fn files_are_written_and_reported_in_folders_with_long_names_or_names_that_are_not_utf8() {
     use std::ffi::OsString;
     use std::os::unix::ffi::OsStringExt;
     let place = Scratch::new("names");
@@ -170,10 +170,10 @@ fn files_are_written_and_told_in_folders_whose_names_are_no_text_or_long() {
     }
 }
 
-/// Without the right to fill a disk: no file may grow beyond one block.
+/// Without permission to fill a disk: files are limited to one block.
 #[test]
 #[cfg(unix)]
-fn a_full_disk_leaves_the_files_that_were_there_and_says_what_to_do() {
+fn a_full_disk_leaves_existing_files_unchanged_and_gives_a_hint() {
     for (line, files) in WRITERS {
         let folder = Scratch::new("full");
         fs::create_dir_all(&folder).expect("a folder");
@@ -208,7 +208,7 @@ fn a_full_disk_leaves_the_files_that_were_there_and_says_what_to_do() {
 
 #[test]
 #[cfg(unix)]
-fn a_study_without_end_is_refused_and_what_is_no_text_is_told_with_its_line() {
+fn an_endless_study_is_refused_and_invalid_text_is_reported_with_its_line() {
     let place = Scratch::new("no-study");
     fs::write(&place, b"title = 'a'\n# \xff\n").expect("a file");
     let (pipe, wide) = (Scratch::new("no-study-pipe"), Scratch::new("no-study-wide"));
@@ -268,7 +268,7 @@ fn an_answer_that_cannot_be_printed_is_an_error() {
 }
 
 #[test]
-fn a_reader_that_stops_reading_is_no_error() {
+fn a_closed_pipe_is_no_error() {
     for arguments in [
         &["state", "--stretch", "1.2,0.9", "--json"][..],
         &["dispersion", "--stretch", "1.2,0.9", "--wave-vector", "1,1"],

@@ -1,16 +1,16 @@
-//! Laws that are typed: they answer as the built-in ones of the same energy, and mistakes are shown in the formula.
+//! User-defined laws: they give the answers of built-in laws with the same energy, and errors are shown in the formula.
 
 use crate::{Scratch, assert_close, number, onset};
 use serde_json::Value;
 
-/// What `onset` prints as JSON.
+/// Output of `onset` as JSON.
 fn answer(arguments: &[&str]) -> Value {
     let answer = onset(&[arguments, &["--json"]].concat());
     assert_eq!(answer.code, Some(0), "{arguments:?}: {}", answer.stderr);
     serde_json::from_str(&answer.stdout).expect("one JSON document")
 }
 
-/// What `onset` says when it refuses.
+/// Error message of `onset`.
 fn refusal(arguments: &[&str]) -> String {
     let answer = onset(arguments);
     assert_eq!(
@@ -29,7 +29,7 @@ const STATES: [&[&str]; 2] = [
 ];
 
 #[test]
-fn a_formula_answers_as_the_built_in_law_of_its_energy() {
+fn a_formula_gives_the_answers_of_the_built_in_law_with_its_energy() {
     let mooney =
         "material.energy=c1/2*I1 + c2/2*I2 - 3/2*c1*I3^(1/3) - 3/2*c2*I3^(2/3) + lambda/4*ln(I3)^2";
     let cases: [(&[&str], &[&str]); 2] = [
@@ -72,7 +72,7 @@ fn a_formula_answers_as_the_built_in_law_of_its_energy() {
     }
 }
 
-/// That all numbers of a document are those of another, but for what names the law.
+/// Checks that all numbers of two documents agree, except for names of the law.
 fn assert_same(built_in: &Value, typed: &Value, place: &str) {
     let names_the_law = [
         "/material/model",
@@ -81,7 +81,7 @@ fn assert_same(built_in: &Value, typed: &Value, place: &str) {
         "/next",
     ]
     .contains(&place);
-    // All directions are minimal for equation (5) in its domain: rounding decides which of them is told.
+    // All directions are minimal for equation (5) in its domain, so that rounding decides which one is printed.
     let is_free = ["direction", "polarization"]
         .iter()
         .any(|name| place.ends_with(name));
@@ -111,7 +111,7 @@ fn assert_same(built_in: &Value, typed: &Value, place: &str) {
 }
 
 #[test]
-fn a_formula_in_a_study_is_mapped_over_one_of_its_own_parameters() {
+fn a_map_can_vary_a_parameter_of_a_formula() {
     let place = Scratch::new("formula");
     std::fs::create_dir(&place).expect("a folder");
     let study = place.join("study.toml");
@@ -128,7 +128,7 @@ fn a_formula_in_a_study_is_mapped_over_one_of_its_own_parameters() {
 }
 
 #[test]
-fn a_mistake_is_shown_with_its_file_its_line_and_the_column_in_the_formula() {
+fn a_mistake_is_shown_with_file_line_and_column_in_the_formula() {
     let place = Scratch::new("wrong-formula");
     std::fs::create_dir(&place).expect("a folder");
     let study = place.join("study.toml");
@@ -194,7 +194,7 @@ fn an_energy_needs_its_model() {
     assert!(message.contains("energy"), "{message}");
 }
 
-/// The beginnings of all commands that take a law.
+/// Beginnings of all commands about a law.
 const OF_A_LAW: [&[&str]; 6] = [
     &["state", "--stretch", "1.1,0.9"],
     &["dispersion", "--stretch", "1.1,0.9", "--wave-vector=1,1"],
@@ -205,7 +205,7 @@ const OF_A_LAW: [&[&str]; 6] = [
 ];
 
 #[test]
-fn every_command_of_a_law_takes_its_energy() {
+fn every_command_about_a_law_accepts_an_energy() {
     for command in OF_A_LAW {
         let message = refusal(&[command, &["--energy", "(("]].concat());
         assert!(
@@ -258,8 +258,8 @@ fn the_language_is_listed() {
 }
 
 #[test]
-fn a_conditional_law_has_the_onset_of_its_side() {
-    // Stiff fibers in tension only: pulled along them the law is another one than pushed.
+fn a_conditional_law_has_the_onset_of_its_active_branch() {
+    // Fibers that are stiff in tension only: the law differs between tension and compression along them.
     let energy = "mu/2*(I1 - 3 - 2*ln(J)) + lambda/2*ln(J)^2 + k/2*macaulay(I4 - 1)^2";
     let law = [
         "--energy",
@@ -287,7 +287,7 @@ fn a_conditional_law_has_the_onset_of_its_side() {
 }
 
 #[test]
-fn a_part_without_a_value_is_refused_in_any_order_and_undefined_in_maps() {
+fn an_undefined_term_is_refused_in_any_order_and_undefined_in_maps() {
     let rubber = "mu/2*(I1 - 3 - 2*ln(J))";
     for part in [
         "max(0, sqrt(X - I1))",
@@ -305,7 +305,7 @@ fn a_part_without_a_value_is_refused_in_any_order_and_undefined_in_maps() {
                 "{message}"
             );
         }
-        // The root of zero in the reference has no slope; with the other limit all is defined there and here.
+        // The root of zero in the reference configuration has no slope; with the other limit everything is defined, there and here.
         let question = ["state", "--stretch", "0.9,0.8"];
         answer(&[&question[..], &law, &[&energy("3.2")]].concat());
     }
@@ -323,7 +323,7 @@ fn a_part_without_a_value_is_refused_in_any_order_and_undefined_in_maps() {
 }
 
 #[test]
-fn a_state_on_a_kink_is_refused_and_beside_it_answered() {
+fn a_state_on_a_kink_is_refused_and_its_neighbors_are_answered() {
     for part in ["- 5*abs(J-1)", "+ 5*min(J,2-J)", "+ heaviside(1-J)"] {
         let energy = format!("10*(I1-3-2*ln(J)) {part}");
         for certify in [&[][..], &["--certify"][..]] {
@@ -342,7 +342,7 @@ fn a_state_on_a_kink_is_refused_and_beside_it_answered() {
             );
         }
     }
-    // On the way across it there is a state without an answer, and no other change.
+    // Along this path one state has no answer, and nothing else changes.
     let energy = "10*(I1-3-2*ln(J)) - 5*abs(J-1)";
     let path = answer(&[
         "path", "--from", "2,0.45", "--to", "2,0.55", "--energy", energy,
@@ -392,7 +392,7 @@ fn a_fluid_is_not_strongly_elliptic_and_not_unstable() {
 }
 
 #[test]
-fn what_rounding_cannot_decide_is_said_to_be_undecided() {
+fn cases_within_rounding_are_reported_as_undecided() {
     let state = [
         "state",
         "--stretch",

@@ -1,11 +1,11 @@
-//! Every combination of the words of a discretization has an answer.
+//! Every combination of the choices for a discretization has an answer.
 
 use crate::onset;
 use serde_json::Value;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// The words of each choice.
+/// Values of each choice.
 const CHOICES: [(&str, &[&str]); 8] = [
     ("frame", &["lagrangian", "eulerian"]),
     ("lattice", &["square", "hexagonal", "chain"]),
@@ -31,7 +31,7 @@ const CHOICES: [(&str, &[&str]); 8] = [
 
 const STATES: [&str; 2] = ["1.2,0.9", "0.7,1.1"];
 
-/// The words of the combination with a number, by their numbers, of the last choice first.
+/// Digits of the combination with the given number, last choice first.
 fn digits(mut number: usize) -> impl Iterator<Item = usize> {
     CHOICES.iter().rev().map(move |(_, words)| {
         let digit = number % words.len();
@@ -40,8 +40,9 @@ fn digits(mut number: usize) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The assignments of the combination with a number; the last choice varies fastest. Choices of Eulerian kernels are left out with
-/// Lagrangian ones, which refuse them.
+/// Assignments of the combination with the given number; the last choice varies fastest.
+///
+/// Choices for Eulerian kernels are omitted with Lagrangian kernels, which refuse them.
 fn combination(number: usize) -> Vec<String> {
     let eulerian = ["current-lattice", "support-size", "linearization"];
     let all: usize = CHOICES.iter().map(|(_, words)| words.len()).product();
@@ -62,7 +63,7 @@ fn is_finite(value: &Value) -> bool {
     }
 }
 
-/// What is wrong with the answer to a combination, if anything.
+/// Reason why the answer to a combination is wrong, or `None`.
 fn complaint(assignments: &[String], state: &str) -> Option<String> {
     let mut arguments = vec!["state", "--json", "--stretch", state];
     for assignment in assignments {
@@ -100,12 +101,12 @@ fn every_combination_of_choices_has_an_answer() {
                 if number >= total {
                     return complaints;
                 }
-                // With Lagrangian kernels the first of those 30 stands for all.
+                // With Lagrangian kernels the first of these 30 combinations represents all.
                 let is_lagrangian = number < total / 2;
                 if is_lagrangian && !number.is_multiple_of(for_eulerian) {
                     continue;
                 }
-                // Of neighbors in every choice one is asked at the one state, the other at the other.
+                // Adjacent combinations are tested at alternating states.
                 let assignments = combination(number);
                 let state = STATES[digits(number).sum::<usize>() % STATES.len()];
                 complaints.extend(complaint(&assignments, state));
@@ -121,7 +122,7 @@ fn every_combination_of_choices_has_an_answer() {
 }
 
 #[test]
-fn choices_of_eulerian_kernels_are_refused_with_lagrangian_ones() {
+fn choices_for_eulerian_kernels_are_refused_with_lagrangian_kernels() {
     for (key, words) in &CHOICES[5..] {
         for word in *words {
             let assignment = format!("discretization.{key}={word}");
@@ -133,8 +134,8 @@ fn choices_of_eulerian_kernels_are_refused_with_lagrangian_ones() {
 }
 
 #[test]
-fn a_path_into_strong_compression_loses_the_method_where_its_support_overflows() {
-    // With a fixed support the neighbors grow without bound; from some compression on they are refused.
+fn the_method_becomes_undefined_where_compression_overfills_its_support() {
+    // With a fixed support the number of neighbors grows without bound, until the method refuses the state.
     let run = onset(&[
         "path",
         "--from=0.2,0.2",

@@ -1,9 +1,9 @@
-//! What a user can find out without a manual.
+//! Information available without a manual.
 
 use crate::onset;
 
 #[test]
-fn every_command_explains_itself() {
+fn every_command_has_a_help_text() {
     for command in [
         "state",
         #[cfg(feature = "explore")]
@@ -37,7 +37,7 @@ fn every_command_explains_itself() {
 }
 
 #[test]
-fn the_keys_are_known_from_the_help() {
+fn the_help_leads_to_the_list_of_keys() {
     let keys = [
         "material.model",
         "material.<parameter>",
@@ -69,7 +69,7 @@ fn the_keys_are_known_from_the_help() {
 }
 
 #[test]
-fn questions_about_the_law_alone_name_no_key_of_a_discretization() {
+fn help_on_commands_about_a_law_names_no_key_of_a_discretization() {
     for command in ["criteria", "card", "audit"] {
         let help = onset(&[command, "--help"]).stdout;
         assert!(
@@ -108,7 +108,7 @@ fn short_help_is_short_and_has_examples_that_run() {
         assert!(!help.contains("Keys of --set"), "{help}");
         assert_eq!(help.matches("\n  onset ").count(), 3, "{help}");
     }
-    // Those of the overview, without the quotes of a shell.
+    // Examples of the overview, without shell quotes.
     for line in overview
         .lines()
         .filter_map(|line| line.strip_prefix("  onset "))

@@ -1,5 +1,5 @@
-//! Commands that are killed, find no room on the disk, or a disk that fails, at any of the calls with which they change files: each
-//! file is the old one or the new one, and the next run leaves what an undisturbed one leaves.
+//! Commands disturbed at any call that changes files: killed, on a full disk, or on a failing disk. Each file is the old or the new one, and the next
+//! run gives the result of an undisturbed run.
 
 use crate::hunt::hunted;
 use crate::{Random, Scratch, command};
@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
-/// How a call is disturbed.
+/// Disturbances of a call.
 const MODES: [&str; 6] = ["before", "after", "cut", "full", "once", "error"];
 
-/// A small study, four tiles.
+/// Small study with four tiles.
 const STUDY: &str = "\
 [discretization]
 support = 1.6
@@ -41,7 +41,7 @@ lattice = 'square'
 quadrature = 'nodal'
 ";
 
-/// Commands that write files, with what makes other files of the same names before.
+/// Commands that write files, each with a command that creates earlier files with the same names.
 const COMMANDS: [(&str, &str); 11] = [
     (
         "dispersion --stretch 1.2,0.9 --path --out out",
@@ -89,7 +89,7 @@ const COMMANDS: [(&str, &str); 11] = [
     ),
 ];
 
-/// The library that comes between a process and the system.
+/// Library that intercepts system calls of the process.
 fn interposer() -> &'static Path {
     static LIBRARY: OnceLock<Scratch> = OnceLock::new();
     LIBRARY.get_or_init(|| {
@@ -110,7 +110,7 @@ fn interposer() -> &'static Path {
     })
 }
 
-/// Every file below a folder with what it holds.
+/// Content of every file below a folder.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut files = BTreeMap::new();
     let mut open = vec![folder.to_owned()];
@@ -128,7 +128,7 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     files
 }
 
-/// A folder in which commands run.
+/// Folder in which commands run.
 struct Place(Scratch);
 
 impl Place {
@@ -168,7 +168,7 @@ impl Place {
         assert!(output.status.success(), "{line}: {told}");
     }
 
-    /// How many calls of a command change files.
+    /// Number of calls of a command that change files.
     fn points(&self, line: &str) -> usize {
         let count = self.0.join("count");
         assert!(
@@ -180,7 +180,7 @@ impl Place {
         points.parse().expect("a number")
     }
 
-    /// The names in the folder, those of unfinished work too.
+    /// Names in the folder, including unfinished work.
     fn names(&self) -> Vec<String> {
         let entries = fs::read_dir(&self.0).expect("a folder");
         let mut names: Vec<String> = entries
@@ -197,19 +197,19 @@ impl Place {
     }
 }
 
-/// What was disturbed, and how.
+/// Command, disturbance, and number of the disturbed call.
 type Case<'a> = (&'a Subject, &'static str, usize);
 
-/// A command with what it starts from and what it leads to.
+/// Command with its initial and final files.
 struct Subject {
     line: &'static str,
-    /// Files of the store or the folder that is written, before and after.
+    /// Files of the written store or folder, before and after.
     old: BTreeMap<PathBuf, Vec<u8>>,
     new: BTreeMap<PathBuf, Vec<u8>>,
     points: usize,
 }
 
-/// Puts the files of a folder as they were.
+/// Restores the files of a folder.
 fn put(folder: &Path, files: &BTreeMap<PathBuf, Vec<u8>>) {
     let _ = fs::remove_dir_all(folder);
     for (name, bytes) in files {
@@ -219,7 +219,7 @@ fn put(folder: &Path, files: &BTreeMap<PathBuf, Vec<u8>>) {
     }
 }
 
-/// Checks how a disturbed command ended; whether it was killed.
+/// Checks how a disturbed command ended; returns true if it was killed.
 fn assert_ended(output: &Output, mode: &str, what: &str) -> bool {
     let told = String::from_utf8_lossy(&output.stderr);
     assert!(!told.contains("panicked"), "{what}: {told}");
@@ -227,7 +227,7 @@ fn assert_ended(output: &Output, mode: &str, what: &str) -> bool {
     if is_killed {
         assert_eq!(output.status.signal(), Some(9), "{what}: {told}");
     } else if !output.status.success() {
-        // The last calls may clean up after the work is done: that they fail is no failure.
+        // The last calls may clean up after the work is done, and their failure is no error.
         assert_eq!(output.status.code(), Some(1), "{what}: {told}");
         assert!(told.contains("cannot write"), "{what}: {told}");
         assert!(
@@ -242,7 +242,7 @@ fn is_unfinished(name: &Path) -> bool {
     name.to_string_lossy().starts_with(".onset-unfinished-")
 }
 
-/// One command that writes a folder of files.
+/// Disturbs a command that writes a folder of files.
 fn disturb_files(place: &Place, (subject, mode, point): Case<'_>) {
     let what = format!("{} {mode} {point}", subject.line);
     let out = place.0.join("out");
@@ -273,7 +273,7 @@ fn disturb_files(place: &Place, (subject, mode, point): Case<'_>) {
     if output.status.success() {
         assert!(finished.into_iter().eq(&subject.new), "{what}: not new");
     } else if !is_killed && mode != "error" {
-        // Where nothing can be written or renamed any more, nothing can be put back.
+        // If nothing can be written or renamed any more, nothing can be restored.
         assert!(finished.into_iter().eq(&subject.old), "{what}: not old");
     }
     assert!(
@@ -288,7 +288,7 @@ fn disturb_files(place: &Place, (subject, mode, point): Case<'_>) {
     assert_eq!(place.names(), names, "{what}");
 }
 
-/// A map, made new or in the place of another.
+/// Disturbs a map that creates or replaces a store.
 fn disturb_map(place: &Place, (subject, mode, point): Case<'_>) {
     let what = format!("{} {mode} {point}", subject.line);
     let store = place.0.join("map.zarr");
@@ -335,11 +335,11 @@ const MAPS: [&str; 3] = [
 ];
 
 #[test]
-fn kill_points_leave_each_file_old_or_new() {
+fn commands_disturbed_at_any_point_leave_each_file_old_or_new() {
     let (seed, cases) = hunted(20);
     let mut random = Random::new(seed);
     let place = Place::new();
-    // One command, and maps, where only few cases are asked for.
+    // With few cases, only one command and maps are tested.
     let every = cases >= 1000;
     let first = random.below(COMMANDS.len());
     let chosen = (0..COMMANDS.len()).map(|n| (n + first) % COMMANDS.len());
@@ -396,7 +396,7 @@ fn kill_points_leave_each_file_old_or_new() {
     };
     for case in picked {
         if cases >= 1000 && case.2 == 1 {
-            // A long hunt tells where it is.
+            // A long test prints its progress.
             eprintln!("{} {}: {} points", case.0.line, case.1, case.0.points);
         }
         if MAPS.contains(&case.0.line) {

@@ -7,7 +7,7 @@ const BARS: &str = "set method=finite-elements set mesh=bars";
 const LAW: &str = "--set material.model=neo-hooke --set material.mu=1 --set material.lambda=2";
 
 #[test]
-fn the_largest_modulus_of_a_chain_of_bars_is_that_of_its_wave_speed() {
+fn the_largest_modulus_of_a_chain_of_bars_follows_from_its_wave_speed() {
     // h / c >= dt: E (1 - nu) / ((1 + nu) (1 - 2 nu)) <= rho h^2 / dt^2.
     let law = "--set material.model=neo-hooke --set material.young=1 --set material.poisson=0.3";
     let line = format!("limit --vary material.young --time-step 0.01 {law} {BARS}");
@@ -31,7 +31,7 @@ fn the_largest_modulus_of_a_chain_of_bars_is_that_of_its_wave_speed() {
 }
 
 #[test]
-fn the_smallest_spacing_and_density_are_those_of_the_wave_speed() {
+fn the_smallest_spacing_and_density_follow_from_the_wave_speed() {
     let line =
         |key: &str| format!("limit --vary discretization.{key} --time-step 0.1 {LAW} {BARS}");
     let spacing = number(&document(&line("spacing")), "/admitted/0/from/value");
@@ -49,7 +49,7 @@ fn the_smallest_spacing_and_density_are_those_of_the_wave_speed() {
 }
 
 #[test]
-fn the_limit_is_that_of_the_state_that_is_asked_about() {
+fn the_limit_applies_to_the_given_state() {
     let line =
         format!("limit --vary discretization.spacing --time-step 0.1 {LAW} {BARS} --stretch 1.3");
     let spacing = number(&document(&line), "/admitted/0/from/value");
@@ -72,7 +72,7 @@ fn a_damping_coefficient_is_limited_by_its_integrator() {
              set method=total-lagrangian-sph set lattice=chain set viscosity=0.1"
         )
     };
-    // The modulus of longitudinal waves, 2 mu + lambda.
+    // P-wave modulus, 2 mu + lambda.
     let largest =
         |integrator: &str| 2.0 * number(&document(&line(integrator)), "/admitted/0/to/value") + 2.0;
     let [kick, central] = ["kick-drift-kick", "central-differences"].map(largest);
@@ -80,16 +80,16 @@ fn a_damping_coefficient_is_limited_by_its_integrator() {
 }
 
 #[test]
-fn runge_kutta_methods_admit_a_modulus_by_their_reach_on_the_imaginary_axis() {
+fn the_largest_modulus_of_runge_kutta_methods_follows_from_their_stability_on_the_imaginary_axis() {
     let line = |integrator: &str| {
         format!(
             "limit --vary material.mu --time-step 0.5 --integrator {integrator} {LAW} set method=total-lagrangian-sph set lattice=square"
         )
     };
-    // The modulus of longitudinal waves, 2 mu + lambda.
+    // P-wave modulus, 2 mu + lambda.
     let largest =
         |integrator: &str| 2.0 * number(&document(&line(integrator)), "/admitted/0/to/value") + 2.0;
-    // (omega dt)^2 of each over that of leapfrog, 4.
+    // (omega dt)^2 of each integrator over the value 4 of leapfrog.
     let leapfrog = largest("leapfrog");
     for (name, ratio) in [
         ("rk4", 2.0),
@@ -109,8 +109,8 @@ fn runge_kutta_methods_admit_a_modulus_by_their_reach_on_the_imaginary_axis() {
 }
 
 #[test]
-fn large_damping_admits_steps_beyond_the_undamped_limit() {
-    // The spectral radius of the amplification matrix leaves one at k = pi.
+fn strong_damping_allows_steps_beyond_the_undamped_limit() {
+    // The spectral radius of the amplification matrix exceeds one first at k = pi.
     let line = "state --stretch 1,1,1 set method=updated-sph set lattice=chain set support=1.9 set viscosity=2 set viscosity-switch=always";
     let steps = document(line);
     let step = |name: &str| number(&steps, &format!("/discretization/damped_time_steps/{name}"));
@@ -121,7 +121,7 @@ fn large_damping_admits_steps_beyond_the_undamped_limit() {
 }
 
 #[test]
-fn a_method_with_a_step_of_its_own_is_limited_by_that() {
+fn a_method_that_defines_its_step_is_limited_by_it() {
     let method = "set method=material-points set lattice=chain set unknowns=particles set transfer=apic set grid-functions=quadratic-spline";
     let line = format!("limit --vary material.mu --time-step 0.1 {LAW} {method}");
     let mu = number(&document(&line), "/admitted/0/to/value");
@@ -136,7 +136,7 @@ fn a_method_with_a_step_of_its_own_is_limited_by_that() {
 }
 
 #[test]
-fn units_of_step_and_values_are_those_of_the_study() {
+fn step_and_values_have_the_units_of_the_study() {
     let law = "--set material.model=neo-hooke --set material.poisson=0.3";
     let words = |step: &str| {
         let line = format!("limit --vary material.young {law} {BARS}");
@@ -174,7 +174,7 @@ fn units_of_step_and_values_are_those_of_the_study() {
 }
 
 #[test]
-fn no_value_and_every_value_are_said_to_be_so() {
+fn ranges_without_and_with_only_allowed_values_are_reported() {
     let line = |range: &str| {
         format!("limit --vary discretization.spacing --time-step 0.1 --range {range} {LAW} {BARS}")
     };
@@ -188,7 +188,7 @@ fn no_value_and_every_value_are_said_to_be_so() {
 }
 
 #[test]
-fn what_is_known_beside_a_limit_is_said() {
+fn a_limit_is_printed_with_its_notes() {
     let unstable = onset_line(&format!(
         "limit --vary material.mu --time-step 0.01 {LAW} {BARS} --stretch 0.05 --set material.model=saint-venant-kirchhoff"
     ));
@@ -205,7 +205,7 @@ fn what_is_known_beside_a_limit_is_said() {
         "{}",
         unstable.stdout
     );
-    // Poisson's ratio ends at one half, with a note.
+    // The range of Poisson's ratio ends at one half, with a note.
     let law = "--set material.model=neo-hooke --set material.young=2 --set material.poisson=0.3";
     let ratio = onset_line(&format!(
         "limit --vary material.poisson --range 0.1,0.9 --time-step 1e-9 {law} {BARS}"
@@ -216,13 +216,13 @@ fn what_is_known_beside_a_limit_is_said() {
         ratio.stdout,
         ratio.stderr
     );
-    // The value stands in the column before it.
+    // The value is in the preceding column.
     assert!(
         !ratio.stdout.contains("material.poisson = "),
         "{}",
         ratio.stdout
     );
-    // A modulus has no least value, though none is not admitted.
+    // There is no smallest modulus, although zero itself is not allowed.
     let modulus = format!("limit --vary material.mu --range 0,1 --time-step 0.01 {LAW} {BARS}");
     let ends = document(&modulus);
     assert_eq!(ends["admitted"][0]["from"]["undefined_at"], 0.0, "{ends}");
@@ -231,7 +231,7 @@ fn what_is_known_beside_a_limit_is_said() {
         told.contains("At 0: ") && told.contains("no value was looked at"),
         "{told}"
     );
-    // A grid that the waves of a body admit, and an isolated material point does not.
+    // A grid step that is stable for the waves of a body, but not for an isolated material point.
     let fluid = "--energy stiffness*(sqrt(I3)-1-ln(sqrt(I3))) --set material.stiffness=400 set method=mls-mpm set lattice=square set grid=regular set spacing=0.005";
     let alone = onset_line(&format!(
         "limit --vary discretization.spacing --time-step 2e-4 {fluid}"
@@ -249,7 +249,7 @@ fn what_is_known_beside_a_limit_is_said() {
 }
 
 #[test]
-fn settings_and_steps_that_are_none_are_refused() {
+fn invalid_settings_and_steps_are_refused() {
     for (line, fact) in [
         (
             "limit --vary discretization.lattice --time-step 1",
@@ -303,9 +303,9 @@ fn settings_and_steps_that_are_none_are_refused() {
     }
 }
 
-/// With a viscosity of zero its switch would have no effect; with others it has.
+/// With a viscosity of zero its switch would have no effect; for other values it has.
 #[test]
-fn what_the_setting_itself_makes_effective_may_be_set() {
+fn a_key_that_takes_effect_through_the_varied_setting_may_be_set() {
     let sph = "set method=updated-sph set viscosity-switch=averaged";
     let answer = document(&format!(
         "limit --vary discretization.viscosity --range 0,1 --time-step 0.01 {sph}"

@@ -10,7 +10,7 @@ fn free_faces_carry_no_traction() {
     assert_eq!(answer["loading"]["lateral"], "free");
     let f = numbers(&answer, "/to/0");
     assert_close(f[0], 2.0, 1e-15);
-    // Nearly incompressible: the lateral stretches are equal, 1/sqrt(2) almost.
+    // Nearly incompressible: the lateral stretches are equal, almost 1/sqrt(2).
     let (second, third) = (numbers(&answer, "/to/1")[1], numbers(&answer, "/to/2")[2]);
     assert_close(second, third, 1e-12);
     assert_close(second, 0.5_f64.sqrt(), 0.02);
@@ -22,8 +22,8 @@ fn free_faces_carry_no_traction() {
 }
 
 #[test]
-fn the_onset_of_a_loading_is_where_the_criteria_have_it() {
-    // Planar perturbations along a loading in plane strain: `criteria` asks the law, `path` the same law and particles.
+fn path_and_criteria_agree_on_the_onset_of_a_loading() {
+    // Planar perturbations in plane strain: `criteria` evaluates the law, `path` the law and its particles.
     let law = "--set material.model=neo-hooke --set material.mu=1 --set material.lambda=1";
     let criteria = document(&format!("criteria --mode uniaxial {law}"));
     let loadings = criteria["loadings"].as_array().expect("loadings");
@@ -51,7 +51,7 @@ fn the_onset_of_a_loading_is_where_the_criteria_have_it() {
 }
 
 #[test]
-fn a_path_is_written_as_table_and_figure() {
+fn a_path_is_written_as_a_table_and_a_figure() {
     let place = Scratch::new("path");
     let out = place.display().to_string();
     let line = format!("path --mode equibiaxial --to 1.6 {OGDEN} --out {out}");
@@ -83,7 +83,7 @@ fn a_path_is_written_as_table_and_figure() {
 }
 
 #[test]
-fn loadings_that_do_not_exist_are_refused_with_those_that_do() {
+fn unknown_loadings_are_refused_with_the_available_ones() {
     for (line, fact) in [
         (
             "path --mode uniaxial --lateral plane-stress --to 2",
@@ -107,7 +107,7 @@ fn loadings_that_do_not_exist_are_refused_with_those_that_do() {
 }
 
 #[test]
-fn a_loading_that_ends_early_says_where_and_why() {
+fn a_loading_that_ends_early_reports_where_and_why() {
     // Gent's chains lock where lambda^2 + 1/lambda^2 = 2 + jm.
     let line = "path --mode planar --lateral plane-strain --to 40 --set material.model=gent --set material.jm=10 \
                 set method=finite-elements";
@@ -119,16 +119,16 @@ fn a_loading_that_ends_early_says_where_and_why() {
     let told = onset_line(line).stdout;
     let first = told.lines().next().unwrap_or_default();
     assert!(first.contains("only, not to 40"), "{told}");
-    // Nothing is claimed of the part that was not followed.
+    // No statement is made about the part that was not followed.
     assert!(!told.contains("along the whole path"), "{told}");
     assert!(told.contains("up to stretch"), "{told}");
 }
 
-/// A law whose dilation softens, so that free faces have limit points.
+/// Law with a softening dilatation, so that free faces have limit points.
 const SOFTENING: &str = "--energy mu/2*(I1-3)-mu*ln(J)+k*w^2/2*(1-exp(-((J-1)/w)^2)) --set material.mu=1 --set material.k=10 --set material.w=0.1";
 
 #[test]
-fn a_path_ends_at_the_fold_of_its_free_faces_and_answers_up_to_it() {
+fn a_path_with_free_faces_is_answered_up_to_its_fold() {
     for (mode, to, fold) in [
         ("equibiaxial", 1.4, 1.20989),
         ("equibiaxial", 0.75, 0.88265),
@@ -176,7 +176,7 @@ fn a_path_ends_at_the_fold_of_its_free_faces_and_answers_up_to_it() {
         );
         assert_close(column("abscissa")[96], fold, 2e-5);
     }
-    // From beyond one fold to the other, and nothing beyond both.
+    // From beyond one fold to the other, and no answer beyond both.
     let line = format!("path --mode equibiaxial --from 0.8 --to 1.4 {SOFTENING} set method=tlsph");
     let answer = document(&line);
     assert_close(number(&answer, "/loading/from"), 0.88265, 2e-5);
@@ -186,7 +186,7 @@ fn a_path_ends_at_the_fold_of_its_free_faces_and_answers_up_to_it() {
 }
 
 #[test]
-fn a_loss_of_ellipticity_at_a_fold_is_told_by_path_and_criteria() {
+fn path_and_criteria_report_a_loss_of_ellipticity_at_a_fold() {
     let line = format!(
         "path --mode uniaxial --lateral plane-strain --to 1.6 {SOFTENING} set method=tlsph set penalty=0.5"
     );
@@ -218,7 +218,7 @@ fn a_loss_of_ellipticity_at_a_fold_is_told_by_path_and_criteria() {
 }
 
 #[test]
-fn simple_shear_is_told_by_its_amount() {
+fn simple_shear_is_given_by_its_amount() {
     let line = "path --mode simple-shear --lateral plane-strain --to 2 --set material.model=blatz-ko set method=tlsph set penalty=0.4";
     let told = onset_line(line).stdout;
     assert!(told.contains("from amount of shear 0 to 2."), "{told}");
@@ -235,7 +235,7 @@ fn simple_shear_is_told_by_its_amount() {
 }
 
 #[test]
-fn the_law_is_tabulated_where_the_method_is_not_defined() {
+fn the_table_covers_the_law_where_the_method_is_undefined() {
     let line = "path --from 1,1 --to 3,1 --set discretization.frame=eulerian --set discretization.support=1.6 --format csv";
     let table = onset_line(line).stdout;
     let rows: Vec<Vec<&str>> = table.lines().map(|row| row.split(',').collect()).collect();
@@ -254,13 +254,13 @@ fn the_law_is_tabulated_where_the_method_is_not_defined() {
             assert!(row[place(name)].parse::<f64>().is_ok(), "{name}: {row:?}");
         }
     }
-    // The law itself is lost at 2.7546.
+    // The law itself loses ellipticity at 2.7546.
     let last = &rows[97][place("minimum_acoustic_eigenvalue")];
     assert!(last.parse::<f64>().expect("a number") < 0.0);
 }
 
 #[test]
-fn three_stretches_in_two_dimensions_say_that_waves_stay_in_the_plane() {
+fn three_stretches_in_two_dimensions_note_that_waves_are_planar() {
     let told = onset_line("state --stretch 1.2,1,1 set method=tlsph").stdout;
     let note = "plane strain, waves in the plane; for 3D: --set discretization.lattice=face-centered-cubic";
     assert!(told.contains(note), "{told}");
@@ -286,7 +286,7 @@ fn three_stretches_in_two_dimensions_say_that_waves_stay_in_the_plane() {
 }
 
 #[test]
-fn planar_tension_of_an_isotropic_law_is_told_once() {
+fn planar_tension_of_an_isotropic_law_is_reported_once() {
     let titles = |line: &str| -> Vec<String> {
         let answer = document(line);
         let loadings = answer["loadings"].as_array().expect("loadings").iter();

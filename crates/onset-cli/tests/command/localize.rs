@@ -4,7 +4,7 @@ use crate::fortran::library;
 use crate::{Scratch, assert_close, document, number, numbers, onset, onset_line};
 
 #[test]
-fn von_mises_in_pure_shear_localizes_where_hardening_ends_under_45_degrees() {
+fn von_mises_in_pure_shear_localizes_at_45_degrees_where_hardening_ends() {
     let answer = document("localize --model j2 --path pure-shear");
     // h = 0 at gamma = r - (k0 - kr)/m = 0.05 - 10/2000.
     assert_close(number(&answer, "/localization/slip"), 0.045, 1e-10);
@@ -41,7 +41,7 @@ fn the_default_localizes_while_hardening_and_loses_strong_ellipticity_before() {
 }
 
 #[test]
-fn figure_and_tables_are_written_where_a_folder_is_given() {
+fn figure_and_tables_are_written_if_a_folder_is_given() {
     let place = Scratch::new("localize");
     let out = place.display().to_string();
     let answer = onset(&["localize", "--out", &out]);
@@ -66,7 +66,7 @@ fn figure_and_tables_are_written_where_a_folder_is_given() {
 }
 
 #[test]
-fn wrong_input_is_told_with_a_hint_and_exit_code_2() {
+fn invalid_input_is_reported_with_a_hint_and_exit_code_2() {
     for (line, facts) in [
         (
             "localize --model lade",
@@ -125,7 +125,7 @@ fn wrong_input_is_told_with_a_hint_and_exit_code_2() {
 }
 
 #[test]
-fn every_law_follows_its_path_to_a_band_or_says_why_not() {
+fn every_law_localizes_along_its_path_or_reports_why_not() {
     for line in [
         "--model mohr-coulomb --set plasticity.confinement=50",
         "--model hill-1948 --set plasticity.r0=2 --load tension",
@@ -135,7 +135,7 @@ fn every_law_follows_its_path_to_a_band_or_says_why_not() {
         let answer = document(&format!("localize {line}"));
         assert!(answer["localization"].is_object(), "{line}");
     }
-    // In pure shear both are von Mises' law.
+    // In pure shear both reduce to the von Mises law.
     for line in [
         "--model kinematic --set plasticity.kinematic-modulus=0 --path pure-shear",
         "--model deformation-theory --path pure-shear",
@@ -193,7 +193,7 @@ fn every_law_follows_its_path_to_a_band_or_says_why_not() {
 }
 
 #[test]
-fn every_model_answers_without_settings() {
+fn every_model_localizes_with_default_settings() {
     for model in ["cam-clay", "cap"] {
         let answer = onset_line(&format!("localize --model {model}"));
         assert_eq!(answer.code, Some(0), "{model}: {}", answer.stderr);
@@ -201,9 +201,9 @@ fn every_model_answers_without_settings() {
     }
 }
 
-/// The routine has the default law of `localize`.
+/// The routine implements the default law of `localize`.
 #[test]
-fn a_user_material_is_followed_like_the_law_that_it_has() {
+fn a_user_material_localizes_like_the_built_in_law() {
     let routine = library(&["fortran/drucker_prager.f90"]);
     let routine = format!(
         "localize --model umat --set material.library={} --set material.state-variables=1 \

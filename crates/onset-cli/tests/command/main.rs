@@ -1,4 +1,4 @@
-//! What the command answers, and what it refuses, as a user sees it: run as a process.
+//! Answers and refusals of the command as a user sees them, in a separate process.
 
 mod aliases;
 mod audit;
@@ -62,16 +62,16 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Random numbers, the same ones for the same seed.
+/// Random numbers, reproducible for a given seed.
 struct Random(u64);
 
 impl Random {
     fn new(seed: u64) -> Self {
-        // No seed is zero here, and neighboring ones are far apart.
+        // No seed becomes zero, and neighboring seeds are far apart.
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
     }
 
-    /// A whole number below another.
+    /// Random whole number below `end`.
     fn below(&mut self, end: usize) -> usize {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -80,7 +80,7 @@ impl Random {
     }
 }
 
-/// How the command ended.
+/// Result of a command.
 struct Answer {
     code: Option<i32>,
     stdout: String,
@@ -106,7 +106,7 @@ fn onset(arguments: &[&str]) -> Answer {
     }
 }
 
-/// The arguments of `line`, separated by spaces; `set a=b` is short for `--set discretization.a=b`.
+/// Arguments of `line`, separated by spaces; `set a=b` is short for `--set discretization.a=b`.
 fn words(line: &str) -> Vec<String> {
     let mut words = Vec::new();
     let mut items = line.split_whitespace();
@@ -129,7 +129,7 @@ fn onset_line(line: &str) -> Answer {
     onset(&words.iter().map(String::as_str).collect::<Vec<_>>())
 }
 
-/// What `line --json` prints: exactly one document, and nothing else.
+/// Output of `line --json`: exactly one document, and nothing else.
 fn document(line: &str) -> Value {
     let answer = onset_line(&format!("{line} --json"));
     assert_eq!(answer.code, Some(0), "{line}: {}", answer.stderr);
@@ -137,7 +137,7 @@ fn document(line: &str) -> Value {
     serde_json::from_str(&answer.stdout).expect("one JSON document")
 }
 
-/// The number at a JSON pointer.
+/// Number at a JSON pointer.
 fn number(document: &Value, pointer: &str) -> f64 {
     document
         .pointer(pointer)
@@ -161,7 +161,7 @@ fn assert_close(computed: f64, expected: f64, relative: f64) {
     );
 }
 
-/// A place for files that no other test uses. Nothing is there at first, and nothing remains.
+/// Unique path for files of one test, initially unused and finally removed.
 struct Scratch(PathBuf);
 
 impl Scratch {
@@ -171,7 +171,7 @@ impl Scratch {
             let count = COUNT.fetch_add(1, Ordering::Relaxed);
             let place = format!("onset-{}-{count}-{name}", std::process::id());
             let place = std::env::temp_dir().join(place);
-            // A killed process of the same number may have left one: numbers come again within minutes where many are started.
+            // A killed process with the same number may have left one: numbers repeat within minutes if many processes are started.
             if !place.exists() {
                 return Self(place);
             }
@@ -201,7 +201,7 @@ impl AsRef<OsStr> for Scratch {
 
 impl Drop for Scratch {
     fn drop(&mut self) {
-        // What a test has not made, or has removed itself, is not there.
+        // The test may not have created the path, or may have removed it.
         let _ = match self.0.is_dir() {
             true => std::fs::remove_dir_all(&self.0),
             false => std::fs::remove_file(&self.0),
@@ -209,7 +209,7 @@ impl Drop for Scratch {
     }
 }
 
-/// A file of a name with a text, for one test.
+/// File with a name and a text, for one test.
 struct Written(Scratch);
 
 impl Written {

@@ -1,4 +1,4 @@
-//! `onset map`: what it says and what it stores.
+//! `onset map`: output and stored fields.
 
 use crate::{Answer, Scratch, command, onset};
 use onset_study::store::{Column, ResultStore, ZarrStore};
@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A study of 25 tiles, two thirds of a second of computing.
+/// Study of 25 tiles, computed in two thirds of a second.
 pub const STUDY: &str = "\
 title = \"a study\"
 [discretization]
@@ -27,10 +27,10 @@ states = 34
 tile = 8
 ";
 
-/// The number of its tiles.
+/// Number of tiles in the study.
 pub const TILES: usize = 25;
 
-/// A folder with a study file.
+/// Folder with a study file.
 pub struct Place {
     pub folder: Scratch,
     pub file: PathBuf,
@@ -49,7 +49,7 @@ impl Place {
         self.folder.join(name)
     }
 
-    /// The arguments of a map into a store of a name, with more of them separated by spaces.
+    /// Arguments of a map into a named store, with further arguments separated by spaces.
     pub fn arguments(&self, store: &str, more: &str) -> Vec<String> {
         let text = |path: &Path| path.to_str().expect("UTF-8").to_owned();
         let first = ["map".to_owned(), text(&self.file)];
@@ -63,7 +63,7 @@ impl Place {
         onset(&arguments.iter().map(String::as_str).collect::<Vec<_>>())
     }
 
-    /// A map that must succeed.
+    /// Runs a map that must succeed.
     #[track_caller]
     pub fn computed(&self, store: &str, more: &str) -> Answer {
         let answer = self.map(store, more);
@@ -79,7 +79,7 @@ impl Place {
     }
 }
 
-/// Every file of a folder with what it holds, and every folder in it.
+/// Content of every file of a folder, and its subfolders.
 pub fn tree(folder: &Path) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
     let mut tree = BTreeMap::new();
     let mut open = vec![folder.to_owned()];
@@ -98,7 +98,7 @@ pub fn tree(folder: &Path) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
     tree
 }
 
-/// All values of a field, tile after tile.
+/// All values of a field, tile by tile.
 fn values(store: &ZarrStore, field: &str) -> Vec<Column> {
     (0..store.tiling().tiles())
         .map(|tile| {
@@ -123,7 +123,7 @@ pub fn opened(place: &Place, store: &str) -> ZarrStore {
 }
 
 #[test]
-fn a_map_says_in_words_and_in_json_how_many_states_are_what() {
+fn a_map_counts_its_states_by_verdict_in_text_and_json() {
     let place = Place::new(STUDY);
     let document = place.document("a.zarr", "");
     let count = |name: &str| document["verdicts"][name]["states"].as_u64();
@@ -157,7 +157,7 @@ fn a_map_says_in_words_and_in_json_how_many_states_are_what() {
 }
 
 #[test]
-fn a_map_says_of_a_state_what_the_state_command_says() {
+fn a_map_agrees_with_the_state_command() {
     let place = Place::new(STUDY);
     place.computed("a.zarr", "");
     let store = opened(&place, "a.zarr");
@@ -195,7 +195,7 @@ fn a_map_says_of_a_state_what_the_state_command_says() {
 }
 
 #[test]
-fn a_quiet_map_prints_nothing_and_its_document_when_asked() {
+fn a_quiet_map_prints_nothing_or_only_its_document() {
     let place = Place::new(STUDY);
     assert_eq!(place.computed("a.zarr", "--quiet --tiles 0..1").stdout, "");
     let document = place.document("a.zarr", "--quiet --tiles 1..2");
@@ -203,7 +203,7 @@ fn a_quiet_map_prints_nothing_and_its_document_when_asked() {
 }
 
 #[test]
-fn an_adaptive_map_has_the_verdicts_of_a_regular_one_and_computes_fewer_states() {
+fn an_adaptive_map_has_the_verdicts_of_a_regular_map_with_fewer_computed_states() {
     let place = Place::new(&STUDY.replace("tile = 8", "tile = 64"));
     place.computed("regular.zarr", "");
     let document = place.document("adaptive.zarr", "--set map.adaptive=true");
@@ -218,7 +218,7 @@ fn an_adaptive_map_has_the_verdicts_of_a_regular_one_and_computes_fewer_states()
     let computed = evaluated.iter().filter(|flag| **flag == 1).count();
     assert_eq!(document["evaluated"], computed);
     assert!(computed < evaluated.len(), "{computed} states computed");
-    // Where a state was computed its numbers are the same; elsewhere there are none.
+    // Computed states have equal numbers; the others have none.
     let (left, right) = (
         numbers(&adaptive, "scaled_minimum"),
         numbers(&regular, "scaled_minimum"),
@@ -232,7 +232,7 @@ fn an_adaptive_map_has_the_verdicts_of_a_regular_one_and_computes_fewer_states()
     }
 }
 
-/// How many of the states that a regular map and a finer, adaptive one share have another verdict or stability.
+/// Number of states common to a regular map and a finer adaptive map with different verdict or stability.
 fn different_states(study: &str, finer: &str) -> (usize, usize) {
     let (regular, adaptive) = (Place::new(study), Place::new(finer));
     let options = "--set map.tile=256";
@@ -260,7 +260,7 @@ fn different_states(study: &str, finer: &str) -> (usize, usize) {
     ((0..states).filter(differs).count(), states)
 }
 
-/// A study over a square of stretches.
+/// Study over a square of stretches.
 fn square_of(settings: &str, low: f64, high: f64, states: usize) -> String {
     let axis = |name: &str| {
         format!("[[axes]]\nquantity = '{name}'\nrange = [{low:?}, {high:?}]\nstates = {states}\n")
@@ -269,9 +269,9 @@ fn square_of(settings: &str, low: f64, high: f64, states: usize) -> String {
 }
 
 #[test]
-fn a_finer_adaptive_map_has_the_verdicts_of_a_regular_one_at_the_states_they_share() {
+fn a_finer_adaptive_map_agrees_with_a_regular_map_at_common_states() {
     let settings = "[discretization]\nsupport = 1.9\nframe = 'eulerian'\ncurrent-lattice = 'regular'\nlinearization = 'exact'";
-    // Every 8th of 256 states, the first included: the windows are shifted by 3.5 of their cells.
+    // Every 8th of 256 states, starting with the first: the windows are shifted by 3.5 of their cells.
     let shift = 3.5 * 1.8 / 256.0;
     let finer = square_of(settings, 0.2, 2.0, 256);
     let study = square_of(settings, 0.2 - shift, 2.0 - shift, 32);
@@ -328,7 +328,7 @@ fn an_adaptive_map_of_three_axes_has_the_verdicts_of_a_regular_one() {
 }
 
 #[test]
-fn a_store_is_named_after_its_study_unless_told_otherwise() {
+fn a_store_is_named_after_its_study_by_default() {
     let place = Place::new(STUDY);
     let status = command(&["map", "study.toml", "--tiles", "0..1"])
         .current_dir(&place.folder)
@@ -339,7 +339,7 @@ fn a_store_is_named_after_its_study_unless_told_otherwise() {
 }
 
 #[test]
-fn a_method_without_neighbors_is_undefined_and_its_continuum_is_not() {
+fn a_method_without_neighbors_is_undefined_but_its_continuum_is_computed() {
     let study = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.9, 1.1]\nstates = 2\n\
                  [[axes]]\nquantity = \"discretization.support\"\nrange = [0.1, 3.1]\nstates = 3\n";
     let place = Place::new(study);
@@ -362,7 +362,7 @@ fn a_method_without_neighbors_is_undefined_and_its_continuum_is_not() {
 }
 
 #[test]
-fn a_map_stores_the_outputs_that_its_study_names_and_no_others() {
+fn a_map_stores_exactly_the_outputs_in_its_study() {
     let text = STUDY.replace("tile = 8", "tile = 32\noutputs = [\"growth_rate\"]");
     let place = Place::new(&text);
     place.computed("few.zarr", "");
@@ -396,7 +396,7 @@ fn a_map_stores_the_outputs_that_its_study_names_and_no_others() {
 }
 
 #[test]
-fn an_output_that_no_map_has_is_refused_with_those_that_there_are() {
+fn an_unknown_output_is_refused_with_the_available_ones() {
     let place = Place::new(STUDY);
     let answer = place.map("none.zarr", "--set map.outputs=growth");
     assert_eq!(answer.code, Some(2));
@@ -434,7 +434,7 @@ fn a_law_whose_reference_carries_no_waves_is_refused() {
     );
 }
 
-/// The most memory that a process has had, in KiB.
+/// Peak memory of a process; KiB.
 #[cfg(target_os = "linux")]
 fn most_memory(mut child: std::process::Child) -> u64 {
     let path = format!("/proc/{}/status", child.id());
@@ -452,7 +452,7 @@ fn most_memory(mut child: std::process::Child) -> u64 {
     }
 }
 
-/// What is known of the states of a tile is kept until it is done: some 300 MB for a million of them.
+/// Results of a tile are kept until it is finished: some 300 MB for a million states.
 #[test]
 #[cfg(target_os = "linux")]
 fn the_memory_of_a_map_of_large_tiles_does_not_grow_with_its_threads() {

@@ -1,10 +1,10 @@
-//! Stores as Python sees them: xarray opens them, without a warning.
+//! Stores in Python: xarray opens them without a warning.
 
 use crate::map::{Place, STUDY};
 use serde_json::{Value, json};
 use std::process::Command;
 
-/// What the script says of a store; `None` without an interpreter, which `cargo xtask test` provides.
+/// Output of the script for a store; `None` without an interpreter, which `cargo xtask test` provides.
 fn opened(place: &Place, store: &str) -> Option<Value> {
     let Some(python) = std::env::var_os("ONSET_PYTHON") else {
         eprintln!(
@@ -43,7 +43,7 @@ fn xarray_opens_a_store_and_reads_the_verdicts_as_flags() {
             .is_some_and(|text| text.contains("support = 1.9"))
     );
     assert_eq!(seen["units"]["stretch-1"], "1");
-    // No unit that UDUNITS cannot read: the dimension stands beside.
+    // UDUNITS cannot read the unit, so that a separate attribute gives the dimension.
     assert_eq!(seen["units"]["growth_rate"], "1");
     assert_eq!(seen["unnamed"], json!([]));
     assert_eq!(
@@ -60,7 +60,7 @@ fn xarray_opens_a_store_and_reads_the_verdicts_as_flags() {
 }
 
 #[test]
-fn xarray_opens_a_store_in_the_making() {
+fn xarray_opens_an_unfinished_store() {
     let place = Place::new(STUDY);
     place.computed("a.zarr", "--tiles 3..5");
     let Some(seen) = opened(&place, "a.zarr") else {

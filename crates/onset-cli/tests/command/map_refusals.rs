@@ -1,4 +1,4 @@
-//! Stores that are in the way, foreign, damaged, or cannot be written: told with a hint, and nothing is overwritten.
+//! Stores that are in the way, foreign, damaged, or cannot be written: reported with a hint, and never overwritten.
 
 use crate::Answer;
 use crate::map::{Place, STUDY, TILES, tree};
@@ -27,7 +27,7 @@ fn assert_refused(answer: &Answer, code: i32, facts: &[&str]) {
     }
 }
 
-/// Runs maps that must be refused and leave everything as it is.
+/// Runs maps that must be refused and must leave everything unchanged.
 #[track_caller]
 fn assert_kept(place: &Place, store: &str, runs: &[&str], facts: &[&str]) {
     let before = tree(&place.folder);
@@ -38,7 +38,7 @@ fn assert_kept(place: &Place, store: &str, runs: &[&str], facts: &[&str]) {
 }
 
 #[test]
-fn a_store_that_is_there_is_kept_unless_told_what_to_do_with_it() {
+fn an_existing_store_is_kept_unless_an_option_says_otherwise() {
     let place = Place::new(STUDY);
     place.computed("a.zarr", "--tiles 0..3");
     let begun = format!("3 of {TILES} tiles done");
@@ -70,7 +70,7 @@ fn a_complete_store_has_nothing_to_resume() {
 }
 
 #[test]
-fn what_is_not_a_store_is_never_replaced() {
+fn only_stores_are_ever_replaced() {
     let place = Place::new(STUDY);
     fs::create_dir(place.store("folder")).expect("a folder");
     fs::write(place.store("folder").join("notes.txt"), "precious").expect("a file");
@@ -87,7 +87,7 @@ fn what_is_not_a_store_is_never_replaced() {
 }
 
 #[test]
-fn a_store_that_others_have_written_is_never_replaced() {
+fn a_store_written_by_another_program_is_never_replaced() {
     let place = Place::new(STUDY);
     let of_others = [
         (
@@ -118,7 +118,7 @@ fn an_empty_folder_becomes_the_store() {
 }
 
 #[test]
-fn a_store_of_another_study_is_not_gone_on_with() {
+fn a_store_of_another_study_is_not_resumed() {
     let place = Place::new(STUDY);
     place.computed("a.zarr", "--tiles 0..1");
     for (assignment, facts) in [
@@ -135,7 +135,7 @@ fn a_store_of_another_study_is_not_gone_on_with() {
 }
 
 #[test]
-fn a_store_can_be_replaced_by_that_of_another_study() {
+fn a_store_can_be_replaced_by_a_store_of_another_study() {
     let place = Place::new(STUDY);
     place.computed("a.zarr", "--set discretization.support=1.7");
     place.computed("a.zarr", "--overwrite");
@@ -169,7 +169,7 @@ fn a_store_that_another_process_writes_is_not_replaced() {
     place.computed("a.zarr", "--overwrite");
 }
 
-/// Damages a file in some way, checks that the run is refused and the file named, and puts the file back.
+/// Damages a file, checks that the run is refused with the name of the file, and restores it.
 #[track_caller]
 fn assert_damage_found(place: &Place, file: &str, damage: impl FnOnce(&Path), facts: &[&str]) {
     let path = place.store("a.zarr").join(file);
@@ -201,7 +201,7 @@ fn cut(path: &Path) {
 }
 
 #[test]
-fn a_damaged_chunk_is_named_and_its_tile_can_be_computed_again() {
+fn a_damaged_chunk_is_named_and_its_tile_can_be_recomputed() {
     let place = Place::new(STUDY);
     place.computed("a.zarr", "");
     let whole = tree(&place.store("a.zarr"));
@@ -227,7 +227,7 @@ fn a_damaged_chunk_is_named_and_its_tile_can_be_computed_again() {
     assert_damage_found(&place, "growth_rate/c/0/3", remove, &["missing"]);
     assert_damage_found(&place, "stretch-1/c/0", flip(5), &["copy"]);
 
-    // As the hint says.
+    // Follows the hint.
     flip(7)(&place.store("a.zarr").join("growth_rate/c/0/3"));
     remove(&place.store("a.zarr").join("verdict/c/0/3"));
     assert_eq!(place.document("a.zarr", "--resume")["tiles_computed"], 1);
@@ -255,19 +255,19 @@ fn a_folder_that_cannot_be_written_is_named() {
     let answer = place.map("file/a.zarr", "");
     assert_refused(&answer, 1, &["cannot write", "file/a.zarr", "--out"]);
     assert!(tree(&place.folder) == before);
-    // Nobody can write there, whatever their rights.
+    // No user can write there, with any permissions.
     let place = Place::new(STUDY);
     let answer = place.map("/proc/onset.zarr", "");
     assert_refused(&answer, 1, &["cannot write", "/proc/onset.zarr", "--out"]);
 }
 
 #[test]
-fn a_full_disk_is_told_and_what_is_done_is_kept() {
+fn a_full_disk_is_reported_and_finished_tiles_are_kept() {
     let study = STUDY.replace("tile = 8", "tile = 16");
     let place = Place::new(&study);
     place.computed("whole.zarr", "");
     place.computed("a.zarr", "--tiles 0..1");
-    // Without the right to fill a disk: no file may grow beyond one block, which the chunks of a full tile do.
+    // Without permission to fill a disk: files are limited to one block, which the chunks of a full tile exceed.
     let arguments = place.arguments("a.zarr", "--resume");
     let limited = "ulimit -f 1; trap '' XFSZ; exec \"$@\"";
     let output = Command::new("sh")
@@ -294,7 +294,7 @@ fn a_full_disk_is_told_and_what_is_done_is_kept() {
 }
 
 #[test]
-fn a_chunk_in_the_place_of_another_is_noticed() {
+fn a_misplaced_chunk_is_detected() {
     let place = Place::new(STUDY);
     place.computed("a.zarr", "");
     place.computed("b.zarr", "--set discretization.support=1.7");
@@ -342,7 +342,7 @@ fn edit(place: &Place, store: &str, from: &str, to: &str) {
 }
 
 #[test]
-fn a_store_of_another_version_build_or_processor_is_not_gone_on_with() {
+fn a_store_of_another_version_build_or_processor_is_not_resumed() {
     let place = Place::new(STUDY);
     place.computed("a.zarr", "--tiles 0..1");
     let text = fs::read_to_string(place.store("a.zarr").join("zarr.json")).expect("a file");
@@ -391,9 +391,9 @@ fn a_store_of_another_format_is_not_read() {
     place.computed("a.zarr", "--overwrite");
 }
 
-/// What is not asked of the law is told by the store itself: its study is that of its numbers.
+/// The identity of a store covers its study, so that an exchanged study does not match the stored numbers.
 #[test]
-fn a_study_that_was_exchanged_in_a_store_is_noticed() {
+fn an_exchanged_study_in_a_store_is_detected() {
     let place = Place::new(STUDY);
     place.computed("a.zarr", "");
     let store = place.store("a.zarr").display().to_string();
@@ -412,7 +412,7 @@ fn a_study_that_was_exchanged_in_a_store_is_noticed() {
 
 #[test]
 #[cfg(unix)]
-fn nothing_of_others_is_replaced_and_no_link_is_followed() {
+fn foreign_files_are_not_replaced_and_links_are_not_followed() {
     use std::os::unix::fs::symlink;
     let place = Place::new(STUDY);
     place.computed("a.zarr", "--tiles 0..1");
@@ -451,7 +451,7 @@ fn nothing_of_others_is_replaced_and_no_link_is_followed() {
     place.computed("a.zarr", "--overwrite");
 }
 
-/// A link in a store must not make a resumed map write elsewhere.
+/// A link in a store must not redirect the output of a resumed map.
 #[test]
 #[cfg(unix)]
 fn a_map_does_not_write_through_links() {
@@ -473,7 +473,7 @@ fn a_map_does_not_write_through_links() {
 }
 
 #[test]
-fn the_current_folder_is_no_place_for_a_store_but_may_be_one() {
+fn the_current_folder_cannot_be_replaced_but_may_be_a_store() {
     let place = Place::new(STUDY);
     let file = place.file.display().to_string();
     let map = |folder: &Path, more: &[&str]| {
@@ -504,7 +504,7 @@ fn the_current_folder_is_no_place_for_a_store_but_may_be_one() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn names_may_be_long_and_of_any_bytes() {
+fn file_names_may_be_long_and_contain_any_bytes() {
     use std::ffi::OsStr;
     use std::os::unix::ffi::OsStrExt;
     let place = Place::new(STUDY);
@@ -552,7 +552,7 @@ fn names_may_be_long_and_of_any_bytes() {
 }
 
 #[test]
-fn a_lock_of_a_stranger_is_told() {
+fn a_foreign_lock_is_reported() {
     let place = Place::new(STUDY);
     place.computed("a.zarr", "--tiles 0..1");
     let metadata = fs::File::open(place.store("a.zarr").join("zarr.json")).expect("a file");
@@ -565,7 +565,7 @@ fn a_lock_of_a_stranger_is_told() {
 }
 
 #[test]
-fn tiles_that_the_map_does_not_have_are_refused() {
+fn tiles_outside_the_map_are_refused() {
     let place = Place::new(STUDY);
     let beyond = format!("--tiles {TILES}..99");
     assert_refused(&place.map("a.zarr", &beyond), 2, &["25 tiles", "0..25"]);
@@ -584,7 +584,7 @@ fn tiles_that_the_map_does_not_have_are_refused() {
 }
 
 #[test]
-fn a_study_that_cannot_be_read_or_computed_makes_no_store() {
+fn a_study_that_cannot_be_read_or_computed_creates_no_store() {
     let place = Place::new(STUDY);
     fs::remove_file(&place.file).expect("a file");
     let answer = place.map("a.zarr", "");

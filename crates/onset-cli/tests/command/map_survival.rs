@@ -1,4 +1,4 @@
-//! Maps that are killed, interrupted, or made by several processes: the store is the same as that of an uninterrupted run.
+//! Maps that are killed, interrupted, or computed by several processes: their stores equal the store of an uninterrupted run.
 
 use crate::command;
 use crate::map::{Place, STUDY, TILES, tree};
@@ -16,7 +16,7 @@ fn started(place: &Place, store: &str, more: &str) -> Child {
         .expect("the command starts")
 }
 
-/// Numbers between 0 and 1, the same ones at every run.
+/// Numbers between 0 and 1, equal in every run.
 fn random() -> impl FnMut() -> f64 {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     move || {
@@ -27,7 +27,7 @@ fn random() -> impl FnMut() -> f64 {
     }
 }
 
-/// The tiles of a store that are done, if there is one.
+/// Number of finished tiles of a store, zero if it does not exist.
 fn done(place: &Place, store: &str) -> usize {
     ZarrStore::open(&place.store(store)).map_or(0, |store| store.done().expect("readable"))
 }
@@ -62,7 +62,7 @@ fn a_map_resumed_after_a_kill_has_the_same_bytes() {
 }
 
 #[test]
-fn an_interrupt_finishes_the_tiles_that_have_begun_and_a_resumed_map_has_the_same_bytes() {
+fn an_interrupt_finishes_started_tiles_and_a_resumed_map_has_the_same_bytes() {
     stopped_by("-INT");
 }
 
@@ -75,7 +75,7 @@ fn stopped_by(name: &str) {
     let place = Place::new(STUDY);
     place.computed("whole.zarr", "");
     let child = started(&place, "interrupted.zarr", "");
-    // Interrupted as soon as the first tile is done.
+    // Interrupted as soon as the first tile is finished.
     while done(&place, "interrupted.zarr") == 0 {
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -107,7 +107,7 @@ fn stopped_by(name: &str) {
     );
 }
 
-/// One tile, of states of several particles a cell each.
+/// One tile, with several particles per cell at each state.
 fn slow(cells: usize, states: usize) -> String {
     format!(
         "[discretization]\nlattice = \"face-centered-cubic\"\nquadrature = \"nodal\"\nsupport = 1.65\ncells = {cells}\nperturbation = 0.05\n\
@@ -122,7 +122,7 @@ fn signal(child: &Child, signal: &str) {
     assert!(status.expect("kill").success());
 }
 
-/// The map of a study in the making: its store is there, its tile has begun.
+/// Running map whose store exists and whose tile has been started.
 fn begun(place: &Place) -> Child {
     let child = started(place, "slow.zarr", "");
     while !place.store("slow.zarr").is_dir() {
@@ -132,9 +132,9 @@ fn begun(place: &Place) -> Child {
     child
 }
 
-/// The process is stopped for the second that its tile is given after the interrupt, so that the tile is late however fast the machine is.
+/// The process is stopped during the second allowed after the interrupt, so that the tile is late on any machine.
 #[test]
-fn an_interrupt_gives_up_a_tile_of_slow_states_and_a_resumed_map_has_the_same_bytes() {
+fn an_interrupt_abandons_a_tile_of_slow_states_and_a_resumed_map_has_the_same_bytes() {
     let place = Place::new(&slow(2, 6));
     let mut child = begun(&place);
     signal(&child, "-INT");
@@ -159,7 +159,7 @@ fn an_interrupt_gives_up_a_tile_of_slow_states_and_a_resumed_map_has_the_same_by
 }
 
 #[test]
-fn a_state_that_takes_too_long_and_a_second_interrupt_end_a_map_at_once_and_tell_how_to_resume() {
+fn a_slow_state_or_a_second_interrupt_ends_a_map_immediately_with_a_hint_to_resume() {
     for times in [1, 2] {
         let place = Place::new(&slow(3, 64));
         let child = begun(&place);
@@ -177,9 +177,9 @@ fn a_state_that_takes_too_long_and_a_second_interrupt_end_a_map_at_once_and_tell
     }
 }
 
-/// The line that goes on, given back to a shell, goes on.
+/// The printed command, given to a shell, resumes the map.
 #[test]
-fn the_line_that_goes_on_can_be_given_to_a_shell() {
+fn the_printed_command_that_resumes_works_in_a_shell() {
     let place = Place::new(STUDY);
     let folder = place.store("it's a $HOME; map");
     std::fs::create_dir(&folder).expect("a folder");
@@ -225,7 +225,7 @@ fn the_line_that_goes_on_can_be_given_to_a_shell() {
     assert_eq!(done(), TILES);
 }
 
-/// Runs maps into one store at the same time; all must succeed.
+/// Runs maps into one store simultaneously; all must succeed.
 fn together(place: &Place, store: &str, parts: &[&str]) {
     let children: Vec<Child> = parts
         .iter()
@@ -239,7 +239,7 @@ fn together(place: &Place, store: &str, parts: &[&str]) {
 }
 
 #[test]
-fn four_processes_at_once_make_the_store_of_one() {
+fn four_simultaneous_processes_write_the_store_of_a_single_one() {
     let place = Place::new(STUDY);
     place.computed("whole.zarr", "");
     let whole = tree(&place.store("whole.zarr"));
@@ -265,7 +265,7 @@ fn four_processes_at_once_make_the_store_of_one() {
 
 /// The tile is the first one, which would be computed first if it were free.
 #[test]
-fn a_tile_that_another_process_has_taken_is_computed_after_all_others() {
+fn a_tile_reserved_by_another_process_is_computed_last() {
     let place = Place::new(STUDY);
     place.computed("taken.zarr", "--tiles 20..21");
     let store = place.store("taken.zarr");
@@ -289,9 +289,9 @@ fn a_tile_that_another_process_has_taken_is_computed_after_all_others() {
     assert!(again.expect("a lock").is_some(), "it is free");
 }
 
-/// What has begun a tile and does not go on keeps nobody from ending; when it goes on, it finds the tile done.
+/// A process that stops within a tile prevents no other from finishing; when it continues, it finds the tile finished.
 #[test]
-fn a_process_that_is_stopped_is_not_waited_for() {
+fn a_stopped_process_does_not_block_the_others() {
     let place = Place::new(&slow(2, 6));
     let stopped = begun(&place);
     signal(&stopped, "-STOP");
@@ -311,7 +311,7 @@ fn a_process_that_is_stopped_is_not_waited_for() {
 }
 
 #[test]
-fn of_processes_that_make_a_store_for_two_studies_one_study_wins_it() {
+fn processes_with_two_studies_for_one_store_leave_a_store_of_one_study() {
     let place = Place::new(STUDY);
     let others = "--tiles 0..2 --set discretization.support=1.7";
     for race in 0..5 {

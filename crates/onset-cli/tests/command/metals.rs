@@ -1,10 +1,10 @@
-//! Metals beyond yield, crystals and fluids, as a user asks of them.
+//! Metals beyond yield, crystals and fluids, as a user sees them.
 
 use crate::fortran::library;
 use crate::{Scratch, assert_close, document, number, onset_line};
 use std::time::{Duration, Instant};
 
-/// Steel in GPa with a slope of the flow stress.
+/// Steel in GPa with the given slope of the flow stress.
 fn steel(modulus: f64) -> String {
     format!(
         "--set material.model=j2 --set material.mu=80 --set material.kappa=170 --set material.yield-stress=0.4 --set material.saturation-stress=0 \
@@ -13,13 +13,13 @@ fn steel(modulus: f64) -> String {
 }
 
 #[test]
-fn a_metal_beyond_yield_has_the_stress_of_its_path_and_the_tangent_of_flow() {
+fn a_yielding_metal_has_the_stress_of_its_path_and_the_tangent_of_continued_flow() {
     let method = "set method=total-lagrangian-sph";
     let hardening = document(&format!(
         "state --stretch 1.1,0.909090909090909 {}",
         steel(1.0)
     ));
-    // An isochoric stretch in plane strain: s1 - s2 = 2/sqrt(3) of the flow stress, e = 2/sqrt(3) ln 1.1 less the elastic part.
+    // Isochoric stretch in plane strain: s1 - s2 = 2/sqrt(3) times the flow stress, e = 2/sqrt(3) ln 1.1 minus the elastic part.
     let cauchy = |i: usize| number(&hardening, &format!("/material/cauchy/{i}/{i}"));
     let root = 2.0 / 3.0_f64.sqrt();
     let slip = (3.0 * 80.0 * root * 1.1_f64.ln() - 0.4) / (3.0 * 80.0 + 1.0);
@@ -47,7 +47,7 @@ fn a_metal_beyond_yield_has_the_stress_of_its_path_and_the_tangent_of_flow() {
 }
 
 #[test]
-fn a_map_of_rolled_sheet_is_made_like_any_other() {
+fn a_map_of_rolled_sheet_can_be_computed() {
     let folder = Scratch::new("rolled");
     std::fs::create_dir_all(&folder).expect("a folder");
     let study = folder.join("sheet.toml");
@@ -62,7 +62,7 @@ fn a_map_of_rolled_sheet_is_made_like_any_other() {
     assert!(store.join("zarr.json").is_file(), "{}", answer.stdout);
 }
 
-/// Beyond yield the tangent of continued flow is not the derivative of the stress of states that are each reached along a path of their own.
+/// Beyond yield, the tangent of continued flow is not the derivative of the stress over states that are each reached along a separate path.
 #[test]
 fn a_rolled_sheet_is_pulled_with_free_faces_to_the_end_and_has_a_card() {
     let sheet = "--set material.model=hill-1948";
@@ -74,7 +74,7 @@ fn a_rolled_sheet_is_pulled_with_free_faces_to_the_end_and_has_a_card() {
         answer["loading"]
     );
     let strain = |axis: usize| number(&answer, &format!("/to/{axis}/{axis}")).ln();
-    // Lankford's ratio, but for the elastic strain.
+    // Lankford's ratio, up to the elastic strain.
     assert_close(strain(1) / strain(2), 1.8, 0.02);
     let begin = Instant::now();
     let card = document(&format!("card --range 0.8,1.25 {sheet}"));
@@ -84,9 +84,9 @@ fn a_rolled_sheet_is_pulled_with_free_faces_to_the_end_and_has_a_card() {
     assert!(begin.elapsed() < Duration::from_secs(90));
 }
 
-/// What a metal stores elastically is no energy of its stress, also where it yields so late that it is one for small strains.
+/// The elastically stored energy of a metal is no potential of its stress, even if a late yield makes it one at small strains.
 #[test]
-fn nothing_is_said_of_finite_jumps_of_a_metal() {
+fn criteria_of_a_metal_omit_finite_jumps() {
     let sheet = "criteria --mode uniaxial --range 0.9,1.2 --set material.model=hill-1948 --set material.mu=1";
     for yields in ["", " --set material.yield-stress=10"] {
         let answer = document(&format!("{sheet}{yields}"));
@@ -102,7 +102,7 @@ fn nothing_is_said_of_finite_jumps_of_a_metal() {
 }
 
 #[test]
-fn criteria_of_a_sheet_that_is_turned_are_refused_before_minutes_are_spent() {
+fn criteria_of_a_rotated_sheet_are_refused_without_delay() {
     for line in [
         "criteria --set material.model=hill-1948 --set material.angle=20",
         "card --set material.model=hill-1948 --set material.angle=-0.5",
@@ -122,7 +122,7 @@ fn criteria_of_a_sheet_that_is_turned_are_refused_before_minutes_are_spent() {
     assert_eq!(across.code, Some(0), "{}", across.stderr);
 }
 
-/// The tangent of a routine is that of its last increment.
+/// The tangent of a routine belongs to its last increment.
 #[test]
 fn a_routine_of_a_metal_is_pulled_with_free_faces_to_the_end() {
     let routine = library(&["fortran/j2_plasticity.f90"]);
@@ -134,7 +134,7 @@ fn a_routine_of_a_metal_is_pulled_with_free_faces_to_the_end() {
         ));
         assert_close(number(&answer, "/loading/to"), 1.2, 1e-12);
         let strain = |axis: usize| number(&answer, &format!("/to/{axis}/{axis}")).ln();
-        // Flow keeps the volume: s = y + H (e - s/E), and the lateral strain is -e/2 but for the elastic one.
+        // Flow preserves the volume: s = y + H (e - s/E), and the lateral strain is -e/2 up to its elastic part.
         let stress = (250.0 + 2e3 * strain(0)) / (1.0 + 2e3 / 200e3);
         let lateral = -0.5 * strain(0) + stress / 200e3 * (0.5 - 0.3);
         for axis in [1, 2] {
@@ -144,7 +144,7 @@ fn a_routine_of_a_metal_is_pulled_with_free_faces_to_the_end() {
 }
 
 #[test]
-fn methods_for_a_fluid_are_in_the_order_of_their_cost() {
+fn methods_for_a_fluid_are_sorted_by_cost() {
     let answer =
         onset_line("recommend --dimension 1 --set material.model=tait --set material.mu=0");
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
@@ -160,7 +160,7 @@ fn methods_for_a_fluid_are_in_the_order_of_their_cost() {
 }
 
 #[test]
-fn modes_of_a_fluid_are_compared_with_no_shear_wave() {
+fn modes_of_a_fluid_are_not_compared_with_shear_waves() {
     for kappa in ["99", "100"] {
         let answer = onset_line(&format!(
             "modes --set material.model=tait --set material.mu=0 --set material.kappa={kappa}"
@@ -190,7 +190,7 @@ fn the_audit_of_a_fluid_does_not_take_its_missing_shear_modulus_for_a_fault() {
             answer.stdout
         );
     }
-    // A law that is nearly incompressible is no fluid, and none that has no bulk modulus.
+    // A nearly incompressible law is no fluid, and neither is a law without a bulk modulus.
     let stiff = "--set material.model=neo-hooke --set material.mu=1 --set material.lambda=1e9";
     for question in ["audit", "state --stretch 1.1,0.95"] {
         let told = onset_line(&format!("{question} {stiff}"));
@@ -200,7 +200,7 @@ fn the_audit_of_a_fluid_does_not_take_its_missing_shear_modulus_for_a_fault() {
     let soft = onset_line("audit --energy 0.5*(I1/J^(2/3)-3)+0*J");
     assert!(soft.stdout.contains("semidefinite"), "{}", soft.stdout);
     assert!(!soft.stdout.contains("fluid"), "{}", soft.stdout);
-    // Less than none is a fault.
+    // A negative shear modulus is a fault.
     let negative = onset_line("audit --energy (J-1)^2-(I1-3)");
     assert!(
         negative.stdout.contains("not positive definite"),
@@ -228,7 +228,7 @@ fn the_path_of_a_fluid_does_not_contradict_its_note() {
 }
 
 #[test]
-fn what_has_no_energy_is_not_audited_and_the_answer_says_why() {
+fn laws_without_an_energy_are_not_audited_and_the_answer_gives_the_reason() {
     let answer = onset_line("audit --set material.model=hill-1948");
     assert_eq!(answer.code, Some(2), "{}", answer.stdout);
     assert!(
@@ -239,7 +239,7 @@ fn what_has_no_energy_is_not_audited_and_the_answer_says_why() {
 }
 
 #[test]
-fn a_fluid_is_told_to_be_one() {
+fn a_fluid_is_reported_as_a_fluid() {
     let fluid = "--set material.model=murnaghan --set material.mu=0 --set material.kappa=2.2";
     let answer = document(&format!(
         "state --stretch 0.97,0.97 {fluid} set method=updated-sph"
@@ -257,7 +257,7 @@ fn a_fluid_is_told_to_be_one() {
     let pressure = -number(&answer, "/material/cauchy/0/0");
     let jacobian = 0.97_f64 * 0.97;
     assert_close(pressure, 2.2 / 7.0 * (jacobian.powi(-7) - 1.0), 1e-12);
-    // Water under tension as codes of smoothed particle hydrodynamics write it.
+    // Water under tension, as in codes of smoothed particle hydrodynamics.
     let named = document(&format!(
         "state --stretch 0.97,0.97 {} set method=updated-sph",
         fluid.replace("murnaghan", "mie-gruneisen")
@@ -266,7 +266,7 @@ fn a_fluid_is_told_to_be_one() {
 }
 
 #[test]
-fn a_negative_poissons_ratio_is_told_and_a_nearly_incompressible_law_is_no_fluid() {
+fn a_negative_poisson_ratio_is_reported_and_a_nearly_incompressible_law_is_no_fluid() {
     // (3 K - 2 G) / (6 K + 2 G) = -1.7 / 2.6.
     let law =
         "--set material.model=neo-hooke-isochoric --set material.shear=1 --set material.bulk=0.1";
@@ -287,7 +287,7 @@ fn a_negative_poissons_ratio_is_told_and_a_nearly_incompressible_law_is_no_fluid
     }
     let usual = onset_line("state --stretch 1.01,1 --set material.model=neo-hooke");
     assert!(!usual.stdout.contains("auxetic"), "{}", usual.stdout);
-    // As the bulk modulus grows the smallest eigenvalue tends to that of waves that keep the volume.
+    // As the bulk modulus grows, the smallest eigenvalue tends to that of isochoric waves.
     let eigenvalue = |bulk: &str| {
         let state = document(&format!(
             "state --stretch 1.2,0.9 --set material.model=hencky --set material.kappa={bulk}"
@@ -305,7 +305,7 @@ fn a_negative_poissons_ratio_is_told_and_a_nearly_incompressible_law_is_no_fluid
 }
 
 #[test]
-fn a_script_of_felupe_is_the_same_law_in_words_of_its_own() {
+fn a_script_of_felupe_gives_the_same_law() {
     let folder = Scratch::new("felupe");
     std::fs::create_dir_all(&folder).expect("a folder");
     let file = folder.join("fit.py");

@@ -1,19 +1,19 @@
-//! Every command for every method of `comparisons/methods-*.toml`: what they answer, they answer for all of them.
+//! Every command with every method of `comparisons/methods-*.toml`.
 
 use super::{Scratch, onset, onset_line};
 use serde_json::Value;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The comparisons, by the number of dimensions less one.
+/// Built-in comparisons, by the number of dimensions minus one.
 const COMPARISONS: [&str; 3] = [
     include_str!("../../../../comparisons/methods-1d.toml"),
     include_str!("../../../../comparisons/methods-2d.toml"),
     include_str!("../../../../comparisons/methods-3d.toml"),
 ];
 
-/// What is asked, beginning with the name of the command; `STUDY`, `STORE` and `OUT` stand for files, `F`, `FROM`, `TO` and `K` for
-/// stretches and a wave vector of as many dimensions as the method has.
+/// Tested command lines. `STUDY`, `STORE` and `OUT` are replaced by files; `F`, `FROM`, `TO` and `K` by stretches and a wave vector with the
+/// dimension of the method.
 const COMMANDS: [&str; 9] = [
     "state STUDY --stretch F --json",
     "state STUDY --stretch F --certify --json",
@@ -26,15 +26,15 @@ const COMMANDS: [&str; 9] = [
     "boundary STUDY --out OUT --json",
 ];
 
-/// A method, and the comparison in which it stands.
+/// Method, with its comparison.
 struct Method {
     name: String,
     dimension: usize,
-    /// The keys of `[discretization]`.
+    /// Keys of `[discretization]`.
     keys: Vec<(String, String)>,
 }
 
-/// The methods of a comparison, each with the keys that all have in common.
+/// Methods of a comparison, each with the common keys.
 fn methods(dimension: usize, text: &str) -> Vec<Method> {
     let (mut section, mut common, mut methods) = (String::new(), Vec::new(), Vec::<Method>::new());
     for line in text.lines().map(str::trim) {
@@ -67,13 +67,13 @@ fn methods(dimension: usize, text: &str) -> Vec<Method> {
 }
 
 impl Method {
-    /// The value of a key.
+    /// Value of a key.
     fn value(&self, key: &str) -> &str {
         let mut own = self.keys.iter().filter(|(name, _)| name == key);
         own.next().map_or("", |(_, value)| value.trim_matches('"'))
     }
 
-    /// Whether the method reads a key that those of its comparison have in common.
+    /// Returns true if the method reads a common key of its comparison.
     fn reads(&self, key: &str) -> bool {
         match self.value("method") {
             "finite-elements" => !matches!(key, "lattice" | "support"),
@@ -82,7 +82,7 @@ impl Method {
         }
     }
 
-    /// A study of few states.
+    /// Study with few states.
     fn study(&self) -> String {
         let keys = self.keys.iter().filter(|(key, _)| self.reads(key));
         let lines = keys.map(|(key, value)| format!("{key} = {value}\n"));
@@ -102,8 +102,10 @@ impl Method {
         )
     }
 
-    /// Whether a question is asked here. To trace is the same work for a figure as for a table: it is asked of a few. In space those of very many states or waves take a minute of most methods: they are asked of
-    /// elements, which are asked in the way of all.
+    /// Returns true if the command is tested for this method.
+    ///
+    /// Tracing takes the same work for a figure and a table, so that it is tested for few methods. In 3D, commands with many states or waves take a
+    /// minute for most methods; they are tested for elements, which represent the others.
     fn is_asked(&self, line: &str) -> bool {
         let long = ["path", "boundary", "modes"];
         let is_long = line.contains("traced") || long.iter().any(|word| line.starts_with(word));
@@ -115,7 +117,7 @@ impl Method {
         }
     }
 
-    /// Asks everything; what was not answered.
+    /// Runs all command lines and returns the failures.
     fn asked(&self) -> Vec<String> {
         let folder = Scratch::new("methods");
         std::fs::create_dir_all(&folder).expect("a folder");
@@ -145,7 +147,7 @@ impl Method {
             let mut arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
             let is_of_one_state = ["state", "dispersion", "path", "modes"].contains(&arguments[0]);
             if self.dimension == 1 && is_of_one_state {
-                // The second axis of the study.
+                // Second axis of the study.
                 arguments.extend(["--set", "discretization.density=1"]);
             }
             let answer = onset(&arguments);
@@ -161,13 +163,13 @@ impl Method {
                 ));
             }
         }
-        // What is left behind is in the folder of temporary files.
+        // Leftovers would be in the folder of temporary files.
         let _ = std::fs::remove_dir_all(&folder);
         unanswered
     }
 }
 
-/// What is wrong with an answer.
+/// Reason why an answer is wrong, or `None`.
 fn wrong(line: &str, text: &str, dimension: usize) -> Option<String> {
     let Ok(answer) = serde_json::from_str::<Value>(text) else {
         return Some(format!("no document: {text}"));
@@ -198,7 +200,7 @@ fn wrong(line: &str, text: &str, dimension: usize) -> Option<String> {
     (!is_right).then(|| text.to_owned())
 }
 
-/// Every command for every method of a comparison.
+/// Tests every command for every method of a comparison.
 fn assert_answered(dimension: usize, count: usize) {
     let all = methods(dimension, COMPARISONS[dimension - 1]);
     assert_eq!(all.len(), count);
@@ -218,22 +220,22 @@ fn assert_answered(dimension: usize, count: usize) {
 }
 
 #[test]
-fn every_command_answers_for_every_method_on_a_chain() {
+fn every_command_supports_every_method_in_1d() {
     assert_answered(1, 16);
 }
 
 #[test]
-fn every_command_answers_for_every_method_in_the_plane() {
+fn every_command_supports_every_method_in_2d() {
     assert_answered(2, 20);
 }
 
 #[test]
-fn every_command_answers_for_every_method_in_space() {
+fn every_command_supports_every_method_in_3d() {
     assert_answered(3, 11);
 }
 
 #[test]
-fn waves_in_continuous_time_say_that_a_transfer_is_left_out() {
+fn waves_in_continuous_time_note_that_the_transfer_is_omitted() {
     let points = "set method=material-points set lattice=chain set unknowns=particles";
     for line in [
         "dispersion --stretch 1.05 --wave-vector 1",

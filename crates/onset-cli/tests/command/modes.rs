@@ -3,7 +3,7 @@
 use super::{Scratch, document, number, numbers, onset, onset_line};
 
 #[test]
-fn nodal_integration_on_squares_has_three_modes_and_stress_points_have_weak_ones() {
+fn nodal_integration_on_squares_has_three_zero_energy_modes_and_stress_points_have_weak_modes() {
     let nodal = document("modes set lattice=square set quadrature=nodal");
     let modes = nodal["modes"].as_array().expect("modes");
     assert_eq!(modes.len(), 3);
@@ -26,7 +26,7 @@ fn nodal_integration_on_squares_has_three_modes_and_stress_points_have_weak_ones
 }
 
 #[test]
-fn a_single_mode_of_a_chain_is_no_line_of_them() {
+fn a_single_mode_of_a_chain_is_not_reported_as_a_line() {
     let answer = onset_line("modes set lattice=chain set quadrature=nodal");
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     assert!(answer.stdout.contains("(1/2)") || answer.stdout.contains("(-1/2)"));
@@ -64,8 +64,8 @@ fn modes_are_exported_to_seed_a_simulation() {
 }
 
 #[test]
-fn states_say_what_resists_alternating_neighbors() {
-    // Bonds along one axis are stretched, those along the other are not.
+fn states_report_the_resistance_to_alternating_neighbors() {
+    // Bonds along one axis are stretched, and those along the other axis are not.
     let bonds = "state --stretch 1.05,1 set method=pd set lattice=square set horizon=1";
     let text = onset_line(bonds).stdout;
     assert!(
@@ -80,9 +80,9 @@ fn states_say_what_resists_alternating_neighbors() {
 }
 
 #[test]
-fn a_weak_mode_of_a_larger_cell_is_told_as_the_wave_that_it_is() {
+fn a_weak_mode_of_a_larger_cell_is_reported_with_its_actual_wave_vector() {
     let line = "set method=tlsph set lattice=square set penalty=0.02";
-    // Offsets of the particles far below what shows keep the cell.
+    // Offsets of the particles far below the displayed digits keep the larger cell.
     let text = onset_line(&format!("modes {line} set cells=2 set perturbation=1e-9")).stdout;
     assert!(
         text.contains("1.9 % of the material's frequency, as the wave (1, 0)"),
@@ -93,7 +93,7 @@ fn a_weak_mode_of_a_larger_cell_is_told_as_the_wave_that_it_is() {
         one.contains("1.9 %") && !one.contains("as the wave"),
         "{one}"
     );
-    // States tell the same, of all cells and at all stretches.
+    // States agree, for all cells and at all stretches.
     for stretch in ["1,1", "1.1,0.95"] {
         for cells in ["1", "2 set perturbation=1e-9", "3"] {
             let text = onset_line(&format!(
@@ -104,7 +104,7 @@ fn a_weak_mode_of_a_larger_cell_is_told_as_the_wave_that_it_is() {
             assert!(text.contains(told), "{text}");
         }
     }
-    // What cannot be tuned is not recommended to be.
+    // Tuning is suggested only if a coefficient can be tuned.
     let next = |cells: &str| {
         let line = format!("state --stretch 1.2,1 set frame=eulerian set cells={cells}");
         onset_line(&line).stdout.contains("onset tune")
@@ -112,7 +112,7 @@ fn a_weak_mode_of_a_larger_cell_is_told_as_the_wave_that_it_is() {
     assert!(next("1") && next("2") && !next("2 set perturbation=0.01"));
 }
 
-/// The value of an answer in JSON, without the settings and the notes, which tell of the cell.
+/// JSON answer without settings and notes, which describe the cell.
 fn without_cell(line: &str) -> serde_json::Value {
     let mut value = document(line);
     for own in ["settings", "notes", "next", "reduced_cell"] {
@@ -126,7 +126,7 @@ fn without_cell(line: &str) -> serde_json::Value {
     value
 }
 
-/// Whether two values are equal to rounding.
+/// Returns true if two values agree to rounding.
 fn is_alike(a: &serde_json::Value, b: &serde_json::Value) -> bool {
     use serde_json::Value::{Array, Number, Object};
     match (a, b) {
@@ -188,7 +188,7 @@ fn one_crystal_has_one_answer_in_every_cell() {
             "{text}"
         );
     }
-    // Rows of two particles are a square lattice, also from another particle.
+    // Rows of two particles form a square lattice, also from another particle.
     let square = without_cell("state --stretch 1.1,0.95 set method=updated-sph set lattice=square");
     for cell in [
         "set lattice=oblique set vectors=2,0,0,1 set basis=0.5,0",
@@ -200,7 +200,7 @@ fn one_crystal_has_one_answer_in_every_cell() {
         ));
         assert!(is_alike(&square, &own), "{cell}");
     }
-    // A honeycomb by its lattice and its basis has the same spacing, in which horizons are measured.
+    // A honeycomb defined by lattice and basis has the same spacing, which is the unit of horizons.
     let bonds = "--stretch 1.1,0.95 set method=peridynamics set horizon=2.1";
     let honeycomb = without_cell(&format!("state {bonds} set lattice=honeycomb"));
     let vectors = "1.7320508075688772,0,0.8660254037844386,1.5";
@@ -208,7 +208,7 @@ fn one_crystal_has_one_answer_in_every_cell() {
         "state {bonds} set lattice=oblique set vectors={vectors} set basis=0.3333333333333333,0.3333333333333333"
     );
     assert!(is_alike(&honeycomb, &without_cell(&own)));
-    // Modes and bands too.
+    // Modes and bands agree too.
     for line in [
         "modes set method=tlsph set lattice=square",
         "dispersion --stretch 1.1,1 --wave-vector 1,0.3 set method=updated-sph set lattice=square",
@@ -224,7 +224,7 @@ fn one_crystal_has_one_answer_in_every_cell() {
 }
 
 #[test]
-fn a_displacement_field_that_jumps_at_the_edges_of_the_patch_is_told_with_the_patch_that_fits() {
+fn a_displacement_field_that_jumps_at_the_patch_boundary_is_reported_with_a_fitting_patch() {
     let folder = Scratch::new("misfit");
     let out = folder.display().to_string();
     let line = format!(
@@ -255,7 +255,7 @@ fn a_displacement_field_that_jumps_at_the_edges_of_the_patch_is_told_with_the_pa
 }
 
 #[test]
-fn questions_that_are_wrong_are_refused() {
+fn invalid_questions_about_modes_are_refused() {
     for (line, fact) in [
         ("modes --weak 0", "above 0 and at most 1"),
         ("modes --weak nan", "above 0 and at most 1"),

@@ -1,4 +1,4 @@
-//! Numbers of the reference, as the command prints them.
+//! Reference values, as the command prints them.
 
 use crate::{assert_close, document, number, numbers, onset_line};
 
@@ -11,7 +11,7 @@ fn omega_squared(line: &str) -> [f64; 2] {
 }
 
 #[test]
-fn the_material_loses_ellipticity_where_the_reference_says() {
+fn the_material_loses_ellipticity_at_the_reference_value() {
     let uniaxial = document("path --from 1,1 --to 1,3");
     assert_close(
         number(&uniaxial, "/material_onset/stretch/1"),
@@ -29,7 +29,7 @@ fn the_material_loses_ellipticity_where_the_reference_says() {
 }
 
 #[test]
-fn lagrangian_particles_become_unstable_where_the_material_does_whatever_the_support() {
+fn lagrangian_particles_become_unstable_with_the_material_for_any_support() {
     for support in ["1.6", "2.0", "2.5", "3.0"] {
         let path = document(&format!("path --from 1,1 --to 1,3 set support={support}"));
         let material = number(&path, "/material_onset/stretch/1");
@@ -53,15 +53,15 @@ fn a_long_path_lists_the_return_to_stability() {
 }
 
 #[test]
-fn waves_of_the_default_method_are_those_of_the_reference() {
+fn waves_of_the_default_method_agree_with_the_reference() {
     let [soft, stiff] = omega_squared("dispersion --stretch 1.2,0.9 --wave-vector 2.0,1.1");
     assert_close(soft, 0.0962355954645, 1e-11);
     assert_close(stiff, 10.9844782757, 1e-11);
 }
 
 #[test]
-fn waves_of_the_eulerian_kernel_are_those_of_the_reference() {
-    // The reference gives the spatial wave vector (2.0, 1.1); ours is F^T of it.
+fn waves_of_the_eulerian_kernel_agree_with_the_reference() {
+    // The reference gives the spatial wave vector (2.0, 1.1); the command uses the reference wave vector, F^T times it.
     let [soft, stiff] = omega_squared(
         "dispersion --stretch 1.2,0.9 --wave-vector 2.4,0.99 set frame=eulerian set current-lattice=convected \
          set linearization=exact",
@@ -71,7 +71,7 @@ fn waves_of_the_eulerian_kernel_are_those_of_the_reference() {
 }
 
 #[test]
-fn the_tensile_instability_of_the_eulerian_kernel_is_that_of_the_reference() {
+fn the_tensile_instability_of_the_eulerian_kernel_agrees_with_the_reference() {
     let state = document(
         "state --stretch 1.2,1.0 set frame=eulerian set support=1.6 set support-size=fixed \
          set current-lattice=convected set linearization=exact",
@@ -86,7 +86,7 @@ fn the_tensile_instability_of_the_eulerian_kernel_is_that_of_the_reference() {
 
 #[test]
 fn a_rotation_of_the_state_changes_no_frequency() {
-    // A quarter turn after the deformation; before it (with the wave, on a lattice with that symmetry); both.
+    // A quarter turn after the deformation; before it (with the wave, on a lattice with this symmetry); both.
     for frame in ["lagrangian", "eulerian"] {
         let waves = |f: &str, k: &str| {
             omega_squared(&format!(
@@ -202,7 +202,7 @@ fn lagrangian_kernels_never_miss_an_instability() {
 }
 
 #[test]
-fn stretches_of_a_rotated_path_are_stretches() {
+fn stretches_of_a_rotated_path_are_principal_stretches() {
     let path = document("path --from=0,1,-1,0 --to=0,3,-3,0");
     for axis in numbers(&path, "/material_onset/stretch") {
         assert_close(axis, 1.669770460567, 1e-10);
@@ -210,7 +210,7 @@ fn stretches_of_a_rotated_path_are_stretches() {
 }
 
 #[test]
-fn long_waves_of_complete_functions_are_those_of_the_continuum_on_both_lattices() {
+fn long_waves_of_complete_functions_agree_with_the_continuum_on_both_lattices() {
     for lattice in ["convected", "regular"] {
         let answer = document(&format!(
             "dispersion --stretch 0.7,0.8 --wave-vector 0.01,0.004 --set material.model=blatz-ko \

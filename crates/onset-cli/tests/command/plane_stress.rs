@@ -1,21 +1,21 @@
-//! Plane stress: what a sheet answers, beside plane strain with the constants of a sheet, and what is refused.
+//! Plane stress: answers for a sheet, compared with plane strain and reduced constants, and refusals.
 
 use super::{Scratch, assert_close, document, number, numbers, onset_line};
 use serde_json::Value;
 
-/// Lame's constants in space.
+/// Lamé constants in 3D.
 const MU: f64 = 1.0;
 const LAMBDA: f64 = 6.0;
 
-/// Saint-Venant and Kirchhoff's law in plane stress.
+/// The Saint-Venant-Kirchhoff law in plane stress.
 fn sheet() -> String {
     format!(
         "--set material.model=saint-venant-kirchhoff --set material.mu={MU} --set material.lambda={LAMBDA} --set material.plane=stress"
     )
 }
 
-/// The same sheet by hand: in the plane the law stays one of its kind, with `2 lambda mu / (lambda + 2 mu)`, so that plane strain of that is the same
-/// but for what is across.
+/// The same sheet in plane strain. In 2D the law keeps its form with `2 lambda mu / (lambda + 2 mu)`, so that both agree except for out-of-plane
+/// components.
 fn by_hand() -> String {
     let lambda = 2.0 * LAMBDA * MU / (LAMBDA + 2.0 * MU);
     format!(
@@ -45,7 +45,7 @@ const METHODS: [&str; 5] = [
 ];
 
 #[test]
-fn states_of_a_sheet_are_those_of_plane_strain_with_its_own_constants() {
+fn states_of_a_sheet_equal_states_in_plane_strain_with_reduced_constants() {
     for method in METHODS {
         for state in ["1,1", "1.1,0.95", "0.8,1"] {
             let state = format!("state --stretch {state} {method}");
@@ -66,7 +66,7 @@ fn states_of_a_sheet_are_those_of_plane_strain_with_its_own_constants() {
             }
             assert_eq!(own["settings"]["material.plane"]["value"], "stress");
             assert!(own.get("material_3d").is_none() && expected.get("material_3d").is_some());
-            // E33 = -lambda/(lambda + 2 mu) (E11 + E22), and no stress across.
+            // E33 = -lambda/(lambda + 2 mu) (E11 + E22), and zero out-of-plane stress.
             let f = |i: usize| numbers(&own, &format!("/deformation_gradient/{i}"))[i];
             let strain = |i: usize| 0.5 * (f(i) * f(i) - 1.0);
             let expected = -LAMBDA / (LAMBDA + 2.0 * MU) * (strain(0) + strain(1));
@@ -77,7 +77,7 @@ fn states_of_a_sheet_are_those_of_plane_strain_with_its_own_constants() {
 }
 
 #[test]
-fn paths_dispersion_and_motions_of_a_sheet_are_too() {
+fn paths_dispersion_and_motions_of_a_sheet_equal_those_in_plane_strain_with_reduced_constants() {
     let elements = "set method=finite-elements";
     let path = format!("path --from 1,1 --to 0.5,1 {elements}");
     let (own, expected) = (ask(&path, &sheet()), ask(&path, &by_hand()));
@@ -93,7 +93,7 @@ fn paths_dispersion_and_motions_of_a_sheet_are_too() {
     for pointer in ["/omega_squared/0/re", "/omega_squared/1/re"] {
         assert_same(&own, &expected, pointer);
     }
-    // Forces on a patch, stepped by themselves: no tangent is in them.
+    // Forces on a patch, integrated in time without any tangent.
     let run = "simulate --stretch 0.72,1 --cells 8 set method=total-lagrangian-sph set lattice=square \
                set penalty=0";
     let (own, expected) = (ask(run, &sheet()), ask(run, &by_hand()));
@@ -107,7 +107,7 @@ fn paths_dispersion_and_motions_of_a_sheet_are_too() {
 }
 
 #[test]
-fn a_sheet_in_compression_is_said_to_buckle() {
+fn a_compressed_sheet_gives_a_note_on_buckling() {
     // Shear alone compresses along a diagonal.
     for (state, is_compressed) in [
         ("--stretch 1.1,1.05", false),
@@ -122,7 +122,7 @@ fn a_sheet_in_compression_is_said_to_buckle() {
 }
 
 #[test]
-fn what_is_said_of_a_sheet_names_it() {
+fn sentences_about_a_sheet_mention_plane_stress() {
     let answer = onset_line(&format!("state --stretch 1.1,1 {}", sheet()));
     assert!(answer.stdout.contains("plane stress"), "{}", answer.stdout);
     assert!(
@@ -140,7 +140,7 @@ fn what_is_said_of_a_sheet_names_it() {
         certified.stdout
     );
     assert!(!certified.stdout.contains("in 3D"), "{}", certified.stdout);
-    // Compressed beyond its ellipticity the next question is about the law in space.
+    // Beyond the loss of ellipticity in compression the next command concerns the law in 3D.
     let lost = onset_line(&format!(
         "state --stretch 0.5,1 {} set method=finite-elements",
         sheet()
@@ -175,7 +175,7 @@ fn bars_are_in_uniaxial_stress() {
     let poisson = 0.5 * LAMBDA / (LAMBDA + MU);
     assert_close(f(1), (1.0 - 2.0 * poisson * 0.22_f64).sqrt(), 1e-12);
     assert_close(f(1), f(2), 1e-13);
-    // The speed of sound of a bar, sqrt(E/rho), at long waves.
+    // Sound speed of a bar, sqrt(E/rho), for long waves.
     let waves = ask("dispersion --stretch 1 --wave-vector 1e-3", &bar);
     assert_close(number(&waves, "/omega_squared/0/re"), young * 1e-6, 1e-4);
     let text = onset_line(&format!("state --stretch 1.2 {bar}"));
@@ -205,7 +205,7 @@ fn loadings_with_a_free_third_face_are_followed_in_the_plane() {
 }
 
 #[test]
-fn what_contradicts_plane_stress_is_refused_with_a_hint() {
+fn settings_that_contradict_plane_stress_are_refused_with_a_hint() {
     let neo = "--set material.model=neo-hooke --set material.plane=stress";
     let three = "set lattice=simple-cubic set support=1.65";
     for (line, fact) in [
@@ -279,7 +279,7 @@ fn what_contradicts_plane_stress_is_refused_with_a_hint() {
 }
 
 #[test]
-fn a_study_of_a_sheet_gives_no_third_stretch() {
+fn a_study_of_a_sheet_cannot_set_the_third_stretch() {
     let place = Scratch::new("sheet");
     std::fs::create_dir_all(&place).expect("a folder");
     let study = |third: &str, axis: &str| {
@@ -309,7 +309,7 @@ fn a_study_of_a_sheet_gives_no_third_stretch() {
 }
 
 #[test]
-fn a_metal_sheet_carries_no_traction_on_its_faces_and_is_the_metal_with_that_thickness() {
+fn a_metal_sheet_has_traction_free_faces_and_equals_the_metal_with_its_thickness_stretch() {
     for metal in ["j2", "hill-1948"] {
         let sheet = document(&format!(
             "state --stretch 1.1,0.95 --set material.model={metal} --set material.plane=stress"
@@ -326,12 +326,14 @@ fn a_metal_sheet_carries_no_traction_on_its_faces_and_is_the_metal_with_that_thi
     }
 }
 
-/// `mu/2 (I1 - 3) + lam/2 (J - 1 - mu/lam)^2` of the two-by-two `F`: the smallest eigenvalue of its four-by-four Hessian at `s 1` in tension is that of
-/// shears, `mu - lam (J - 1 - mu/lam)`, which is zero at `J = 1 + 2 mu/lam`.
+/// `mu/2 (I1 - 3) + lam/2 (J - 1 - mu/lam)^2` of the two-by-two `F`.
+///
+/// The smallest eigenvalue of its four-by-four Hessian at `s 1` in tension belongs to shears: `mu - lam (J - 1 - mu/lam)`, which is zero at `J = 1 +
+/// 2 mu/lam`.
 const CLOTH: &str = "--energy mu/2*(I1-3)+lam/2*(J-1-mu/lam)^2 --set material.mu=1 --set material.lam=5 --set material.plane=membrane";
 
 #[test]
-fn a_law_of_the_plane_has_the_hessian_of_the_plane() {
+fn a_two_dimensional_law_has_a_two_dimensional_hessian() {
     let answer = document(&format!(
         "criteria --mode equibiaxial --range 0.5,2 {CLOTH}"
     ));
@@ -356,7 +358,7 @@ fn a_law_of_the_plane_has_the_hessian_of_the_plane() {
     assert_close(first, 1.2 + 5.0 * (1.32 - 1.2) * 1.1, 1e-13);
     let audit = onset_line(&format!("audit {CLOTH}"));
     assert_eq!(audit.code, Some(0), "{}{}", audit.stdout, audit.stderr);
-    // Invariants are those of the plane: of the square of I1 the derivative has I1 = 2 at rest.
+    // Invariants are two-dimensional: the derivative of I1 squared contains I1 = 2 in the reference configuration.
     let squared = "state --stretch 1.1,1 --energy I1^2/8-ln(J) --set material.plane=membrane";
     let first = numbers(&document(squared), "/material/first_piola/0")[0];
     assert_close(first, (1.21 + 1.0) * 1.1 / 2.0 - 1.0 / 1.1, 1e-13);

@@ -3,7 +3,7 @@
 use super::{Scratch, onset};
 
 #[test]
-fn what_is_no_store_is_refused() {
+fn a_path_that_is_not_a_store_is_refused() {
     let answer = onset(&["plot", "nowhere.zarr"]);
     assert_eq!(answer.code, Some(2));
     assert!(
@@ -25,7 +25,7 @@ fn what_is_no_store_is_refused() {
 }
 
 #[test]
-fn a_figure_of_another_format_is_refused_before_any_work() {
+fn an_unknown_figure_format_is_refused_before_any_work() {
     let answer = onset(&["plot", "nowhere.zarr", "--out", "map.eps"]);
     assert_eq!(answer.code, Some(2));
     assert!(
@@ -36,7 +36,7 @@ fn a_figure_of_another_format_is_refused_before_any_work() {
 }
 
 #[test]
-fn a_look_that_cannot_be_drawn_is_refused() {
+fn an_impossible_figure_layout_is_refused() {
     for (option, wrong, told) in [
         ("--size", "420", "width and height"),
         ("--size", "1,1", "from 40 to 4000"),
@@ -54,7 +54,7 @@ fn a_look_that_cannot_be_drawn_is_refused() {
 }
 
 #[test]
-fn a_map_becomes_a_pdf_with_the_svg_and_the_png_beside_it() {
+fn a_map_is_drawn_as_pdf_svg_and_png() {
     let folder = Scratch::new("pdf");
     std::fs::create_dir_all(&folder).expect("a folder");
     let study = folder.join("study.toml");

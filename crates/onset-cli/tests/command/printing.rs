@@ -1,4 +1,4 @@
-//! How answers are printed: forms, quiet and verbose, color, exit codes by verdict, files.
+//! Output of answers: formats, quiet and verbose, color, exit codes by verdict, files.
 
 use super::{Scratch, command, document, onset, onset_line};
 
@@ -47,13 +47,13 @@ fn json_has_a_short_name_and_csv_holds_the_same_numbers() {
 }
 
 #[test]
-fn documents_have_one_spelling_of_their_names() {
+fn names_in_documents_have_one_spelling() {
     fn names(value: &serde_json::Value, found: &mut Vec<String>) {
         match value {
             serde_json::Value::Object(fields) => {
                 for (name, value) in fields {
                     found.push(name.clone());
-                    // Keys of settings have their own names, and words that say what an onset is are words.
+                    // Keys of settings have names of their own, and the kinds of onset are words.
                     if !["settings", "map", "onsets"].contains(&name.as_str()) {
                         names(value, found);
                     }
@@ -80,7 +80,7 @@ fn documents_have_one_spelling_of_their_names() {
 }
 
 #[test]
-fn quiet_prints_what_is_asked_for_as_a_document_only() {
+fn quiet_prints_only_requested_documents() {
     let quiet = onset_line(&format!("{STATE} --quiet"));
     assert_eq!(
         (quiet.code, quiet.stdout.as_str(), quiet.stderr.as_str()),
@@ -104,7 +104,7 @@ fn quiet_prints_what_is_asked_for_as_a_document_only() {
 }
 
 #[test]
-fn color_is_where_it_is_asked_for_and_never_in_documents() {
+fn color_follows_the_options_and_documents_have_none() {
     let colored = onset_line(&format!("{STATE} --color always")).stdout;
     assert!(colored.contains("\u{1b}[1;3"), "{colored}");
     for more in [
@@ -123,12 +123,12 @@ fn color_is_where_it_is_asked_for_and_never_in_documents() {
         .env("NO_COLOR", "1")
         .output()
         .expect("the command starts");
-    // What is said here and now goes before what is said for good.
+    // An option of the command takes precedence over the environment.
     assert!(said.stdout.contains(&0x1b));
 }
 
 #[test]
-fn verdicts_set_the_exit_code_where_that_is_asked_for() {
+fn verdicts_set_the_exit_code_on_request() {
     let tensile = "state --stretch 1.15,1.0 set frame=eulerian set support=1.6";
     assert_eq!(onset_line(tensile).code, Some(0));
     for (names, code) in [
@@ -181,7 +181,7 @@ fn verdicts_set_the_exit_code_where_that_is_asked_for() {
 }
 
 #[test]
-fn nothing_is_written_without_a_folder() {
+fn no_file_is_written_without_a_folder() {
     let place = Scratch::new("here");
     std::fs::create_dir_all(&place).expect("a folder");
     let study = place.join("study.toml");
@@ -217,7 +217,7 @@ fn nothing_is_written_without_a_folder() {
 }
 
 #[test]
-fn shells_get_completions_and_manuals_are_pages() {
+fn completions_and_manual_pages_are_written() {
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let script = onset(&["completions", shell]);
         assert_eq!(script.code, Some(0));

@@ -1,10 +1,10 @@
-//! What the README and the page of published fits show is what their commands print.
+//! README and the page of published fits show the output of their commands.
 
 use super::Scratch;
 use std::path::Path;
 use std::process::Command;
 
-/// A command of the README and what is shown below it.
+/// Command of the README, with the output shown below it.
 struct Shown {
     command: String,
     lines: Vec<String>,
@@ -40,12 +40,12 @@ fn shown(text: &str) -> Vec<Shown> {
 }
 
 #[test]
-fn consoles_of_the_readme_are_what_the_commands_print() {
+fn consoles_in_the_readme_show_the_output_of_their_commands() {
     consoles_of("README.md", "readme", 6);
 }
 
 #[test]
-fn cards_of_published_fits_are_what_the_commands_print() {
+fn cards_of_published_fits_show_the_output_of_their_commands() {
     consoles_of("book/src/how-to/fits.md", "fits", 5);
 }
 

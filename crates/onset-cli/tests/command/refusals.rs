@@ -1,4 +1,4 @@
-//! Wrong input ends with exit code 2, nothing on standard output, and a message that says what is wrong.
+//! Invalid input ends with exit code 2, nothing on standard output, and a message with the reason.
 
 use crate::{Written, onset, onset_line};
 
@@ -21,7 +21,7 @@ fn assert_line_refused(line: &str, facts: &[&str]) {
     assert_refused(&words.iter().map(String::as_str).collect::<Vec<_>>(), facts);
 }
 
-/// `onset state` at a good state, with assignments.
+/// `onset state` at a valid state, with assignments.
 #[track_caller]
 fn assert_assignment_refused(assignments: &[&str], facts: &[&str]) {
     let mut arguments = vec!["state", "--stretch", "1.2,0.9"];
@@ -32,7 +32,7 @@ fn assert_assignment_refused(assignments: &[&str], facts: &[&str]) {
 }
 
 #[test]
-fn unknown_keys_name_the_nearest_known_one() {
+fn unknown_keys_get_the_nearest_known_key_as_a_hint() {
     for (assignment, nearest) in [
         ("discretization.suport=2", "`discretization.support`"),
         ("discretisation.support=2", "`discretization.support`"),
@@ -47,7 +47,7 @@ fn unknown_keys_name_the_nearest_known_one() {
 }
 
 #[test]
-fn what_does_not_go_together_or_has_no_meaning_comes_with_what_does() {
+fn unsupported_combinations_are_refused_with_the_supported_ones() {
     assert_assignment_refused(
         &[
             "discretization.method=updated-sph",
@@ -66,7 +66,7 @@ fn what_does_not_go_together_or_has_no_meaning_comes_with_what_does() {
 }
 
 #[test]
-fn unknown_words_name_the_known_ones() {
+fn unknown_words_are_refused_with_the_known_ones() {
     for (assignment, expected) in [
         (
             "discretization.frame=lagrangan",
@@ -90,7 +90,7 @@ fn unknown_words_name_the_known_ones() {
 }
 
 #[test]
-fn a_formula_that_is_no_kernel_is_refused_with_the_place() {
+fn a_formula_that_is_no_kernel_is_refused_with_the_position_of_the_error() {
     assert_assignment_refused(
         &["discretization.kernel=(1 - r)^3"],
         &["column 6", "the variable is `q`", "hint"],
@@ -122,7 +122,7 @@ fn assignments_without_a_value_show_how_to_write_one() {
 }
 
 #[test]
-fn stretches_must_be_positive_finite_numbers_of_the_right_count() {
+fn the_right_number_of_positive_finite_stretches_is_required() {
     for (text, fact) in [
         ("-1,1", "stretch 1 is -1"),
         ("0,1", "stretch 1 is 0"),
@@ -328,7 +328,7 @@ fn paths_lead_through_admissible_deformations_to_another_state() {
 }
 
 #[test]
-fn exactly_one_state_is_asked_about() {
+fn exactly_one_state_is_required() {
     assert_line_refused("state", &["--stretch", "--deformation-gradient"]);
     assert_line_refused("dispersion --wave-vector 1,1", &["--stretch"]);
     assert_line_refused(
@@ -346,7 +346,7 @@ fn exactly_one_state_is_asked_about() {
 }
 
 #[test]
-fn unknown_commands_and_options_name_the_nearest_known_one() {
+fn unknown_commands_and_options_get_the_nearest_known_one_as_a_hint() {
     assert_line_refused("stat", &["unrecognized subcommand 'stat'", "'state'"]);
     assert_line_refused("state --strech 1,1", &["--strech", "'--stretch'"]);
     assert_line_refused("reproduce --set a=b", &["unexpected argument '--set'"]);
@@ -385,7 +385,7 @@ fn hints_on_parameters_do_not_blame_the_deformation() {
 }
 
 #[test]
-fn a_support_overfull_by_compression_is_told_to_follow_the_particles() {
+fn a_support_overfilled_by_compression_gets_a_hint_to_follow_the_particles() {
     assert_line_refused(
         "state --stretch 0.01,0.01 set frame=eulerian",
         &["admitted", "support-size=scaled"],
@@ -422,7 +422,7 @@ fn deformations_beyond_double_precision_are_refused() {
 }
 
 #[test]
-fn quadratures_that_are_none_are_refused() {
+fn unknown_quadratures_are_refused() {
     for (assignments, fact) in [
         (
             ["quadrature=points", "points=[0,0,0.5,0.5,0.5,0.4]"],
@@ -459,13 +459,13 @@ fn quadratures_that_are_none_are_refused() {
 }
 
 #[test]
-fn a_range_without_any_method_asks_for_another() {
+fn a_range_without_any_method_gets_a_hint_to_choose_another() {
     let facts = ["from 0 to 1", "--range LOW,HIGH"];
     assert_line_refused("tune discretization.support --quiet", &facts);
 }
 
 #[test]
-fn words_that_are_almost_right_name_the_right_ones() {
+fn misspelled_words_get_the_right_ones_as_a_hint() {
     for (line, meant) in [
         ("path --mode uniaxal --to 2", "uniaxial"),
         (
@@ -489,7 +489,7 @@ fn words_that_are_almost_right_name_the_right_ones() {
 }
 
 #[test]
-fn one_stretch_and_decimal_commas_are_told_what_to_write() {
+fn single_stretches_and_decimal_commas_get_a_hint() {
     for (line, fact) in [
         (
             "state --stretch 1.2",
@@ -516,7 +516,7 @@ fn one_stretch_and_decimal_commas_are_told_what_to_write() {
 }
 
 #[test]
-fn a_wrong_modulus_is_blamed_where_it_is_set() {
+fn an_invalid_modulus_is_reported_where_it_is_set() {
     assert_line_refused(
         "state --stretch 1,1 --set material.model=neo-hooke --set material.young=-2 --set material.poisson=0.3",
         &["--set material.young=-2: material.young is -2"],
@@ -524,7 +524,7 @@ fn a_wrong_modulus_is_blamed_where_it_is_set() {
 }
 
 #[test]
-fn what_is_wrong_with_a_law_is_said_at_its_place() {
+fn errors_of_a_law_are_reported_with_their_position() {
     let negative = "--set material.model=neo-hooke --set material.mu=-1";
     for command in ["criteria", "card", "audit"] {
         assert_line_refused(&format!("{command} {negative}"), &["--set material.mu=-1"]);
@@ -536,7 +536,7 @@ fn what_is_wrong_with_a_law_is_said_at_its_place() {
 }
 
 #[test]
-fn a_value_that_no_method_admits_is_not_compared() {
+fn a_value_that_no_method_allows_is_not_compared() {
     let text = "[[methods]]\nname = \"one\"\nmethod = \"total-lagrangian-sph\"\npenalty = -1\n";
     let study = Written::new("methods.toml", text);
     assert_line_refused(
@@ -561,16 +561,16 @@ fn an_option_without_effect_is_refused() {
         "localize --path triaxial-compression --load tension",
         &["plasticity.load"],
     );
-    // Tests have nothing on standard input.
+    // Tests have no standard input.
     assert_line_refused(
         "state --stretch 1.1,1 -",
         &["standard input is empty", "expected a study"],
     );
 }
 
-/// Maps say so with a word; what fails on that word fails in the same way.
+/// Maps show a word for undefined states, and commands that fail on this word do so consistently.
 #[test]
-fn an_undefined_state_fails_where_that_is_asked_for() {
+fn an_undefined_state_fails_on_request() {
     let line = "state --stretch 4,4 --set discretization.frame=eulerian";
     assert_line_refused(line, &["within the support radius"]);
     let failed = onset_line(&format!("{line} --fail-on undefined"));
@@ -582,9 +582,9 @@ fn an_undefined_state_fails_where_that_is_asked_for() {
     );
 }
 
-/// A study for maps has a state of its own, which other questions do not have.
+/// A study for maps contains a state that other commands do not read.
 #[test]
-fn a_state_that_is_not_read_is_told() {
+fn a_state_without_effect_is_reported() {
     let study = Written::new("study.toml", "[state]\nstretch-3 = 1.3\n");
     for line in [
         "state --stretch 1.1,1",
@@ -601,9 +601,9 @@ fn a_state_that_is_not_read_is_told() {
     }
 }
 
-/// What is not defined is not stable.
+/// An undefined state is not stable.
 #[test]
-fn a_path_along_which_nothing_is_defined_is_not_called_stable() {
+fn an_undefined_path_is_not_reported_as_stable() {
     let law = "--set material.model=gent --set material.jm=1 set method=tlsph set lattice=square set penalty=0.5";
     let told = onset_line(&format!("path --from 2.6,2.6 --to 3,3 {law}")).stdout;
     for fact in [

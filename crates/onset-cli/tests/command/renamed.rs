@@ -1,10 +1,10 @@
-//! Earlier names of keys, commands, topics and in stores are read, and told.
+//! Former names of keys, commands, topics and stored flags are accepted, with a note.
 
 use crate::map::{Place, STUDY};
 use crate::onset_line;
 use std::fs;
 
-/// What a line prints to standard output, and what it notes.
+/// Standard output and notes of a command line.
 fn noted(line: &str) -> (String, String) {
     let answer = onset_line(line);
     assert_eq!(answer.code, Some(0), "{line}: {}", answer.stderr);
@@ -12,7 +12,7 @@ fn noted(line: &str) -> (String, String) {
 }
 
 #[test]
-fn earlier_names_are_read_with_a_note() {
+fn former_names_are_accepted_with_a_note() {
     for (earlier, now, note) in [
         (
             "state --stretch 1.1,1 set arrangement=square",
@@ -45,7 +45,7 @@ fn earlier_names_are_read_with_a_note() {
 }
 
 #[test]
-fn both_names_of_a_lattice_in_one_study_mean_what_they_meant() {
+fn former_and_present_name_of_a_lattice_in_one_study_keep_their_meaning() {
     let place = Place::new(
         "[discretization]\narrangement = \"square\"\nframe = \"eulerian\"\nlattice = \"regular\"\n",
     );
@@ -56,9 +56,9 @@ fn both_names_of_a_lattice_in_one_study_mean_what_they_meant() {
     assert_eq!(notes.lines().count(), 2, "{notes}");
 }
 
-/// A store as the program of format 2 has written it is one of this format in other words.
+/// A store of format 2 becomes a store of the present format by renaming.
 #[test]
-fn a_store_in_earlier_words_is_drawn_and_not_resumed() {
+fn a_store_with_former_names_is_drawn_and_not_resumed() {
     let place = Place::new(STUDY);
     place.computed("a.zarr", "");
     let metadata = place.store("a.zarr").join("zarr.json");

@@ -1,4 +1,4 @@
-//! What is set is read or refused, and told; one study file serves every question.
+//! Every setting is read or refused, and reported; one study file serves every command.
 
 use crate::{Scratch, Written, command, document, onset, onset_line};
 use serde_json::Value;
@@ -11,7 +11,7 @@ const CHAIN: &str = "title = \"a chain\"\n[material]\nmodel = \"blatz-ko\"\nmu =
                      [discretization]\nlattice = \"chain\"\nmethod = \"total-lagrangian-sph\"\nsupport = 2.2\n\
                      [compare]\nstates = 2\n";
 
-/// A file with a text.
+/// File with a text.
 fn file(text: &str) -> Written {
     Written::new("study.toml", text)
 }
@@ -43,7 +43,7 @@ fn a_key_that_the_method_does_not_read_is_refused_by_every_command() {
         }
         assert_eq!(answer.stdout, "", "{line}");
     }
-    // Questions about the law alone read no key of a method.
+    // Commands about the law alone read no key of a method.
     for line in ["criteria", "card", "audit"] {
         let answer = onset_line(&format!("{line} set support=2"));
         assert_eq!(answer.code, Some(2), "{line}: {}", answer.stderr);
@@ -56,7 +56,7 @@ fn a_key_that_the_method_does_not_read_is_refused_by_every_command() {
 }
 
 #[test]
-fn a_key_without_effect_in_a_file_is_told_with_its_place() {
+fn a_key_without_effect_in_a_file_is_reported_with_its_position() {
     for (text, facts) in [
         (
             "[discretization]\nmethod = \"updated-sph\"\nquadrature = \"nodal\"\n",
@@ -100,7 +100,7 @@ fn a_key_without_effect_in_a_file_is_told_with_its_place() {
 }
 
 #[test]
-fn every_choice_in_effect_is_told_and_no_other() {
+fn exactly_the_choices_in_effect_are_listed() {
     for (settings, told, not_told) in [
         (
             "set method=updated-sph set artificial-stress=0.3",
@@ -202,12 +202,12 @@ fn one_study_file_serves_every_question() {
     let of_method = |name: &str| state["settings"][format!("discretization.{name}")].clone();
     assert_eq!(of_method("method")["value"], "total-lagrangian-sph");
     assert_eq!(of_method("support")["value"], 2.2);
-    // --set goes before the file.
+    // --set takes precedence over the file.
     let other = document(&format!(
         "state {study} --stretch 1.1 set density=1 set support=1.7"
     ));
     assert_eq!(other["settings"]["discretization.support"]["value"], 1.7);
-    // What an axis varies must be settled.
+    // A key varied by an axis needs a value.
     let open = onset_line(&format!("state {study} --stretch 1.1"));
     assert_eq!(open.code, Some(2));
     assert!(
@@ -215,7 +215,7 @@ fn one_study_file_serves_every_question() {
         "{}",
         open.stderr
     );
-    // The study's own method stands beside those that the program knows, with its material and particles.
+    // The method of the study is compared with the built-in ones, with its material and particles.
     let csv = std::fs::read_to_string(format!("{out}/compare.csv")).expect("a table");
     assert!(csv.contains("\nthe study's own method,"), "{csv}");
     assert!(csv.lines().count() > 10);
@@ -250,7 +250,7 @@ fn a_study_is_read_from_standard_input() {
     assert!(told.contains("standard input:2:8: `map.tile`"), "{told}");
 }
 
-/// The numbers of a text.
+/// Numbers of a text.
 fn numbers(text: &str) -> Vec<&str> {
     text.split(|c: char| c.is_whitespace() || "(),;[]=".contains(c))
         .filter(|word| word.parse::<f64>().is_ok())
@@ -258,7 +258,7 @@ fn numbers(text: &str) -> Vec<&str> {
 }
 
 #[test]
-fn numbers_have_six_significant_digits_in_every_system_of_units() {
+fn numbers_have_six_significant_digits_in_any_system_of_units() {
     let steel = "--set material.model=neo-hooke --set material.mu=80e9 --set material.lambda=120e9 set density=7850";
     for spacing in ["1", "1e-3", "1e-5", "1e-9"] {
         let law = format!("{steel} set spacing={spacing}");
@@ -278,7 +278,7 @@ fn numbers_have_six_significant_digits_in_every_system_of_units() {
                     .replace('.', "");
                 let digits = digits.trim_end_matches('0');
                 assert!(digits.len() <= 6, "{line}: {number}");
-                // No number is cut to zero, and none is rounding.
+                // No number is truncated to zero, and none is rounding noise.
                 assert!(
                     !mantissa.starts_with("0.0000") && !mantissa.starts_with("-0.0000"),
                     "{line}: {number}"
@@ -301,14 +301,14 @@ fn numbers_have_six_significant_digits_in_every_system_of_units() {
         .and_then(|word| word.parse().ok())
         .expect("a number");
     crate::assert_close(told, step, 1e-5);
-    // At rest there is no stress, whatever the unit.
+    // In the reference configuration the stress is zero in any unit.
     let rest = onset_line(&format!("state --stretch 1,1 {steel}")).stdout;
     assert!(rest.contains("s11 0, s22 0, s12 0, s33 0"), "{rest}");
     assert!(rest.contains("growth rate           0\n"), "{rest}");
 }
 
 #[test]
-fn a_stressed_reference_is_told_in_every_answer() {
+fn a_stressed_reference_configuration_is_reported_in_every_answer() {
     let law = ["--energy", "mu/2*(I1-3)", "--set", "material.mu=2"];
     let told = |arguments: &[&str]| {
         let answer = onset(&[arguments, &law].concat());
@@ -345,7 +345,7 @@ fn a_stressed_reference_is_told_in_every_answer() {
 }
 
 #[test]
-fn bonds_say_that_they_take_of_the_law_its_modulus_only() {
+fn bond_based_methods_note_that_only_a_modulus_of_the_law_is_used() {
     for line in [
         "state --stretch 1.01",
         "dispersion --stretch 1 --wave-vector 1",
@@ -370,7 +370,7 @@ fn bonds_say_that_they_take_of_the_law_its_modulus_only() {
 }
 
 #[test]
-fn a_verdict_speaks_of_the_method_at_hand() {
+fn the_verdict_names_the_method_in_use() {
     for (settings, culprit) in [
         ("set frame=eulerian", "of the kernel"),
         ("set method=updated-sph", "of the kernel"),
@@ -390,7 +390,7 @@ fn a_verdict_speaks_of_the_method_at_hand() {
 }
 
 #[test]
-fn after_a_verdict_the_next_command_is_told_and_runs() {
+fn the_next_command_printed_after_a_verdict_runs() {
     for line in [
         "state --stretch 1.2,1 set frame=eulerian --set material.model=blatz-ko --set material.mu=3",
         "state --stretch 1.01,1 set quadrature=nodal",
@@ -408,7 +408,7 @@ fn after_a_verdict_the_next_command_is_told_and_runs() {
                 assert_eq!(answer.code, Some(0), "{command}: {}", answer.stderr);
             }
         }
-        // The settings at hand: the same discretization.
+        // The settings in use: the same discretization.
         let modes = next
             .iter()
             .filter_map(Value::as_str)
@@ -423,7 +423,7 @@ fn after_a_verdict_the_next_command_is_told_and_runs() {
 }
 
 #[test]
-fn keys_and_laws_of_other_questions_lead_to_these() {
+fn keys_and_laws_of_other_commands_get_a_hint_to_those() {
     let horizon = onset_line(
         "state --stretch 1,1,1 --set discretization.method=peridynamics --set discretization.lattice=simple-cubic --set discretization.support=4",
     );

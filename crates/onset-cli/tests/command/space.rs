@@ -6,7 +6,7 @@ use crate::{assert_close, document, number, numbers, onset_line};
 const CLOSEST: &str = "lattice=face-centered-cubic set support=1.65 set quadrature=nodal";
 
 #[test]
-fn a_state_in_space_is_answered_with_three_components() {
+fn a_state_in_3d_has_vectors_with_three_components() {
     let answer = document(&format!(
         "state --stretch 1.1,0.95,1 set {CLOSEST} set frame=eulerian"
     ));
@@ -19,7 +19,7 @@ fn a_state_in_space_is_answered_with_three_components() {
 }
 
 #[test]
-fn stretches_along_the_edges_of_a_cube_can_change_places() {
+fn stretches_along_the_edges_of_a_cube_can_be_permuted() {
     let softest = ["1.1,0.95,1", "1,1.1,0.95", "0.95,1,1.1"].map(|stretches| {
         let answer = document(&format!(
             "state --stretch {stretches} set {CLOSEST} set frame=eulerian"
@@ -32,7 +32,7 @@ fn stretches_along_the_edges_of_a_cube_can_change_places() {
 }
 
 #[test]
-fn a_map_in_space_says_of_a_state_what_the_state_command_says() {
+fn a_map_in_3d_agrees_with_the_state_command() {
     let place = Place::new(
         "[discretization]\nlattice = \"face-centered-cubic\"\nquadrature = \"nodal\"\nsupport = 1.65\nframe = \"eulerian\"\n\
          [[axes]]\nquantity = \"stretch-3\"\nrange = [0.8, 1.2]\nstates = 3\n\
@@ -55,7 +55,7 @@ fn a_map_in_space_says_of_a_state_what_the_state_command_says() {
 }
 
 #[test]
-fn vectors_make_the_lattice_that_has_a_name() {
+fn primitive_vectors_reproduce_the_named_lattice() {
     let named = document("state --stretch 1.1,0.9 set lattice=hexagonal");
     let vectors = format!("vectors=1,0,0.5,{}", 0.75_f64.sqrt());
     let given = document(&format!(
@@ -66,7 +66,7 @@ fn vectors_make_the_lattice_that_has_a_name() {
 }
 
 #[test]
-fn lattices_that_are_none_are_refused_with_a_hint() {
+fn invalid_lattices_are_refused_with_a_hint() {
     for (line, told) in [
         (
             "state --stretch 1.1,1,1 set lattice=triclinic",
@@ -92,7 +92,7 @@ fn lattices_that_are_none_are_refused_with_a_hint() {
 }
 
 #[test]
-fn a_certificate_in_space_says_that_waves_are_not_covered() {
+fn a_certificate_in_3d_states_that_waves_are_not_covered() {
     let answer = document(&format!("state --stretch 1,1,1 --certify set {CLOSEST}"));
     let certificate = answer["certificate"].to_string();
     assert!(certificate.contains("undecided"), "{certificate}");

@@ -1,4 +1,4 @@
-//! What a person sees at a terminal while an answer takes its time. The terminal is that of `script` (util-linux).
+//! Output on a terminal during a long computation. The terminal is emulated by `script` (util-linux).
 
 use crate::Scratch;
 use std::fs;
@@ -8,14 +8,14 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// An answer that takes minutes on any machine, without progress of its own: cells of 64 disordered particles; and a folder for its files.
+/// A computation of several minutes on any machine, without a progress bar, for cells of 64 disordered particles; and a folder for its files.
 const SLOW: &str = "modes --set discretization.method=updated-sph --set discretization.lattice=simple-cubic \
      --set discretization.cells=4 --set discretization.perturbation=0.05 --out new/inner";
-/// How long a loaded machine may take for anything.
+/// Time limit for any step on a loaded machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 const CTRL_C: &[u8] = b"\x03";
 
-/// A command at a terminal of its own, in a folder of its own.
+/// Command at a separate terminal, in a separate folder.
 struct Terminal {
     place: Scratch,
     child: Child,
@@ -56,7 +56,7 @@ impl Terminal {
         }
     }
 
-    /// Waits until some words are shown; how long after the start that was.
+    /// Waits until a text is shown, and returns the time since the start.
     fn wait_for(&mut self, words: &str) -> Duration {
         while !self.text.contains(words) {
             match self.shown.recv_timeout(PATIENCE) {
@@ -73,7 +73,7 @@ impl Terminal {
         keyboard.flush().expect("pressed");
     }
 
-    /// The exit code, and all that was shown.
+    /// Exit code and complete output.
     fn ended(&mut self) -> (Option<i32>, String) {
         loop {
             match self.shown.recv_timeout(PATIENCE) {
@@ -86,7 +86,7 @@ impl Terminal {
         (code, self.text.clone())
     }
 
-    /// What is left in the folder of the command, and in that of temporary files.
+    /// Files left in the folder of the command, and in the folder of temporary files.
     fn left(&self) -> Vec<PathBuf> {
         let all = |folder: &Path| {
             let entries = fs::read_dir(folder).expect("a folder");
@@ -112,7 +112,7 @@ fn onset(line: &str) -> String {
 }
 
 #[test]
-fn a_sign_of_life_is_shown_after_two_seconds_and_ctrl_c_ends_the_work_without_a_trace() {
+fn progress_is_shown_after_two_seconds_and_ctrl_c_leaves_no_files() {
     let mut terminal = Terminal::with(&onset(SLOW));
     let shown = terminal.wait_for("Ctrl-C ends it");
     assert!(shown >= Duration::from_secs(2), "{shown:?}");
@@ -124,19 +124,19 @@ fn a_sign_of_life_is_shown_after_two_seconds_and_ctrl_c_ends_the_work_without_a_
 }
 
 #[test]
-fn a_quick_answer_is_shown_without_a_sign_of_life() {
+fn a_quick_answer_shows_no_progress() {
     let mut terminal = Terminal::with(&onset("list kernels"));
     let (code, text) = terminal.ended();
     assert_eq!(code, Some(0), "{text}");
     assert!(!text.contains("Ctrl-C"), "{text}");
 }
 
-/// Where a closed terminal is to be ignored, signals are left to the system: Ctrl-C ends the command all the same.
+/// If a closed terminal must be ignored, signals are left to the system: Ctrl-C still ends the command.
 #[test]
-fn ctrl_c_ends_the_work_under_nohup_too() {
+fn ctrl_c_ends_a_command_under_nohup() {
     let mut terminal = Terminal::with(&format!("nohup {}", onset(SLOW)));
     terminal.wait_for("nohup");
-    // It has begun when it has made its folder.
+    // The computation has started once its folder exists.
     let folder = terminal.place.join("here/new/inner");
     while !folder.is_dir() && terminal.begin.elapsed() < PATIENCE {
         std::thread::sleep(Duration::from_millis(10));
@@ -146,7 +146,7 @@ fn ctrl_c_ends_the_work_under_nohup_too() {
     assert_eq!(code, Some(130), "{text}");
     assert!(
         fs::read_dir(&folder).is_ok_and(|mut all| all.all(|one| {
-            // What was being tried is swept by the next command.
+            // Files of the interrupted attempt are removed by the next command.
             let name = one.expect("one").file_name();
             name.to_string_lossy().starts_with(".onset-unfinished-")
         })),

@@ -1,9 +1,9 @@
-//! The limits by which methods are recommended and coefficients tuned.
+//! Limits for recommending methods and tuning coefficients.
 
 use super::{document, number, onset_line};
 
 #[test]
-fn limits_are_options_and_are_told_with_what_they_change() {
+fn limits_are_options_and_their_effect_is_reported() {
     let line = "recommend --dimension 1 --set compare.states=2";
     let usual = document(line);
     assert_eq!(number(&usual, "/table/thresholds/weak"), 0.1);
@@ -13,7 +13,7 @@ fn limits_are_options_and_are_told_with_what_they_change() {
         good.map(|one| one["name"].as_str().expect("a name").to_owned())
             .collect()
     };
-    // What another limit is said to change is what it changes.
+    // The predicted effect of another limit is its actual effect.
     for one in usual["dependence"].as_array().expect("a list") {
         let (option, value) = (
             one["threshold"].as_str().expect("a name"),
@@ -49,7 +49,7 @@ fn limits_are_options_and_are_told_with_what_they_change() {
 }
 
 #[test]
-fn a_stricter_limit_tunes_to_a_larger_coefficient() {
+fn a_stricter_limit_gives_a_larger_coefficient() {
     let line = "tune discretization.penalty set method=tlsph set lattice=square";
     let value = |more: &str| number(&document(&format!("{line} {more}")), "/recommended");
     assert!(value("--weak 0.11") > value("--weak 0.05"));

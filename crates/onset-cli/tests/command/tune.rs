@@ -9,7 +9,7 @@ fn the_penalty_is_tuned_between_too_little_and_too_much() {
     let answer = document(&format!("tune discretization.penalty {PENALTY} --quiet"));
     let value = number(&answer, "/recommended");
     assert_eq!(answer["is_ever_sufficient"], true);
-    // The value itself is strong enough, and one a little smaller is not: asked directly.
+    // Direct evaluation: the value itself is sufficient, and a slightly smaller one is not.
     let weakest = |value: f64| {
         let line = format!("modes {PENALTY} set penalty={value}");
         number(&document(&line), "/weakest")
@@ -24,7 +24,7 @@ fn the_penalty_is_tuned_between_too_little_and_too_much() {
 }
 
 #[test]
-fn values_that_a_method_refuses_say_why() {
+fn values_that_a_method_refuses_are_reported_with_the_reason() {
     let line = "tune discretization.stress-point-weight set lattice=square --range 0.5,1";
     let answer = onset_line(line);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
@@ -55,7 +55,7 @@ fn a_tuned_coefficient_is_drawn_and_listed() {
 }
 
 #[test]
-fn coefficients_that_are_none_are_refused() {
+fn invalid_coefficients_are_refused() {
     for (line, fact) in [
         ("tune discretization.kernel", "is no coefficient"),
         ("tune discretization.cells", "is no coefficient"),
@@ -103,7 +103,7 @@ fn coefficients_that_are_none_are_refused() {
 
 #[test]
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
-fn a_limit_of_the_address_space_costs_no_time() {
+fn a_limited_address_space_costs_no_time() {
     let question = "tune discretization.penalty --set discretization.method=tlsph";
     let free = onset_line(question);
     let limited = std::process::Command::new("sh")

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 const HOSTILE: [&str; 1] = ["tests/fortran/hostile.f90"];
 
-/// The assignments that choose a library with properties.
+/// Assignments that select a library with properties.
 fn set(library: &Path, properties: &str) -> String {
     format!(
         "--set material.model=umat --set material.library={} --set material.properties={properties}",
@@ -16,7 +16,7 @@ fn set(library: &Path, properties: &str) -> String {
     )
 }
 
-/// Every number of two documents that are built alike, apart from parts that are named.
+/// Compares every number of two documents with the same structure, except for the named parts.
 fn compare(place: &str, a: &Value, b: &Value, check: &mut impl FnMut(&str, f64, f64)) {
     match (a, b) {
         (Value::Object(a), Value::Object(b)) => {
@@ -41,7 +41,7 @@ fn compare(place: &str, a: &Value, b: &Value, check: &mut impl FnMut(&str, f64, 
 }
 
 #[test]
-fn a_state_is_the_same_with_the_umat_and_with_the_built_in_law_of_the_same_energy() {
+fn a_state_with_a_umat_equals_the_state_with_the_built_in_law_of_the_same_energy() {
     let umat = set(&library(&["fortran/blatz_ko.f90"]), "32");
     let law = "--set material.model=blatz-ko --set material.mu=32";
     for state in [
@@ -53,7 +53,7 @@ fn a_state_is_the_same_with_the_umat_and_with_the_built_in_law_of_the_same_energ
         let (a, b) = (document(law), document(&umat));
         let mut count = 0;
         compare("", &a, &b, &mut |place, a, b| {
-            // Where a minimum lies is known to the root of the accuracy of its value only.
+            // The position of a minimum is accurate only to the square root of the accuracy of its value.
             let is_a_place = ["direction", "vector", "polarization", "gradient_norm"]
                 .iter()
                 .any(|word| place.contains(word));
@@ -70,7 +70,7 @@ fn a_state_is_the_same_with_the_umat_and_with_the_built_in_law_of_the_same_energ
 }
 
 #[test]
-fn a_study_file_takes_a_umat_and_its_map_is_that_of_the_built_in_law() {
+fn a_map_with_a_umat_equals_the_map_with_the_built_in_law() {
     let folder = Scratch::new("umat-study");
     std::fs::create_dir_all(&folder).expect("a folder");
     let library = library(&["fortran/blatz_ko.f90"]);
@@ -111,7 +111,7 @@ fn a_study_file_takes_a_umat_and_its_map_is_that_of_the_built_in_law() {
 }
 
 #[test]
-fn what_goes_wrong_in_a_umat_is_told_with_exit_code_2() {
+fn failures_of_a_umat_are_reported_with_exit_code_2() {
     let hostile = library(&HOSTILE);
     let state = |flaw: u32, more: &str| {
         let material = set(&hostile, &format!("10,4,{flaw}"));
@@ -139,7 +139,7 @@ fn what_goes_wrong_in_a_umat_is_told_with_exit_code_2() {
 }
 
 #[test]
-fn libraries_that_are_none_are_told_with_exit_code_2() {
+fn invalid_libraries_are_reported_with_exit_code_2() {
     let text = Scratch::new("text.so");
     std::fs::write(&text, "no library").expect("a file");
     let utilities = library(&["fortran/abaqus_utilities.f90"]);
@@ -161,7 +161,7 @@ fn libraries_that_are_none_are_told_with_exit_code_2() {
     );
 }
 
-/// A folder with a user-defined library and files that name it.
+/// Folder with a user-defined library and files that name it.
 struct Strange {
     folder: Scratch,
     library: String,
@@ -205,9 +205,9 @@ impl Strange {
         }
     }
 
-    /// Whether a command loads the library: whether it starts a process for it.
+    /// Returns true if a command loads the library, which requires a process.
     fn loads(&self, line: &str) -> bool {
-        // A program that only says that it was started.
+        // Program that only records its start.
         let trace = self.folder.join("trace");
         let host = self.folder.join("host.sh");
         std::fs::write(&host, format!("#!/bin/sh\ntouch {}\n", trace.display())).expect("a file");
@@ -233,7 +233,7 @@ fn a_file_loads_a_library_only_if_the_user_allows_it() {
         "criteria study.toml",
         "compare compare.toml",
         "recommend compare.toml",
-        // The model alone does not make the library the user's word.
+        // The model alone does not imply that the user trusts the library.
         "map study.toml --out a.zarr --set material.model=umat",
     ];
     for line in commands {
@@ -300,7 +300,7 @@ fn a_study_is_checked_and_a_map_is_drawn_without_loading_its_library() {
 }
 
 #[test]
-fn a_map_is_not_gone_on_with_by_another_library() {
+fn a_map_is_not_resumed_with_another_library() {
     let place = Strange::new("identity");
     let own = place.folder.join("own.so");
     let first = std::fs::read(&own).expect("a library");
@@ -310,7 +310,7 @@ fn a_map_is_not_gone_on_with_by_another_library() {
         ))
     };
     assert_eq!(map("--tiles 0..1").code, Some(0));
-    // Compiled anew: another file in its place, whose end says nothing to the loader.
+    // Compiled anew: another file in its place, whose additional bytes the loader ignores.
     std::fs::write(&own, [&first[..], b"anew"].concat()).expect("a file");
     for more in ["--resume", "--tiles 1..2"] {
         let answer = map(more);
@@ -331,12 +331,12 @@ fn a_map_is_not_gone_on_with_by_another_library() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn no_folder_stays_behind_and_none_of_others_is_taken() {
+fn no_folder_is_left_behind_and_foreign_folders_are_not_used() {
     use std::os::unix::fs::symlink;
     let place = Scratch::new("temporary");
     std::fs::create_dir_all(place.join("tmp")).expect("a folder");
     std::fs::write(place.join("victim"), "precious").expect("a file");
-    // What somebody has planted who could guess the names: they are not used.
+    // Folders planted by an attacker who guesses names are not used.
     for process in 0..50 {
         symlink(
             place.join("victim"),
@@ -365,7 +365,7 @@ fn no_folder_stays_behind_and_none_of_others_is_taken() {
             .stderr(std::process::Stdio::null());
         command.spawn().expect("the command starts")
     };
-    // Where a closed terminal is ignored, as under nohup, commands leave all signals to the system.
+    // If a closed terminal is ignored, as under nohup, commands leave all signals to the system.
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
@@ -387,7 +387,7 @@ fn no_folder_stays_behind_and_none_of_others_is_taken() {
             assert_eq!(folders(), 0, "{signal}");
         }
     }
-    // After a kill the other process clears up; where it was killed too, the next command does.
+    // After a kill the other process cleans up; if it was killed too, the next command does.
     std::fs::create_dir(place.join("tmp/onset-umat-left")).expect("a folder");
     assert!(started(4).wait().expect("an end").success());
     for _ in 0..100 {
@@ -436,7 +436,7 @@ fn no_process_outlives_a_killed_command() {
 }
 
 #[test]
-fn the_utilities_of_abaqus_are_printed_as_they_are_compiled() {
+fn the_printed_utilities_of_abaqus_are_the_compiled_ones() {
     let printed = onset(&["umat-utilities"]).stdout;
     for routine in [
         "sinv",

@@ -6,10 +6,10 @@ const STEEL: &str = "--set material.model=neo-hooke --set material.mu=80GPa --se
 const PLAIN: &str = "--set material.model=neo-hooke --set material.mu=80e9 --set material.lambda=120e9 set density=7850 set spacing=1e-3";
 
 #[test]
-fn values_with_units_are_the_same_numbers_in_si() {
+fn values_with_units_give_the_same_numbers_in_si() {
     let state = |what: &str| document(&format!("state --stretch 1.02,0.99 {what}"));
     let (with, without) = (state(STEEL), state(PLAIN));
-    // Words tell units; numbers are the same.
+    // Words contain units, and numbers agree.
     let numbers = |state: &serde_json::Value| {
         let mut numbers = state["discretization"].clone();
         numbers["mode"].take();
@@ -28,7 +28,7 @@ fn values_with_units_are_the_same_numbers_in_si() {
 }
 
 #[test]
-fn texts_tell_si_units_where_values_have_units_and_none_where_they_have_none() {
+fn texts_show_si_units_only_if_values_have_units() {
     let line = |what: &str| onset_line(&format!("state --stretch 1.02,0.99 {what}"));
     let text = line(STEEL).stdout;
     for fact in [
@@ -46,13 +46,13 @@ fn texts_tell_si_units_where_values_have_units_and_none_where_they_have_none() {
     for fact in [" Pa", " s (infinite lattice", "kg/m"] {
         assert!(!text.contains(fact), "{fact}: {text}");
     }
-    // The next command says the same again.
+    // The next command repeats the units.
     let text = line(&format!("{STEEL} set quadrature=nodal")).stdout;
     assert!(text.contains("--set material.mu=80000000000Pa"), "{text}");
 }
 
 #[test]
-fn units_in_some_values_alone_are_refused_with_those_that_have_none() {
+fn units_in_only_some_values_are_refused_with_the_values_without_units() {
     for (line, facts) in [
         (
             "state --stretch 1,1 --set material.model=neo-hooke --set material.mu=80GPa",
@@ -86,14 +86,14 @@ fn units_in_some_values_alone_are_refused_with_those_that_have_none() {
             assert!(answer.stderr.contains(fact), "{line}: {}", answer.stderr);
         }
     }
-    // A question about the law alone has no spacing.
+    // A command about the law alone has no spacing.
     let law =
         "card --set material.model=neo-hooke --set material.mu=80GPa --set material.lambda=120GPa";
     assert_eq!(onset_line(law).code, Some(0));
 }
 
 #[test]
-fn laws_waves_and_bands_are_told_and_drawn_with_their_units() {
+fn laws_waves_and_bands_are_printed_and_drawn_with_units() {
     let plain = "localize --model j2 --path pure-shear";
     let with = "--set plasticity.shear-modulus=10GPa --set plasticity.strength=20MPa --set plasticity.hardening-modulus=2GPa \
                 --set plasticity.residual=10MPa";
@@ -114,7 +114,7 @@ fn laws_waves_and_bands_are_told_and_drawn_with_their_units() {
     ] {
         assert!(answer.stdout.contains(fact), "{fact}: {}", answer.stdout);
     }
-    // A modulus that is zero to rounding is zero.
+    // A modulus that is zero to rounding is printed as zero.
     let onset_of_band = answer
         .stdout
         .split("\nlocalization\n")
@@ -127,7 +127,7 @@ fn laws_waves_and_bands_are_told_and_drawn_with_their_units() {
     let figure = std::fs::read_to_string(place.join("localize.svg")).expect("a figure");
     assert!(figure.contains("critical modulus (Pa)"));
     assert!(!onset_line(plain).stdout.contains("Pa"));
-    // A stress without a unit beside others is refused, with an example.
+    // One stress without a unit among others with units is refused, with an example.
     let some = onset_line(&format!("{plain} --set plasticity.strength=20MPa"));
     assert_eq!(some.code, Some(2));
     assert!(
@@ -162,7 +162,7 @@ fn laws_waves_and_bands_are_told_and_drawn_with_their_units() {
     for label in ["frequency ω (1/s)", "density of states (s)"] {
         assert!(figure.contains(label), "{label}");
     }
-    // Of a stable state nothing grows.
+    // A stable state has no growth rate.
     assert!(!figure.contains("growth rate"));
     let wave = format!("dispersion --stretch 1.2,0.9 --wave-vector 1000,0 {STEEL}");
     assert!(
@@ -178,7 +178,7 @@ fn laws_waves_and_bands_are_told_and_drawn_with_their_units() {
 }
 
 #[test]
-fn a_study_with_units_is_written_out_and_read_back_with_them() {
+fn a_study_with_units_is_written_and_read_back_with_its_units() {
     let place = Scratch::new("study.toml");
     let text = "[material]\nmodel = \"neo-hooke\"\nlambda = \"120 GPa\"\n[discretization]\nspacing = \"1 mm\"\ndensity = \"7850 kg/m^3\"\n\
                 [[axes]]\nquantity = \"stretch-1\"\nrange = [0.9, 1.1]\nstates = 3\n\
@@ -187,7 +187,7 @@ fn a_study_with_units_is_written_out_and_read_back_with_them() {
     let file = place.display().to_string();
     let checked = document(&format!("check {file}"));
     assert_eq!(checked[0]["axes"][1]["range"][1], 90e9);
-    // An override writes the study out in full; a map that is resumed reads it back.
+    // An override writes the complete study, and a resumed map reads it back.
     let store = Scratch::new("map.zarr");
     let map = format!("map {file} --out {} set support=1.9", store.display());
     let first = document(&map);
