@@ -1,26 +1,26 @@
-//! Boxes of wave vectors, which together are half of the zone.
+//! Boxes of wave vectors that together cover half of the zone.
 
 use super::jet::{FILLED, derivatives, products};
 use super::phase;
 use crate::algebra::{Complex, array_of};
 use nalgebra::{SMatrix, SVector};
 
-/// Components, over the reciprocal vectors, up to which waves are long: there the scaled measure is a quotient of small numbers. In
-/// cones less is known of what polynomials leave out, but the rest of the zone begins with more boxes where they are narrow.
+/// Side lengths of the region of long waves, in reciprocal vectors, where the scaled measure is a quotient of small numbers. In cones the remainders
+/// of the polynomials are larger, but narrow cones start with more boxes in the rest of the zone.
 const LONG: [f64; 2] = [0.125, 0.25];
-/// Boxes to begin with, over those that can be looked at, at most.
+/// Largest share of the box budget for the initial boxes.
 const BEGINNING: f64 = 0.05;
 
-/// Which coordinates a box has.
+/// Coordinates of a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Chart {
-    /// `(t, s)` of `k = t (b_a + sum_j s_j b_j)`: a cone of long waves around the reciprocal vector `b_a`.
+    /// Coordinates `(t, s)` with `k = t (b_a + sum_j s_j b_j)`: a cone of long waves around the reciprocal vector `b_a`.
     Cone(usize),
-    /// `x` of `k = sum_i x_i b_i`.
+    /// Coordinates `x` with `k = sum_i x_i b_i`.
     Zone,
 }
 
-/// Middle and half sides of a box.
+/// Center and half sides of a box.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell<const D: usize> {
     pub(super) chart: Chart,
@@ -29,8 +29,8 @@ pub(super) struct Cell<const D: usize> {
 }
 
 impl<const D: usize> Cell<D> {
-    /// Half of the zone, where so many boxes can be looked at; the other half has the same spectrum. Long waves lie in cones where that
-    /// is asked for.
+    /// Initial boxes of half of the zone, for a budget of `most` boxes; the other half has the same spectrum. With `has_cones`, long waves lie in
+    /// cones.
     pub(super) fn half_zone(has_cones: bool, most: usize) -> Vec<Self> {
         let is_affordable = 0.5 / LONG[0].powi(D as i32) < BEGINNING * most as f64;
         let long = LONG[usize::from(!(has_cones && is_affordable))];
@@ -60,7 +60,7 @@ impl<const D: usize> Cell<D> {
         short.chain(cones.filter(|_| has_cones)).collect()
     }
 
-    /// The limit of long waves along a direction, given by its components over the reciprocal vectors.
+    /// Long-wave limit along a direction, given by its components in reciprocal vectors.
     pub(super) fn limit_along(components: &SVector<f64, D>) -> Self {
         let cone = components.iamax();
         let mut cell = Self {
@@ -74,7 +74,7 @@ impl<const D: usize> Cell<D> {
         cell
     }
 
-    /// A wave vector, given by its components over the reciprocal vectors.
+    /// Wave vector, given by its components in reciprocal vectors.
     pub(super) fn point(components: &SVector<f64, D>) -> Self {
         Self {
             chart: Chart::Zone,
@@ -83,12 +83,12 @@ impl<const D: usize> Cell<D> {
         }
     }
 
-    /// Whether it reaches the limit of long waves.
+    /// Returns true if the box contains a long-wave limit.
     pub(super) fn has_limit(&self) -> bool {
         self.chart != Chart::Zone && self.middle[0] <= self.half[0]
     }
 
-    /// The wave vector in the middle.
+    /// Wave vector at the center.
     pub(super) fn wave_vector(&self, reciprocal: &SMatrix<f64, D, D>) -> SVector<f64, D> {
         match self.chart {
             Chart::Zone => reciprocal * SVector::from(self.middle),
@@ -102,8 +102,8 @@ impl<const D: usize> Cell<D> {
         }
     }
 
-    /// `p` of a vector in the middle of a cone, its slopes by the variables beside the first (one stands for the first), and how much
-    /// it changes.
+    /// Phase rate `p` of a vector at the center of a cone, its derivatives with respect to the variables after the first (1 for the first), and its
+    /// change over the box.
     fn across(&self, cone: usize, along: &[f64; D]) -> (f64, [f64; D], f64) {
         let (mut p, mut rates, mut spread) = (along[cone], [1.0; D], 0.0);
         for (variable, n) in Self::others(cone) {
@@ -114,7 +114,7 @@ impl<const D: usize> Cell<D> {
         (p, rates, spread)
     }
 
-    /// In a cone the derivatives of `f_m(t, p)` of a vector.
+    /// Derivatives of `f_m(t, p)` of a vector in a cone.
     #[inline(always)]
     pub(super) fn cone_derivatives(
         &self,
@@ -132,7 +132,8 @@ impl<const D: usize> Cell<D> {
         phases
     }
 
-    /// A bound of what a polynomial of these leaves out, from the fifth order on, and what the second derivatives by each variable may do.
+    /// Bound of the remainder of these derivatives from the fifth order on, and the contribution of the second derivatives with respect to each
+    /// variable.
     pub(super) fn cone_rest(&self, cone: usize, m: usize, along: &[f64; D]) -> (f64, [f64; D]) {
         let (p, rates, spread) = self.across(cone, along);
         let half = &self.half;
@@ -143,7 +144,7 @@ impl<const D: usize> Cell<D> {
         (phase::beyond(m, [most_t, half[0]], [most_p, spread]), bends)
     }
 
-    /// The reciprocal vectors beside that of a cone, by the number of their variable.
+    /// Reciprocal vectors other than the axis of a cone, each with the index of its variable.
     pub(super) fn others(cone: usize) -> impl Iterator<Item = (usize, usize)> {
         (0..D)
             .filter(move |n| *n != cone)

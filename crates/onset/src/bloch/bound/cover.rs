@@ -10,50 +10,54 @@ use nalgebra::SVector;
 use std::collections::VecDeque;
 use std::iter;
 
-/// Half sides below which a box is not divided further.
+/// Half side of the smallest box that is still divided, in reciprocal vectors.
 const SMALLEST: f64 = 1e-9;
-/// Boxes that must be affordable, in one to three dimensions: with fewer nothing is bounded that one would want to know.
+/// Minimum number of affordable boxes in one, two and three dimensions. A smaller budget gives no useful bound.
 const FEWEST: [usize; 3] = [64, 256, 2048];
-/// How much the gap is enlarged each time for a box that is left.
+/// Factor between the gaps that are tried for a remaining box.
 const WIDER: f64 = 4.0;
-/// Work between two looks at what is known, in units of [`Pencil::cost`], and how many boxes that is, at least and at most; and work that is worth
-/// distributing: a millisecond.
+/// Work between two comparisons with the smallest known value, in units of [`Pencil::cost`].
 const AT_ONCE: usize = 40_000;
+/// Minimum and maximum number of boxes between two comparisons with the smallest known value.
 const BOXES_AT_ONCE: [usize; 2] = [16, 256];
+/// Work that is worth distributing over the cores, in units of [`Pencil::cost`]: about a millisecond.
 const DISTRIBUTED: usize = 15_000;
 
-/// What a cover of the zone has found.
+/// Result of a cover of the zone.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::bloch) struct Covered<const D: usize> {
-    /// The smallest value met, and its wave vector where it is below that given; of the limit of long waves a direction.
+    /// Smallest value of the measure encountered.
     pub(in crate::bloch) lowest: f64,
+    /// Wave vector of the smallest value, if it is below the given value; for a long-wave limit, its direction.
     pub(in crate::bloch) wave_vector: Option<SVector<f64, D>>,
     pub(in crate::bloch) is_long_wave: bool,
-    /// No value is below it.
+    /// Lower bound of all values.
     pub(in crate::bloch) bound: f64,
 }
 
-/// A measure with its minima sought.
+/// A measure and the requested accuracy of its minimum.
 pub(in crate::bloch) struct Question<'a, const D: usize> {
-    /// A value that is attained.
+    /// A value that the measure attains.
     pub(in crate::bloch) known: f64,
-    /// What is not told from the minimum, and what nobody wants to be told any more: a bound that is farther below is none.
+    /// Accepted difference between bound and minimum.
     pub(in crate::bloch) gap: f64,
+    /// Largest useful difference; a bound that is farther below the minimum is discarded.
     pub(in crate::bloch) widest: f64,
-    /// How much work is done, at most, in units of [`Pencil::cost`].
+    /// Maximum work, in units of [`Pencil::cost`].
     pub(in crate::bloch) budget: usize,
-    /// The value at a wave vector.
+    /// Evaluates the measure at a wave vector.
     pub(in crate::bloch) value: &'a dyn Fn(&SVector<f64, D>) -> f64,
-    /// A bottom downhill from a wave vector with a value.
+    /// Descends from a wave vector with its value to a bottom.
     #[allow(clippy::type_complexity)]
     pub(in crate::bloch) descended: &'a dyn Fn((f64, SVector<f64, D>)) -> (f64, SVector<f64, D>),
-    /// Whether nobody waits for it any more.
+    /// True once the caller has cancelled.
     pub(in crate::bloch) is_ended: IsEnded<'a>,
 }
 
-/// Covers the zone with boxes in each of which no value is lower than the smallest met by more than a gap: those of which this is
-/// not seen are divided. Where the middle of a box is lower, the bottom from there is the smallest value. `None` where the work that is
-/// allowed is too little for any bound.
+/// Covers the zone with boxes in which no value is lower than the smallest known value by more than the gap.
+///
+/// Boxes without a proof are divided. If the center of a box is lower, a descent from there gives the new smallest value. `None` if the budget is too
+/// small for any bound.
 pub(super) fn cover<const D: usize>(
     pencil: &Pencil<D>,
     question: &Question<'_, D>,
@@ -71,7 +75,7 @@ pub(super) fn cover<const D: usize>(
     };
     let cost = |cells: &[Cell<D>]| cells.iter().map(|cell| pencil.cost_on(cell)).sum::<usize>();
     let boxes = pencil.boxes(most);
-    // What is open at the end is looked at once more.
+    // The remaining boxes are examined a second time at the end.
     let (mut left, mut done, mut waiting) = (Vec::new(), 0, cost(&boxes));
     let mut open = VecDeque::from(boxes);
     let at_once = at_once(pencil);
@@ -106,12 +110,12 @@ pub(super) fn cover<const D: usize>(
     Some(found)
 }
 
-/// What is seen of a box.
+/// Result of the test of one box.
 struct Looked<const D: usize> {
     cell: Cell<D>,
     bends: [f64; D],
     sign: Sign,
-    /// Where the sign may change as soon as a smaller value is met.
+    /// Polynomials of a box that is lower in its center: a smaller known value can change the sign.
     local: Option<Local<D>>,
 }
 
@@ -127,7 +131,7 @@ impl<const D: usize> Looked<D> {
         }
     }
 
-    /// The sign after what has been met since, and what is met downhill from here.
+    /// Sign of the box, relative to values found meanwhile and by a descent from its center.
     fn sign_below(
         &self,
         found: &mut Covered<D>,
@@ -151,7 +155,7 @@ impl<const D: usize> Looked<D> {
 }
 
 impl<const D: usize> Covered<D> {
-    /// Goes downhill from the middle of a box; whether that leads below what is known.
+    /// Descends from the center of a box, and returns true if this lowers the smallest known value.
     fn is_lowered(
         &mut self,
         pencil: &Pencil<D>,
@@ -173,13 +177,13 @@ impl<const D: usize> Covered<D> {
     }
 }
 
-/// How many boxes are compared with the same value.
+/// Number of boxes that are compared with the same value.
 fn at_once<const D: usize>(pencil: &Pencil<D>) -> usize {
     let [least, most] = BOXES_AT_ONCE;
     (AT_ONCE / pencil.cost()).clamp(least, most)
 }
 
-/// Work on several boxes, on all cores where it takes longer than to distribute it.
+/// Applies `work` to several boxes, on all cores if it takes longer than their distribution.
 fn on_cores<const D: usize, R: Send>(
     pencil: &Pencil<D>,
     cells: Vec<Cell<D>>,
@@ -188,7 +192,7 @@ fn on_cores<const D: usize, R: Send>(
     of_each_long(cells.len() * pencil.cost() > DISTRIBUTED, cells, work)
 }
 
-/// The softest limit of long waves downhill from a direction.
+/// Smallest long-wave limit found by descent from a direction.
 fn long_wave<const D: usize>(
     pencil: &Pencil<D>,
     direction: &SVector<f64, D>,
@@ -207,7 +211,7 @@ fn long_wave<const D: usize>(
     (value, direction.normalize())
 }
 
-/// The parts of a box that is halved several times, each time where the second derivatives do most.
+/// Halves a box `divisions` times, each time along the variable whose second derivatives contribute most.
 fn divided<const D: usize>(cell: Cell<D>, mut bends: [f64; D], divisions: usize) -> Vec<Cell<D>> {
     let mut parts = vec![cell];
     for _ in 0..divisions {
@@ -231,7 +235,7 @@ fn divided<const D: usize>(cell: Cell<D>, mut bends: [f64; D], divisions: usize)
     parts
 }
 
-/// What no value is below, in boxes that are left too.
+/// Lower bound of all values, including the remaining boxes.
 fn below<const D: usize>(
     pencil: &Pencil<D>,
     question: &Question<'_, D>,

@@ -1,23 +1,24 @@
-//! Symmetries of a sum over pairs: of the wave vectors that they take to each other, which have the same spectrum, one is enough.
+//! Symmetric images of wave vectors under the symmetries of a lattice sum. One wave vector represents all others with the same spectrum.
 
 use super::cell::{Cell, Chart};
 use crate::algebra::{Each, array_of};
 use crate::lattice::{Fractional, Symmetry};
 
-/// Of wave vectors with the same spectrum the one with the smallest sum of its components with these weights is looked at. Integers do
-/// not relate the weights, so that only the identity leaves all sums as they are.
+/// Weights of the components. Among wave vectors with the same spectrum, only the vector with the smallest weighted sum is examined.
+///
+/// They are powers of the reciprocal plastic number, which no integers relate, so that only the identity leaves all sums unchanged.
 const WEIGHTS: [f64; 3] = [1.0, 0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
-/// Rounding of components.
+/// Rounding error of components.
 const EQUAL: f64 = 1e-12;
-/// Places of sites, in lattice coordinates, that are the same.
+/// Largest distance of equal sites, in lattice coordinates.
 const SAME_PLACE: f64 = 1e-9;
 
-/// Maps of wave vectors, in components over the reciprocal vectors, that leave the spectrum as it is.
+/// Maps of wave vectors, in components along the reciprocal vectors, that leave the spectrum unchanged.
 #[derive(Clone, Debug)]
 pub(super) struct Images<const D: usize>(Vec<[[f64; D]; D]>);
 
 impl<const D: usize> Images<D> {
-    /// Of a group of symmetries of the lattice, and of inversion, which takes each matrix to its conjugate.
+    /// Collects the maps of a symmetry group of the lattice, and of the inversion, which maps each matrix to its conjugate.
     pub(super) fn new(group: &[Symmetry<D>]) -> Self {
         let one = |sign: f64| array_of(|i| array_of(|j| if i == j { sign } else { 0.0 }));
         let mut maps: Vec<[[f64; D]; D]> = vec![one(1.0), one(-1.0)];
@@ -27,14 +28,14 @@ impl<const D: usize> Images<D> {
                 maps.extend([map, map.each(|row| row.each(|n| -n))]);
             }
         }
-        // The identity changes nothing, and inversion leaves the half that is looked at.
+        // The identity changes nothing, and the inversion leaves the examined half of the zone.
         Self(maps.split_off(2))
     }
 
-    /// Whether the images of a box, which lies in the half of the zone that is looked at, lie there too, with smaller sums, or the same at its rim. What
-    /// holds for all boxes of which this is not so then holds for all wave vectors: the sum of one that is left out falls from image to
-    /// image, of which there are finitely many. Where it stays the same, on planes and within rounding, this follows from the
-    /// neighborhood.
+    /// Returns true if an image of a box of the examined half also lies in this half and has a smaller weighted sum, or an equal one at the rim.
+    ///
+    /// A bound on all boxes without such an image then holds for all wave vectors: the sum of an omitted wave vector falls from image to image, and
+    /// the number of images is finite. On planes, or within rounding, where the sum is constant, the bound follows from the neighborhood.
     pub(super) fn are_before(&self, cell: &Cell<D>) -> bool {
         self.0.iter().any(|map| match cell.chart {
             Chart::Zone => is_before_in_zone(map, cell),
@@ -43,7 +44,7 @@ impl<const D: usize> Images<D> {
     }
 }
 
-/// The exchanges of sites by which a symmetry of the lattice may take a crystal to itself: one for each place to which the first site may go.
+/// Possible permutations of sites under a symmetry of the lattice, one for each image of the first site.
 pub(super) fn exchanges<const D: usize>(
     symmetry: &Symmetry<D>,
     places: &[Fractional<D>],
@@ -60,7 +61,7 @@ pub(super) fn exchanges<const D: usize>(
     })
 }
 
-/// The middle and the half side of a linear function on a box.
+/// Center and half range of a linear function on a box.
 fn range<const D: usize>(row: &[f64; D], middle: &[f64; D], half: &[f64; D]) -> [f64; 2] {
     let (mut value, mut spread) = (0.0, 0.0);
     for j in 0..D {
@@ -70,7 +71,7 @@ fn range<const D: usize>(row: &[f64; D], middle: &[f64; D], half: &[f64; D]) -> 
     [value, spread]
 }
 
-/// By how much a map increases the weighted sum, as a function of the components.
+/// Increase of the weighted sum under a map, as a linear function of the components.
 fn increase<const D: usize>(map: &[[f64; D]; D]) -> [f64; D] {
     array_of(|j| (0..D).map(|i| WEIGHTS[i] * map[i][j]).sum::<f64>() - WEIGHTS[j])
 }
@@ -79,7 +80,7 @@ fn is_before_in_zone<const D: usize>(map: &[[f64; D]; D], cell: &Cell<D>) -> boo
     let mut moved = 0.0;
     for (i, row) in map.iter().enumerate() {
         let [middle, spread] = range(row, &cell.middle, &cell.half);
-        // Reciprocal vectors bring it back into the zone.
+        // Reciprocal vectors move the image back into the zone.
         let shift = -middle.round();
         let least = if i == 0 { 0.0 } else { -0.5 };
         if middle + shift - spread < least - EQUAL || middle + shift + spread > 0.5 + EQUAL {
@@ -91,7 +92,7 @@ fn is_before_in_zone<const D: usize>(map: &[[f64; D]; D], cell: &Cell<D>) -> boo
     moved + middle + spread <= EQUAL
 }
 
-/// The image of `t (e_a + s)` is `t` times that of `e_a + s`, and no multiple of a reciprocal vector is needed.
+/// The image of `t (e_a + s)` is `t` times the image of `e_a + s`, and no reciprocal vector is subtracted.
 fn is_before_in_cone<const D: usize>(map: &[[f64; D]; D], cell: &Cell<D>, cone: usize) -> bool {
     let (mut middle, mut half) = ([0.0; D], [0.0; D]);
     middle[cone] = 1.0;
@@ -101,7 +102,7 @@ fn is_before_in_cone<const D: usize>(map: &[[f64; D]; D], cell: &Cell<D>, cone: 
     if middle[0].abs() < half[0] {
         return false;
     }
-    // Of a wave vector in the other half its opposite is meant.
+    // A wave vector in the other half is replaced by its opposite.
     let sign = middle[0].signum();
     let middle = middle.each(|x| sign * x);
     let farthest = cell.middle[0] + cell.half[0];
@@ -124,7 +125,7 @@ mod tests {
     use nalgebra::SVector;
     use std::f64::consts::TAU;
 
-    /// The components of a wave vector, brought back into the half of the zone that is looked at, up to inversion.
+    /// Components of a wave vector, moved into the examined half of the zone, up to inversion.
     fn folded<const D: usize>(lattice: &BravaisLattice<D>, k: &SVector<f64, D>) -> SVector<f64, D> {
         let x = lattice.vectors().tr_mul(k) / TAU;
         let x = x.map(|x| x - x.round());
@@ -135,7 +136,7 @@ mod tests {
         x.iter().zip(WEIGHTS).map(|(x, weight)| x * weight).sum()
     }
 
-    /// Of boxes of one size, how many are looked at for each that is left out; each corner of these has an image with a smaller sum.
+    /// Fraction of boxes of one size that are examined. Asserts that each corner of an omitted box has an image with a smaller sum.
     fn looked_at<const D: usize>(
         lattice: &BravaisLattice<D>,
         group: &[Symmetry<D>],
@@ -177,7 +178,7 @@ mod tests {
 
     #[test]
     fn what_is_left_out_has_images_before_it_and_the_rest_is_about_a_share_of_the_group() {
-        // Inversion takes the half that is looked at to the other one.
+        // Inversion maps the examined half to the other half.
         let of_plane = |kind: LatticeKind| {
             let lattice = kind.lattice::<2>(1.0).unwrap();
             let group = Symmetry::all(&lattice);
@@ -202,13 +203,13 @@ mod tests {
             let share = of_space(kind);
             assert!((1.0..3.0).contains(&share), "{kind:?} {share}");
         }
-        // Of the identity and inversion alone nothing is left out.
+        // The identity and the inversion alone omit no box.
         let lattice = LatticeKind::SimpleCubic.lattice::<3>(1.0).unwrap();
         let alone = &Symmetry::all(&lattice)[..1];
         assert_eq!(looked_at(&lattice, alone, 4), 1.0);
     }
 
-    /// The image of a long wave is as long, and no reciprocal vector is needed.
+    /// The image of a long wave is a long wave, and no reciprocal vector is subtracted.
     #[test]
     fn boxes_of_long_waves_are_left_out_where_all_their_waves_are() {
         let lattice = LatticeKind::FaceCenteredCubic.lattice::<3>(1.0).unwrap();

@@ -1,38 +1,38 @@
-//! Functions on a box: a Taylor polynomial of third order about the middle, and a bound of what is left.
+//! Functions on a box: a Taylor polynomial of third order about the center, and a bound of the remainder.
 
 use crate::algebra::{Complex, Each};
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 use std::ops::{Add, Mul};
 
-/// The parts of a polynomial of third order in up to three variables: value, slopes, second derivatives by `a` and `b <= a`, and third ones by
-/// `a`, `b <= a` and `c <= b`.
+/// Number of coefficients of a polynomial of third order in three variables. The order is: value, slopes, second derivatives by `a` and `b <= a`,
+/// third derivatives by `a`, `b <= a` and `c <= b`.
 const MOST: usize = 20;
 
-/// Derivatives up to the fourth order in three variables, and places that fill up vectors of the machine.
+/// Number of derivatives up to the fourth order in three variables, filled up to a multiple of a vector register.
 pub(super) const FILLED: usize = 40;
 
-/// How many parts there are in `D` variables up to the second order.
+/// Number of coefficients in `D` variables up to the second order.
 pub(super) const fn quadratic_parts<const D: usize>() -> usize {
     1 + D + D * (D + 1) / 2
 }
 
-/// How many there are.
+/// Number of coefficients in `D` variables up to the third order.
 pub(super) const fn parts<const D: usize>() -> usize {
     quadratic_parts::<D>() + D * (D + 1) * (D + 2) / 6
 }
 
-/// The place of the slope by a variable.
+/// Index of the slope with respect to a variable.
 pub(super) const fn slope(a: usize) -> usize {
     1 + a
 }
 
-/// The place of the second derivative by two variables.
+/// Index of the second derivative with respect to two variables.
 pub(super) const fn bend<const D: usize>(a: usize, b: usize) -> usize {
     let (a, b) = if a < b { (b, a) } else { (a, b) };
     1 + D + a * (a + 1) / 2 + b
 }
 
-/// The place of the third derivative by three variables.
+/// Index of the third derivative with respect to three variables.
 pub(super) fn third<const D: usize>(a: usize, b: usize, c: usize) -> usize {
     let mut by = [a, b, c];
     by.sort_unstable();
@@ -40,17 +40,17 @@ pub(super) fn third<const D: usize>(a: usize, b: usize, c: usize) -> usize {
     quadratic_parts::<D>() + a * (a + 1) * (a + 2) / 6 + b * (b + 1) / 2 + c
 }
 
-/// The variables of second derivatives, each pair once.
+/// Pairs of variables of the second derivatives, each pair once.
 pub(super) fn seconds<const D: usize>() -> impl Iterator<Item = [usize; 2]> {
     (0..D).flat_map(|a| (0..=a).map(move |b| [a, b]))
 }
 
-/// Those that are different.
+/// Pairs of different variables, each pair once.
 pub(super) fn mixed<const D: usize>() -> impl Iterator<Item = [usize; 2]> {
     seconds::<D>().filter(|[a, b]| a != b)
 }
 
-/// Those of third derivatives.
+/// Triples of variables of the third derivatives, each triple once.
 pub(super) fn thirds<const D: usize>() -> impl Iterator<Item = [usize; 3]> {
     seconds::<D>().flat_map(|[a, b]| (0..=b).map(move |c| [a, b, c]))
 }
@@ -58,17 +58,18 @@ pub(super) fn thirds<const D: usize>() -> impl Iterator<Item = [usize; 3]> {
 /// A derivative up to the fourth order.
 #[derive(Clone, Copy)]
 pub(super) struct Derivative {
-    /// The place of that by its variables but the last, which follow from the highest to the lowest, and the last.
+    /// Index of the derivative without its last variable; the variables are sorted from highest to lowest.
     before: usize,
+    /// Last variable of the derivative.
     last: usize,
-    /// How often the last has occurred.
+    /// Multiplicity of the last variable.
     times: usize,
     pub(super) order: usize,
-    /// How often the first variable of all is among its own.
+    /// Multiplicity of the first of all variables.
     pub(super) by_first: usize,
 }
 
-/// All derivatives up to the fourth order, in their order.
+/// All derivatives up to the fourth order, in their order of storage.
 pub(super) const fn derivatives<const D: usize>() -> [Derivative; FILLED] {
     let none = Derivative {
         before: 0,
@@ -78,7 +79,7 @@ pub(super) const fn derivatives<const D: usize>() -> [Derivative; FILLED] {
         by_first: 0,
     };
     let mut derivatives = [none; FILLED];
-    // Those of an order lie between two places.
+    // Derivatives of one order lie between `start` and `end`.
     let (mut start, mut end, mut order) = (0, 1, 1);
     while order <= 4 {
         let (mut before, mut n) = (start, end);
@@ -105,13 +106,13 @@ pub(super) const fn derivatives<const D: usize>() -> [Derivative; FILLED] {
     derivatives
 }
 
-/// How many there are, with what fills up vectors of the machine.
+/// Number of derivatives up to the fourth order in `D` variables, filled up to a multiple of a vector register.
 pub(super) const fn filled<const D: usize>() -> usize {
     let fourths = D * (D + 1) * (D + 2) * (D + 3) / 24;
     (parts::<D>() + fourths).next_multiple_of(8)
 }
 
-/// Products of the variables of each derivative.
+/// Product of the variables of each derivative.
 pub(super) fn products<const D: usize>(x: &[f64; D]) -> [f64; FILLED] {
     let mut products = [0.0; FILLED];
     products[0] = 1.0;
@@ -123,7 +124,7 @@ pub(super) fn products<const D: usize>(x: &[f64; D]) -> [f64; FILLED] {
     products
 }
 
-/// What each derivative is multiplied with in a polynomial in variables over the half sides of a box.
+/// Factor of each derivative in a polynomial whose variables are scaled with the half sides of a box.
 pub(super) fn monomials<const D: usize>(half: &[f64; D]) -> [f64; FILLED] {
     let mut monomials = [0.0; FILLED];
     monomials[0] = 1.0;
@@ -139,7 +140,7 @@ pub(super) fn monomials<const D: usize>(half: &[f64; D]) -> [f64; FILLED] {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Jet<const D: usize> {
     pub(super) parts: [f64; MOST],
-    /// A bound of the difference from the polynomial.
+    /// Bound of the difference from the polynomial.
     pub(super) rest: f64,
 }
 
@@ -155,7 +156,7 @@ impl<const D: usize> Jet<D> {
         jet
     };
 
-    /// The variable `a` itself, at its value in the middle.
+    /// Coordinate function of the variable `a`, with its value at the center.
     pub(super) fn variable(a: usize, value: f64) -> Self {
         let mut jet = Self::ZERO;
         jet.parts[0] = value;
@@ -163,7 +164,7 @@ impl<const D: usize> Jet<D> {
         jet
     }
 
-    /// The product on a box with given half sides.
+    /// Product of two functions on a box with the given half sides.
     pub(super) fn times(&self, other: &Self, half: &[f64; D]) -> Self {
         let [x, y] = [self, other].each(|jet| sizes::<D>(half, jet.rest, |n| jet.parts[n].abs()));
         Self {
@@ -173,7 +174,7 @@ impl<const D: usize> Jet<D> {
     }
 }
 
-/// Bounds of the terms of each order, and the rest.
+/// Bounds of the terms of each order, and the remainder.
 type Sizes = [f64; 5];
 
 fn sizes<const D: usize>(half: &[f64; D], rest: f64, size: impl Fn(usize) -> f64) -> Sizes {
@@ -190,13 +191,13 @@ fn sizes<const D: usize>(half: &[f64; D], rest: f64, size: impl Fn(usize) -> f64
     sizes
 }
 
-/// What a product has beyond the third order.
+/// Bound of the terms of a product beyond the third order.
 fn rest_of_product(x: Sizes, y: Sizes) -> f64 {
     let from = |order: usize| y[order..].iter().sum::<f64>();
     (0..5).map(|order| x[order] * from(4 - order)).sum()
 }
 
-/// The product of polynomials to third order.
+/// Product of two polynomials up to third order.
 fn product<T, const D: usize>(x: &[f64], y: &[T]) -> [T; MOST]
 where
     T: Copy + Default + Add<Output = T> + Mul<f64, Output = T>,
@@ -222,7 +223,7 @@ where
     product
 }
 
-/// Matrices of one shape side by side: the coefficients of a polynomial.
+/// Matrices of equal shape stored next to each other: the coefficients of a matrix polynomial.
 #[derive(Clone, Debug)]
 pub(super) struct Parts {
     all: DMatrix<Complex>,
@@ -249,7 +250,7 @@ impl Parts {
         self.all.columns_mut(n * self.columns, self.columns)
     }
 
-    /// The entries of a part, column by column.
+    /// Entries of a coefficient, column by column.
     pub(super) fn entries(&self, n: usize) -> &[Complex] {
         let size = self.all.nrows() * self.columns;
         &self.all.as_slice()[n * size..(n + 1) * size]
@@ -260,14 +261,14 @@ impl Parts {
         &mut self.all.as_mut_slice()[n * size..(n + 1) * size]
     }
 
-    /// Adds a multiple of one part to another.
+    /// Adds a multiple of one coefficient to another.
     pub(super) fn add_part(&mut self, to: usize, from: (&Self, usize), factor: f64) {
         let own = self.entries_mut(to).iter_mut();
         own.zip(from.0.entries(from.1))
             .for_each(|(own, entry)| *own += entry * factor);
     }
 
-    /// All of them multiplied by `R` from the right.
+    /// Multiplies all coefficients by `R` from the right.
     pub(super) fn times(&self, right: &DMatrix<Complex>) -> Self {
         let count = self.all.ncols().checked_div(self.columns).unwrap_or(0);
         let mut product = Self::zeros(self.all.nrows(), right.ncols(), count);
@@ -277,7 +278,7 @@ impl Parts {
         product
     }
 
-    /// All of them multiplied by `R*` from the left.
+    /// Multiplies all coefficients by `R*` from the left.
     pub(super) fn onto_rows(&self, right: &DMatrix<Complex>) -> Self {
         Self {
             all: right.ad_mul(&self.all),
@@ -286,7 +287,7 @@ impl Parts {
     }
 }
 
-/// A bound of the norm of a Hermitian matrix.
+/// Bound of the spectral norm of a Hermitian matrix: the smaller of its largest row sum and its Frobenius norm.
 pub(super) fn norm_of(matrix: &DMatrixView<'_, Complex>) -> f64 {
     let (mut squares, mut most) = (0.0, 0.0_f64);
     for row in 0..matrix.nrows() {
@@ -305,7 +306,7 @@ pub(super) fn norm_of(matrix: &DMatrixView<'_, Complex>) -> f64 {
 #[derive(Clone, Debug)]
 pub(super) struct MatrixJet<const D: usize> {
     pub(super) parts: Parts,
-    /// A bound of the norm of the difference from the polynomial.
+    /// Bound of the norm of the difference from the polynomial.
     pub(super) rest: f64,
 }
 
@@ -317,7 +318,7 @@ impl<const D: usize> MatrixJet<D> {
         }
     }
 
-    /// A multiple of the identity.
+    /// Multiple of the identity by a real function.
     pub(super) fn multiple(size: usize, factor: &Jet<D>) -> Self {
         let mut jet = Self::zeros(size, size);
         for (n, factor) in factor.parts.iter().take(parts::<D>()).enumerate() {
@@ -329,7 +330,7 @@ impl<const D: usize> MatrixJet<D> {
         jet
     }
 
-    /// The product with a real function on a box with given half sides.
+    /// Product with a real function on a box with the given half sides.
     pub(super) fn times(&self, factor: &Jet<D>, half: &[f64; D]) -> Self {
         let own = sizes::<D>(half, self.rest, |n| self.parts.part(n).norm());
         let other = sizes::<D>(half, factor.rest, |n| factor.parts[n].abs());
@@ -349,7 +350,7 @@ impl<const D: usize> MatrixJet<D> {
         result
     }
 
-    /// `S R` with a matrix whose columns are orthonormal.
+    /// Product `S R` with a matrix of orthonormal columns.
     pub(super) fn onto(&self, basis: &DMatrix<Complex>) -> Self {
         Self {
             parts: self.parts.times(basis),
@@ -357,7 +358,7 @@ impl<const D: usize> MatrixJet<D> {
         }
     }
 
-    /// `R* S`.
+    /// Product `R* S` with a matrix of orthonormal columns.
     pub(super) fn onto_rows(&self, basis: &DMatrix<Complex>) -> Self {
         Self {
             parts: self.parts.onto_rows(basis),

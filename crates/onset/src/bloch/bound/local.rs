@@ -1,38 +1,38 @@
-//! What is known of `P - mu Q` on a box.
+//! Test whether `P - mu Q` is positive definite on a box.
 
 use super::jet::{Parts, monomials, parts};
 use super::polynomial::Polynomial;
 use crate::algebra::{Complex, Each, cholesky_factor, factorize, hermitian_eigen};
 
-/// `P` and `Q` on a box.
+/// Polynomials of `P` and `Q` on a box.
 pub(super) struct Local<const D: usize> {
     pub(super) half: [f64; D],
     pub(super) numerator: Parts,
     pub(super) denominator: Parts,
-    /// How many displacements are free.
+    /// Number of free displacements.
     pub(super) free: usize,
-    /// Bounds of what the polynomials leave out, for free displacements and others.
+    /// Bounds of the remainders of `P` and `Q`, for free and for other displacements.
     pub(super) rest: [[f64; 2]; 2],
-    /// How much the second derivatives by each variable may do.
+    /// Contribution of the second derivatives with respect to each variable.
     pub(super) bends: [f64; D],
 }
 
-/// What is known of `P - mu Q` on a box.
+/// Sign of `P - mu Q` on a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sign {
-    /// Positive definite.
+    /// Positive definite on the whole box.
     Positive,
-    /// Not, in the middle.
+    /// Not positive definite at the center.
     Lost,
-    /// Positive definite in the middle, perhaps not everywhere: so many times the box should be halved before it is looked at again.
+    /// Positive definite at the center, without proof for the whole box. The box should be halved `divisions` times before the next test.
     Open { divisions: usize },
 }
 
-/// Halvings at once, at most.
+/// Maximum number of halvings before the next test.
 const MOST_DIVISIONS: usize = 3;
 
 impl<const D: usize> Local<D> {
-    /// What is known of `P - mu Q` on the box, in variables scaled with its half sides.
+    /// Tests `P - mu Q` on the box, in variables scaled with its half sides.
     pub(super) fn sign(&self, mu: f64) -> Sign {
         let (p, q) = (self.numerator.part(0), self.denominator.part(0));
         let middle = p.zip_map(&q, |p, q| p - q * mu);
@@ -49,7 +49,7 @@ impl<const D: usize> Local<D> {
         };
         let least = without_rest(1.0);
         if !factorize(&mut least.clone()) {
-            // What is left out of polynomials is of the fourth order in the half sides.
+            // The remainders of the polynomials are of fourth order in the half sides.
             let is_enough = |divisions: &usize| {
                 let share = 0.5_f64.powf((4 * divisions) as f64 / D as f64);
                 factorize(&mut without_rest(share))
@@ -73,8 +73,9 @@ impl<const D: usize> Local<D> {
         }
     }
 
-    /// The smallest `mu` for which `P - mu Q` is singular at `t = 0`, where `Q` is that of free displacements alone: the others relax. Not
-    /// a number where they cannot.
+    /// Smallest `mu` for which `P - mu Q` is singular at the center: the measure itself.
+    ///
+    /// At `t = 0`, `Q` acts on the free displacements alone, and the others relax. NaN if they cannot relax.
     pub(super) fn value(&self) -> f64 {
         let (p, q, free) = (self.numerator.part(0), self.denominator.part(0), self.free);
         let inner = p.nrows() - free;

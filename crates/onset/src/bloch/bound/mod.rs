@@ -1,10 +1,16 @@
-//! Lower bounds over the whole zone: branch and bound on boxes of wave vectors.
+//! Lower bounds of a measure over the whole zone, by branch and bound on boxes of wave vectors.
 //!
-//! A search finds a small value; a bound says that there is none smaller. Where the Hermitian part of `D(k) - mu c^2 |k|_h^2 M` is positive definite
-//! for all wave vectors, no scaled measure is below `mu`; of Hermitian equations the converse holds too. On a box this matrix is a polynomial of
-//! third order and a rest that derivatives of the fourth order and the range of the forces bound. Soft vectors turn with the stiff ones to which they are
-//! coupled; coefficients in Bernstein's basis, or a sum of squares, tell whether the polynomial is positive definite. Boxes of which this is not seen are
-//! halved, until the bound is within a gap of the smallest value. Of boxes that symmetries of the lattice map to each other one is looked at.
+//! A search finds a small value; a bound proves that no smaller value exists. If the Hermitian part of `D(k) - mu c^2 |k|_h^2 M` is positive definite
+//! for all wave vectors, no scaled measure is below `mu`. For Hermitian equations the converse holds too. The proof on one box has these steps:
+//!
+//! 1. The matrix is written as a Taylor polynomial of third order and a remainder, which the fourth derivatives and the range of the forces bound
+//!    (`sum`, `phase`, `jet`).
+//! 2. Soft eigenvectors are rotated with the stiff ones to which they are coupled, which leaves a polynomial of the soft vectors alone
+//!    (`polynomial`).
+//! 3. Its Bernstein coefficients, or a decomposition into a sum of squares, show that this polynomial is positive definite on the box.
+//!
+//! Boxes without this proof are halved until the bound is within a gap of the smallest known value (`cover`). Only one box of each class of symmetric
+//! boxes is examined (`images`). The bound holds up to rounding errors, which the gap covers; there is no interval arithmetic.
 
 mod cell;
 mod cover;
@@ -25,20 +31,21 @@ use crate::lattice::BravaisLattice;
 use nalgebra::SVector;
 use pencil::Pencil;
 
-/// What is not told from the minimum of a measure, over the scale of the measure.
+/// Accepted difference between the bound and the minimum of a measure, over the scale of the measure. It is well above rounding.
 pub(super) const GAP: f64 = 4e-7;
-/// A bound that is farther from the minimum is none.
+/// Largest useful difference between the bound and the minimum, over the scale of the measure; a lower bound is discarded.
 pub(super) const WIDEST: f64 = 0.1;
-/// Work for a bound of the scaled measure, at most, in units of its cost: two seconds of one core.
+/// Maximum work for the bound of the scaled measure, in units of [`Pencil::cost`]: about two seconds of one core.
 pub(super) const BUDGET: usize = 25_000_000;
 
-/// The same where only the Hermitian part is bounded, which may be far below: a share of the work, and no more digits than one wants.
+/// Divisor of the budget if only the Hermitian part is bounded, whose bound may lie far below the measure.
 const PART_SHARE: usize = 4;
+/// Accepted relative difference if only the Hermitian part is bounded, because more digits would be useless.
 const PART_GAP: f64 = 1e-4;
-/// First steps downhill, over the reciprocal vectors.
+/// First steps of descents, as a fraction of the reciprocal vectors.
 const STEP: f64 = 0.02;
 
-/// Covers the zone of a system; `None` where its equations allow no bound.
+/// Covers the zone of a system; `None` if its equations allow no bound.
 pub(super) fn cover_system<const D: usize>(
     system: &WaveSystem<D>,
     measure: Measure,
@@ -49,7 +56,7 @@ pub(super) fn cover_system<const D: usize>(
     cover(&pencil, system.is_hermitian(), question)
 }
 
-/// Covers the zone of a dynamical matrix; `None` where it allows no bound.
+/// Covers the zone of a dynamical matrix; `None` if it allows no bound.
 pub(super) fn cover_matrix<const D: usize>(
     matrix: &DynamicalMatrix<D>,
     measure: Measure,
@@ -71,8 +78,8 @@ fn cover<const D: usize>(
     }
 }
 
-/// No real part is below the smallest eigenvalue of the Hermitian part (Bendixson), which is bounded in its place. That is no value of the
-/// measure: none is found.
+/// Bounds the measure by the smallest eigenvalue of the Hermitian part, because no real part is smaller (Bendixson). This eigenvalue is no value of
+/// the measure, so that no wave vector is returned.
 fn by_hermitian_part<const D: usize>(
     pencil: &Pencil<D>,
     question: &Question<'_, D>,

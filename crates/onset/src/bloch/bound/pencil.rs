@@ -1,4 +1,4 @@
-//! When no wave is softer than a number: a Hermitian matrix that is positive definite for all wave vectors.
+//! The matrix pencil `P - mu Q`, which is positive definite for all wave vectors if no wave is softer than `mu`.
 
 use super::cell::{Cell, Chart};
 use super::images::{Images, exchanges};
@@ -11,25 +11,25 @@ use crate::lattice::{BravaisLattice, Fractional, Symmetry};
 use nalgebra::{DMatrix, DMatrixView, SMatrix, SVector};
 use std::f64::consts::TAU;
 
-/// Sums that vanish, but for rounding, over the sizes of their terms.
+/// Largest sum that vanishes except for rounding, over the sizes of its terms.
 const ZERO: f64 = 1e-9;
 
-/// What a phase costs in a cone beyond that in the zone.
+/// Additional cost of a phase in a cone, in units of [`Pencil::cost`].
 const CONE: usize = 3;
 
-/// What is bounded from below.
+/// Measure that is bounded from below.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::bloch) enum Measure {
-    /// `omega^2 / (c^2 |k|_h^2)`, with this `c^2`.
+    /// Scaled measure `omega^2 / (c^2 |k|_h^2)` with the given `c^2`.
     Scaled(f64),
-    /// `omega^2`.
+    /// Squared frequency `omega^2` itself.
     Lowest,
-    /// `-omega^2`.
+    /// Minus the squared frequency, `-omega^2`.
     Highest,
 }
 
 impl Measure {
-    /// The unit of the stiffness.
+    /// Divisor of the stiffness for this measure.
     fn unit(self) -> f64 {
         match self {
             Self::Scaled(speed_squared) => speed_squared,
@@ -39,35 +39,36 @@ impl Measure {
     }
 }
 
-/// `P(k) - mu Q(k)`, positive definite where no measure is below `mu`.
+/// The pencil `P(k) - mu Q(k)`, positive definite if no measure is below `mu`.
 ///
-/// For the scaled measure `P = K / c^2`, `Q = |k|_h^2 M`. Long waves are `k = t (b_a + sum_j s_j b_j)`: there both are told in a basis of
-/// free displacements, which cost nothing at `k = 0` (translations among them), and others, with the free ones divided by `t`.
-/// They are smooth up to `t = 0`, where the condition is that of the limit of long waves, relaxation included.
+/// For the scaled measure, `P = K / c^2` and `Q = |k|_h^2 M`. Long waves are `k = t (b_a + sum_j s_j b_j)`. There, both are written in a basis of
+/// free displacements, which cost no energy at `k = 0` (translations among them), and other displacements; the free displacements are divided by `t`.
+/// Both matrices are then smooth up to `t = 0`, where the condition is that of the long-wave limit, including relaxation.
 #[derive(Clone, Debug)]
 pub(super) struct Pencil<const D: usize> {
     lattice: BravaisLattice<D>,
-    /// Where the sites are, in lattice coordinates.
+    /// Positions of the sites in lattice coordinates.
     places: Vec<Fractional<D>>,
     stiffness: PhaseSum<D>,
-    /// The mass matrix, where it depends on the wave vector.
+    /// Mass matrix, if it depends on the wave vector.
     mass: Option<PhaseSum<D>>,
-    /// Of the scaled measure.
+    /// Lattice Laplacian of the scaled measure.
     laplacian: Option<Laplacian<D>>,
     basis: Basis,
 }
 
-/// Orthonormal bases, as columns, of free displacements and the others, in coordinates multiplied with the square roots of masses.
+/// Orthonormal bases, as columns, of free and of other displacements, in coordinates multiplied by the square roots of the masses.
 #[derive(Clone, Debug)]
 struct Basis {
-    /// All displacements, in the coordinates themselves, where that is `None`.
+    /// `None` if all displacements are free; then the coordinates themselves are the basis.
     free: Option<DMatrix<Complex>>,
     others: DMatrix<Complex>,
 }
 
 impl<const D: usize> Pencil<D> {
-    /// Of the Hermitian part of a system, for a measure over a lattice; `None` where particles drift, or where a translation or a
-    /// homogeneous strain makes forces, so that the measure has no limit of long waves.
+    /// Builds the pencil of the Hermitian part of a system.
+    ///
+    /// `None` if velocities are smoothed, or if a translation or a homogeneous strain causes forces, so that the measure has no long-wave limit.
     pub(super) fn of_system(
         system: &WaveSystem<D>,
         measure: Measure,
@@ -89,7 +90,7 @@ impl<const D: usize> Pencil<D> {
         Self::new(stiffness, mass, places, &masses, measure, lattice)
     }
 
-    /// Of the Hermitian part of a dynamical matrix that is periodic.
+    /// Builds the pencil of the Hermitian part of a dynamical matrix; `None` if the matrix is not periodic.
     pub(super) fn of_matrix(
         matrix: &DynamicalMatrix<D>,
         measure: Measure,
@@ -132,19 +133,19 @@ impl<const D: usize> Pencil<D> {
         self.lattice.reciprocal()
     }
 
-    /// How many components a displacement has.
+    /// Number of components of a displacement.
     fn size(&self) -> usize {
         D * self.places.len()
     }
 
-    /// Which wave vectors have the same spectrum, by symmetries of the lattice.
+    /// Maps between wave vectors with the same spectrum, from the symmetries of the lattice.
     pub(super) fn images(&self) -> Images<D> {
         let mut group = Symmetry::all(&self.lattice);
         group.retain(|symmetry| self.has(symmetry));
         Images::new(&group)
     }
 
-    /// Whether a symmetry of the lattice leaves `P` and `Q` as they are.
+    /// Returns true if a symmetry of the lattice leaves `P` and `Q` unchanged.
     fn has(&self, symmetry: &Symmetry<D>) -> bool {
         let sums = [Some(&self.stiffness), self.mass.as_ref()];
         let is_kept = |exchanged: &Vec<usize>| {
@@ -156,14 +157,14 @@ impl<const D: usize> Pencil<D> {
             && exchanges(symmetry, &self.places).any(|exchanged| is_kept(&exchanged))
     }
 
-    /// Work for a box of the zone, in units of some 80 ns of one core: blocks that are summed up, entries, factorizations.
+    /// Work for a box of the zone, in units of about 80 ns of one core: blocks in the sum, entries, factorizations.
     pub(super) fn cost(&self) -> usize {
         let size = self.size();
         let in_space = 40 + self.blocks() / 2 + 3 * size * size + size * size * size;
         in_space * (D + 1) / 4
     }
 
-    /// The same for any box: in cones phases are dearer, and with particles that relax there are three sums.
+    /// Work for any box. In cones phases cost more, and with relaxing particles there are three sums.
     pub(super) fn cost_on(&self, cell: &Cell<D>) -> usize {
         let sums = if self.basis.free.is_some() { 3 } else { 1 };
         match cell.chart {
@@ -176,12 +177,12 @@ impl<const D: usize> Pencil<D> {
         self.stiffness.len() + self.mass.as_ref().map_or(0, PhaseSum::len)
     }
 
-    /// The limit of the measure for long waves along a direction.
+    /// Long-wave limit of the measure along a direction.
     pub(super) fn limit_along(&self, direction: &SVector<f64, D>) -> f64 {
         self.value(direction, Cell::limit_along)
     }
 
-    /// The measure at a wave vector.
+    /// Measure at a wave vector.
     pub(super) fn at(&self, k: &SVector<f64, D>) -> f64 {
         self.value(k, Cell::point)
     }
@@ -196,12 +197,12 @@ impl<const D: usize> Pencil<D> {
         }
     }
 
-    /// Boxes that together are half of the zone, where so many can be looked at.
+    /// Boxes that together cover half of the zone, for a budget of `most` boxes.
     pub(super) fn boxes(&self, most: usize) -> Vec<Cell<D>> {
         Cell::half_zone(self.laplacian.is_some(), most)
     }
 
-    /// `P` and `Q` on a box.
+    /// Polynomials of `P` and `Q` on a box.
     pub(super) fn on(&self, cell: &Cell<D>) -> Local<D> {
         match cell.chart {
             Chart::Zone => self.in_zone(cell),
@@ -229,7 +230,7 @@ impl<const D: usize> Pencil<D> {
         }
     }
 
-    /// In the basis of free displacements, over `t`, and others.
+    /// Polynomials in the basis of free displacements, divided by `t`, and other displacements.
     fn in_cone(&self, cell: &Cell<D>, cone: usize) -> Local<D> {
         let mut bends = [0.0; D];
         let mut sum = |m: usize| self.stiffness.in_cone(cell, cone, m, &mut bends);
@@ -265,8 +266,10 @@ impl Basis {
         }
     }
 
-    /// Of what costs nothing at `k = 0`; `None` unless translations do not, or where free displacements make forces on each other that
-    /// are linear in the wave vector, so that the scaled measure has no limit.
+    /// Splits displacements into free ones, without energy at `k = 0`, and others.
+    ///
+    /// `None` if translations cost energy, or if free displacements cause forces on each other that are linear in the wave vector, so that the scaled
+    /// measure has no limit.
     fn at_rest<const D: usize>(bonds: &PhaseSum<D>, masses: &[f64]) -> Option<Self> {
         let n = D * masses.len();
         let (sum, moments, [size, extent]) = bonds.moments();
@@ -310,7 +313,7 @@ impl Basis {
         })
     }
 
-    /// Sums between free displacements, between these and others, and between others.
+    /// Projects three sums on the basis: between free displacements, between free and other, and between other displacements.
     fn seen<const D: usize>(
         &self,
         [between_free, mixed, between_others]: [&MatrixJet<D>; 3],
@@ -326,7 +329,7 @@ impl Basis {
         }
     }
 
-    /// The identity, with a factor for free displacements and one for others.
+    /// Identity with one factor for free and one for other displacements.
     fn multiple<const D: usize>(&self, size: usize, factors: &[Jet<D>; 3]) -> Blocks<D> {
         let others = self.others.ncols();
         Blocks {
@@ -337,7 +340,7 @@ impl Basis {
     }
 }
 
-/// A Hermitian matrix in the basis of free displacements and others.
+/// A Hermitian matrix in the basis of free and other displacements.
 struct Blocks<const D: usize> {
     free: MatrixJet<D>,
     mixed: MatrixJet<D>,
@@ -354,7 +357,7 @@ impl<const D: usize> Blocks<D> {
         }
     }
 
-    /// With a factor for free displacements, one between these and others, and one for others.
+    /// Multiplies the blocks by factors: between free, between free and other, and between other displacements.
     fn times(&self, factors: &[Jet<D>; 3], half: &[f64; D]) -> Self {
         Self {
             free: self.free.times(&factors[0], half),
@@ -363,7 +366,7 @@ impl<const D: usize> Blocks<D> {
         }
     }
 
-    /// Bounds of what the polynomials leave out: with `|x y| <= (x^2 + y^2) / 2` for the mixed block.
+    /// Bounds of the remainders for free and other displacements; `|x y| <= (x^2 + y^2) / 2` distributes the remainder of the mixed block.
     fn rests(&self) -> [f64; 2] {
         [
             self.free.rest + self.mixed.rest,

@@ -1,26 +1,26 @@
-//! What is left of a plane wave once the terms that cancel in sums over a lattice are taken out.
+//! Phases of plane waves without the Taylor terms that cancel in lattice sums.
 //!
-//! `f_m(t, p) = p^m phi_m(t p)`, where `phi_0(x) = exp(i x)` and `phi_m(x)` is what remains of `exp(i x)` beyond its first `m` Taylor terms,
-//! divided by `x^m`: `f_m = (exp(i t p) - 1 - ... ) / t^m`, smooth at `t = 0`. With `phi_m = i^m int_0^1 w_m(u) exp(i u x) du`, where the
-//! weights are `delta(u - 1)`, 1 and `1 - u`, its derivatives are moments of these.
+//! The function is `f_m(t, p) = p^m phi_m(t p)`, where `phi_0(x) = exp(i x)`, and `phi_m(x)` is the remainder of `exp(i x)` after its first `m`
+//! Taylor terms, divided by `x^m`. Thus `f_m = (exp(i t p) - 1 - ...) / t^m` is smooth at `t = 0`. Since `phi_m = i^m int_0^1 w_m(u) exp(i u x) du`
+//! with the weights `delta(u - 1)`, 1 and `1 - u`, its derivatives are moments of these weights.
 
 use crate::algebra::Complex;
 
-/// Derivatives up to this order are told.
+/// Highest order of the computed derivatives: third-order polynomials, and the fourth order for their remainder.
 pub(super) const TOLD: usize = 4;
 
-/// `|x|` below which the moments are summed up as a power series.
+/// Largest `|x|` for the power series of the moments; the recursion would cancel there.
 const SMALL: f64 = 1.5;
-/// Terms of that series, the last of which is below rounding.
+/// Number of terms of the power series; the last one is below rounding.
 const TERMS: usize = 18;
 
-/// `int_0^1 u^n exp(i u x) du`.
+/// Moments `int_0^1 u^n exp(i u x) du` of a phase.
 fn moments(x: f64) -> [Complex; TOLD + 2] {
     const LAST: usize = TOLD + 1;
     let (sine, cosine) = x.sin_cos();
     let mut moments = [Complex::default(); LAST + 1];
     if x.abs() < SMALL {
-        // The terms (i x)^j / j! / (j + n + 1) are real and imaginary by turns.
+        // The terms `(i x)^j / j! / (j + n + 1)` alternate between real and imaginary.
         let (mut power, mut sums) = (1.0, [0.0; 4]);
         for j in 0..TERMS {
             sums[j % 4] += power * (1.0 / (j + LAST + 1) as f64);
@@ -43,7 +43,7 @@ fn moments(x: f64) -> [Complex; TOLD + 2] {
     moments
 }
 
-/// `1, x, x^2, ...`
+/// Powers `1, x, x^2, ...` of a number.
 fn powers(x: f64) -> [f64; TOLD + 3] {
     let mut powers = [1.0; TOLD + 3];
     for n in 1..powers.len() {
@@ -52,7 +52,7 @@ fn powers(x: f64) -> [f64; TOLD + 3] {
     powers
 }
 
-/// `(b over j) (m + a)! / (m + a - j)!` for each `m`, `a`, `b` and `j`.
+/// Coefficients `(b over j) (m + a)! / (m + a - j)!` for each `m`, `a`, `b` and `j`.
 const COUNTS: [[[[f64; TOLD + 1]; TOLD + 1]; TOLD + 1]; 3] = {
     let mut counts = [[[[0.0; TOLD + 1]; TOLD + 1]; TOLD + 1]; 3];
     let mut number = 0;
@@ -69,11 +69,12 @@ const COUNTS: [[[[f64; TOLD + 1]; TOLD + 1]; TOLD + 1]; 3] = {
     counts
 };
 
-/// Derivatives of a function of `t` and `p`, by these as often as the indices tell.
+/// Derivatives of a function of `t` and `p`, with the order in each as index.
 pub(super) type Derivatives = [[Complex; TOLD + 1]; TOLD + 1];
 
-/// The derivatives of `f_m` at a place: `sum_j (b over j) (m + a)! / (m + a - j)! p^(m + a - j) t^(b - j) phi^(a + b - j)`, by `t` as often as `a` and by `p`
-/// as often as `b`.
+/// Derivatives of `f_m` of order `a` in `t` and `b` in `p`.
+///
+/// They are `sum_j (b over j) (m + a)! / (m + a - j)! p^(m + a - j) t^(b - j) phi^(a + b - j)`.
 pub(super) fn derivatives(m: usize, t: f64, p: f64) -> Derivatives {
     let (x, i) = (t * p, Complex::i());
     let moments = moments(x);
@@ -81,7 +82,7 @@ pub(super) fn derivatives(m: usize, t: f64, p: f64) -> Derivatives {
     let mut turn = [Complex::new(1.0, 0.0), i, -Complex::new(1.0, 0.0)][m];
     for n in 0..=TOLD {
         let moment = match m {
-            // exp(i x) again.
+            // The function is `exp(i x)` itself.
             0 => i * x * moments[0] + 1.0,
             1 => moments[n],
             _ => moments[n] - moments[n + 1],
@@ -102,7 +103,7 @@ pub(super) fn derivatives(m: usize, t: f64, p: f64) -> Derivatives {
     derivatives
 }
 
-/// `int w_m(u) u^n du`, by which the derivatives of `phi_m` are bounded.
+/// Integral `int w_m(u) u^n du`, which bounds the `n`-th derivative of `phi_m`.
 fn weight(m: usize, n: usize) -> f64 {
     match m {
         0 => 1.0,
@@ -111,11 +112,12 @@ fn weight(m: usize, n: usize) -> f64 {
     }
 }
 
-/// A bound of what a polynomial of the fourth order leaves out of `f_m` within distances `h` and `g` of its middle, where `|t|` and `|p|` are at
-/// most so large: of the derivative of the fifth order along `(h, g)` over `5!`.
+/// Bound of the remainder of a Taylor polynomial of fourth order of `f_m` within distances `h` and `g` of its center.
+///
+/// `t` and `p` are bounds of `|t|` and `|p|`. It is the bound of the fifth derivative along `(h, g)`, over `5!`.
 pub(super) fn beyond(m: usize, [t, h]: [f64; 2], [p, g]: [f64; 2]) -> f64 {
     let w = |n: usize| weight(m, n);
-    // (t + e h)(p + e g) = x + e y + e^2 z; of phi the terms in e^3, e^4 and e^5.
+    // `(t + e h)(p + e g) = x + e y + e^2 z`; the terms of `phi` in `e^3`, `e^4` and `e^5`.
     let (y, z) = (t * g + p * h, h * g);
     let (y2, z2) = (y * y, z * z);
     let third = w(3) * y2 * y / 6.0 + w(2) * y * z;
@@ -128,7 +130,7 @@ pub(super) fn beyond(m: usize, [t, h]: [f64; 2], [p, g]: [f64; 2]) -> f64 {
     }
 }
 
-/// Bounds of the second derivatives of `f_m` by `t` and by `p`.
+/// Bounds of the second derivatives of `f_m` with respect to `t` and `p`.
 pub(super) fn bends(m: usize, t: f64, p: f64) -> [f64; 2] {
     let w = |n: usize| weight(m, n);
     match m {
@@ -146,7 +148,7 @@ mod tests {
     use super::{Derivatives, TOLD, bends, beyond, derivatives};
     use crate::algebra::Complex;
 
-    /// `f_m` from its definition, for arguments at which it does not cancel.
+    /// `f_m` from its definition, for arguments without cancellation.
     fn direct(m: usize, t: f64, p: f64) -> Complex {
         let x = Complex::new(0.0, t * p);
         let rest = match m {
@@ -216,7 +218,7 @@ mod tests {
 
     #[test]
     fn small_arguments_do_not_cancel() {
-        // f_2 -> -p^2 / 2 and f_1 -> i p.
+        // `f_2 -> -p^2 / 2` and `f_1 -> i p`.
         let [first, second] = [1, 2].map(|m| derivatives(m, 1e-9, 3.0)[0][0]);
         assert!((second - Complex::new(-4.5, 0.0)).norm() < 1e-8);
         assert!((first - Complex::new(0.0, 3.0)).norm() < 1e-8);

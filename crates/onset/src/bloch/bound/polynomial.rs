@@ -1,4 +1,4 @@
-//! When a matrix polynomial of third order is positive definite on a box.
+//! Test whether a matrix polynomial of third order is positive definite on a box.
 
 use super::jet::{
     Parts, bend, mixed, norm_of, parts, quadratic_parts, seconds, slope, third, thirds,
@@ -6,11 +6,12 @@ use super::jet::{
 use crate::algebra::{Complex, array_of, factorize, hermitian_eigen};
 use nalgebra::{DMatrix, DMatrixView, DVector};
 
-/// `G(u) = sum_m G_m u^m` for `|u_a| <= 1`, with Hermitian coefficients in the order of the parts of a jet.
+/// Matrix polynomial `G(u) = sum_m G_m u^m` for `|u_a| <= 1`, with Hermitian coefficients in the order of a jet.
 pub(super) struct Polynomial<const D: usize>(pub(super) Parts);
 
 impl<const D: usize> Polynomial<D> {
-    /// Whether the polynomial is seen to be positive definite on the box: itself, or its soft vectors in a frame that turns with them.
+    /// Returns true if one of the sufficient tests proves that the polynomial is positive definite on the box: directly, or for its soft vectors in a
+    /// rotating frame.
     pub(super) fn is_positive_definite(&self) -> bool {
         let own = self.to_second_order();
         if own.is_far_from_singular() || own.is_a_mean() {
@@ -26,8 +27,8 @@ impl<const D: usize> Polynomial<D> {
         self.0.shape().0
     }
 
-    /// A polynomial of second order below it: with the nearest ones to `u^3`, which is `3 u / 4` but for 1/4, and to `u^2 v`, which is `v / 2`
-    /// but for 1/2.
+    /// Polynomial of second order below this one. On the box `u^3` is replaced by `3 u / 4`, with an error of 1/4, and `u^2 v` by `v / 2`, with an
+    /// error of 1/2.
     fn to_second_order(&self) -> Self {
         let mut lower = Parts::zeros(self.size(), self.size(), quadratic_parts::<D>());
         for n in 0..quadratic_parts::<D>() {
@@ -59,7 +60,7 @@ impl<const D: usize> Polynomial<D> {
         }
     }
 
-    /// Of second order: whether what changes is smaller than the smallest eigenvalue in the middle.
+    /// Returns true if the change over the box is smaller than the smallest eigenvalue at the center. For polynomials of second order.
     fn is_far_from_singular(&self) -> bool {
         let change: f64 = (1..quadratic_parts::<D>())
             .map(|n| norm_of(&self.0.part(n)))
@@ -69,8 +70,9 @@ impl<const D: usize> Polynomial<D> {
         factorize(&mut least)
     }
 
-    /// Of second order: whether all coefficients in Bernstein's basis, of which the polynomial is a mean, are positive definite. Nothing is lost
-    /// where it is linear, however little its slopes commute; where it is curved, a sum of squares loses less.
+    /// Returns true if all Bernstein coefficients are positive definite; the polynomial is a mean of them. For polynomials of second order.
+    ///
+    /// The test is sharp for linear polynomials, even if their slopes do not commute. For curved ones a sum of squares is sharper.
     fn is_a_mean(&self) -> bool {
         let mut coefficient = self.0.part(0).into_owned();
         (0..3_usize.pow(D as u32)).all(|number| {
@@ -85,7 +87,7 @@ impl<const D: usize> Polynomial<D> {
         })
     }
 
-    /// The coefficient of a point with components -1, 0 and 1.
+    /// Bernstein coefficient of a point with components -1, 0 and 1.
     fn set_coefficient(&self, sum: &mut DMatrix<Complex>, point: &[f64; D]) {
         sum.copy_from(&self.0.part(0));
         let mut add = |part: usize, factor: f64| {
@@ -99,7 +101,7 @@ impl<const D: usize> Polynomial<D> {
             add(slope(a), point[a]);
         }
         for [a, b] in seconds::<D>() {
-            // u^2 has the coefficients 1, -1 and 1.
+            // `u^2` has the coefficients 1, -1 and 1.
             let factor = match a == b {
                 true => 2.0 * point[a] * point[a] - 1.0,
                 false => point[a] * point[b],
@@ -108,14 +110,14 @@ impl<const D: usize> Polynomial<D> {
         }
     }
 
-    /// Of second order: whether the polynomial is seen to be a sum of squares.
+    /// Returns true if the polynomial is found to be a sum of squares on the box. For polynomials of second order.
     ///
     /// With `U = (1, u_1, ..., u_D)`, for any `T_a >= 0`
     ///
     /// `G(u) = (U x I)* S (U x I) + sum_a (1 - u_a^2) T_a`,
     ///
-    /// where `S` has the blocks `S_00 = G_0 - sum_a T_a`, `S_aa = G_aa + T_a`, `S_a0 = G_a / 2` and `S_ab = G_ab / 2`. If `S` is positive definite, then
-    /// so is `G` on the box. Around a minimum nothing is lost.
+    /// where `S` has the blocks `S_00 = G_0 - sum_a T_a`, `S_aa = G_aa + T_a`, `S_a0 = G_a / 2` and `S_ab = G_ab / 2`. If `S` is positive definite,
+    /// then `G` is positive definite on the box. The test is sharp around a minimum.
     fn is_a_sum_of_squares(&self) -> bool {
         let size = self.size();
         let mut squares = DMatrix::zeros(size * (D + 1), size * (D + 1));
@@ -136,13 +138,12 @@ impl<const D: usize> Polynomial<D> {
             .any(|is_mixed| factorize(&mut slackened::<D>(&squares, is_mixed)))
     }
 
-    /// A polynomial of the soft vectors alone that is positive definite only where the whole is; `None` where none is seen.
+    /// Polynomial of the soft vectors alone, which is positive definite only if the whole polynomial is; `None` if this construction fails.
     ///
-    /// In the eigenvectors of `G_0`, of which some are soft and the others stiff, `R(u) = (1, sum_a u_a W_a)` with `W_a = -A^-1 B_a`, where `A` are
-    /// the stiff eigenvalues and `B_a` couples stiff with soft vectors, turns soft vectors so that they are coupled with stiff ones in second order only:
-    /// `F = (G R)_stiff`. What is left of them is `E = R* G R`, and `G` is positive definite if `E - F* G_stiff^-1 F` is. With
-    /// `G_stiff >= (1 - rho) A` the second term is below `|A^-1/2 F|^2 / (1 - rho)`. Of near-incompressible solids the soft branches are so
-    /// told apart from stiff ones up to the third order.
+    /// The eigenvectors of `G_0` are divided into soft and stiff ones. `A` contains the stiff eigenvalues, and `B_a` couples stiff with soft vectors.
+    /// `R(u) = (1, sum_a u_a W_a)` with `W_a = -A^-1 B_a` rotates the soft vectors so that the coupling `F = (G R)_stiff` with the stiff ones is of
+    /// second order. With `E = R* G R`, `G` is positive definite if `E - F* G_stiff^-1 F` is. Since `G_stiff >= (1 - rho) A`, the second term is
+    /// below `|A^-1/2 F|^2 / (1 - rho)`. For nearly incompressible solids, this separates soft from stiff branches up to the third order.
     fn of_soft(&self) -> Option<Self> {
         let eigen = hermitian_eigen(self.0.part(0).into_owned())?;
         let values = eigen.eigenvalues;
@@ -173,7 +174,7 @@ impl<const D: usize> Polynomial<D> {
     }
 }
 
-/// A polynomial in the eigenvectors of its value in the middle: which of them are soft, which are stiff, and how stiff.
+/// A polynomial in the eigenvectors of its center value, with the indices of soft and stiff vectors and the stiffnesses of the latter.
 struct Frame {
     whole: Parts,
     soft: Vec<usize>,
@@ -182,10 +183,10 @@ struct Frame {
 }
 
 impl Frame {
-    /// The polynomial of soft vectors that turn with the stiff ones.
+    /// Polynomial of the soft vectors, rotated with the stiff ones.
     fn turned<const D: usize>(&self) -> Option<Polynomial<D>> {
         let (soft, stiff) = (self.soft.len(), self.stiff.len());
-        // rho, of all but the constant, of which it is the unit.
+        // `rho`: the change of all terms except the constant, relative to it.
         let change: f64 = (1..parts::<D>()).map(|n| self.stiff_size(n)).sum();
         if change >= 1.0 {
             return None;
@@ -204,7 +205,7 @@ impl Frame {
             own
         });
         let turning: f64 = slopes.iter().map(|slope| slope.norm()).sum();
-        // G R, its soft rows and its stiff ones, of which the first order vanishes.
+        // Soft and stiff rows of `G R`; the first order of the stiff rows vanishes.
         let mut own = Parts::zeros(soft, soft, parts::<D>());
         let mut coupled = Parts::zeros(stiff, soft, parts::<D>());
         for n in 0..parts::<D>() {
@@ -241,7 +242,7 @@ impl Frame {
                 last += part.norm();
             }
         }
-        // What products have beyond the third order.
+        // Terms of the products beyond the third order.
         let size = |rows: &[usize]| -> f64 {
             let thirds = quadratic_parts::<D>()..parts::<D>();
             thirds.map(|n| block(n, rows, &self.stiff).norm()).sum()
@@ -256,7 +257,7 @@ impl Frame {
         Some(turned)
     }
 
-    /// The size of a part among stiff vectors, over their stiffness.
+    /// Norm of a coefficient among stiff vectors, relative to their stiffnesses.
     fn stiff_size(&self, n: usize) -> f64 {
         let part = self.whole.part(n);
         let mut sum = 0.0;
@@ -270,7 +271,7 @@ impl Frame {
     }
 }
 
-/// Of the products of a polynomial with one that is linear, without a constant: the part of the product, the variable, and the part of the first.
+/// Terms of the product of a polynomial with a linear one without constant: index of the product, variable, and index of the first factor.
 fn turned_parts<const D: usize>() -> Vec<(usize, usize, usize)> {
     let mut products = Vec::with_capacity(D * quadratic_parts::<D>());
     products.extend((0..D).map(|a| (slope(a), a, 0)));
@@ -294,7 +295,7 @@ fn turned_parts<const D: usize>() -> Vec<(usize, usize, usize)> {
     products
 }
 
-/// With a diagonal `T_a`. Of one alone `max(0, |B_a| / 2 - X_a)` is the best one where nothing is mixed.
+/// `S` with diagonal `T_a`. Without mixed terms, `max(0, |B_a| / 2 - X_a)` is the best choice for a single vector.
 fn slackened<const D: usize>(squares: &DMatrix<Complex>, is_mixed: bool) -> DMatrix<Complex> {
     let count = squares.nrows() / (D + 1);
     let mut slackened = squares.clone();
@@ -354,7 +355,7 @@ mod tests {
         }
     }
 
-    /// Whether a random polynomial is seen to be positive definite; then it is, on a grid of points.
+    /// Tests a random polynomial. If the test succeeds, the polynomial must be positive definite on a grid of points. Returns whether it succeeds.
     fn is_right<const D: usize>(
         entries: &[f64],
         [shift, stiff, size]: [f64; 3],
@@ -414,7 +415,7 @@ mod tests {
         assert!(seen.iter().all(|seen| seen.get() > 200), "{seen:?}");
     }
 
-    /// `(u - u0).H (u - u0) + floor` of a soft vector that is coupled with a stiff one: the box is as high as its floor.
+    /// A soft vector with `(u - u0).H (u - u0) + floor`, coupled to a stiff one: the minimum on the box is `floor`.
     #[test]
     fn nothing_is_lost_around_the_minimum_of_a_soft_vector() {
         let bottom = SVector::from([0.3, -0.4]);

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::f64::consts::TAU;
 
-/// The block of a pair of particles, half of it where that is one particle.
+/// Block of a pair of particles; half of it if both particles coincide.
 #[derive(Clone, Debug)]
 struct Bond<const D: usize> {
     from: usize,
@@ -26,12 +26,12 @@ struct Bond<const D: usize> {
     block: SMatrix<f64, D, D>,
 }
 
-/// How many different entries a block has with its adjoint at most: real ones, and imaginary ones.
+/// Maximum number of different entries of a block and its adjoint: real and imaginary ones.
 const fn most_entries<const D: usize>() -> usize {
     2 * D * D
 }
 
-/// What is antisymmetric, or not as a symmetry wants it, by rounding: over the sizes of all blocks.
+/// Rounding error of the blocks, over the sum of their norms. Smaller violations of a symmetry are ignored.
 const ROUNDING: f64 = 1e-13;
 
 impl<const D: usize> Bond<D> {
@@ -42,7 +42,7 @@ impl<const D: usize> Bond<D> {
         }
     }
 
-    /// The way back.
+    /// Block of the reversed pair.
     fn adjoint(&self) -> Self {
         Self {
             from: self.to,
@@ -57,7 +57,7 @@ impl<const D: usize> Bond<D> {
         self.from == self.to
     }
 
-    /// How many different entries the block has with its adjoint, where those of one site have so many.
+    /// Number of different entries of the block and its adjoint, given this number for a block of one site.
     fn entries(&self, of_one_site: usize) -> usize {
         match self.is_of_one_site() {
             true => of_one_site,
@@ -65,7 +65,7 @@ impl<const D: usize> Bond<D> {
         }
     }
 
-    /// How many of the entries are multiplied with the cosine of the phase.
+    /// Number of entries that are multiplied by the cosine of the phase.
     fn with_cosine(&self) -> usize {
         match self.is_of_one_site() {
             true => D * (D + 1) / 2,
@@ -73,8 +73,9 @@ impl<const D: usize> Bond<D> {
         }
     }
 
-    /// What is multiplied with the cosine of the phase, and with the sine: of one site `B exp(i x) + B^T exp(-i x)`, with a
-    /// symmetric real and an antisymmetric imaginary part, of two sites `B exp(i x)`.
+    /// Factors of the cosine and of the sine of the phase.
+    ///
+    /// For one site, `B exp(i x) + B^T exp(-i x)` has a symmetric real and an antisymmetric imaginary part. For two sites, it is `B exp(i x)`.
     fn separated(&self) -> Vec<f64> {
         let block = &self.block;
         if !self.is_of_one_site() {
@@ -91,29 +92,29 @@ impl<const D: usize> Bond<D> {
     }
 }
 
-/// The Hermitian part of a sum of blocks with phases `exp(i k.R)`.
+/// Hermitian part of a sum of blocks with phases `exp(i k.R)`.
 #[derive(Clone, Debug)]
 pub(super) struct PhaseSum<const D: usize> {
-    /// One of each two that are each other's adjoints, in the order of their sites and cells.
+    /// One block of each adjoint pair, sorted by sites and cell.
     bonds: Vec<Bond<D>>,
-    /// The norms of their blocks.
+    /// Norms of the blocks.
     norms: Vec<f64>,
     sites: usize,
-    /// How many entries blocks of one site have: without imaginary ones where all are symmetric.
+    /// Number of entries of a block of one site; without imaginary entries if all such blocks are symmetric.
     entries_of_one_site: usize,
-    /// Of each pair the powers up to the fourth order of the components of its vector, which are derivatives of its phase.
+    /// Powers of the components of the vector of each pair, up to the fourth order: derivatives of its phase.
     powers: Vec<f64>,
-    /// Of each pair what is multiplied with the cosine of its phase, and with the sine.
+    /// Factors of the cosine and of the sine of the phase of each pair.
     entries: Vec<f64>,
-    /// The farthest cell.
+    /// Largest lattice coordinate of a cell.
     reach: usize,
     /// `b_i . r` from one site to another.
     offsets: Vec<[f64; D]>,
-    /// How much the second derivatives by each component may do.
+    /// Bounds of the second derivatives with respect to each component.
     bends: [f64; D],
 }
 
-/// What derivatives of `exp(i x)` have of its real and imaginary part, over the powers of `i`: real parts of even orders, imaginary ones of odd orders.
+/// Signs of the derivatives of `exp(i x)`, relative to powers of `i`: real parts of even orders, imaginary parts of odd orders.
 const fn signs<const D: usize>() -> [[f64; FILLED]; 2] {
     let mut signs = [[0.0; FILLED]; 2];
     let derivatives = derivatives::<D>();
@@ -128,7 +129,7 @@ const fn signs<const D: usize>() -> [[f64; FILLED]; 2] {
 }
 
 impl<const D: usize> PhaseSum<D> {
-    /// Of the blocks of a sum, over the square roots of masses, in a unit.
+    /// Builds the sum of a system: its blocks over the square roots of the masses, divided by `unit`.
     pub(super) fn of_system(
         sum: &BlochSum<D>,
         crystal: &Crystal<D>,
@@ -150,7 +151,7 @@ impl<const D: usize> PhaseSum<D> {
         Self::new(sum.blocks().map(bond), masses.len())
     }
 
-    /// Of the force constants of a periodic matrix, in a unit.
+    /// Builds the sum from the force constants of a periodic matrix, divided by `unit`.
     pub(super) fn of_matrix(matrix: &DynamicalMatrix<D>, unit: f64) -> Option<Self> {
         let constants = matrix.force_constants()?;
         let bonds = constants.iter().map(|(cell, block)| {
@@ -166,7 +167,7 @@ impl<const D: usize> PhaseSum<D> {
         Some(Self::new(bonds, 1))
     }
 
-    /// The Hermitian part of a sum: of each two blocks that would be each other's adjoints their mean.
+    /// Builds the Hermitian part: the mean of each block and the adjoint of its counterpart.
     fn new(bonds: impl Iterator<Item = Bond<D>>, sites: usize) -> Self {
         let mut means: BTreeMap<_, Bond<D>> = BTreeMap::new();
         for bond in bonds {
@@ -217,7 +218,7 @@ impl<const D: usize> PhaseSum<D> {
         self.bonds.len()
     }
 
-    /// Whether a symmetry of the lattice, with an exchange of the sites at these places, leaves all blocks as they are: `B(R r) = R B(r) R^T`.
+    /// Returns true if a symmetry of the lattice, with a permutation of the sites, leaves all blocks unchanged: `B(R r) = R B(r) R^T`.
     pub(super) fn has(
         &self,
         symmetry: &Symmetry<D>,
@@ -237,7 +238,7 @@ impl<const D: usize> PhaseSum<D> {
         })
     }
 
-    /// The block from a site to another in a cell, be it the adjoint of one that is kept.
+    /// Block from one site to another in a cell, which may be stored as its adjoint.
     fn block(&self, from: usize, to: usize, cell: &[i32; D]) -> Option<SMatrix<f64, D, D>> {
         let kept = |from: usize, to: usize, cell: [i32; D]| {
             let key = (from, to, cell);
@@ -250,7 +251,7 @@ impl<const D: usize> PhaseSum<D> {
         kept(from, to, *cell).or_else(back)
     }
 
-    /// The sum at `k = 0` and its derivatives there, over `i`, by the components of the wave vector, with the sizes of their terms.
+    /// The sum at `k = 0`, its first derivatives there divided by `i`, and the sizes of their terms.
     pub(super) fn moments(&self) -> (DMatrix<f64>, Vec<DMatrix<f64>>, [f64; 2]) {
         let n = D * self.sites;
         let mut sum = DMatrix::<f64>::zeros(n, n);
@@ -274,7 +275,7 @@ impl<const D: usize> PhaseSum<D> {
         (sum, moments, sizes)
     }
 
-    /// On a box of the zone.
+    /// Polynomial of the sum on a box of the zone.
     pub(super) fn in_zone(&self, cell: &Cell<D>, bends: &mut [f64; D]) -> MatrixJet<D> {
         let sums = Arch::new().dispatch(InZone(self, cell));
         for a in 0..D {
@@ -286,7 +287,7 @@ impl<const D: usize> PhaseSum<D> {
         })
     }
 
-    /// On a box of a cone, with what remains of the phases beyond their first `m` terms, over `t^m`.
+    /// Polynomial of the sum on a box of a cone, with the phases without their first `m` terms, divided by `t^m`.
     pub(super) fn in_cone(
         &self,
         cell: &Cell<D>,
@@ -295,7 +296,7 @@ impl<const D: usize> PhaseSum<D> {
         bends: &mut [f64; D],
     ) -> MatrixJet<D> {
         let sums = Arch::new().dispatch(InCone(self, cell, cone, m));
-        // Sums for different `m` are told together: it only matters which variable does most.
+        // Sums for different `m` are added: only the variable with the largest contribution matters.
         self.jet(&sums, &cell.half, |bond, norm| {
             let (rest, own) = cell.cone_rest(cone, m, &bond.along);
             (0..D).for_each(|a| bends[a] += norm * own[a]);
@@ -303,8 +304,8 @@ impl<const D: usize> PhaseSum<D> {
         })
     }
 
-    /// The polynomial of derivatives in the middle of a box. What is left of it is below the sizes of the derivatives of the fourth order
-    /// and of what the phases have beyond that.
+    /// Taylor polynomial about the center of a box. Its remainder is bounded by the norms of the fourth derivatives and by the remainders of the
+    /// phases beyond them.
     fn jet(
         &self,
         sums: &[f64],
@@ -330,12 +331,12 @@ impl<const D: usize> PhaseSum<D> {
             rests[bond.from] += most;
             rests[bond.to] += most;
         }
-        // Of Hermitian matrices the sums over the rows bound the norm.
+        // The largest row sum bounds the norm of a Hermitian matrix.
         jet.rest += rests.into_iter().fold(0.0, f64::max);
         jet
     }
 
-    /// The derivatives in the middle of a box of the zone.
+    /// Derivatives at the center of a box of the zone.
     #[inline(always)]
     fn derivatives_in_zone(&self, cell: &Cell<D>) -> Vec<f64> {
         let [even, odd] = const { signs::<D>() };
@@ -357,7 +358,7 @@ impl<const D: usize> PhaseSum<D> {
         })
     }
 
-    /// The same in a cone.
+    /// Derivatives at the center of a box of a cone.
     #[inline(always)]
     fn derivatives_in_cone(&self, cell: &Cell<D>, cone: usize, m: usize) -> Vec<f64> {
         self.summed(|bond, _| {
@@ -370,8 +371,8 @@ impl<const D: usize> PhaseSum<D> {
         bond.from * self.sites + bond.to
     }
 
-    /// Sums over all pairs of their entries, one after the other, times the derivatives of the real and imaginary part of a phase, for each
-    /// pair of sites as many as of different ones. A phase may ask for the products of the components of its vector.
+    /// Sums over all pairs of their entries times the derivatives of the real and imaginary parts of a phase, for each pair of sites. The function
+    /// `phase` also receives the products of the components of the vector.
     #[inline(always)]
     fn summed(&self, phase: impl Fn(&Bond<D>, &[f64]) -> [[f64; FILLED]; 2]) -> Vec<f64> {
         let each = filled::<D>();
@@ -393,7 +394,7 @@ impl<const D: usize> PhaseSum<D> {
         sums
     }
 
-    /// The Hermitian matrix of a derivative.
+    /// Hermitian matrix of one derivative.
     fn assemble(&self, sums: &[f64], derivative: usize, matrix: &mut DMatrixViewMut<'_, Complex>) {
         let value = |from: usize, to: usize, entry: usize| {
             let pair = from * self.sites + to;
@@ -420,7 +421,7 @@ impl<const D: usize> PhaseSum<D> {
     }
 }
 
-/// Work for the widest vectors of the machine. (A closure would not be inlined there.)
+/// Vectorized evaluation in the zone for the instruction set of the machine. A closure would not be inlined there.
 struct InZone<'a, const D: usize>(&'a PhaseSum<D>, &'a Cell<D>);
 
 impl<const D: usize> NullaryFnOnce for InZone<'_, D> {
@@ -432,7 +433,7 @@ impl<const D: usize> NullaryFnOnce for InZone<'_, D> {
     }
 }
 
-/// The same.
+/// Vectorized evaluation in a cone for the instruction set of the machine.
 struct InCone<'a, const D: usize>(&'a PhaseSum<D>, &'a Cell<D>, usize, usize);
 
 impl<const D: usize> NullaryFnOnce for InCone<'_, D> {
@@ -444,12 +445,12 @@ impl<const D: usize> NullaryFnOnce for InCone<'_, D> {
     }
 }
 
-/// The lattice Laplacian: reciprocal components and weights of its vectors.
+/// The lattice Laplacian: components of its vectors along the reciprocal vectors, and their weights.
 #[derive(Clone, Debug)]
 pub(super) struct Laplacian<const D: usize>(pub(super) Vec<([f64; D], f64)>);
 
 impl<const D: usize> Laplacian<D> {
-    /// Whether a symmetry of the lattice leaves it as it is.
+    /// Returns true if a symmetry of the lattice leaves it unchanged.
     pub(super) fn has(&self, symmetry: &Symmetry<D>) -> bool {
         self.0.iter().all(|(along, weight)| {
             let moved = symmetry.of_place(&SVector::from(*along));
@@ -461,7 +462,7 @@ impl<const D: usize> Laplacian<D> {
         })
     }
 
-    /// `|k|_h^2` on a box of the zone.
+    /// Polynomial of `|k|_h^2` on a box of the zone.
     pub(super) fn in_zone(&self, cell: &Cell<D>) -> Jet<D> {
         let mut jet = Jet::ZERO;
         for (along, weight) in &self.0 {
@@ -470,7 +471,7 @@ impl<const D: usize> Laplacian<D> {
                 phase += cell.middle[a] * along[a];
                 spread += cell.half[a] * along[a].abs();
             }
-            // 2 w (1 - cos(k.a)).
+            // `2 w (1 - cos(k.a))`.
             let (sine, cosine) = phase.sin_cos();
             let twice = 2.0 * weight;
             jet.parts[0] += twice * (1.0 - cosine);
@@ -488,11 +489,11 @@ impl<const D: usize> Laplacian<D> {
         jet
     }
 
-    /// `|k|_h^2` over `t^2`, `t` and one on a box of a cone.
+    /// Polynomials of `|k|_h^2` over `t^2`, over `t`, and itself, on a box of a cone.
     pub(super) fn in_cone(&self, cell: &Cell<D>, cone: usize) -> [Jet<D>; 3] {
         let (mut over_square, monomials) = (Jet::ZERO, monomials(&cell.half));
         for (along, weight) in &self.0 {
-            // 2 (1 - cos t p) / t^2.
+            // `2 (1 - cos t p) / t^2`.
             let own = cell.cone_derivatives(cone, 2, along);
             for n in 0..parts::<D>() {
                 over_square.parts[n] -= 2.0 * weight * own[n].re;
@@ -509,7 +510,7 @@ impl<const D: usize> Laplacian<D> {
     }
 }
 
-/// One of each two blocks that are each other's adjoints; half of those that are their own.
+/// One block of each adjoint pair; half of a self-adjoint block.
 fn halved<const D: usize>(bond: Bond<D>) -> Option<Bond<D>> {
     let leading = bond.along.iter().find(|x| x.abs() > 1e-6);
     let side = match bond.from.cmp(&bond.to) {
@@ -533,7 +534,7 @@ mod tests {
     use proptest::prelude::*;
     use std::f64::consts::TAU;
 
-    /// The Hermitian part, with what remains of the phases at a wave vector beyond their first terms.
+    /// Hermitian part at a wave vector, with the phases without their first terms.
     fn at<const D: usize>(
         bonds: &[Bond<D>],
         sites: usize,
@@ -558,7 +559,7 @@ mod tests {
         sum
     }
 
-    /// The polynomial of a box at a point of it.
+    /// Polynomial of a box at one of its points.
     fn polynomial<const D: usize>(parts: impl Fn(usize) -> Complex, u: &[f64; D]) -> Complex {
         let mut sum = parts(0);
         for a in 0..D {
@@ -586,7 +587,7 @@ mod tests {
                 let block = SMatrix::<f64, 2, 2>::from_column_slice(&entries[4 * n..4 * n + 4]);
                 let along = [along[2 * n], along[2 * n + 1]];
                 let (from, to) = [(0, 0), (1, 1), (0, 1)][n % 3];
-                // The phase of a cell times that of an offset, which all pairs of two sites share.
+                // The phase of a cell times the phase of an offset, which all pairs of two sites share.
                 let offset = if from == to { [0.0; 2] } else { [0.3, -0.7] };
                 let cell = [0, 1].map(|a| ((along[a] - offset[a]) / TAU).round() as i32);
                 let along = [0, 1].map(|a| offset[a] + TAU * f64::from(cell[a]));
