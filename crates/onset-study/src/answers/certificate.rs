@@ -1,4 +1,4 @@
-//! What is proved about a state, in words and numbers.
+//! Proofs about a state, in words and numbers.
 
 use super::state::list;
 use crate::number::{told, vector};
@@ -6,56 +6,56 @@ use onset::certificate::{Certainty, Certificate, Reason, SpaceCertificate, Witne
 use serde::Serialize;
 use std::fmt;
 
-/// What is proved about material and discretization.
+/// Proofs about material and discretization.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CertificateAnswer {
-    /// How far from zero a measure counts as not within the tolerance.
+    /// Tolerance of the measures; values within it of zero are left undecided.
     pub tolerance: f64,
-    /// Whether the verdict is another than that of the search.
+    /// Whether the verdict differs from the verdict of the search.
     pub corrects_the_search: bool,
-    /// Strong ellipticity; measures are acoustic eigenvalues over `rho0 c^2`.
+    /// Proof of strong ellipticity; the measures are acoustic eigenvalues over `rho0 c^2`.
     pub material: ProofAnswer,
-    /// Strong ellipticity for waves in all directions of space; measures are acoustic eigenvalues over the largest one of the
-    /// material in the reference state. A sheet or bar in plane stress has none.
+    /// Proof of strong ellipticity in 3D; the measures are acoustic eigenvalues over the largest one of the reference configuration. `None` for a
+    /// sheet or bar in plane stress.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material_3d: Option<ProofAnswer>,
-    /// Waves of the particles; measures are `Re omega^2 / (c^2 |k|_h^2)`.
+    /// Proof for the waves of the discretization; the measures are `Re omega^2 / (c^2 |k|_h^2)`.
     pub discretization: ProofAnswer,
 }
 
-/// A three-valued answer with what carries it.
+/// Three-valued answer with its evidence.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ProofAnswer {
     /// `proved-stable`, `proved-zero-energy`, `proved-unstable` or `undecided`.
     pub certainty: &'static str,
-    /// Of what is stable: the measure is at least this for all directions or wave vectors.
+    /// If stable: lower bound of the measure for all directions or wave vectors.
     pub bound: Option<f64>,
-    /// Of what is unstable: a wave that grows.
+    /// If unstable: a growing wave.
     pub witness: Option<WitnessAnswer>,
-    /// Of zero-energy modes: the reference wave vector of one.
+    /// If there are zero-energy modes: the reference wave vector of one.
     pub zero_energy_wave_vector: Option<Vec<f64>>,
-    /// Of what is undecided: why.
+    /// If undecided: the reason.
     pub reason: Option<&'static str>,
-    /// Of what is undecided: the smallest measure seen.
+    /// If undecided: the smallest measure that was found.
     pub smallest_seen: Option<f64>,
 }
 
-/// A wave that is proved to grow.
+/// Wave that is proved to grow.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WitnessAnswer {
-    /// Reference wave vector, of a material the direction.
+    /// Reference wave vector; for the material, the direction.
     pub wave_vector: Vec<f64>,
     /// Lower and upper bound of the measure.
     pub measure: [f64; 2],
-    /// In space the polarization with which the direction was confirmed.
+    /// In 3D: polarization that confirms the direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub polarization: Option<Vec<f64>>,
-    /// Lower bound of the growth rate, in units of sound speed over spacing; of a material, of sound speed times wave number.
+    /// Lower bound of the growth rate, in units of sound speed over spacing; for the material, in units of sound speed times wave number.
     pub growth_rate: f64,
 }
 
 impl CertificateAnswer {
-    /// With as many components as there are dimensions.
+    /// Vectors are cut to `dimension` components.
     pub(super) fn new(
         dimension: usize,
         certificate: &Certificate<3>,
@@ -74,7 +74,7 @@ impl CertificateAnswer {
 }
 
 impl CertificateAnswer {
-    /// Whether material and discretization are both decided.
+    /// Returns true if neither proof is undecided.
     pub(super) fn decides(&self) -> bool {
         [&self.material, &self.discretization]
             .iter()
@@ -121,7 +121,6 @@ impl ProofAnswer {
         answer
     }
 
-    /// One line: the word, and its bound or witness.
     fn line(&self, wave: &str, rate: &str) -> String {
         let certainty = self.certainty;
         if let Some(bound) = self.bound {

@@ -1,4 +1,4 @@
-//! Paths of deformation as asked for, straight ones and loadings with free faces, and what holds in states along them.
+//! Paths of deformation, straight or with traction-free faces, and samples of the states along them.
 
 use super::notes::{is_fluid, notes_on_law};
 use super::problem::{Problem, ProblemError, Strain};
@@ -17,51 +17,50 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;
 
-/// A path of deformations.
+/// Path of deformations, straight or a loading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Course {
-    /// Straight, from one state to another.
+    /// Straight path from one state to another.
     Straight(Strain, Strain),
-    /// A loading from one imposed stretch to another, its free faces without traction.
+    /// Loading from one imposed stretch to another, with traction-free faces.
     Loading {
-        /// What is imposed, and what holds the rest.
+        /// Imposed mode, and condition on the other directions.
         loading: Loading,
-        /// The first imposed stretch, in simple shear the amount of shear.
+        /// First imposed stretch; in simple shear the amount of shear.
         from: f64,
-        /// The last one.
+        /// Last imposed stretch, or amount of shear.
         to: f64,
     },
 }
 
-/// A loading that was followed.
+/// Loading as it was followed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LoadingOfPath {
-    /// What is imposed.
+    /// Deformation mode that is imposed.
     pub mode: Mode,
-    /// What holds the other directions.
+    /// Condition on the lateral directions.
     pub lateral: Lateral,
-    /// In a few words.
+    /// Short name of the loading.
     pub title: &'static str,
-    /// What is imposed: a stretch, or the amount of shear.
+    /// Name of the imposed quantity: a stretch, or the amount of shear.
     pub imposes: &'static str,
     /// The imposed stretch, or amount of shear, at the start.
     pub from: f64,
     /// The imposed stretch, or amount of shear, at the end.
     pub to: f64,
-    /// The start that was asked for.
+    /// Start that the user requested.
     pub asked_from: f64,
-    /// The end that was asked for.
+    /// End that the user requested.
     pub asked_to: f64,
-    /// Why the path begins behind the start that was asked for.
+    /// Reason why the path begins after the requested start.
     pub starts_late: Option<String>,
-    /// Why the path ends before the end that was asked for.
+    /// Reason why the path ends before the requested end.
     pub ends_early: Option<String>,
     /// Folds at which the path begins or ends: limit points of the equilibrium of the free faces.
     pub folds: Vec<f64>,
 }
 
 impl LoadingOfPath {
-    /// The imposed quantity at a path parameter.
     pub(super) fn imposed(&self, s: f64) -> f64 {
         match s {
             1.0 => self.to,
@@ -107,10 +106,10 @@ impl fmt::Display for LoadingOfPath {
 }
 
 impl Course {
-    /// A loading of a mode; what holds the other directions is, unless it is said, what a test machine does: their faces are free.
+    /// Creates a loading of a mode. By default the lateral faces are free, as in a test machine.
     ///
     /// # Errors
-    /// The names of what can hold the other directions in this mode, where it is not what was asked for.
+    /// Names of the lateral conditions of this mode if `lateral` is not one of them.
     pub fn of_mode(
         mode: Mode,
         lateral: Option<Lateral>,
@@ -130,10 +129,10 @@ impl Course {
         Ok(Self::Loading { loading, from, to })
     }
 
-    /// Calls a function with the path, and with what is to be told of it where it is a loading.
+    /// Calls `answer` with the path, and with a description if the path is a loading.
     ///
     /// # Errors
-    /// [`ProblemError`] when there is no such path, and what the function returns.
+    /// [`ProblemError`] when the path does not exist, and any error of `answer`.
     pub(super) fn follow<T>(
         &self,
         problem: &Problem,
@@ -162,7 +161,7 @@ impl Course {
         if let Some(reason) = held {
             return Err(refused(reason));
         }
-        // The reference is where every branch begins.
+        // Every branch begins in the reference configuration.
         let ends = [from, to].map(|imposed| loading.mode.parameter(imposed).exp());
         let range = Range::new(
             ends[0].min(ends[1]).min(0.99),
@@ -215,7 +214,7 @@ impl Course {
         answer(&section, Some(told))
     }
 
-    /// What the states are told by: the imposed stretch or amount of shear, a stretch along an axis where that changes, or the path parameter.
+    /// Coordinate along the path: the imposed stretch or amount of shear, a stretch that changes along the path, or the path parameter.
     pub(super) fn abscissa(&self, s: f64) -> (&'static str, f64) {
         match self {
             Self::Loading { loading, from, to } => (
@@ -240,7 +239,7 @@ impl Course {
     }
 }
 
-/// What a mode has in which the faces of a sheet are free of traction.
+/// Options of a mode that leave the faces of a sheet traction-free.
 fn free_faces(mode: Mode) -> String {
     let of_mode = Loading::ALL.into_iter().filter(|own| own.mode == mode);
     let free = of_mode.filter(|own| own.leaves_free(2));
@@ -251,7 +250,7 @@ fn free_faces(mode: Mode) -> String {
     }
 }
 
-/// Why a loading is none of a sheet or bar, whose faces have no traction: it holds what is found across.
+/// Reason why a loading is impossible for a sheet or bar with traction-free faces: it would impose stretches that follow from equilibrium.
 fn held_across(loading: Loading, dimension: usize) -> Option<String> {
     let (is_one, body, hint) = match dimension {
         3 => return None,
@@ -271,7 +270,7 @@ fn held_across(loading: Loading, dimension: usize) -> Option<String> {
     })
 }
 
-/// The imposed stretch, or amount of shear, that is reached on the way to another one, and why it is not that.
+/// Imposed stretch, or amount of shear, that the path reaches, and the reason if it is not the requested one.
 fn reached(path: &LoadingPath<'_>, imposed: f64) -> (f64, Option<String>) {
     let mode = path.loading.mode;
     let s = mode.parameter(imposed);
@@ -288,34 +287,34 @@ fn reached(path: &LoadingPath<'_>, imposed: f64) -> (f64, Option<String>) {
     (mode.imposed(last), Some(why))
 }
 
-/// Scaled minima below this are rounding.
-const ROUNDING: f64 = 1e-12;
-/// States that are looked at along a path.
+/// Scaled minima below this are rounding errors.
+const SCALED_ROUNDING: f64 = 1e-12;
+/// Number of states along a path.
 const SAMPLES: usize = 97;
 
 /// A state on a path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PathSample {
-    /// Path parameter.
+    /// Path parameter, 0 at the start, 1 at the end.
     pub parameter: f64,
-    /// What the state is told by, see [`PathSamples::abscissa`].
+    /// Coordinate of the state, see [`PathSamples::abscissa`].
     pub abscissa: f64,
-    /// `F_iJ`.
+    /// Deformation gradient `F_iJ`, by rows.
     pub deformation_gradient: [[f64; 3]; 3],
-    /// The law; `None` where it cannot be evaluated.
+    /// Response of the law; `None` if it cannot be evaluated.
     #[serde(skip)]
     pub material: Option<MaterialSample>,
-    /// The state; `None` where the method or the law cannot be evaluated.
+    /// Answer for the state; `None` if the method or the law cannot be evaluated.
     #[serde(skip)]
     pub state: Option<StateAnswer>,
 }
 
-/// The law at a state on a path, where the method need not be defined.
+/// Response of the law at a state on a path, even if the method is undefined there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MaterialSample {
-    /// Smallest acoustic eigenvalue in the dimensions of the lattice; zero where it is to rounding.
+    /// Smallest acoustic eigenvalue in the dimensions of the lattice; zero if it is within rounding of zero.
     pub minimum_acoustic_eigenvalue: f64,
-    /// Cauchy stress.
+    /// Cauchy stress `sigma_ij`. Units of stress.
     pub cauchy: [[f64; 3]; 3],
 }
 
@@ -329,34 +328,33 @@ impl MaterialSample {
 }
 
 impl PathSample {
-    /// The verdict; `None` where the state cannot be evaluated.
+    /// Verdict on the state; `None` if it cannot be evaluated.
     pub fn verdict(&self) -> Option<Verdict> {
         Some(self.state.as_ref()?.verdict)
     }
 }
 
-/// What holds in states along a path, at equal distances.
+/// Samples of the states along a path, at equal distances.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PathSamples {
-    /// What the states are told by.
+    /// Label of the coordinate along the path.
     pub abscissa: &'static str,
-    /// The states.
+    /// States along the path.
     pub samples: Vec<PathSample>,
-    /// Every choice in effect.
+    /// All settings in effect.
     pub settings: Effective,
 }
 
-/// Scaled minimum over the zone; rounding is zero.
 fn softest(state: &StateAnswer) -> f64 {
     let scaled = state.discretization.minimum_scaled;
-    if scaled.abs() > ROUNDING { scaled } else { 0.0 }
+    if scaled.abs() > SCALED_ROUNDING { scaled } else { 0.0 }
 }
 
 impl PathSamples {
-    /// Looks at states along a path, on all cores.
+    /// Evaluates states along a path in parallel.
     ///
     /// # Errors
-    /// [`ProblemError`] when there is no such path.
+    /// [`ProblemError`] when the path does not exist.
     pub fn new(problem: &Problem, course: &Course) -> Result<Self, ProblemError> {
         let (states, followed) = course.follow(problem, |path, told| {
             let last = (SAMPLES - 1) as f64;
@@ -366,7 +364,7 @@ impl PathSamples {
             };
             let states = (0..SAMPLES).map(state);
             let states = states.collect::<Result<Vec<_>, ProblemError>>()?;
-            // Where a loading ends early, its own end counts.
+            // If a loading ends early, its coordinate ends there too.
             let followed = match (course, told) {
                 (Course::Loading { loading, .. }, Some(told)) => Course::Loading {
                     loading: *loading,
@@ -391,7 +389,7 @@ impl PathSamples {
         })
     }
 
-    /// The states as a table.
+    /// The states as CSV.
     pub fn csv(&self) -> String {
         let mut table = String::from(
             "parameter,abscissa,F11,F12,F13,F21,F22,F23,F31,F32,F33,verdict,minimum_scaled,minimum_omega_squared,growth_rate,\
@@ -433,8 +431,9 @@ impl PathSamples {
         table
     }
 
-    /// The softest mode of the particles and the smallest acoustic eigenvalue of the material along the path; `changes` are the
-    /// parameters at which the stability of the particles, and of the material, changes.
+    /// Draws the softest mode of the discretization and the smallest acoustic eigenvalue of the material along the path.
+    ///
+    /// `changes` are the parameters at which the stability of discretization and material changes.
     pub fn figure(&self, title: &str, changes: [&[f64]; 2]) -> Figure {
         let values = |value: &dyn Fn(&PathSample) -> Option<f64>| -> Vec<(f64, f64)> {
             let samples = self.samples.iter();

@@ -1,4 +1,4 @@
-//! The dispersion diagram: frequencies and growth rates along a path through the zone, with the critical wave and the density of states.
+//! Dispersion diagram: frequencies and growth rates along a path through the zone, with the critical wave and the density of states.
 
 use super::dispersion::{DispersionAnswer, answer};
 use super::mode::{critical_mode, finite_wave_vector};
@@ -18,99 +18,100 @@ use onset::verdict::Assessment;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Samples on each leg of a path.
+/// Number of samples on each leg of a path.
 const SAMPLES: usize = 120;
-/// Wave vectors of the density of states along each reciprocal vector, by dimension. They lie between those of high symmetry, where
+/// Number of wave vectors for the density of states along each reciprocal vector, by dimension. The grid avoids the points of high symmetry, where
 /// branches are flat.
 const GRID: [usize; 3] = [4096, 160, 28];
-/// Intervals of frequency of the density of states.
+/// Number of frequency intervals of the density of states.
 const BINS: usize = 80;
-/// Growth rates below this share of the largest frequency are rounding.
-const ROUNDING: f64 = 1e-7;
+/// Growth rates below this fraction of the largest frequency are rounding errors.
+const RATE_ROUNDING: f64 = 1e-7;
 
 /// Frequencies along a path through the zone.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Diagram {
-    /// What a reader must know of law and method.
+    /// Remarks on law and method for the reader.
     pub notes: Vec<String>,
-    /// Every choice in effect.
+    /// All settings in effect.
     pub settings: Effective,
-    /// The corners of the path: name, reference wave vector, and place along the path.
+    /// Corners of the path: name, reference wave vector, and position along the path.
     pub corners: Vec<Corner>,
-    /// The samples. Where the dynamical matrix is not periodic, at the wave vectors of the first zone that are equivalent to those of
-    /// the path.
+    /// Samples along the path. If the dynamical matrix is not periodic, they are taken at the equivalent wave vectors of the first zone.
     pub samples: Vec<DispersionAnswer>,
-    /// Length along the path of each sample; two samples of one length are a jump.
+    /// Position along the path of each sample; two samples at one position are a jump.
     pub lengths: Vec<f64>,
-    /// What is drawn of each sample.
+    /// Plotted values of each sample.
     pub heights: Vec<Heights>,
-    /// The critical wave.
+    /// The fastest growing or softest wave.
     pub critical: CriticalWave,
-    /// The density of states.
+    /// Density of states over the whole zone.
     pub density_of_states: DensityOfStates,
 }
 
-/// The waves of a wave vector as a diagram draws them: frequencies upward, growth rates downward. 1/time.
+/// Plotted values of one wave vector: frequencies upward, growth rates downward. 1/time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Heights {
-    /// The frequency of each wave of the particles, `Re omega`; minus the growth rate of one that does not oscillate.
+    /// Frequency of each wave of the discretization, `Re omega`; for waves that do not oscillate, minus the growth rate.
     pub particles: Vec<f64>,
-    /// The same of the continuum.
+    /// Frequency of each wave of the continuum, with the same sign convention.
     pub continuum: Vec<f64>,
-    /// Minus the largest growth rate of the waves that oscillate as they grow; `null` where none does beyond rounding.
+    /// Minus the largest growth rate of the oscillating waves; `null` if none grows beyond rounding.
     pub flutter: Option<f64>,
 }
 
-/// A corner of a path through the zone.
+/// Corner of a path through the zone.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Corner {
-    /// Its name; images of one point that the state tells apart have primes.
+    /// Name of the point. Images of one point that the state distinguishes have primes.
     pub name: String,
-    /// Its reference wave vector.
+    /// Reference wave vector of the corner.
     pub wave_vector: Vec<f64>,
-    /// Its place along the path.
+    /// Position along the path.
     pub length: f64,
 }
 
-/// The wave that grows fastest over the whole zone; of a stable state the softest one.
+/// The fastest growing wave of the zone, or the softest wave if the state is stable.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CriticalWave {
     /// Whether no wave grows.
     pub stable: bool,
-    /// Its `omega^2`.
+    /// `omega^2` of the wave; 1/time^2.
     pub omega_squared: ComplexNumber,
-    /// Its growth rate; zero when stable.
+    /// Growth rate; zero if stable.
     pub growth_rate: f64,
-    /// Where it is drawn: minus its growth rate, or its frequency where none grows. 1/time.
+    /// Plotted value: minus the growth rate, or the frequency if stable. 1/time.
     pub height: f64,
-    /// Its reference wave vector; zero in the limit of long waves.
+    /// Reference wave vector; zero in the limit of long waves.
     pub wave_vector: Vec<f64>,
-    /// The same in the deformed lattice, `F^-T k`.
+    /// Wave vector in the deformed lattice, `F^-T k`.
     pub spatial_wave_vector: Vec<f64>,
-    /// The point of high symmetry that it is, if it is one.
+    /// Name of the wave vector if it is a point of high symmetry.
     pub point: Option<String>,
-    /// Its place along the path; none in the limit of long waves.
+    /// Position along the path; `None` in the limit of long waves.
     pub length: Option<f64>,
 }
 
-/// The density of states: the share of all waves of the zone in an interval of frequency over its width, so that its integral is one.
-/// Waves that grow without oscillating stand at minus their growth rate.
+/// Density of states, normalized to an integral of one.
+///
+/// The density is the fraction of all waves of the zone in an interval of frequency, divided by its width. Waves that grow without oscillating count
+/// at minus their growth rate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DensityOfStates {
     /// The ends of the intervals; 1/time.
     pub edges: Vec<f64>,
     /// The density in each interval; time.
     pub density: Vec<f64>,
-    /// How many waves were counted.
+    /// Number of waves that were counted.
     pub waves: usize,
 }
 
 impl Diagram {
-    /// The diagram along the points of high symmetry that the state tells apart, or along a path that is typed; and along the line
-    /// through the critical wave vector.
+    /// Computes the diagram along the points of high symmetry that the state distinguishes, or along a given path, and along the line through the
+    /// critical wave vector.
     ///
     /// # Errors
-    /// [`ProblemError`] when the state cannot be evaluated, or the path not be read.
+    /// [`ProblemError`] when the state cannot be evaluated, or the path is invalid.
     pub fn new(
         problem: &Problem,
         strain: &Strain,
@@ -120,10 +121,10 @@ impl Diagram {
         Self::of(problem, strain, &assessment, path, &|| false)
     }
 
-    /// The same of a state that has been assessed, unless nobody waits for it any more.
+    /// Computes the diagram of an assessed state, with cancellation through `is_ended`.
     ///
     /// # Errors
-    /// [`ProblemError::OutOfTime`] then, and as [`Diagram::new`].
+    /// [`ProblemError::OutOfTime`] when cancelled; otherwise like [`Diagram::new`].
     pub fn of(
         problem: &Problem,
         strain: &Strain,
@@ -134,7 +135,7 @@ impl Diagram {
         diagram(problem, &strain.0, assessment, path, is_ended)
     }
 
-    /// The critical wave, and what the diagram is of, with what a reader must know.
+    /// Text output: critical wave, notes and settings.
     pub fn told(&self) -> String {
         let notes = self.notes.iter().map(|note| format!("note: {note}\n\n"));
         format!(
@@ -195,7 +196,7 @@ impl Diagram {
         text
     }
 
-    /// The lowest point of all that is drawn: minus the largest growth rate, or the lowest frequency.
+    /// Lowest plotted value: minus the largest growth rate, or the lowest frequency.
     pub fn lowest(&self) -> f64 {
         let drawn = self.heights.iter().flat_map(|heights| {
             let particles = heights.particles.iter().copied();
@@ -204,7 +205,7 @@ impl Diagram {
         drawn.fold(f64::INFINITY, f64::min)
     }
 
-    /// The samples as a table: length along the path, wave vector, `omega^2` of particles and continuum.
+    /// The samples as CSV: position along the path, wave vector, `omega^2` of discretization and continuum.
     pub fn csv(&self) -> String {
         let columns = |name: &str, count: usize| {
             (1..=count)
@@ -236,7 +237,7 @@ impl Diagram {
         format!("{}\n{}\n", header.join(","), rows.join("\n"))
     }
 
-    /// The density of states as a table: the ends of each interval, and the density in it.
+    /// The density of states as CSV: the ends of each interval, and the density in it.
     pub fn density_csv(&self) -> String {
         let DensityOfStates { edges, density, .. } = &self.density_of_states;
         let rows = edges.windows(2).zip(density);
@@ -251,7 +252,7 @@ impl Diagram {
         first.map_or(0, |sample| sample.omega_squared.len())
     }
 
-    /// A curve along the path, broken where the path jumps.
+    /// Curve along the path, interrupted at jumps.
     fn curve(&self, value: impl Fn(&Heights) -> f64) -> Vec<(f64, f64)> {
         let mut points: Vec<(f64, f64)> = Vec::new();
         for (x, heights) in self.lengths.iter().zip(&self.heights) {
@@ -263,7 +264,7 @@ impl Diagram {
         points
     }
 
-    /// The diagram as a figure: frequencies upward, growth rates downward, and the density of states beside it.
+    /// Draws frequencies upward and growth rates downward, with the density of states in a second panel.
     pub fn figure(&self, title: &str) -> Figure {
         let (mut of_continuum, mut of_particles) = (Vec::new(), Vec::new());
         for n in 0..self.branches() {
@@ -272,7 +273,7 @@ impl Diagram {
             of_particles.push(self.curve(|own| own.particles[n]));
         }
         let flutters = self.curve(|own| own.flutter.unwrap_or(f64::NAN));
-        // The continuum's branches leave the picture: the particles' range decides.
+        // The range of the discretization determines the axis; branches of the continuum may leave the panel.
         let heights = of_particles
             .iter()
             .flatten()
@@ -284,7 +285,7 @@ impl Diagram {
                 (low.min(y), high.max(y))
             });
         let margin = if high > low { 0.1 * (high - low) } else { 1.0 };
-        // Below zero by rounding alone is what a stable state has there.
+        // In a stable state values below zero are rounding errors.
         let grows = low < 0.0 && !self.critical.stable;
         let range = (if grows { low - margin } else { 0.0 }, high + margin);
         let units = self.settings.units();
@@ -330,7 +331,7 @@ impl Diagram {
             .caption(self.settings.caption())
     }
 
-    /// The names of corners; where the path jumps both in one.
+    /// Names of the corners; at a jump both names in one tick.
     fn ticks(&self) -> Vec<(f64, String)> {
         let mut ticks: Vec<(f64, String)> = Vec::new();
         for corner in &self.corners {
@@ -342,7 +343,7 @@ impl Diagram {
         ticks
     }
 
-    /// The critical wave, marked.
+    /// Marker of the critical wave, with its position.
     fn marked(&self) -> Option<Points> {
         let wave = &self.critical;
         let at = wave.length?;
@@ -378,7 +379,7 @@ impl Diagram {
     }
 }
 
-/// The frequency of a wave; minus the growth rate of one that does not oscillate.
+/// Frequency of a wave; for a wave that does not oscillate, minus the growth rate.
 fn frequency(omega_squared: ComplexNumber) -> f64 {
     let value = Complex::new(omega_squared.re, omega_squared.im);
     let (oscillation, growth) = (value.sqrt().re.abs(), growth_rate(value));
@@ -389,7 +390,7 @@ fn frequency(omega_squared: ComplexNumber) -> f64 {
     }
 }
 
-/// The growth rate of a wave that oscillates too; zero for others.
+/// Growth rate of a wave that also oscillates; zero for other waves.
 fn flutter(omega_squared: ComplexNumber) -> f64 {
     let value = Complex::new(omega_squared.re, omega_squared.im);
     let growth = growth_rate(value);
@@ -399,7 +400,7 @@ fn flutter(omega_squared: ComplexNumber) -> f64 {
     }
 }
 
-/// The largest frequency of samples, growth rates counted as frequencies.
+/// Largest frequency of the samples; growth rates count as frequencies.
 fn largest(samples: &[DispersionAnswer]) -> f64 {
     let values = samples.iter().flat_map(|sample| &sample.omega_squared);
     values
@@ -408,9 +409,8 @@ fn largest(samples: &[DispersionAnswer]) -> f64 {
         .sqrt()
 }
 
-/// What is drawn of samples.
 fn heights(samples: &[DispersionAnswer]) -> Vec<Heights> {
-    let noise = ROUNDING * largest(samples);
+    let noise = RATE_ROUNDING * largest(samples);
     let of_sample = |sample: &DispersionAnswer| {
         let waves = &sample.omega_squared;
         let fastest = waves.iter().map(|own| flutter(*own)).fold(0.0, f64::max);
@@ -460,7 +460,7 @@ fn diagram(
     } = sampled(dimension, &path, at)?;
     let growth = assessment.spectrum.growth_rate();
     let place = corners.iter().rev().find(|corner| corner.name == CRITICAL);
-    // A translation that strains the body grows at k = 0, which every path has.
+    // A translation that strains the body grows at `k = 0`, which is on every path.
     let at_zero = corners
         .iter()
         .find(|corner| growth > 0.0 && corner.wave_vector.iter().all(|x| *x == 0.0));
@@ -491,14 +491,13 @@ fn diagram(
     })
 }
 
-/// A path with its samples and their places.
 struct Sampled {
     corners: Vec<Corner>,
     samples: Vec<DispersionAnswer>,
     lengths: Vec<f64>,
 }
 
-/// The corners of a path, samples on its legs, and their places.
+/// Samples the legs of a path; returns them with the corners and their positions.
 fn sampled(
     dimension: usize,
     path: &ZonePath,
@@ -517,7 +516,7 @@ fn sampled(
             let step = chain
                 .get(n + 1)
                 .map_or_else(Vector3::zeros, |next| next.wave_vector - k);
-            // The end of a chain is a sample of its own.
+            // The end of a chain is an additional sample.
             let count = if n + 1 < chain.len() { SAMPLES } else { 1 };
             for sample in 0..count {
                 let t = sample as f64 / count as f64;
@@ -541,7 +540,7 @@ fn density_of_states(
 ) -> Result<DensityOfStates, ProblemError> {
     let reciprocal = analysis.reciprocal();
     let n = GRID[reciprocal.len() - 1];
-    // Of k and -k, which have the same waves, one.
+    // Half of the grid suffices, because `k` and `-k` have the same waves.
     let count = n.pow(reciprocal.len() as u32) / 2;
     let heights: Vec<f64> = (0..count)
         .into_par_iter()

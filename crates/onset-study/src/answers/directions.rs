@@ -1,4 +1,4 @@
-//! The answer to: how stiff is the material for a plane wave in each direction?
+//! Stiffness of the material for plane waves in each direction.
 
 use super::problem::{Problem, ProblemError, Strain};
 use nalgebra::SVector;
@@ -9,22 +9,22 @@ use std::f64::consts::{PI, TAU};
 
 /// Directions of half a circle; the other half has the same eigenvalues.
 const OF_CIRCLE: usize = 180;
-/// Directions of a sphere: circles of latitude from pole to pole, and places on each.
+/// Directions of a sphere: circles of latitude from pole to pole, and points on each.
 const OF_SPHERE: [usize; 2] = [37, 72];
 
-/// The acoustic tensor `Q_ik(N) = A_iJkL N_J N_L` in the reference directions `N` that the lattice has.
+/// Acoustic tensor `Q_ik(N) = A_iJkL N_J N_L` in the reference directions `N` of the lattice's dimensions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Directions {
-    /// How many there are from pole to pole and around; in the plane one and those of half a circle.
+    /// Numbers of directions from pole to pole and around; in 2D one and the number for half a circle.
     pub shape: [usize; 2],
-    /// The directions, in the plane by increasing angle from the first axis; in space circle after circle from the third axis downward.
+    /// Directions, in 2D by increasing angle from the first axis; in 3D circle after circle from the third axis downward.
     pub normals: Vec<Vec<f64>>,
-    /// The eigenvalues of `Q(N)` in each, the smallest first; stress.
+    /// Eigenvalues of `Q(N)` for each direction, smallest first; stress.
     pub eigenvalues: Vec<Vec<f64>>,
 }
 
 impl Directions {
-    /// The eigenvalues of the acoustic tensor at a state.
+    /// Computes the eigenvalues of the acoustic tensor at a state.
     ///
     /// # Errors
     /// [`ProblemError`] when the material cannot be evaluated there.
@@ -42,7 +42,7 @@ impl Directions {
     }
 }
 
-/// Directions that cover those of a line, a plane or space.
+/// Directions that cover a line, a plane or space.
 fn normals(dimension: usize) -> ([usize; 2], Vec<SVector<f64, 3>>) {
     let in_plane = |angle: f64| SVector::from([angle.cos(), angle.sin(), 0.0]);
     match dimension {
@@ -93,7 +93,7 @@ mod tests {
             let answer = StateAnswer::new(&problem, &strain).expect("a state");
             let minimum = answer.material.minimum_acoustic_eigenvalue;
             let size = answer.material.tangent[0][0][0][0].abs();
-            // Between two of the grid the minimum can be a little lower.
+            // Between two directions of the grid the minimum can be slightly lower.
             assert!(
                 least >= minimum - 1e-9 * size && least <= minimum + 5e-3 * size,
                 "{lattice}: {least} {minimum}"

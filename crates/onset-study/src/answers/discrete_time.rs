@@ -1,4 +1,4 @@
-//! What a method with a step of its own does with waves, in the answer about a state.
+//! Waves in discrete time, for methods that define their time step, in the answer about a state.
 
 use super::finite_body::OF_LATTICE;
 use super::problem::{Problem, ProblemError};
@@ -12,37 +12,37 @@ use onset::kinematics::DeformationGradient;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// The length of the longitudinal wave of which the damping is told, in cells of the grid.
+/// Length of the longitudinal wave whose damping is reported, in grid cells.
 const SOUND: f64 = 8.0;
 
-/// The waves of a state in steps of time. Solutions are `exp(s t)` at whole steps.
+/// Waves of a state in discrete time. Solutions are `exp(s t)` at whole steps.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DiscreteTimeAnswer {
     /// The transfer of velocities.
     pub transfer: Velocities,
-    /// The largest stable step, of an unstable state for the waves that do not grow with any; `null` where nothing oscillates.
+    /// Largest stable step; in an unstable state, for the waves that do not grow at any step. `null` if nothing oscillates.
     pub largest_time_step: Option<f64>,
-    /// The largest stable step of an isolated, unstressed material point; `null` of laws with stress at `F = 1`.
+    /// The largest stable step of an isolated, unstressed material point; `null` for laws with stress at `F = 1`.
     pub isolated_point_time_step: Option<f64>,
-    /// The step to which the rates belong: `discretization.time-step`, or half of the largest; `null` where there is neither.
+    /// Step for the rates below: `discretization.time-step`, or half of the largest step; `null` without either.
     pub time_step: Option<f64>,
-    /// The largest growth rate over the zone; zero where no wave grows.
+    /// The largest growth rate over the zone; zero if no wave grows.
     pub growth_rate: Option<f64>,
-    /// The frequency of that wave.
+    /// Frequency of the fastest growing wave.
     pub frequency: Option<f64>,
-    /// Its reference wave vector; zero where no wave grows.
+    /// Reference wave vector of the fastest growing wave; zero if no wave grows.
     pub wave_vector: Vec<f64>,
-    /// The same in the deformed lattice.
+    /// Wave vector in the deformed lattice.
     pub spatial_wave_vector: Vec<f64>,
-    /// Whether the step was asked for.
+    /// Whether the user set the step.
     #[serde(skip)]
     is_step_set: bool,
-    /// The rate `s` of the fastest wave of eight cells along the first axis: minus its damping, and its frequency.
+    /// Rate `s` of the fastest wave with a length of eight cells along the first axis: minus its damping, and its frequency.
     pub longitudinal_wave: Option<ComplexNumber>,
 }
 
 impl DiscreteTimeAnswer {
-    /// Nothing of a method that integrators step.
+    /// Returns `None` for methods without a transfer, whose step the integrator defines.
     pub(super) fn new(
         problem: &Problem,
         f: &DeformationGradient,
@@ -73,7 +73,7 @@ impl DiscreteTimeAnswer {
             longitudinal_wave: time_step.and_then(|step| {
                 let mut along = vec![0.0; dimension];
                 along[0] = TAU / (SOUND * problem.settings.discretization.spacing);
-                // Of the fastest wave, which is the last, the solution that stays longest.
+                // The fastest wave is the last one; of its two solutions, the less damped one.
                 let rates = waves.rates(&along, step);
                 let last = rates.iter().rev().take(2);
                 let slowest = last.max_by(|a, b| {
@@ -86,19 +86,17 @@ impl DiscreteTimeAnswer {
         }))
     }
 
-    /// Whether the step is longer than the largest stable one.
     fn is_too_long(&self) -> bool {
         let both = self.time_step.zip(self.largest_time_step);
         both.is_some_and(|(step, largest)| step > largest)
     }
 
-    /// Whether it is longer than that of an isolated material point.
     fn is_too_long_for_an_isolated_point(&self) -> bool {
         let both = self.time_step.zip(self.isolated_point_time_step);
         self.is_step_set && both.is_some_and(|(step, alone)| step > alone)
     }
 
-    /// Lines of the text: names and what they say.
+    /// Lines of the text output: name and value.
     pub(super) fn lines(&self, units: Units) -> Vec<(&'static str, String)> {
         let mut lines = Vec::new();
         let time = |step: f64| units.of(told(step), "s");
@@ -149,7 +147,7 @@ impl DiscreteTimeAnswer {
     }
 }
 
-/// What a reader must know where the waves in steps of time are not those of the verdict.
+/// Note for states whose stability in discrete time differs from the verdict.
 pub(super) fn note(own: &DiscreteTimeAnswer, is_stable: bool, units: Units) -> Option<String> {
     let step = units.of(told(own.time_step?), "s");
     let growth = own.growth_rate?;
@@ -168,7 +166,7 @@ pub(super) fn note(own: &DiscreteTimeAnswer, is_stable: bool, units: Units) -> O
         (false, true) => Some(format!(
             "with the step {step} the {transfer} transfer leaves of the growth the rate {rate}{}",
             match own.transfer {
-                // What points keep of their own velocities is not filtered.
+                // The velocities that the points keep are not filtered.
                 Velocities::Flip => "",
                 _ => "; shorter steps filter more often",
             }

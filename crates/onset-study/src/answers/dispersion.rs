@@ -1,4 +1,4 @@
-//! The answer to: how does a wave travel through the particles, and through the continuum?
+//! Waves of one wave vector in the discretization and in the continuum.
 
 use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain, numbers};
@@ -9,36 +9,36 @@ use onset::analysis::PlaneWaves;
 use onset::kinematics::DeformationGradient;
 use serde::Serialize;
 
-/// The waves of one wave vector.
+/// Waves of one wave vector.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DispersionAnswer {
-    /// Reference wave vector.
+    /// Wave vector in the reference configuration.
     pub wave_vector: Vec<f64>,
     /// `omega^2` of the discretization, by increasing real part.
     pub omega_squared: Vec<ComplexNumber>,
     /// `omega^2` of the continuum, the eigenvalues of `Q(k) / rho0`.
     pub continuum_omega_squared: Vec<f64>,
-    /// `D(k)`.
+    /// Dynamical matrix `D(k)`, by rows.
     pub dynamical_matrix: Vec<Vec<ComplexNumber>>,
 }
 
-/// The waves of one wave vector, with what they are waves of.
+/// Waves of one wave vector, with notes and settings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Waves {
-    /// The waves.
+    /// Waves of discretization and continuum.
     #[serde(flatten)]
     pub waves: DispersionAnswer,
-    /// What a reader must know of law and method.
+    /// Remarks on law and method for the reader.
     pub notes: Vec<String>,
-    /// Every choice in effect.
+    /// All settings in effect.
     pub settings: Effective,
 }
 
 impl Waves {
-    /// The waves of one reference wave vector, given as text.
+    /// Computes the waves of a reference wave vector, given as text.
     ///
     /// # Errors
-    /// [`ProblemError`] when it has another dimension or the state cannot be evaluated.
+    /// [`ProblemError`] when the wave vector has a wrong dimension or the state cannot be evaluated.
     pub fn new(
         problem: &Problem,
         strain: &Strain,
@@ -77,7 +77,7 @@ fn at_wave_vector(
     Ok(answer(&*problem.analysis.waves(f)?, &components))
 }
 
-/// The waves of one reference wave vector.
+/// Computes the waves of a reference wave vector.
 pub(super) fn answer(waves: &dyn PlaneWaves, k: &[f64]) -> DispersionAnswer {
     let omega_squared = waves.omega_squared(k);
     let matrix = waves.dynamical_matrix_at(k);
@@ -104,14 +104,14 @@ impl std::fmt::Display for Waves {
 }
 
 impl DispersionAnswer {
-    /// The waves as lines of a text.
+    /// Writes the waves as lines of text.
     fn tell(&self, formatter: &mut std::fmt::Formatter<'_>, units: Units) -> std::fmt::Result {
         writeln!(
             formatter,
             "reference wave vector  {}",
             units.of(vector(&self.wave_vector), "1/m")
         )?;
-        // What is rounding beside the largest is zero.
+        // Values within rounding of the largest one are printed as zero.
         let sizes = self
             .omega_squared
             .iter()

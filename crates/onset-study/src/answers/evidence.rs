@@ -1,4 +1,4 @@
-//! How sure a verdict is.
+//! Evidence for a verdict.
 
 use serde::Serialize;
 use std::fmt;
@@ -7,16 +7,16 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Evidence {
-    /// A certificate in interval arithmetic over the continuous zone.
+    /// Certificate in interval arithmetic over the continuous zone.
     Proved,
-    /// A lower bound in floating point over the continuous zone.
+    /// Lower bound in floating point over the continuous zone.
     Bounded,
-    /// A grid and descent from its smallest values, without a bound.
+    /// Grid search and descent from its smallest values, without a bound.
     Searched,
 }
 
 impl Evidence {
-    /// The evidence of a verdict by what was found: a certificate that decides it, or a bound.
+    /// Evidence for a verdict with or without a deciding certificate and a bound.
     pub(crate) fn of(is_certified: bool, is_bounded: bool) -> Self {
         match (is_certified, is_bounded) {
             (true, _) => Self::Proved,
@@ -25,7 +25,7 @@ impl Evidence {
         }
     }
 
-    /// The word in documents.
+    /// Word in files and answers.
     pub fn name(self) -> &'static str {
         match self {
             Self::Proved => "proved",

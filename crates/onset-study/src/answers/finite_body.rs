@@ -1,4 +1,4 @@
-//! Time steps of finite bodies, beside that of the waves of the infinite lattice.
+//! Time steps of finite bodies, which differ from the step of the infinite lattice.
 
 use super::problem::{Problem, ProblemError};
 use crate::number::{counted, told_below};
@@ -8,31 +8,31 @@ use onset::kinematics::DeformationGradient;
 use onset::motion::{BodyError, Start};
 use serde::Serialize;
 
-/// The body whose critical time step is that of waves.
+/// Kind of body for the critical time step of the waves.
 pub const OF_LATTICE: &str = "infinite lattice; free faces and distorted cells need less";
 
-/// A time step for finite bodies of a lattice.
+/// Time step for finite bodies of a lattice.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FiniteBodyAnswer {
-    /// A time step below which finite bodies are stable under central differences. Time.
+    /// Finite bodies are stable under central differences for smaller time steps. Time.
     pub time_step: f64,
-    /// Whether that is proved.
+    /// Whether the bound is proved.
     pub proved: bool,
-    /// Why, and for which bodies.
+    /// Reason, and the bodies for which it holds.
     pub ground: &'static str,
 }
 
-/// The critical time step of the body of a study.
+/// Critical time step of the body of a study.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BodyStepAnswer {
-    /// Number of particles.
+    /// Number of particles of the body.
     pub particles: usize,
-    /// Critical time step of central differences at the state, grips closed; `null` where nothing oscillates. Time.
+    /// Critical time step of central differences at the state with fixed grips; `null` if nothing oscillates. Time.
     pub time_step: Option<f64>,
 }
 
 impl FiniteBodyAnswer {
-    /// Answers for a state with the critical time step of its waves; `None` where nothing is known of finite bodies.
+    /// Returns the time step for finite bodies at a state with the given critical step of its waves; `None` if none is known.
     ///
     /// # Errors
     /// [`ProblemError`] when material or method cannot be evaluated there.
@@ -65,7 +65,6 @@ impl FiniteBodyAnswer {
         }))
     }
 
-    /// The answer in words.
     pub(crate) fn words(&self, units: Units) -> String {
         let how = if self.proved { "proved" } else { "computed" };
         format!(
@@ -77,10 +76,10 @@ impl FiniteBodyAnswer {
 }
 
 impl BodyStepAnswer {
-    /// Answers for the body of the settings at a state; `None` where they have none.
+    /// Returns the critical step of the body of the settings at a state; `None` without a body.
     ///
     /// # Errors
-    /// [`ProblemError`] when the body cannot be run with the method.
+    /// [`ProblemError`] when the method cannot run the body.
     pub fn new(problem: &Problem, f: &DeformationGradient) -> Result<Option<Self>, ProblemError> {
         let Some(settings) = &problem.settings.body else {
             return Ok(None);
@@ -111,13 +110,12 @@ impl BodyStepAnswer {
         }
     }
 
-    /// The body in words.
     pub(crate) fn words(&self) -> String {
         format!("body of {}", counted(self.particles, "particle"))
     }
 }
 
-/// What to do about a body that cannot be.
+/// Hint for a body that is not possible.
 pub(crate) fn hint_on_body(error: &BodyError) -> &'static str {
     match error {
         BodyError::NoContact(_) => "leave body.contact out",

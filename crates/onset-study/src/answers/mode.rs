@@ -1,10 +1,10 @@
-//! The mode that an answer speaks of, and its wave vector.
+//! The mode that an answer reports, and its wave vector.
 
 use nalgebra::SVector;
 use onset::bloch::Mode;
 use onset::verdict::Assessment;
 
-/// The mode that an answer speaks of: the fastest growing one, or the softest one when none grows.
+/// Mode that an answer reports: the fastest growing one, or the softest one if the state is stable.
 pub(super) fn critical_mode(assessment: &Assessment<3>) -> &Mode<3> {
     let spectrum = &assessment.spectrum;
     let grows = spectrum.fastest_growing.omega_squared.re < 0.0 || spectrum.flutters;

@@ -1,4 +1,4 @@
-//! What a mode is called: how its particles move, and at which point of the zone.
+//! Name of a mode: the motion of the particles, and the point of the zone.
 
 use super::problem::Problem;
 use crate::number::{told, told_of, vector};
@@ -6,14 +6,15 @@ use crate::settings::Family;
 use nalgebra::SVector;
 use onset::bloch::Mode;
 
-/// Shares of a polarization along the wave from which it is longitudinal, and up to which it is transverse.
+/// Component of the polarization along the wave, as a fraction: longitudinal from the first value, transverse up to the second.
 const LONGITUDINAL: f64 = 0.95;
 const TRANSVERSE: f64 = 0.3;
-/// Lengths of wave vectors that agree to this are equal.
-const SAME: f64 = 1e-6;
+/// Relative tolerance for the lengths of wave vectors.
+const LENGTH_TOLERANCE: f64 = 1e-6;
 
-/// A mode in words: `transverse wave at M (particles alternate), frequency 0.41`. `spatial` is its wave vector in the deformed lattice,
-/// or the direction of a long wave there, `fastest` the largest frequency.
+/// Describes a mode: `transverse wave at M (particles alternate), frequency 0.41`.
+///
+/// `spatial` is its wave vector in the deformed lattice (for a long wave, the direction), `fastest` the largest frequency.
 pub(super) fn name(
     problem: &Problem,
     mode: &Mode<3>,
@@ -41,7 +42,7 @@ pub(super) fn name(
         );
     }
     let omega_squared = mode.omega_squared;
-    // What is rounding beside the largest is zero.
+    // Values within rounding of the largest one are zero.
     let is_zero = told_of(omega_squared.re, fastest * fastest) == "0";
     let frequency = match omega_squared.re > 0.0 && omega_squared.im == 0.0 && !is_zero {
         true => {
@@ -57,7 +58,7 @@ pub(super) fn name(
         None => format!("along {}", vector(&along.as_slice()[..dimension])),
     };
     let doubled = shortest(&reciprocal, &(k * 2.0)).0;
-    let alternates = doubled <= SAME * longest(&reciprocal);
+    let alternates = doubled <= LENGTH_TOLERANCE * longest(&reciprocal);
     let pattern = match (alternates, settings.method.method) {
         (true, Family::FiniteElements) => " (hourglass: nodes alternate)",
         (true, _) => " (particles alternate)",
@@ -66,15 +67,16 @@ pub(super) fn name(
     format!("{kind}wave {place}{pattern}{frequency}")
 }
 
-/// The named point of the zone that a wave vector is equivalent to by the symmetry of the reference lattice: it is as near to a
-/// reciprocal lattice point as that, and to as many of them.
+/// Named point of the zone that is equivalent to a wave vector by the symmetry of the reference lattice.
+///
+/// Equivalent points have the same distance from the nearest reciprocal lattice points, and the same number of these.
 fn point(
     problem: &Problem,
     reciprocal: &[SVector<f64, 3>],
     k: &SVector<f64, 3>,
 ) -> Option<&'static str> {
     let own = shortest(reciprocal, k);
-    let scale = SAME * longest(reciprocal);
+    let scale = LENGTH_TOLERANCE * longest(reciprocal);
     let points = problem.analysis.zone_path(problem.settings.named_zone());
     let is_same = |(_, place): &(&'static str, Vec<f64>)| {
         let place = SVector::from_fn(|i, _| place.get(i).copied().unwrap_or(0.0));
@@ -88,7 +90,7 @@ fn longest(reciprocal: &[SVector<f64, 3>]) -> f64 {
     reciprocal.iter().map(|b| b.norm()).fold(0.0, f64::max)
 }
 
-/// The length of the shortest wave vectors that are equivalent to one, and how many there are.
+/// Length of the shortest equivalent wave vectors, and their number.
 fn shortest(reciprocal: &[SVector<f64, 3>], k: &SVector<f64, 3>) -> (f64, usize) {
     let shifted = |n: i32| {
         let steps = reciprocal.iter().enumerate();
@@ -100,7 +102,7 @@ fn shortest(reciprocal: &[SVector<f64, 3>], k: &SVector<f64, 3>) -> (f64, usize)
         .map(shifted)
         .collect();
     let least = lengths.iter().copied().fold(f64::INFINITY, f64::min);
-    let is_least = |own: &&f64| **own <= least + SAME * longest(reciprocal);
+    let is_least = |own: &&f64| **own <= least + LENGTH_TOLERANCE * longest(reciprocal);
     (least, lengths.iter().filter(is_least).count())
 }
 

@@ -1,4 +1,4 @@
-//! The answer to: how do the particles move in the mode that an answer speaks of?
+//! Motion of the particles in the mode that an answer reports.
 
 use super::mode::critical_mode;
 use super::problem::{Problem, ProblemError, Strain};
@@ -10,46 +10,47 @@ use onset::verdict::Assessment;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// Cells of the patch along each primitive vector, by dimension; fewer where cells hold several particles.
+/// Number of cells of the patch along each primitive vector, by dimension; fewer if cells hold several particles.
 const CELLS: [usize; 3] = [24, 10, 5];
-/// Particles of the largest patch.
+/// Maximum number of particles of the patch.
 const LARGEST: usize = 700;
-/// Steps of the inverse iteration: each multiplies what is not of the mode with a number near zero.
-const STEPS: usize = 4;
+/// Number of inverse iterations; each nearly eliminates the components of other modes.
+const INVERSE_ITERATIONS: usize = 4;
 
-/// The critical mode, or the softest one of a stable state, on a patch of particles: at the phase `p` a particle is displaced from its
-/// `place` by a multiple of `Re(u exp(-i p))`.
+/// Critical mode, or softest mode of a stable state, on a patch of particles.
+///
+/// At phase `p` a particle is displaced from its `place` by a multiple of `Re(u exp(-i p))`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MovingMode {
     /// Whether no mode grows.
     pub stable: bool,
-    /// Whether it is the limit of long waves, drawn with a wavelength as long as the patch.
+    /// Whether the mode is the limit of long waves, which is drawn with the patch as wavelength.
     pub is_long_wave: bool,
-    /// Reference wave vector of what is drawn; 1/length.
+    /// Reference wave vector of the drawn wave; 1/length.
     pub wave_vector: Vec<f64>,
     /// `omega^2` of the mode; zero in the limit of long waves. 1/time^2.
     pub omega_squared: ComplexNumber,
-    /// Particle spacing; length.
+    /// Particle spacing in the reference configuration; length.
     pub spacing: f64,
-    /// The particles.
+    /// Particles of the patch.
     pub particles: Vec<MovingParticle>,
 }
 
-/// A particle in a mode.
+/// Particle in a mode.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MovingParticle {
-    /// Its number in its cell.
+    /// Number of the particle in its cell.
     pub site: usize,
-    /// Where it is in the deformed state; length.
+    /// Position in the deformed state; length.
     pub place: [f64; 3],
-    /// Its displacement, real part, over the largest amplitude of all particles.
+    /// Displacement, real part, over the largest amplitude of all particles.
     pub re: [f64; 3],
-    /// Its displacement, imaginary part, likewise.
+    /// Displacement, imaginary part, over the largest amplitude of all particles.
     pub im: [f64; 3],
 }
 
 impl MovingMode {
-    /// The mode that `onset state` speaks of.
+    /// Computes the mode that `onset state` reports.
     ///
     /// # Errors
     /// [`ProblemError`] when the method or the material cannot be evaluated there.
@@ -58,10 +59,10 @@ impl MovingMode {
         Self::of(problem, strain, &assessment)
     }
 
-    /// The same of a state that has been assessed.
+    /// Computes the mode of an assessed state.
     ///
     /// # Errors
-    /// As [`MovingMode::new`].
+    /// Fails like [`MovingMode::new`].
     pub fn of(
         problem: &Problem,
         strain: &Strain,
@@ -109,15 +110,15 @@ impl MovingMode {
     }
 }
 
-/// Cells along an edge of a patch that is not too large.
+/// Number of cells along an edge that respects the limit on particles.
 fn cells(dimension: usize, sites: usize) -> usize {
     let usual = CELLS[dimension - 1];
     let is_small = |cells: &usize| cells.pow(dimension as u32) * sites <= LARGEST;
     (1..=usual).rev().find(is_small).unwrap_or(1)
 }
 
-/// The displacements of the particles of a cell in a mode, whose `omega^2` is known: the eigenvector of `D(k)` by inverse iteration from the
-/// known displacement of the particle that moves most.
+/// Displacements of the particles of a cell in a mode with known `omega^2`. The eigenvector of `D(k)` follows by inverse iteration from the known
+/// displacement of the particle that moves most.
 fn displacements(
     matrix: &DMatrix<Complex>,
     mode: &Mode<3>,
@@ -125,15 +126,15 @@ fn displacements(
     sites: usize,
 ) -> Vec<SVector<Complex, 3>> {
     let size = matrix.iter().map(|entry| entry.norm()).fold(0.0, f64::max);
-    // Beside the eigenvalue, where the matrix is not singular.
+    // Slightly off the eigenvalue, so that the matrix is not singular.
     let near = mode.omega_squared + Complex::new(1e-9 * size, 0.0);
     let shifted = matrix - DMatrix::identity(matrix.nrows(), matrix.ncols()) * near;
     let solver = shifted.lu();
     let mut found = DVector::from_fn(dimension * sites, |n, _| {
-        // No symmetry of the cell, which could be another than that of the mode.
+        // The initial vector has no symmetry of the cell, which might differ from the symmetry of the mode.
         mode.polarization[n % dimension] * (1.0 + 0.1 * (n / dimension) as f64)
     });
-    for _ in 0..STEPS {
+    for _ in 0..INVERSE_ITERATIONS {
         match solver.solve(&found) {
             Some(next) if next.norm().is_finite() && next.norm() > 0.0 => {
                 found = next.unscale(next.norm());
@@ -199,7 +200,7 @@ mod tests {
                 "{own:?}: {}",
                 rest.norm()
             );
-            // The particle that moves most moves as the answer says; one of them where two move as much.
+            // The particle that moves most moves as the answer says; if two move equally, one of them.
             let most = of_sites.iter().map(|own| own.norm()).fold(0.0, f64::max);
             let is_shown = of_sites.iter().any(|own| {
                 let along: Complex = (0..3).map(|i| own[i] * mode.polarization[i].conj()).sum();
@@ -227,7 +228,7 @@ mod tests {
             let phase = moving.wave_vector[0] * apart[0] + moving.wave_vector[1] * apart[1];
             let expected = displacement(0) * Complex::new(phase.cos(), phase.sin());
             assert!((displacement(n) - expected).norm() < 1e-12);
-            // Stretched by 1.1 along the first axis.
+            // The patch is stretched by 1.1 along the first axis.
             let x = patch[n].position;
             let place = moving.particles[n].place;
             assert!((place[0] - 1.1 * x[0]).abs() < 1e-12 && (place[1] - x[1]).abs() < 1e-12);

@@ -1,10 +1,10 @@
-//! Which commands to run after a verdict, with the settings at hand.
+//! Commands that follow up a verdict, with the current settings.
 
 use crate::settings::{Choice, Family, Key, Settings, Value};
 use crate::shell::quoted;
 use onset::verdict::Verdict;
 
-/// Commands to run after a verdict; none of a law that the calling program has handed over, which no command can name.
+/// Commands that follow up a verdict. Empty for a law that the calling program defines, because no command can name it.
 pub(super) fn next(settings: &Settings, verdict: Verdict, has_one_particle: bool) -> Vec<String> {
     if settings.material.is_handed() {
         return Vec::new();
@@ -22,7 +22,7 @@ pub(super) fn next(settings: &Settings, verdict: Verdict, has_one_particle: bool
     }
 }
 
-/// The coefficient of a stabilization that the method reads.
+/// Stabilization coefficient that the method uses.
 fn coefficient(settings: &Settings, has_one_particle: bool) -> Option<&'static str> {
     let candidates = match settings.method.method {
         Family::TotalLagrangianSph => ["discretization.penalty"].as_slice(),
@@ -33,7 +33,7 @@ fn coefficient(settings: &Settings, has_one_particle: bool) -> Option<&'static s
         Family::Kernel => &["discretization.stress-point-weight"],
         Family::MaterialPoints => &[],
     };
-    // With several particles in a cell stress points have the weight that they have.
+    // In cells with several particles the weight of stress points is fixed.
     if settings.method.method == Family::Kernel && !has_one_particle {
         return None;
     }
@@ -41,13 +41,13 @@ fn coefficient(settings: &Settings, has_one_particle: bool) -> Option<&'static s
     candidates.iter().find(is_read).copied()
 }
 
-/// `--set` for everything that is not a default, but for one key.
+/// `--set` options for all settings that are not defaults, except one key.
 fn assignments(settings: &Settings, without: Option<&str>) -> String {
     let set = |assignment: &String| format!(" --set {}", quoted(assignment.as_ref()));
     assigned(settings, without).iter().map(set).collect()
 }
 
-/// The assignments by which the defaults become these settings, but for one key; the model first, then moduli as they were set.
+/// Assignments that turn the defaults into these settings, except one key: first the model, then moduli as they were set.
 pub(crate) fn assigned(settings: &Settings, without: Option<&str>) -> Vec<String> {
     let told = |name: &str, choice: &Choice| {
         let unit = choice.unit.unwrap_or_default();
@@ -63,7 +63,7 @@ pub(crate) fn assigned(settings: &Settings, without: Option<&str>) -> Vec<String
         format!("{name}={text}")
     };
     let effective = settings.effective();
-    // Moduli as they were set, not what follows from them.
+    // Moduli as they were set, not the parameters that follow from them.
     let (moduli, follows) = settings.moduli();
     let chosen = effective
         .chosen()
@@ -75,7 +75,7 @@ pub(crate) fn assigned(settings: &Settings, without: Option<&str>) -> Vec<String
     first.chain(told_moduli).chain(last).collect()
 }
 
-/// The same for the law of space alone.
+/// `--set` options for the law alone, in 3D.
 fn of_law(settings: &Settings) -> String {
     let mut law = Settings::default();
     law.material = settings.material.clone().in_space();

@@ -1,4 +1,4 @@
-//! What a reader must know of a law and a method whatever the question.
+//! Notes on law and method that every answer carries.
 
 use crate::methods::reduced;
 use crate::number::{counted, told, told_of};
@@ -10,13 +10,12 @@ use onset::criteria::is_isotropic;
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, Response};
 
-/// Stresses at `F = 1` below this share of the stiffness are rounding.
+/// Stresses at `F = 1` below this fraction of the stiffness are rounding errors.
 const UNSTRESSED: f64 = 1e-9;
-/// A state with different stretches, at which a law that has no shear stiffness at `F = 1` alone has some.
+/// State with different stretches. A law without shear stiffness only at `F = 1` has some here.
 const STRETCHED: [f64; 3] = [1.1, 1.0, 0.95];
 
-/// What a reader of an answer must know of the law: that it has stress at `F = 1`, no stiffness against shear, a negative Poisson's ratio, or a tangent that
-/// depends on the path, where it is so.
+/// Notes on a law: stress at `F = 1`, no shear stiffness, a negative Poisson's ratio, or a tangent that depends on the path.
 pub fn notes_on_law(settings: &MaterialSettings, material: &dyn Hyperelastic) -> Vec<String> {
     let notes = [
         stress_at_rest(material),
@@ -27,20 +26,19 @@ pub fn notes_on_law(settings: &MaterialSettings, material: &dyn Hyperelastic) ->
     notes.into_iter().flatten().collect()
 }
 
-/// Whether a law has stress at `F = 1`.
 fn is_stressed(material: &dyn Hyperelastic) -> bool {
     stress_at_rest(material).is_some()
 }
 
-/// Whether a law has no stress at a state, to rounding.
+/// Returns true if the law has no stress at a state, to rounding.
 pub(super) fn is_unstressed(material: &dyn Hyperelastic, f: &DeformationGradient) -> bool {
     let response = material.response(f);
     response
         .is_ok_and(|response| response.cauchy().amax() <= UNSTRESSED * response.tangent.largest())
 }
 
-/// What a sheet or bar does that no wave within it shows: it buckles where a principal Cauchy stress `sigma_1` within it is compressive. `material` is the
-/// law of the sheet or bar; there is no note on others.
+/// Note on buckling of a sheet or bar with a compressive principal Cauchy stress, which waves within it do not show. `material` is the law of the
+/// sheet or bar; other bodies get no note.
 pub(super) fn buckling(
     material: &dyn Hyperelastic,
     response: &Response,
@@ -65,7 +63,7 @@ pub(super) fn buckling(
     })
 }
 
-/// Whether a law has no stiffness against shear, neither at `F = 1` nor under stretches, but some against a change of volume.
+/// Returns true for a fluid: no shear stiffness, neither at `F = 1` nor under stretches, but stiffness against volume changes.
 pub(super) fn is_fluid(material: &dyn Hyperelastic) -> bool {
     let yields = |f: DeformationGradient| {
         let response = material.response(&f).ok()?;
@@ -75,17 +73,17 @@ pub(super) fn is_fluid(material: &dyn Hyperelastic) -> bool {
             shears.all(|(i, j)| response.tangent[(i, j, i, j)].abs() <= ROUNDING * stiffness);
         Some(stiffness > 0.0 && are_free)
     };
-    // A fluid has no plane stress, and a bar in uniaxial stress no shear.
+    // A fluid has no plane stress, and a bar in uniaxial stress has no shear.
     if material.dimension() < 3 {
         return false;
     }
-    // Of shears along the axes of the stretches a fluid has the stiffness of none; a law that stiffens from nothing has.
+    // A fluid has no stiffness for shears along the axes of the stretches; a law that only stiffens from zero has some.
     let stretched = DeformationGradient::from_stretches(STRETCHED).ok();
     yields(DeformationGradient::identity()) == Some(true)
         && stretched.and_then(yields) != Some(false)
 }
 
-/// That a law is a fluid, where it is.
+/// Note on laws that are fluids.
 fn fluid(material: &dyn Hyperelastic) -> Option<String> {
     is_fluid(material).then(|| {
         "the law has no stiffness against shear: a fluid. It is not strongly elliptic at any state, its transverse waves have omega = 0, and \
@@ -103,7 +101,7 @@ pub fn moduli(material: &dyn Hyperelastic) -> Option<[f64; 2]> {
     is_told.then_some([shear, bulk])
 }
 
-/// Poisson's ratio of an isotropic law at `F = 1`, where it is negative.
+/// Note on a negative Poisson's ratio of an isotropic law at `F = 1`.
 fn auxetic(material: &dyn Hyperelastic) -> Option<String> {
     let response = material.undeformed().ok()?;
     let stiffness = |k: usize| response.tangent[(0, 0, k, k)];
@@ -123,7 +121,7 @@ fn auxetic(material: &dyn Hyperelastic) -> Option<String> {
     })
 }
 
-/// That the tangent of a law depends on the path, where it does.
+/// Note on laws whose tangent depends on the path.
 fn note_on_path(model: Model) -> Option<String> {
     model.is_in_rate_form().then(|| match model.is_elastic_plastic() {
         false => format!(
@@ -140,9 +138,9 @@ fn note_on_path(model: Model) -> Option<String> {
     })
 }
 
-/// The stress of a law at `F = 1`, in words, where it has one.
+/// Note on laws with stress at `F = 1`.
 fn stress_at_rest(material: &dyn Hyperelastic) -> Option<String> {
-    // A law without a reference state is told by whoever evaluates it.
+    // The evaluation itself reports laws without a reference state.
     let response = material.response(&DeformationGradient::identity()).ok()?;
     let stiffness = response.tangent.largest();
     let cauchy = response.cauchy();
@@ -165,7 +163,7 @@ fn stress_at_rest(material: &dyn Hyperelastic) -> Option<String> {
     let pressure = cauchy.trace() / 3.0;
     let is_pressure =
         (cauchy - Matrix3::from_diagonal_element(pressure)).amax() <= UNSTRESSED * stiffness;
-    // ln J has the stress 1 at F = 1.
+    // `ln J` has the stress 1 at `F = 1`.
     let remedy = match is_pressure {
         true => {
             let (sign, size) = if pressure > 0.0 {
@@ -185,7 +183,7 @@ fn stress_at_rest(material: &dyn Hyperelastic) -> Option<String> {
     ))
 }
 
-/// That a cell was reduced to its primitive cell.
+/// Note on a cell that was reduced to its primitive cell.
 fn note_on_cell(cell: ReducedCell) -> String {
     let ReducedCell {
         described,
@@ -198,21 +196,21 @@ fn note_on_cell(cell: ReducedCell) -> String {
     )
 }
 
-/// What a reader of an answer must know of law and method.
+/// Notes on law and method.
 pub fn notes(settings: &Settings, material: &dyn Hyperelastic) -> Vec<String> {
     let mut notes = notes_on_law(&settings.material, material);
     notes.extend(notes_on_method(settings));
     notes
 }
 
-/// That zero-energy modes are stable where only growing waves count.
+/// Note that zero-energy modes count as stable if only growing waves matter.
 pub(crate) fn zero_energy(who_has: &str, place: &str) -> String {
     format!(
         "{who_has} zero-energy modes (verdict zero-energy), which do not grow by themselves and count as stable {place}; `onset modes` shows them"
     )
 }
 
-/// What a reader of an answer must know of the method: that its cell was reduced, and that bonds take of the law its modulus only.
+/// Notes on the method: the cell was reduced, or bonds use only the modulus of the law.
 pub fn notes_on_method(settings: &Settings) -> Vec<String> {
     let reduced = reduced(settings).map(note_on_cell);
     reduced
@@ -221,14 +219,14 @@ pub fn notes_on_method(settings: &Settings) -> Vec<String> {
         .collect()
 }
 
-/// What a reader of the run of a patch must know, whose cells are those of the settings.
+/// Notes for the simulation of a patch, which keeps the cells of the settings.
 pub(crate) fn notes_on_patch(settings: &Settings, material: &dyn Hyperelastic) -> Vec<String> {
     let mut notes = notes_on_law(&settings.material, material);
     notes.extend(notes_on_bonds(settings));
     notes
 }
 
-/// That bonds take of the law its modulus only.
+/// Note that bonds use only the modulus of the law.
 fn notes_on_bonds(settings: &Settings) -> Option<String> {
     let method = &settings.method;
     if method.method == Family::Peridynamics && method.bonds == Bonds::BondBased {

@@ -1,4 +1,4 @@
-//! The answer to: where along this path is stability lost, and regained?
+//! States of a path at which stability is lost and regained.
 
 use super::course::{Course, LoadingOfPath};
 use super::evidence::Evidence;
@@ -17,10 +17,10 @@ use onset::method::MethodError;
 use onset::verdict::{Crossing, Onset, PathScan, Phase, Verdict};
 use serde::Serialize;
 
-/// Everything about a straight path.
+/// Answer of `onset path` for a path of deformations.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PathAnswer {
-    /// Where material and discretization can be evaluated.
+    /// Parts of the path in which material and discretization are defined.
     #[serde(skip)]
     defined: [Defined; 2],
     /// Number of space dimensions of the particles.
@@ -29,108 +29,108 @@ pub struct PathAnswer {
     /// Whether the smallest acoustic eigenvalue of the material is zero to rounding at an end.
     #[serde(skip)]
     pub is_marginal: bool,
-    /// Whether the law is a fluid, which is strongly elliptic nowhere.
+    /// Whether the law is a fluid, which is never strongly elliptic.
     #[serde(skip)]
     pub is_fluid: bool,
     /// Whether tangents have major symmetry at both ends.
     #[serde(skip)]
     pub is_symmetric: bool,
-    /// What a reader must know of law and method.
+    /// Remarks on law and method for the reader.
     pub notes: Vec<String>,
-    /// How sure it is that nothing is lost between the states that were searched: `searched`.
+    /// Evidence that nothing is lost between the sampled states: `searched`.
     pub evidence: Evidence,
-    /// Every choice in effect.
+    /// All settings in effect.
     pub settings: Effective,
     /// Label of the coordinate along the path, as in the figure: the imposed stretch, a stretch along an axis, or the path parameter.
     pub abscissa: &'static str,
-    /// The loading, where the path is one.
+    /// The loading, unless the path is straight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loading: Option<LoadingOfPath>,
     /// `F_iJ` at the start.
     pub from: [[f64; 3]; 3],
     /// `F_iJ` at the end.
     pub to: [[f64; 3]; 3],
-    /// First loss of strong ellipticity, `null` if there is none.
+    /// First loss of strong ellipticity, or `null`.
     pub material_onset: Option<MaterialOnset>,
-    /// First instability of the discretization, `null` if there is none.
+    /// First instability of the discretization, or `null`.
     pub discretization_onset: Option<DiscretizationOnset>,
-    /// Every loss and return of strong ellipticity.
+    /// Every loss and recovery of strong ellipticity.
     pub material_crossings: Vec<CrossingAnswer>,
-    /// Every loss and return of the stability of the discretization.
+    /// Every loss and recovery of the stability of the discretization.
     pub discretization_crossings: Vec<CrossingAnswer>,
 }
 
-/// A change between stable and unstable.
+/// Change between stable and unstable.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CrossingAnswer {
     /// Path parameter, 0 at the start, 1 at the end.
     pub parameter: f64,
-    /// Stretches along the axes there; principal stretches, largest first, where `F` is not diagonal.
+    /// Stretches along the axes; principal stretches, largest first, if `F` is not diagonal.
     pub stretch: Vec<f64>,
-    /// The imposed stretch, or amount of shear, of a loading.
+    /// Imposed stretch, or amount of shear, of a loading.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub imposed: Option<f64>,
-    /// Phase before.
+    /// Phase before the change.
     pub from: Phase,
-    /// Phase behind.
+    /// Phase after the change.
     pub to: Phase,
     /// Half of the length of the bracket of `parameter`.
     pub tolerance: f64,
 }
 
-/// The first loss of strong ellipticity.
+/// First loss of strong ellipticity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MaterialOnset {
-    /// Where; the start itself when it is not elliptic.
+    /// State of the loss; the start if it is not elliptic.
     #[serde(flatten)]
     pub place: Place,
-    /// How waves of the material grow behind it: `flutter` or `unstable`.
+    /// Phase after the loss: `flutter` or `unstable`.
     pub phase: Phase,
     /// Reference direction of the critical wave.
     pub direction: Vec<f64>,
-    /// Its polarization; none of flutter, whose polarization is complex.
+    /// Polarization of the critical wave; empty for flutter, whose polarization is complex.
     pub polarization: Vec<f64>,
 }
 
-/// The first instability of the discretization.
+/// First instability of the discretization.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DiscretizationOnset {
-    /// Where; the start itself when it is unstable.
+    /// State of the onset; the start if it is unstable.
     #[serde(flatten)]
     pub place: Place,
-    /// How the particles are unstable behind it: `flutter` or `unstable`.
+    /// Phase after the onset: `flutter` or `unstable`.
     pub phase: Phase,
     /// Whether the critical wave is infinitely long.
     pub long_wave: bool,
     /// Reference wave vector of the critical mode; zero in the limit of long waves.
     pub wave_vector: Vec<f64>,
-    /// The same in the deformed lattice.
+    /// Wave vector of the critical mode in the deformed lattice.
     pub spatial_wave_vector: Vec<f64>,
     /// Reference direction of the critical wave.
     pub direction: Vec<f64>,
-    /// Its polarization, real part.
+    /// Polarization of the critical mode, real part.
     pub polarization: Vec<f64>,
-    /// Its `omega^2`: zero, unless the instability is flutter or the start is unstable.
+    /// `omega^2` of the critical mode: zero, unless the instability is flutter or the start is unstable.
     pub omega_squared: ComplexNumber,
 }
 
-/// A state on a path.
+/// State on a path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Place {
-    /// Path parameter.
+    /// Path parameter, 0 at the start, 1 at the end.
     pub parameter: f64,
-    /// Stretches along the axes there; principal stretches, largest first, where `F` is not diagonal.
+    /// Stretches along the axes; principal stretches, largest first, if `F` is not diagonal.
     pub stretch: Vec<f64>,
-    /// The imposed stretch, or amount of shear, of a loading.
+    /// Imposed stretch, or amount of shear, of a loading.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub imposed: Option<f64>,
-    /// `F_iJ`.
+    /// Deformation gradient `F_iJ`, by rows.
     pub deformation_gradient: [[f64; 3]; 3],
-    /// Cauchy stress.
+    /// Cauchy stress `sigma_ij`. Units of stress.
     pub cauchy: [[f64; 3]; 3],
     /// Half of the length of the bracket of `parameter`; zero at the start.
     pub tolerance: f64,
-    /// A modulus of the law: stresses that are tiny beside it are rounding.
+    /// Modulus of the law, which sets the scale of rounding errors in stresses.
     #[serde(skip)]
     pub stiffness: f64,
 }
@@ -139,15 +139,15 @@ impl PathAnswer {
     /// Follows the straight path between two states.
     ///
     /// # Errors
-    /// [`ProblemError`] when the ends are the same or a state on the way cannot be evaluated.
+    /// [`ProblemError`] when the ends coincide or a state on the path cannot be evaluated.
     pub fn new(problem: &Problem, from: &Strain, to: &Strain) -> Result<Self, ProblemError> {
         Self::along(problem, &Course::Straight(*from, *to))
     }
 
-    /// Follows any path.
+    /// Follows a straight path or a loading.
     ///
     /// # Errors
-    /// As for [`PathAnswer::new`], and where a loading cannot be followed.
+    /// Fails like [`PathAnswer::new`], and when a loading cannot be followed.
     pub fn along(problem: &Problem, course: &Course) -> Result<Self, ProblemError> {
         course.follow(problem, |path, loading| {
             let abscissa = course.abscissa(0.0).0;
@@ -167,8 +167,7 @@ fn answer(
     let analysis = &*problem.analysis;
     let dimension = analysis.dimension();
     let list = |vector: &SVector<f64, 3>| list(dimension, vector);
-    // A state that the discretization cannot have is refused, rather than called undefined all along. One at which the law has no
-    // stress, as on a kink, is a state like others.
+    // A state that the discretization cannot represent is an error, not an undefined path. A state without stress, as at a kink of the law, is valid.
     let mut notes = notes(&problem.settings, &*problem.material);
     match analysis.assess(from) {
         Err(error) if error.is_outside_domain() => {}
@@ -194,7 +193,7 @@ fn answer(
     let continuum = scan_material_in(dimension, &*problem.material, path)?;
     let particles = analysis.scan(path)?;
 
-    // At a fold a free face loses its stiffness, which can be that of a wave: the sign would change on the branch that leads back.
+    // At a fold a free face loses its stiffness, possibly together with a wave. The sign then changes only on the branch beyond the fold.
     let of_fold = || {
         let ends_in_fold = loading.as_ref().is_some_and(LoadingOfPath::ends_in_fold);
         (ends_in_fold && is_marginal(to)).then_some((1.0, 1.0, 0.0, Phase::Unstable))
@@ -221,7 +220,7 @@ fn answer(
             let f = path.at(witness)?;
             let assessment = analysis.assess(&f)?;
             let spectrum = &assessment.spectrum;
-            // Just behind the onset nothing grows measurably yet: the softest mode is the critical one.
+            // Just after the onset no wave grows measurably, so the softest mode is the critical one.
             let mode = if spectrum.flutters || witness == 0.0 {
                 critical_mode(&assessment)
             } else {
@@ -266,7 +265,7 @@ fn answer(
     })
 }
 
-/// Where along a path something can be evaluated.
+/// Part of a path in which a quantity is defined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Defined {
     Everywhere,
@@ -286,7 +285,7 @@ impl Defined {
         }
     }
 
-    /// What is to be said where it does not hold of all states.
+    /// Restriction to add to statements about the whole path.
     fn limits(self) -> &'static str {
         match self {
             Self::Somewhere => ", where it is defined",
@@ -295,7 +294,7 @@ impl Defined {
     }
 }
 
-/// Parameter, witness and tolerance of the first instability, and the phase behind it.
+/// Parameter, witness and tolerance of the first instability, and the phase after it.
 fn onset(scan: &PathScan) -> Option<(f64, f64, f64, Phase)> {
     scan.onset().map(|onset| {
         let phase = scan.phase_behind(&onset);
@@ -321,8 +320,8 @@ fn stretch(dimension: usize, f: &DeformationGradient) -> Vec<f64> {
     if diagonal {
         return (0..dimension).map(|i| components[i][i]).collect();
     }
-    // The stretches in the dimensions of the lattice: those of the leading block, with nothing beside it the
-    // largest ones.
+    // Stretches in the dimensions of the lattice: the principal stretches of the leading block, which are the largest once all other components are
+    // zero.
     let is_leading = |i: usize, j: usize| i < dimension && j < dimension;
     let leading = DeformationGradient::from_components(std::array::from_fn(|i| {
         std::array::from_fn(|j| {
@@ -505,7 +504,7 @@ fn phase(phase: Phase) -> &'static str {
     }
 }
 
-/// A state in words; of simple shear by the amount of shear.
+/// A state in words; for simple shear with the amount of shear.
 fn at(place: &Place, sheared: bool, units: Units) -> String {
     let start = if place.parameter == 0.0 {
         ", the start,"
@@ -519,7 +518,7 @@ fn at(place: &Place, sheared: bool, units: Units) -> String {
     match place.imposed.filter(|_| sheared) {
         Some(gamma) => format!("gamma = {}{start} ({})", told(gamma), stress((0, 1))),
         None => {
-            // Those of the plane, and in space all.
+            // Stresses in the plane; in 3D all normal stresses.
             let axes = 0..place.stretch.len().max(2);
             let stresses: Vec<String> = axes.map(|i| stress((i, i))).collect();
             format!(

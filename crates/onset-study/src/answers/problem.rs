@@ -1,4 +1,4 @@
-//! A problem: settings made into a material and a method, and deformations made from numbers.
+//! Problem: material and method built from settings, and deformations built from numbers.
 
 use super::finite_body::hint_on_body;
 use crate::methods::{hint, method};
@@ -13,60 +13,60 @@ use onset::verdict::PathError;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Why a question cannot be answered. Always the input's fault, and said so.
+/// Reasons why a question cannot be answered; the input is always at fault.
 #[derive(Debug, Error)]
 pub enum ProblemError {
-    /// A setting.
+    /// A setting is invalid.
     #[error(transparent)]
     Setting(#[from] SettingError),
-    /// The numbers of a deformation.
+    /// A deformation has a wrong number of components.
     #[error("{what} has {}; expected {expected}{}", counted(*given, "number"), hint_lines(hint))]
     Numbers {
-        /// Which argument.
+        /// Argument with the numbers.
         what: &'static str,
-        /// How many there are.
+        /// Number of components that were given.
         given: usize,
-        /// How many are expected, in words.
+        /// Expected number of components, in words.
         expected: String,
-        /// What may have been meant; empty where there is nothing to say.
+        /// Suggestion, or an empty string.
         hint: String,
     },
-    /// A number that is none.
+    /// A text is not a number.
     #[error(
         "{what}: `{text}` is not a number; expected numbers separated by commas, for example 1.2,0.9"
     )]
     NotANumber {
-        /// Which argument.
+        /// Argument with the text.
         what: &'static str,
-        /// What was typed.
+        /// Text that was typed.
         text: String,
     },
-    /// A patch that is too large to be drawn and exported.
+    /// The patch is too large to be drawn and exported.
     #[error(
         "the patch has {particles:.1e} particles; at most {admitted:.0e} are admitted\n  hint: choose fewer --cells"
     )]
     Patch {
-        /// Particles of the patch.
+        /// Number of particles of the patch.
         particles: f64,
-        /// How many are admitted.
+        /// Maximum number of particles.
         admitted: f64,
     },
-    /// A range of a coefficient in which nothing can be evaluated.
+    /// No value in the range of a coefficient can be evaluated.
     #[error(
         "no value of {key} from {low} to {high} can be evaluated; at {low}: {}\n  hint: name the values to look at with --range LOW,HIGH",
         first_line(source)
     )]
     Range {
-        /// The coefficient.
+        /// Key of the coefficient.
         key: &'static str,
-        /// The smallest value.
+        /// Smallest value of the range.
         low: f64,
-        /// The largest value.
+        /// Largest value of the range.
         high: f64,
-        /// What is wrong at the smallest value.
+        /// Error at the smallest value.
         source: Box<ProblemError>,
     },
-    /// A wave vector of which double precision cannot tell the phase.
+    /// The wave vector is so large that double precision cannot represent its phase.
     #[error(
         "the wave vector is too large: |k| times the spacing is {value:.1e}; at most 1e6 is admitted"
     )]
@@ -74,70 +74,70 @@ pub enum ProblemError {
         /// `|k|` times the spacing.
         value: f64,
     },
-    /// A point of the zone that has no such name.
+    /// The zone has no point with this name.
     #[error(
         "--path: no point of the zone is called `{label}`\n  hint: this state has {}; others are given in units of the reciprocal \
          vectors, for example --path=\"0,0; 0.5,0\"; a study file goes before --path", known.join(", ")
     )]
     ZonePoint {
-        /// What was typed.
+        /// Name that was typed.
         label: String,
-        /// The names of this state.
+        /// Names of the points of this state.
         known: Vec<String>,
     },
-    /// A question that was given a time.
+    /// The request was cancelled or ran out of time.
     #[error("there was not enough time")]
     OutOfTime,
-    /// A number that is not finite.
+    /// A number is not finite.
     #[error("{what} holds {value}; all its numbers must be finite")]
     NotFinite {
-        /// Which argument.
+        /// Argument with the number.
         what: &'static str,
-        /// The number.
+        /// Value of the number.
         value: f64,
     },
-    /// The deformation.
+    /// The numbers do not form a deformation gradient.
     #[error(transparent)]
     Kinematics(#[from] KinematicsError),
-    /// The method or the material at the state.
+    /// The method or the material cannot be evaluated at the state.
     #[error("{source}{}", hint(source))]
     Method {
-        /// What is wrong.
+        /// Cause of the failure.
         source: MethodError,
     },
-    /// The body of the study.
+    /// The body of the study is not possible.
     #[error("{source}\n  hint: {}", hint_on_body(source))]
     Body {
-        /// Why it cannot be.
+        /// Cause of the failure.
         #[from]
         source: BodyError,
     },
-    /// A state at which the body has no forces.
+    /// The body has no forces at this state.
     #[error("{0}\n  hint: choose a state at which the law is defined")]
     Fault(#[from] Box<Fault>),
-    /// A loading that cannot be followed from one imposed stretch to another.
+    /// A loading cannot be followed from one imposed stretch to another.
     #[error(
         "{title}, from {imposes} {from} to {to}: {reason}{}",
         note_lines(notes)
     )]
     Loading {
-        /// The loading in a few words.
+        /// Short name of the loading.
         title: &'static str,
-        /// What is imposed: a stretch, or the amount of shear.
+        /// Name of the imposed quantity: a stretch, or the amount of shear.
         imposes: &'static str,
-        /// Its first value.
+        /// First value of the imposed quantity.
         from: f64,
-        /// Its last value.
+        /// Last value of the imposed quantity.
         to: f64,
-        /// What is wrong.
+        /// Cause of the failure.
         reason: String,
-        /// What is known of the law that may be why.
+        /// Notes on the law that may explain the failure.
         notes: Vec<String>,
     },
-    /// A path.
+    /// A path cannot be followed.
     #[error("{source}{}", path_hint(source))]
     Path {
-        /// What is wrong.
+        /// Cause of the failure.
         #[from]
         source: PathError,
     },
@@ -153,7 +153,7 @@ impl From<MethodError> for ProblemError {
 }
 
 impl ProblemError {
-    /// The error of a method with these settings, at the place of the setting that it is about.
+    /// Attributes an error of a method to the setting that causes it, if any.
     pub(crate) fn of(settings: &Settings, error: MethodError) -> Self {
         match settings.blamed(&error) {
             Some(setting) => setting.into(),
@@ -162,7 +162,7 @@ impl ProblemError {
     }
 }
 
-/// A hint as it follows a message.
+/// Appends a hint to a message.
 fn hint_lines(hint: &str) -> String {
     match hint {
         "" => String::new(),
@@ -170,8 +170,7 @@ fn hint_lines(hint: &str) -> String {
     }
 }
 
-/// What may have been meant by a number of numbers that is not the expected one: commas in the place of decimal points, or a stretch along one axis
-/// alone.
+/// Suggestion for a wrong number of components: decimal commas, or a single stretch along one axis.
 fn meant(what: &str, text: &str, admitted: impl Fn(usize) -> bool, is_stretch: bool) -> String {
     let items: Vec<&str> = text.split(',').map(str::trim).collect();
     let is_whole = |item: &&str| {
@@ -198,7 +197,7 @@ fn meant(what: &str, text: &str, admitted: impl Fn(usize) -> bool, is_stretch: b
     }
 }
 
-/// Notes as they follow a message.
+/// Appends notes to a message, one a line.
 fn note_lines(notes: &[String]) -> String {
     notes
         .iter()
@@ -206,7 +205,7 @@ fn note_lines(notes: &[String]) -> String {
         .collect()
 }
 
-/// A message without its hint, which is about one value alone.
+/// The hint of the message concerns a single value and is dropped.
 fn first_line(error: &ProblemError) -> String {
     let told = error.to_string();
     told.lines().next().unwrap_or_default().to_owned()
@@ -219,16 +218,16 @@ fn path_hint(error: &PathError) -> &'static str {
     }
 }
 
-/// In how many dimensions a state is given, and whether components beyond them can be.
+/// Number of dimensions of states, and the condition on the directions beyond.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent {
     /// The number of dimensions of the lattice.
     pub dimension: usize,
-    /// What a body of one or two dimensions has beyond them.
+    /// Condition on the directions beyond the dimensions of the lattice.
     pub plane: Plane,
 }
 
-/// So many dimensions, components beyond being given.
+/// Extent in which components beyond the dimensions can be given.
 impl From<usize> for Extent {
     fn from(dimension: usize) -> Self {
         Self {
@@ -239,12 +238,12 @@ impl From<usize> for Extent {
 }
 
 impl Extent {
-    /// Returns true if components beyond the dimensions cannot be given: they are found, or there are none.
+    /// Returns true if components beyond the dimensions cannot be given: they follow from equilibrium, or do not exist.
     pub(super) fn leaves_none_beyond(self) -> bool {
         self.plane != Plane::Strain
     }
 
-    /// Refuses numbers for what is found.
+    /// Refuses numbers for components that follow from equilibrium.
     fn check(self, what: &'static str, given: usize, own: usize) -> Result<(), ProblemError> {
         match self.leaves_none_beyond() && given != own {
             true => Err(self.refused(what, given, own)),
@@ -269,7 +268,7 @@ impl Extent {
     }
 }
 
-/// A deformation as typed, and whether stretches or components beyond the dimensions of the lattice were typed.
+/// A deformation as typed, and whether it includes stretches or components beyond the dimensions of the lattice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strain(pub DeformationGradient, bool);
 
@@ -280,7 +279,7 @@ impl From<DeformationGradient> for Strain {
 }
 
 impl Strain {
-    /// None: the reference configuration, `F = 1`.
+    /// The reference configuration, `F = 1`.
     pub fn reference() -> Self {
         DeformationGradient::identity().into()
     }
@@ -290,11 +289,10 @@ impl Strain {
         self.1
     }
 
-    /// Principal stretches along the axes: as many as the lattice has dimensions, and optionally those
-    /// out of them (1 unless given).
+    /// Reads stretches along the axes, one for each dimension of the lattice and optionally for the others (1 unless given).
     ///
     /// # Errors
-    /// [`ProblemError`] when the numbers are too few, too many, or no stretches, and when those beyond are found.
+    /// [`ProblemError`] when the numbers are too few, too many or invalid stretches, or set components that follow from equilibrium.
     pub fn of_stretches(
         what: &'static str,
         text: &str,
@@ -325,10 +323,10 @@ impl Strain {
         ))
     }
 
-    /// The components of `F`: 1 in one dimension, `F11,F12,F21,F22` in two, or all nine; in three dimensions all nine.
+    /// Reads the components of `F`: 1 in one dimension, `F11,F12,F21,F22` in two, or all nine; in three dimensions all nine.
     ///
     /// # Errors
-    /// [`ProblemError`] when their number is another, or `det F` is not positive.
+    /// [`ProblemError`] for a different number of components, or when `det F` is not positive.
     pub fn of_components(
         what: &'static str,
         text: &str,
@@ -366,10 +364,10 @@ impl Strain {
         ))
     }
 
-    /// Stretches, or the four components of `F`: the end of a path.
+    /// Reads stretches, or the four components of `F`, as the end of a path.
     ///
     /// # Errors
-    /// As for the two other constructors.
+    /// Fails like [`Strain::of_stretches`] and [`Strain::of_components`].
     pub fn of_either(
         what: &'static str,
         text: &str,
@@ -384,7 +382,7 @@ impl Strain {
 }
 
 impl Settings {
-    /// In how many dimensions states are given.
+    /// Returns the dimensions in which states are given.
     pub fn extent(&self) -> Extent {
         Extent {
             dimension: self.dimension(),
@@ -393,10 +391,10 @@ impl Settings {
     }
 }
 
-/// A list of finite numbers separated by commas; `what` is the argument, for messages.
+/// Reads finite numbers separated by commas; `what` names the argument in messages.
 ///
 /// # Errors
-/// [`ProblemError`] for what is no finite number.
+/// [`ProblemError`] when an item is not a finite number.
 pub fn numbers(what: &'static str, text: &str) -> Result<Vec<f64>, ProblemError> {
     let number = |item: &str| {
         let value: f64 = item.trim().parse().map_err(|_| ProblemError::NotANumber {
@@ -412,13 +410,13 @@ pub fn numbers(what: &'static str, text: &str) -> Result<Vec<f64>, ProblemError>
     text.split(',').map(number).collect()
 }
 
-/// A material with a discretization.
+/// Material with a discretization.
 pub struct Problem {
-    /// As set.
+    /// Settings of material and discretization.
     pub settings: Settings,
-    /// The law.
+    /// Material law, which may be shared.
     pub material: Arc<dyn Hyperelastic>,
-    /// Both together, ready to be asked.
+    /// Analysis of the discretization with this material.
     pub analysis: Box<dyn Analysis>,
 }
 
@@ -426,7 +424,7 @@ impl Problem {
     /// Builds the material and the method.
     ///
     /// # Errors
-    /// [`ProblemError`] when one of them is not admissible.
+    /// [`ProblemError`] when material or method are invalid.
     pub fn new(settings: Settings) -> Result<Self, ProblemError> {
         match settings.law() {
             Ok(material) => Self::with_law(settings, material),
@@ -437,7 +435,7 @@ impl Problem {
     /// Builds the method for a material that may be shared.
     ///
     /// # Errors
-    /// [`ProblemError`] when the method is not admissible.
+    /// [`ProblemError`] when the method is invalid.
     pub(crate) fn with_law(
         settings: Settings,
         material: Arc<dyn Hyperelastic>,
@@ -451,10 +449,10 @@ impl Problem {
         })
     }
 
-    /// The same particles in the cell that the settings describe, of which patches are made.
+    /// Returns the problem with the cell of the settings instead of the primitive cell, for patches.
     ///
     /// # Errors
-    /// [`ProblemError`] when the method is not admissible.
+    /// [`ProblemError`] when the method is invalid.
     pub fn described(&self) -> Result<Self, ProblemError> {
         let method = method(&self.settings)?;
         Ok(Self {
@@ -464,12 +462,13 @@ impl Problem {
         })
     }
 
-    /// The number of space dimensions.
+    /// Returns the number of space dimensions.
     pub fn dimension(&self) -> usize {
         self.analysis.dimension()
     }
 
-    /// A state with what a sheet in plane stress, or a bar in uniaxial stress, finds across it; the state as it is given elsewhere, and where there is none.
+    /// Completes a state by the components across a sheet in plane stress or a bar in uniaxial stress. Other states, and states without a solution,
+    /// are returned unchanged.
     pub fn found(&self, f: &DeformationGradient) -> DeformationGradient {
         match self.material.dimension() {
             3 => *f,
@@ -480,10 +479,10 @@ impl Problem {
         }
     }
 
-    /// A state that was given by all components, unless some of them are found.
+    /// Checks a state given by all components, although some may follow from equilibrium.
     ///
     /// # Errors
-    /// [`ProblemError::Numbers`] where components across a sheet or bar are not those of the reference.
+    /// [`ProblemError::Numbers`] when components across a sheet or bar differ from the reference configuration.
     pub fn given(&self, f: DeformationGradient) -> Result<DeformationGradient, ProblemError> {
         let extent = self.extent();
         let dimension = extent.dimension;
@@ -493,7 +492,7 @@ impl Problem {
         }
     }
 
-    /// In how many dimensions its states are given.
+    /// Returns the dimensions in which states are given.
     pub fn extent(&self) -> Extent {
         self.settings.extent()
     }

@@ -1,4 +1,4 @@
-//! Verdicts in plain English.
+//! Sentences for verdicts.
 
 use super::mode::{critical_mode, finite_wave_vector};
 use super::notes::is_unstressed;
@@ -13,13 +13,13 @@ use onset::kinematics::DeformationGradient;
 use onset::method::Frame;
 use onset::verdict::{Assessment, Mechanism, Verdict, ZeroEnergyWave};
 
-/// The squared ratio of frequencies below which a mode is called weakly controlled.
-const WEAK: f64 = 0.05;
+/// Largest squared frequency ratio of a weakly controlled mode.
+const WEAK_RATIO_SQUARED: f64 = 0.05;
 
-/// Such a ratio that is zero to rounding.
-const ZERO: f64 = 1e-9;
+/// Squared frequency ratio that is zero to rounding.
+const RATIO_ROUNDING: f64 = 1e-9;
 
-/// The sentence of a state of which a proof says another thing than the search.
+/// Sentence for a state whose proof contradicts the search.
 pub(super) fn of_correction(
     searched: (Verdict, Stability),
     proved: (Verdict, Stability),
@@ -36,7 +36,7 @@ pub(super) fn of_correction(
     )
 }
 
-/// The sentence of an assessment; `in_3d` tells of waves of the material in all directions, which a sheet in plane stress does not have.
+/// Sentence for an assessment. `in_3d` describes the material for waves in all directions; `None` for a sheet in plane stress.
 pub(super) fn of(
     problem: &Problem,
     assessment: &Assessment<3>,
@@ -52,7 +52,7 @@ pub(super) fn of(
     let k = analysis.spatial(f, &finite_wave_vector(mode));
     let wave = match mode.is_long_wave || k.norm() > 0.0 {
         true => wave(&k, along, units),
-        // Of cells with several particles.
+        // This case needs cells with several particles.
         false => "particles of a cell moving against each other (k = 0)".to_owned(),
     };
     let growth = growth(spectrum.growth_rate(), units);
@@ -69,10 +69,10 @@ pub(super) fn of(
     match assessment.verdict {
         Verdict::Stable => {
             let weak = match &assessment.weakest {
-                Some(mode) if mode.relative_frequency_squared < WEAK => {
+                Some(mode) if mode.relative_frequency_squared < WEAK_RATIO_SQUARED => {
                     let wave = self::wave(&mode.wave_vector, along, units);
                     match mode.relative_frequency_squared {
-                        square if square < -ZERO => {
+                        square if square < -RATIO_ROUNDING => {
                             format!(" In the reference configuration a mode grows, though: {wave}.")
                         }
                         square => format!(
@@ -163,7 +163,7 @@ pub(super) fn of(
     }
 }
 
-/// What is wrong with a material of which waves grow.
+/// Reason why the material is unstable.
 fn lost(minimum: &AcousticMinimum<3>) -> &'static str {
     match minimum.only_flutters() {
         true => "its acoustic tensor has complex eigenvalues (flutter)",
@@ -171,7 +171,7 @@ fn lost(minimum: &AcousticMinimum<3>) -> &'static str {
     }
 }
 
-/// A numerical instability by its mechanism, and what it originates from.
+/// Name of a numerical instability: mechanism and origin.
 fn instability(assessment: &Assessment<3>, culprit: &str, is_unstressed: bool) -> String {
     let sign = Mechanism::of(
         Stability::Divergence,
@@ -188,7 +188,7 @@ fn instability(assessment: &Assessment<3>, culprit: &str, is_unstressed: bool) -
     }
 }
 
-/// What a numerical instability originates from.
+/// Origin of a numerical instability.
 fn culprit(family: Family) -> &'static str {
     match family {
         Family::Kernel | Family::TotalLagrangianSph | Family::UpdatedSph => "kernel",
@@ -199,7 +199,7 @@ fn culprit(family: Family) -> &'static str {
     }
 }
 
-/// What to add where waves of the material that the discretization does not have say another thing.
+/// Restriction of a statement on the material if waves out of the plane behave differently.
 fn in_plane(in_3d: Option<&SpaceAnswer>) -> &'static str {
     if in_3d.is_some_and(|in_3d| in_3d.flutter.is_some()) {
         return " for in-plane perturbations (others flutter)";

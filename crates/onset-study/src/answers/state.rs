@@ -1,4 +1,4 @@
-//! The answer to: is this state stable, and if not, is the instability physical or numerical?
+//! Verdict on a state: is it stable, and if not, is the instability physical or numerical?
 
 use super::certificate::CertificateAnswer;
 use super::discrete_time::{DiscreteTimeAnswer, note};
@@ -26,15 +26,15 @@ use onset::verdict::{Assessment, MaterialAssessment, Mechanism, SurveyedState, V
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Differences of a bound from a scaled minimum up to which it is told even where it is larger than the minimum.
+/// Largest distance of a bound below a small scaled minimum for which the bound is reported.
 const USEFUL: f64 = 1e-3;
 
-/// A complex number.
+/// Complex number as a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ComplexNumber {
-    /// Real part.
+    /// Real part of the number.
     pub re: f64,
-    /// Imaginary part.
+    /// Imaginary part of the number.
     pub im: f64,
 }
 
@@ -47,34 +47,33 @@ impl From<Complex> for ComplexNumber {
     }
 }
 
-/// Everything about one state.
+/// Answer of `onset state` for one state.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StateAnswer {
     /// The origin of the first instability.
     pub verdict: Verdict,
     /// The mechanism of a numerical instability; `null` for other verdicts.
     pub mechanism: Option<Mechanism>,
-    /// How sure the verdict is: `proved`, `bounded` or `searched`.
+    /// Evidence for the verdict: `proved`, `bounded` or `searched`.
     pub evidence: Evidence,
     /// The verdict in plain English.
     pub sentence: String,
-    /// What a reader must know of law and method.
+    /// Remarks on law and method for the reader.
     pub notes: Vec<String>,
-    /// Commands to run next.
+    /// Commands that follow up the verdict.
     pub next: Vec<String>,
-    /// Every choice in effect.
+    /// All settings in effect.
     pub settings: Effective,
-    /// `F_iJ`; in plane stress with the components across that were found.
+    /// `F_iJ`; in plane stress with the computed components across the sheet.
     pub deformation_gradient: [[f64; 3]; 3],
     /// The continuum, as computed in floating point.
     pub material: MaterialAnswer,
-    /// The continuum for waves in all directions of space, of which those of a lattice in the plane are only some; a sheet or bar in plane stress
-    /// has none.
+    /// The continuum for waves in all directions of 3D space, also out of the plane of a 2D lattice. `None` for a sheet or bar in plane stress.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material_3d: Option<SpaceAnswer>,
-    /// The particles, as the search in floating point finds them.
+    /// The discretization, as searched in floating point.
     pub discretization: DiscretizationAnswer,
-    /// What is proved, if that was asked for.
+    /// Proofs, if they were requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub certificate: Option<CertificateAnswer>,
 }
@@ -82,50 +81,49 @@ pub struct StateAnswer {
 /// The continuum at a state. Stresses in units of the material's parameters.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MaterialAnswer {
-    /// The law.
+    /// Name of the law.
     pub model: &'static str,
-    /// Its parameters.
+    /// Parameters of the law.
     pub parameters: BTreeMap<&'static str, Value>,
-    /// Cauchy stress `sigma_ij`.
+    /// Cauchy stress `sigma_ij`. Units of stress.
     pub cauchy: [[f64; 3]; 3],
     /// First Piola-Kirchhoff stress `P_iJ`, first index spatial.
     pub first_piola: [[f64; 3]; 3],
     /// Tangent `A_iJkL = dP_iJ/dF_kL`, nested in the order of its indices.
     pub tangent: Vec<Vec<Vec<Vec<f64>>>>,
-    /// The size of its largest component: what stresses and eigenvalues are made of.
+    /// Largest component of the tangent, the scale of rounding errors in stresses and eigenvalues.
     #[serde(skip)]
     stiffness: f64,
-    /// Whether the state is strongly elliptic for waves in the dimensions of the lattice: whether `g . Q(N) g > 0`, beyond
-    /// rounding. With major symmetry of the tangent that is the sign of the smallest eigenvalue; without it, strong ellipticity can be lost before
-    /// waves grow.
+    /// Whether the state is strongly elliptic for waves in the dimensions of the lattice: `g . Q(N) g > 0`, beyond rounding. With major symmetry of
+    /// the tangent this is the sign of the smallest eigenvalue. Without it, strong ellipticity can be lost before waves grow.
     pub elliptic: bool,
-    /// The same in three values: `undecided` where the smallest value is zero to rounding, as that of a fluid.
+    /// Strong ellipticity in three values: `undecided` if the smallest value is zero to rounding, as for a fluid.
     pub ellipticity: Ellipticity,
-    /// Waves of the material that oscillate and grow, where there are some; only tangents without major symmetry have them.
+    /// Waves of the material that oscillate and grow, or `None`; only tangents without major symmetry have them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flutter: Option<FlutterAnswer>,
-    /// Whether it is elliptic for waves in all directions of space, (60) instead of (62).
+    /// Whether the state is strongly elliptic for waves in all directions of 3D space, (60) instead of (62).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub elliptic_3d: Option<bool>,
-    /// Smallest eigenvalue of the acoustic tensor over all directions of space.
+    /// Smallest eigenvalue of the acoustic tensor over all directions of 3D space.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub minimum_acoustic_eigenvalue_3d: Option<f64>,
-    /// Smallest eigenvalue of the acoustic tensor over all directions in the dimensions of the lattice; zero where it is to rounding.
+    /// Smallest eigenvalue of the acoustic tensor over all directions in the dimensions of the lattice; zero if it is within rounding of zero.
     pub minimum_acoustic_eigenvalue: f64,
-    /// How much of it can be rounding.
+    /// Rounding error of the smallest eigenvalue.
     pub rounding: f64,
-    /// Reference direction of that wave.
+    /// Reference direction of the slowest wave.
     pub direction: Vec<f64>,
-    /// Its polarization.
+    /// Polarization of the slowest wave.
     pub polarization: Vec<f64>,
 }
 
-/// A complex eigenvalue of an acoustic tensor.
+/// Complex eigenvalue of an acoustic tensor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FlutterAnswer {
-    /// That with the largest imaginary part of those that were found.
+    /// Complex eigenvalue with the largest imaginary part that was found.
     pub eigenvalue: ComplexNumber,
-    /// Reference direction of its wave.
+    /// Reference direction of the wave.
     pub direction: Vec<f64>,
 }
 
@@ -138,29 +136,28 @@ impl FlutterAnswer {
     }
 }
 
-/// The slowest plane wave of the continuum in three dimensions. A state of plane strain can lose ellipticity for out-of-plane perturbations first.
+/// Slowest plane wave of the continuum in 3D. A state of plane strain can lose ellipticity for out-of-plane perturbations first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpaceAnswer {
     /// Whether the state is strongly elliptic.
     pub elliptic: bool,
-    /// The same in three values.
+    /// Strong ellipticity in three values.
     pub ellipticity: Ellipticity,
-    /// Waves that oscillate and grow, where there are some.
+    /// Waves that oscillate and grow, or `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flutter: Option<FlutterAnswer>,
-    /// Smallest eigenvalue of the acoustic tensor over all directions; zero where it is to rounding.
+    /// Smallest eigenvalue of the acoustic tensor over all directions; zero if it is within rounding of zero.
     pub minimum_acoustic_eigenvalue: f64,
-    /// Its sign.
+    /// Sign of the smallest eigenvalue.
     #[serde(skip)]
     pub growth: Ellipticity,
-    /// How much of it can be rounding.
+    /// Rounding error of the smallest eigenvalue.
     pub rounding: f64,
-    /// No direction has a smaller one than this: how sure the search is, to rounding. With proofs in intervals see
-    /// the certificate.
+    /// Lower bound of the eigenvalues over all directions, in floating point. For proofs in interval arithmetic see the certificate.
     pub bound: f64,
     /// Reference direction `N` of the wave.
     pub direction: [f64; 3],
-    /// Its polarization.
+    /// Polarization of the wave.
     pub polarization: [f64; 3],
 }
 
@@ -168,7 +165,7 @@ impl SpaceAnswer {
     fn new(response: &Response) -> Self {
         let material = MaterialAssessment::<3>::of(response.clone());
         let minimum = &material.minimum;
-        // Adding zero turns a negative zero into a plain one.
+        // Adding zero turns a negative zero into a positive one.
         let components = |v: SVector<f64, 3>| std::array::from_fn(|i| v[i] + 0.0);
         Self {
             elliptic: material.ellipticity.is_elliptic(),
@@ -189,34 +186,33 @@ impl SpaceAnswer {
 pub struct DiscretizationAnswer {
     /// Whether no mode grows.
     pub stable: bool,
-    /// The fastest growing mode in words; the softest one when stable.
+    /// Description of the fastest growing mode, or of the softest one if stable.
     pub mode: String,
     /// `omega^2` of smallest real part over the whole Brillouin zone; zero (the translation) when stable.
     pub minimum_omega_squared: ComplexNumber,
-    /// `min Re omega^2 / (c^2 |k|_h^2)` over the zone and the long-wave limit; where a mode grows at `k = 0`, so that this has no
-    /// minimum, the lowest `Re omega^2` over the largest `c^2 |k|_h^2`.
+    /// `min Re omega^2 / (c^2 |k|_h^2)` over the zone and the long-wave limit. If a mode grows at `k = 0`, this has no minimum; then the lowest `Re
+    /// omega^2` over the largest `c^2 |k|_h^2`.
     pub minimum_scaled: f64,
-    /// Reference wave vector of the fastest growing mode; of the softest mode when stable. Zero in the limit
-    /// of long waves.
+    /// Reference wave vector of the fastest growing mode, or of the softest mode if stable. Zero in the limit of long waves.
     pub wave_vector: Vec<f64>,
-    /// The same in the deformed lattice, `F^-T k`.
+    /// Wave vector of this mode in the deformed lattice, `F^-T k`.
     pub spatial_wave_vector: Vec<f64>,
-    /// Its polarization, real part.
+    /// Polarization of this mode, real part.
     pub polarization: Vec<f64>,
-    /// Its polarization, imaginary part.
+    /// Polarization of this mode, imaginary part.
     pub polarization_imaginary: Vec<f64>,
     /// Growth rate of the fastest growing mode, `max(-Im omega)`; zero when stable.
     pub growth_rate: f64,
     /// Whether modes grow with a complex `omega^2`.
     pub flutter: bool,
-    /// Largest frequency.
+    /// Largest frequency over the zone.
     pub maximum_omega: f64,
-    /// Critical time step of central differences without damping, `2 / maximum_omega`; of a method with a step of its own that of it. `null` where
-    /// no mode oscillates.
+    /// Critical time step of undamped central differences, `2 / maximum_omega`; for methods that define their time step, its largest stable value.
+    /// `null` if no mode oscillates.
     pub critical_time_step: Option<f64>,
-    /// The body whose step that is.
+    /// Kind of body for this critical time step.
     pub critical_time_step_of: &'static str,
-    /// A step for finite bodies; `null` where nothing is known of them.
+    /// Time step for finite bodies; `null` if it is unknown.
     pub finite_bodies: Option<FiniteBodyAnswer>,
     /// The body of the study.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -224,48 +220,50 @@ pub struct DiscretizationAnswer {
     /// Side of a grid cell of material points; length.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid_cell: Option<f64>,
-    /// Mean distance of material points along a side of a grid cell; length.
+    /// Mean spacing of material points along a side of a grid cell; length.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub point_spacing: Option<f64>,
-    /// The waves in steps of time, where the method has a step of its own.
+    /// Waves in discrete time, for methods that define their time step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discrete_time: Option<DiscreteTimeAnswer>,
-    /// Critical time steps of integrators with damping, by their names; zero where no step is stable.
+    /// Critical time steps of integrators with damping, by their names; zero if no step is stable.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub damped_time_steps: BTreeMap<&'static str, f64>,
-    /// Of which waves these are: of all, or, at a state that is unstable itself, of those that do not grow.
+    /// Waves considered in these steps: all waves, or in an unstable state the waves that do not grow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damped_time_steps_of: Option<&'static str>,
-    /// No scaled measure of any wave is below this; `null` where nothing bounds them, or what does is farther from `minimum_scaled` than that is from zero
-    /// (and than 0.001). Where forces have no energy it is the bound of the Hermitian part.
+    /// Lower bound of the scaled measure of all waves.
+    ///
+    /// `null` without a bound, or if its distance from `minimum_scaled` exceeds both 0.001 and the size of `minimum_scaled`. For forces without an
+    /// energy it is the bound of the Hermitian part.
     pub minimum_scaled_bound: Option<f64>,
     /// Reference wave vector at which `minimum_scaled` is attained; zero in the limit of long waves.
     pub minimum_scaled_wave_vector: Vec<f64>,
     /// Smallest scaled measure of the long-wave limit.
     pub long_wave_minimum_scaled: f64,
-    /// Its reference direction.
+    /// Reference direction of the softest long wave.
     pub long_wave_direction: Vec<f64>,
-    /// Squared norm of the discrete gradient of the softest mode over that of the exact one; zero for a zero-energy mode. None where the discretization
-    /// has no such gradient.
+    /// Squared norm of the discrete gradient of the softest mode relative to the exact gradient; zero for a zero-energy mode. `None` if the
+    /// discretization has no such gradient.
     pub gradient_norm: Option<f64>,
-    /// The mode that is controlled least, of the softest one and those of alternating neighbors.
+    /// Weakest mode: the softest mode, or a mode with alternating neighbors.
     pub weakest_mode: Option<WeakestModeAnswer>,
     /// Numbers of particles of the cell of the settings and of its primitive cell, if that is smaller.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reduced_cell: Option<ReducedCell>,
 }
 
-/// A mode of the reference configuration beside the material's wave that it is.
+/// Mode of the reference configuration, compared with the material wave that it approximates.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WeakestModeAnswer {
-    /// The reference wave vector of that wave.
+    /// Reference wave vector of the material wave.
     pub wave_vector: Vec<f64>,
-    /// Its frequency over that of the material's slowest wave.
+    /// Frequency relative to the slowest wave of the material.
     pub relative_frequency: f64,
 }
 
 impl StateAnswer {
-    /// Answers for one state.
+    /// Assesses a state and answers.
     ///
     /// # Errors
     /// [`ProblemError`] when the method or the material cannot be evaluated there.
@@ -274,10 +272,10 @@ impl StateAnswer {
         Self::of(problem, strain, &assessment, &|| false)
     }
 
-    /// Answers for one state that has been assessed, unless nobody waits for it any more.
+    /// Answers for an assessed state, with cancellation through `is_ended`.
     ///
     /// # Errors
-    /// [`ProblemError::OutOfTime`] then, and as [`StateAnswer::new`].
+    /// [`ProblemError::OutOfTime`] when cancelled; otherwise like [`StateAnswer::new`].
     pub fn of(
         problem: &Problem,
         strain: &Strain,
@@ -287,7 +285,7 @@ impl StateAnswer {
         answer(problem, strain, assessment, None, is_ended)
     }
 
-    /// Answers for one state, with proofs; `tolerance` says from where a measure that is left undecided is not near zero.
+    /// Answers with proofs for a state. Undecided measures are not near zero if they exceed `tolerance`.
     ///
     /// # Errors
     /// [`ProblemError`] when the method or the material cannot be evaluated there.
@@ -330,7 +328,7 @@ fn answer(
         let corrected = proved.corrected(&SurveyedState::from(assessment));
         verdict = corrected.0;
         if corrected != searched {
-            // Of what the search has not seen no wave is known.
+            // The proof gives no wave, so that the mechanism follows from the mean stress.
             mechanism = (verdict == Verdict::Numerical)
                 .then(|| Mechanism::of(corrected.1, false, assessment.material.mean_stress));
             sentence = sentence::of_correction(searched, corrected);
@@ -374,7 +372,7 @@ fn answer(
     })
 }
 
-/// What a state with a third stretch is in two dimensions.
+/// Note for a third stretch given in 2D.
 fn waves_in_the_plane(problem: &Problem, strain: &Strain) -> Option<String> {
     let is_plane_strain = problem.dimension() == 2 && problem.material.dimension() == 3;
     (is_plane_strain && strain.is_of_space()).then(|| {
@@ -432,7 +430,7 @@ fn discretization_answer(
     let discrete_time = DiscreteTimeAnswer::new(problem, f, is_ended)?;
     let steps = analysis.damped_time_steps_unless(f, is_ended)?;
     let spectrum = &assessment.spectrum;
-    // Of a bound far below the minimum nobody learns anything.
+    // A bound far below the minimum carries no information.
     let minimum = spectrum.softest.scaled;
     let bound = Some(spectrum.bound).filter(|bound| minimum - bound <= minimum.abs().max(USEFUL));
     let mode = critical_mode(assessment);
@@ -489,9 +487,9 @@ fn discretization_answer(
     })
 }
 
-/// The first components of a vector, as many as there are dimensions.
+/// Returns the first `dimension` components of a vector.
 pub(super) fn list(dimension: usize, vector: &SVector<f64, 3>) -> Vec<f64> {
-    // Adding zero turns a negative zero into a plain one.
+    // Adding zero turns a negative zero into a positive one.
     let components = vector.iter().take(dimension);
     components.map(|component| component + 0.0).collect()
 }
@@ -501,7 +499,7 @@ pub(super) fn rows(matrix: &SMatrix<f64, 3, 3>) -> [[f64; 3]; 3] {
 }
 
 impl StateAnswer {
-    /// Whether the state is strongly elliptic, in words.
+    /// Describes whether the state is strongly elliptic.
     fn ellipticity(&self) -> String {
         let material = &self.material;
         match (material.ellipticity, &self.material_3d) {
@@ -528,7 +526,7 @@ impl StateAnswer {
         }
     }
 
-    /// What was found across a sheet or a bar whose faces have no traction, with its name.
+    /// Components computed across a sheet or bar with traction-free faces, with their name.
     fn found_across(&self) -> Option<(&'static str, String)> {
         let is_membrane =
             self.material.parameters.get("plane") == Some(&Value::Word("membrane".to_owned()));
@@ -544,7 +542,7 @@ impl StateAnswer {
             ),
             false => ("thickness stretch", &[(2, 2), (0, 2), (1, 2)]),
         };
-        // Shears where there are some.
+        // Shears are printed only if they are not zero.
         let shown = places
             .iter()
             .filter(|(i, j)| i == j || told_of(f[*i][*j], 1.0) != "0");
@@ -561,7 +559,6 @@ impl StateAnswer {
         ))
     }
 
-    /// The verdict with its mechanism.
     fn named_verdict(&self) -> String {
         let verdict = self.verdict.title();
         match self.mechanism {
@@ -594,7 +591,7 @@ impl std::fmt::Display for StateAnswer {
         }
         line(&of("strongly elliptic"), self.ellipticity())?;
         let stiffness = material.stiffness;
-        // The stiffness against changes of volume may be larger by any factor.
+        // Eigenvalues are compared with their own rounding error, because the bulk stiffness may be larger by any factor.
         let eigenvalue = |value: f64, rounding: f64| {
             let significant = if value.abs() <= rounding { 0.0 } else { value };
             units.of(told(significant), "Pa")
@@ -649,7 +646,7 @@ impl std::fmt::Display for StateAnswer {
             let text = format!("grid cells of {side}, points {apart} apart");
             line(&of("spacing"), text)?;
         }
-        // Of squared frequencies what is rounding beside the largest is zero.
+        // Squared frequencies within rounding of the largest one are zero.
         let fastest = d.maximum_omega * d.maximum_omega;
         let real = told_of(d.minimum_omega_squared.re, fastest);
         let omega_squared = match told_of(d.minimum_omega_squared.im, fastest).as_str() {
@@ -748,7 +745,7 @@ impl std::fmt::Display for StateAnswer {
 }
 
 impl MaterialAnswer {
-    /// The Cauchy stress; the shears out of the plane where there are some.
+    /// The Cauchy stress, with out-of-plane shears if they are not zero.
     fn stresses(&self) -> String {
         let stiffness = self.stiffness;
         let plane = [(0, 0), (1, 1), (0, 1), (2, 2)];

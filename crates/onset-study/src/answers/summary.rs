@@ -1,4 +1,4 @@
-//! What a study asks for, told before it is computed.
+//! Summary of a study before it is computed.
 
 use super::finite_body::BodyStepAnswer;
 use super::notes::notes;
@@ -11,71 +11,71 @@ use onset::method::MethodError;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// What a study asks for, and what about it deserves attention.
+/// Summary of a study, with warnings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StudySummary {
-    /// The file.
+    /// Path of the study file.
     pub file: String,
-    /// That it is valid; the counterpart of an error.
+    /// Always `true`; the counterpart of an error.
     pub valid: bool,
-    /// What it shows.
+    /// Title of the study.
     pub title: String,
-    /// The law.
+    /// Name of the law.
     pub model: &'static str,
-    /// What it is made of, where no axis varies it.
+    /// Parameters of the law that no axis varies.
     pub parameters: BTreeMap<&'static str, Value>,
-    /// Every choice in effect that no axis varies.
+    /// All settings in effect that no axis varies.
     pub settings: Effective,
-    /// The deformation that no axis varies.
+    /// Components of the deformation that no axis varies.
     pub held_fixed: BTreeMap<&'static str, f64>,
-    /// What is varied.
+    /// Axes of the map.
     pub axes: Vec<AxisSummary>,
-    /// The body of the study, in the reference state.
+    /// Critical step of the body of the study in the reference configuration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<BodyStepAnswer>,
-    /// How the map is made.
+    /// Settings of the map.
     pub map: MapSettings,
     /// Number of states of the map, zero without axes.
     pub states: usize,
-    /// Number of tiles.
+    /// Number of tiles of the map.
     pub tiles: usize,
-    /// States at which particles and material were looked at.
+    /// Number of sampled states at which discretization and material were evaluated.
     pub sampled: usize,
-    /// How many of these have no verdict.
+    /// Number of these states without a verdict.
     pub undefined: usize,
-    /// How many states will be computed, as a rehearsal on sampled states says; others are filled in. `null` where a library must be
+    /// Estimated number of states that will be computed, from a rehearsal on sampled states; the others are filled in. `null` if a library must be
     /// allowed first.
     pub evaluations: Option<u64>,
-    /// Processor time of one of them, the mean over sampled ones; seconds.
+    /// Processor time of one computed state, the mean over the sampled states; seconds.
     pub seconds_per_state: Option<f64>,
     /// Processor time of the whole map; seconds.
     pub seconds: Option<f64>,
-    /// What a reader must know of law and method.
+    /// Remarks on law and method for the reader.
     pub notes: Vec<String>,
-    /// What deserves attention.
+    /// Warnings about the study.
     pub warnings: Vec<String>,
 }
 
-/// An axis.
+/// Axis of a map.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AxisSummary {
-    /// What it varies.
+    /// Quantity that the axis varies.
     pub quantity: &'static str,
-    /// Its ends.
+    /// First and last value of the axis.
     pub range: (f64, f64),
-    /// Its unit.
+    /// Unit of the axis.
     pub unit: &'static str,
-    /// Number of states.
+    /// Number of states along the axis.
     pub states: usize,
 }
 
 impl StudySummary {
-    /// Summarizes a study; looks at a coarse grid of its states, and computes some as its map will.
+    /// Summarizes a study: evaluates a coarse grid of its states, and computes some of them like the map.
     ///
     /// # Errors
-    /// [`ProblemError`] when material or method cannot be set up at one of these states.
+    /// [`ProblemError`] when material or method are invalid at one of these states.
     pub fn new(file: &str, study: &Study) -> Result<Self, ProblemError> {
-        // Without permission nothing is loaded, and no state is looked at.
+        // Without permission no library is loaded, so no state can be evaluated.
         let not_loaded = study.settings.material.permitted().err();
         let is_mapped = !study.axes.is_empty();
         let (samples, forecast) = match not_loaded {
@@ -95,7 +95,7 @@ impl StudySummary {
                 .iter()
                 .any(|axis| axis.quantity.key_name() == name)
         };
-        // In plane stress what is across is found.
+        // In plane stress the stretch across the sheet follows from equilibrium.
         let extent = study.settings.extent();
         let is_found = |quantity: &Quantity| {
             let across = extent.dimension + 1..=3;
@@ -155,7 +155,7 @@ impl AxisSummary {
     }
 }
 
-/// A look at some states.
+/// Test evaluation of some states.
 #[derive(Default)]
 struct Samples {
     looked_at: usize,
@@ -165,7 +165,7 @@ struct Samples {
 }
 
 impl Samples {
-    /// Looks at the states of a coarse grid over the whole window.
+    /// Evaluates a coarse grid of states over all axes.
     fn of(study: &Study) -> Result<Self, ProblemError> {
         let along = if study.axes.len() == 2 { 9 } else { 5 };
         let mut samples = Self {
@@ -188,7 +188,7 @@ impl Samples {
     }
 }
 
-/// Coordinates of at most `along` states along each axis, the first and the last among them.
+/// Coordinates of at most `along` states along each axis, including the first and the last.
 fn sampled(study: &Study, along: usize) -> Vec<Vec<f64>> {
     let mut grid = vec![Vec::new()];
     for axis in &study.axes {
@@ -207,7 +207,7 @@ fn sampled(study: &Study, along: usize) -> Vec<Vec<f64>> {
     grid
 }
 
-/// Whether particles and material exist at a state.
+/// Checks that discretization and material can be evaluated at a state.
 fn look(problem: &Problem, f: &DeformationGradient) -> Result<(), ProblemError> {
     problem.material.response(f).map_err(MethodError::from)?;
     problem.analysis.waves(f)?;
@@ -220,7 +220,6 @@ fn named(study: &Study, coordinates: &[f64]) -> String {
     values.join(", ")
 }
 
-/// Values by name, in words.
 fn listed<T: std::fmt::Display>(values: &BTreeMap<&'static str, T>) -> String {
     let value = |(name, value): (&&str, &T)| format!("{name} = {value}");
     values.iter().map(value).collect::<Vec<_>>().join(", ")

@@ -1,4 +1,4 @@
-//! Paths through the Brillouin zone of a deformed state: which points of high symmetry it tells apart, and paths that are typed.
+//! Paths through the Brillouin zone of a deformed state: the points of high symmetry that it distinguishes, and paths typed by the user.
 
 use super::problem::{ProblemError, numbers};
 use nalgebra::{Matrix3, Vector3};
@@ -10,34 +10,34 @@ use onset::lattice::LatticeKind;
 const GAMMA: &str = "Γ";
 /// The name of the critical wave vector.
 pub(super) const CRITICAL: &str = "k*";
-/// The name of the point where the zone ends beyond it.
+/// Name of the point on the zone boundary beyond the critical wave vector.
 const EDGE: &str = "∂";
-/// Wave vectors of no symmetry, in units of the reciprocal vectors.
-const GENERIC: [[f64; 3]; 3] = [
+/// Wave vectors without symmetry, in units of the reciprocal vectors.
+const ASYMMETRIC_WAVE_VECTORS: [[f64; 3]; 3] = [
     [0.237_068_1, 0.396_871_4, 0.141_592_7],
     [0.414_213_6, 0.118_033_9, 0.302_775_6],
     [0.087_298_3, 0.267_949_2, 0.449_489_7],
 ];
-/// Squared frequencies that differ by less, relative to the largest, are the same.
-const SAME: f64 = 1e-8;
-/// Coordinates in units of the reciprocal vectors that differ by less are the same.
-const NEAR: f64 = 1e-7;
+/// Relative tolerance of squared frequencies that are considered equal.
+const FREQUENCY_TOLERANCE: f64 = 1e-8;
+/// Tolerance of coordinates that are considered equal, in units of the reciprocal vectors.
+const COORDINATE_TOLERANCE: f64 = 1e-7;
 
-/// A named wave vector.
+/// Wave vector with a name.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Stop {
-    /// Its name.
+    /// Name of the point, as in a diagram.
     pub(super) name: String,
-    /// The reference wave vector.
+    /// Wave vector in the reference configuration.
     pub(super) wave_vector: Vector3<f64>,
 }
 
-/// Pieces of a path, each a chain of wave vectors; between pieces it jumps.
+/// Pieces of a path, each a chain of wave vectors; between pieces the path jumps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct ZonePath(pub(super) Vec<Vec<Stop>>);
 
 impl ZonePath {
-    /// Adds a chain: to the last one, where it starts at the end of that.
+    /// Adds a chain, and joins it to the last one if it starts at its end.
     fn add(&mut self, chain: Vec<Stop>) {
         let follows = |last: &Vec<Stop>| {
             let ends = last.last().zip(chain.first());
@@ -49,10 +49,10 @@ impl ZonePath {
         }
     }
 
-    /// Adds the line through a wave vector: from zero to it, and on to the end of the zone, `reach` times as far.
+    /// Adds the line from zero through a wave vector to the zone boundary, which is `reach` times as distant.
     pub(super) fn through(&mut self, k: &Vector3<f64>, reach: f64) {
         let mut chain = vec![Stop::new(GAMMA, Vector3::zeros()), Stop::new(CRITICAL, *k)];
-        if reach.is_finite() && reach > 1.0 + NEAR {
+        if reach.is_finite() && reach > 1.0 + COORDINATE_TOLERANCE {
             chain.push(Stop::new(EDGE, k * reach));
         }
         self.add(chain);
@@ -68,32 +68,32 @@ impl Stop {
     }
 }
 
-/// The points of high symmetry of a lattice that a state tells apart.
+/// Points of high symmetry of a lattice that a state distinguishes.
 ///
-/// A rotation or reflection of the reference lattice is a symmetry of the state if waves of no symmetry keep their frequencies under
-/// it: whatever breaks it (the deformation, fibers of the material, one family of stress points, a grid beside the particles) shows in
-/// them. Points that such a map takes to each other, or to opposite ones, have the same waves, and one of them is enough.
+/// A rotation or reflection of the reference lattice is a symmetry of the state if waves without symmetry keep their frequencies under it. Anything
+/// that breaks the symmetry shows in these waves: the deformation, fibers of the material, one family of stress points, or the background grid.
+/// Points that are mapped to each other, or to opposite points, have the same waves, so that one of them suffices.
 pub(super) struct SymmetryPoints<'a> {
     analysis: &'a dyn Analysis,
     holohedry: Vec<Matrix3<f64>>,
-    /// Those of the holohedry that are symmetries of the state.
+    /// Maps of the holohedry that are symmetries of the state.
     of_state: Vec<Matrix3<f64>>,
-    /// The usual path, of which the names are.
+    /// Usual path, which provides the names.
     route: Vec<(&'static str, Vector3<f64>)>,
-    /// The points, with `k = 0` first: the images of one name as `M`, `M′`, `M″`.
+    /// The points, beginning with `k = 0`; images of one name are `M`, `M′`, `M″`.
     points: Vec<Stop>,
 }
 
 impl<'a> SymmetryPoints<'a> {
-    /// For the lattice of a discretization with the usual path through a zone in its reference state, and the squared frequencies of the
-    /// waves of a state.
+    /// Finds the points for the lattice of a discretization, its usual path through the reference zone, and the squared frequencies of the waves at a
+    /// state.
     pub(super) fn new(
         analysis: &'a dyn Analysis,
         zone: Option<LatticeKind>,
         omega_squared: impl Fn(&Vector3<f64>) -> Vec<Complex>,
     ) -> Self {
         let holohedry = analysis.holohedry();
-        let generic = GENERIC.map(|place| wave_vector(analysis, &place));
+        let generic = ASYMMETRIC_WAVE_VECTORS.map(|place| wave_vector(analysis, &place));
         let own = generic.map(|k| omega_squared(&k));
         let keeps = |map: &&Matrix3<f64>| {
             let mut waves = generic.iter().zip(&own);
@@ -127,11 +127,11 @@ impl<'a> SymmetryPoints<'a> {
         }
     }
 
-    /// The number of the point that has the same waves as a wave vector by symmetry.
+    /// Index of the point that is equivalent to a wave vector by symmetry.
     fn known(&self, k: &Vector3<f64>) -> Option<usize> {
         let is_lattice_vector = |difference: Vector3<f64>| {
             let place = self.analysis.fractional(&difference);
-            place.iter().all(|x| (x - x.round()).abs() < NEAR)
+            place.iter().all(|x| (x - x.round()).abs() < COORDINATE_TOLERANCE)
         };
         self.points.iter().position(|point| {
             self.of_state.iter().any(|map| {
@@ -141,13 +141,13 @@ impl<'a> SymmetryPoints<'a> {
         })
     }
 
-    /// The name of a wave vector, where it is a point of high symmetry.
+    /// Returns the name of a wave vector if it is a point of high symmetry.
     pub(super) fn name(&self, k: &Vector3<f64>) -> Option<&str> {
         self.known(k)
             .map(|number| self.points[number].name.as_str())
     }
 
-    /// The usual path, and loops from `k = 0` through the images of its points that the state tells apart from them.
+    /// The usual path, with loops from `k = 0` through those images of its points that the state distinguishes.
     pub(super) fn path(&self) -> ZonePath {
         let mut path = ZonePath::default();
         let mut visited = vec![false; self.points.len()];
@@ -159,7 +159,7 @@ impl<'a> SymmetryPoints<'a> {
         }
         path.add(self.route.iter().map(|(_, k)| stop(*k)).collect());
         loop {
-            // The points that an image of the path adds, in its order.
+            // Points that an image of the path adds, in its order.
             let added = |map: &Matrix3<f64>| {
                 let mut numbers: Vec<(usize, Vector3<f64>)> = Vec::new();
                 for (_, k) in &self.route {
@@ -172,7 +172,7 @@ impl<'a> SymmetryPoints<'a> {
                 }
                 numbers
             };
-            // Of images with equally many the first.
+            // Among images with equal numbers of new points, the first is chosen.
             let most = self.holohedry.iter().map(added).reduce(|best, other| {
                 if other.len() > best.len() {
                     other
@@ -192,11 +192,11 @@ impl<'a> SymmetryPoints<'a> {
         }
     }
 
-    /// A path as it is typed: labels joined by hyphens (`G-M-K-G`), or points in units of the reciprocal vectors and labels, separated
-    /// by semicolons (`0,0; 0.5,0; K`); a bar (`G-X|K-G`) jumps.
+    /// Reads a typed path: labels joined by hyphens (`G-M-K-G`), or points in units of the reciprocal vectors and labels, separated by semicolons
+    /// (`0,0; 0.5,0; K`); a bar (`G-X|K-G`) is a jump.
     ///
     /// # Errors
-    /// [`ProblemError`] where a label is unknown, a point has another dimension, or a chain has less than two points.
+    /// [`ProblemError`] when a label is unknown, a point has another dimension, or a chain has fewer than two points.
     pub(super) fn typed(&self, text: &str) -> Result<ZonePath, ProblemError> {
         let mut path = ZonePath::default();
         for chain in text.split('|') {
@@ -229,7 +229,7 @@ impl<'a> SymmetryPoints<'a> {
         if let Some(point) = self.points.iter().find(|point| point.name == label) {
             return Ok(point.clone());
         }
-        // What starts like a number, or has several parts, is meant as a point.
+        // A word that begins like a number, or has several parts, is a point.
         let starts = word.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
         let dimension = self.analysis.dimension();
         if !(starts || dimension > 1 && word.contains(',')) {
@@ -255,13 +255,13 @@ impl<'a> SymmetryPoints<'a> {
     }
 }
 
-/// The wave vector of coordinates in units of the reciprocal vectors.
+/// Wave vector with the given coordinates in units of the reciprocal vectors.
 fn wave_vector(analysis: &dyn Analysis, place: &[f64]) -> Vector3<f64> {
     let reciprocal = analysis.reciprocal();
     reciprocal.iter().zip(place).map(|(b, x)| b * *x).sum()
 }
 
-/// Whether two sets of squared frequencies are the same to rounding, in any order.
+/// Returns true if two sets of squared frequencies agree to rounding, in any order.
 fn is_same_spectrum(a: &[Complex], b: &[Complex]) -> bool {
     let size = a
         .iter()
@@ -274,7 +274,7 @@ fn is_same_spectrum(a: &[Complex], b: &[Complex]) -> bool {
             // The opposite wave has the complex conjugate.
             let is_same = |other: &&Complex| {
                 let distance = (value - *other).norm().min((value - other.conj()).norm());
-                distance <= SAME * size
+                distance <= FREQUENCY_TOLERANCE * size
             };
             let place = left.iter().position(is_same);
             place.map(|place| left.swap_remove(place)).is_some()
@@ -299,7 +299,7 @@ mod tests {
         analysis: &dyn Analysis,
         stretches: [f64; 3],
     ) -> impl Fn(&Vector3<f64>) -> Vec<Complex> {
-        // A neighbor of the lattice is dual to the reciprocal vectors.
+        // The neighbors of the lattice are dual to the reciprocal vectors.
         let reciprocal = analysis.reciprocal();
         let basis = DMatrix::from_fn(reciprocal.len(), reciprocal.len(), |i, j| reciprocal[j][i]);
         let dual = basis.try_inverse().expect("a basis").transpose() * std::f64::consts::TAU;
@@ -338,7 +338,7 @@ mod tests {
         );
         assert_eq!(names(LatticeKind::Hexagonal, [1.0; 3]), ["Γ", "M", "K"]);
         let hexagonal = names(LatticeKind::Hexagonal, [1.2, 1.0, 1.0]);
-        // Of the three midpoints of edges two are mirror images; all corners are opposite ones, or the same, up to reciprocal vectors.
+        // Two of the three midpoints of edges are mirror images; all corners are opposite or equal up to reciprocal vectors.
         assert_eq!(hexagonal, ["Γ", "M", "M′", "K"]);
         assert_eq!(
             names(LatticeKind::SimpleCubic, [1.0; 3]),

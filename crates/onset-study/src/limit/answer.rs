@@ -29,8 +29,9 @@ const LIMIT_TOLERANCE: f64 = 1e-10;
 pub struct Tried {
     /// Value of the setting.
     pub value: f64,
-    /// Critical time step of the state; for a study with a body, the smaller of the steps of lattice and body. Zero if no step is stable.
-    /// `null` if every step is stable because no mode oscillates, or if the value cannot be evaluated. Time.
+    /// Critical time step of the state; for a study with a body, the smaller of the steps of lattice and body.
+    ///
+    /// Zero if no step is stable. `null` if every step is stable because no mode oscillates, or if the value cannot be evaluated. Time.
     #[serde(serialize_with = "finite")]
     pub critical_time_step: f64,
     /// Verdict on the state. For an unstable state the step belongs to the waves that do not grow.
