@@ -347,7 +347,11 @@ pub struct PathSamples {
 
 fn softest(state: &StateAnswer) -> f64 {
     let scaled = state.discretization.minimum_scaled;
-    if scaled.abs() > SCALED_ROUNDING { scaled } else { 0.0 }
+    if scaled.abs() > SCALED_ROUNDING {
+        scaled
+    } else {
+        0.0
+    }
 }
 
 impl PathSamples {

@@ -131,7 +131,9 @@ impl<'a> SymmetryPoints<'a> {
     fn known(&self, k: &Vector3<f64>) -> Option<usize> {
         let is_lattice_vector = |difference: Vector3<f64>| {
             let place = self.analysis.fractional(&difference);
-            place.iter().all(|x| (x - x.round()).abs() < COORDINATE_TOLERANCE)
+            place
+                .iter()
+                .all(|x| (x - x.round()).abs() < COORDINATE_TOLERANCE)
         };
         self.points.iter().position(|point| {
             self.of_state.iter().any(|map| {
