@@ -1,26 +1,26 @@
-//! How smoothly the two sides of a branch meet, by the form of a formula alone.
+//! Smoothness of a formula where the two sides of a branch meet, judged by its form alone.
 
 use super::graph::{Function, Graph, Id, Node};
 
-/// As smooth as one likes.
+/// Order that counts as infinitely smooth.
 const ENDLESS: u32 = 64;
 
-/// What is known of a node where a test is zero: both are lower bounds.
+/// Lower bounds of the smoothness of a node where a test is zero.
 #[derive(Clone, Copy)]
 struct Contact {
-    /// To which order in the test it vanishes there, on both sides.
+    /// Order in the test to which the node vanishes on both sides.
     order: u32,
-    /// To which order its two sides agree.
+    /// Order to which the two sides of the node agree.
     agreement: u32,
 }
 
-/// Whether value and first derivatives of a result certainly agree on both sides of a test, where that is zero.
+/// Returns true if value and first derivatives of a result certainly agree on both sides of a test where the test is zero.
 ///
-/// A node that vanishes to order `m`, times one whose sides agree to order `n`, has sides that agree to order `m + n`: `<x>^2` is smooth
-/// though `<x>` is not. What this does not see counts as rough.
+/// If a node that vanishes to order `m` multiplies a node whose sides agree to order `n`, the sides of the product agree to order `m + n`: `<x>^2` is
+/// smooth although `<x>` is not. Smoothness that this rule does not detect counts as missing.
 pub(super) fn is_smooth_across(graph: &Graph, needed: &[bool], test: Id, result: Id) -> bool {
     if is_piecewise_constant(graph, test) {
-        // It changes only where another test does.
+        // The test changes only where another test does.
         return true;
     }
     let mut contacts: Vec<Contact> = Vec::with_capacity(result + 1);
@@ -76,7 +76,7 @@ fn across(graph: &Graph, contacts: &[Contact], test: Id, id: Id) -> Contact {
                 let a = of(a);
                 limited(count * a.order, (count - 1) * a.order + a.agreement)
             }
-            // Of a base that may vanish nothing is known.
+            // For a base that may vanish no smoothness is guaranteed.
             _ if of(a).order > 0 => limited(0, 0),
             _ => limited(0, of(a).agreement.min(of(b).agreement)),
         },
@@ -84,7 +84,7 @@ fn across(graph: &Graph, contacts: &[Contact], test: Id, id: Id) -> Contact {
             let (below, above) = (of(below), of(above));
             let order = below.order.min(above.order);
             let within = below.agreement.min(above.agreement);
-            // The side changes with the test, or because its own test does.
+            // The selected side changes with the test, or because the inner test changes.
             let changes = graph.multiple(own, test).is_some() || of(own).agreement < ENDLESS;
             limited(order, if changes { within.min(order) } else { within })
         }
@@ -95,7 +95,7 @@ fn across(graph: &Graph, contacts: &[Contact], test: Id, id: Id) -> Contact {
     contact
 }
 
-/// Whether a node takes some values only, and jumps between them where tests change: a condition as a number.
+/// Returns true if a node takes discrete values and jumps between them where tests change, like a condition used as a number.
 fn is_piecewise_constant(graph: &Graph, id: Id) -> bool {
     let mut known = Vec::with_capacity(id + 1);
     for node in &graph.nodes()[..=id] {

@@ -1,9 +1,9 @@
-//! Where a formula has a value, and where it has a stress.
+//! Domain of a formula: the states with an energy, and the states with a stress.
 //!
-//! The operations are run with intervals, so that rounding is counted. On the edge of where a part is defined it has no derivative, so
-//! that it counts as not defined there. A part that is not defined spoils what is made of it, but not a
-//! branch that does not take it. Where a test does not tell its side, the formula is looked at with each: values that certainly
-//! differ are a jump, first derivatives that do a kink. Nothing that is not defined on both sides has a derivative there.
+//! The operations are evaluated with intervals, so that rounding is included. At the boundary of its domain a function has no derivative and counts
+//! as undefined. An undefined part invalidates everything computed from it, except a branch that is not taken. If the sign of a test is uncertain,
+//! the formula is evaluated on both sides. If the values certainly differ, the energy has a jump; if the first derivatives differ, it has a kink. A
+//! part that is undefined on one of the sides has no derivative there.
 
 use super::error::Trouble;
 use super::graph::Leaf;
@@ -11,12 +11,12 @@ use super::tape::{Observer, Tape};
 use crate::real::{Interval, Jet, Real, Side};
 use std::ops::{Add, Div, Mul, Neg, Range, Sub};
 
-/// Tests that are undecided together of which all sides are tried; of more, each apart.
+/// Largest number of uncertain tests for which all combinations of sides are tried. Beyond it the tests are varied one at a time.
 const TOGETHER: usize = 6;
 
-/// What keeps a formula from having a stress at a state, with the place in the text.
+/// Returns the reason why a formula has no stress at a state, with its place in the text.
 ///
-/// `value` are bounds of the leaves, `jet` the same with derivatives by the deformation gradient.
+/// `value` gives bounds of the leaves, and `jet` these bounds with derivatives by the deformation gradient.
 pub(super) fn trouble(
     tape: &Tape,
     value: impl Fn(Leaf) -> Interval,
@@ -30,17 +30,17 @@ pub(super) fn trouble(
     Some((trouble, tape.range(step)))
 }
 
-/// Whether a formula is certainly defined and its stress continuous at all states of some intervals.
+/// Returns true if a formula is certainly defined, with continuous stress, at all states of some intervals.
 pub(super) fn is_smooth(tape: &Tape, value: impl Fn(Leaf) -> Interval) -> bool {
     examined(tape, value).is_none()
 }
 
-/// What is not known of a number.
+/// Possible defect of a number.
 #[derive(Clone, Copy, Debug)]
 struct Fault {
-    /// Whether it may not exist; otherwise it is not known to be smooth.
+    /// Whether the number may be undefined; otherwise it may not be smooth.
     is_undefined: bool,
-    /// The step from which it stems.
+    /// Step that causes the defect.
     step: usize,
 }
 
@@ -53,7 +53,7 @@ fn examined(tape: &Tape, value: impl Fn(Leaf) -> Interval) -> Option<Fault> {
         .fault
 }
 
-/// The side on which all of an interval certainly is; at zero itself it is on neither.
+/// Side of zero on which an interval certainly lies; `None` if it contains zero.
 fn certain_side(test: Interval) -> Option<Side> {
     if test.high < 0.0 {
         Some(Side::Below)
@@ -64,14 +64,14 @@ fn certain_side(test: Interval) -> Option<Side> {
     }
 }
 
-/// Marks results at the steps from which faults stem.
+/// Observer that marks results at the steps that cause defects.
 struct Examiner<'a> {
     tape: &'a Tape,
-    /// The branch that comes next.
+    /// Index of the next branch.
     next: usize,
 }
 
-/// A step that is not known yet.
+/// Placeholder for a step that is not yet known.
 const NOW: usize = usize::MAX;
 
 impl Observer<Guarded> for Examiner<'_> {
@@ -94,14 +94,14 @@ impl Observer<Guarded> for Examiner<'_> {
     }
 }
 
-/// Bounds of a number that know whether every operation behind them is defined on all of its operands.
+/// Bounds of a number, with the defects of the operations behind it.
 #[derive(Clone, Copy, Debug)]
 struct Guarded {
     bounds: Interval,
     fault: Option<Fault>,
 }
 
-/// Of two faults the graver one.
+/// The more serious of two defects: undefined before not smooth.
 fn graver(a: Option<Fault>, b: Option<Fault>) -> Option<Fault> {
     match (a, b) {
         (Some(a), Some(b)) if b.is_undefined && !a.is_undefined => Some(b),
@@ -229,11 +229,11 @@ impl Real for Guarded {
     }
 }
 
-/// Takes the sides that it is told where tests are undecided, and keeps in mind which were.
+/// Observer that takes prescribed sides where tests are uncertain, and records these tests.
 struct Chooser<'a> {
     tape: &'a Tape,
     next: usize,
-    /// The first branches of tests that are alike, and whether the lower side is taken.
+    /// First branch of each group of equivalent tests, and whether the lower side is taken.
     choices: Vec<(usize, bool)>,
 }
 
@@ -262,7 +262,7 @@ impl Observer<Jet<9, Interval>> for Chooser<'_> {
     }
 }
 
-/// A jump or a kink of which bounds of value and stress on two sides are proof, with the branch that makes it.
+/// Jump or kink proved by disjoint bounds of value or stress on two sides, with the branch that causes it.
 fn disagreement(tape: &Tape, jet: impl Fn(Leaf) -> Jet<9, Interval>) -> Option<(Trouble, usize)> {
     let run = |choices: Vec<(usize, bool)>| {
         let mut chooser = Chooser {
@@ -276,7 +276,7 @@ fn disagreement(tape: &Tape, jet: impl Fn(Leaf) -> Jet<9, Interval>) -> Option<(
     let (base, mut choices) = run(Vec::new());
     let mut seen = 0;
     while seen < choices.len() {
-        // Another side can lead to tests that were not met before.
+        // Another side can lead to tests that were not reached before.
         seen = choices.len();
         let count = if seen <= TOGETHER {
             1 << seen
@@ -309,7 +309,7 @@ fn differs(a: &Jet<9, Interval>, b: &Jet<9, Interval>) -> Option<Trouble> {
     if apart(&a.value, &b.value) {
         return Some(Trouble::Jump);
     }
-    // A slope without bound has no tangent either.
+    // An unbounded slope has no tangent either.
     let mut slopes = a.gradient.iter().zip(&b.gradient);
     slopes
         .any(|(a, b)| apart(a, b) || !(a.is_finite() && b.is_finite()))

@@ -1,31 +1,31 @@
-//! What is wrong with a formula, and where in it.
+//! Errors in formulas, with their place in the text.
 
 use super::words;
 use std::ops::Range;
 use thiserror::Error;
 
-/// A place within a formula, with the line that it stands in.
+/// Place within a formula, with the line of text around it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
     /// Line within the formula, counted from 1.
     pub line: usize,
     /// Column within the line in characters, counted from 1.
     pub column: usize,
-    /// Number of characters pointed at, at least 1.
+    /// Number of marked characters, at least 1.
     pub length: usize,
     /// Whether the formula has several lines.
     pub is_one_of_several_lines: bool,
-    /// The line, or the part of a long one around the place.
+    /// The line, or the part of a long line around the place.
     excerpt: String,
-    /// Characters of the excerpt before the place.
+    /// Number of characters of the excerpt before the place.
     before: usize,
 }
 
-/// Characters of a long line that are shown on either side of a place.
+/// Number of characters of a long line shown on either side of a place.
 const MARGIN: usize = 60;
 
 impl Place {
-    /// The place of a range of bytes.
+    /// Computes the place of a range of bytes.
     pub(super) fn of(text: &str, range: Range<usize>) -> Self {
         let (start, end) = (range.start, range.end);
         let line_start = text[..start].rfind('\n').map_or(0, |at| at + 1);
@@ -36,7 +36,7 @@ impl Place {
         let first = column.saturating_sub(MARGIN);
         let last = characters.len().min(column + MARGIN);
         let shown = characters[first..last].iter();
-        // Tabs and escape sequences would misplace the caret, or worse.
+        // Tabs would misplace the caret, and escape sequences would reach the terminal.
         let plain = |c: &char| if c.is_control() { ' ' } else { *c };
         let dots = |is_cut: bool| if is_cut { "..." } else { "" };
         Self {
@@ -54,7 +54,7 @@ impl Place {
         }
     }
 
-    /// The line of the formula with a caret under the place; two lines.
+    /// Returns the line of the formula with a caret under the place; two lines of text.
     pub fn marked(&self) -> String {
         format!(
             "    {}\n    {}{}",
@@ -74,21 +74,23 @@ impl std::fmt::Display for Place {
     }
 }
 
-/// Why a formula that could be taken has no stress at a state.
+/// Reason why a valid formula has no stress at a state.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum Trouble {
-    /// A part that is needed is not defined there: the root of a negative number, a division by zero.
+    /// A required part is undefined, for example the root of a negative number or a division by zero.
     #[error("is not defined")]
     Undefined,
-    /// Two sides of a condition meet with different energies.
+    /// The energies on the two sides of a condition differ.
     #[error("jumps")]
     Jump,
-    /// Two sides of a condition, a ramp or an extreme meet with different stresses.
+    /// The stresses on the two sides of a condition, a ramp or an extreme differ.
     #[error("has a kink")]
     Kink,
 }
 
-/// A formula without a stress at a state: why, and by which part of it. Rounding is counted: a state that may be one of these is one.
+/// Error of a formula without a stress at a state, with the part that causes it.
+///
+/// Rounding is included: a state that may lack a stress is reported.
 ///
 /// ```
 /// use onset::formula::{Formula, Trouble};
@@ -102,9 +104,9 @@ pub enum Trouble {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateError {
-    /// Why.
+    /// Reason of the failure.
     pub trouble: Trouble,
-    /// The part.
+    /// Part of the formula that causes it.
     pub place: Place,
 }
 
@@ -137,7 +139,7 @@ impl std::fmt::Display for StateError {
     }
 }
 
-/// A formula that cannot be taken: what is wrong, where, and what to do.
+/// Error of a formula that is not valid: the problem, its place, and a hint.
 ///
 /// ```
 /// use onset::formula::Formula;
@@ -147,9 +149,9 @@ impl std::fmt::Display for StateError {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct FormulaError {
-    /// What is wrong.
+    /// Problem with the formula.
     pub problem: Problem,
-    /// Where; `None` when it is about a parameter that the formula does not mention.
+    /// Place of the problem; `None` for a parameter that the formula does not mention.
     pub place: Option<Place>,
 }
 
@@ -173,185 +175,185 @@ impl std::fmt::Display for FormulaError {
     }
 }
 
-/// What can be wrong with a formula.
+/// Problem with a formula.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Problem {
-    /// There is nothing.
+    /// The formula is empty.
     #[error("the formula is empty")]
     Empty,
     /// The text is too long.
     #[error("the formula has {characters} characters; admitted are {limit}")]
     TooLong {
-        /// How long it is.
+        /// Length in characters.
         characters: usize,
-        /// How long it may be.
+        /// Largest admissible length in characters.
         limit: usize,
     },
-    /// Too many parentheses, signs, powers or calls within each other.
+    /// Parentheses, signs, powers or calls are nested too deeply.
     #[error("more than {limit} levels of parentheses, calls, signs or powers within each other")]
     TooDeep {
-        /// How many there may be.
+        /// Largest admissible depth.
         limit: usize,
     },
-    /// Too many different operations.
+    /// The formula has too many distinct operations.
     #[error("the formula needs more than {limit} operations")]
     TooManyOperations {
-        /// How many there may be.
+        /// Largest admissible number of operations.
         limit: usize,
     },
-    /// A character that has no meaning in a formula.
+    /// A character has no meaning in a formula.
     #[error("`{}` has no meaning in a formula", .character.escape_debug())]
     Character {
-        /// The character.
+        /// Character without a meaning.
         character: char,
     },
-    /// A number that cannot be read.
+    /// A number cannot be read.
     #[error("`{text}` is not a number")]
     Number {
-        /// As typed.
+        /// Text of the number.
         text: String,
     },
-    /// Something else was expected.
+    /// A different token was expected.
     #[error("expected {expected}, found {found}")]
     Expected {
-        /// What would do.
+        /// Tokens that are valid here.
         expected: &'static str,
-        /// What is there.
+        /// Token that was found.
         found: String,
-        /// What to do.
+        /// Hint to the user.
         hint: Option<&'static str>,
     },
-    /// A parenthesis without its partner.
+    /// A parenthesis is not closed or not opened.
     #[error("this parenthesis is not closed")]
     NotClosed,
-    /// A function that does not exist.
+    /// A function does not exist.
     #[error("there is no function `{name}`")]
     UnknownFunction {
-        /// As typed.
+        /// Name in the text.
         name: String,
-        /// The function that may be meant.
+        /// Function with a similar name.
         meant: Option<&'static str>,
     },
-    /// Parentheses after a name that is no function.
+    /// A name that is not a function is followed by parentheses.
     #[error("`{name}` is {what}, not a function")]
     NotAFunction {
-        /// The name.
+        /// Name in the text.
         name: String,
-        /// What it is.
+        /// Meaning of the name.
         what: &'static str,
     },
-    /// A function without arguments.
+    /// A function has no arguments.
     #[error("`{function}` is a function and takes {expected} in parentheses")]
     NoArguments {
-        /// The function.
+        /// Name of the function.
         function: &'static str,
-        /// What it takes.
+        /// Arguments that the function takes.
         expected: &'static str,
     },
-    /// Too few or too many arguments.
+    /// A function has too few or too many arguments.
     #[error("`{function}` takes {expected}, here are {found}")]
     Arguments {
-        /// The function.
+        /// Name of the function.
         function: &'static str,
-        /// What it takes.
+        /// Arguments that the function takes.
         expected: &'static str,
-        /// How many were given.
+        /// Number of arguments given.
         found: usize,
     },
-    /// A condition where a number is needed.
+    /// A condition appears where a number is needed.
     #[error("a condition stands where a number is needed")]
     ConditionAsNumber,
-    /// A number where a condition is needed.
+    /// A number appears where a condition is needed.
     #[error("a number stands where a condition is needed")]
     NumberAsCondition,
-    /// Comparisons in a row.
+    /// Comparisons are chained, as in `a < b < c`.
     #[error("a comparison of a comparison")]
     ChainedComparison,
-    /// The name of a helper is in use.
+    /// The name of a helper is already in use.
     #[error("`{name}` is already {what}")]
     Taken {
-        /// The name.
+        /// Name of the helper.
         name: String,
-        /// What it is.
+        /// Existing meaning of the name.
         what: &'static str,
     },
-    /// A name that is neither known nor given a value.
+    /// A name is neither known nor given a value.
     #[error("`{name}` has no value")]
     UnknownName {
-        /// As typed.
+        /// Name in the text.
         name: String,
-        /// A known name that may be meant.
+        /// Known name that is similar.
         meant: Option<String>,
     },
-    /// Another name than that of the one variable.
+    /// A name differs from the name of the single variable.
     #[error("`{name}` has no meaning here; the variable is `{variable}`")]
     NotTheVariable {
-        /// As typed.
+        /// Name in the text.
         name: String,
-        /// The variable.
+        /// Name of the single variable.
         variable: &'static str,
     },
-    /// A fiber invariant without the direction of its fibers.
+    /// A fiber invariant is used without the direction of its fibers.
     #[error("the direction of the fibers is not set: `{angle}` has no value")]
     NoFiberAngle {
-        /// The parameter that gives it.
+        /// Parameter for the fiber direction.
         angle: &'static str,
     },
-    /// A value for a name that the formula does not use.
+    /// A value is given for a name that the formula does not use.
     #[error("the formula has no parameter `{name}`")]
     UnusedParameter {
-        /// The name.
+        /// Name of the unused parameter.
         name: String,
-        /// The parameters that the formula has.
+        /// Parameters of the formula.
         parameters: Vec<String>,
     },
-    /// A value for a name with a meaning of its own.
+    /// A value is given for a name with a fixed meaning.
     #[error("`{name}` is {what} and takes no value")]
     NotAParameter {
-        /// The name.
+        /// Name in the list of values.
         name: String,
-        /// What it is.
+        /// Fixed meaning of the name.
         what: &'static str,
     },
-    /// A parameter that is infinite or not a number.
+    /// A parameter is infinite or not a number.
     #[error("parameter {name} is {value:?}; expected a finite number")]
     ParameterNotFinite {
-        /// The name.
+        /// Name of the parameter.
         name: String,
-        /// Its value.
+        /// Value of the parameter.
         value: f64,
     },
-    /// A part without variables that is not a finite number.
+    /// A part without variables is not a finite number.
     #[error("this is {value:?} at every state, not a finite number")]
     ConstantNotFinite {
-        /// Its value.
+        /// Value of the part.
         value: f64,
     },
     /// The formula does not depend on the deformation.
     #[error("the energy does not depend on the deformation")]
     Constant,
-    /// The value changes when principal stretches are exchanged, whose order means nothing.
+    /// The value changes when principal stretches are exchanged, although their order has no meaning.
     #[error(
         "the formula is not symmetric in the principal stretches: {value} at {stretches:?}, {exchanged} in another order"
     )]
     NotSymmetric {
-        /// Three stretches.
+        /// Principal stretches of the test.
         stretches: [f64; 3],
-        /// The value for them.
+        /// Energy at these stretches.
         value: f64,
-        /// The value for the same in another order.
+        /// Energy at these stretches in another order.
         exchanged: f64,
     },
-    /// Principal stretches together with what is not a function of them.
+    /// Principal stretches are combined with variables that are not functions of them.
     #[error("principal stretches are multiplied with invariants or components")]
     StretchesMixed,
-    /// Principal stretches in a term with a condition.
+    /// Principal stretches appear in a term with a condition.
     #[error("principal stretches stand in a term with a condition, a ramp or an extreme")]
     StretchesBranch,
 }
 
 impl Problem {
-    /// What to do about it.
+    /// Returns a hint to the user, if there is one.
     pub fn hint(&self) -> Option<String> {
         let fixed = |text: &str| Some(text.to_owned());
         match self {

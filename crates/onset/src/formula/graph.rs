@@ -1,14 +1,13 @@
-//! The operations of a formula, each once: a directed graph without cycles, in which equal parts are shared and constants
-//! folded while it is built.
+//! Operations of a formula as a directed acyclic graph. Equal parts are shared and constants are folded during construction.
 
 use crate::algebra::Each;
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// The number of a node; operands have smaller ones.
+/// Index of a node. Operands have smaller indices.
 pub(super) type Id = usize;
 
-/// A constant that can be compared and hashed.
+/// Floating-point constant that can be compared and hashed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Bits(u64);
 
@@ -22,7 +21,7 @@ impl Bits {
     }
 }
 
-/// A function of one number that [`Real`](crate::real::Real) has; roots and reciprocals are powers.
+/// Function of one number provided by [`Real`](crate::real::Real). Roots and reciprocals are powers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Function {
     Exponential,
@@ -48,26 +47,26 @@ impl Function {
     }
 }
 
-/// What a formula is made of in the end.
+/// Variable input of a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Leaf {
-    /// `F_iJ`.
+    /// Component `F_iJ` of the deformation gradient.
     Component(usize, usize),
-    /// `C_IJ`, `I <= J`.
+    /// Component `C_IJ`, `I <= J`, of the right Cauchy-Green tensor.
     CauchyGreen(usize, usize),
-    /// `det F`.
+    /// Volume ratio `det F`.
     Jacobian,
-    /// A principal stretch, counted from zero.
+    /// Principal stretch, counted from zero.
     Stretch(usize),
-    /// The variable of a function of one.
+    /// Variable of a function of one number.
     Argument,
 }
 
-/// One operation.
+/// One operation of the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Node {
     Constant(Bits),
-    /// A number that is given later.
+    /// Number whose value is supplied later.
     Parameter(usize),
     Leaf(Leaf),
     Apply(Function, Id),
@@ -77,12 +76,12 @@ pub(super) enum Node {
     Multiply(Id, Id),
     Divide(Id, Id),
     Power(Id, Id),
-    /// The second where the first is negative, the third elsewhere.
+    /// Selection: the second node if the first is negative, otherwise the third.
     Select(Id, Id, Id),
 }
 
 impl Node {
-    /// The nodes that it needs.
+    /// Operands of the node.
     pub(super) fn operands(self) -> impl Iterator<Item = Id> {
         let all = match self {
             Self::Constant(_) | Self::Parameter(_) | Self::Leaf(_) => [None; 3],
@@ -98,7 +97,7 @@ impl Node {
     }
 }
 
-/// What is known of the sign of a node at every admissible state.
+/// Known sign of a node at every admissible state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Sign {
     Any,
@@ -110,14 +109,14 @@ enum Sign {
 #[derive(Clone, Default)]
 pub(super) struct Graph {
     nodes: Vec<Node>,
-    /// Where in the text a node was first written.
+    /// Range of the text where each node first appears.
     ranges: Vec<Range<usize>>,
     known: HashMap<Node, Id>,
-    /// What is known of the signs of the nodes, by their form alone.
+    /// Known signs of the nodes, judged by their form alone.
     signs: Vec<Sign>,
-    /// Whether a node is defined at every admissible state, by its form alone.
+    /// Whether each node is defined at every admissible state, judged by its form alone.
     total: Vec<bool>,
-    /// Where in the text the nodes to come are written.
+    /// Range of the text of the nodes to be added next.
     pub(super) range: Range<usize>,
 }
 
@@ -136,12 +135,12 @@ impl Graph {
         &self.nodes
     }
 
-    /// Where a node was first written, in bytes.
+    /// Range of bytes where a node first appears in the text.
     pub(super) fn range_of(&self, id: Id) -> Range<usize> {
         self.ranges[id].clone()
     }
 
-    /// The value of a node, where it is a constant.
+    /// Value of a node, if it is a constant.
     pub(super) fn value(&self, id: Id) -> Option<f64> {
         match self.nodes[id] {
             Node::Constant(bits) => Some(bits.value()),
@@ -149,7 +148,7 @@ impl Graph {
         }
     }
 
-    /// Which nodes a result needs, itself among them.
+    /// Flags of the nodes that a result needs, including the result.
     pub(super) fn needed_by(&self, result: Id) -> Vec<bool> {
         let mut needed = vec![false; self.nodes.len()];
         needed[result] = true;
@@ -214,12 +213,12 @@ impl Graph {
         has_domain && node.operands().all(|id| self.total[id])
     }
 
-    /// Whether a node is defined at every admissible state, by its form alone.
+    /// Returns true if a node is defined at every admissible state, judged by its form alone.
     pub(super) fn is_total(&self, id: Id) -> bool {
         self.total[id]
     }
 
-    /// A value that is there only where another node is defined: what has no part in the value can still have none itself.
+    /// Restricts a value to the domain of another node. A part that cancels from the value still restricts its domain.
     fn demanding(&mut self, needed: Id, value: Id) -> Id {
         if self.total[needed] {
             return value;
@@ -233,7 +232,7 @@ impl Graph {
         }
     }
 
-    /// Whether two nodes are the same or opposite, with the factor.
+    /// Returns the factor, 1 or -1, if two nodes are equal or opposite.
     pub(super) fn multiple(&self, a: Id, b: Id) -> Option<f64> {
         let is_opposite = |a: Id, b: Id| match (self.nodes[a], self.nodes[b]) {
             (Node::Negate(x), _) if x == b => true,
@@ -263,8 +262,7 @@ impl Graph {
         self.leaf(Leaf::CauchyGreen(i.min(j), i.max(j)))
     }
 
-    /// The operation on constants: what it gives; or the operand that is not a finite number, so that the first cause is
-    /// the one that is reported.
+    /// Folds an operation on constants. If an operand is not finite, it is returned instead, so that the first cause is reported.
     fn folded<const N: usize>(
         &mut self,
         operands: [Id; N],
@@ -287,7 +285,7 @@ impl Graph {
             return id;
         }
         match (function, self.nodes[x]) {
-            // ln J^n = n ln J, as J is positive.
+            // ln J^n = n ln J, since J is positive.
             (Function::Logarithm, Node::Power(base, exponent))
                 if self.nodes[base] == Node::Leaf(Leaf::Jacobian) =>
             {
@@ -337,7 +335,7 @@ impl Graph {
         match (self.value(a), self.value(b)) {
             (Some(factor), None) => self.scale(b, factor, a),
             (None, Some(factor)) => self.scale(a, factor, b),
-            // The square of an interval is never negative, its product with itself may be.
+            // The square of an interval is never negative, but its product with itself may be.
             _ if a == b => {
                 let two = self.constant(2.0);
                 self.power(a, two)
@@ -346,7 +344,7 @@ impl Graph {
         }
     }
 
-    /// The product with a constant, which is the node `constant`.
+    /// Multiplies a node by a constant, whose node is `constant`.
     fn scale(&mut self, x: Id, factor: f64, constant: Id) -> Id {
         if factor == 0.0 {
             return self.demanding(x, constant);
@@ -366,7 +364,7 @@ impl Graph {
         }
     }
 
-    /// A product with a constant taken apart.
+    /// Splits a product with a constant into the node and the constant.
     fn scaled(&self, x: Id) -> Option<(Id, f64)> {
         match self.nodes[x] {
             Node::Multiply(a, b) => match (self.value(a), self.value(b)) {
@@ -385,7 +383,7 @@ impl Graph {
         let scaled = self.scaled(a);
         match (self.value(b), scaled) {
             (Some(1.0), _) => a,
-            // Not defined at any state, whatever is divided.
+            // Undefined at every state, independent of the dividend.
             (Some(0.0), _) => self.constant(f64::NAN),
             (Some(divisor), Some((inner, factor))) => {
                 let quotient = self.constant(factor / divisor);
@@ -405,7 +403,7 @@ impl Graph {
                 self.demanding(base, one)
             }
             (_, Some(1.0), _) => base,
-            // (J^m)^n = J^(m n), as J is positive.
+            // (J^m)^n = J^(m n), since J is positive.
             (_, _, Node::Power(inner, earlier))
                 if self.nodes[inner] == Node::Leaf(Leaf::Jacobian) =>
             {
@@ -422,7 +420,7 @@ impl Graph {
         }
     }
 
-    /// `below` where `test` is negative, `above` elsewhere.
+    /// Selects `below` if `test` is negative, otherwise `above`.
     pub(super) fn select(&mut self, test: Id, below: Id, above: Id) -> Id {
         match self.value(test) {
             Some(value) if !value.is_finite() => test,
@@ -433,7 +431,7 @@ impl Graph {
         }
     }
 
-    /// The sum of some nodes.
+    /// Sum of the given nodes.
     pub(super) fn sum(&mut self, terms: &[Id]) -> Id {
         let mut total = terms[0];
         for &term in &terms[1..] {
@@ -442,17 +440,17 @@ impl Graph {
         total
     }
 
-    /// The graph of the same result with numbers in place of the parameters.
+    /// Graph of the result with numbers in place of the parameters.
     pub(super) fn with_parameters(&self, result: Id, values: &[f64]) -> (Self, Id) {
         self.replaced(result, |graph, number| graph.constant(values[number]))
     }
 
-    /// The graph of the same result with the argument in place of every parameter.
+    /// Graph of the result with the argument in place of every parameter.
     pub(super) fn of_argument(&self, result: Id) -> (Self, Id) {
         self.replaced(result, |graph, _| graph.leaf(Leaf::Argument))
     }
 
-    /// The graph of the same result with something else in place of the parameters.
+    /// Graph of the result with replacements for the parameters.
     fn replaced(&self, result: Id, parameter: impl Fn(&mut Self, usize) -> Id) -> (Self, Id) {
         let needed = self.needed_by(result);
         let mut graph = Self::default();
@@ -481,7 +479,8 @@ impl Graph {
         (graph, place[result])
     }
 
-    /// The result as a sum of two: one of the terms that need a leaf of a kind, one of those that do not; `None` for no terms.
+    /// Splits the result into a sum of two parts: the terms that need a leaf of the given kind, and the remaining terms. A part without terms is
+    /// `None`.
     pub(super) fn split(
         &mut self,
         result: Id,
@@ -494,7 +493,7 @@ impl Graph {
                 node => node.operands().any(|a| depends[a]),
             };
         }
-        // Sums are taken apart from the end on, so that a part that occurs twice is one term.
+        // Sums are split from the end, so that a part that occurs twice is one term.
         let mut factors = vec![None; result + 1];
         factors[result] = Some(1.0);
         let add = |sum: &mut Option<f64>, factor: f64| *sum = Some(sum.unwrap_or(0.0) + factor);
@@ -535,7 +534,7 @@ impl Graph {
         sums
     }
 
-    /// The leaves that a result needs.
+    /// Leaves that a result needs.
     pub(super) fn leaves_of(&self, result: Id) -> impl Iterator<Item = Leaf> + '_ {
         let needed = self.needed_by(result);
         let leaf = move |(id, node): (Id, &Node)| match node {

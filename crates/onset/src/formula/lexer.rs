@@ -1,9 +1,9 @@
-//! A formula taken apart into numbers, names and signs.
+//! Splits a formula into numbers, names and signs.
 
 use super::error::{FormulaError, Place, Problem};
 use std::ops::Range;
 
-/// What a formula is made of.
+/// Token of a formula.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Token<'a> {
     Number(f64),
@@ -14,7 +14,7 @@ pub(super) enum Token<'a> {
 }
 
 impl Token<'_> {
-    /// The token as part of a sentence.
+    /// Returns the token as part of a sentence.
     pub(super) fn found(self, text: &str) -> String {
         match self {
             Self::End => "the end of the formula".to_owned(),
@@ -23,12 +23,12 @@ impl Token<'_> {
     }
 }
 
-/// Signs, longer ones before their beginnings.
+/// Signs, sorted so that a sign precedes its own prefixes.
 const SIGNS: [&str; 18] = [
     "**", "<=", ">=", "==", "!=", "&&", "||", "+", "-", "*", "/", "^", "(", ")", ",", ";", "<", ">",
 ];
 
-/// The tokens of a text, each with its range of bytes; the last one is [`Token::End`].
+/// Tokens of a text, each with its range of bytes. The last token is [`Token::End`].
 pub(super) fn tokens(text: &str) -> Result<Vec<(Token<'_>, Range<usize>)>, FormulaError> {
     let mut tokens = Vec::new();
     let mut at = 0;
@@ -79,7 +79,7 @@ fn is_start_of_number(rest: &str) -> bool {
     }
 }
 
-/// The number at the beginning of a text, with its length; digits, a point, an exponent.
+/// Number at the beginning of a text, with its length: digits, a point, an exponent.
 fn number(rest: &str) -> Result<(Token<'static>, usize), (Problem, usize)> {
     let bytes = rest.as_bytes();
     let digits = |from: usize| {
@@ -99,7 +99,7 @@ fn number(rest: &str) -> Result<(Token<'static>, usize), (Problem, usize)> {
             length = digits(start);
         }
     }
-    // What follows without a space belongs to it for the reader: 2mu, 1.2.3.
+    // Characters that follow without a space belong to the number for the reader: 2mu, 1.2.3.
     let tail = rest[length..].find(|c| !is_part_of_name(c) && c != '.');
     let whole = tail.map_or(rest.len(), |tail| length + tail);
     match rest[..length].parse::<f64>() {

@@ -1,7 +1,7 @@
-//! A strain energy as a formula that somebody types.
+//! Strain energies as formulas in text form.
 //!
-//! [`Formula::parse`] reads it, [`Formula::with`] gives its parameters values; the result is a law like any other, with stress and
-//! tangent exact, and enclosures by intervals:
+//! [`Formula::parse`] reads a formula and [`Formula::with`] assigns values to its parameters. The result is a law like any other, with exact stress
+//! and tangent, and interval enclosures:
 //!
 //! ```
 //! use onset::formula::Formula;
@@ -14,10 +14,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The language: numbers, `+ - * / ^`, parentheses, the [`VARIABLES`] and [`FUNCTIONS`], `pi`, helpers
-//! (`let a = I1 - 3; mu/2*a + k*a^2`) and conditions (`if(J < 1, ..., ...)`, joined by `and`, `or`, `not`). Any other name is a
-//! parameter. The text is compiled once: equal parts are shared, constants folded, and the same list of operations serves
-//! floating point, jets and intervals.
+//! The language has numbers, `+ - * / ^`, parentheses, the [`VARIABLES`] and [`FUNCTIONS`], `pi`, helpers (`let a = I1 - 3; mu/2*a + k*a^2`) and
+//! conditions (`if(J < 1, ..., ...)`, joined by `and`, `or`, `not`). Any other name is a parameter. The text is compiled once: equal parts are
+//! shared, constants are folded, and one list of operations serves floating-point numbers, jets and intervals.
 
 mod contact;
 mod domain;
@@ -43,7 +42,7 @@ use std::ops::Range;
 use stretches::StretchTape;
 use tape::Tape;
 
-/// A formula that has been read; its parameters have no values yet.
+/// Formula that has been read, without values for its parameters.
 ///
 /// ```
 /// use onset::formula::Formula;
@@ -63,19 +62,20 @@ pub struct Formula {
 }
 
 impl Formula {
-    /// Reads a formula.
+    /// Reads a formula in three dimensions.
     ///
     /// # Errors
-    /// [`FormulaError`] with the place where the text stops being a formula.
+    /// [`FormulaError`] with the place where the text is not a valid formula.
     pub fn parse(text: &str) -> Result<Self, FormulaError> {
         Self::parse_in(text, 3)
     }
 
-    /// Reads an energy of the plane: `I1` and `I2` are invariants of the two-by-two `C`, `I1bar = I1/J`, for a
-    /// [`Membrane`](crate::material::Membrane).
+    /// Reads an energy of two dimensions, for a [`Membrane`](crate::material::Membrane).
+    ///
+    /// `I1` and `I2` are invariants of the 2 x 2 tensor `C`, and `I1bar = I1/J`.
     ///
     /// # Errors
-    /// As [`Formula::parse`].
+    /// See [`Formula::parse`].
     pub fn parse_in_plane(text: &str) -> Result<Self, FormulaError> {
         Self::parse_in(text, 2)
     }
@@ -92,28 +92,27 @@ impl Formula {
         })
     }
 
-    /// The formula as typed.
+    /// Text of the formula.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// The names that need a value, in the order of their first use; the [`FIBER_ANGLES`] among them where fiber invariants are
-    /// used.
+    /// Names that need a value, in the order of their first use. They include the [`FIBER_ANGLES`] of fiber invariants.
     pub fn parameters(&self) -> impl Iterator<Item = &str> {
         self.parameters.iter().map(|(name, _)| name.as_str())
     }
 
-    /// The variables that are used, in the order of their first use.
+    /// Variables of the formula, in the order of their first use.
     pub fn variables(&self) -> &[&'static str] {
         &self.variables
     }
 
-    /// Whether components of `F` are used: such a law need not be objective.
+    /// Returns true if components of `F` are used. Such a law need not be objective.
     pub fn uses_components(&self) -> bool {
         self.uses(VariableKind::Component)
     }
 
-    /// Whether only invariants are used that no rotation of space or of the material changes: the law is objective and isotropic.
+    /// Returns true if all variables are invariant under rotations of space and of the material, so that the law is objective and isotropic.
     pub fn is_isotropic(&self) -> bool {
         !self.uses(VariableKind::Component) && !self.uses(VariableKind::Objective)
     }
@@ -124,11 +123,15 @@ impl Formula {
         self.variables.iter().any(is_of_kind)
     }
 
-    /// The law with values for its parameters.
+    /// Creates the law with values for its parameters.
     ///
     /// # Errors
-    /// [`FormulaError`] when a name has no value or a value no name, when a value is not finite, when a part is not a finite
-    /// number whatever the state is, and when the energy does not depend on the deformation.
+    /// [`FormulaError`] in these cases:
+    ///
+    /// - a name has no value, or a value has no name
+    /// - a value is not finite
+    /// - a part is not a finite number at any state
+    /// - the energy does not depend on the deformation
     pub fn with(&self, values: &[(&str, f64)]) -> Result<FormulaLaw, FormulaError> {
         self.check_names(values)?;
         let value = |(name, range): &(String, Range<usize>)| {
@@ -158,7 +161,7 @@ impl Formula {
         self.law(graph, result)
     }
 
-    /// The terms in principal stretches apart from the others.
+    /// Separates the terms in principal stretches from the others.
     fn law(&self, mut graph: Graph, result: Id) -> Result<FormulaLaw, FormulaError> {
         let is_stretch = |leaf: Leaf| matches!(leaf, Leaf::Stretch(_));
         if !graph.leaves_of(result).any(is_stretch) {
@@ -181,7 +184,7 @@ impl Formula {
         })
     }
 
-    /// That every value is finite and belongs to a parameter.
+    /// Checks that every value is finite and belongs to a parameter.
     fn check_names(&self, values: &[(&str, f64)]) -> Result<(), FormulaError> {
         for (name, value) in values {
             let problem = if self.parameters().any(|known| known == *name) {
@@ -244,18 +247,18 @@ impl Formula {
     }
 }
 
-/// A law given by a formula with numbers for its parameters; made by [`Formula::with`]. Units are those of the formula.
+/// Law given by a formula with numbers for its parameters, created by [`Formula::with`]. Units follow from the formula.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FormulaLaw {
-    /// As typed.
+    /// Text of the formula.
     text: String,
-    /// The terms in principal stretches.
+    /// Terms in the principal stretches.
     stretches: Option<StretchTape>,
-    /// The other terms.
+    /// Terms without principal stretches.
     rest: Option<Tape>,
 }
 
-/// What the operations without principal stretches begin with.
+/// Value of a leaf at a deformation gradient, for terms without principal stretches.
 fn leaf<R: Real>(f: &DeformationGradient<R>, leaf: Leaf) -> R {
     let components = f.components();
     match leaf {
@@ -265,13 +268,13 @@ fn leaf<R: Real>(f: &DeformationGradient<R>, leaf: Leaf) -> R {
             product(0) + product(1) + product(2)
         }
         Leaf::Jacobian => f.determinant(),
-        // Terms with stretches are in the other tape; an energy has no argument.
+        // Terms with stretches are in the other tape, and an energy has no argument.
         Leaf::Stretch(_) | Leaf::Argument => R::constant(f64::NAN),
     }
 }
 
 impl FormulaLaw {
-    /// The operations without stretches, unless they have a continuous stress at every admissible state.
+    /// Terms without stretches, unless their stress is continuous at every admissible state.
     fn delicate(&self) -> Option<&Tape> {
         self.rest.as_ref().filter(|tape| !tape.is_plain())
     }

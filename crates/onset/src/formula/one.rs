@@ -1,4 +1,4 @@
-//! A formula of one variable, such as a radial profile.
+//! Formula of one variable, such as a radial profile.
 
 use super::error::{FormulaError, Place, Problem};
 use super::graph::{Leaf, Node};
@@ -6,7 +6,7 @@ use super::parser;
 use super::tape::Tape;
 use crate::real::Real;
 
-/// A formula in which one name is a variable and no other name has a meaning but those of functions and helpers.
+/// Formula with a single variable. Apart from it, only functions and helpers have a meaning.
 ///
 /// ```
 /// use onset::formula::FunctionOfOne;
@@ -24,10 +24,10 @@ pub struct FunctionOfOne {
 }
 
 impl FunctionOfOne {
-    /// Reads a formula of the variable with a name.
+    /// Reads a formula with the given name of the variable.
     ///
     /// # Errors
-    /// [`FormulaError`] where the text stops being a formula, uses another name, or holds a part that is never finite.
+    /// [`FormulaError`] if the text is not a valid formula, uses another name, or contains a part that is never finite.
     pub fn parse(text: &str, variable: &'static str) -> Result<Self, FormulaError> {
         let parsed = parser::parse(text, 3)?;
         let error = |range, problem| FormulaError {
@@ -66,7 +66,7 @@ impl FunctionOfOne {
         })
     }
 
-    /// The value for a value of the variable.
+    /// Value at a value of the variable.
     pub fn at<R: Real>(&self, x: R) -> R {
         self.tape.evaluate(|leaf| match leaf {
             Leaf::Argument => x,
@@ -77,7 +77,7 @@ impl FunctionOfOne {
         })
     }
 
-    /// Whether there is a condition, a ramp or an extreme, where derivatives can jump.
+    /// Returns true if the formula contains a condition, a ramp or an extreme, where derivatives can jump.
     pub fn has_branch(&self) -> bool {
         self.has_branch
     }

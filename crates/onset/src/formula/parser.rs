@@ -1,7 +1,7 @@
-//! A formula read: operator precedence, helpers, conditions; its operations go into a [`Graph`] at once.
+//! Parser of formulas: operator precedence, helpers and conditions. Operations are added directly to a [`Graph`].
 //!
-//! From the weakest to the strongest: `or`, `and`, `not`, comparisons, `+ -`, `* /`, signs, `^`. Powers group from the right,
-//! everything else from the left; `-x^2` is `-(x^2)`, `2^-x` is allowed.
+//! From the weakest to the strongest: `or`, `and`, `not`, comparisons, `+ -`, `* /`, signs, `^`. Powers associate to the right, all other operators
+//! to the left; `-x^2` is `-(x^2)`, and `2^-x` is allowed.
 
 use super::error::{FormulaError, Place, Problem};
 use super::graph::{Function, Graph, Id, Leaf};
@@ -10,16 +10,16 @@ use super::words::{self, Arity, FIBER_ANGLES, FunctionWord};
 use crate::algebra::Each;
 use std::ops::Range;
 
-/// Characters that a formula may have.
+/// Largest number of characters of a formula.
 pub(super) const LONGEST: usize = 20_000;
 
-/// Parentheses, calls, signs and powers that may stand within each other.
+/// Largest nesting depth of parentheses, calls, signs and powers.
 pub(super) const DEEPEST: usize = 100;
 
-/// Operations that a formula may have.
+/// Largest number of operations of a formula.
 pub(super) const LARGEST: usize = 5_000;
 
-/// How strongly operators bind.
+/// Binding strength of operators.
 const OR: u8 = 1;
 const AND: u8 = 2;
 const NOT: u8 = 3;
@@ -29,19 +29,19 @@ const PRODUCT: u8 = 6;
 const SIGN: u8 = 7;
 const POWER: u8 = 8;
 
-/// A formula that has been read.
+/// Formula in parsed form.
 pub(super) struct Parsed {
     pub(super) graph: Graph,
     pub(super) result: Id,
-    /// Parameters with the place where they are first used, by their number in the graph.
+    /// Parameters with the place of their first use, by their index in the graph.
     pub(super) parameters: Vec<(String, Range<usize>)>,
-    /// The variables that are used.
+    /// Variables of the formula.
     pub(super) variables: Vec<&'static str>,
-    /// The helpers, by name.
+    /// Helpers with their names.
     pub(super) helpers: Vec<(String, Id)>,
 }
 
-/// Reads a formula, with invariants in three dimensions or in the plane.
+/// Parses a formula, with invariants in three or two dimensions.
 pub(super) fn parse(text: &str, dimension: usize) -> Result<Parsed, FormulaError> {
     let characters = text.chars().count();
     if characters > LONGEST {
@@ -84,18 +84,18 @@ pub(super) fn parse(text: &str, dimension: usize) -> Result<Parsed, FormulaError
 #[derive(Clone, Copy)]
 enum Value {
     Number(Id),
-    /// Holds where the node is negative; with `false`, where it is not.
+    /// Condition that holds where the node is negative; with `false`, where it is not.
     Comparison(Id, bool),
-    /// Holds where the node is one; elsewhere it is zero.
+    /// Condition that holds where the node is one; elsewhere the node is zero.
     Indicator(Id),
 }
 
-/// A value with its range of bytes.
+/// Value with its range of bytes.
 type Ranged = (Value, Range<usize>);
 
 struct Parser<'a> {
     text: &'a str,
-    /// Dimensions of the tensors of which invariants are taken.
+    /// Dimension of the tensors whose invariants are used.
     dimension: usize,
     tokens: Vec<(Token<'a>, Range<usize>)>,
     next: usize,
@@ -119,7 +119,7 @@ impl<'a> Parser<'a> {
         self.next = (self.next + 1).min(self.tokens.len() - 1);
     }
 
-    /// Takes a sign if it is next.
+    /// Consumes a sign if it is next.
     fn takes(&mut self, sign: &str) -> bool {
         let is_next = matches!(self.token(), Token::Sign(next) if next == sign);
         if is_next {
@@ -135,7 +135,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// That something else was expected at the next token.
+    /// Error for an unexpected token.
     fn expected(&self, expected: &'static str) -> FormulaError {
         let (token, range) = (self.token(), self.range());
         let hint = match token {
@@ -171,7 +171,7 @@ impl<'a> Parser<'a> {
         )
     }
 
-    /// `let name = value; ... value`
+    /// Parses `let name = value; ... value`.
     fn formula(&mut self) -> Result<Id, FormulaError> {
         while self.token() == Token::Name("let") {
             self.advance();
@@ -194,7 +194,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// `name = value;`
+    /// Parses the helper `name = value;`.
     fn helper(&mut self) -> Result<(), FormulaError> {
         let (token, range) = (self.token(), self.range());
         let Token::Name(name) = token else {
@@ -223,7 +223,7 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// An expression that is a number.
+    /// Parses an expression that must be a number.
     fn number(&mut self) -> Result<Id, FormulaError> {
         let value = self.expression(0)?;
         self.as_number(value)
@@ -243,7 +243,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Operands and operators that bind at least as strongly as `least`.
+    /// Parses operands and operators that bind at least as strongly as `least`.
     fn expression(&mut self, least: u8) -> Result<Ranged, FormulaError> {
         self.depth += 1;
         if self.depth > DEEPEST {
@@ -254,7 +254,7 @@ impl<'a> Parser<'a> {
             && strength >= least
         {
             self.advance();
-            // A power groups from the right: its exponent may be a power, or have a sign.
+            // A power associates to the right: its exponent may be a power, or have a sign.
             let right = match operator {
                 "^" => self.expression(SIGN)?,
                 _ => self.expression(strength + 1)?,
@@ -265,7 +265,7 @@ impl<'a> Parser<'a> {
         Ok(left)
     }
 
-    /// A number, a name, a call, a group, or one of these with a sign or `not` before it.
+    /// Parses a number, a name, a call or a group, optionally after a sign or `not`.
     fn operand(&mut self) -> Result<Ranged, FormulaError> {
         let (token, range) = (self.token(), self.range());
         match token {
@@ -315,7 +315,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Takes the partner of the parenthesis at `open`; the end of its range.
+    /// Consumes the parenthesis that closes `open`. Returns the end of its range.
     fn closed(
         &mut self,
         open: &Range<usize>,
@@ -331,7 +331,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// The value of two operands.
+    /// Value of a binary operation.
     fn combined(
         &mut self,
         operator: &'static str,
@@ -383,7 +383,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// One number where a condition holds, another elsewhere.
+    /// Selects one number where a condition holds, another elsewhere.
     fn choice(&mut self, condition: Value, holds: Id, fails: Id) -> Id {
         match condition {
             Value::Comparison(test, true) => self.graph.select(test, holds, fails),
@@ -396,7 +396,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// One where a condition holds, zero elsewhere.
+    /// Converts a condition to one where it holds and zero elsewhere.
     fn indicator(&mut self, condition: Value) -> Id {
         match condition {
             Value::Indicator(indicator) => indicator,
@@ -417,7 +417,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// A name that stands for a number.
+    /// Parses a name that represents a number.
     fn named(&mut self, name: &'a str, range: &Range<usize>) -> Result<Id, FormulaError> {
         self.graph.range = range.clone();
         if name == words::PI {
@@ -451,7 +451,7 @@ impl<'a> Parser<'a> {
         self.graph.parameter(number)
     }
 
-    /// A variable, by its definition.
+    /// Expands a variable by its definition.
     fn variable(&mut self, name: &'static str, range: &Range<usize>) -> Id {
         match name {
             "J" => self.graph.leaf(Leaf::Jacobian),
@@ -503,7 +503,7 @@ impl<'a> Parser<'a> {
         self.graph.sum(&diagonal)
     }
 
-    /// The sum of the principal minors of `C`.
+    /// Sum of the principal minors of `C`.
     fn second_invariant(&mut self) -> Id {
         let pairs = [(0, 1), (0, 2), (1, 2)].into_iter();
         let within = pairs.filter(|(_, j)| *j < self.dimension);
@@ -528,7 +528,7 @@ impl<'a> Parser<'a> {
         self.graph.power(jacobian, exponent)
     }
 
-    /// `a . C a`, or `a . C^2 a = |C a|^2`, of the fibers at an angle within the plane.
+    /// Fiber invariant `a . C a` or `a . C^2 a = |C a|^2` of fibers at an angle within the plane.
     fn fiber_invariant(
         &mut self,
         angle: &'static str,
@@ -557,7 +557,7 @@ impl<'a> Parser<'a> {
         self.graph.sum(&terms)
     }
 
-    /// A call of a function; the opening parenthesis is next.
+    /// Parses a function call, starting at the opening parenthesis.
     fn call(&mut self, name: &'a str, range: Range<usize>) -> Result<Ranged, FormulaError> {
         let Some(function) = words::function(name) else {
             return Err(self.error(range, self.not_a_function(name)));
@@ -606,7 +606,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// A function of arguments, which are as many as it takes.
+    /// Applies a function to a valid number of arguments.
     fn applied(
         &mut self,
         function: &FunctionWord,
@@ -683,7 +683,7 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// An operator between two operands, with its strength.
+/// Binary operator of a token, with its strength.
 fn binary(token: Token<'_>) -> Option<(&'static str, u8)> {
     Some(match token {
         Token::Name("or") => ("or", OR),
@@ -696,7 +696,7 @@ fn binary(token: Token<'_>) -> Option<(&'static str, u8)> {
     })
 }
 
-/// An index of a component, counted from zero.
+/// Index of a component, counted from zero.
 fn index(digit: u8) -> usize {
     usize::from(digit - b'1')
 }

@@ -1,4 +1,4 @@
-//! The part of a formula that is a function of the principal stretches.
+//! Part of a formula that depends on the principal stretches.
 
 use super::domain;
 use super::error::{Problem, Trouble};
@@ -9,26 +9,26 @@ use crate::material::PrincipalEnergy;
 use crate::real::{Interval, Jet, Real};
 use std::ops::Range;
 
-/// A symmetric function of the principal stretches; `J` is their product.
+/// Symmetric function of the principal stretches; `J` is their product.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct StretchTape(Tape);
 
-/// Stretches at which the symmetry is tried.
+/// Stretches at which the symmetry is tested.
 const TRIED: [[f64; 3]; 3] = [[0.9, 1.05, 1.2], [1.3, 0.7, 1.1], [0.8, 1.02, 1.6]];
 
-/// The orders of three other than the first.
+/// Permutations of three other than the identity.
 const ORDERS: [[usize; 3]; 5] = [[0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
 
 /// Relative difference of values that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
 impl StretchTape {
-    /// The terms of a graph that need stretches; or what is wrong with them, and where.
+    /// Compiles the terms of a graph that need stretches. Returns a problem and its place if they are not admissible.
     pub(super) fn new(graph: &Graph, result: Id) -> Result<Self, (Range<usize>, Problem)> {
         let needed = graph.needed_by(result);
         for (id, node) in graph.nodes().iter().enumerate() {
             let problem = match node {
-                // Its derivatives along the exchange of two stretches would have a jump.
+                // The derivatives along an exchange of two stretches would jump.
                 Node::Select(..) => Problem::StretchesBranch,
                 Node::Leaf(Leaf::Component(..) | Leaf::CauchyGreen(..)) => Problem::StretchesMixed,
                 _ => continue,
@@ -57,13 +57,13 @@ impl StretchTape {
         Ok(tape)
     }
 
-    /// A part that is not defined at some stretches.
+    /// Part that is undefined at some stretches, with the reason.
     pub(super) fn trouble(&self, stretches: [Interval; 3]) -> Option<(Trouble, Range<usize>)> {
         let Self(tape) = self;
         if tape.is_plain() {
             return None;
         }
-        // Without a condition there is no side to differ.
+        // Without a condition the two sides cannot differ.
         domain::trouble(
             tape,
             |part| leaf(stretches, part),

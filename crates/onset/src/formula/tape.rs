@@ -1,14 +1,14 @@
-//! A formula as a straight list of operations on a few registers, for numbers of every kind.
+//! Formula as a linear list of operations on a few registers, for numbers of every kind.
 
 use super::contact::is_smooth_across;
 use super::graph::{Function, Graph, Id, Leaf, Node};
 use crate::real::{Real, Side};
 use std::ops::Range;
 
-/// A place for an intermediate result.
+/// Index of a register for an intermediate result.
 type Register = u16;
 
-/// What is computed from registers and constants.
+/// Operation on registers and constants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Operation {
     Constant(f64),
@@ -16,59 +16,59 @@ enum Operation {
     Apply(Function, Register),
     Negate(Register),
     Add(Register, Register),
-    /// `x + c`
+    /// Sum `x + c` with a constant.
     Shift(Register, f64),
     Subtract(Register, Register),
-    /// `c - x`
+    /// Difference `c - x` from a constant.
     From(f64, Register),
     Multiply(Register, Register),
-    /// `c x`
+    /// Product `c x` with a constant.
     Scale(Register, f64),
     Divide(Register, Register),
-    /// `x / c`
+    /// Quotient `x / c` by a constant.
     Over(Register, f64),
-    /// `c / x`
+    /// Quotient `c / x` of a constant.
     Quotient(f64, Register),
     SquareRoot(Register),
     IntegerPower(Register, i32),
     RealPower(Register, f64),
-    /// `x^y = exp(y ln x)`
+    /// Power `x^y = exp(y ln x)`.
     Power(Register, Register),
     Select(Register, Register, Register),
 }
 
-/// Operations in order, each with the register that takes its result.
+/// Operations in order, each with the register of its result.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tape {
     steps: Vec<(Operation, Register)>,
     registers: usize,
     result: Register,
-    /// Where in the text the steps are written.
+    /// Range of the text of each step.
     ranges: Vec<Range<usize>>,
     branches: Vec<Branch>,
     is_total: bool,
 }
 
-/// A step that takes one of two sides.
+/// Step that selects one of two sides.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Branch {
     pub(super) step: usize,
-    /// Whether the stress of the whole is certainly continuous where the sides meet.
+    /// Whether the stress of the whole formula is certainly continuous where the sides meet.
     pub(super) is_smooth: bool,
-    /// The first branch with the same test, and the factor of this test from that one, 1 or -1.
+    /// First branch with an equivalent test, and the factor between the two tests, 1 or -1.
     pub(super) alike: (usize, f64),
 }
 
-/// Looks on while a tape runs.
+/// Observer of the evaluation of a tape.
 pub(super) trait Observer<R> {
-    /// The side that a step takes; both where it is not known.
+    /// Side that a step takes; `None` for both sides if it is uncertain.
     fn side(&mut self, step: usize, test: &R) -> Option<Side>;
 
-    /// Looks at the result of a step.
+    /// Called with the result of a step, which it may change.
     fn seen(&mut self, _step: usize, _result: &mut R) {}
 }
 
-/// Takes the side of the number, and looks at nothing.
+/// Observer that takes the side given by the sign of the number and ignores results.
 struct Plain;
 
 impl<R: Real> Observer<R> for Plain {
@@ -78,11 +78,11 @@ impl<R: Real> Observer<R> for Plain {
     }
 }
 
-/// Largest exponent of a power by multiplication.
+/// Largest exponent of a power that is evaluated by multiplication.
 const LARGEST_EXPONENT: f64 = 1024.0;
 
 impl Tape {
-    /// The operations that a result needs. Parameters have been replaced by numbers; one that has not counts as zero.
+    /// Compiles the operations that a result needs. Parameters must be replaced by numbers; a remaining parameter counts as zero.
     pub(super) fn new(graph: &Graph, result: Id) -> Self {
         let needed = graph.needed_by(result);
         let mut writer = Writer::new(graph, &needed, result);
@@ -123,27 +123,27 @@ impl Tape {
         }
     }
 
-    /// Where in the text a step is written.
+    /// Range of the text of a step.
     pub(super) fn range(&self, step: usize) -> Range<usize> {
         self.ranges[step].clone()
     }
 
-    /// The steps that take one of two sides, in order.
+    /// Steps that select one of two sides, in order.
     pub(super) fn branches(&self) -> &[Branch] {
         &self.branches
     }
 
-    /// Whether it is defined, and its stress continuous, at every admissible state.
+    /// Returns true if the formula is defined, with continuous stress, at every admissible state.
     pub(super) fn is_plain(&self) -> bool {
         self.is_total && self.branches.iter().all(|branch| branch.is_smooth)
     }
 
-    /// The result for values of the leaves. Registers live on the stack, unless there are many.
+    /// Evaluates the result for given leaves. Registers are on the stack unless they are many.
     pub(super) fn evaluate<R: Real>(&self, value: impl Fn(Leaf) -> R) -> R {
         self.observed(value, &mut Plain)
     }
 
-    /// The result, with somebody who looks on.
+    /// Evaluates the result with an observer.
     pub(super) fn observed<R: Real>(
         &self,
         value: impl Fn(Leaf) -> R,
@@ -200,16 +200,16 @@ impl Tape {
     }
 }
 
-/// Writes a tape: hands out registers and takes them back after the last use.
+/// Compiler of a tape. Registers are reused after the last use of their value.
 struct Writer<'a> {
     graph: &'a Graph,
     steps: Vec<(Operation, Register)>,
     ranges: Vec<Range<usize>>,
-    /// The steps that take one of two sides, with the nodes that they test.
+    /// Steps that select one of two sides, with the nodes that they test.
     tests: Vec<(usize, Id)>,
-    /// The register of a node that has been written.
+    /// Register of each node that has been written.
     place: Vec<Option<Register>>,
-    /// How many uses of a node are still to come.
+    /// Number of remaining uses of each node.
     uses: Vec<usize>,
     free: Vec<Register>,
     count: usize,
@@ -239,7 +239,7 @@ impl<'a> Writer<'a> {
     fn write(&mut self, id: Id) {
         let node = self.graph.nodes()[id];
         let operation = self.operation(node);
-        // Only now, so that no constant is written over an operand.
+        // Release registers only now, so that no constant overwrites an operand.
         for operand in node.operands() {
             self.uses[operand] -= 1;
             if self.uses[operand] == 0
@@ -261,7 +261,7 @@ impl<'a> Writer<'a> {
         self.ranges.push(self.graph.range_of(id));
     }
 
-    /// A register that holds nothing of use.
+    /// Returns an unused register.
     fn register(&mut self) -> Register {
         self.free.pop().unwrap_or_else(|| {
             self.count += 1;
@@ -269,7 +269,7 @@ impl<'a> Writer<'a> {
         })
     }
 
-    /// The register of an operand; a constant is written where it is needed.
+    /// Returns the register of an operand. A constant is written when it is needed.
     fn operand(&mut self, id: Id) -> Register {
         if let Some(register) = self.place[id] {
             return register;

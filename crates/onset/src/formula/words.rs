@@ -1,30 +1,30 @@
-//! The words of the language: variables, functions, constants, and what people write instead.
+//! Vocabulary of the language: variables, functions, constants, and common alternatives.
 
-/// A group of variables that belong together.
+/// Group of related variables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VariableGroup {
-    /// The names.
+    /// Names of the variables.
     pub names: &'static [&'static str],
-    /// The names, in short.
+    /// Abbreviated list of the names.
     pub label: &'static str,
-    /// What they are.
+    /// Meaning of the variables.
     pub meaning: &'static str,
-    /// What a law that uses them is.
+    /// Symmetry of a law that uses them.
     pub kind: VariableKind,
 }
 
-/// What the use of a variable says about the symmetry of a law.
+/// Symmetry that the use of a variable implies for a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VariableKind {
-    /// The same for every rotation of space and of the material.
+    /// Invariant under rotations of space and of the material.
     Isotropic,
-    /// The same for every rotation of space.
+    /// Invariant under rotations of space.
     Objective,
-    /// Changed by rotations of space: a law in these need not be objective.
+    /// Changed by rotations of space: a law that uses these variables need not be objective.
     Component,
 }
 
-/// Every variable of a formula.
+/// All variables of a formula.
 pub const VARIABLES: &[VariableGroup] = &[
     VariableGroup {
         names: &["I1", "I2", "I3"],
@@ -88,16 +88,16 @@ pub const VARIABLES: &[VariableGroup] = &[
     },
 ];
 
-/// The parameters that hold the directions of the two families of fibers, in degrees.
+/// Parameters for the directions of the two families of fibers, in degrees.
 pub const FIBER_ANGLES: [&str; 2] = ["fiber1-angle", "fiber2-angle"];
 
-/// The ratio of circumference and diameter is the only named constant.
+/// Circle constant, the only named constant.
 pub(super) const PI: &str = "pi";
 
-/// Words with a meaning in the grammar.
+/// Keywords of the grammar.
 pub(super) const KEYWORDS: [&str; 4] = ["let", "and", "or", "not"];
 
-/// How many arguments a function takes.
+/// Number of arguments of a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Arity {
     One,
@@ -126,12 +126,12 @@ impl Arity {
     }
 }
 
-/// A function of the language.
+/// Function of the language.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FunctionWord {
-    /// Its name.
+    /// Name of the function.
     pub name: &'static str,
-    /// How it is called and what it is.
+    /// Usage and meaning of the function.
     pub meaning: &'static str,
     pub(super) arity: Arity,
 }
@@ -144,7 +144,7 @@ const fn word(name: &'static str, meaning: &'static str, arity: Arity) -> Functi
     }
 }
 
-/// Every function of a formula.
+/// All functions of a formula.
 pub const FUNCTIONS: &[FunctionWord] = &[
     word(
         "if",
@@ -187,23 +187,23 @@ pub const FUNCTIONS: &[FunctionWord] = &[
     word("pow", "pow(x, y) = x^y", Arity::Two),
 ];
 
-/// The function of a name.
+/// Function with a given name.
 pub(super) fn function(name: &str) -> Option<&'static FunctionWord> {
     FUNCTIONS.iter().find(|function| function.name == name)
 }
 
-/// The names of all functions.
+/// Names of all functions.
 pub(super) fn function_names() -> impl Iterator<Item = &'static str> {
     FUNCTIONS.iter().map(|function| function.name)
 }
 
-/// The names of all variables in one line.
+/// Names of all variables in one line.
 pub(super) fn variable_names() -> String {
     let labels: Vec<&str> = VARIABLES.iter().map(|group| group.label).collect();
     labels.join(", ")
 }
 
-/// The group and the name of a variable.
+/// Group and name of a variable.
 pub(super) fn variable(name: &str) -> Option<(&'static VariableGroup, &'static str)> {
     VARIABLES.iter().find_map(|group| {
         let known = group.names.iter().find(|known| **known == name)?;
@@ -211,7 +211,7 @@ pub(super) fn variable(name: &str) -> Option<(&'static VariableGroup, &'static s
     })
 }
 
-/// What a name is in every formula, as part of a sentence; `None` where it is free.
+/// Meaning of a name in every formula, as part of a sentence; `None` for an unreserved name.
 pub(super) fn meaning(name: &str) -> Option<&'static str> {
     if KEYWORDS.contains(&name) {
         Some("a word of the language")
@@ -226,7 +226,7 @@ pub(super) fn meaning(name: &str) -> Option<&'static str> {
     }
 }
 
-/// What to write instead of a character.
+/// Suggested replacement for a character.
 pub(super) fn instead_of(character: char) -> &'static str {
     match character {
         '\u{2212}' | '\u{2013}' | '\u{2014}' => "write the minus sign as -",
@@ -249,7 +249,7 @@ pub(super) fn instead_of(character: char) -> &'static str {
     }
 }
 
-/// What to write instead of a name that other programs know.
+/// Suggested replacement for a name that other programs use.
 pub(super) fn advice(name: &str) -> Option<&'static str> {
     Some(match name {
         "log" => "write ln (natural) or log10",
@@ -262,10 +262,10 @@ pub(super) fn advice(name: &str) -> Option<&'static str> {
     })
 }
 
-/// The longest word that is compared with others, in letters.
+/// Largest length of a word that is compared with others, in letters.
 const LONGEST_WORD: usize = 40;
 
-/// The most similar of some names, if any is similar: at most a third of the letters differ, or only their case.
+/// Returns the most similar name, if at most a third of the letters differ, or only their case.
 pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let plain = |text: &str| -> Vec<char> {
         let letters = text.chars().filter(|c| *c != '_' && *c != '-');
@@ -287,7 +287,7 @@ pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> O
         .map(|(_, candidate)| candidate)
 }
 
-/// How many letters must be changed, added, removed or exchanged with their neighbor to make one word of another.
+/// Edit distance of two words: letters changed, added, removed or exchanged with a neighbor.
 fn edits(a: &[char], b: &[char]) -> usize {
     let mut table = vec![vec![0; b.len() + 1]; a.len() + 1];
     for i in 0..=a.len() {

@@ -2,25 +2,25 @@
 //!
 //! With `W_1`, `W_2`, `W_J` the derivatives of `W(I1, I2, J)`,
 //!
-//! `P = 2 W_1 F + 2 W_2 (I1 F - F C) + W_J cof F`, `cof F = J F^-T`:
+//! `P = 2 W_1 F + 2 W_2 (I1 F - F C) + W_J cof F`, `cof F = J F^-T`,
 //!
-//! three derivatives instead of nine. Within the plane, with `c = F_iJ F_iJ` and `j = det F` there,
+//! which needs three derivatives instead of nine. Within the plane, with `c = F_iJ F_iJ` and `j = det F` there,
 //!
-//! `A_iJkL = 2 W_c d_ik d_JL + 4 W_cc F_iJ F_kL + 2 W_cj (F_iJ G_kL + G_iJ F_kL) + W_jj G_iJ G_kL + W_j dG_iJ/dF_kL`, `G = cof F`:
+//! `A_iJkL = 2 W_c d_ik d_JL + 4 W_cc F_iJ F_kL + 2 W_cj (F_iJ G_kL + G_iJ F_kL) + W_jj G_iJ G_kL + W_j dG_iJ/dF_kL`, `G = cof F`,
 //!
-//! five derivatives instead of fourteen.
+//! which needs five derivatives instead of fourteen.
 
 use super::{LaneStress, MaterialError, StrainEnergy};
 use crate::kinematics::{DeformationGradient, Invariants};
 use crate::real::{Dual, Jet, LANES, Lanes, Real, Work};
 
-/// An energy in the principal invariants of `C` alone; what is needed to make it a [`StrainEnergy`](super::StrainEnergy) is written by
-/// `given_by_invariants`.
+/// Energy that depends on the principal invariants of `C` alone. The macro `given_by_invariants` implements [`StrainEnergy`](super::StrainEnergy) for
+/// it.
 pub(crate) trait InvariantEnergy {
-    /// `W(I1, I2, J)` per reference volume; units of stress. Written with operations of [`Real`] only.
+    /// Energy `W(I1, I2, J)` per reference volume; units of stress. It must use operations of [`Real`] only.
     fn of_invariants<R: Real>(&self, i: &Invariants<R>) -> R;
 
-    /// Whether the law is defined at a state, and has a stress there; at all with `J > 0`, unless it says otherwise.
+    /// Checks that the law is defined at a state and has a stress there. By default it is defined for all `J > 0`.
     ///
     /// # Errors
     /// [`MaterialError::OutsideDomain`] with the quantity that is out of bounds.
@@ -29,7 +29,7 @@ pub(crate) trait InvariantEnergy {
     }
 }
 
-/// Makes laws of energies in the invariants.
+/// Implements `StrainEnergy` for energies in the invariants.
 macro_rules! given_by_invariants {
     ($($law:ty),+ $(,)?) => {$(
         impl crate::material::StrainEnergy for $law {
@@ -64,7 +64,7 @@ macro_rules! given_by_invariants {
 }
 pub(crate) use given_by_invariants;
 
-/// The energy of a law in the invariants with its derivatives by the components of `F` within the plane.
+/// Energy of a law in the invariants with its derivatives by the components of `F` within the plane.
 pub(crate) fn jet_of_invariants<R: Real>(
     law: &(impl InvariantEnergy + StrainEnergy),
     f: &[[R; 3]; 3],
@@ -93,7 +93,7 @@ pub(crate) fn jet_of_invariants<R: Real>(
     })
 }
 
-/// Derivatives by `F_11`, `F_12`, `F_21`, `F_22` from those by `c = F_iJ F_iJ` and `j = det F` within the plane.
+/// Conversion of derivatives by `c = F_iJ F_iJ` and `j = det F` within the plane to derivatives by `F_11`, `F_12`, `F_21`, `F_22`.
 struct InPlane<'a, R> {
     f: &'a [R; 4],
     energy: &'a Jet<2, R>,
@@ -135,7 +135,7 @@ impl<R: Real> Work for InPlane<'_, R> {
     }
 }
 
-/// The invariants of several states.
+/// Invariants of several states.
 struct Measured<'a>(&'a DeformationGradient<Lanes>);
 
 impl Work for Measured<'_> {
@@ -147,7 +147,7 @@ impl Work for Measured<'_> {
     }
 }
 
-/// The stress of several states with their first invariant, by the derivatives of the energy.
+/// Stress of several states from their first invariant and the derivatives of the energy.
 struct Stressed<'a> {
     f: &'a [[Lanes; 3]; 3],
     first: Lanes,
@@ -157,7 +157,7 @@ struct Stressed<'a> {
 impl Work for Stressed<'_> {
     type Output = [[Lanes; 3]; 3];
 
-    // Closures would not be compiled for the vectors of the machine here: loops it is.
+    // Loops, because closures would not be compiled for the vector instructions of the machine here.
     #[inline(always)]
     fn done(self) -> [[Lanes; 3]; 3] {
         let f = self.f;
@@ -186,7 +186,7 @@ impl Work for Stressed<'_> {
 }
 
 impl LaneStress {
-    /// That of a law in the invariants.
+    /// Energy and stress of a law in the invariants.
     pub(crate) fn of_invariants(
         law: &impl InvariantEnergy,
         states: &DeformationGradient<Lanes>,

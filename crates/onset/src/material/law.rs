@@ -1,26 +1,26 @@
-//! The library: every law described once, beside its formula.
+//! Library of laws, each described in one place together with its formula.
 
 use super::laws::LIBRARY;
 use super::{Hyperelastic, MaterialError, StrainEnergy};
 use crate::algebra::array_of;
 
-/// What values a parameter admits.
+/// Admissible values of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Admitted {
-    /// Every finite number.
+    /// All finite numbers.
     Any,
     /// Positive finite numbers.
     Positive,
-    /// Finite numbers from zero on.
+    /// Nonnegative finite numbers.
     NotNegative,
     /// Numbers from 0 to 1.
     Fraction,
-    /// Numbers between two limits, which are not admitted themselves.
+    /// Numbers between two limits, which are excluded.
     Between(f64, f64),
 }
 
 impl Admitted {
-    /// Whether a value is admitted.
+    /// Returns true if a value is admissible.
     pub fn holds(self, value: f64) -> bool {
         value.is_finite()
             && match self {
@@ -45,23 +45,23 @@ impl std::fmt::Display for Admitted {
     }
 }
 
-/// A parameter of a law.
+/// Parameter of a law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// Its name, unique within the law.
+    /// Name of the parameter, unique within the law.
     pub name: &'static str,
-    /// Its unit: `stress`, `deg`, or `1` without dimension. The same in every law that has a parameter of this name.
+    /// Unit: `stress`, `deg`, or `1` if dimensionless. Equal in every law with a parameter of this name.
     pub unit: &'static str,
-    /// The value that it has when none is given.
+    /// Default value of the parameter.
     pub default: f64,
-    /// What it may be.
+    /// Admissible values of the parameter.
     pub admitted: Admitted,
-    /// What it means.
+    /// Meaning of the parameter in words.
     pub meaning: &'static str,
 }
 
 impl Parameter {
-    /// A parameter; for the tables of laws.
+    /// Creates a parameter; for the tables of laws.
     pub(crate) const fn new(
         name: &'static str,
         unit: &'static str,
@@ -79,21 +79,21 @@ impl Parameter {
     }
 }
 
-/// Which rotations of the reference change no response.
+/// Symmetry group of a law: the rotations of the reference that leave its response unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Symmetry {
-    /// All.
+    /// Invariant under all rotations.
     Isotropic,
-    /// All about an axis, and half turns that reverse it: one family of fibers along it.
+    /// Invariant under rotations about an axis and half turns that reverse it: one family of fibers along it.
     TransverselyIsotropic,
-    /// Half turns about three orthogonal axes: planes of mirror symmetry.
+    /// Invariant under half turns about three orthogonal axes: planes of mirror symmetry.
     Orthotropic,
-    /// Those of a cube.
+    /// Invariant under the rotations of a cube.
     Cubic,
 }
 
 impl Symmetry {
-    /// Its name.
+    /// Name of the symmetry in files and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Isotropic => "isotropic",
@@ -104,7 +104,7 @@ impl Symmetry {
     }
 }
 
-/// The stiffness at small strains in the reference, by `[11, 22, 33, 23, 13, 12]` (Voigt, with shear angles): `dS/dE`.
+/// Stiffness `dS/dE` at small strains in the reference, by `[11, 22, 33, 23, 13, 12]` (Voigt, with shear angles).
 pub type SmallStrainStiffness = [[f64; 6]; 6];
 
 /// Hooke's stiffness `C_IJKL = (K - 2/3 mu) d_IJ d_KL + mu (d_IK d_JL + d_IL d_JK)`.
@@ -119,10 +119,10 @@ pub(crate) fn hooke(shear_modulus: f64, bulk_modulus: f64) -> SmallStrainStiffne
     })
 }
 
-/// A material, or why it cannot be made.
+/// A material, or the error that prevents its creation.
 pub(crate) type Made = Result<Box<dyn Hyperelastic>, MaterialError>;
 
-/// A law of the library: what it is called, what it says, what it needs, where it holds, and how it is made.
+/// Law of the library: its name, formula, parameters, domain, symmetry, source and constructor.
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -137,36 +137,36 @@ pub(crate) type Made = Result<Box<dyn Hyperelastic>, MaterialError>;
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Law {
-    /// The word that chooses it.
+    /// Name that selects the law.
     pub name: &'static str,
-    /// The energy per reference volume.
+    /// Energy per reference volume as a formula.
     pub formula: &'static str,
-    /// Its parameters, in the order of the formula.
+    /// Parameters in the order of the formula.
     pub parameters: &'static [Parameter],
-    /// Where it holds: states at which it is defined, and strains for which it is meant.
+    /// Domain: the states at which the law is defined, and the strains for which it is intended.
     pub domain: &'static str,
-    /// Which rotations of the reference change nothing.
+    /// Rotations of the reference that leave the law unchanged.
     pub symmetry: Symmetry,
-    /// Why there is stress in the reference; `None` where there is none.
+    /// Reason for stress in the reference; `None` if the reference is stress-free.
     pub stressed_reference: Option<&'static str>,
-    /// The moduli at small strains, in words.
+    /// Moduli at small strains, in words.
     pub small_strains: &'static str,
-    /// Where it is from, and where its defaults are from.
+    /// References of the law and of its default values.
     pub source: &'static str,
-    /// The stiffness at small strains in closed form, from parameters in their order; units of stress.
+    /// Stiffness at small strains in closed form, from the parameters in their order; units of stress.
     pub(crate) stiffness: fn(&[f64]) -> SmallStrainStiffness,
-    /// The law with parameters in their order, each of them admitted.
+    /// Constructor from admissible parameters in their order.
     pub(crate) make: fn(&[f64]) -> Made,
 }
 
-/// Laws are told apart by their names.
+/// Laws are identified by their names.
 impl PartialEq for Law {
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name
     }
 }
 
-/// All laws that have a name, the default first.
+/// All named laws, the default first.
 ///
 /// ```
 /// let names: Vec<&str> = onset::material::library().iter().map(|law| law.name).collect();
@@ -177,30 +177,30 @@ pub fn library() -> &'static [Law] {
 }
 
 impl Law {
-    /// The law with a name.
+    /// Returns the law with a given name.
     pub fn named(name: &str) -> Option<&'static Self> {
         LIBRARY.iter().find(|law| law.name == name)
     }
 
-    /// The parameter with a name.
+    /// Returns the parameter with a given name.
     pub fn parameter(&self, name: &str) -> Option<&'static Parameter> {
         self.parameters
             .iter()
             .find(|parameter| parameter.name == name)
     }
 
-    /// The law with some parameters given by name and defaults for the others.
+    /// Creates the law from some parameters given by name, with defaults for the others.
     ///
     /// # Errors
-    /// [`MaterialError`] when there is no parameter of a name, or a value is not admitted.
+    /// [`MaterialError`] if no parameter has a given name, or if a value is not admissible.
     pub fn build(&self, given: &[(&str, f64)]) -> Made {
         (self.make)(&self.checked(given)?)
     }
 
-    /// The stiffness at small strains in the reference, in closed form; parameters as in [`Law::build`]. Units of stress.
+    /// Stiffness at small strains in the reference, in closed form; parameters as for [`Law::build`]. Units of stress.
     ///
     /// # Errors
-    /// As [`Law::build`].
+    /// See [`Law::build`].
     pub fn small_strain_stiffness(
         &self,
         given: &[(&str, f64)],
@@ -208,7 +208,7 @@ impl Law {
         Ok((self.stiffness)(&self.checked(given)?))
     }
 
-    /// All parameters in their order.
+    /// Returns all parameters in their order, with a check.
     fn checked(&self, given: &[(&str, f64)]) -> Result<Vec<f64>, MaterialError> {
         if let Some((name, _)) = given
             .iter()
@@ -243,13 +243,13 @@ impl Law {
         }
     }
 
-    /// The default of a parameter; for the defaults of laws.
+    /// Default value of a parameter; for the defaults of laws.
     pub(super) fn default_of(&self, index: usize) -> f64 {
         self.parameters[index].default
     }
 }
 
-/// A law as the rest of the program sees it.
+/// Converts a law to the object-safe interface.
 pub(super) fn boxed<Energy: StrainEnergy + Send + Sync + 'static>(
     law: Result<Energy, MaterialError>,
 ) -> Made {

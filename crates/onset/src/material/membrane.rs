@@ -1,4 +1,4 @@
-//! Laws of the plane itself: membranes and cloth without thickness.
+//! Two-dimensional laws: membranes and cloth without thickness.
 
 use super::{FourthOrder, Hyperelastic, MaterialError, Response, ResponseEnclosure};
 use crate::algebra::array_of;
@@ -7,10 +7,10 @@ use crate::real::Interval;
 use nalgebra::Matrix3;
 use std::sync::Arc;
 
-/// A law of the plane: an energy of the two-by-two deformation gradient, with no direction across.
+/// Two-dimensional law: an energy of the 2 x 2 deformation gradient, without an out-of-plane direction.
 ///
-/// The energy is that of a law of space at `F_33 = 1` without shears across, or a typed energy of the invariants of the two-by-two tensor
-/// ([`Formula::parse_in_plane`](crate::formula::Formula::parse_in_plane)). Increments stay in the plane: stress and tangent beyond it are zero.
+/// The energy is that of a three-dimensional law at `F_33 = 1` without out-of-plane shears, or a formula in the invariants of the 2 x 2 tensor
+/// ([`Formula::parse_in_plane`](crate::formula::Formula::parse_in_plane)). Increments stay in the plane: out-of-plane stress and tangent are zero.
 ///
 /// ```
 /// use onset::formula::Formula;
@@ -29,7 +29,7 @@ pub struct Membrane {
 }
 
 impl Membrane {
-    /// The law of the plane of a law of space.
+    /// Creates the two-dimensional law from a three-dimensional one.
     pub fn new(law: Arc<dyn Hyperelastic>) -> Self {
         Self { law }
     }

@@ -1,9 +1,7 @@
-//! What a material is: a strain energy, from which everything else follows.
+//! Materials: a strain energy determines stress and tangent.
 //!
-//! A law implements [`StrainEnergy`], one generic function; stress and tangent come from evaluating
-//! it with second-order jets, so a law cannot have a stress that does not belong to its energy. The
-//! rest of the program sees only the object-safe [`Hyperelastic`]. A material knows nothing of
-//! particles.
+//! A law implements [`StrainEnergy`], one generic function. Stress and tangent are computed from it with second-order jets, so the stress of a law is
+//! always consistent with its energy. The rest of the program uses only the object-safe [`Hyperelastic`]. A material does not depend on particles.
 
 mod invariants;
 mod law;
@@ -29,88 +27,88 @@ use crate::real::{Dual, Even, Interval, Jet, LANES, Lanes, Mirrored, Real};
 use nalgebra::Matrix3;
 use thiserror::Error;
 
-/// What can be wrong with a material or its response.
+/// Error of a material or of its response.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MaterialError {
-    /// A parameter is outside of what the law admits.
+    /// A parameter is outside its admissible range.
     #[error("material parameter {name} is {value:?}; expected {expected}")]
     Parameter {
-        /// The parameter's name, as in a study file.
+        /// Name of the parameter, as in a study file.
         name: &'static str,
-        /// Its value.
+        /// Value of the parameter.
         value: f64,
-        /// What the law admits, in words.
+        /// Admissible range in words.
         expected: String,
     },
     /// The law has no parameter of this name.
     #[error("{law} has no parameter `{name}`")]
     UnknownParameter {
-        /// The law's name.
+        /// Name of the law.
         law: &'static str,
-        /// The parameter's name as given.
+        /// Name that was given.
         name: String,
     },
-    /// The state is outside of those at which the law is defined.
+    /// The state is outside the domain of the law.
     #[error("the law is not defined at this deformation: {what} is {value:?}; {expected}")]
     OutsideDomain {
-        /// The quantity that is out of bounds.
+        /// Quantity that is out of bounds.
         what: &'static str,
-        /// Its value.
+        /// Value of the quantity.
         value: f64,
-        /// What the law demands of it, with the number.
+        /// Condition of the law on the quantity, with the number.
         expected: String,
     },
-    /// A typed energy is not defined at the state, or has no stress there.
+    /// An energy given as a formula is undefined at the state, or has no stress there.
     #[error(transparent)]
     Formula(#[from] Box<StateError>),
-    /// A material that is not of the library cannot be made or asked.
+    /// A material outside the library cannot be created or evaluated.
     #[error("{message}")]
     External {
-        /// Why, and what to do.
+        /// Reason and remedy in words.
         message: String,
     },
-    /// The material in the reference state carries no waves, so that nothing can be measured by their speed.
+    /// The material in the reference state has no waves, so results cannot be scaled by a wave speed.
     #[error(
         "the material in the reference state carries no waves: its largest acoustic eigenvalue is {eigenvalue:e}; expected a positive number"
     )]
     NoWaves {
-        /// The largest acoustic eigenvalue.
+        /// Largest acoustic eigenvalue of the material.
         eigenvalue: f64,
     },
-    /// The speed of sound is so large or small that its powers over- or underflow.
+    /// The wave speed is so large or small that its powers over- or underflow.
     #[error(
         "the squared speed of sound is {stiffness:e} / {density:e}, the largest acoustic eigenvalue of the material in the reference state \
          over its density; expected a number from {:e} to {:e}: choose other units of stress or density",
         .range[0], .range[1]
     )]
     WaveSpeed {
-        /// The largest acoustic eigenvalue.
+        /// Largest acoustic eigenvalue of the material.
         stiffness: f64,
-        /// The density.
+        /// Density of the material.
         density: f64,
-        /// What is admitted.
+        /// Admissible range of the squared wave speed.
         range: [f64; 2],
     },
-    /// Some strain of the reference state has no stress, so that Young's modulus is zero or has no value.
+    /// Some strain of the reference state has no stress, so that Young's modulus is zero or undefined.
     #[error(
         "the law has no stiffness against some strain at F = 1 (a fluid has none against shear), so that what is scaled with Young's modulus has no size"
     )]
     NoYoungsModulus,
-    /// A law cannot be that of a sheet in plane stress, or of a bar in uniaxial stress.
+    /// The law is not applicable to a sheet in plane stress, or to a bar in uniaxial stress.
     #[error("the law has no plane stress: {reason}")]
     NoPlaneStress {
-        /// Why.
+        /// Reason in words.
         reason: &'static str,
     },
-    /// The branch of states of plane stress that begins at the reference ends before this state.
+    /// The branch of plane-stress states that begins at the reference ends before this state.
     #[error(
         "there is no state of plane stress at this deformation: the branch of states without traction across that begins at the reference ends at \
          {reached:.3} of the way, where the stretch across is {stretch:.6}"
     )]
     PlaneStressEnds {
-        /// The part of the way to the state.
+        /// Fraction of the path to the state that was reached.
         reached: f64,
-        /// `F_33` there.
+        /// Stretch `F_33` at the end of the branch.
         stretch: f64,
     },
     /// Energy, stress or tangent over- or underflow at this state.
@@ -118,7 +116,7 @@ pub enum MaterialError {
         "the energy or its derivatives are not finite at this deformation (det F = {jacobian:e})"
     )]
     NotFinite {
-        /// The volume ratio of the state.
+        /// Volume ratio of the state.
         jacobian: f64,
     },
 }
@@ -130,7 +128,7 @@ impl From<StateError> for MaterialError {
 }
 
 impl MaterialError {
-    /// Whether the law has no stress at this state, while it has one at others.
+    /// Returns true if the law has no stress at this state but has one at others.
     pub fn leaves_undefined(&self) -> bool {
         matches!(
             self,
@@ -138,12 +136,12 @@ impl MaterialError {
         )
     }
 
-    /// Whether energy or stress of a typed law jump at the state, on both sides of which it has a response.
+    /// Returns true if energy or stress of a law given as a formula jump at the state, with a response on both sides.
     pub(crate) fn is_of_a_jump(&self) -> bool {
         matches!(self, Self::Formula(error) if error.trouble != Trouble::Undefined)
     }
 
-    /// Whether the state is what is wrong, so that there can be a response at others.
+    /// Returns true if the error concerns the state, so that other states may have a response.
     fn is_of_the_state(&self) -> bool {
         self.leaves_undefined() || matches!(self, Self::NotFinite { .. })
     }
@@ -162,31 +160,33 @@ impl MaterialError {
     }
 }
 
-/// What may be missing of major symmetry, by the largest component: rounding.
+/// Largest asymmetry of a tangent that is rounding, relative to the largest component.
 const SYMMETRIC: f64 = 1e-12;
 
-/// A hyperelastic law, given by its energy alone.
+/// Hyperelastic law, given by its energy alone.
 pub trait StrainEnergy {
-    /// The strain energy `W(F)` per reference volume; units of stress. Its derivatives are the stress and the tangent, so it
-    /// must be written with operations of [`Real`] only.
+    /// Strain energy `W(F)` per reference volume; units of stress.
+    ///
+    /// Its derivatives are the stress and the tangent, so it must use operations of [`Real`] only.
     fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R;
 
-    /// Whether the law is defined at a state, and has a stress there; at all with `J > 0`, unless it says otherwise.
+    /// Checks that the law is defined at a state and has a stress there. By default it is defined for all `J > 0`.
     ///
     /// # Errors
-    /// [`MaterialError::OutsideDomain`] with the quantity that is out of bounds, [`MaterialError::Formula`] with the part that
-    /// has no value or no derivative.
+    /// [`MaterialError::OutsideDomain`] with the quantity that is out of bounds, [`MaterialError::Formula`] with the part that has no value or no
+    /// derivative.
     fn admits(&self, _f: &DeformationGradient) -> Result<(), MaterialError> {
         Ok(())
     }
 
-    /// Whether the stress is known to be continuous at all states of some intervals. Where it is not, bounds of derivatives on either
-    /// side bound nothing.
+    /// Returns true if the stress is known to be continuous at all states of some intervals.
+    ///
+    /// Otherwise bounds of derivatives on the two sides do not enclose anything in between.
     fn is_smooth(&self, _f: &DeformationGradient<Interval>) -> bool {
         true
     }
 
-    /// The energy with its first and second derivatives by `F_11`, `F_12`, `F_21`, `F_22`, unless a law has a shorter way.
+    /// Energy with its first and second derivatives by `F_11`, `F_12`, `F_21`, `F_22`. A law may override it with a faster method.
     fn plane_jet<R: Real>(&self, f: &[[R; 3]; 3]) -> Jet<4, R>
     where
         Self: Sized,
@@ -194,7 +194,7 @@ pub trait StrainEnergy {
         self.energy(&plane_jets(f))
     }
 
-    /// The second derivatives of [`StrainEnergy::plane_jet`] alone, at diagonal states by the mirror symmetry that most laws have there.
+    /// Second derivatives of [`StrainEnergy::plane_jet`] alone. At diagonal states the mirror symmetry of most laws is used.
     fn plane_hessian<R: Real>(&self, f: &[[R; 3]; 3], is_diagonal: bool) -> [[R; 4]; 4]
     where
         Self: Sized,
@@ -207,8 +207,10 @@ pub trait StrainEnergy {
         mirrored.unwrap_or_else(|| self.plane_jet(f).hessian)
     }
 
-    /// Energy and stress of several states, as [`Hyperelastic::lane_stress`] has them; by the derivatives of the energy by the components of `F`, unless a law
-    /// has a shorter way. Lanes need not be right where the law asks for the one number that they do not have in common.
+    /// Energy and stress of several states, as for [`Hyperelastic::lane_stress`].
+    ///
+    /// They are computed from derivatives by the components of `F` unless a law overrides this with a faster method. Lanes may be wrong if the law
+    /// requests a single value that the lanes do not share.
     fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress
     where
         Self: Sized,
@@ -217,10 +219,10 @@ pub trait StrainEnergy {
     }
 }
 
-/// The tangent within the plane, `A_iJkL` at `[2 i + J][2 k + L]`.
+/// In-plane tangent, with `A_iJkL` at `[2 i + J][2 k + L]`.
 pub type PlaneTangent = [[f64; 4]; 4];
 
-/// Whether `A_iJkL = A_kLiJ` within the plane, to rounding: the tangent of a stress that an energy has.
+/// Returns true if `A_iJkL = A_kLiJ` within the plane to rounding, as for a stress that derives from an energy.
 pub(crate) fn has_major_symmetry(tangent: &PlaneTangent) -> bool {
     let entries = tangent.as_flattened().iter();
     let scale = SYMMETRIC * entries.fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
@@ -228,35 +230,37 @@ pub(crate) fn has_major_symmetry(tangent: &PlaneTangent) -> bool {
     pairs.all(|(a, b)| (tangent[a][b] - tangent[b][a]).abs() <= scale)
 }
 
-/// The parts of stress and tangent that act within the plane.
+/// In-plane parts of stress and tangent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneResponse {
-    /// `P_iJ` at `[2 i + J]`.
+    /// Stress components `P_iJ`, stored at `[2 i + J]`.
     pub first_piola: [f64; 4],
-    /// `A_iJkL`.
+    /// Tangent components `A_iJkL` within the plane.
     pub tangent: PlaneTangent,
 }
 
-/// A material as the rest of the program sees it.
+/// Object-safe interface of a material, used by the rest of the program.
 pub trait Hyperelastic: Send + Sync {
     /// Energy, stress and tangent at a state.
     ///
     /// # Errors
-    /// [`MaterialError::NotFinite`] when one of them over- or underflows, [`MaterialError::OutsideDomain`] where the law is
-    /// not defined.
+    /// [`MaterialError::NotFinite`] if one of them over- or underflows, [`MaterialError::OutsideDomain`] if the law is not defined.
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError>;
 
-    /// Energy, stress and tangent at a state for increments that keep the volume: of the tangent the part `dP/dF` on rates `D F` with `tr D = 0`, zero on the
-    /// others. However stiff the law is against changes of volume, its rounding does not reach it, unless the law is not given by a [`StrainEnergy`].
+    /// Energy, stress and tangent at a state for volume-preserving increments.
+    ///
+    /// The tangent is the part `dP/dF` on rates `D F` with `tr D = 0`, and zero on all other rates. If the law is given by a [`StrainEnergy`], the
+    /// result is not affected by the rounding of a very large stiffness against changes of volume.
     ///
     /// # Errors
-    /// As [`Hyperelastic::response`].
+    /// See [`Hyperelastic::response`].
     fn isochoric_response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         self.response(f)
     }
 
-    /// In how many dimensions a state is given to it: 3, unless it finds the components of `F` beyond them itself, as [`PlaneStress`] does, whose
-    /// [`Response::deformation`] has them.
+    /// Number of dimensions of the states that the law takes: 3, unless it computes the remaining components of `F` itself.
+    ///
+    /// [`PlaneStress`] is such a law. [`Response::deformation`] contains the computed components.
     fn dimension(&self) -> usize {
         3
     }
@@ -264,7 +268,7 @@ pub trait Hyperelastic: Send + Sync {
     /// Energy and first Piola-Kirchhoff stress at a state, without the tangent. Units of stress.
     ///
     /// # Errors
-    /// As [`Hyperelastic::response`].
+    /// See [`Hyperelastic::response`].
     fn energy_and_stress(
         &self,
         f: &DeformationGradient,
@@ -273,16 +277,17 @@ pub trait Hyperelastic: Send + Sync {
         Ok((response.energy, response.first_piola))
     }
 
-    /// Energy and first Piola-Kirchhoff stress at several states at once, each to the last digit the same in any company. Components of states
-    /// with indices from `dimension` on are fixed: the stress that belongs to them is left zero. Units of stress.
+    /// Energy and first Piola-Kirchhoff stress at several states. Each result is bitwise independent of the other states. Units of stress.
     ///
-    /// Where the law is not defined, and of states that are turned inside out, there is no number.
+    /// Components of states with indices from `dimension` on are fixed: the corresponding stress is zero. The results are NaN if the law is
+    /// undefined, and for states with inverted orientation.
     fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress {
         LaneStress::of_each(states, dimension, |f| self.energy_and_stress(f).ok())
     }
 
-    /// The response of the material in the reference state, in whose wave speeds all others are measured. Of a law with a kink there, which
-    /// has no tangent, it is that of one side.
+    /// Response of the material in the reference state, whose wave speeds scale the results.
+    ///
+    /// If the law has a kink there and thus no tangent, the response of one side is returned.
     ///
     /// # Errors
     /// [`MaterialError`] as for [`Hyperelastic::response`], kinks and jumps excepted.
@@ -290,11 +295,12 @@ pub trait Hyperelastic: Send + Sync {
         self.response(&DeformationGradient::identity())
     }
 
-    /// The part of the tangent that acts within the plane, `A_iJkL` at `[2 i + J][2 k + L]` with indices 0 and 1: what
-    /// waves in the plane need, several times cheaper than all. Units of stress.
+    /// In-plane part of the tangent, `A_iJkL` at `[2 i + J][2 k + L]` with indices 0 and 1. Units of stress.
+    ///
+    /// It suffices for waves in the plane and is several times cheaper than the full tangent.
     ///
     /// # Errors
-    /// [`MaterialError::NotFinite`] when it over- or underflows.
+    /// [`MaterialError::NotFinite`] if it over- or underflows.
     fn plane_tangent(&self, f: &DeformationGradient) -> Result<PlaneTangent, MaterialError> {
         let tangent = self.response(f)?.tangent;
         Ok(array_of(|a| {
@@ -302,7 +308,7 @@ pub trait Hyperelastic: Send + Sync {
         }))
     }
 
-    /// [`Hyperelastic::plane_tangent`] of many states, each to the last digit the same in any company.
+    /// In-plane tangents ([`Hyperelastic::plane_tangent`]) of many states. Each result is bitwise independent of the other states.
     fn plane_tangents(
         &self,
         states: &[DeformationGradient],
@@ -310,10 +316,10 @@ pub trait Hyperelastic: Send + Sync {
         states.iter().map(|f| self.plane_tangent(f)).collect()
     }
 
-    /// The parts of stress and tangent that act within the plane. Units of stress.
+    /// In-plane parts of stress and tangent. Units of stress.
     ///
     /// # Errors
-    /// [`MaterialError::NotFinite`] when they over- or underflow.
+    /// [`MaterialError::NotFinite`] if they over- or underflow.
     fn plane_response(&self, f: &DeformationGradient) -> Result<PlaneResponse, MaterialError> {
         let response = self.response(f)?;
         let tangent = &response.tangent;
@@ -323,17 +329,21 @@ pub trait Hyperelastic: Send + Sync {
         })
     }
 
-    /// Whether every state is reached along a path of its own, so that the tangent, that of loading which goes on from a state, is not the derivative
-    /// of the stress by the state: laws in rate form, such as metals that flow. It need not have major symmetry.
+    /// Returns true for laws in rate form, such as metals that flow.
+    ///
+    /// Every state of such a law is reached along a path. The tangent is for loading that continues from the state, not the derivative of the stress
+    /// by the state, and need not have major symmetry.
     fn is_path_dependent(&self) -> bool {
         false
     }
 
-    /// The part of the tangent `A_iJkL` by the stress that a law in rate form integrates in time, `J F^-1_Jj F^-1_Ll g_ijkl` of the rates
-    /// `sigma'_ij = g_ijkl L_kl` that are no function of the positions; the rest follows these. `None` of other laws. Units of stress.
+    /// Part of the tangent `A_iJkL` from stress that a law in rate form integrates in time; `None` for other laws. Units of stress.
+    ///
+    /// It is `J F^-1_Jj F^-1_Ll g_ijkl` of the rates `sigma'_ij = g_ijkl L_kl` that are not functions of the positions. The remaining part follows
+    /// the positions.
     ///
     /// # Errors
-    /// As [`Hyperelastic::response`].
+    /// See [`Hyperelastic::response`].
     fn integrated_tangent(
         &self,
         _f: &DeformationGradient,
@@ -343,7 +353,7 @@ pub trait Hyperelastic: Send + Sync {
 
     /// Bounds of energy, stress and tangent over all states with components in the given intervals.
     ///
-    /// A law that is not given by a [`StrainEnergy`] knows none, unless it says so.
+    /// By default a law that is not given by a [`StrainEnergy`] has no bounds.
     fn enclosure(&self, _f: &DeformationGradient<Interval>) -> ResponseEnclosure {
         ResponseEnclosure::ENTIRE
     }
@@ -352,14 +362,14 @@ pub trait Hyperelastic: Send + Sync {
 /// Energy `W` and first Piola-Kirchhoff stress `P_iJ` of several states.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LaneStress {
-    /// `W`, per reference volume; no number where there is no stress.
+    /// Energy `W` per reference volume; NaN if no stress exists.
     pub energy: Lanes,
-    /// `P_iJ`.
+    /// Stress components `P_iJ`.
     pub first_piola: [[Lanes; 3]; 3],
 }
 
 impl LaneStress {
-    /// State by state.
+    /// Evaluates the states one by one.
     fn of_each(
         states: &DeformationGradient<Lanes>,
         dimension: usize,
@@ -386,7 +396,7 @@ impl LaneStress {
         all
     }
 
-    /// That of a law by its energy, with the derivatives by the components of `F` that are not fixed.
+    /// Evaluates a law by its energy, with derivatives by the components of `F` that are not fixed.
     pub(crate) fn of_components(
         law: &impl StrainEnergy,
         states: &DeformationGradient<Lanes>,
@@ -398,7 +408,7 @@ impl LaneStress {
         }
     }
 
-    /// That of a law by its energy, with the derivatives by the first `D` rows and columns of `F`, which are `N` numbers.
+    /// Evaluates a law by its energy, with derivatives by the first `D` rows and columns of `F`, which are `N` numbers.
     fn of_law<const D: usize, const N: usize>(
         law: &impl StrainEnergy,
         states: &DeformationGradient<Lanes>,
@@ -415,7 +425,7 @@ impl LaneStress {
         all
     }
 
-    /// From the energy with its derivatives by the first `D` rows and columns of `F`.
+    /// Converts an energy with its derivatives by the first `D` rows and columns of `F`.
     fn of_energy<const D: usize, const N: usize>(energy: &Dual<N, Lanes>) -> Self {
         let mut all = Self {
             energy: energy.value,
@@ -429,7 +439,7 @@ impl LaneStress {
         all
     }
 
-    /// That of a law whose stress is found for one state at a time.
+    /// Evaluates a law whose stress is computed for one state at a time.
     pub(crate) fn one_by_one(
         law: &(impl StrainEnergy + Send + Sync),
         states: &DeformationGradient<Lanes>,
@@ -438,13 +448,13 @@ impl LaneStress {
         Self::of_each(states, dimension, |f| law.energy_and_stress(f).ok())
     }
 
-    /// Whether a state has a finite energy and stress.
+    /// Returns true if a state has a finite energy and stress.
     pub(crate) fn is_known(&self, lane: usize) -> bool {
         let mut stress = self.first_piola.as_flattened().iter();
         self.energy.0[lane].is_finite() && stress.all(|own| own.0[lane].is_finite())
     }
 
-    /// Takes over what another one has for a state.
+    /// Copies the result of one state from another.
     fn take(&mut self, lane: usize, other: &Self) {
         self.energy.0[lane] = other.energy.0[lane];
         let own = self.first_piola.as_flattened_mut().iter_mut();
@@ -456,26 +466,26 @@ impl LaneStress {
 
 /// Bounds of energy, first Piola-Kirchhoff stress and tangent. Indices as in [`Response`], units of stress.
 ///
-/// They hold the response of the law with its constants as the program computes them, in exact arithmetic.
+/// They enclose the exact response of the law with its constants as the program computes them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResponseEnclosure {
-    /// `W`, per reference volume.
+    /// Energy `W` per reference volume.
     pub energy: Interval,
-    /// `P_iJ`.
+    /// Stress components `P_iJ`.
     pub first_piola: [[Interval; 3]; 3],
-    /// `A_iJkL`, indexed `[i][J][k][L]`.
+    /// Tangent components `A_iJkL`, indexed `[i][J][k][L]`.
     pub tangent: [[[[Interval; 3]; 3]; 3]; 3],
 }
 
 impl ResponseEnclosure {
-    /// Nothing is known.
+    /// Unbounded enclosure without information.
     pub const ENTIRE: Self = Self {
         energy: Interval::ENTIRE,
         first_piola: [[Interval::ENTIRE; 3]; 3],
         tangent: [[[[Interval::ENTIRE; 3]; 3]; 3]; 3],
     };
 
-    /// From the energy with its derivatives.
+    /// Converts an energy with its derivatives.
     fn of_energy(energy: &Jet<9, Interval>) -> Self {
         let mut all = Self {
             energy: energy.value,
@@ -494,8 +504,8 @@ impl ResponseEnclosure {
 
 /// Energy `W`, first Piola-Kirchhoff stress and tangent at one state.
 ///
-/// Equations: `P_iJ = dW/dF_iJ`, `A_iJkL = dP_iJ/dF_kL` (the paper's nominal stress is the transpose
-/// of `P`; its effective tangent (22) is [`Response::effective_tangent`]). Shapes 3 x 3 and 3 x 3 x 3 x 3, units of stress.
+/// Equations: `P_iJ = dW/dF_iJ`, `A_iJkL = dP_iJ/dF_kL` (the paper's nominal stress is the transpose of `P`; its effective tangent (22) is
+/// [`Response::effective_tangent`]). Shapes 3 x 3 and 3 x 3 x 3 x 3, units of stress.
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -508,30 +518,30 @@ impl ResponseEnclosure {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
-    /// The state.
+    /// Deformation gradient of the state.
     pub deformation: DeformationGradient,
-    /// `W`, per reference volume.
+    /// Energy `W` per reference volume.
     pub energy: f64,
-    /// `P_iJ`, first index spatial.
+    /// Stress components `P_iJ`, first index spatial.
     pub first_piola: Matrix3<f64>,
-    /// `A_iJkL`, all 81 components.
+    /// Tangent components `A_iJkL`, all 81 of them.
     pub tangent: FourthOrder,
 }
 
-// What follows for all laws does not depend on the type of the law, and is compiled once.
+// The following functions do not depend on the type of the law and are compiled once.
 
-/// The components of one state of several.
+/// Components of one of several states.
 fn components_of(states: &DeformationGradient<Lanes>, lane: usize) -> [[f64; 3]; 3] {
     states.components().each(|row| row.each(|own| own.0[lane]))
 }
 
-/// One state of several in all lanes.
+/// Copies one state to all lanes.
 fn alone(states: &DeformationGradient<Lanes>, lane: usize) -> DeformationGradient<Lanes> {
     let state = components_of(states, lane);
     DeformationGradient::from_components(state.each(|row| row.each(|own| Lanes([own; LANES]))))
 }
 
-/// The first `D` rows and columns of `F` as variables, of several states.
+/// Variables for the first `D` rows and columns of `F`, for several states.
 fn plane_duals<const D: usize, const N: usize>(
     states: &DeformationGradient<Lanes>,
 ) -> DeformationGradient<Dual<N, Lanes>> {
@@ -544,7 +554,7 @@ fn plane_duals<const D: usize, const N: usize>(
     DeformationGradient::from_components(duals)
 }
 
-/// All components of `F` as variables, with first derivatives.
+/// Variables for all components of `F`, with first derivatives.
 fn duals(f: &DeformationGradient) -> DeformationGradient<Dual<9>> {
     let components = f.components();
     let variables = Dual::<9>::variables(array_of(|n| components[n / 3][n % 3]));
@@ -552,7 +562,7 @@ fn duals(f: &DeformationGradient) -> DeformationGradient<Dual<9>> {
     DeformationGradient::from_components(duals)
 }
 
-/// All components of `F` as variables, up to second derivatives.
+/// Variables for all components of `F`, up to second derivatives.
 fn jets<R: Real>(f: &DeformationGradient<R>) -> DeformationGradient<Jet<9, R>> {
     let components = f.components();
     let variables = Jet::variables(array_of(|n| components[n / 3][n % 3]));
@@ -560,7 +570,7 @@ fn jets<R: Real>(f: &DeformationGradient<R>) -> DeformationGradient<Jet<9, R>> {
     DeformationGradient::from_components(jets)
 }
 
-/// `cof F = J F^-T`.
+/// Cofactor matrix `cof F = J F^-T`.
 pub(crate) fn cofactor(f: &Matrix3<f64>) -> Matrix3<f64> {
     let [a, b, c] = [0, 1, 2].each(|i| f.row(i).transpose());
     Matrix3::from_rows(&[
@@ -570,7 +580,7 @@ pub(crate) fn cofactor(f: &Matrix3<f64>) -> Matrix3<f64> {
     ])
 }
 
-/// Orthonormal rates `D_a` without a trace; the last one of nine is zero.
+/// Orthonormal traceless rates `D_a`; the last of nine is zero.
 fn isochoric_rates() -> [Matrix3<f64>; 9] {
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let unit = |i: usize, j: usize| {
@@ -593,7 +603,7 @@ fn isochoric_rates() -> [Matrix3<f64>; 9] {
     ]
 }
 
-/// `exp(sum x_a D_a) F` by the variables `x_a` at zero: the volume is the same throughout.
+/// Deformation gradient `exp(sum x_a D_a) F` as a function of the variables `x_a` at zero; the volume is constant.
 fn isochoric_jets(f: &DeformationGradient) -> DeformationGradient<Jet<9>> {
     let (rates, f) = (isochoric_rates(), f.matrix());
     let first = rates.each(|rate| rate * f);
@@ -607,7 +617,7 @@ fn isochoric_jets(f: &DeformationGradient) -> DeformationGradient<Jet<9>> {
     DeformationGradient::from_components(array_of(|i| array_of(|j| jet(i, j))))
 }
 
-/// The response from the derivatives of [`isochoric_jets`] and the mean stress: with `tau` the Kirchhoff stress they are `tau : D_a` and
+/// Response from the derivatives of [`isochoric_jets`] and the mean stress. With the Kirchhoff stress `tau` the derivatives are `tau : D_a` and
 /// `(D_a F) : A : (D_b F) + tau : (D_a D_b + D_b D_a) / 2`.
 fn isochoric_response(
     energy: &Jet<9>,
@@ -641,7 +651,7 @@ fn isochoric_response(
     })
 }
 
-/// The components of `F` within the plane as variables, four instead of nine; the others are constants.
+/// Variables for the in-plane components of `F`, four instead of nine; the others are constants.
 fn plane_jets<R: Real>(components: &[[R; 3]; 3]) -> DeformationGradient<Jet<4, R>> {
     let variables = Jet::<4, R>::variables(array_of(|n| components[n / 2][n % 2]));
     let mut jets = components.each(|row| row.map(Jet::fixed));
@@ -651,11 +661,11 @@ fn plane_jets<R: Real>(components: &[[R; 3]; 3]) -> DeformationGradient<Jet<4, R
     DeformationGradient::from_components(jets)
 }
 
-/// The components of a diagonal state within the plane as variables, of functions with its mirror symmetry.
+/// Variables for the in-plane components of a diagonal state, for functions with its mirror symmetry.
 fn mirrored<R: Real>(diagonal: [R; 3]) -> DeformationGradient<Mirrored<R>> {
     let [f11, f12, f21, f22] = Mirrored::variables(diagonal[0], diagonal[1]);
     let [_, _, _, f33] = Mirrored::variables(diagonal[0], diagonal[2]);
-    // Waves in the plane do not change it.
+    // Waves in the plane do not change F_33.
     let f33 = match f33 {
         Mirrored::Even(even) => Mirrored::Even(Even {
             gradient: [R::constant(0.0); 2],
@@ -667,7 +677,7 @@ fn mirrored<R: Real>(diagonal: [R; 3]) -> DeformationGradient<Mirrored<R>> {
     DeformationGradient::from_components([[f11, f12, zero], [f21, f22, zero], [zero, zero, f33]])
 }
 
-/// That none of the numbers of a response at a state over- or underflows.
+/// Checks that the numbers of a response neither over- nor underflow.
 fn require_finite<'a>(
     mut values: impl Iterator<Item = &'a f64>,
     f: &DeformationGradient,
@@ -680,7 +690,7 @@ fn require_finite<'a>(
     }
 }
 
-/// Energy and stress, unless one over- or underflows.
+/// Energy and stress, with a check for over- and underflow.
 fn finite_stress(
     energy: &Dual<9>,
     f: &DeformationGradient,
@@ -690,7 +700,7 @@ fn finite_stress(
     Ok((energy.value, stress))
 }
 
-/// Stress and tangent within the plane, unless one over- or underflows.
+/// In-plane stress and tangent, with a check for over- and underflow.
 fn finite_plane_response(
     energy: &Jet<4>,
     f: &DeformationGradient,
@@ -703,7 +713,7 @@ fn finite_plane_response(
     })
 }
 
-/// Energy, stress and tangent, unless one of them over- or underflows.
+/// Energy, stress and tangent, with a check for over- and underflow.
 fn finite_response(energy: &Jet<9>, f: &DeformationGradient) -> Result<Response, MaterialError> {
     Response {
         deformation: *f,
@@ -714,13 +724,13 @@ fn finite_response(energy: &Jet<9>, f: &DeformationGradient) -> Result<Response,
     .finite()
 }
 
-/// A tangent, unless it over- or underflows.
+/// In-plane tangent, with a check for over- and underflow.
 fn finite(tangent: PlaneTangent, f: &DeformationGradient) -> Result<PlaneTangent, MaterialError> {
     require_finite(tangent.as_flattened().iter(), f)?;
     Ok(tangent)
 }
 
-/// Up to [`LANES`] states side by side; what fills up is one of them.
+/// Packs up to [`LANES`] states; unused lanes repeat one of them.
 fn side_by_side(states: &[DeformationGradient]) -> [[Lanes; 3]; 3] {
     let mut components = [[Lanes([0.0; LANES]); 3]; 3];
     for n in 0..LANES {
@@ -736,7 +746,7 @@ fn side_by_side(states: &[DeformationGradient]) -> [[Lanes; 3]; 3] {
     components
 }
 
-/// The tangent of one state of several.
+/// Tangent of one of several states.
 fn tangent_of(lanes: &[[Lanes; 4]; 4], lane: usize) -> PlaneTangent {
     // By reference: a tangent of all lanes is a kilobyte.
     let mut tangent = PlaneTangent::default();
@@ -779,7 +789,7 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
             let lanes = self.plane_hessian(&side_by_side(chunk), is_diagonal);
             for (n, f) in chunk.iter().enumerate() {
                 let admitted = self.admits(f);
-                // A law may ask for the one number that lanes do not have in common.
+                // A law may request a single value that the lanes do not share.
                 let known = || finite(tangent_of(&lanes, n), f).or_else(|_| self.plane_tangent(f));
                 tangents.push(admitted.and_then(|()| known()));
             }
@@ -808,7 +818,7 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
     fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress {
         let mut all = StrainEnergy::lane_stress(self, states, dimension);
         for lane in 0..LANES {
-            // A law may ask for the one number that lanes do not have in common.
+            // A law may request a single value that the lanes do not share.
             if !all.is_known(lane) {
                 let alone = alone(states, lane);
                 all.take(lane, &StrainEnergy::lane_stress(self, &alone, dimension));

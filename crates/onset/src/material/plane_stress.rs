@@ -1,4 +1,4 @@
-//! Plane stress: what a law of space is for a thin sheet, or a thin bar, the faces of which carry no traction.
+//! Plane stress: a three-dimensional law for a thin sheet or bar with traction-free faces.
 
 use super::{FourthOrder, Hyperelastic, MaterialError, Response, ResponseEnclosure};
 use crate::algebra::{Each, array_of};
@@ -7,39 +7,39 @@ use crate::real::{Interval, Real};
 use nalgebra::{DMatrix, Matrix3};
 use std::sync::Arc;
 
-/// Components of `F` across a sheet, `3 i + J`: its third column.
+/// Components of `F` across a sheet, numbered `3 i + J`: its third column.
 const ACROSS_SHEET: &[usize] = &[2, 5, 8];
-/// Components across a bar: its second and third column without `F_32`, which a rotation about the bar takes away.
+/// Components across a bar: its second and third column without `F_32`, which a rotation about the bar eliminates.
 const ACROSS_BAR: &[usize] = &[1, 4, 2, 5, 8];
 
-/// Steps of Newton's method at one state.
+/// Largest number of Newton steps at one state.
 const STEPS: usize = 20;
-/// The largest relative change of the stretch across by the first step: so far from a root the next one need not be its own.
+/// Largest relative change of the stretch across by the first step. Farther from a root the iteration may converge to a different one.
 const FARTHEST: f64 = 0.5;
-/// By how much each further step must be smaller than the one before, which it is close to the root that Newton's method is going to.
+/// Contraction required of each further step, which shows that the iteration is close to its root.
 const CONTRACTION: f64 = 0.25;
-/// Relative steps that are rounding.
+/// Relative size of a step that is rounding.
 const ROUNDING: f64 = 1e-15;
-/// Relative steps below which one that is not smaller than the last is rounding too.
+/// Relative size of a step from which lack of contraction counts as rounding.
 const CLOSE: f64 = 1e-7;
-/// The smallest part of the way from the reference to a state in which the branch is followed: of a stretch of ten thousand it is a small strain.
+/// Smallest fraction of the path from the reference to a state by which the branch is followed. For a stretch of ten thousand it is a small strain.
 const SMALLEST_STRIDE: f64 = 1.0 / (1u32 << 26) as f64;
-/// Stiffness across the sheet, relative to the largest one, that is rounding.
+/// Stiffness across the sheet, relative to the largest stiffness, that is rounding.
 const NO_STIFFNESS: f64 = 1e-12;
-/// Cosine of the largest angle between the branch at a state and the chord to the next one.
+/// Cosine of the largest angle between the branch at a state and the chord to the next state.
 const ALONG: f64 = 0.98;
-/// Cosine of that angle for a metal, whose branch turns where flow begins.
+/// Cosine of this angle for a metal, whose branch turns where flow begins.
 const ALONG_FLOW: f64 = 0.9;
-/// Changes of the state smaller than this, relative, may turn by any angle, as at a kink of the stress.
+/// Relative changes of the state smaller than this may turn by any angle, as at a kink of the stress.
 const KINKED: f64 = 1e-6;
-/// Relative step of differences of tractions by components across, of a law whose tangent is not the derivative of its stress.
+/// Relative step of finite differences of the tractions, for a law whose tangent is not the derivative of its stress.
 const DIFFERENCE: f64 = 1e-6;
-/// How often an interval of the components across is widened in the search for one that holds a root of every state.
+/// Largest number of times that an interval of the components across is widened until it contains a root for every state.
 const WIDENINGS: usize = 8;
 
-/// A law of space, as a sheet in plane stress (two dimensions) or a bar in uniaxial stress (one) has it.
+/// Three-dimensional law reduced to a sheet in plane stress (two dimensions) or a bar in uniaxial stress (one dimension).
 ///
-/// Faces without traction, `P_i3 = 0`, are what minimizes the energy over the third column of `F`:
+/// Traction-free faces, `P_i3 = 0`, minimize the energy over the third column of `F`:
 ///
 /// ```math
 /// W_2(F_{11}, F_{12}, F_{21}, F_{22}) = \min_{F_{13}, F_{23}, F_{33}} W(F),
@@ -49,17 +49,17 @@ const WIDENINGS: usize = 8;
 /// Q_{mn} = A_{m3n3} .
 /// ```
 ///
-/// `Q` is the acoustic tensor of waves across the sheet, so that the minimum is one where those travel. Of laws that are isotropic, or have the
-/// plane of the sheet for a plane of mirror symmetry, `F_13` and `F_23` are zero and one stretch is found; of others all three. A bar has
-/// the second column too, up to a rotation about its axis. Of several minima it is the one that continues from the reference along
-/// `R ((1 - t) 1 + t U)`, with the in-plane `F = R U`.
+/// `Q` is the acoustic tensor of waves across the sheet, so the stationary point is a minimum if these waves have real speeds. For isotropic laws, or
+/// if the plane of the sheet is a plane of mirror symmetry, `F_13` and `F_23` are zero and one stretch is computed; otherwise all three components
+/// are. A bar has the second column too, up to a rotation about its axis. If several minima exist, the one that continues from the reference along
+/// `R ((1 - t) 1 + t U)` is used, with the in-plane `F = R U`.
 ///
-/// Components of a state beyond its dimensions are not read: [`Response::deformation`] has those that were found. Stress and tangent beyond the
-/// dimensions are zero; `A_3131` and the like are those of the membrane, `dP_31/dF_31`. Units of stress, per reference volume.
+/// Components of a state beyond its dimensions are not read: [`Response::deformation`] contains the computed ones. Stress and tangent beyond the
+/// dimensions are zero; components like `A_3131` are those of the membrane, `dP_31/dF_31`. Units of stress, per reference volume.
 ///
-/// A metal that flows has reached a state, thickness included, along its own proportional path, at the end of which the faces carry no traction; the
-/// tangent of continued flow is condensed, as continued flow keeps the faces free.
-/// Source: H. Le Dret and A. Raoult, J. Math. Pures Appl. 74 (1995) 549 (membranes).
+/// A metal that flows has reached a state, including its thickness, along its own proportional path, at whose end the faces are traction-free. Its
+/// tangent of continued flow is condensed, since continued flow keeps the faces free. Source: H. Le Dret and A. Raoult, J. Math. Pures Appl. 74
+/// (1995) 549 (membranes).
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -76,17 +76,17 @@ const WIDENINGS: usize = 8;
 pub struct PlaneStress {
     law: Arc<dyn Hyperelastic>,
     dimension: usize,
-    /// `3 i + J` of the components that are found.
+    /// Indices `3 i + J` of the components that are computed.
     across: &'static [usize],
-    /// The reference with what is found across it.
+    /// Reference state with the computed components across it.
     reference: [[f64; 3]; 3],
 }
 
 impl PlaneStress {
-    /// A law as a sheet has it (`dimension` 2), or a bar (1).
+    /// Creates the law of a sheet (`dimension` 2) or a bar (1).
     ///
     /// # Errors
-    /// [`MaterialError::NoPlaneStress`] when the law has no stiffness against strains across the reference, as a fluid, when codes integrate its stress
+    /// [`MaterialError::NoPlaneStress`] if the law has no stiffness against strains across the reference, like a fluid, if codes integrate its stress
     /// in time, and in three dimensions.
     pub fn new(law: Arc<dyn Hyperelastic>, dimension: usize) -> Result<Self, MaterialError> {
         let refused = |reason| Err(MaterialError::NoPlaneStress { reason });
@@ -120,9 +120,9 @@ impl PlaneStress {
         Ok(sheet)
     }
 
-    /// The reference within the dimensions, with no traction on the faces.
+    /// Reference state within the dimensions, with traction-free faces.
     fn at_rest(&self) -> Result<Option<[[f64; 3]; 3]>, MaterialError> {
-        // Without stress it is the reference itself, even of a law that has a tangent of one side there.
+        // If it is stress-free, it is the reference itself, even for a law with only a one-sided tangent there.
         let undeformed = self.law.undeformed()?;
         let Some(condensed) = self.condensed(&undeformed) else {
             return Ok(None);
@@ -137,7 +137,7 @@ impl PlaneStress {
         }
     }
 
-    /// Slopes and stiffness of the law with the components across eliminated, where these are at a minimum.
+    /// Eliminates the components across from slopes and stiffness of the law; `None` unless they are at a minimum.
     fn condensed(&self, response: &Response) -> Option<Condensed<f64>> {
         let tangent = &response.tangent;
         let least = NO_STIFFNESS * tangent.largest();
@@ -149,7 +149,7 @@ impl PlaneStress {
         )
     }
 
-    /// Like [`PlaneStress::condensed`], with derivatives of the tractions by the components across from differences.
+    /// Like [`PlaneStress::condensed`], with finite-difference derivatives of the tractions by the components across.
     fn differenced(&self, response: &Response) -> Result<Option<Condensed<f64>>, MaterialError> {
         let state = response.deformation.components();
         let mut columns = [[0.0; 9]; 9];
@@ -178,7 +178,7 @@ impl PlaneStress {
         ))
     }
 
-    /// The root of the tractions across that Newton's method is drawn to from a state, with all of it on the way there.
+    /// Solves for zero tractions across by Newton's method from a state. Returns the root with its response.
     fn settled(&self, mut state: [[f64; 3]; 3]) -> Result<Settled, Unsettled> {
         let mut last = f64::INFINITY;
         for _ in 0..STEPS {
@@ -203,7 +203,7 @@ impl PlaneStress {
                     condensed,
                 });
             }
-            // Not a number is not smaller either.
+            // The condition also fails for NaN.
             let admitted = (CONTRACTION * last).min(FARTHEST);
             if step.is_nan() || step > admitted {
                 return Err(Unsettled::Lost);
@@ -214,7 +214,7 @@ impl PlaneStress {
         Err(Unsettled::Lost)
     }
 
-    /// The state without traction across that continues from the reference.
+    /// Plane-stress state that continues from the reference.
     fn found(&self, f: &DeformationGradient) -> Result<Settled, MaterialError> {
         let way = Way::to(f, self.dimension);
         let mut state = way.turned(&self.reference);
@@ -249,7 +249,7 @@ impl PlaneStress {
                     reached = next;
                     stride *= 2.0;
                 }
-                // A law that ends somewhere may be left by a step of Newton's method alone.
+                // Even if a Newton step leaves the domain of a law, a shorter stride may succeed.
                 Err(Unsettled::Law(error)) if !error.is_of_the_state() => return Err(error),
                 Err(_) if stride > SMALLEST_STRIDE => stride *= 0.5,
                 Err(_) => {
@@ -266,7 +266,8 @@ impl PlaneStress {
         index < self.dimension
     }
 
-    /// An enclosure of the components across of all states of some intervals, each the only root there, by Krawczyk's operator about that of the middle.
+    /// Enclosure of the components across for all states of some intervals. Each is the only root there, by Krawczyk's operator about the middle
+    /// state.
     fn across_of(
         &self,
         f: &DeformationGradient<Interval>,
@@ -283,7 +284,7 @@ impl PlaneStress {
             found.response.tangent[(i, j, k, l)]
         });
         let inverse = stiffness.try_inverse()?;
-        // Within the dimensions the given intervals, across them an interval about the middle.
+        // The given intervals within the dimensions, an interval about the middle across them.
         let state = |offsets: &[Interval]| {
             let mut all = center.each(|row| row.map(Interval::point));
             for (i, row) in all.iter_mut().enumerate().take(self.dimension) {
@@ -366,7 +367,7 @@ impl PlaneStress {
         };
         Some(ResponseEnclosure {
             energy,
-            // Those of the root are no larger than all of the interval, without the tractions that it has elsewhere.
+            // The values at the root are enclosed by the values on the whole interval, without the tractions that occur elsewhere.
             first_piola: array_of(|i| {
                 array_of(|j| within(self.is_within(i) && self.is_within(j), first_piola[i][j]))
             }),
@@ -410,18 +411,18 @@ impl Hyperelastic for PlaneStress {
     }
 }
 
-/// A state without traction across.
+/// State with zero tractions across.
 struct Settled {
-    /// The response of the law of space there.
+    /// Response of the three-dimensional law there.
     response: Response,
     condensed: Condensed<f64>,
 }
 
-/// Why a root was not found from where it was sought.
+/// Reason why no root was found.
 enum Unsettled {
-    /// The law has no response on the way.
+    /// The law has no response during the iteration.
     Law(MaterialError),
-    /// Newton's method goes too far, or the energy has no minimum there.
+    /// Newton's method diverges, or the energy has no minimum there.
     Lost,
 }
 
@@ -431,16 +432,16 @@ impl From<MaterialError> for Unsettled {
     }
 }
 
-/// Derivatives of an energy by the nine components of `F`, some of which are where its derivative by them vanishes.
+/// Derivatives of an energy by the nine components of `F`, after elimination of the components with vanishing derivative.
 struct Condensed<R> {
-    /// Of components that are left the derivative of the energy, to second order in the steps that are missing to the root.
+    /// First derivatives by the remaining components, to second order in the missing Newton steps.
     slope: [R; 9],
-    /// Of components that are left the second derivatives.
+    /// Second derivatives by the remaining components.
     stiffness: [[R; 9]; 9],
 }
 
 impl<R: Real> Condensed<R> {
-    /// Gauss and Jordan's elimination of some components; `None` where a pivot is not positive, so that there is no minimum.
+    /// Gauss-Jordan elimination of some components; `None` if a pivot is not positive, so that the energy has no minimum.
     fn new(
         across: &[usize],
         slope: impl Fn(usize, usize) -> R,
@@ -458,7 +459,7 @@ impl<R: Real> Condensed<R> {
             }
             for i in (0..9).filter(|i| *i != p) {
                 let factor = stiffness[i][p];
-                // A product first: major symmetry is kept to the last digit.
+                // Computing the product first preserves major symmetry to the last digit.
                 for j in 0..9 {
                     stiffness[i][j] = stiffness[i][j] - factor * row[j] / pivot;
                 }
@@ -470,17 +471,17 @@ impl<R: Real> Condensed<R> {
 }
 
 impl Condensed<f64> {
-    /// What is missing of an eliminated component to the root.
+    /// Newton step of an eliminated component.
     fn missing(&self, p: usize) -> f64 {
         -self.slope[p] / self.stiffness[p][p]
     }
 
-    /// The largest of what is missing, relative to the smaller stretch across.
+    /// Largest Newton step relative to the smaller stretch across.
     fn step(&self, state: &[[f64; 3]; 3], across: &[usize]) -> f64 {
         let on_diagonal = across.iter().filter(|p| *p % 4 == 0);
         let stretch = on_diagonal.fold(f64::INFINITY, |least, p| least.min(state[p / 3][p % 3]));
         let missing = across.iter().map(|p| self.missing(*p).abs());
-        // A maximum that keeps what is not a number.
+        // Maximum that propagates NaN.
         missing.fold(
             0.0,
             |largest, own| if own <= largest { largest } else { own },
@@ -494,10 +495,10 @@ impl Condensed<f64> {
     }
 }
 
-/// Derivatives of the components of `F` along the way.
+/// Derivatives of the components of `F` along the path.
 type Slope = [f64; 9];
 
-/// The change of the components of `F` from one state to another.
+/// Change of the components of `F` between two states.
 fn chord(from: &[[f64; 3]; 3], to: &[[f64; 3]; 3]) -> Slope {
     array_of(|n| to[n / 3][n % 3] - from[n / 3][n % 3])
 }
@@ -510,7 +511,7 @@ fn norm(a: &Slope) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// The way from the reference to a state, `R ((1 - t) 1 + t U)` within the dimensions.
+/// Path from the reference to a state, `R ((1 - t) 1 + t U)` within the dimensions.
 struct Way {
     dimension: usize,
     rotation: [[f64; 2]; 2],
@@ -537,7 +538,7 @@ impl Way {
         }
     }
 
-    /// Derivatives along the way that keep the tractions across.
+    /// Derivatives along the path that keep the tractions across zero.
     fn slope(&self, condensed: &Condensed<f64>, across: &[usize]) -> Slope {
         let mut slope = [0.0; 9];
         for (i, j) in (0..4).map(|n| (n / 2, n % 2)) {
@@ -552,7 +553,7 @@ impl Way {
         slope
     }
 
-    /// A state of the reference, turned.
+    /// Rotates a reference state.
     fn turned(&self, state: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
         let mut turned = *state;
         for (i, row) in self.rotation.iter().enumerate() {
@@ -563,12 +564,12 @@ impl Way {
         turned
     }
 
-    /// The state at `t`, with the components across of another one.
+    /// State at `t`, with the given components across.
     fn at(&self, t: f64, across: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
         let mut state = *across;
         for i in 0..self.dimension {
             for j in 0..self.dimension {
-                // The end is met exactly.
+                // The end point is exact.
                 state[i][j] = if t == 1.0 {
                     self.end[i][j]
                 } else {

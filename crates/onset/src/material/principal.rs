@@ -2,56 +2,57 @@
 //!
 //! With `e_i = lambda_i^2` the eigenvalues of `C`, `g_i = dW/de_i` and `h_ij = d^2 W / de_i de_j`, in the principal axes,
 //!
-//! `W(C + D) = W + sum_i g_i D_ii + 1/2 sum_ij h_ij D_ii D_jj + sum_(i<j) theta_ij D_ij^2 + ...`,
-//! `theta_ij = (g_i - g_j) / (e_i - e_j)`.
+//! `W(C + D) = W + sum_i g_i D_ii + 1/2 sum_ij h_ij D_ii D_jj + sum_(i<j) theta_ij D_ij^2 + ...`, `theta_ij = (g_i - g_j) / (e_i - e_j)`.
 //!
-//! Where the stiffness against changes of volume is much larger than all others the energy is differentiated by `y_0 = ln J` and two coordinates `y_1`, `y_2` of the shape, `h_i = ln lambda_i = y_0/3 + b_1i y_1 + b_2i y_2`, so that the
-//! stiffness against changes of volume, `d^2 W/dy_0^2`, is a number by itself: it may be larger than all others by any factor, and rounding of it reaches
-//! no strain that keeps the volume. With `w_i = dW/dh_i`, `g_i = w_i / (2 e_i)` and
+//! If the stiffness against changes of volume is much larger than all others, the energy is differentiated by `y_0 = ln J` and two coordinates `y_1`,
+//! `y_2` of the shape, `h_i = ln lambda_i = y_0/3 + b_1i y_1 + b_2i y_2`. The stiffness against changes of volume, `d^2 W/dy_0^2`, is then a separate
+//! number. It may exceed all others by any factor, and its rounding does not affect volume-preserving strains. With `w_i = dW/dh_i`,
+//! `g_i = w_i / (2 e_i)` and
 //!
 //! `theta_ij = (w_i - w_j) / (e_i - e_j) (1/e_i + 1/e_j) / 4 - (w_i + w_j) / (4 e_i e_j)`.
 //!
-//! The quotient is 0/0 where two stretches coincide. Since `W` is the same for every order of the stretches, `w_j` is `w_i`
-//! with the two exchanged, and along the segment from `(h_i, h_j)` to `(h_j, h_i)`
+//! The quotient is 0/0 where two stretches coincide. Since `W` is invariant under permutations of the stretches, `w_j` is `w_i` with the two
+//! exchanged, and along the segment from `(h_i, h_j)` to `(h_j, h_i)`
 //!
 //! `(w_i - w_j) / (h_i - h_j) = integral over 0 < t < 1 of 1/2 (W_ii + W_jj - 2 W_ij)`, `W_ij = d^2 W / dh_i dh_j`,
 //!
-//! which has no quotient. It is evaluated by Gauss-Legendre quadrature where the two are close, the quotient elsewhere.
+//! which has no quotient. It is evaluated by Gauss-Legendre quadrature where the two stretches are close; elsewhere the quotient is used.
 
 use crate::algebra::{Each, array_of};
 use crate::kinematics::DeformationGradient;
 use crate::real::{Interval, Jet, Real};
 
-/// An isotropic energy as a function of the principal stretches.
+/// Isotropic energy as a function of the principal stretches.
 pub trait PrincipalEnergy {
-    /// `W(lambda_1, lambda_2, lambda_3)` per reference volume, the same for every order of the stretches; units of
-    /// stress. Written with operations of [`Real`] only, without branches on its arguments.
+    /// Energy `W(lambda_1, lambda_2, lambda_3)` per reference volume, invariant under permutations of the stretches; units of stress. It must use
+    /// operations of [`Real`] only, without branches on its arguments.
     fn of_stretches<R: Real>(&self, stretches: [R; 3]) -> R;
 
-    /// Whether the function is known to have a value at all stretches of some intervals. Terms that cancel leave no trace of that in
-    /// the bounds of their sum.
+    /// Returns true if the function is known to be defined at all stretches of some intervals. Undefined terms that cancel leave no trace in the
+    /// bounds of their sum.
     fn is_defined(&self, _stretches: [Interval; 3]) -> bool {
         true
     }
 }
 
-/// Relative difference of two eigenvalues of `C` below which they count as close: there the quotient has lost less than two
-/// digits, and five points of quadrature err by less than `1e-15`.
+/// Relative difference below which two eigenvalues of `C` count as close. At this difference the quotient has lost less than two digits, and the
+/// error of the five-point quadrature is less than `1e-15`.
 const CLOSE: f64 = 0.05;
 
-/// Points of the Gauss-Legendre rule of order 10 on `(0, 1)` from its middle on, with weights; it is symmetric about the
-/// middle, and so is the integrand.
+/// Points of the Gauss-Legendre rule of order 10 on `(0, 1)` from its midpoint on, with weights. The rule and the integrand are symmetric about the
+/// midpoint.
 const RULE: [(f64, f64); 3] = [
     (0.5, 64.0 / 225.0),
     (0.769_234_655_052_841_5, 0.478_628_670_499_366_47),
     (0.953_089_922_969_332, 0.236_926_885_056_189_08),
 ];
 
-/// The energy at a state, exact to second order for jets over floating-point numbers: stresses and tangents are exact to
-/// rounding also where stretches coincide. Units of stress.
+/// Energy at a state as a function of the principal stretches. Units of stress.
 ///
-/// Of intervals the result holds the energy and its derivatives: value and first derivatives closely, second ones where the principal axes and stretches are known
-/// closely, and with their largest size otherwise. Where eigenvalues cannot be told from zero nothing is known: [`Interval::ENTIRE`](crate::real::Interval::ENTIRE).
+/// For jets over floating-point numbers it is exact to second order: stresses and tangents are accurate to rounding even if stretches coincide. For
+/// intervals the result encloses the energy and its derivatives. Value and first derivatives are tight. Second derivatives are tight if principal
+/// axes and stretches are known closely; otherwise only their largest magnitude is used. If an eigenvalue may be zero, the result is
+/// [`Interval::ENTIRE`](crate::real::Interval::ENTIRE).
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -87,28 +88,28 @@ pub fn energy_of_stretches<R: Real>(
     expansion.at(&c)
 }
 
-/// The derivatives of an isotropic energy by `C` at one state, in the principal axes.
+/// Derivatives of an isotropic energy by `C` at one state, in the principal axes.
 struct Expansion {
-    /// `n_i` in column `i`.
+    /// Principal axes `n_i` in column `i`.
     axes: [[f64; 3]; 3],
-    /// `e_i`.
+    /// Eigenvalues `e_i` of `C`.
     eigenvalues: [f64; 3],
     value: f64,
-    /// `g_i`.
+    /// First derivatives `g_i` by the eigenvalues.
     first: [f64; 3],
-    /// `h_ij` without [`Local::volumetric`] over `4 e_i e_j`.
+    /// Second derivatives `h_ij`, without the part [`Local::volumetric`] divided by `4 e_i e_j`.
     second: [[f64; 3]; 3],
-    /// [`Local::volumetric`].
+    /// Volumetric stiffness, from [`Local::volumetric`].
     volumetric: f64,
-    /// `theta_12`, `theta_13`, `theta_23`.
+    /// Shear coefficients `theta_12`, `theta_13`, `theta_23`.
     shear: [f64; 3],
 }
 
-/// The pairs of axes, in the order of [`Expansion::shear`].
+/// Pairs of axes, in the order of [`Expansion::shear`].
 const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 
 impl Expansion {
-    /// NaN throughout where the tensor is not one of numbers.
+    /// Computes the expansion; all entries are NaN if a component of the tensor is not a number.
     fn of(energy: &impl PrincipalEnergy, c: [[Option<f64>; 3]; 3]) -> Self {
         let c = c.each(|row| row.each(|component| component.unwrap_or(f64::NAN)));
         let (eigenvalues, axes) = eigen(c);
@@ -139,7 +140,7 @@ impl Expansion {
         }
     }
 
-    /// The expansion about the state, at the state with its derivatives.
+    /// Evaluates the expansion at its own state, with derivatives.
     fn at<R: Real>(&self, c: &[[R; 3]; 3]) -> R {
         let n = &self.axes;
         // C n_j, then n_i . C n_j.
@@ -149,7 +150,7 @@ impl Expansion {
         let component = |i: usize, j: usize| {
             pushed[0][j] * n[0][i] + pushed[1][j] * n[1][i] + pushed[2][j] * n[2][i]
         };
-        // From the state itself: what rounding leaves of the difference would be a change of volume.
+        // Subtract the value itself: rounding of the difference would be a change of volume.
         let d: [R; 3] = array_of(|i| {
             let own = component(i, i);
             own - own.value()
@@ -170,7 +171,7 @@ impl Expansion {
     }
 }
 
-/// The components of a tensor of intervals; `None` of numbers.
+/// Components of a tensor as intervals; `None` for floating-point numbers.
 fn bounds<R: Real>(c: &[[R; 3]; 3]) -> Option<[[Interval; 3]; 3]> {
     let mut all = [[Interval::ENTIRE; 3]; 3];
     for (row, components) in all.iter_mut().zip(c) {
@@ -181,17 +182,17 @@ fn bounds<R: Real>(c: &[[R; 3]; 3]) -> Option<[[Interval; 3]; 3]> {
     Some(all)
 }
 
-/// An interval as a constant.
+/// Interval as a constant.
 fn within<R: Real>(interval: Interval) -> R {
     R::constant(interval.low).hull(R::constant(interval.high))
 }
 
-/// All numbers no larger than a size.
+/// Interval of all numbers up to a given magnitude.
 fn up_to<R: Real>(size: f64) -> R {
     within(Interval::new(-size, size))
 }
 
-/// A number of which nothing is known, nor of its first two derivatives by the components of a tensor.
+/// Unbounded number with two unbounded derivatives by the components of a tensor.
 fn nothing_known<R: Real>(c: &[[R; 3]; 3]) -> R {
     let all = PAIRS
         .into_iter()
@@ -200,13 +201,13 @@ fn nothing_known<R: Real>(c: &[[R; 3]; 3]) -> R {
     all * unknown + all * all * unknown
 }
 
-/// The energy in intervals.
+/// Energy in interval arithmetic.
 ///
-/// In axes that nearly are the principal ones `C = D + E` with `D` diagonal and `E` small beside it. The eigenvalues of `D + t E` are in
-/// Gershgorin's discs, those of discs that overlap in their union; there `w` with its derivatives is enclosed. With `M` a bound of the second
-/// derivative of the energy by `C` for all eigenvalues in the discs, the first one differs from `diag(g_i)` by no more than `M |E|`, and the
-/// second one has no component larger than `M`. Where the discs are further apart than `|E|` the principal axes are known, and the second one is that of the
-/// eigenvalues in the discs but for the tilt of the axes. `None` where a disc reaches zero, or a part has no value.
+/// In axes close to the principal axes `C = D + E` with `D` diagonal and `E` small. The eigenvalues of `D + t E` lie in Gershgorin's discs, where
+/// overlapping discs are merged, and `w` with its derivatives is enclosed there. With a bound `M` of the second derivative of the energy by `C` for
+/// all eigenvalues in the discs, the first derivative differs from `diag(g_i)` by at most `M |E|`, and no component of the second derivative exceeds
+/// `M`. If the discs are further apart than `|E|`, the principal axes are known, and the second derivative follows from the eigenvalues in the discs
+/// up to the tilt of the axes. The result is `None` if a disc reaches zero, or if a part is undefined.
 fn enclosed<R: Real>(
     energy: &impl PrincipalEnergy,
     c: &[[R; 3]; 3],
@@ -247,7 +248,7 @@ fn enclosed<R: Real>(
     let tilted = tilt(&discs, size).map_or(f64::INFINITY, |tilt| {
         ((1.0 + 6.0 * tilt).powi(4) - 1.0) * largest
     });
-    // The size alone where the principal axes are not known.
+    // The magnitude alone if the principal axes are not known.
     let is_known = tilted + spread < curvature;
     let open = if is_known {
         (tilted + spread) * (1.0 + 1e-12)
@@ -278,8 +279,8 @@ fn enclosed<R: Real>(
     Some(sum + all * all * up_to::<R>(0.5 * open))
 }
 
-/// How far principal axes can be from the axes of which the eigenvalues lie in some discs, `|n_i . e_k|` of different discs, where what is beside the diagonal is not
-/// larger than a size: `(D_kk - e_i) n_i . e_k = -(E n_i)_k`.
+/// Bound of the tilt `|n_i . e_k|` of the principal axes relative to axes with eigenvalues in separate discs, if the off-diagonal part does not
+/// exceed a given size: `(D_kk - e_i) n_i . e_k = -(E n_i)_k`.
 fn tilt(discs: &[Interval; 3], size: f64) -> Option<f64> {
     let apart = PAIRS.into_iter().filter(|(i, j)| discs[*i] != discs[*j]);
     let gaps = apart.map(|(i, j)| (discs[i].low - discs[j].high).max(discs[j].low - discs[i].high));
@@ -287,8 +288,8 @@ fn tilt(discs: &[Interval; 3], size: f64) -> Option<f64> {
     (least > 0.0).then(|| (size / least).next_up())
 }
 
-/// Where eigenvalues share a disc, makes second derivatives those of any axes within it, and returns by how much these can differ: by a tensor with no component
-/// larger than the deviation of those here from some that do not depend on the axes, and so of no more than nine times that norm.
+/// Makes second derivatives independent of the axes where eigenvalues share a disc. Returns a bound of the norm of the change: nine times its largest
+/// component.
 fn mixed(discs: &[Interval; 3], normal: &mut [[Interval; 3]; 3], shear: &mut [Interval; 3]) -> f64 {
     let is_mixed = |i: usize, j: usize| i != j && discs[i] == discs[j];
     let mut deviation: f64 = 0.0;
@@ -330,8 +331,8 @@ fn mixed(discs: &[Interval; 3], normal: &mut [[Interval; 3]; 3], shear: &mut [In
     9.0 * deviation
 }
 
-/// `C` in orthonormal axes that nearly are the principal ones: `T V^T C V T` with computed axes `V = Q (1 + S)`, `Q` orthogonal and
-/// `T = (1 + S)^-1` enclosed by the size of `V^T V - 1`.
+/// Tensor `C` in orthonormal axes close to the principal axes: `T V^T C V T` with computed axes `V = Q (1 + S)`, `Q` orthogonal and `T = (1 + S)^-1`
+/// enclosed by the size of `V^T V - 1`.
 fn in_axes<R: Real>(c: &[[R; 3]; 3], bounds: &[[Interval; 3]; 3]) -> Option<[[R; 3]; 3]> {
     let (_, v) = eigen(bounds.each(|row| row.map(Interval::midpoint)));
     let point = |i: usize, j: usize| Interval::point(v[i][j]);
@@ -341,7 +342,7 @@ fn in_axes<R: Real>(c: &[[R; 3]; 3], bounds: &[[Interval; 3]; 3]) -> Option<[[R;
             point(0, i) * point(0, j) + point(1, i) * point(1, j) + point(2, i) * point(2, j);
         square += (product - f64::from(u8::from(i == j))).magnitude().powi(2);
     }
-    // |S| is no larger than |V^T V - 1|, and |T - 1| than |S| / (1 - |S|).
+    // |S| does not exceed |V^T V - 1|, and |T - 1| does not exceed |S| / (1 - |S|).
     let defect = 1.2 * square.sqrt();
     if defect.is_nan() || defect >= 0.1 {
         return None;
@@ -363,7 +364,7 @@ fn in_axes<R: Real>(c: &[[R; 3]; 3], bounds: &[[Interval; 3]; 3]) -> Option<[[R;
     Some(triple(&turned, &|x, i, j| x * t(i, j)))
 }
 
-/// Intervals that overlap, made one.
+/// Merges intervals that overlap.
 fn merged(mut discs: [Interval; 3]) -> [Interval; 3] {
     for _ in 0..3 {
         for (i, j) in PAIRS {
@@ -376,22 +377,22 @@ fn merged(mut discs: [Interval; 3]) -> [Interval; 3] {
     discs
 }
 
-/// `dh_i/dy_a`: a third for the volume, and two orthonormal vectors of the shape.
+/// Derivatives `dh_i/dy_a`: a third for the volume, and two orthonormal vectors of the shape.
 const BY_SHAPE: [[f64; 3]; 3] = {
     let (a, b) = (std::f64::consts::FRAC_1_SQRT_2, 0.408_248_290_463_863);
     let third = 1.0 / 3.0;
     [[third, a, b], [third, -a, b], [third, 0.0, -2.0 * b]]
 };
 
-/// A stiffness against changes of volume that is this many times that of the shape is a number by itself; below, derivatives by each stretch keep
-/// more digits where the stretches differ much.
+/// Ratio of volumetric to shape stiffness from which the volumetric stiffness is separated. Below it derivatives by each stretch keep more digits if
+/// the stretches differ much.
 const STIFF: f64 = 1e6;
 
-/// The energy with its derivatives.
+/// Energy with its derivatives in one of two sets of variables.
 enum Local {
-    /// By the logarithmic stretches `h_i`.
+    /// Derivatives by the logarithmic stretches `h_i`.
     Stretches(Jet<3>),
-    /// By `y_0`, `y_1` and `y_2`.
+    /// Derivatives by `y_0`, `y_1` and `y_2`.
     VolumeAndShape(Jet<3>),
 }
 
@@ -426,7 +427,7 @@ impl Local {
         w.value
     }
 
-    /// `w_i = dW/dh_i`: with `dy_0/dh_i = 1` and `dy_a/dh_i = b_ai`.
+    /// Derivatives `w_i = dW/dh_i`, using `dy_0/dh_i = 1` and `dy_a/dh_i = b_ai`.
     fn slopes(&self) -> [f64; 3] {
         match self {
             Self::Stretches(w) => w.gradient,
@@ -437,7 +438,7 @@ impl Local {
         }
     }
 
-    /// `w_i - w_j`.
+    /// Difference `w_i - w_j` without cancellation of the volumetric part.
     fn difference(&self, (i, j): (usize, usize)) -> f64 {
         match self {
             Self::Stretches(w) => w.gradient[i] - w.gradient[j],
@@ -448,7 +449,7 @@ impl Local {
         }
     }
 
-    /// The part of `d^2 W/dh_i dh_j` that is a number by itself: `d^2 W/dy_0^2`.
+    /// Separated volumetric stiffness `d^2 W/dy_0^2`, which is part of `d^2 W/dh_i dh_j`.
     fn volumetric(&self) -> f64 {
         match self {
             Self::Stretches(_) => 0.0,
@@ -456,7 +457,7 @@ impl Local {
         }
     }
 
-    /// `d^2 W/dh_i dh_j` without [`Local::volumetric`].
+    /// Second derivative `d^2 W/dh_i dh_j` without [`Local::volumetric`].
     fn curvature(&self, i: usize, j: usize) -> f64 {
         let w = match self {
             Self::Stretches(w) => return w.hessian[i][j],
@@ -472,14 +473,14 @@ impl Local {
     }
 }
 
-/// `(h_i - h_j) / (e_i - e_j)` from the eigenvalues.
+/// Quotient `(h_i - h_j) / (e_i - e_j)` from the eigenvalues.
 fn logarithmic(a: f64, b: f64) -> f64 {
     let x = (a - b) / b;
     let ratio = if x == 0.0 { 1.0 } else { x.ln_1p() / x };
     0.5 * ratio / b
 }
 
-/// The mean of `1/2 (W_ii + W_jj - 2 W_ij)` over the segment on which two logarithmic stretches are exchanged.
+/// Mean of `1/2 (W_ii + W_jj - 2 W_ij)` over the segment that exchanges two logarithmic stretches.
 fn mean_curvature(
     energy: &impl PrincipalEnergy,
     eigenvalues: [f64; 3],
@@ -499,11 +500,11 @@ fn mean_curvature(
     RULE.iter().map(|(t, weight)| weight * at(*t)).sum()
 }
 
-/// Eigenvalues and eigenvectors (in columns) of a symmetric matrix by Jacobi's rotations, which find small eigenvalues of
-/// positive matrices to small relative errors; NaN of a matrix that is not finite.
+/// Eigenvalues and eigenvectors (in columns) of a symmetric matrix by Jacobi rotations, with small relative errors of small eigenvalues of positive
+/// matrices; NaN for a matrix that is not finite.
 fn eigen(mut c: [[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
     let mut axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    // Convergence is quadratic: five sweeps at most are seen.
+    // Convergence is quadratic; at most five sweeps occur in practice.
     for _ in 0..12 {
         let mut is_done = true;
         for (p, q) in PAIRS {

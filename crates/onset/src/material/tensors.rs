@@ -1,16 +1,16 @@
-//! The stress measures and elasticity tensors that follow from `P` and `A`.
+//! Stress measures and elasticity tensors derived from `P` and `A`.
 
 use super::{MaterialError, Response};
 use crate::kinematics::DeformationGradient;
 use nalgebra::Matrix3;
 use std::ops::{Index, IndexMut};
 
-/// A fourth-order tensor in three dimensions, indexed as written: `tensor[(i, j, k, l)]`.
+/// Fourth-order tensor in three dimensions, indexed as `tensor[(i, j, k, l)]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FourthOrder([[[[f64; 3]; 3]; 3]; 3]);
 
 impl FourthOrder {
-    /// The tensor with components `component(i, j, k, l)`.
+    /// Creates the tensor with components `component(i, j, k, l)`.
     pub fn from_fn(component: impl Fn(usize, usize, usize, usize) -> f64) -> Self {
         let mut tensor = Self([[[[0.0; 3]; 3]; 3]; 3]);
         for (i, j, k, l) in indices() {
@@ -19,7 +19,7 @@ impl FourthOrder {
         tensor
     }
 
-    /// Whether every component is a finite number.
+    /// Returns true if every component is a finite number.
     pub fn is_finite(&self) -> bool {
         self.0
             .as_flattened()
@@ -29,7 +29,7 @@ impl FourthOrder {
             .all(|value| value.is_finite())
     }
 
-    /// The size of the largest component.
+    /// Largest component in magnitude.
     ///
     /// ```
     /// use onset::material::FourthOrder;
@@ -41,7 +41,7 @@ impl FourthOrder {
         components.fold(0.0, |largest: f64, value| largest.max(value.abs()))
     }
 
-    /// The tangent `A_iJkL = J F^-1_Jj F^-1_Ll a_ijkl` of a spatial tangent `a_ijkl`, the inverse of [`Response::spatial_tangent`].
+    /// Pull-back `A_iJkL = J F^-1_Jj F^-1_Ll a_ijkl` of a spatial tangent `a_ijkl`, the inverse of [`Response::spatial_tangent`].
     ///
     /// ```
     /// use onset::kinematics::DeformationGradient;
@@ -64,7 +64,7 @@ impl FourthOrder {
         })
     }
 
-    /// All four indices transformed by the same matrix: `m_iI m_jJ m_kK m_lL T_IJKL`.
+    /// Transforms all four indices by a matrix: `m_iI m_jJ m_kK m_lL T_IJKL`.
     fn transformed(&self, m: &Matrix3<f64>) -> Self {
         // One index at a time: 4 x 3^5 products instead of 3^8.
         let first =
@@ -99,7 +99,7 @@ fn delta(i: usize, j: usize) -> f64 {
 }
 
 impl Response {
-    /// The response, unless energy, stress or tangent over- or underflows.
+    /// Returns the response if energy, stress and tangent neither over- nor underflow.
     ///
     /// # Errors
     /// [`MaterialError::NotFinite`] with the Jacobian of the state.
@@ -116,18 +116,18 @@ impl Response {
         }
     }
 
-    /// The second Piola-Kirchhoff stress `S = F^-1 P`. Material indices, units of stress.
+    /// Second Piola-Kirchhoff stress `S = F^-1 P`. Material indices, units of stress.
     pub fn second_piola(&self) -> Matrix3<f64> {
         self.inverse_deformation() * self.first_piola
     }
 
-    /// The Cauchy stress `sigma = P F^T / J`, equation (13). Spatial indices, units of stress.
+    /// Cauchy stress `sigma = P F^T / J`, equation (13). Spatial indices, units of stress.
     pub fn cauchy(&self) -> Matrix3<f64> {
         self.first_piola * self.deformation.matrix().transpose() / self.deformation.jacobian()
     }
 
-    /// The second elasticity tensor `C^SE_IJKL = dS_IJ/dE_KL`, equation (8), from
-    /// `A_iJkL = F_iR F_kP C^SE_RJPL + delta_ik S_JL`. Material indices, units of stress.
+    /// Second elasticity tensor `C^SE_IJKL = dS_IJ/dE_KL`, equation (8), from `A_iJkL = F_iR F_kP C^SE_RJPL + delta_ik S_JL`. Material indices, units
+    /// of stress.
     pub fn second_elasticity(&self) -> FourthOrder {
         let g = self.inverse_deformation();
         let s = self.second_piola();
@@ -141,28 +141,28 @@ impl Response {
         FourthOrder::from_fn(|r, j, p, l| (0..3).map(|k| g[(p, k)] * first[(r, j, k, l)]).sum())
     }
 
-    /// The fourth elasticity tensor `C^tau_ijkl = F_im F_jn F_kp F_lq C^SE_mnpq`, equation (10): the
-    /// convected rate of Kirchhoff stress per rate of deformation. Spatial indices, units of stress.
+    /// Fourth elasticity tensor `C^tau_ijkl = F_im F_jn F_kp F_lq C^SE_mnpq`, equation (10): the convected rate of Kirchhoff stress per rate of
+    /// deformation. Spatial indices, units of stress.
     pub fn fourth_elasticity(&self) -> FourthOrder {
         self.second_elasticity()
             .transformed(&self.deformation.matrix())
     }
 
-    /// The Truesdell tangent `C^sigmaT = C^tau / J`, equation (11). Spatial indices, units of stress.
+    /// Truesdell tangent `C^sigmaT = C^tau / J`, equation (11). Spatial indices, units of stress.
     pub fn truesdell_tangent(&self) -> FourthOrder {
         let tau = self.fourth_elasticity();
         let jacobian = self.deformation.jacobian();
         FourthOrder::from_fn(|i, j, k, l| tau[(i, j, k, l)] / jacobian)
     }
 
-    /// The paper's effective tangent (22): nominal stress per deformation gradient. With the
-    /// nominal stress `P^T` (first index material) its components are `C_jikl = A_iJkL`.
+    /// Effective tangent (22) of the paper: nominal stress per deformation gradient. With the nominal stress `P^T` (first index material) its
+    /// components are `C_jikl = A_iJkL`.
     pub fn effective_tangent(&self) -> FourthOrder {
         FourthOrder::from_fn(|j, i, k, l| self.tangent[(i, j, k, l)])
     }
 
-    /// The spatial tangent `a_ijkl = F_jJ F_lL A_iJkL / J = C^sigmaT_ijkl + delta_ik sigma_jl`:
-    /// the acoustic tensor of a spatial direction `n` is `a_ijkl n_j n_l`. Units of stress.
+    /// Spatial tangent `a_ijkl = F_jJ F_lL A_iJkL / J = C^sigmaT_ijkl + delta_ik sigma_jl`. The acoustic tensor of a spatial direction `n` is
+    /// `a_ijkl n_j n_l`. Units of stress.
     pub fn spatial_tangent(&self) -> FourthOrder {
         let f = self.deformation.matrix();
         let jacobian = self.deformation.jacobian();
@@ -177,8 +177,7 @@ impl Response {
         })
     }
 
-    /// The effective tangent (50): the Cauchy stress per displacement gradient,
-    /// `d sigma_ij / d u_k,l = a_ijkl - sigma_ij delta_kl + sigma_il delta_jk`.
+    /// Effective tangent (50): the Cauchy stress per displacement gradient, `d sigma_ij / d u_k,l = a_ijkl - sigma_ij delta_kl + sigma_il delta_jk`.
     /// Spatial indices, units of stress.
     pub fn effective_cauchy_tangent(&self) -> FourthOrder {
         let a = self.spatial_tangent();

@@ -1,7 +1,7 @@
-//! The eight-chain law of Arruda and Boyce, five terms of the series of the inverse Langevin function:
+//! Eight-chain law of Arruda and Boyce with five terms of the series of the inverse Langevin function.
 //!
-//! `W = mu sum_i a_i / locking^(2i-2) ((J^(-2/3) I1)^i - 3^i) + kappa/2 ((J^2 - 1)/2 - ln J)`,
-//! `a = 1/2, 1/20, 11/1050, 19/7000, 519/673750`. The shear modulus at small strains is `2 mu sum_i i a_i 3^(i-1) / locking^(2i-2)`.
+//! `W = mu sum_i a_i / locking^(2i-2) ((J^(-2/3) I1)^i - 3^i) + kappa/2 ((J^2 - 1)/2 - ln J)`, `a = 1/2, 1/20, 11/1050, 19/7000, 519/673750`. The
+//! shear modulus at small strains is `2 mu sum_i i a_i 3^(i-1) / locking^(2i-2)`.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{InvariantEnergy, given_by_invariants};

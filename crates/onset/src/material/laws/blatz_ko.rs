@@ -1,4 +1,4 @@
-//! The Blatz-Ko law.
+//! Blatz-Ko law for foamed rubber.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{InvariantEnergy, MaterialError, given_by_invariants};
@@ -24,26 +24,24 @@ pub(in super::super) const LAW: Law = Law {
     make: |p| boxed(BlatzKo::new(p[0])),
 };
 
-/// The law of Blatz and Ko for a foamed rubber, equation (56):
+/// Law of Blatz and Ko for a foamed rubber, equation (56).
 ///
 /// `W = mu/2 (I2 / J^2 + 2 J - 5)`
 ///
-/// Stress-free in the reference state with shear modulus `mu` and Poisson's ratio 1/4. Loses strong
-/// ellipticity where a ratio of two principal stretches reaches `2 + sqrt 3` (Knowles and
-/// Sternberg, J. Elasticity 5 (1975) 341).
+/// It is stress-free in the reference state with shear modulus `mu` and Poisson's ratio 1/4. It loses strong ellipticity where a ratio of two
+/// principal stretches reaches `2 + sqrt 3` (Knowles and Sternberg, J. Elasticity 5 (1975) 341).
 ///
-/// `mu` in units of stress; the default is the paper's 32 (psi). Source: Blatz and Ko,
-/// Trans. Soc. Rheol. 6 (1962) 223.
+/// `mu` is in units of stress; the default is the paper's 32 (psi). Source: Blatz and Ko, Trans. Soc. Rheol. 6 (1962) 223.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlatzKo {
     mu: f64,
 }
 
 impl BlatzKo {
-    /// The law with shear modulus `mu`.
+    /// Creates the law from the shear modulus `mu`.
     ///
     /// # Errors
-    /// [`MaterialError::Parameter`] when `mu` is not positive and finite.
+    /// [`MaterialError::Parameter`] if `mu` is not positive and finite.
     pub fn new(mu: f64) -> Result<Self, MaterialError> {
         LAW.check(&[mu])?;
         Ok(Self { mu })

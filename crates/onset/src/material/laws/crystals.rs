@@ -1,7 +1,7 @@
-//! Crystals: the elastic constants of small strains, in Green's strain so that rotations cost nothing.
+//! Crystals: the elastic constants of small strains applied to Green's strain, so that rotations have no energy.
 //!
-//! `W = 1/2 E : C : E`, with constants along crystal axes that are turned by an angle about the third axis. To first order in the
-//! strain it is the linear elasticity of the crystal; third-order constants it has none.
+//! `W = 1/2 E : C : E`, with constants along crystal axes that are rotated by an angle about the third axis. To first order in the strain it is the
+//! linear elasticity of the crystal; third-order constants are not included.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed};
 use super::super::{MaterialError, SmallStrainStiffness, StrainEnergy};

@@ -1,11 +1,11 @@
-//! Equations of state with a deviator: a pressure that depends on the volume alone, and the shear stiffness of a solid beside it.
+//! Equations of state with a deviator: a pressure that depends on the volume alone, and a shear stiffness.
 //!
-//! `W = mu/2 (J^(-2/3) I1 - 3) + e(J)`, `p = -e'(J)` the pressure, `kappa = e''(1)` the bulk modulus. With `mu = 0` the law is a fluid: every
-//! shear costs nothing, so that transverse waves have no stiffness and the law is not strongly elliptic anywhere.
+//! `W = mu/2 (J^(-2/3) I1 - 3) + e(J)`, with the pressure `p = -e'(J)` and the bulk modulus `kappa = e''(1)`. With `mu = 0` the law is a fluid: shear
+//! has no energy, so transverse waves have no stiffness and the law is nowhere strongly elliptic.
 //!
 //! - Murnaghan: a bulk modulus that is linear in the pressure, `kappa + n p`.
 //! - Tait: a compression that is logarithmic in the pressure, `1 - J = c ln(1 + p/(kappa c))`.
-//! - Mie and Grueneisen: the isentrope through the reference of a solid with `U_s = c0 + s u_p` and `Gamma rho = Gamma_0 rho_0`; below.
+//! - Mie and Grueneisen: the isentrope through the reference of a solid with `U_s = c0 + s u_p` and `Gamma rho = Gamma_0 rho_0`; see `MieGrueneisen`.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{InvariantEnergy, MaterialError, given_by_invariants};
@@ -125,18 +125,18 @@ pub(in super::super) const MIE_GRUENEISEN: Law = Law {
     ..MURNAGHAN
 };
 
-/// The energy that a pressure does work against.
+/// Volumetric energy, whose derivative is the negative pressure.
 trait Volumetric {
-    /// `e(J)` per reference volume, without value and slope at `J = 1`.
+    /// Energy `e(J)` per reference volume, with zero value and slope at `J = 1`.
     fn energy<R: Real>(&self, jacobian: R) -> R;
 
-    /// Whether there is a pressure at a volume.
+    /// Checks that a pressure exists at a volume.
     fn admits(&self, _jacobian: f64) -> Result<(), MaterialError> {
         Ok(())
     }
 }
 
-/// A pressure and a neo-Hookean resistance to changes of shape.
+/// Law with a pressure and a neo-Hookean resistance to changes of shape.
 struct WithDeviator<Volume> {
     mu: f64,
     volume: Volume,
@@ -182,18 +182,18 @@ impl Volumetric for Tait {
     }
 }
 
-/// Points of the rule that integrates the entropy of shocks; the integrand has no singularity, and the rule errs by less than rounding from
-/// compressions near the pole to expansions of ten times.
+/// Number of points of the rule that integrates the entropy of shocks. The integrand has no singularity, and the error is below rounding from
+/// compressions near the pole to tenfold expansions.
 const POINTS: usize = 16;
 
-/// The isentrope of Mie and Grueneisen's equation through the reference.
+/// Isentrope of the Mie-Grueneisen equation through the reference.
 ///
-/// With `x = 1 - J`, the Hugoniot pressure `h = kappa x/(1 - s x)^2` and its energy `h x/2`, `p = h + Gamma_0 (e - h x/2)` and `p = de/dx` on an
-/// isentrope make a linear equation for `e`. Its solution is the energy of the shock less what the shock heats,
+/// With `x = 1 - J`, the Hugoniot pressure `h = kappa x/(1 - s x)^2` and its energy `h x/2`, the equations `p = h + Gamma_0 (e - h x/2)` and
+/// `p = de/dx` on an isentrope combine to a linear equation for `e`. Its solution is the energy of the shock minus the heat of the shock,
 ///
-/// `e = h x/2 - kappa s int_0^x exp(Gamma_0 (x - t)) t^2/(1 - s t)^3 dt`,
+/// `e = h x/2 - kappa s int_0^x exp(Gamma_0 (x - t)) t^2/(1 - s t)^3 dt`.
 ///
-/// of third order in `x`: Hugoniot and isentrope have slope and curvature of the pressure in common at `x = 0`. With `1 - s t = exp(-l u)`,
+/// The heat is of third order in `x`: Hugoniot and isentrope have equal slope and curvature of the pressure at `x = 0`. With `1 - s t = exp(-l u)`,
 /// `l = -ln(1 - s x)`, the integrand is entire: `kappa l/s^2 int_0^1 exp(Gamma_0 (x - t)) (exp(l u) - 1)^2 du`.
 struct MieGrueneisen {
     kappa: f64,
@@ -230,7 +230,7 @@ impl Volumetric for MieGrueneisen {
 
     fn admits(&self, jacobian: f64) -> Result<(), MaterialError> {
         let least = 1.0 - 1.0 / self.s;
-        // Also where it is not a number.
+        // The comparison also fails for NaN.
         if jacobian > least {
             return Ok(());
         }

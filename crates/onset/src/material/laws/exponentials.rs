@@ -1,12 +1,12 @@
-//! What laws with powers of stretches share: exponentials without what cancels.
+//! Exponentials without cancellation, for laws with powers of stretches.
 
 use crate::real::{Real, Side};
 
-/// Below this size the series is taken: there ten of its terms leave less than rounding.
+/// Magnitude below which the series is used: ten terms leave less than rounding there.
 const SMALL: f64 = 0.1;
 const TERMS: u32 = 10;
 
-/// `exp(x) - 1 - x`, accurate also for small `x`, where it is `x^2 / 2`.
+/// Function `exp(x) - 1 - x`, accurate for small `x` too, where it is `x^2 / 2`.
 ///
 /// ```text
 /// x^2/2 (1 + x/3 (1 + x/4 (1 + ...)))

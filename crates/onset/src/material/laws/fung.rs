@@ -1,7 +1,7 @@
 //! Fung's exponential laws of soft tissue.
 //!
-//! Isotropic (Demiray): `W = mu/(2 b) (exp(b (J^(-2/3) I1 - 3)) - 1) + kappa/2 ((J^2 - 1)/2 - ln J)`.
-//! Orthotropic: `W = c/2 (exp Q - 1)` with a quadratic form `Q` in Green's strain. The stiffness at small strains is `c` times the form.
+//! Isotropic (Demiray): `W = mu/(2 b) (exp(b (J^(-2/3) I1 - 3)) - 1) + kappa/2 ((J^2 - 1)/2 - ln J)`. Orthotropic: `W = c/2 (exp Q - 1)` with a
+//! quadratic form `Q` in Green's strain. The stiffness at small strains is `c` times the form.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{
@@ -92,7 +92,7 @@ pub(in super::super) const ORTHOTROPIC: Law = Law {
     },
 };
 
-/// The stiffness `scale` times the form.
+/// Stiffness `scale` times the quadratic form.
 fn scaled(scale: f64, p: &[f64]) -> SmallStrainStiffness {
     let [normal, shear] = [&p[1..7], &p[7..10]];
     let normal = array_of(|n| scale * normal[n]);

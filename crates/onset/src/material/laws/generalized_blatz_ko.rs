@@ -1,7 +1,7 @@
-//! The generalized law of Blatz and Ko:
+//! Generalized Blatz-Ko law.
 //!
-//! `W = mu/2 f (I1 - 3 + (J^(-2 b) - 1)/b) + mu/2 (1 - f) (I2/I3 - 3 + (J^(2 b) - 1)/b)`, `b = nu / (1 - 2 nu)`. With `f = 0` and
-//! `nu = 1/4` the law `blatz-ko`.
+//! `W = mu/2 f (I1 - 3 + (J^(-2 b) - 1)/b) + mu/2 (1 - f) (I2/I3 - 3 + (J^(2 b) - 1)/b)`, `b = nu / (1 - 2 nu)`. With `f = 0` and `nu = 1/4` it is
+//! the law `blatz-ko`.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{InvariantEnergy, given_by_invariants};

@@ -1,7 +1,7 @@
-//! Gent's law, nearly incompressible:
+//! Gent's law, nearly incompressible.
 //!
-//! `W = -mu jm/2 ln(1 - (J^(-2/3) I1 - 3) / jm) + kappa/2 ((J^2 - 1)/2 - ln J)`. The chains lock where `J^(-2/3) I1 - 3` reaches
-//! `jm`; beyond, the law is not defined, and states are refused.
+//! `W = -mu jm/2 ln(1 - (J^(-2/3) I1 - 3) / jm) + kappa/2 ((J^2 - 1)/2 - ln J)`. The chains lock where `J^(-2/3) I1 - 3` reaches `jm`. Beyond it the
+//! law is undefined, and states are rejected.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{InvariantEnergy, MaterialError, given_by_invariants};
@@ -53,7 +53,7 @@ impl InvariantEnergy for Gent {
 
     fn admits_invariants(&self, i: &Invariants<f64>) -> Result<(), MaterialError> {
         let value = isochoric_first(i) - 3.0;
-        // Also where it is not a number.
+        // The comparison also fails for NaN.
         if value < self.jm {
             return Ok(());
         }

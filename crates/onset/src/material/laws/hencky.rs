@@ -1,4 +1,4 @@
-//! Hencky's law: quadratic in the logarithmic strain `h_i = ln lambda_i`,
+//! Hencky's law: quadratic in the logarithmic strain `h_i = ln lambda_i`.
 //!
 //! `W = mu |dev h|^2 + kappa/2 (tr h)^2`. The principal Kirchhoff stresses are `2 mu dev h_i + kappa tr h`.
 
@@ -40,7 +40,7 @@ struct Hencky {
     kappa: f64,
 }
 
-/// `|dev h|^2` and `tr h` of the logarithmic strain.
+/// Invariants `|dev h|^2` and `tr h` of the logarithmic strain.
 pub(super) fn logarithmic_invariants<R: Real>(stretches: [R; 3]) -> (R, R) {
     let h = stretches.map(R::ln);
     let trace = h[0] + h[1] + h[2];

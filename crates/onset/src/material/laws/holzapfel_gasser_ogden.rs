@@ -1,8 +1,8 @@
-//! The arterial wall of Holzapfel, Gasser and Ogden: two families of fibers at `+angle` and `-angle` from axis 1, in the plane of
-//! axes 1 and 2, in a neo-Hookean matrix.
+//! Arterial wall of Holzapfel, Gasser and Ogden: two families of fibers in a neo-Hookean matrix.
 //!
-//! `W = mu/2 (J^(-2/3) I1 - 3) + sum over both k1/(2 k2) (exp(k2 x^2) - 1) + kappa/2 ((J^2 - 1)/2 - ln J)`, `x = J^(-2/3) a . C a - 1`.
-//! With the switch, fibers that are shortened (`x < 0`) bear nothing.
+//! The fibers lie in the plane of axes 1 and 2, at `+angle` and `-angle` from axis 1.
+//! `W = mu/2 (J^(-2/3) I1 - 3) + sum over both k1/(2 k2) (exp(k2 x^2) - 1) + kappa/2 ((J^2 - 1)/2 - ln J)`, `x = J^(-2/3) a . C a - 1`. With the
+//! switch, shortened fibers (`x < 0`) carry no load.
 
 use super::super::StrainEnergy;
 use super::super::law::{Admitted, Law, Parameter, SmallStrainStiffness, Symmetry, boxed, hooke};
@@ -97,7 +97,7 @@ impl StrainEnergy for HolzapfelGasserOgden {
         let shape = i.jacobian.powf(-2.0 / 3.0);
         let (cosine, sine) = self.double_angle;
         let fibers = |sign: f64| {
-            // By the double angle: exactly 0 in the reference, on which side the switch is is no matter of rounding.
+            // In terms of the double angle x is exactly 0 in the reference, so the side of the switch does not depend on rounding.
             let along = (c[0][0] + c[1][1]) * 0.5
                 + (c[0][0] - c[1][1]) * (0.5 * cosine)
                 + c[0][1] * (sign * sine);

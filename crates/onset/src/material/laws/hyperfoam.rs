@@ -1,8 +1,8 @@
-//! The foam of Ogden, Hill and Storakers, three terms:
+//! Foam of Ogden, Hill and Storakers with three terms.
 //!
 //! `W = sum_p 2 mu_p / alpha_p^2 (lambda_1^alpha_p + lambda_2^alpha_p + lambda_3^alpha_p - 3 + (J^(-alpha_p beta_p) - 1) / beta_p)`. Shear modulus
-//! `sum_p mu_p`, bulk modulus `sum_p 2 mu_p (1/3 + beta_p)`; `beta_p = nu / (1 - 2 nu)` for one Poisson's ratio. Terms with
-//! `mu_p = 0` do not count.
+//! `sum_p mu_p`, bulk modulus `sum_p 2 mu_p (1/3 + beta_p)`; `beta_p = nu / (1 - 2 nu)` for a given Poisson's ratio. Terms with `mu_p = 0` are
+//! ignored.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{LaneStress, MaterialError, PrincipalEnergy, StrainEnergy, energy_of_stretches};
@@ -61,7 +61,7 @@ struct Term {
     beta: f64,
 }
 
-/// The terms that count.
+/// Terms with nonzero modulus.
 fn terms(p: &[f64]) -> impl Iterator<Item = Term> {
     let term = |p: &[f64]| Term {
         mu: p[0],
@@ -106,8 +106,8 @@ impl PrincipalEnergy for Hyperfoam {
         let logs = stretches.map(R::ln);
         let volume = logs[0] + logs[1] + logs[2];
         self.terms.iter().fold(R::constant(0.0), |sum, term| {
-            // What is linear in the logarithms cancels: alpha ln J of the stretches, and -alpha ln J of (J^(-alpha beta) - 1) / beta, which is
-            // nothing more than that at beta = 0.
+            // Terms linear in the logarithms cancel: alpha ln J of the stretches, and -alpha ln J of (J^(-alpha beta) - 1) / beta, which has no other
+            // terms at beta = 0.
             let [a, b, c] = logs.each(|log| beyond_linear(log * term.alpha));
             let foam = match term.beta {
                 0.0 => R::constant(0.0),

@@ -1,4 +1,4 @@
-//! The laws, one file each: formula, parameters, domain, source, and the moduli that follow.
+//! Laws, one file each: formula, parameters, domain, source, and the resulting moduli.
 
 mod arruda_boyce;
 mod blatz_ko;

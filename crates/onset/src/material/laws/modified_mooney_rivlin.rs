@@ -1,4 +1,4 @@
-//! The compressible law of equation (5).
+//! Compressible Mooney-Rivlin law of equation (5).
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{InvariantEnergy, MaterialError, given_by_invariants};
@@ -28,16 +28,15 @@ pub(in super::super) const LAW: Law = Law {
     make: |p| boxed(ModifiedMooneyRivlin::new(p[0], p[1], p[2])),
 };
 
-/// The law of equation (5), a compressible relative of the Mooney-Rivlin law:
+/// Law of equation (5), a compressible relative of the Mooney-Rivlin law.
 ///
 /// `W = c1/2 I1 + c2/2 I2 - 3/2 c1 I3^(1/3) - 3/2 c2 I3^(2/3) + lambda/4 (ln I3)^2`
 ///
-/// Stress-free in the reference state, where the shear modulus is `c1 + c2` and the bulk modulus
-/// `2 lambda`. In plane strain `W = (c1 + c2)/2 |F|^2 + g(J)`, from which its domain of strong
-/// ellipticity follows in closed form.
+/// It is stress-free in the reference state, where the shear modulus is `c1 + c2` and the bulk modulus `2 lambda`. In plane strain
+/// `W = (c1 + c2)/2 |F|^2 + g(J)`, which gives its domain of strong ellipticity in closed form.
 ///
-/// Parameters in units of stress; the defaults are the paper's, in MPa. Source: Xiao and
-/// Belytschko, Material stability analysis of particle methods, equation (5) and section 4.
+/// Parameters are in units of stress; the defaults are the paper's, in MPa. Source: Xiao and Belytschko, Material stability analysis of particle
+/// methods, equation (5) and section 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModifiedMooneyRivlin {
     c1: f64,
@@ -46,11 +45,10 @@ pub struct ModifiedMooneyRivlin {
 }
 
 impl ModifiedMooneyRivlin {
-    /// The law with the given constants.
+    /// Creates the law from its constants.
     ///
     /// # Errors
-    /// [`MaterialError::Parameter`] when one is not finite, or when the shear modulus `c1 + c2` is
-    /// not positive.
+    /// [`MaterialError::Parameter`] if a constant is not finite, or if the shear modulus `c1 + c2` is not positive.
     pub fn new(c1: f64, c2: f64, lambda: f64) -> Result<Self, MaterialError> {
         LAW.check(&[c1, c2, lambda])?;
         MaterialError::positive("c1 + c2", c1 + c2)?;

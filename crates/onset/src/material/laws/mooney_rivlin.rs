@@ -1,8 +1,8 @@
-//! The law of Mooney and Rivlin, compressible and nearly incompressible.
+//! Mooney-Rivlin law, compressible and nearly incompressible.
 //!
-//! Compressible: `W = c10 (I1 - 3) + c01 (I2 - 3) - 2 (c10 + 2 c01) ln J + lambda/2 (ln J)^2`; the logarithm makes the reference free of
-//! stress. Nearly incompressible: the invariants of the change of shape alone, and `kappa/2 (J - 1)^2`. To second order in the
-//! logarithmic strain `h`, `I2 - 3 - 4 ln J = 2 |h|^2 + 2 (tr h)^2`: `c01` adds `4 c01` to Lame's first constant.
+//! Compressible: `W = c10 (I1 - 3) + c01 (I2 - 3) - 2 (c10 + 2 c01) ln J + lambda/2 (ln J)^2`; the logarithm makes the reference stress-free. Nearly
+//! incompressible: the isochoric invariants alone, and `kappa/2 (J - 1)^2`. To second order in the logarithmic strain `h`,
+//! `I2 - 3 - 4 ln J = 2 |h|^2 + 2 (tr h)^2`: `c01` adds `4 c01` to Lame's first constant.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{InvariantEnergy, MaterialError, given_by_invariants};

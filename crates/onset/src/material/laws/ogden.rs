@@ -1,7 +1,7 @@
-//! Ogden's law, nearly incompressible, up to six terms:
+//! Ogden's law, nearly incompressible, with up to six terms.
 //!
-//! `W = sum_p mu_p / alpha_p (l1^alpha_p + l2^alpha_p + l3^alpha_p - 3) + kappa/2 (J - 1)^2`, `l_i = J^(-1/3) lambda_i`. The shear
-//! modulus is `1/2 sum_p mu_p alpha_p`. Terms with `mu_p = 0` do not count.
+//! `W = sum_p mu_p / alpha_p (l1^alpha_p + l2^alpha_p + l3^alpha_p - 3) + kappa/2 (J - 1)^2`, `l_i = J^(-1/3) lambda_i`. The shear modulus is
+//! `1/2 sum_p mu_p alpha_p`. Terms with `mu_p = 0` are ignored.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{LaneStress, MaterialError, PrincipalEnergy, StrainEnergy, energy_of_stretches};
@@ -48,7 +48,7 @@ pub(in super::super) const LAW: Law = Law {
     make: |p| boxed(Ogden::new(p)),
 };
 
-/// Moduli and exponents of the terms that count.
+/// Moduli and exponents of the terms with nonzero modulus.
 fn terms(p: &[f64]) -> impl Iterator<Item = (f64, f64)> {
     let pairs = p[..12].chunks_exact(2).map(|pair| (pair[0], pair[1]));
     pairs.filter(|(modulus, _)| *modulus != 0.0)
@@ -89,7 +89,7 @@ impl PrincipalEnergy for Ogden {
         let change = volume.exp() - 1.0;
         let volumetric = change * change * (0.5 * self.kappa);
         self.terms.iter().fold(volumetric, |sum, (mu, alpha)| {
-            // The deviators sum to zero: what is linear in them drops out, and small exponents keep their digits.
+            // The deviators sum to zero, so linear terms cancel and small exponents keep their digits.
             let [a, b, c] = deviators.each(|log| beyond_linear(log * *alpha));
             sum + (a + b + c) * (mu / alpha)
         })

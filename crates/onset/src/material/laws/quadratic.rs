@@ -1,11 +1,11 @@
-//! What laws in Green's strain `E = (C - 1)/2` share: a quadratic form along material axes that are turned about the third.
+//! Quadratic form in Green's strain `E = (C - 1)/2` along material axes that are rotated about the third axis.
 
 use super::super::SmallStrainStiffness;
 use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::real::Real;
 
-/// A quadratic form `1/2 E : C : E` along material axes.
+/// Quadratic form `1/2 E : C : E` along material axes.
 pub(super) struct QuadraticForm {
     stiffness: SmallStrainStiffness,
     /// Cosine and sine of the angle from the first axis to the first material axis.
@@ -13,7 +13,7 @@ pub(super) struct QuadraticForm {
 }
 
 impl QuadraticForm {
-    /// The form with a stiffness along material axes that are turned by an angle in degrees.
+    /// Creates the form from a stiffness along material axes that are rotated by an angle in degrees.
     pub(super) fn new(stiffness: SmallStrainStiffness, degrees: f64) -> Self {
         let (sine, cosine) = degrees.to_radians().sin_cos();
         Self {
@@ -22,7 +22,7 @@ impl QuadraticForm {
         }
     }
 
-    /// `1/2 E : C : E`.
+    /// Energy `1/2 E : C : E` at a deformation gradient.
     pub(super) fn of<R: Real>(&self, f: &DeformationGradient<R>) -> R {
         let strain = self.strain(f);
         let along = |a: usize| {
@@ -39,7 +39,7 @@ impl QuadraticForm {
         let c = f.right_cauchy_green();
         let (cosine, sine) = self.axes;
         let (mean, half) = ((c[0][0] + c[1][1]) * 0.5, (c[0][0] - c[1][1]) * 0.5);
-        // By the double angle: exact where C is the unit tensor.
+        // In terms of the double angle the strain is exact where C is the unit tensor.
         let (double_cosine, double_sine) = (cosine * cosine - sine * sine, 2.0 * sine * cosine);
         let turned = half * double_cosine + c[0][1] * double_sine;
         [
@@ -53,7 +53,7 @@ impl QuadraticForm {
     }
 }
 
-/// The stiffness along the coordinate axes of one along material axes that are turned by an angle in degrees.
+/// Transforms a stiffness from material axes, rotated by an angle in degrees, to the coordinate axes.
 pub(super) fn turned(stiffness: &SmallStrainStiffness, degrees: f64) -> SmallStrainStiffness {
     let (s, c) = degrees.to_radians().sin_cos();
     // Strain along the material axes from strain along the coordinate axes (Bond's matrix for strain).
@@ -72,7 +72,7 @@ pub(super) fn turned(stiffness: &SmallStrainStiffness, degrees: f64) -> SmallStr
     array_of(|a| array_of(|b| entry(a, b)))
 }
 
-/// A stiffness with three planes of symmetry from `[c11, c22, c33, c23, c13, c12]` and the shear moduli `[c44, c55, c66]`.
+/// Stiffness with three planes of symmetry from `[c11, c22, c33, c23, c13, c12]` and the shear moduli `[c44, c55, c66]`.
 pub(super) fn orthotropic(normal: &[f64; 6], shear: &[f64; 3]) -> SmallStrainStiffness {
     let [c11, c22, c33, c23, c13, c12] = *normal;
     let [c44, c55, c66] = *shear;
@@ -86,7 +86,7 @@ pub(super) fn orthotropic(normal: &[f64; 6], shear: &[f64; 3]) -> SmallStrainSti
     ]
 }
 
-/// Whether a stiffness is positive definite: every deformation costs energy.
+/// Returns true if a stiffness is positive definite: every strain has positive energy.
 pub(super) fn is_positive(stiffness: &SmallStrainStiffness) -> bool {
     let matrix = nalgebra::SMatrix::<f64, 6, 6>::from_fn(|a, b| stiffness[a][b]);
     nalgebra::Cholesky::new(matrix).is_some()

@@ -1,7 +1,7 @@
-//! The standard reinforcing model: one family of fibers in a neo-Hookean matrix,
+//! Standard reinforcing model: one family of fibers in a neo-Hookean matrix.
 //!
-//! `W = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2 + mu gamma/2 (I4 - 1)^2`, `I4 = a . C a`, `a = (cos angle, sin angle, 0)`. Strong
-//! ellipticity is lost under compression along stiff fibers.
+//! `W = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2 + mu gamma/2 (I4 - 1)^2`, `I4 = a . C a`, `a = (cos angle, sin angle, 0)`. Strong ellipticity is
+//! lost under compression along stiff fibers.
 
 use super::super::law::{Admitted, Law, Parameter, SmallStrainStiffness, Symmetry, boxed, hooke};
 use super::super::{MaterialError, StrainEnergy};

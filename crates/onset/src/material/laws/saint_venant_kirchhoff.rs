@@ -1,7 +1,7 @@
-//! The law of Saint-Venant and Kirchhoff: quadratic in Green's strain,
+//! Saint-Venant-Kirchhoff law: quadratic in Green's strain.
 //!
-//! `W = lambda/2 (tr E)^2 + mu tr E^2`. It is for large rotations and small strains: in compression it softens, and uniaxial strain
-//! loses strong ellipticity at the stretch `1/sqrt 3` or before.
+//! `W = lambda/2 (tr E)^2 + mu tr E^2`. It is intended for large rotations and small strains: in compression it softens, and uniaxial strain loses
+//! strong ellipticity at the stretch `1/sqrt 3` or before.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{MaterialError, StrainEnergy};

@@ -1,7 +1,7 @@
-//! The orthotropic law of Saint-Venant: quadratic in Green's strain, in engineering constants.
+//! Orthotropic Saint-Venant law: quadratic in Green's strain, in engineering constants.
 //!
-//! `W = 1/2 E : C : E` with `C^-1` from Young's moduli, Poisson's ratios and shear moduli along material axes, turned by an angle
-//! about the third axis.
+//! `W = 1/2 E : C : E` with `C^-1` from Young's moduli, Poisson's ratios and shear moduli along material axes, which are rotated by an angle about
+//! the third axis.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed};
 use super::super::{MaterialError, SmallStrainStiffness, StrainEnergy};
@@ -71,7 +71,7 @@ pub(in super::super) const LAW: Law = Law {
     },
 };
 
-/// The stiffness along the material axes: the inverse of the compliance.
+/// Stiffness along the material axes: the inverse of the compliance.
 fn stiffness(p: &[f64]) -> SmallStrainStiffness {
     let (s11, s22, s33) = (p[0].recip(), p[1].recip(), p[2].recip());
     let (s12, s13, s23) = (-p[3] * s11, -p[4] * s11, -p[5] * s22);

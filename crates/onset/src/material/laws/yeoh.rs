@@ -1,6 +1,6 @@
-//! Yeoh's law, nearly incompressible:
+//! Yeoh's law, nearly incompressible.
 //!
-//! `W = c10 x + c20 x^2 + c30 x^3 + kappa/2 (J - 1)^2`, `x = J^(-2/3) I1 - 3`. Shear modulus `2 c10`.
+//! `W = c10 x + c20 x^2 + c30 x^3 + kappa/2 (J - 1)^2`, `x = J^(-2/3) I1 - 3`. The shear modulus is `2 c10`.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{InvariantEnergy, given_by_invariants};
