@@ -1,7 +1,9 @@
-//! Arrays of numbers.
+//! Arrays computed element by element.
 
-/// The values of a function of the index, of which there is at least one: what `std::array::from_fn` is, for values that need no care where a
-/// later one panics. That care is most of what the compiler has to do for the standard function, and keeps it from being inlined.
+/// Array of the values of a function of the index, with at least one element.
+///
+/// Unlike `std::array::from_fn` it needs no cleanup if a later value panics, because the values are `Copy`. This cleanup is most of the compiled code
+/// of the standard function and prevents inlining.
 #[inline(always)]
 pub(crate) fn array_of<T: Copy, const N: usize>(mut value: impl FnMut(usize) -> T) -> [T; N] {
     let mut all = [value(0); N];
@@ -13,7 +15,7 @@ pub(crate) fn array_of<T: Copy, const N: usize>(mut value: impl FnMut(usize) -> 
     all
 }
 
-/// The images of what an array has, as `map` gives them; likewise for values that can be copied.
+/// Elementwise `map` of an array for values that are `Copy`; see [`array_of`].
 pub(crate) trait Each<T, const N: usize> {
     fn each<U: Copy>(self, image: impl FnMut(T) -> U) -> [U; N];
 }

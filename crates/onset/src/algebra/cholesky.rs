@@ -1,12 +1,11 @@
-//! The Cholesky factor of Hermitian matrices.
+//! Cholesky factor of Hermitian matrices.
 
 use super::Complex;
 use nalgebra::DMatrix;
 
-/// Writes the Cholesky factor `L` of a Hermitian matrix `L L*` in the place of its lower triangle, which alone is read; whether there is one: whether the
-/// matrix is positive definite.
+/// Overwrites the lower triangle of a Hermitian matrix `L L*` with its Cholesky factor `L`. Returns true if the matrix is positive definite.
 ///
-/// nalgebra rejects negative pivots of real matrices only; of those of complex matrices it takes the imaginary root.
+/// Only the lower triangle is read. nalgebra rejects negative pivots of real matrices only; for complex matrices it takes the imaginary root.
 pub(crate) fn factorize(matrix: &mut DMatrix<Complex>) -> bool {
     let size = matrix.nrows();
     for j in 0..size {
@@ -30,7 +29,7 @@ pub(crate) fn factorize(matrix: &mut DMatrix<Complex>) -> bool {
     true
 }
 
-/// The Cholesky factor `L` of a positive definite matrix `L L*`; `None` of others.
+/// Cholesky factor `L` of a positive definite matrix `L L*`; `None` otherwise.
 pub(crate) fn cholesky_factor(mut matrix: DMatrix<Complex>) -> Option<DMatrix<Complex>> {
     factorize(&mut matrix).then(|| matrix.lower_triangle())
 }

@@ -1,22 +1,22 @@
-//! Eigenvalues of complex matrices of any size with their eigenvectors on both sides.
+//! Eigenvalues of complex matrices of any size with right and left eigenvectors.
 
 use super::{Complex, MAXIMUM_ITERATIONS};
 use nalgebra::{ComplexField, DMatrix, DVector, Dyn, RowDVector, Schur, SymmetricEigen};
 
-/// `A = V diag(values) W` with `W V = 1`: right eigenvectors as columns of `V = Q X`, left ones as rows of `W = X^-1 Q*`.
+/// Decomposition `A = V diag(values) W` with `W V = 1`: right eigenvectors are columns of `V = Q X`, left ones rows of `W = X^-1 Q*`.
 ///
-/// Where `A` is not diagonalizable, vectors are as long as rounding makes them.
+/// If `A` is not diagonalizable, the length of the vectors is determined by rounding.
 #[derive(Clone, Debug)]
 pub(crate) struct Decomposition {
     pub(crate) values: Vec<Complex>,
-    /// Unitary.
+    /// Unitary factor of the Schur form.
     q: DMatrix<Complex>,
-    /// The eigenvectors of the triangular factor of the Schur form, triangular themselves; none where `Q` has those of `A`.
+    /// Eigenvectors of the triangular Schur factor, which are triangular themselves; `None` if `Q` contains the eigenvectors of `A`.
     x: Option<DMatrix<Complex>>,
 }
 
 impl Decomposition {
-    /// From the Schur form `A = Q T Q*`, whose triangular factor has eigenvectors by substitution. `None` where entries are not finite.
+    /// Decomposes by the Schur form `A = Q T Q*`, whose triangular factor has eigenvectors by substitution. `None` if entries are not finite.
     pub(crate) fn new(matrix: DMatrix<Complex>) -> Option<Self> {
         let size = matrix.nrows();
         let smallest = f64::EPSILON * matrix.norm();
@@ -42,7 +42,7 @@ impl Decomposition {
         })
     }
 
-    /// Of a Hermitian matrix, whose eigenvalues are real and whose eigenvectors are the same on both sides.
+    /// Decomposes a Hermitian matrix, whose eigenvalues are real and whose left and right eigenvectors agree.
     pub(crate) fn of_hermitian(matrix: DMatrix<Complex>) -> Option<Self> {
         let eigen = hermitian_eigen(matrix)?;
         let values = eigen.eigenvalues.iter();
@@ -53,7 +53,7 @@ impl Decomposition {
         })
     }
 
-    /// A right eigenvector, a column of `V`.
+    /// Right eigenvector, a column of `V`.
     pub(crate) fn right(&self, number: usize) -> DVector<Complex> {
         match &self.x {
             Some(x) => &self.q * x.column(number),
@@ -61,10 +61,10 @@ impl Decomposition {
         }
     }
 
-    /// A left eigenvector, a row of `W`.
+    /// Left eigenvector, a row of `W`.
     pub(crate) fn left(&self, number: usize) -> RowDVector<Complex> {
         match &self.x {
-            // Of X^-1 the row e with e X = 1 at its place.
+            // The row e of X^-1 satisfies e X = unit row.
             Some(x) => {
                 let mut unit = DVector::zeros(self.values.len());
                 unit[number] = Complex::new(1.0, 0.0);
@@ -75,7 +75,7 @@ impl Decomposition {
         }
     }
 
-    /// `r V`.
+    /// Product `r V` with the right eigenvectors.
     pub(crate) fn onto_right(&self, row: &RowDVector<Complex>) -> RowDVector<Complex> {
         let own = row * &self.q;
         match &self.x {
@@ -84,7 +84,7 @@ impl Decomposition {
         }
     }
 
-    /// `W c`.
+    /// Product `W c` with the left eigenvectors.
     pub(crate) fn onto_left(&self, column: &DVector<Complex>) -> DVector<Complex> {
         let own = self.q.ad_mul(column);
         match &self.x {
@@ -93,7 +93,7 @@ impl Decomposition {
         }
     }
 
-    /// All right eigenvectors and all left ones, `V` and `W`.
+    /// Matrices `V` and `W` of all right and left eigenvectors.
     pub(crate) fn vectors(&self) -> [DMatrix<Complex>; 2] {
         let adjoint = self.q.adjoint();
         match &self.x {
@@ -106,14 +106,16 @@ impl Decomposition {
     }
 }
 
-/// The eigenvalues of any matrix. `None` where entries are not finite.
+/// Eigenvalues of any matrix; `None` if entries are not finite.
 pub(crate) fn any_eigenvalues(matrix: &DMatrix<Complex>) -> Option<Vec<Complex>> {
     let (_, t) = schur_form(matrix)?;
     Some(t.diagonal().iter().copied().collect())
 }
 
-/// `A = Q T Q*` with a triangular `T`. The iteration compares with entries of the diagonal, and may not end where several eigenvalues are zero: then they are
-/// moved away. Nor may it where symmetries of the matrix leave it as it is at each step: then it is reflected by a vector that has none.
+/// Schur form `A = Q T Q*` with a triangular `T`.
+///
+/// The iteration compares with diagonal entries and may not terminate if several eigenvalues are zero; the matrix is then shifted. It may also stall
+/// if a step leaves the matrix unchanged by symmetry; the matrix is then reflected by a vector without symmetry.
 fn schur_form(matrix: &DMatrix<Complex>) -> Option<(DMatrix<Complex>, DMatrix<Complex>)> {
     let size = matrix.nrows();
     let form = |matrix| {
@@ -135,15 +137,15 @@ fn schur_form(matrix: &DMatrix<Complex>) -> Option<(DMatrix<Complex>, DMatrix<Co
         })
 }
 
-/// `1 - 2 w w*`, its own inverse, with a unit vector whose components have the same size and phases without a pattern.
+/// Reflection `1 - 2 w w*`, its own inverse, with a unit vector whose components have equal magnitude and irregular phases.
 fn reflection(size: usize) -> DMatrix<Complex> {
     let length = (size as f64).recip().sqrt();
     let w = DVector::from_fn(size, |n, _| Complex::from_polar(length, (n * n) as f64));
     DMatrix::identity(size, size) - &w * w.adjoint() * Complex::from(2.0)
 }
 
-/// The eigenvalues and eigenvectors of a Hermitian matrix of any size, of which the lower triangle is read. `None` where entries are not finite:
-/// otherwise the iteration ends, after a few steps for each row.
+/// Eigenvalues and eigenvectors of a Hermitian matrix of any size, from its lower triangle. `None` if entries are not finite; otherwise the iteration
+/// terminates after a few steps per row.
 pub(crate) fn hermitian_eigen<T: ComplexField<RealField = f64>>(
     matrix: DMatrix<T>,
 ) -> Option<SymmetricEigen<T, Dyn>> {
@@ -151,7 +153,7 @@ pub(crate) fn hermitian_eigen<T: ComplexField<RealField = f64>>(
     finite(matrix)?.try_symmetric_eigen(f64::EPSILON, iterations)
 }
 
-/// The eigenvalues alone, no numbers where entries are not finite.
+/// Eigenvalues of a Hermitian matrix; NaN if entries are not finite.
 pub(crate) fn hermitian_eigenvalues(matrix: DMatrix<Complex>) -> Vec<Complex> {
     let size = matrix.nrows();
     let values = finite(matrix).map(|matrix| matrix.symmetric_eigenvalues());
@@ -162,7 +164,7 @@ pub(crate) fn hermitian_eigenvalues(matrix: DMatrix<Complex>) -> Vec<Complex> {
         .collect()
 }
 
-/// A matrix all of whose entries are finite.
+/// Returns the matrix if all entries are finite.
 fn finite<T: ComplexField<RealField = f64>>(matrix: DMatrix<T>) -> Option<DMatrix<T>> {
     let is_finite = matrix.iter().all(|entry| entry.is_finite());
     is_finite.then_some(matrix)
@@ -211,7 +213,7 @@ mod tests {
 
     #[test]
     fn a_matrix_is_diagonal_between_its_left_and_right_eigenvectors() {
-        // Large ones take more steps than small ones.
+        // Large matrices take more steps than small ones.
         [7, 120]
             .into_iter()
             .map(random)

@@ -1,13 +1,13 @@
-//! Eigenvalues of real matrices of three rows in closed form, by trace and deviator.
+//! Eigenvalues of real 3 x 3 matrices in closed form, from trace and deviator.
 //!
-//! With `K = D - mean` they are `mean + x`, `x^3 - 3 a x - 2 h = 0`, where `a = tr K^2 / 6` and `h = det K / 2`; two of them are complex where the
+//! With `K = D - mean` they are `mean + x`, `x^3 - 3 a x - 2 h = 0`, where `a = tr K^2 / 6` and `h = det K / 2`. Two of them are complex if the
 //! discriminant `a^3 - h^2` is negative.
 
 use std::f64::consts::TAU;
 
-/// Real eigenvalues are well apart where the discriminant is more than this fraction of `a^3`.
+/// Ratio of the discriminant to `a^3` above this value means that real eigenvalues are well separated.
 const APART: f64 = 1e-2;
-/// A matrix is not far from normal where `tr K^2`, which is the square of the norm of a symmetric `K`, is more than this fraction of it. Elsewhere trace and
+/// Ratio of `tr K^2` to the squared norm of `K`, which is one for a symmetric `K`. For smaller ratios the matrix is far from normal, and trace and
 /// determinant cancel.
 const NORMAL: f64 = 0.5;
 
@@ -20,7 +20,7 @@ pub(crate) struct Deviator {
 }
 
 impl Deviator {
-    /// Of the entries of a matrix, by rows.
+    /// Computes the deviator from the entries of a matrix, by rows.
     #[inline(always)]
     pub(crate) fn of(d: &[f64; 9]) -> Self {
         let mean = (d[0] + d[4] + d[8]) / 3.0;
@@ -35,13 +35,13 @@ impl Deviator {
         }
     }
 
-    /// `a^3 - h^2`.
+    /// Discriminant `a^3 - h^2` of the characteristic polynomial.
     #[inline(always)]
     pub(crate) fn discriminant(&self) -> f64 {
         self.a * self.a * self.a - self.h * self.h
     }
 
-    /// The smallest and the largest eigenvalue where all are real; where two are nearly equal, to the square root of rounding.
+    /// Smallest and largest eigenvalue if all are real. If two are nearly equal, the error is the square root of rounding.
     #[inline(always)]
     pub(crate) fn outer(&self) -> [f64; 2] {
         let root = self.a.max(0.0).sqrt();
@@ -55,14 +55,14 @@ impl Deviator {
         [angle + TAU / 3.0, angle].map(|angle| self.mean + 2.0 * root * angle.cos())
     }
 
-    /// All eigenvalues by size where they are real.
+    /// All eigenvalues in increasing order if they are real.
     pub(crate) fn all(&self) -> [f64; 3] {
         let [lowest, highest] = self.outer();
         [lowest, 3.0 * self.mean - lowest - highest, highest]
     }
 
-    /// Whether all eigenvalues are real and so far from each other that the closed form tells them to some ten times the rounding error of an entry, given the
-    /// entries and this error.
+    /// Returns true if all eigenvalues are real and so well separated that the closed form is accurate to about ten times the rounding error `noise`
+    /// of an entry.
     pub(crate) fn is_apart(&self, d: &[f64; 9], noise: f64) -> bool {
         let told = self.discriminant() > APART * self.a * self.a * self.a;
         let entry = |e: usize| match e {
@@ -80,7 +80,7 @@ mod tests {
     use crate::algebra::uniform;
     use nalgebra::{Matrix3, Vector3};
 
-    /// Matrices of known eigenvalues, in axes that are more and more oblique.
+    /// Matrices with known eigenvalues, in increasingly oblique axes.
     #[test]
     fn eigenvalues_that_are_apart_are_told_to_rounding_and_others_are_refused() {
         let (mut state, mut taken) = (5, [0; 4]);

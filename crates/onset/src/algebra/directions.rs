@@ -1,11 +1,11 @@
-//! Directions in all dimensions.
+//! Sampling directions in all dimensions.
 
 use nalgebra::SVector;
 use std::f64::consts::PI;
 
-/// Directions in the plane.
+/// Number of directions in the plane.
 const PLANE: usize = 180;
-/// Directions in three dimensions.
+/// Number of directions in three dimensions.
 const SPACE: usize = 400;
 
 /// Directions spread over half of the circle, or of the sphere along a spiral by the golden angle.

@@ -1,20 +1,18 @@
-//! Eigenvalues and eigenvectors of complex matrices of one to three rows.
+//! Eigenvalues and eigenvectors of complex matrices with one to three rows.
 
 use super::{Complex, symmetric_eigen};
 use crate::algebra::{Deviator, Each, any_eigenvalues, array_of};
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector};
 
-/// Sweeps allowed to the iterative decompositions before they are given up as not converging.
+/// Number of sweeps after which an iterative decomposition counts as not converging.
 pub(crate) const MAXIMUM_ITERATIONS: usize = 200;
 
-/// The eigenvalues of a complex matrix, by increasing real part, then imaginary part.
+/// Returns the eigenvalues of a complex matrix, sorted by real part, then imaginary part.
 ///
-/// Closed form for one and two rows. `noise` is the rounding error to expect in an entry: two
-/// eigenvalues that differ from a real double one by less than this noise explains are returned as
-/// real, since otherwise its square root would appear as a spurious imaginary part.
+/// For one and two rows the closed form is used. `noise` is the expected rounding error of an entry. Two eigenvalues whose difference from a real
+/// double one is explained by this noise are returned as real, since otherwise its square root would appear as a spurious imaginary part.
 ///
-/// The result is NaN where the iteration of the three-row case does not converge, which needs
-/// entries that are not finite.
+/// The result is NaN if the iteration for three rows does not converge, which requires entries that are not finite.
 pub fn eigenvalues<const D: usize>(matrix: &SMatrix<Complex, D, D>, noise: f64) -> [Complex; D] {
     let mut values = [Complex::new(f64::NAN, f64::NAN); D];
     match D {
@@ -23,7 +21,7 @@ pub fn eigenvalues<const D: usize>(matrix: &SMatrix<Complex, D, D>, noise: f64) 
             without_rounding(&mut values, 0.0, noise);
         }
         2 if matrix.iter().all(|entry| entry.im == 0.0) => {
-            // The same as below in real numbers: most matrices are real, and this is the innermost loop.
+            // The real case separately, because most matrices are real and this is the innermost loop.
             let [a, b, c, d] = [(0, 0), (0, 1), (1, 0), (1, 1)].each(|index| matrix[index].re);
             let (mean, half) = (0.5 * (a + d), 0.5 * (a - d));
             let largest = half.abs().max(b.abs()).max(c.abs());
@@ -87,10 +85,10 @@ pub fn eigenvalues<const D: usize>(matrix: &SMatrix<Complex, D, D>, noise: f64) 
     values
 }
 
-/// Makes eigenvalues real whose imaginary parts rounding explains, `noise` in an entry of a matrix with a norm.
+/// Makes eigenvalues real if rounding explains their imaginary parts. `noise` is the error of an entry of a matrix with the given norm.
 ///
-/// Perturbation theory: an eigenvalue at a distance `d` from the next one moves by some `noise * norm / d`, two that coincide
-/// part by some `sqrt(noise * norm)`. So one that is apart from all others keeps an imaginary part just above the noise.
+/// By perturbation theory an eigenvalue at a distance `d` from the next one changes by about `noise * norm / d`, and two coincident ones separate by
+/// about `sqrt(noise * norm)`. An eigenvalue that is well separated from all others therefore keeps an imaginary part just above the noise.
 pub(crate) fn without_rounding(values: &mut [Complex], norm: f64, noise: f64) {
     const SAFETY: f64 = 32.0;
     let explained = |n: usize| {
@@ -111,8 +109,8 @@ pub(crate) fn without_rounding(values: &mut [Complex], norm: f64, noise: f64) {
     }
 }
 
-/// The eigenvalues of a real matrix of three rows: in closed form where they are well apart, by rotations where it is symmetric to rounding, otherwise those of
-/// the blocks of its Schur form, so that what holds for two rows holds here.
+/// Eigenvalues of a real 3 x 3 matrix. The closed form is used if they are well separated, and rotations if the matrix is symmetric to rounding.
+/// Otherwise they are the eigenvalues of the blocks of the Schur form, so that the treatment of two rows applies.
 fn of_three_real(matrix: &Matrix3<f64>, noise: f64) -> Option<[Complex; 3]> {
     let entries = array_of(|e| matrix[(e / 3, e % 3)]);
     let deviator = Deviator::of(&entries);
@@ -133,14 +131,14 @@ fn of_three_real(matrix: &Matrix3<f64>, noise: f64) -> Option<[Complex; 3]> {
     }
     let schur = nalgebra::Schur::try_new(*matrix, f64::EPSILON, MAXIMUM_ITERATIONS)?;
     let (_, form) = schur.unpack();
-    // The place of the two rows that may be coupled, and of the third.
+    // Start of the 2 x 2 block that may be coupled, and the remaining row.
     let (start, alone) = if form[(1, 0)] == 0.0 { (1, 0) } else { (0, 2) };
     let block: Matrix2<f64> = form.fixed_view::<2, 2>(start, start).into_owned();
     let [first, second] = eigenvalues(&block.map(|entry| Complex::new(entry, 0.0)), noise);
     Some([first, second, Complex::new(form[(alone, alone)], 0.0)])
 }
 
-/// The two values in an array that is known to have two places.
+/// Stores two values in an array that is known to have two elements.
 fn ordered<const D: usize>(mut values: [Complex; D], pair: [Complex; 2]) -> [Complex; D] {
     values
         .iter_mut()
@@ -149,8 +147,9 @@ fn ordered<const D: usize>(mut values: [Complex; D], pair: [Complex; 2]) -> [Com
     values
 }
 
-/// A right eigenvector to a computed eigenvalue, of unit length, its largest component real and
-/// positive. Where the eigenvalue is degenerate, one vector of its space.
+/// Returns a right eigenvector of a computed eigenvalue, of unit length, with a real and positive largest component.
+///
+/// For a degenerate eigenvalue it is one vector of the eigenspace.
 pub fn eigenvector<const D: usize>(
     matrix: &SMatrix<Complex, D, D>,
     eigenvalue: Complex,
@@ -160,7 +159,7 @@ pub fn eigenvector<const D: usize>(
     match D {
         1 => vector[0] = Complex::new(1.0, 0.0),
         2 => {
-            // Both rows of (M - lambda) annihilate the vector; the longer one is the accurate one.
+            // Both rows of (M - lambda) annihilate the vector; the longer row is more accurate.
             let rows = [0, 1].each(|row| (shifted[(row, 0)], shifted[(row, 1)]));
             let length = |(a, b): (Complex, Complex)| a.norm_sqr() + b.norm_sqr();
             let (a, b) = if length(rows[0]) >= length(rows[1]) {
@@ -194,7 +193,7 @@ pub fn eigenvector<const D: usize>(
     normalized(vector)
 }
 
-/// A left eigenvector `y` with `y^T M = lambda y^T` (no conjugation), scaled as [`eigenvector`].
+/// Returns a left eigenvector `y` with `y^T M = lambda y^T` (no conjugation), normalized as for [`eigenvector`].
 pub fn left_eigenvector<const D: usize>(
     matrix: &SMatrix<Complex, D, D>,
     eigenvalue: Complex,
@@ -202,7 +201,7 @@ pub fn left_eigenvector<const D: usize>(
     eigenvector(&matrix.transpose(), eigenvalue)
 }
 
-/// A unit vector whose leading component is real and positive.
+/// Unit vector with a real and positive leading component.
 pub(crate) fn normalized<const D: usize>(vector: SVector<Complex, D>) -> SVector<Complex, D> {
     let length = vector
         .iter()
@@ -222,6 +221,6 @@ pub(crate) fn normalized<const D: usize>(vector: SVector<Complex, D>) -> SVector
     };
     let phase = leading.conj() / leading.norm();
     let result = vector.map(|component| component * phase / length);
-    // Adding zero turns the negative zeros of the rotation into plain ones.
+    // Adding zero converts the negative zeros of the rotation to positive ones.
     result.map(|component| Complex::new(component.re + 0.0, component.im + 0.0))
 }

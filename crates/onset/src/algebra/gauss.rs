@@ -1,11 +1,11 @@
-//! Gauss's quadrature.
+//! Gaussian quadrature on the unit interval.
 
-/// The points and weights of Gauss and Legendre on the unit interval, by Newton's method for the roots of Legendre's polynomial.
+/// Points and weights of the Gauss-Legendre rule on the unit interval, by Newton's method for the roots of the Legendre polynomial.
 pub(crate) fn unit_interval(count: usize) -> Vec<(f64, f64)> {
     let point = |number: usize| {
         let angle = std::f64::consts::PI * (number as f64 + 0.75) / (count as f64 + 0.5);
         let mut x = angle.cos();
-        // Converges quadratically from there; more steps change nothing.
+        // Newton's method converges quadratically from this start; more steps change nothing.
         for _ in 0..8 {
             let (value, slope) = legendre(count, x);
             x -= value / slope;
@@ -16,7 +16,7 @@ pub(crate) fn unit_interval(count: usize) -> Vec<(f64, f64)> {
     (0..count).map(point).collect()
 }
 
-/// Legendre's polynomial of a degree of one or more, with its slope.
+/// Legendre polynomial of degree one or more, with its slope.
 fn legendre(degree: usize, x: f64) -> (f64, f64) {
     let (mut before, mut value) = (1.0, x);
     for n in 2..=degree {

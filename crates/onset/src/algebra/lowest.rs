@@ -1,23 +1,24 @@
-//! The lowest place of a function between two others.
+//! Local minimum of a function between two arguments.
 
-/// The share of an interval at which golden section looks.
+/// Fraction of an interval at which golden section places its point.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
-/// Parabolas and golden sections, at most.
+/// Largest number of parabolic and golden-section steps.
 const STEPS: usize = 60;
 
-/// A local minimum of a function between two arguments, given one between them at which it is no higher than at these, with its value, to
-/// `tolerance` in the argument: by parabolas through the lowest places seen, and by golden section where these do not close in (R. P. Brent,
-/// Algorithms for Minimization without Derivatives, 1973, ch. 5).
+/// Returns a local minimum of a function between two arguments, to `tolerance` in the argument.
+///
+/// An argument between them must be given where the function is no higher than at the ends, with its value. The method combines parabolas through the
+/// lowest places with golden section (R. P. Brent, Algorithms for Minimization without Derivatives, 1973, ch. 5).
 ///
 /// # Errors
-/// What the function says against a place, or has found there that makes others needless.
+/// The error of the function at a place. A function can also use it to end the search early with a result.
 pub(crate) fn lowest_between<E>(
     mut f: impl FnMut(f64) -> Result<f64, E>,
     [mut low, middle, mut high]: [f64; 3],
     value: f64,
     tolerance: f64,
 ) -> Result<(f64, f64), E> {
-    // The lowest place, the second lowest and the one that was that before.
+    // Lowest place, second lowest place, and the previous second lowest.
     let (mut best, mut second, mut third) = ((middle, value), (middle, value), (middle, value));
     let (mut step, mut before): (f64, f64) = (0.0, high - low);
     for _ in 0..STEPS {
@@ -31,7 +32,7 @@ pub(crate) fn lowest_between<E>(
         });
         before = step;
         step = match parabolic {
-            // Not beside an end, of which the other one would stay far away.
+            // Keep a distance from an end, or the opposite end of the bracket would not move.
             Some(to) if (to - low).min(high - to) < 2.0 * tolerance => {
                 tolerance.copysign(low.midpoint(high) - x)
             }
@@ -64,7 +65,7 @@ pub(crate) fn lowest_between<E>(
     Ok(best)
 }
 
-/// Where the parabola through three places is lowest or highest; `None` where it is none.
+/// Vertex of the parabola through three places; `None` if they do not define a parabola.
 fn vertex(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> Option<f64> {
     let (to_b, to_c) = (a.0 - b.0, a.0 - c.0);
     let (r, q) = (to_b * (a.1 - c.1), to_c * (a.1 - b.1));
@@ -98,7 +99,7 @@ mod tests {
         let (x, asked) = sought(|x| (x - 0.3).abs() + 0.2 * x, 0.5);
         assert!((x - 0.3).abs() < 1e-6, "{x}");
         assert!(asked < 60, "{asked}");
-        // Not smooth on one side, flat, infinite beyond a place.
+        // Functions that are not smooth on one side, flat, or infinite beyond a place.
         let (x, _) = sought(|x| if x < 0.3 { 1.0 } else { (x - 0.3).sqrt() }, 0.5);
         assert!((x - 0.3).abs() < 1e-6, "{x}");
         let (x, _) = sought(|_| 1.0, 0.5);

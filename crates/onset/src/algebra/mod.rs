@@ -41,5 +41,5 @@ pub(crate) use unit::moderate_unit;
 pub(crate) use well::{is_well, neighbors, settled, settled_along};
 pub(crate) use zeros::Zeros;
 
-/// Complex numbers of the whole crate.
+/// Complex number type of the whole crate.
 pub type Complex = nalgebra::Complex<f64>;

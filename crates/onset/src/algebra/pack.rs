@@ -1,29 +1,29 @@
-//! Several numbers at once: as many as a vector register of the machine holds.
+//! Packs of numbers that fill a vector register of the machine.
 //!
-//! What is computed with packs must run inside of [`pulp::Simd::vectorize`] and be inlined there; closures are not.
+//! Computations with packs must run inside [`pulp::Simd::vectorize`] and be inlined there; closures are not.
 
 use pulp::Simd;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// As many numbers as a register holds; all operations are lane by lane.
+/// Numbers that fill a register. All operations act lane by lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pack<S: Simd> {
     simd: S,
     values: S::f64s,
 }
 
-/// A truth value for each lane.
+/// Truth value for each lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mask<S: Simd> {
     simd: S,
     values: S::m64s,
 }
 
-/// The most lanes that a register of any machine has: columns are padded to a multiple of it.
+/// Largest number of lanes of any machine: columns are padded to a multiple of it.
 pub(crate) const WIDEST: usize = 8;
 
 impl<S: Simd> Pack<S> {
-    /// The same number in all lanes.
+    /// Copies a number to all lanes.
     #[inline(always)]
     pub(crate) fn splat(simd: S, value: f64) -> Self {
         Self {
@@ -32,7 +32,7 @@ impl<S: Simd> Pack<S> {
         }
     }
 
-    /// The numbers of a group of a column whose length is a multiple of the lanes.
+    /// Loads a group of a column whose length is a multiple of the number of lanes.
     #[inline(always)]
     pub(crate) fn of(simd: S, column: &[f64], group: usize) -> Self {
         Self {
@@ -41,7 +41,7 @@ impl<S: Simd> Pack<S> {
         }
     }
 
-    /// Writes to a group of a column.
+    /// Stores the numbers to a group of a column.
     #[inline(always)]
     pub(crate) fn write(self, column: &mut [f64], group: usize) {
         S::as_mut_simd_f64s(column).0[group] = self.values;
@@ -63,13 +63,13 @@ impl<S: Simd> Pack<S> {
         }
     }
 
-    /// The same number in all lanes.
+    /// Copies a number to all lanes.
     #[inline(always)]
     pub(crate) fn constant(self, value: f64) -> Self {
         Self::splat(self.simd, value)
     }
 
-    /// `self * factor + term`, rounded once where the machine can.
+    /// Computes `self * factor + term`, rounded once if the machine supports it.
     #[inline(always)]
     pub(crate) fn times_plus(self, factor: Self, term: Self) -> Self {
         self.with(
@@ -85,18 +85,18 @@ impl<S: Simd> Pack<S> {
 
     #[inline(always)]
     pub(crate) fn abs(self) -> Self {
-        // That of the library takes a step that is not always inlined.
+        // The library function takes a step that is not always inlined.
         let but_sign = self.simd.splat_f64s(f64::from_bits(!(1 << 63)));
         self.with(self.simd.and_f64s(but_sign, self.values))
     }
 
-    /// The larger; the other one of a number that is none.
+    /// Larger number of each lane; if one is NaN, the other.
     #[inline(always)]
     pub(crate) fn max(self, other: Self) -> Self {
         self.with(self.simd.max_f64s(self.values, other.values))
     }
 
-    /// The smaller.
+    /// Smaller number of each lane.
     #[inline(always)]
     pub(crate) fn min(self, other: Self) -> Self {
         self.with(self.simd.min_f64s(self.values, other.values))
@@ -145,7 +145,7 @@ impl<S: Simd> Mask<S> {
 
     #[inline(always)]
     pub(crate) fn any(self) -> bool {
-        // The mask of a single lane is a byte, in which the leading bits are counted.
+        // The mask of a single lane is a byte whose leading bits are counted.
         let none = if S::IS_SCALAR { 8 } else { S::F64_LANES };
         self.simd.first_true_m64s(self.values) < none
     }

@@ -1,9 +1,9 @@
-//! Products of complex matrices by those of their real and imaginary parts.
+//! Products of complex matrices from their real and imaginary parts.
 
 use super::Complex;
 use nalgebra::DMatrix;
 
-/// A complex matrix as two real ones: products of real matrices run in vectors, those of complex ones do not.
+/// Complex matrix as two real ones. Products of real matrices are vectorized, products of complex ones are not.
 #[derive(Clone, Debug)]
 pub(crate) struct Parts {
     real: DMatrix<f64>,
@@ -18,7 +18,7 @@ impl Parts {
         }
     }
 
-    /// The product.
+    /// Product of two matrices.
     pub(crate) fn times(&self, other: &Self) -> Self {
         let (x, y) = (self, other);
         Self {

@@ -1,7 +1,8 @@
-//! Numbers of chance that are the same everywhere.
+//! Reproducible pseudo-random numbers.
 
-/// A number in [0, 1) from a state that is moved on: SplitMix64 (Steele, Lea, Flood, 2014), which needs no more than its
-/// state and is the same everywhere.
+/// Returns a pseudo-random number in [0, 1) and advances the state: SplitMix64 (Steele, Lea, Flood, 2014).
+///
+/// It needs only its state and gives equal numbers on all machines.
 pub fn uniform(state: &mut u64) -> f64 {
     *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
     let mut z = *state;

@@ -1,12 +1,12 @@
-//! One sort for items of all kinds.
+//! Single sort routine for items of all kinds.
 
-/// Sorts by increasing value, items of equal values in their order. Only the values are sorted, so that the program has one sort rather
-/// than one for every kind of item.
+/// Sorts by increasing value; items with equal values keep their order. Only the values are sorted, so that the program contains one sort instead of
+/// one for every type of item.
 pub(crate) fn sort_by_value<T>(items: &mut [T], value: impl Fn(&T) -> f64) {
     let mut order: Vec<(f64, usize)> = items.iter().map(value).zip(0..).collect();
     sort(&mut order);
     for place in 0..items.len() {
-        // What stood there may have made room for an earlier place.
+        // The item at this position may already have been moved to an earlier place.
         let mut from = order[place].1;
         while from < place {
             from = order[from].1;

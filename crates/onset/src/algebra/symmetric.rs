@@ -1,15 +1,15 @@
-//! Real symmetric matrices of a few rows: eigenvalues by Jacobi's rotations, definiteness by elimination.
+//! Real symmetric matrices of a few rows: eigenvalues by Jacobi rotations, definiteness by elimination.
 
 use crate::algebra::{Each, array_of};
 use crate::real::{Real, Side};
 
-/// Sweeps of rotations after which no more are made; six are enough for rounding.
+/// Largest number of sweeps of rotations; six reach rounding.
 const SWEEPS: usize = 12;
 
-/// Eigenvalues in increasing order, and in row `n` the unit eigenvector of the `n`-th.
+/// Eigenvalues in increasing order, and in row `n` the unit eigenvector of the `n`-th eigenvalue.
 ///
-/// Jacobi's method: every error is of the order of rounding times the largest entry, double eigenvalues included, and the
-/// vectors are orthogonal to rounding.
+/// Jacobi's method: every error is of the order of rounding times the largest entry, including double eigenvalues, and the vectors are orthogonal to
+/// rounding.
 pub(crate) fn symmetric_eigen<const N: usize>(matrix: &[[f64; N]; N]) -> ([f64; N], [[f64; N]; N]) {
     let mut a = *matrix;
     let mut vectors: [[f64; N]; N] = array_of(|i| array_of(|j| f64::from(u8::from(i == j))));
@@ -39,7 +39,7 @@ pub(crate) fn symmetric_eigen<const N: usize>(matrix: &[[f64; N]; N]) -> ([f64; 
     (order.each(|n| a[n][n]), order.each(|n| vectors[n]))
 }
 
-/// The rotation in the plane of `p` and `q` that makes their coupling vanish.
+/// Rotation in the plane of `p` and `q` that eliminates their coupling.
 fn rotate<const N: usize>(a: &mut [[f64; N]; N], vectors: &mut [[f64; N]; N], p: usize, q: usize) {
     let ratio = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
     let tangent = 1.0_f64.copysign(ratio) / (ratio.abs() + (1.0 + ratio * ratio).sqrt());
@@ -64,13 +64,15 @@ fn rotate<const N: usize>(a: &mut [[f64; N]; N], vectors: &mut [[f64; N]; N], p:
     }
 }
 
-/// Whether a symmetric matrix is positive definite: all pivots of the elimination are positive. Of intervals, whether all
-/// symmetric matrices with entries in them are. Only the entries on and below the diagonal are read.
+/// Returns true if a symmetric matrix is positive definite: all pivots of the elimination are positive.
+///
+/// For intervals it returns true only if all symmetric matrices with entries in them are positive definite. Only the entries on and below the
+/// diagonal are read.
 pub(crate) fn is_positive_definite<R: Real, const N: usize>(matrix: &[[R; N]; N]) -> bool {
     let mut rest = *matrix;
     for k in 0..N {
         let pivot = rest[k][k];
-        // NaN is on no side of interest.
+        // The test fails for NaN.
         if pivot.side(f64::MIN_POSITIVE) != Some(Side::Above) || !pivot.value().is_finite() {
             return false;
         }
@@ -111,7 +113,7 @@ mod tests {
         for seed in 1..200 {
             let mut a = matrix(seed);
             if seed % 3 == 0 {
-                // A unit matrix and one of rank one: four equal eigenvalues.
+                // A unit matrix plus a rank-one matrix: four equal eigenvalues.
                 let v = a[0];
                 a = std::array::from_fn(|i| {
                     std::array::from_fn(|j| f64::from(u8::from(i == j)) + v[i] * v[j])

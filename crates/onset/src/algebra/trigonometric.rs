@@ -2,15 +2,15 @@
 
 use super::Complex;
 
-/// A real trigonometric polynomial `sum_m c_m exp(i m t)`, `|m| <= order`, `c_-m = conj(c_m)`.
+/// Real trigonometric polynomial `sum_m c_m exp(i m t)`, `|m| <= order`, `c_-m = conj(c_m)`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrigonometricPolynomial {
-    /// `c_0, c_1, ..., c_order`.
+    /// Coefficients `c_0, c_1, ..., c_order`.
     coefficients: Vec<Complex>,
 }
 
 impl TrigonometricPolynomial {
-    /// `constant + cosine cos t + sine sin t`.
+    /// Creates `constant + cosine cos t + sine sin t`.
     pub fn first_order(constant: f64, cosine: f64, sine: f64) -> Self {
         Self {
             coefficients: vec![
@@ -20,7 +20,7 @@ impl TrigonometricPolynomial {
         }
     }
 
-    /// The largest coefficient.
+    /// Largest coefficient in magnitude.
     pub fn magnitude(&self) -> f64 {
         self.coefficients
             .iter()
@@ -40,7 +40,7 @@ impl TrigonometricPolynomial {
         }
     }
 
-    /// The value at the angle `t`.
+    /// Value at the angle `t`.
     pub fn at(&self, t: f64) -> f64 {
         let step = Complex::new(t.cos(), t.sin());
         let mut phase = step;
@@ -52,7 +52,7 @@ impl TrigonometricPolynomial {
         sum
     }
 
-    /// The derivative with respect to the angle.
+    /// Derivative with respect to the angle.
     pub fn derivative(&self) -> Self {
         let differentiate = |(m, c): (usize, &Complex)| Complex::new(0.0, m as f64) * c;
         Self {
@@ -65,7 +65,7 @@ impl TrigonometricPolynomial {
         }
     }
 
-    /// The linear combination `a self + b other`.
+    /// Linear combination `a self + b other` of polynomials.
     pub fn combine(&self, a: f64, other: &Self, b: f64) -> Self {
         let order = self.order().max(other.order()) as isize;
         let sum = |m| self.coefficient(m) * a + other.coefficient(m) * b;
@@ -74,7 +74,7 @@ impl TrigonometricPolynomial {
         }
     }
 
-    /// The product with another polynomial.
+    /// Product with another polynomial.
     pub fn times(&self, other: &Self) -> Self {
         let (own, foreign) = (self.order() as isize, other.order() as isize);
         let convolve = |m: isize| {
@@ -87,13 +87,11 @@ impl TrigonometricPolynomial {
         }
     }
 
-    /// Angles among which are all real zeros, to rounding; others may be among them.
+    /// Returns angles that include all real zeros, to rounding; they may include others.
     ///
-    /// With `z = exp(i t)` the polynomial becomes `z^-order` times an algebraic one of degree
-    /// `2 order`, whose zeros on the unit circle are sought. All its zeros are found together
-    /// (Aberth, Math. Comp. 27 (1973) 339) and the angle of each is returned: a multiple zero is
-    /// computed less accurately, perhaps off the circle, and must not be lost for that. Callers
-    /// minimize over the angles, for which a spurious one does no harm.
+    /// With `z = exp(i t)` the polynomial becomes `z^-order` times an algebraic one of degree `2 order`, whose zeros on the unit circle are needed.
+    /// All its zeros are computed together (Aberth, Math. Comp. 27 (1973) 339) and the angle of each is returned, because a multiple zero is less
+    /// accurate, possibly off the circle, and must not be lost. Callers minimize over the angles, so a spurious one has no effect.
     pub fn zero_candidates(&self) -> Vec<f64> {
         let scale = self.magnitude();
         let mut order = self.order();
@@ -108,7 +106,7 @@ impl TrigonometricPolynomial {
             .collect()
     }
 
-    /// The global minimum over the angle: `(angle, value)`.
+    /// Returns the global minimum over the angle: `(angle, value)`.
     pub fn minimum(&self) -> (f64, f64) {
         let mut best = (0.0, self.at(0.0));
         for t in self.derivative().zero_candidates() {
@@ -125,11 +123,11 @@ impl TrigonometricPolynomial {
 fn aberth(ascending: &[Complex]) -> Vec<Complex> {
     let degree = ascending.len() - 1;
     let mut zeros: Vec<Complex> = (0..degree)
-        // Off-axis start: no symmetry of the zeros may be a fixed point of the iteration.
+        // Asymmetric start: no symmetry of the zeros may be a fixed point of the iteration.
         .map(|n| Complex::from_polar(1.1, 0.4 + std::f64::consts::TAU * n as f64 / degree as f64))
         .collect();
-    // Simple zeros converge cubically in a few sweeps; multiple ones linearly, to no more than the square
-    // root of rounding, for which a few more are enough.
+    // Simple zeros converge cubically in a few sweeps. Multiple zeros converge linearly, to at best the square root of rounding, and need a few more
+    // sweeps.
     for _ in 0..24 {
         let mut largest_step = 0.0_f64;
         for n in 0..degree {
@@ -166,7 +164,7 @@ mod tests {
 
     #[test]
     fn minimum_between_any_samples_is_found() {
-        // A narrow well: (1 - cos(t - 0.123456))^1 plus a slope, squared.
+        // A narrow minimum: (1 - cos(t - 0.123456))^1 plus a slope, squared.
         let shifted =
             TrigonometricPolynomial::first_order(1.0, -(0.123456_f64).cos(), -(0.123456_f64).sin());
         let quartic = shifted.times(&shifted);

@@ -1,10 +1,10 @@
-//! Sines and cosines of several numbers at once.
+//! Sines and cosines of several numbers in parallel.
 
-/// `pi / 2` in two parts, the first so short that small multiples of it are exact.
+/// The number `pi / 2` in two parts, the first so short that small multiples of it are exact.
 const QUARTER: [f64; 2] = [1.570_796_326_734_125_6, 6.077_100_506_506_192e-11];
-/// Added to a number far below, it leaves the nearest integer in the last digits.
+/// Adding this to a much smaller number leaves the nearest integer in the last digits.
 const ROUNDING: f64 = 6_755_399_441_055_744.0;
-/// `(sin x - x) / x^3` and `(cos x - 1 + x^2 / 2) / x^4` by powers of `x^2`, for `|x| < pi / 4` (the approximations of FDLIBM).
+/// Coefficients of `(sin x - x) / x^3` and `(cos x - 1 + x^2 / 2) / x^4` in powers of `x^2`, for `|x| < pi / 4` (approximations of FDLIBM).
 const SINE: [f64; 6] = [
     -1.666_666_666_666_663_2e-1,
     8.333_333_333_322_49e-3,
@@ -22,9 +22,9 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
-/// Sines and cosines, each right to a rounding error of one for arguments up to some thousands.
+/// Sines and cosines, accurate to the rounding error of one for arguments up to some thousands.
 ///
-/// Without a branch, so that it runs in vectors where it is inlined.
+/// There are no branches, so that it is vectorized when inlined.
 #[inline(always)]
 pub(crate) fn sines_and_cosines<const N: usize>(angles: &[f64; N]) -> ([f64; N], [f64; N]) {
     let (mut sines, mut cosines) = ([0.0; N], [0.0; N]);
@@ -40,7 +40,7 @@ pub(crate) fn sines_and_cosines<const N: usize>(angles: &[f64; N]) -> ([f64; N],
         }
         let sine = x + x * square * sine;
         let cosine = 1.0 - 0.5 * square + square * square * cosine;
-        // A quarter of a turn exchanges them, and changes a sign.
+        // A quarter turn exchanges sine and cosine, and changes a sign.
         let turns = shifted.to_bits();
         let is_odd = turns & 1 == 1;
         let (a, b) = if is_odd {

@@ -1,17 +1,17 @@
-//! Units in which computed numbers are neither very large nor very small.
+//! Units that keep computed numbers away from over- and underflow.
 
-/// Sizes within these bounds are left as they are: sixth powers of them are within the range of numbers.
+/// Range of magnitudes that are not rescaled: their sixth powers neither over- nor underflow.
 const MODERATE: std::ops::Range<f64> = 1e-30..1e30;
 
-/// A unit for numbers of a size: one, unless they are very large or small, and then the power of four below them. Division
-/// by it is exact, and so is that of square roots by its root, so that what is computed is to the last digit the same in
-/// all units.
+/// Unit for numbers of a given magnitude: one, unless they are very large or small, and then the power of four below them.
+///
+/// Division by it is exact, and so is division of square roots by its root. Results therefore agree to the last digit in all units.
 pub(crate) fn moderate_unit(size: f64) -> f64 {
     if !size.is_normal() || MODERATE.contains(&size.abs()) {
         return 1.0;
     }
     let exponent = (size.abs().to_bits() >> 52) as i64 - 1023;
-    // Its inverse too is normal.
+    // The inverse of the unit must be normal too.
     let even = (2 * exponent.div_euclid(2)).clamp(-1020, 1020);
     f64::from_bits(((even + 1023) as u64) << 52)
 }

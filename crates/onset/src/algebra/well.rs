@@ -1,15 +1,15 @@
-//! Wells of a function on a periodic grid, and their bottoms.
+//! Local minima of a function on a periodic grid, and their refinement.
 
 use crate::algebra::{Each, array_of};
 use crate::lattice::grid_coordinates;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
-/// Whether no neighbor on the periodic grid, of which the first half is known, is lower.
+/// Returns true if no neighbor on the periodic grid is lower. The first half of the grid is known.
 pub(crate) fn is_well<const D: usize>(values: &[f64], index: usize, n: usize) -> bool {
     values[index].is_finite() && !has_neighbor::<D>(values, index, n, |other| other < values[index])
 }
 
-/// Whether a neighbor on the periodic grid, of which the first half is known, has a finite value with a property.
+/// Returns true if a neighbor on the periodic grid has a finite value with a property. The first half of the grid is known.
 pub(crate) fn has_neighbor<const D: usize>(
     values: &[f64],
     index: usize,
@@ -20,7 +20,7 @@ pub(crate) fn has_neighbor<const D: usize>(
     around.any(|other| other.is_finite() && has_property(other))
 }
 
-/// The neighbors of a point on the periodic grid, of which the first ones are known: in place of others, their opposites.
+/// Neighbors of a point on the periodic grid. Only the first `known` points are returned, and the others are replaced by their opposites.
 pub(crate) fn neighbors<const D: usize>(
     index: usize,
     n: usize,
@@ -28,14 +28,14 @@ pub(crate) fn neighbors<const D: usize>(
 ) -> impl Iterator<Item = usize> {
     let coordinates = grid_coordinates::<D>(index, n);
     let flat = move |coordinates: &[usize; D]| coordinates.iter().fold(0, |sum, c| sum * n + c);
-    // Most points have all of theirs within the grid, at the same distances in its list.
+    // Most points have all neighbors within the grid, at fixed distances in its list.
     let farthest = flat(&[1; D]);
     let is_inside = coordinates.iter().all(|c| (1..n - 1).contains(c)) && index + farthest < known;
-    // Divisions are what this costs.
+    // Divisions dominate the cost.
     let wrapped = move |c: usize| if c < n { c } else { c - n };
     let around = coordinates.each(|c| [wrapped(c + n - 1), c, wrapped(c + 1)]);
     let count = 3_usize.pow(D as u32);
-    // The one in the middle is the point itself.
+    // The middle neighbor is the point itself.
     let others = (0..count).filter(move |neighbor| *neighbor != count / 2);
     others
         .map(move |neighbor| {
@@ -52,11 +52,11 @@ pub(crate) fn neighbors<const D: usize>(
         .filter(move |place| *place < known)
 }
 
-/// Rounds in which a well is followed, at most.
+/// Largest number of rounds of the refinement of a minimum.
 const ROUNDS: usize = 64;
 
-/// Follows a well to its bottom: Newton's method with differences, downhill where the curvature is negative, or the best point of
-/// the stencil, with smaller steps once the bottom is within reach. `steps` are the initial ones, as columns.
+/// Refines a local minimum. Each round takes a Newton step with finite differences, which leads downhill at negative curvature, or the best point of
+/// the stencil. The steps shrink once the minimum is within the stencil. `steps` are the initial steps, as columns.
 pub(crate) fn settled<const D: usize>(
     at: &impl Fn(&SVector<f64, D>) -> f64,
     start: (f64, SVector<f64, D>),
@@ -66,7 +66,7 @@ pub(crate) fn settled<const D: usize>(
     settled_along(at, start, &columns)
 }
 
-/// The same within the space that some initial steps span.
+/// Refines a local minimum within the space spanned by some initial steps.
 pub(crate) fn settled_along<const D: usize>(
     at: &impl Fn(&SVector<f64, D>) -> f64,
     start: (f64, SVector<f64, D>),
@@ -83,7 +83,7 @@ pub(crate) fn settled_along<const D: usize>(
             break;
         }
         let (before, center) = best;
-        // The largest weight of the best point: at one it is as far as the stencil reaches, and the bottom may be beyond.
+        // Largest weight of the best point: if it is one, the point lies at the edge of the stencil, and the minimum may be beyond.
         let mut moved = 0.0;
         let mut ask = |weights: &dyn Fn(usize) -> f64| {
             let both = steps.iter().enumerate();
@@ -130,7 +130,7 @@ pub(crate) fn settled_along<const D: usize>(
     best
 }
 
-/// The step of Newton's method, with the sizes of the curvatures in place of the curvatures: along a valley, not up to its ridge.
+/// Newton step with the magnitudes of the curvatures instead of the curvatures, so that it leads along a valley and not up to a ridge.
 fn downhill(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> Option<DVector<f64>> {
     let is_finite = hessian.iter().chain(gradient).all(|x| x.is_finite());
     let eigen =

@@ -1,17 +1,18 @@
-//! Arrays in memory that earlier ones have left.
+//! Reuse of memory for arrays of zeros.
 
 use std::cell::RefCell;
 use std::ops::{Deref, DerefMut};
 
-/// Arrays that a thread keeps, at most.
+/// Largest number of arrays that a thread keeps.
 const KEPT: usize = 24;
 
 thread_local! {
     static KEPT_ARRAYS: RefCell<Vec<Vec<f64>>> = const { RefCell::new(Vec::new()) };
 }
 
-/// An array of zeros to be filled, which leaves its memory to the next one of the thread. What is freed in large pieces the system takes back, and
-/// hands out again page by page: in maps of states in space that is a third of the time.
+/// Array of zeros whose memory is reused by the next array of the thread.
+///
+/// The system reclaims large freed blocks and supplies them again page by page, which takes a third of the time in maps of states in space.
 #[derive(Debug, Default)]
 pub(crate) struct Zeros(Vec<f64>);
 

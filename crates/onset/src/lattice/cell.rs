@@ -1,23 +1,23 @@
-//! The Voronoi cell of one point: what is nearer to it than to any other.
+//! Voronoi cell of one point: the region that is nearer to it than to any other point.
 
 use crate::algebra::Each;
 use nalgebra::SVector;
 
-/// A Voronoi cell around the origin.
+/// Voronoi cell around the origin.
 #[derive(Clone, Debug)]
 pub(super) struct VoronoiCell<const D: usize> {
-    /// Length^D.
+    /// Volume of the cell; length^D.
     pub(super) volume: f64,
-    /// Its corners, in the plane counterclockwise; where faces or edges meet by symmetry, some several times.
+    /// Corners of the cell, in the plane counterclockwise. Corners where several faces or edges meet by symmetry can occur several times.
     pub(super) corners: Vec<SVector<f64, D>>,
 }
 
-/// Lengths over that of a polygon, and sines of angles, below this are rounding.
+/// Relative lengths and sines of angles below this are rounding. Lengths are relative to a polygon's.
 const NEGLIGIBLE: f64 = 1e-9;
-/// Neighbors with which a cell is begun.
+/// Number of nearest neighbors used for the first estimate of a cell.
 const NEAREST: usize = 32;
 
-/// The cell of the origin among neighbors, which are sorted by distance and reach beyond twice the farthest corner.
+/// Cell of the origin among neighbors, which must be sorted by distance and extend beyond twice the farthest corner.
 pub(super) fn cell_of_sorted<const D: usize>(neighbors: &[SVector<f64, D>]) -> VoronoiCell<D> {
     let mut count = NEAREST;
     loop {
@@ -40,7 +40,7 @@ pub(super) fn cell_of_sorted<const D: usize>(neighbors: &[SVector<f64, D>]) -> V
     }
 }
 
-/// The cell of the origin among neighbors in any order.
+/// Cell of the origin among neighbors in any order.
 pub(super) fn cell_among<const D: usize>(neighbors: &[SVector<f64, D>]) -> VoronoiCell<D> {
     match D {
         1 => segment(neighbors),
@@ -79,8 +79,8 @@ fn polygon<const D: usize>(neighbors: &[SVector<f64, D>]) -> VoronoiCell<D> {
     }
 }
 
-/// Face by face, each a polygon in the bisecting plane of one neighbor: planes that touch an edge or a corner leave polygons
-/// of no area, whichever way rounding goes.
+/// Computes the cell face by face. Each face is a polygon in the bisecting plane of one neighbor. Planes that touch an edge or a corner yield
+/// polygons of zero area, independent of rounding.
 fn polyhedron<const D: usize>(neighbors: &[SVector<f64, D>]) -> VoronoiCell<D> {
     let mut cell = VoronoiCell {
         volume: 0.0,
@@ -90,14 +90,14 @@ fn polyhedron<const D: usize>(neighbors: &[SVector<f64, D>]) -> VoronoiCell<D> {
     for r in neighbors {
         let axes = across(r);
         let face = face_in_plane(r, &axes, neighbors, farthest);
-        // The pyramid from the origin.
+        // Volume of the pyramid from the origin.
         cell.volume += area(&face) * 0.5 * r.norm() / 3.0;
         cell.corners.extend(in_3d(r, &axes, &turning(&face)));
     }
     cell
 }
 
-/// The face of the cell in the bisecting plane of a neighbor, by its corners in turn. Three dimensions.
+/// Face of the cell in the bisecting plane of a neighbor, given by its corners in cyclic order. Three dimensions.
 pub(super) fn face<const D: usize>(
     r: &SVector<f64, D>,
     neighbors: &[SVector<f64, D>],
@@ -134,7 +134,7 @@ fn in_3d<'a, const D: usize>(
         .map(move |[u, v]| r * 0.5 + axes[0] * *u + axes[1] * *v)
 }
 
-/// Two unit vectors at right angles to a vector and to each other, right-handed with it. Three dimensions.
+/// Two unit vectors orthogonal to a vector and to each other, right-handed with it. Three dimensions.
 fn across<const D: usize>(r: &SVector<f64, D>) -> [SVector<f64, D>; 2] {
     let cross = |a: &SVector<f64, D>, b: &SVector<f64, D>| {
         SVector::<f64, D>::from_fn(|i, _| {
@@ -149,8 +149,7 @@ fn across<const D: usize>(r: &SVector<f64, D>) -> [SVector<f64, D>; 2] {
     [first, second]
 }
 
-/// The corners at which a polygon turns: lines that coincide but for rounding meet anywhere on an edge. None where it has no
-/// area.
+/// Corners where a polygon turns. Lines that coincide to rounding intersect at arbitrary points of an edge. Empty if the polygon has zero area.
 fn turning(polygon: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let apart = |a: [f64; 2], b: [f64; 2]| [b[0] - a[0], b[1] - a[1]];
     let length = |a: [f64; 2]| a[0].hypot(a[1]);
@@ -190,7 +189,7 @@ fn area(polygon: &[[f64; 2]]) -> f64 {
         .sum()
 }
 
-/// The part of a convex polygon in the half plane `normal . x <= offset`.
+/// Part of a convex polygon in the half plane `normal . x <= offset`.
 fn clipped(polygon: &[[f64; 2]], normal: [f64; 2], offset: f64) -> Vec<[f64; 2]> {
     let excess = |p: [f64; 2]| normal[0] * p[0] + normal[1] * p[1] - offset;
     let mut kept = Vec::with_capacity(polygon.len() + 1);

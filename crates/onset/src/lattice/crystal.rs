@@ -6,22 +6,22 @@ use super::{
 use crate::algebra::{Each, array_of, uniform};
 use nalgebra::{SMatrix, SVector};
 
-/// A particle of a crystal: which of its cell, and which cell.
+/// Particle of a crystal, given by its site and its cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Particle<const D: usize> {
-    /// The number of its site, in the order of [`Crystal::sites`].
+    /// Index of the site, in the order of [`Crystal::sites`].
     pub site: usize,
-    /// Lattice coordinates of its cell.
+    /// Lattice coordinates of the cell.
     pub cell: [i32; D],
 }
 
 impl<const D: usize> Particle<D> {
-    /// The particle of a site in the cell at the origin.
+    /// Particle of a site in the cell at the origin.
     pub fn home(site: usize) -> Self {
         Self { site, cell: [0; D] }
     }
 
-    /// The same particle some cells further on.
+    /// Translates the particle by a number of cells.
     #[must_use]
     pub fn moved(&self, cells: &[i32; D]) -> Self {
         Self {
@@ -31,7 +31,7 @@ impl<const D: usize> Particle<D> {
     }
 }
 
-/// A Bravais lattice with a basis: particles at `X = sum_i (n_i + place_i) a_i`, each with its volume.
+/// Bravais lattice with a basis: particles at `X = sum_i (n_i + place_i) a_i`, each with its volume.
 ///
 /// ```
 /// use onset::lattice::{LatticeKind, Crystal};
@@ -49,11 +49,12 @@ pub struct Crystal<const D: usize> {
 }
 
 impl<const D: usize> Crystal<D> {
-    /// A lattice with particles at places given in lattice coordinates. Their volumes are those of their Voronoi cells, their
-    /// spacing is that of the lattice with as many particles to the volume.
+    /// Creates a lattice with particles at places given in lattice coordinates.
+    ///
+    /// Volumes are the volumes of the Voronoi cells. The spacing is that of the lattice with equal volume per particle.
     ///
     /// # Errors
-    /// [`LatticeError::CoincidentPoints`] when two particles are at the same place, [`LatticeError::NoSites`] when there is none.
+    /// [`LatticeError::CoincidentPoints`] if two particles coincide, [`LatticeError::NoSites`] if no place is given.
     pub fn new(
         lattice: BravaisLattice<D>,
         sites: Vec<Fractional<D>>,
@@ -61,7 +62,7 @@ impl<const D: usize> Crystal<D> {
         if sites.is_empty() {
             return Err(LatticeError::NoSites);
         }
-        // The Voronoi cell of the only particle is a cell of the lattice.
+        // The Voronoi cell of a single particle has the volume of the cell of the lattice.
         let volumes = match sites.len() {
             1 => vec![lattice.cell_volume()],
             _ => voronoi_volumes(&lattice, &sites)?,
@@ -74,10 +75,10 @@ impl<const D: usize> Crystal<D> {
         })
     }
 
-    /// A lattice with particles of given volumes (length^D) at places given in lattice coordinates.
+    /// Creates a lattice with particles of given volumes (length^D) at places given in lattice coordinates.
     ///
     /// # Errors
-    /// [`LatticeError::NoSites`] when there is none, or not as many volumes as places.
+    /// [`LatticeError::NoSites`] if no place is given, or if the numbers of volumes and places differ.
     pub fn with_volumes(
         lattice: BravaisLattice<D>,
         sites: Vec<Fractional<D>>,
@@ -94,20 +95,21 @@ impl<const D: usize> Crystal<D> {
         })
     }
 
-    /// A lattice without parameters, with the given distance between nearest particles.
+    /// Creates a lattice without parameters, with the given distance of nearest neighbors.
     ///
     /// # Errors
-    /// [`LatticeError`] as for [`LatticeKind::lattice`].
+    /// See [`LatticeKind::lattice`].
     pub fn of(kind: LatticeKind, spacing: f64) -> Result<Self, LatticeError> {
         let crystal = Self::new(kind.lattice(spacing)?, kind.sites())?;
         Ok(crystal.with_spacing(spacing))
     }
 
-    /// The particles of a kind of lattice on its Bravais lattice, or others in their place. The spacing is the distance of nearest neighbors in the
-    /// lattice, scaled with the volume of a particle where others take the place of its own.
+    /// Creates a kind of lattice on its Bravais lattice, optionally with other particles instead of its own.
+    ///
+    /// The spacing is the distance of nearest neighbors in the lattice. With other particles it is scaled by the volume per particle.
     ///
     /// # Errors
-    /// [`LatticeError`] as for [`Crystal::new`].
+    /// See [`Crystal::new`].
     pub fn arranged(
         kind: LatticeKind,
         lattice: BravaisLattice<D>,
@@ -122,7 +124,7 @@ impl<const D: usize> Crystal<D> {
             return Ok(own.with_spacing(spacing));
         };
         let crystal = Self::new(lattice, others)?;
-        // Of particles that are a regular lattice themselves the spacing follows from them, whichever cell they are given in.
+        // If the particles form a regular lattice themselves, the spacing follows from them, independent of their cell.
         let primitive = crystal.primitive().unwrap_or_else(|| crystal.clone());
         let natural = primitive.natural_spacing();
         let spacing = natural.unwrap_or_else(|| match own.sites.len() {
@@ -132,7 +134,7 @@ impl<const D: usize> Crystal<D> {
         Ok(crystal.with_spacing(spacing))
     }
 
-    /// One particle in each cell of a lattice.
+    /// Creates a crystal with one particle in each cell of a lattice.
     pub fn of_lattice(lattice: BravaisLattice<D>) -> Self {
         Self {
             spacing: shortest(&lattice),
@@ -142,34 +144,34 @@ impl<const D: usize> Crystal<D> {
         }
     }
 
-    /// The same particles with another length as their spacing.
+    /// Replaces the particle spacing; the particles stay unchanged.
     #[must_use]
     pub fn with_spacing(self, spacing: f64) -> Self {
         Self { spacing, ..self }
     }
 
-    /// The lattice of the cells.
+    /// Lattice of the cells.
     pub fn lattice(&self) -> &BravaisLattice<D> {
         &self.lattice
     }
 
-    /// The places of the particles of a cell, in lattice coordinates.
+    /// Places of the particles of a cell, in lattice coordinates.
     pub fn sites(&self) -> &[Fractional<D>] {
         &self.sites
     }
 
-    /// The volumes of the particles of a cell; length^D.
+    /// Volumes of the particles of a cell; length^D.
     pub fn volumes(&self) -> &[f64] {
         &self.volumes
     }
 
-    /// The particle spacing, in which horizons, wavelengths and time steps are measured; length.
+    /// Particle spacing, the unit of horizons, wavelengths and time steps; length.
     ///
-    /// Of a Bravais lattice, of a lattice with a name, and of particles that all have more nearest neighbors than there are dimensions, the distance
-    /// of nearest neighbors, whichever cell describes them. Of other particles in the cell of a lattice the
-    /// length that this would be if they were a lattice of the same shape: the distance of nearest neighbors times `n^(-1/D)` with `n`
-    /// particles in the primitive cell, on square and cubic lattices the `D`-th root of the volume of a particle. Particles that are moved
-    /// keep that of the layout that they are moved from, which the distance of the nearest of them is not.
+    /// It is the distance of nearest neighbors for a Bravais lattice, for a named lattice, and for particles that all have more nearest neighbors
+    /// than dimensions, independent of the cell that describes them. For other particles in the cell of a lattice it is this distance for a lattice
+    /// of equal shape: the distance of nearest neighbors times `n^(-1/D)` with `n` particles in the primitive cell. On square and cubic lattices this
+    /// is the `D`-th root of the volume of a particle. Displaced particles keep the spacing of their original layout, which differs from the distance
+    /// of their nearest neighbors.
     ///
     /// ```
     /// use onset::lattice::{LatticeKind, Crystal};
@@ -183,21 +185,20 @@ impl<const D: usize> Crystal<D> {
         self.spacing
     }
 
-    /// The place of a particle in lattice coordinates.
+    /// Place of a particle in lattice coordinates.
     pub fn place(&self, particle: &Particle<D>) -> Fractional<D> {
         self.sites[particle.site] + SVector::from(particle.cell.map(f64::from))
     }
 
-    /// The position of a particle; length.
+    /// Position of a particle; length.
     pub fn position(&self, particle: &Particle<D>) -> SVector<f64, D> {
         self.lattice.vectors() * self.place(particle)
     }
 
-    /// The particles within a distance of a point (given in lattice coordinates), the distance being measured as
-    /// `|metric x|` of the vector `x` from the point to the particle in the reference state; nearest first. None where the
-    /// metric leaves no lattice.
+    /// Particles within a distance of a point (given in lattice coordinates), nearest first.
     ///
-    /// The rim does not count: a particle at the distance itself is left out.
+    /// The distance is `|metric x|` for the vector `x` from the point to the particle in the reference state. Particles exactly at the distance are
+    /// excluded. The result is empty if the metric maps the lattice to a degenerate one.
     pub fn within(
         &self,
         point: &Fractional<D>,
@@ -211,10 +212,10 @@ impl<const D: usize> Crystal<D> {
         )
     }
 
-    /// A ball of a radius, for distances measured as `|metric x|`.
+    /// Ball of a given radius, for distances measured as `|metric x|`.
     ///
     /// # Errors
-    /// [`LatticeError`] where the metric leaves no lattice, or one that double precision does not tell.
+    /// [`LatticeError`] if the metric maps the lattice to a degenerate one, or to one that double precision does not resolve.
     pub(crate) fn ball(
         &self,
         radius: f64,
@@ -223,7 +224,7 @@ impl<const D: usize> Crystal<D> {
         Ball::new(&(metric * self.lattice.vectors()), radius)
     }
 
-    /// The particles in a ball about a point, as [`Crystal::within`].
+    /// Particles in a ball about a point, as for [`Crystal::within`].
     pub(crate) fn within_ball(
         &self,
         point: &Fractional<D>,
@@ -246,7 +247,7 @@ impl<const D: usize> Crystal<D> {
         found.into_iter().map(|(_, particle)| particle).collect()
     }
 
-    /// The distance of the nearest pair of particles; length.
+    /// Distance of the nearest pair of particles; length.
     pub fn nearest_distance(&self) -> f64 {
         let short =
             Reduced::of(self.lattice.vectors()).map_or(*self.lattice.vectors(), |r| r.vectors);
@@ -260,10 +261,10 @@ impl<const D: usize> Crystal<D> {
         self.sites.iter().map(of_site).fold(f64::INFINITY, f64::min)
     }
 
-    /// The same lattice with a cell that holds `counts` cells along each primitive vector.
+    /// Describes the lattice by a cell with `counts` cells along each primitive vector.
     ///
     /// # Errors
-    /// [`LatticeError::NoSites`] when a count is zero.
+    /// [`LatticeError::NoSites`] if a count is zero.
     pub fn supercell(&self, counts: [usize; D]) -> Result<Self, LatticeError> {
         if counts.contains(&0) {
             return Err(LatticeError::NoSites);
@@ -287,12 +288,12 @@ impl<const D: usize> Crystal<D> {
         })
     }
 
-    /// The same lattice with every particle of a cell moved at random: each Cartesian component by a number between
-    /// `-amplitude` and `amplitude` (a length), the same numbers for the same seed on every machine. Volumes are those of the
-    /// new Voronoi cells.
+    /// Displaces every particle of a cell at random; the volumes become those of the new Voronoi cells.
+    ///
+    /// Each Cartesian component changes by a number between `-amplitude` and `amplitude` (a length). Equal seeds give equal numbers on every machine.
     ///
     /// # Errors
-    /// [`LatticeError::CoincidentPoints`] when two particles meet.
+    /// [`LatticeError::CoincidentPoints`] if two particles coincide.
     pub fn perturbed(&self, amplitude: f64, seed: u64) -> Result<Self, LatticeError> {
         let mut state = seed;
         let to_fractional = self.lattice.reciprocal().transpose() / std::f64::consts::TAU;
@@ -305,14 +306,14 @@ impl<const D: usize> Crystal<D> {
     }
 }
 
-/// The length of the shortest vector of a lattice.
+/// Length of the shortest vector of a lattice.
 pub(super) fn shortest<const D: usize>(lattice: &BravaisLattice<D>) -> f64 {
     let short = Reduced::of(lattice.vectors()).map_or(*lattice.vectors(), |basis| basis.vectors);
     let lengths = short.column_iter().map(|vector| vector.norm());
     lengths.fold(f64::INFINITY, f64::min)
 }
 
-/// By how much shorter lengths are when a cell is shared by particles: `n^(-1/D)`.
+/// Factor `n^(-1/D)` of lengths when a cell is shared by `n` particles.
 pub(super) fn per_particle<const D: usize>(particles: usize) -> f64 {
     (particles as f64).powf(-1.0 / D as f64)
 }

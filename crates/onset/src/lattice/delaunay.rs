@@ -1,18 +1,18 @@
-//! The centers of the Delaunay cells of a periodic point set.
+//! Centers of the Delaunay cells of a periodic point set.
 
 use super::voronoi::voronoi_cells;
 use super::{BravaisLattice, Fractional, LatticeError};
 
-/// Lattice coordinates within this of each other, or of a simple fraction, are the same.
+/// Distance of lattice coordinates, from each other or from a simple fraction, that counts as zero.
 const SAME: f64 = 1e-9;
-/// Coordinates of symmetric centers are multiples of one over this.
+/// Coordinates of symmetric centers are multiples of one divided by this number.
 const DIVISIONS: f64 = 48.0;
 
-/// The centers of the Delaunay cells of a periodic set: the places with `D + 1` or more nearest points, the holes of the
-/// set, which are the corners of its Voronoi cells. Several cells with one center, as of the two triangles of a rectangle
-/// or the tetrahedra of a cube, are one.
+/// Returns the centers of the Delaunay cells of a periodic set: the places with `D + 1` or more nearest points.
 ///
-/// `places` and the result in lattice coordinates from 0 to 1, one period each; the centers in the order of their coordinates.
+/// These are the holes of the set and the corners of its Voronoi cells. Cells with a common center, like the two triangles of a rectangle or the
+/// tetrahedra of a cube, count once. `places` and the result are in lattice coordinates from 0 to 1, one period each. The centers are sorted by their
+/// coordinates.
 ///
 /// ```
 /// use nalgebra::Vector3;
@@ -25,7 +25,7 @@ const DIVISIONS: f64 = 48.0;
 /// ```
 ///
 /// # Errors
-/// [`LatticeError`] beyond three dimensions or when two points coincide.
+/// [`LatticeError`] beyond three dimensions or if two points coincide.
 pub fn delaunay_centers<const D: usize>(
     lattice: &BravaisLattice<D>,
     places: &[Fractional<D>],
@@ -53,7 +53,7 @@ pub fn delaunay_centers<const D: usize>(
     Ok(centers)
 }
 
-/// A coordinate between 0 and 1, exact where symmetry makes it a simple fraction.
+/// Coordinate between 0 and 1, exact if symmetry makes it a simple fraction.
 fn folded(x: f64) -> f64 {
     let fraction = (x * DIVISIONS).round() / DIVISIONS;
     let x = if (x - fraction).abs() < SAME {

@@ -1,11 +1,12 @@
-//! The lattices that have a name.
+//! Named lattices and their geometry.
 
 use super::reduction::ELONGATED;
 use super::{BravaisLattice, Fractional, LatticeError, Reduced};
 use nalgebra::{SMatrix, SVector};
 
-/// Which lattice the particles are on: a Bravais lattice with one or two of them in each cell. The centers of the
-/// Delaunay cells are the places at which stress points may sit, see [`super::delaunay_centers`].
+/// Kind of lattice of the particles: a Bravais lattice with one or two particles in each cell.
+///
+/// The centers of the Delaunay cells are possible places of stress points, see [`super::delaunay_centers`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -13,31 +14,29 @@ use nalgebra::{SMatrix, SVector};
     serde(rename_all = "kebab-case")
 )]
 pub enum LatticeKind {
-    /// One dimension: particles at equal distances.
+    /// One dimension: equally spaced particles.
     Chain,
     /// Two dimensions: squares with sides along the axes.
     Square,
-    /// Two dimensions: rectangles with sides along the axes, of a given ratio.
+    /// Two dimensions: rectangles with sides along the axes, with a given aspect ratio.
     Rectangular,
     /// Two dimensions: equilateral triangles with rows along the first axis.
     Hexagonal,
     /// Two dimensions: hexagons with a particle at each corner, two in a cell.
     Honeycomb,
-    /// Two dimensions: any primitive vectors.
+    /// Two dimensions: arbitrary primitive vectors.
     Oblique,
     /// Three dimensions: cubes with edges along the axes.
     SimpleCubic,
-    /// Three dimensions: cubes with edges along the axes and one more particle in the center of each.
+    /// Three dimensions: cubes with edges along the axes and an additional particle in the center of each.
     BodyCenteredCubic,
-    /// Three dimensions: cubes with edges along the axes and one more particle in the center of each face; the closest
-    /// packing.
+    /// Three dimensions: cubes with edges along the axes and an additional particle in the center of each face; a closest packing.
     FaceCenteredCubic,
-    /// Three dimensions: layers of triangles, every other one at the same place, two particles in a cell; the other closest
-    /// packing.
+    /// Three dimensions: triangular layers, with every second layer at equal positions, two particles in a cell; the second closest packing.
     HexagonalClosePacked,
-    /// Three dimensions: every particle in the middle of four, two in a cell.
+    /// Three dimensions: every particle at the center of four neighbors, two in a cell.
     Diamond,
-    /// Three dimensions: any primitive vectors.
+    /// Three dimensions: arbitrary primitive vectors.
     Triclinic,
 }
 
@@ -45,7 +44,7 @@ pub enum LatticeKind {
 type Corners = &'static [(&'static str, [f64; 3])];
 
 impl LatticeKind {
-    /// All of them, by dimension.
+    /// All kinds of lattices, sorted by dimension.
     pub const ALL: [Self; 12] = [
         Self::Chain,
         Self::Square,
@@ -61,7 +60,7 @@ impl LatticeKind {
         Self::Triclinic,
     ];
 
-    /// The number of space dimensions.
+    /// Number of space dimensions.
     pub fn dimension(self) -> usize {
         match self {
             Self::Chain => 1,
@@ -79,7 +78,7 @@ impl LatticeKind {
         }
     }
 
-    /// The name used in study files and on the command line.
+    /// Name used in study files and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Chain => "chain",
@@ -97,7 +96,7 @@ impl LatticeKind {
         }
     }
 
-    /// The places of the particles of a cell, in lattice coordinates.
+    /// Places of the particles of a cell, in lattice coordinates.
     pub fn sites<const D: usize>(self) -> Vec<Fractional<D>> {
         let second: Option<[f64; 3]> = match self {
             Self::Honeycomb => Some([1.0 / 3.0, 1.0 / 3.0, 0.0]),
@@ -111,12 +110,12 @@ impl LatticeKind {
             .collect()
     }
 
-    /// Whether its primitive vectors must be given.
+    /// Returns true if the primitive vectors must be given.
     pub fn takes_vectors(self) -> bool {
         matches!(self, Self::Oblique | Self::Triclinic)
     }
 
-    /// The Bravais lattice of a kind without parameters, with the given distance between nearest particles.
+    /// Bravais lattice of a kind without parameters, with the given distance of nearest neighbors.
     ///
     /// ```
     /// use onset::lattice::LatticeKind;
@@ -127,19 +126,20 @@ impl LatticeKind {
     /// ```
     ///
     /// # Errors
-    /// [`LatticeError`] when the spacing is not positive and finite, `D` is not the lattice's, or primitive vectors
-    /// must be given.
+    /// [`LatticeError`] if the spacing is not positive and finite, if `D` is not the dimension of the lattice, or if primitive vectors must be given.
     pub fn lattice<const D: usize>(self, spacing: f64) -> Result<BravaisLattice<D>, LatticeError> {
         self.lattice_with(spacing, 1.0, &[])
     }
 
-    /// The lattice with the given distance between nearest particles. Rectangles have the sides `spacing` and
-    /// `aspect spacing`; `vectors` are the components of the primitive vectors of [`LatticeKind::Oblique`] and
-    /// [`LatticeKind::Triclinic`] in units of the spacing, one vector after the other. Others ignore what they do not need.
+    /// Lattice with the given distance of nearest neighbors and the parameters of its kind.
+    ///
+    /// Rectangles have the sides `spacing` and `aspect spacing`. `vectors` contains the components of the primitive vectors of
+    /// [`LatticeKind::Oblique`] and [`LatticeKind::Triclinic`] in units of the spacing, one vector after the other. Parameters that a kind does not
+    /// use are ignored.
     ///
     /// # Errors
-    /// [`LatticeError`] when spacing or aspect ratio are not positive and finite, `D` is not the lattice's, or the
-    /// primitive vectors are of another number or do not span space.
+    /// [`LatticeError`] if spacing or aspect ratio are not positive and finite, if `D` is not the dimension of the lattice, or if the primitive
+    /// vectors have a wrong number of components or do not span space.
     pub fn lattice_with<const D: usize>(
         self,
         spacing: f64,
@@ -168,14 +168,14 @@ impl LatticeKind {
                     given: vectors.len(),
                 });
             }
-            // The volume of a cell of short vectors over that of a box with the same edges.
+            // Ratio of the volume of a cell of short vectors to the volume of a box with equal edges.
             let unit = SMatrix::<f64, D, D>::from_fn(|i, j| vectors[D * j + i]);
             let flatness = |m: &SMatrix<f64, D, D>| {
                 let edges: f64 = m.column_iter().map(|a| a.norm()).product();
                 super::determinant(m).abs() / edges
             };
             let short = match Reduced::of(&unit) {
-                // Of parallel vectors rounding makes ever shorter ones.
+                // For parallel vectors rounding produces ever shorter vectors.
                 Err(_) if flatness(&unit) < 1e-15 => return Err(dependent()),
                 other => other?.vectors,
             };
@@ -195,7 +195,7 @@ impl LatticeKind {
                 limit: ELONGATED,
             });
         }
-        // A spacing whose powers leave the range of numbers is as useless as a negative one.
+        // A spacing whose powers overflow or underflow is as invalid as a negative one.
         (spacing > 0.0 && spacing.is_finite())
             .then(|| BravaisLattice::new(columns))
             .flatten()
@@ -215,14 +215,14 @@ impl LatticeKind {
                 (1, 1) => 0.5 * 3.0_f64.sqrt(),
                 _ => diagonal,
             },
-            // Vectors between hexagons: sqrt(3) sides long.
+            // Vectors between hexagons have length sqrt(3) in units of the side.
             Self::Honeycomb => match (i, j) {
                 (0, 0) => 3.0_f64.sqrt(),
                 (0, 1) => 0.5 * 3.0_f64.sqrt(),
                 (1, 1) => 1.5,
                 _ => 0.0,
             },
-            // c/a = sqrt(8/3), which makes all twelve neighbors equally far.
+            // c/a = sqrt(8/3), for which all twelve neighbors have equal distance.
             Self::HexagonalClosePacked => match (i, j) {
                 (0, 1) => 0.5,
                 (1, 1) => 0.5 * 3.0_f64.sqrt(),
@@ -231,7 +231,7 @@ impl LatticeKind {
             },
             // As face-centered cubic, with neighbors at a quarter of the cube's diagonal.
             Self::Diamond => 2.0 * (1.0 - diagonal) / 3.0_f64.sqrt(),
-            // Half of the cube's diagonals that are nearest to the axes; the edge is 2 / sqrt(3).
+            // Half of those cube diagonals that are nearest to the axes; the edge is 2 / sqrt(3).
             Self::BodyCenteredCubic => (1.0 - 2.0 * diagonal) / 3.0_f64.sqrt(),
             // Half of the diagonals of the faces; the edge is sqrt(2).
             Self::FaceCenteredCubic => (1.0 - diagonal) / 2.0_f64.sqrt(),
@@ -239,9 +239,10 @@ impl LatticeKind {
         }
     }
 
-    /// Named points of the zone's boundary and the path through them that is usual for dispersion diagrams, as wave vectors
-    /// in units of the reciprocal vectors. In three dimensions with the names of Setyawan and Curtarolo, Comput. Mater. Sci.
-    /// 49 (2010) 299.
+    /// Named points of the boundary of the zone, in the order of the standard path for dispersion diagrams, as wave vectors in units of the
+    /// reciprocal vectors.
+    ///
+    /// Names in three dimensions follow Setyawan and Curtarolo, Comput. Mater. Sci. 49 (2010) 299.
     pub fn zone_path<const D: usize>(self) -> Vec<(&'static str, Fractional<D>)> {
         let points: Corners = match self {
             Self::Chain => &[("Γ", [0.0; 3]), ("X", [0.5, 0.0, 0.0])],

@@ -5,31 +5,30 @@ use crate::algebra::Each;
 use nalgebra::SVector;
 use std::f64::consts::PI;
 
-/// A pair of orthogonal mirror lines of a planar lattice, with coordinates along them.
+/// Pair of orthogonal mirror lines of a planar lattice, with coordinates along them.
 ///
-/// Every lattice vector is `R = (i P + j Q) / d` with primitive vectors `P` and `Q` along the lines and integers `i`, `j`,
-/// which are both even or both odd where the rectangle of `P` and `Q` is centered (`d = 2`). A reflection changes the
-/// sign of one of them.
+/// Every lattice vector is `R = (i P + j Q) / d` with primitive vectors `P` and `Q` along the lines and integers `i`, `j`. If the rectangle of `P`
+/// and `Q` is centered (`d = 2`), both integers are even or both are odd. A reflection changes the sign of one of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Mirror {
-    /// `i` and `j` of the primitive vectors: `[axis][vector]`.
+    /// Coordinates `i` and `j` of the primitive vectors: `[axis][vector]`.
     coordinates: [[i32; 2]; 2],
-    /// `d`.
+    /// Divisor `d` of the coordinates.
     divisor: i32,
 }
 
 /// Largest multiple of a phase along a mirror line whose cosines and sines are tabulated.
 pub(crate) const HARMONICS: usize = 48;
-/// Columns of a line are filled up to a multiple of this, which fills vectors.
+/// Number of columns to which lines are padded, a full vector register.
 pub(crate) const FILL: usize = 8;
-/// As many columns of a line.
+/// Columns of a line that form one group.
 pub(crate) type Group = [f64; FILL];
 
 impl Mirror {
-    /// Largest lattice coordinate at which primitive vectors along mirror lines are looked for; those of reduced bases lie below.
+    /// Largest lattice coordinate in the search for primitive vectors along mirror lines; for reduced bases they are smaller.
     pub(crate) const REACH: i32 = 2;
 
-    /// The mirrors of a lattice; none unless it is planar.
+    /// Mirrors of a lattice; empty unless it is planar.
     pub(super) fn all<const D: usize>(lattice: &BravaisLattice<D>) -> Vec<Self> {
         if D != 2 {
             return Vec::new();
@@ -58,7 +57,7 @@ impl Mirror {
                 }
             }
         }
-        // The same lines in another order.
+        // Remove pairs of equal lines in another order.
         let mut distinct: Vec<Self> = Vec::new();
         for mirror in mirrors {
             if !distinct.iter().any(|known| known.has_lines_of(&mirror)) {
@@ -77,29 +76,29 @@ impl Mirror {
         })
     }
 
-    /// `i` and `j` of a lattice vector.
+    /// Coordinates `i` and `j` of a lattice vector.
     pub(crate) fn coordinates_of(&self, cell: [i32; 2]) -> [i32; 2] {
         self.coordinates
             .each(|row| row[0] * cell[0] + row[1] * cell[1])
     }
 
-    /// Whether `i + j` is even for all lattice vectors.
+    /// Returns true if `i + j` is even for all lattice vectors.
     pub(crate) fn is_centered(&self) -> bool {
         self.divisor == 2
     }
 
-    /// `i` and `j` of a primitive vector, at most [`Mirror::REACH`].
+    /// Coordinates `i` and `j` of a primitive vector, at most [`Mirror::REACH`].
     pub(crate) fn multiples(&self, vector: usize) -> [i32; 2] {
         self.coordinates.each(|row| row[vector])
     }
 
-    /// The phases `k.a_1`, `k.a_2` of the primitive vectors for given phases `u = k.P / d`, `v = k.Q / d`.
+    /// Phases `k.a_1`, `k.a_2` of the primitive vectors for given phases `u = k.P / d`, `v = k.Q / d`.
     pub(crate) fn phases(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let [i, j] = self.coordinates.each(|row| row.map(f64::from));
         [0, 1].each(|n| i[n] * u + j[n] * v)
     }
 
-    /// The phases `u`, `v` for given phases of the primitive vectors.
+    /// Phases `u`, `v` for given phases of the primitive vectors.
     pub(crate) fn along(&self, [t1, t2]: [f64; 2]) -> [f64; 2] {
         let [i, j] = self.coordinates.each(|row| row.map(f64::from));
         let determinant = i[0] * j[1] - i[1] * j[0];
@@ -110,30 +109,30 @@ impl Mirror {
     }
 }
 
-/// The part of a grid over the zone that a mirror leaves, with what no state changes.
+/// Part of a grid over the zone that remains after mirror symmetry, with its state-independent data.
 #[derive(Debug)]
 pub(crate) struct MirrorWaves {
     pub(crate) mirror: Mirror,
-    /// Steps along `u` and `v` and their length.
+    /// Numbers of steps along `u` and `v` and their length.
     pub(crate) intervals: [usize; 2],
     pub(crate) steps: [f64; 2],
-    /// Columns of a line; the first, and those beyond the intervals, overlap what the symmetry repeats.
+    /// Columns of a line. The first column and those beyond the intervals overlap with symmetric images.
     pub(crate) width: usize,
-    /// `cos i u`, `sin i u` at `[i][group of columns]`, `cos j v`, `sin j v` at `[j][line]`.
+    /// Tables of `cos i u`, `sin i u` at `[i][group of columns]`, `cos j v`, `sin j v` at `[j][line]`.
     pub(crate) along: [Vec<Group>; 2],
     pub(crate) across: [Vec<f64>; 2],
-    /// `1 / |k|_h^2` at `[line][group of columns]`, at `(u, v)` and at `(u, -v)`.
+    /// Values `1 / |k|_h^2` at `[line][group of columns]`, at `(u, v)` and at `(u, -v)`.
     pub(crate) inverse_laplacian: [Vec<Group>; 2],
 }
 
 impl MirrorWaves {
-    /// The grid with at least the given steps along the lines of a mirror.
+    /// Creates the grid with at least the given steps along the lines of a mirror.
     pub(super) fn new<const D: usize>(
         lattice: &BravaisLattice<D>,
         mirror: Mirror,
         intervals: [usize; 2],
     ) -> Self {
-        // Of a centered rectangle (u, v) and (pi - u, pi - v) are equivalent.
+        // For a centered rectangle (u, v) and (pi - u, pi - v) are equivalent.
         let end = if mirror.is_centered() { 0.5 * PI } else { PI };
         let steps = [end / intervals[0] as f64, PI / intervals[1] as f64];
         let width = (intervals[0] + 3).next_multiple_of(FILL);
@@ -172,12 +171,12 @@ impl MirrorWaves {
         }
     }
 
-    /// Groups of columns of a line.
+    /// Number of groups of columns of a line.
     pub(crate) fn groups(&self) -> usize {
         self.width / FILL
     }
 
-    /// How many lines there are; the first and the last overlap what the symmetry repeats.
+    /// Number of lines. The first and the last overlap with symmetric images.
     pub(crate) fn lines(&self) -> usize {
         self.intervals[1] + 3
     }

@@ -1,6 +1,6 @@
-//! Particles on a lattice: its kinds, Voronoi volumes, the first Brillouin zone.
+//! Particle lattices: their kinds, Voronoi volumes, and the first Brillouin zone.
 //!
-//! A lattice knows nothing of stress.
+//! A lattice has no notion of stress.
 
 mod cell;
 mod crystal;
@@ -34,10 +34,10 @@ use crate::algebra::array_of;
 use nalgebra::{SMatrix, SVector};
 use thiserror::Error;
 
-/// A point by its lattice coordinates: `x = sum_i fractional_i a_i`.
+/// Point given by its lattice coordinates: `x = sum_i fractional_i a_i`.
 pub type Fractional<const D: usize> = SVector<f64, D>;
 
-/// What can be wrong with a lattice.
+/// Error of a lattice that is not admissible.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum LatticeError {
     /// The spacing is not a positive finite length.
@@ -45,36 +45,36 @@ pub enum LatticeError {
         "the particle spacing is {value:?}; it must be positive, and its square neither over- nor underflow"
     )]
     Spacing {
-        /// Its value.
+        /// Value of the spacing.
         value: f64,
     },
     /// The lattice does not exist in this dimension.
     #[error("the {lattice} lattice has {actual} dimension(s), not {requested}")]
     Dimension {
-        /// Its name.
+        /// Name of the lattice.
         lattice: &'static str,
-        /// Its dimension.
+        /// Dimension of the lattice.
         actual: usize,
-        /// The dimension asked for.
+        /// Dimension that was requested.
         requested: usize,
     },
-    /// The ratio of the sides of a rectangle is not a positive finite number.
+    /// The aspect ratio of a rectangle is not a positive finite number.
     #[error("the aspect ratio of the rectangles is {value:?}; it must be a positive finite number")]
     Aspect {
-        /// Its value.
+        /// Value of the aspect ratio.
         value: f64,
     },
-    /// The primitive vectors are not as many numbers as the lattice needs.
+    /// The primitive vectors have a wrong number of components.
     #[error(
         "the {lattice} lattice needs {expected} numbers for its primitive vectors, one vector after the other \
          in units of the spacing; {given} are given"
     )]
     Vectors {
-        /// The lattice's name.
+        /// Name of the lattice.
         lattice: &'static str,
-        /// How many are needed.
+        /// Number of components needed.
         expected: usize,
-        /// How many there are.
+        /// Number of components given.
         given: usize,
     },
     /// The primitive vectors do not span space.
@@ -82,29 +82,28 @@ pub enum LatticeError {
         "the primitive vectors {vectors:?} do not span space, or not within the range of numbers"
     )]
     Dependent {
-        /// Their components, one vector after the other.
+        /// Components of the primitive vectors, one vector after the other.
         vectors: Vec<f64>,
     },
-    /// The primitive vectors, or those that a deformation makes of them, are so oblique that double precision does not tell
-    /// the lattice.
+    /// The primitive vectors, possibly after a deformation, are so oblique that double precision does not resolve the lattice.
     #[error(
         "the primitive vectors of the lattice are too oblique: its shortest vectors are combinations of them with \
          coefficients of {coefficient:.1e}; at most {limit:.0e} are admitted"
     )]
     Sheared {
-        /// The largest coefficient.
+        /// Largest coefficient in the combinations.
         coefficient: f64,
-        /// What is admitted.
+        /// Largest admissible coefficient in magnitude.
         limit: f64,
     },
-    /// The cells are so long that no method treats them.
+    /// The cells are too elongated for all methods.
     #[error(
         "the cells of the lattice are {ratio:.1e} times as long as they are wide; at most {limit} times are admitted"
     )]
     Elongated {
-        /// Length over width.
+        /// Ratio of length to width.
         ratio: f64,
-        /// What is admitted.
+        /// Largest admissible ratio of length to width.
         limit: f64,
     },
     /// Voronoi cells are computed in one to three dimensions.
@@ -112,32 +111,32 @@ pub enum LatticeError {
         "Voronoi cells of a periodic point set are available in 1 to 3 dimensions, not in {dimension}"
     )]
     VoronoiDimension {
-        /// The dimension asked for.
+        /// Dimension that was requested.
         dimension: usize,
     },
-    /// A cell without particles.
+    /// A cell has no particles.
     #[error("the cell holds no particle; at least one is needed")]
     NoSites,
-    /// Two points of the set coincide, so that their Voronoi cells are not defined.
+    /// Two points of the set coincide, so their Voronoi cells are undefined.
     #[error(
         "points {first} and {second} of the cell coincide; expected points apart from each other"
     )]
     CoincidentPoints {
-        /// One of them.
+        /// Index of the first point.
         first: usize,
-        /// The other.
+        /// Index of the second point.
         second: usize,
     },
 }
 
-/// A Bravais lattice `x = sum_i n_i a_i`, `n_i` integer.
+/// Bravais lattice `x = sum_i n_i a_i` with integers `n_i`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BravaisLattice<const D: usize> {
     /// Primitive vectors `a_i` as columns.
     vectors: SMatrix<f64, D, D>,
     /// Reciprocal vectors `b_i` as columns, `a_i . b_j = 2 pi delta_ij`.
     reciprocal: SMatrix<f64, D, D>,
-    /// What the lattice Laplacian is made of.
+    /// Vectors and weights of the lattice Laplacian.
     measure: Measure<D>,
 }
 
@@ -149,7 +148,7 @@ struct Measure<const D: usize> {
 }
 
 impl<const D: usize> Measure<D> {
-    /// `m_i` the short primitive vectors, `w_i = 1 / |m_i|^2`.
+    /// Uses the short primitive vectors as `m_i`, with `w_i = 1 / |m_i|^2`.
     fn of(vectors: &SMatrix<f64, D, D>) -> Self {
         let short = Reduced::canonical(vectors).map_or(*vectors, |reduced| reduced.vectors);
         Self {
@@ -160,7 +159,7 @@ impl<const D: usize> Measure<D> {
 }
 
 impl<const D: usize> BravaisLattice<D> {
-    /// The lattice with primitive vectors as columns; `None` when they are linearly dependent.
+    /// Creates the lattice with primitive vectors as columns; `None` if they are linearly dependent.
     pub fn new(vectors: SMatrix<f64, D, D>) -> Option<Self> {
         let reciprocal = inverse_of(&vectors.transpose())? * std::f64::consts::TAU;
         reciprocal
@@ -183,17 +182,17 @@ impl<const D: usize> BravaisLattice<D> {
         &self.reciprocal
     }
 
-    /// A wave vector in units of the reciprocal vectors, `a_i . k / 2 pi`.
+    /// Coordinates `a_i . k / 2 pi` of a wave vector in units of the reciprocal vectors.
     pub(crate) fn fractional(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
         self.vectors.transpose() * k / std::f64::consts::TAU
     }
 
-    /// The volume of the primitive cell, `V0`; length^D.
+    /// Volume `V0` of the primitive cell; length^D.
     pub fn cell_volume(&self) -> f64 {
         determinant(&self.vectors).abs()
     }
 
-    /// The vector to a cell.
+    /// Lattice vector to a cell.
     #[inline]
     pub(crate) fn vector_to(&self, cell: &[i32; D]) -> SVector<f64, D> {
         let mut vector = SVector::zeros();
@@ -206,16 +205,16 @@ impl<const D: usize> BravaisLattice<D> {
         vector
     }
 
-    /// The lattice with every vector mapped by `m`, as a homogeneous deformation does.
+    /// Lattice with every vector mapped by `m`, as by a homogeneous deformation; `None` if the result is degenerate.
     pub fn mapped(&self, m: &SMatrix<f64, D, D>) -> Option<Self> {
         Self::new(m * self.vectors)
     }
 
-    /// The lattice Laplacian `|k|_h^2 = sum_i 2 (1 - cos k.a_i) / |a_i|^2`, which is `|k|^2` of a
-    /// finite-difference grid: finite over the zone, quadratic for long waves. 1/length^2.
+    /// Lattice Laplacian `|k|_h^2 = sum_i 2 (1 - cos k.a_i) / |a_i|^2`, the finite-difference analog of `|k|^2`. 1/length^2.
     ///
-    /// `a_i` are the shortest primitive vectors, so that it depends on the lattice, not on the basis that describes it. Where
-    /// several are equally short, those are taken that are inclined to the diagonal `(1, 1, 1)` most as the axes are.
+    /// It is finite over the zone and quadratic for long waves. The `a_i` are the shortest primitive vectors, so it depends on the lattice only, not
+    /// on the basis that describes it. Among equally short vectors, those with an inclination to the diagonal `(1, 1, 1)` closest to that of the axes
+    /// are used.
     ///
     /// ```
     /// use nalgebra::{Matrix2, Vector2};
@@ -233,30 +232,30 @@ impl<const D: usize> BravaisLattice<D> {
         })
     }
 
-    /// The gradient of [`BravaisLattice::laplacian`] with respect to `k`.
+    /// Gradient of [`BravaisLattice::laplacian`] with respect to `k`.
     pub fn laplacian_gradient(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
         self.measured(|a, weight| a * (2.0 * k.dot(&a).sin() * weight))
     }
 
-    /// The second derivatives of [`BravaisLattice::laplacian`].
+    /// Second derivatives of [`BravaisLattice::laplacian`].
     pub fn laplacian_hessian(&self, k: &SVector<f64, D>) -> SMatrix<f64, D, D> {
         self.measured(|a, weight| a * a.transpose() * (2.0 * k.dot(&a).cos() * weight))
     }
 
-    /// The metric `G` with `|k|_h^2 -> k . G k` for long waves, `G = sum_i a_i (x) a_i / |a_i|^2`.
+    /// Metric `G = sum_i a_i (x) a_i / |a_i|^2` with `|k|_h^2 -> k . G k` for long waves.
     pub fn long_wave_metric(&self) -> SMatrix<f64, D, D> {
         self.measured(|a, weight| a * a.transpose() * weight)
     }
 
-    /// The vectors of the lattice Laplacian by their products with given wave vectors (columns), with their weights: `|k|_h^2 =
-    /// sum_i 4 w_i sin^2(k.a_i / 2)`.
+    /// Products of the vectors of the lattice Laplacian with given wave vectors (columns), with their weights:
+    /// `|k|_h^2 = sum_i 4 w_i sin^2(k.a_i / 2)`.
     pub(crate) fn measured_along(&self, waves: &SMatrix<f64, D, D>) -> Vec<([f64; D], f64)> {
         let Measure { vectors, weights } = &self.measure;
         let along = |i: usize| array_of(|n| waves.column(n).dot(&vectors.column(i)));
         (0..D).map(|i| (along(i), weights[i])).collect()
     }
 
-    /// A sum over the vectors and weights of the lattice Laplacian.
+    /// Sums a term over the vectors and weights of the lattice Laplacian.
     fn measured<T: std::iter::Sum>(&self, term: impl Fn(SVector<f64, D>, f64) -> T) -> T {
         let Measure { vectors, weights } = &self.measure;
         (0..D)
@@ -264,21 +263,20 @@ impl<const D: usize> BravaisLattice<D> {
             .sum()
     }
 
-    /// A matrix `M` with `M^T G M = 1` for the long-wave metric `G`, accurate also where `G` is nearly singular: `B^-T` of `G =
-    /// B B^T`.
+    /// Matrix `M` with `M^T G M = 1` for the long-wave metric `G`, accurate for nearly singular `G` too: `B^-T` of `G = B B^T`.
     fn inverse_root_of_metric(&self) -> Option<SMatrix<f64, D, D>> {
         let Measure { vectors, weights } = &self.measure;
         let root = SMatrix::<f64, D, D>::from_fn(|i, j| vectors[(i, j)] * weights[j].sqrt());
         inverse_of(&root).map(|inverse| inverse.transpose())
     }
 
-    /// Whether the lattice Laplacian is made of the primitive vectors themselves.
+    /// Returns true if the lattice Laplacian uses the given primitive vectors themselves.
     pub(crate) fn is_measured_by_own_vectors(&self) -> bool {
         self.measure.vectors == self.vectors
     }
 
-    /// The same particles in other coordinates `x' = map x`, in another basis of integer coordinates `change`: with `k' =
-    /// map^-T k` the lattice Laplacian keeps its values.
+    /// Lattice in other coordinates `x' = map x` and another basis with integer coordinates `change`. With `k' = map^-T k` the lattice Laplacian
+    /// keeps its values.
     pub(crate) fn in_coordinates(
         &self,
         map: &SMatrix<f64, D, D>,
@@ -295,7 +293,7 @@ impl<const D: usize> BravaisLattice<D> {
     }
 }
 
-/// The determinant of a square matrix of any dimension up to three.
+/// Determinant of a square matrix of dimension up to three.
 pub(crate) fn determinant<const D: usize>(m: &SMatrix<f64, D, D>) -> f64 {
     match D {
         1 => m[(0, 0)],

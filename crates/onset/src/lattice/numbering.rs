@@ -1,8 +1,8 @@
-//! The numbers of the points of a grid over a cell of the reciprocal lattice, which has as many along each reciprocal vector.
+//! Numbering of the points of a grid over a cell of the reciprocal lattice, with equally many points along each reciprocal vector.
 
 use crate::algebra::Each;
 
-/// The coordinates of a grid point, first slowest.
+/// Coordinates of a grid point; the first is slowest.
 pub(crate) fn coordinates<const D: usize>(number: usize, resolution: usize) -> [usize; D] {
     let mut rest = number;
     let mut coordinates = [0; D];
@@ -13,14 +13,14 @@ pub(crate) fn coordinates<const D: usize>(number: usize, resolution: usize) -> [
     coordinates
 }
 
-/// The number of a grid point with given coordinates.
+/// Index of a grid point with given coordinates.
 pub(crate) fn index<const D: usize>(coordinates: [usize; D], resolution: usize) -> usize {
     coordinates
         .into_iter()
         .fold(0, |sum, j| sum * resolution + j)
 }
 
-/// The number of `-k`.
+/// Index of the grid point `-k`.
 pub(crate) fn opposite<const D: usize>(number: usize, resolution: usize) -> usize {
     let own = coordinates::<D>(number, resolution);
     index(own.each(|j| (resolution - j) % resolution), resolution)

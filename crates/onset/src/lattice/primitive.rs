@@ -1,13 +1,13 @@
-//! The primitive cell of particles and marked points that are described in a larger cell.
+//! Primitive cell of particles and marked points that are described in a larger cell.
 
 use super::{BravaisLattice, Crystal, Fractional, Reduced, inverse_of, per_particle, shortest};
 use crate::algebra::array_of;
 use nalgebra::{SMatrix, SVector};
 
-/// Distances below this share of the mean distance of particles, and relative differences of volumes, are rounding.
+/// Distances below this fraction of the mean particle distance, and relative differences of volumes below it, are rounding.
 const SAME: f64 = 1e-9;
 
-/// Particles of a cell with the points that are repeated with it, each with its volume.
+/// Particles of a cell with the points that repeat with it, each with its volume.
 #[derive(Clone, Debug)]
 pub(crate) struct Cell<const D: usize> {
     vectors: SMatrix<f64, D, D>,
@@ -25,7 +25,7 @@ impl<const D: usize> Cell<D> {
         }
     }
 
-    /// The primitive cell in the canonical basis. `None` if the cell is primitive.
+    /// Primitive cell in the canonical basis; `None` if the cell is already primitive.
     pub(crate) fn primitive(&self) -> Option<Self> {
         let mut smaller = self.divided()?;
         while let Some(divided) = smaller.divided() {
@@ -35,14 +35,14 @@ impl<const D: usize> Cell<D> {
         Some(smaller.in_basis(reduced.vectors, &reduced.inverse))
     }
 
-    /// The particles without the points.
+    /// Particles without the points.
     pub(crate) fn crystal(&self) -> Option<Crystal<D>> {
         let (sites, volumes): (Vec<_>, Vec<_>) = self.particles.iter().copied().unzip();
         let lattice = BravaisLattice::new(self.vectors)?;
         Crystal::with_volumes(lattice, sites, volumes).ok()
     }
 
-    /// A cell that is divided by a translation of its particles and points onto themselves.
+    /// Divides the cell by a translation that maps its particles and points onto themselves.
     fn divided(&self) -> Option<Self> {
         let first = self.particles.first()?.0;
         let others = self.particles.iter().skip(1);
@@ -56,7 +56,7 @@ impl<const D: usize> Cell<D> {
         Some(self.in_basis(self.vectors * basis, &inverse))
     }
 
-    /// The same particles and points in a basis of the same or a finer lattice, each once.
+    /// Describes the particles and points in a basis of an equal or finer lattice, each once.
     fn in_basis(&self, vectors: SMatrix<f64, D, D>, to_basis: &SMatrix<f64, D, D>) -> Self {
         let cell = Self {
             vectors,
@@ -73,7 +73,7 @@ impl<const D: usize> Cell<D> {
                     |(other, _): &(Fractional<D>, f64)| cell.apart(&place, other) > rounding;
                 if known.iter().all(is_new) {
                     let folded = place.map(|x| x - (x + SAME).floor());
-                    // A place at the origin is exactly there.
+                    // A place close to the origin is set to the origin exactly.
                     let settled = folded.map(|x| if x.abs() < SAME { 0.0 } else { x });
                     known.push((settled, *volume));
                 }
@@ -87,7 +87,7 @@ impl<const D: usize> Cell<D> {
         }
     }
 
-    /// The distance of two places, or of images of them; length.
+    /// Distance of two places, or of their nearest images; length.
     fn apart(&self, a: &Fractional<D>, b: &Fractional<D>) -> f64 {
         let apart = a - b;
         (self.vectors * (apart - apart.map(f64::round))).norm()
@@ -111,7 +111,7 @@ impl<const D: usize> Cell<D> {
         })
     }
 
-    /// How often a translation is repeated until it is a lattice vector, and this vector.
+    /// Number of repetitions after which a translation is a lattice vector, and this vector.
     fn multiple(&self, translation: &Fractional<D>) -> Option<(i64, [i64; D])> {
         let zero = SVector::zeros();
         (2..=self.particles.len()).find_map(|count| {
@@ -122,8 +122,7 @@ impl<const D: usize> Cell<D> {
     }
 }
 
-/// A basis, in columns, of the lattice of whole numbers and one more vector, `steps / count`: row operations on integers, of which the last row becomes
-/// zero.
+/// Basis, in columns, of the lattice spanned by the integers and the vector `steps / count`. Integer row operations reduce the last row to zero.
 fn basis_with<const D: usize>(count: i64, steps: [i64; D]) -> SMatrix<f64, D, D> {
     let unit = |i: usize| array_of::<_, D>(|j| if i == j { count } else { 0 });
     let mut rows: Vec<[i64; D]> = (0..D).map(unit).chain([steps]).collect();
@@ -147,7 +146,7 @@ fn basis_with<const D: usize>(count: i64, steps: [i64; D]) -> SMatrix<f64, D, D>
 }
 
 impl<const D: usize> Crystal<D> {
-    /// The same particles in their primitive cell, in the canonical basis. `None` if the cell is primitive.
+    /// Describes the particles in their primitive cell, in the canonical basis; `None` if the cell is already primitive.
     ///
     /// ```
     /// use onset::lattice::{Crystal, LatticeKind};
@@ -162,16 +161,17 @@ impl<const D: usize> Crystal<D> {
         Cell::new(self, Vec::new()).primitive()?.crystal()
     }
 
-    /// The length in which horizons and wavelengths are measured, from the particles of a primitive cell alone: the distance of nearest neighbors in a
-    /// Bravais lattice, and where every particle has more of them than there are dimensions, as in honeycombs and closest packings.
-    /// `None` for other particles.
+    /// Spacing derived from the particles of a primitive cell alone; `None` if they have no natural spacing.
+    ///
+    /// It is the distance of nearest neighbors in a Bravais lattice, and if every particle has more nearest neighbors than dimensions, as in
+    /// honeycombs and closest packings.
     pub(super) fn natural_spacing(&self) -> Option<f64> {
         if self.sites().len() == 1 {
             return Some(shortest(self.lattice()));
         }
         let nearest = self.nearest_distance();
         let rim = nearest * (1.0 + 1e-6);
-        // Each particle is within its own rim.
+        // Each particle lies within the radius around itself.
         let neighbors = |place| self.within(place, rim, &SMatrix::identity()).len() - 1;
         self.sites()
             .iter()
@@ -179,7 +179,7 @@ impl<const D: usize> Crystal<D> {
             .then_some(nearest)
     }
 
-    /// The length that the distance of nearest neighbors would be if the particles of a cell were a lattice of the same shape.
+    /// Distance of nearest neighbors in a lattice of equal shape with one particle per cell.
     pub(super) fn mean_spacing(&self) -> f64 {
         shortest(self.lattice()) * per_particle::<D>(self.sites().len())
     }
@@ -190,7 +190,7 @@ mod tests {
     use super::*;
     use crate::lattice::LatticeKind;
 
-    /// Supercells by any matrix of integers lead back to the primitive cell.
+    /// Supercells by any integer matrix reduce to the primitive cell.
     #[test]
     fn every_supercell_has_the_same_primitive_cell() {
         let rows: [[i64; 2]; 4] = [[2, 0], [1, 1], [3, 1], [-1, 2]];

@@ -1,34 +1,34 @@
 //! Short primitive vectors, and the vectors of a lattice within a distance.
 //!
-//! Every lattice has infinitely many bases, and nothing that is computed may depend on which one describes it. So what is
-//! enumerated is enumerated in a short basis: a box of lattice coordinates there holds little more than the ball inside.
+//! Every lattice has infinitely many bases, and results must not depend on the basis that describes it. Enumeration therefore uses a short basis,
+//! where a box of lattice coordinates is only slightly larger than the enclosed ball.
 
 use super::{BravaisLattice, Fractional, LatticeError, LatticeKind, cells_between};
 use crate::algebra::{Each, array_of};
 use nalgebra::{Matrix1, Matrix2, Matrix3, SMatrix, SVector};
 
-/// Steps after which a basis counts as short enough; each shortens a vector, and few are needed.
+/// Number of steps after which a basis counts as short enough. Each step shortens a vector, and few are needed.
 const STEPS: usize = 1000;
-/// Lengths and angles that differ relatively by less are equal but for rounding.
+/// Relative difference of lengths and angles that counts as rounding.
 const EQUAL: f64 = 1e-9;
-/// Largest lattice coordinate of a short primitive vector: beyond it the places of particles lose their digits.
+/// Largest lattice coordinate of a short primitive vector. Beyond it the places of particles lose their digits.
 pub(super) const SHEARED: f64 = 1e5;
 /// Largest ratio of the lengths of short primitive vectors.
 pub(super) const ELONGATED: f64 = 30.0;
 
-/// Short primitive vectors of a lattice, and what they are in the basis that describes it.
+/// Short primitive vectors of a lattice, with their coordinates in the given basis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reduced<const D: usize> {
-    /// The short vectors, as columns.
+    /// Short vectors, as columns.
     pub(crate) vectors: SMatrix<f64, D, D>,
-    /// Their lattice coordinates in the given basis, as columns: integers, of determinant one in magnitude.
+    /// Lattice coordinates of the short vectors in the given basis, as columns: integers with determinant of magnitude one.
     pub(crate) change: SMatrix<f64, D, D>,
-    /// The inverse, integers too: from lattice coordinates in the given basis to those in the short one.
+    /// Inverse of `change`, also integers: maps lattice coordinates in the given basis to coordinates in the short one.
     pub(crate) inverse: SMatrix<f64, D, D>,
 }
 
 impl<const D: usize> Reduced<D> {
-    /// The given basis itself.
+    /// Uses the given basis itself as the short basis.
     pub(crate) fn given(vectors: &SMatrix<f64, D, D>) -> Self {
         Self {
             vectors: *vectors,
@@ -37,10 +37,10 @@ impl<const D: usize> Reduced<D> {
         }
     }
 
-    /// A Minkowski-reduced basis: no vector becomes shorter by a combination of the others. The given one where it is that.
+    /// Minkowski-reduced basis: no vector becomes shorter by adding a combination of the others. Unchanged if the given basis is reduced.
     ///
     /// # Errors
-    /// [`LatticeError::Sheared`] where the short vectors are combinations with very large coefficients.
+    /// [`LatticeError::Sheared`] if the short vectors are combinations with very large coefficients.
     pub(crate) fn of(vectors: &SMatrix<f64, D, D>) -> Result<Self, LatticeError> {
         let mut reduced = Self::given(vectors);
         for _ in 0..STEPS {
@@ -59,12 +59,13 @@ impl<const D: usize> Reduced<D> {
         Ok(reduced)
     }
 
-    /// The reduced basis that is the same whichever basis describes the lattice: of equally short vectors those come first
-    /// that are inclined to the diagonal `(1, 1, 1)` most as the axes are. For lattices that have a name these are their
-    /// own. The given basis where it is that but for order and signs.
+    /// Reduced basis that is independent of the basis that describes the lattice.
+    ///
+    /// Among equally short vectors those come first whose inclination to the diagonal `(1, 1, 1)` is closest to the inclination of the axes. For
+    /// named lattices these are the standard vectors. The given basis is returned if it differs only in order and signs.
     ///
     /// # Errors
-    /// As for [`Reduced::of`].
+    /// See [`Reduced::of`].
     pub(crate) fn canonical(vectors: &SMatrix<f64, D, D>) -> Result<Self, LatticeError> {
         let reduced = Self::of(vectors)?;
         let Some(coordinates) = chosen(&reduced.vectors) else {
@@ -87,11 +88,10 @@ impl<const D: usize> Reduced<D> {
         })
     }
 
-    /// The canonical basis in one order and with one sign of each vector, also where the given basis is canonical except for these: those of
-    /// the named lattices.
+    /// Canonical basis with a unique order and sign of each vector, which are those of the named lattices.
     ///
     /// # Errors
-    /// As for [`Reduced::of`].
+    /// See [`Reduced::of`].
     pub(crate) fn unique(vectors: &SMatrix<f64, D, D>) -> Result<Self, LatticeError> {
         let reduced = Self::of(vectors)?;
         let Some(mut coordinates) = chosen(&reduced.vectors) else {
@@ -106,7 +106,7 @@ impl<const D: usize> Reduced<D> {
             let Ok(named) = kind.lattice::<D>(spacing) else {
                 continue;
             };
-            // The columns of the basis that are those of the named lattice, or opposite to them.
+            // Columns of the basis that equal a vector of the named lattice, or are opposite to it.
             let own = |n: usize, m: usize| {
                 let (own, named) = (basis.column(n), named.vectors().column(m));
                 let sign = own.dot(&named).signum();
@@ -130,12 +130,12 @@ impl<const D: usize> Reduced<D> {
         })
     }
 
-    /// Whether it is the given basis.
+    /// Returns true if it is the given basis.
     pub(crate) fn is_given(&self) -> bool {
         self.change == SMatrix::<f64, D, D>::identity()
     }
 
-    /// Takes a combination of the other vectors away from one.
+    /// Subtracts a combination of the other vectors from one.
     fn subtract(&mut self, column: usize, factors: &SVector<f64, D>) {
         for n in (0..D).filter(|n| factors[*n] != 0.0) {
             let own = self.vectors.column(column) - self.vectors.column(n) * factors[n];
@@ -148,11 +148,11 @@ impl<const D: usize> Reduced<D> {
     }
 }
 
-/// A vector that can be replaced by a shorter one, and the multiples of the others to be taken away from it.
+/// Vector that can be shortened, with the multiples of the others to subtract.
 fn shortened<const D: usize>(vectors: &SMatrix<f64, D, D>) -> Option<(usize, SVector<f64, D>)> {
     for column in 0..D {
         let own = vectors.column(column).into_owned();
-        // Without what is along another vector, or along a sum or difference of others.
+        // Remove the component along another vector, or along a sum or difference of others.
         for combination in combinations::<D>().filter(|factors| factors[column] == 0.0) {
             let other = vectors * combination;
             let square = other.norm_squared();
@@ -169,8 +169,8 @@ fn shortened<const D: usize>(vectors: &SMatrix<f64, D, D>) -> Option<(usize, SVe
     None
 }
 
-/// All combinations with coefficients -1, 0 and 1, but for zero; of opposite ones both. Among those of a Minkowski-reduced
-/// basis in up to three dimensions are all that bound the Voronoi cell (Nguyen, Stehle, ACM Trans. Algorithms 5 (2009) 46).
+/// All nonzero combinations with coefficients -1, 0 and 1, including opposite ones. For a Minkowski-reduced basis in up to three dimensions they
+/// include all vectors that bound the Voronoi cell (Nguyen, Stehle, ACM Trans. Algorithms 5 (2009) 46).
 pub(super) fn combinations<const D: usize>() -> impl Iterator<Item = SVector<f64, D>> {
     let count = 3_usize.pow(D as u32);
     let others = (0..count).filter(move |number| 2 * number + 1 != count);
@@ -184,7 +184,7 @@ pub(super) fn combinations<const D: usize>() -> impl Iterator<Item = SVector<f64
     })
 }
 
-/// The coordinates of the canonical basis in a reduced one.
+/// Coordinates of the canonical basis in a reduced basis.
 fn chosen<const D: usize>(reduced: &SMatrix<f64, D, D>) -> Option<SMatrix<f64, D, D>> {
     let candidates: Vec<(SVector<f64, D>, SVector<f64, D>)> = combinations::<D>()
         .map(|coordinates| (coordinates, reduced * coordinates))
@@ -212,11 +212,11 @@ fn chosen<const D: usize>(reduced: &SMatrix<f64, D, D>) -> Option<SMatrix<f64, D
             .fold(*vector, |rest, axis| rest - axis * axis.dot(&rest));
         directions.push(rest.normalize());
     }
-    // Vectors of successive minima are a basis in up to three dimensions.
+    // Vectors of successive minima form a basis in up to three dimensions.
     (super::determinant(&basis).abs().round() == 1.0).then_some(basis)
 }
 
-/// Of opposite vectors the one with a positive leading component.
+/// Returns true for one vector of each opposite pair: the one with positive leading component.
 fn is_forward<const D: usize>(vector: &SVector<f64, D>) -> bool {
     vector
         .iter()
@@ -224,9 +224,9 @@ fn is_forward<const D: usize>(vector: &SVector<f64, D>) -> bool {
         .is_some_and(|x| *x > 0.0)
 }
 
-/// The order in which vectors are taken into a basis.
+/// Order in the selection of basis vectors.
 fn precedes<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
-    // How much the sine against the plane across the diagonal differs from that of an axis, over that of an axis.
+    // Relative deviation from an axis of the sine of the angle to the plane across the diagonal.
     let inclination = |v: &SVector<f64, D>| (v.sum().abs() / v.norm() - 1.0).abs();
     let (lengths, inclinations) = ([a, b].each(|v| v.norm()), [a, b].map(inclination));
     if (lengths[0] - lengths[1]).abs() > EQUAL * lengths[0] {
@@ -242,9 +242,9 @@ fn precedes<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
     different.is_some_and(|(x, y)| x > y)
 }
 
-/// The inverse of a matrix.
+/// Inverse of a matrix; `None` if it is singular.
 pub(crate) fn inverse_of<const D: usize>(m: &SMatrix<f64, D, D>) -> Option<SMatrix<f64, D, D>> {
-    // In closed form up to three, which takes a fixed dimension.
+    // Closed form in up to three dimensions, which requires a fixed dimension.
     match D {
         1 => Matrix1::from_fn(|i, j| m[(i, j)])
             .try_inverse()
@@ -261,22 +261,22 @@ pub(crate) fn inverse_of<const D: usize>(m: &SMatrix<f64, D, D>) -> Option<SMatr
     }
 }
 
-/// The lattice points in a ball: of the lattice with the columns of a matrix as primitive vectors.
+/// Lattice points in a ball, for the lattice with the columns of a matrix as primitive vectors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ball<const D: usize> {
     basis: Reduced<D>,
-    /// `|sum_i u_i a_i| < radius` implies `|u_i| < reach_i` in the short basis.
+    /// Bounds of the coordinates: `|sum_i u_i a_i| < radius` implies `|u_i| < reach_i` in the short basis.
     reach: [f64; D],
-    /// The volume of the ball over that of a cell.
+    /// Ratio of the volumes of the ball and of a cell.
     volume: f64,
 }
 
 impl<const D: usize> Ball<D> {
-    /// A ball of a radius.
+    /// Creates a ball with a given radius.
     ///
     /// # Errors
-    /// [`LatticeError::Dependent`] where the columns do not span space, [`LatticeError::Sheared`] where they are so long, and
-    /// so nearly parallel, that double precision does not tell the lattice.
+    /// [`LatticeError::Dependent`] if the columns do not span space, [`LatticeError::Sheared`] if they are so long, and so nearly parallel, that
+    /// double precision does not resolve the lattice.
     pub(crate) fn new(vectors: &SMatrix<f64, D, D>, radius: f64) -> Result<Self, LatticeError> {
         let basis = Reduced::of(vectors)?;
         let inverse = inverse_of(&basis.vectors)
@@ -292,23 +292,22 @@ impl<const D: usize> Ball<D> {
         })
     }
 
-    /// The short basis in which they are looked for.
+    /// Short basis of the enumeration.
     pub(crate) fn basis(&self) -> &Reduced<D> {
         &self.basis
     }
 
-    /// How many lattice points it holds on average over all centers.
+    /// Mean number of lattice points in the ball, averaged over all centers.
     pub(crate) fn mean_count(&self) -> f64 {
         self.volume
     }
 
-    /// How many places of the lattice are looked at to find them; never far above [`Ball::mean_count`] where the ball is wider
-    /// than the cell.
+    /// Number of places that the enumeration examines. It is never far above [`Ball::mean_count`] if the ball is wider than the cell.
     pub(crate) fn places(&self) -> f64 {
         self.reach.iter().map(|reach| 2.0 * reach + 1.0).product()
     }
 
-    /// The cells whose lattice points can lie within the radius of a place, the last coordinate slowest.
+    /// Cells whose lattice points can lie within the radius of a place; the last coordinate is slowest.
     pub(crate) fn cells(&self, place: &Fractional<D>) -> Vec<[i32; D]> {
         let own = self.basis.inverse * place;
         let low = array_of(|i| (own[i] - self.reach[i]).floor() as i32);
@@ -325,13 +324,12 @@ impl<const D: usize> Ball<D> {
     }
 }
 
-/// A distance within which every place has a lattice point: half of the diagonal of the box with the edges of a reduced
-/// basis (Babai's nearest plane).
+/// Distance within which every place has a lattice point: half the diagonal of the box with the edges of a reduced basis (Babai's nearest plane).
 pub(super) fn covering_radius<const D: usize>(reduced: &SMatrix<f64, D, D>) -> f64 {
     0.5 * reduced.norm()
 }
 
-/// The differences `place + R` of all lattice vectors `R` that are not longer than a radius.
+/// All differences `place + R` with lattice vectors `R` that are at most as long as a radius.
 pub(super) fn images_within<const D: usize>(
     lattice: &BravaisLattice<D>,
     ball: &Ball<D>,
@@ -352,7 +350,7 @@ mod tests {
     use crate::lattice::{LatticeError, LatticeKind, determinant};
     use nalgebra::{Matrix2, Matrix3, SMatrix, Vector2};
 
-    /// Integers of determinant one: a product of shears.
+    /// Integer matrix of determinant one: a product of shears.
     fn unimodular<const D: usize>(state: &mut u64, steps: usize) -> SMatrix<f64, D, D> {
         let mut next = |bound: u64| {
             *state = state

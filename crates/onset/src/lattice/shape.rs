@@ -1,16 +1,17 @@
-//! The named lattice that a lattice is, however it is described.
+//! Recognizes the named lattice of a lattice, independent of its basis.
 
 use super::symmetry::bases_with;
 use super::{BravaisLattice, LatticeKind, Reduced, determinant};
 use crate::algebra::{array_of, sort_by_value};
 use nalgebra::SMatrix;
 
-/// Lengths and angles that differ by less, relative to the longest vector squared, are equal but for rounding.
+/// Difference of lengths and angles that counts as rounding, relative to the longest vector squared.
 const EQUAL: f64 = 1e-9;
 
 impl<const D: usize> BravaisLattice<D> {
-    /// The named lattice of the same shape, up to rotation and size, with the basis in which the points of its zone have their names: the own one
-    /// where it has this shape, otherwise of short vectors in the order of their lengths.
+    /// Named lattice of equal shape, up to rotation and size, with the basis in which the points of its zone have their names.
+    ///
+    /// The given basis is returned if it has this shape, otherwise a basis of short vectors sorted by length.
     pub(crate) fn shape(&self) -> (LatticeKind, SMatrix<f64, D, D>) {
         let own = *self.vectors();
         let short = Reduced::canonical(&own).map_or(own, |reduced| reduced.vectors);
@@ -41,7 +42,7 @@ impl<const D: usize> BravaisLattice<D> {
                 return (*kind, basis);
             }
         }
-        // Prisms of triangles: two equal vectors at sixty degrees and one across them.
+        // Triangular prisms: two equal vectors at sixty degrees and one normal to them.
         for axis in (0..D).filter(|_| D == 3) {
             let side = squares[(axis + 1) % D];
             let prism = SMatrix::from_fn(|i, j| match (i, j) {
@@ -56,7 +57,7 @@ impl<const D: usize> BravaisLattice<D> {
         }
         let mut columns: Vec<_> = short.column_iter().map(|own| own.into_owned()).collect();
         sort_by_value(&mut columns, |own| own.norm_squared());
-        // Acute angles as far as signs allow.
+        // Choose signs so that the angles are acute if possible.
         let is_obtuse = |a: f64| a < 0.0 && !is_equal(a, 0.0);
         for n in 1..D {
             let others = (0..n).map(|m| columns[m].dot(&columns[n]));

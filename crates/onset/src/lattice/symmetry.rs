@@ -1,4 +1,4 @@
-//! The rotations and reflections that map a lattice onto itself, and which points of a grid of wave vectors they map to each other.
+//! Rotations and reflections that map a lattice onto itself, and the orbits of grid points of wave vectors under them.
 
 use super::numbering::{coordinates, index};
 use super::reduction::combinations;
@@ -7,19 +7,19 @@ use crate::algebra::{Each, array_of, sort_by_value};
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
-/// Lengths and angles that differ by less, relative to the longest vector squared, are equal but for rounding.
+/// Difference of lengths and angles that counts as rounding, relative to the longest vector squared.
 const EQUAL: f64 = 1e-9;
 
-/// An orthogonal map of a lattice onto itself.
+/// Orthogonal map of a lattice onto itself.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Symmetry<const D: usize> {
     pub(crate) map: SMatrix<f64, D, D>,
-    /// What it makes of lattice coordinates: the integers `A^-1 R A`, by rows.
+    /// Effect on lattice coordinates: the integers `A^-1 R A`, by rows.
     of_cells: [[i32; D]; D],
 }
 
 impl<const D: usize> Symmetry<D> {
-    /// All of a lattice.
+    /// All symmetries of a lattice.
     pub(crate) fn all(lattice: &BravaisLattice<D>) -> Vec<Self> {
         let Some(inverse) = inverse_of(lattice.vectors()) else {
             return Vec::new();
@@ -35,18 +35,18 @@ impl<const D: usize> Symmetry<D> {
         lattice.holohedry().into_iter().map(of_map).collect()
     }
 
-    /// Where a lattice vector goes.
+    /// Image of a lattice vector.
     pub(crate) fn of_cell(&self, cell: &[i32; D]) -> [i32; D] {
         self.of_cells
             .each(|row| row.iter().zip(cell).map(|(n, c)| n * c).sum())
     }
 
-    /// What the inverse makes of the components of a wave vector over the reciprocal vectors, by rows.
+    /// Effect of the inverse on the components of a wave vector in units of the reciprocal vectors, by rows.
     pub(crate) fn of_components(&self) -> [[f64; D]; D] {
         array_of(|j| array_of(|i| f64::from(self.of_cells[i][j])))
     }
 
-    /// What it makes of lattice coordinates.
+    /// Image of lattice coordinates.
     pub(crate) fn of_place(&self, place: &Fractional<D>) -> Fractional<D> {
         SVector::from_fn(|i, _| {
             (0..D)
@@ -55,7 +55,7 @@ impl<const D: usize> Symmetry<D> {
         })
     }
 
-    /// Where the inverse takes a wave vector with given coordinates: `k.(R a) = (R^-1 k).a`.
+    /// Image of a wave vector with given coordinates under the inverse: `k.(R a) = (R^-1 k).a`.
     fn of_wave(&self, coordinates: &[usize; D], resolution: usize) -> [usize; D] {
         array_of(|j| {
             let sum: i64 = (0..D)
@@ -66,17 +66,17 @@ impl<const D: usize> Symmetry<D> {
     }
 }
 
-/// Which points of a grid of wave vectors symmetries map to each other, of those with a first index up to half of the resolution.
+/// Orbits of the points of a grid of wave vectors, restricted to first indices up to half of the resolution.
 #[derive(Debug)]
 pub(crate) struct Wedge {
-    /// The first of those that are mapped to a point.
+    /// First point of the orbit of each point.
     pub(crate) first: Vec<u32>,
-    /// From where to where along each line (all indices but the last) some are mapped to none before them.
+    /// Range along each line (all indices but the last) of the points that are first of their orbit.
     pub(crate) lines: Vec<Range<usize>>,
 }
 
 impl Wedge {
-    /// Of a group, of which inversion is one.
+    /// Computes the orbits of a group that contains inversion.
     pub(crate) fn new<const D: usize>(group: &[Symmetry<D>], resolution: usize) -> Self {
         let half = (resolution / 2 + 1) * resolution.pow(D as u32 - 1);
         let first = |number: usize| {
@@ -102,23 +102,24 @@ impl Wedge {
         }
     }
 
-    /// Gives all points what is known of the first of their images: in the order of the points, so that it does not matter if rounding leaves out some
-    /// symmetries of a group, and a first point has one itself.
+    /// Copies values from the first point of each orbit to all its points.
+    ///
+    /// Points are processed in order. If rounding removes some symmetries of a group, the first point therefore has a value already.
     pub(crate) fn spread(&self, values: &mut [f64]) {
         for (index, first) in self.first.iter().enumerate() {
             values[index] = values[*first as usize];
         }
     }
 
-    /// Whether a point is the first of its images.
+    /// Returns true if a point is the first of its orbit.
     pub(crate) fn is_first(&self, index: usize) -> bool {
         self.first[index] as usize == index
     }
 }
 
 impl<const D: usize> BravaisLattice<D> {
-    /// Halves of the reciprocal vectors, each once: the waves in which neighbors move oppositely, which what is symmetric about its points
-    /// does not see. 1/length.
+    /// Halves of the reciprocal vectors, each once. In these waves neighbors move in opposite directions, and operators that are symmetric about the
+    /// particles give zero. 1/length.
     pub(crate) fn alternating(&self) -> impl Iterator<Item = SVector<f64, D>> {
         let reciprocal = *self.reciprocal();
         (1..1_usize << D).map(move |bits| {
@@ -126,10 +127,10 @@ impl<const D: usize> BravaisLattice<D> {
         })
     }
 
-    /// The holohedry of the lattice: all orthogonal maps `R` that take every lattice vector to a lattice vector, the identity first. They
-    /// map the reciprocal lattice onto itself too, so that `R k` is defined for wave vectors.
+    /// Holohedry of the lattice: all orthogonal maps `R` of lattice vectors to lattice vectors, the identity first.
     ///
-    /// Between Minkowski-reduced bases all coordinates are -1, 0 or 1 in up to three dimensions, which leaves finitely many maps to try.
+    /// They map the reciprocal lattice onto itself too, so `R k` is defined for wave vectors. Between Minkowski-reduced bases all coordinates are -1,
+    /// 0 or 1 in up to three dimensions, so the number of possible maps is finite.
     ///
     /// ```
     /// use onset::lattice::LatticeKind;
@@ -152,13 +153,13 @@ impl<const D: usize> BravaisLattice<D> {
     }
 }
 
-/// The bases of short vectors that have the given lengths and angles, `metric_ij = a_i . a_j`, of a lattice by its reduced vectors.
+/// Bases of short vectors with the lengths and angles `metric_ij = a_i . a_j`, for a lattice given by its reduced vectors.
 pub(super) fn bases_with<const D: usize>(
     reduced: &SMatrix<f64, D, D>,
     metric: &SMatrix<f64, D, D>,
 ) -> Vec<SMatrix<f64, D, D>> {
     let equal = |a: f64, b: f64| (a - b).abs() <= EQUAL * metric.amax();
-    // Vector after vector.
+    // Add one vector at a time.
     let mut bases: Vec<Vec<SVector<f64, D>>> = vec![Vec::new()];
     for column in 0..D {
         let candidates: Vec<SVector<f64, D>> = combinations()
@@ -199,7 +200,7 @@ mod tests {
         for a in &maps {
             assert!((a.transpose() * a - SMatrix::identity()).amax() < 1e-9);
             assert!(maps.iter().all(|b| is_in(&(a * b))), "not closed");
-            // Lattice vectors stay lattice vectors.
+            // Lattice vectors are mapped to lattice vectors.
             let moved = lattice.reciprocal().transpose() * a * lattice.vectors();
             let coordinates = moved / std::f64::consts::TAU;
             assert!((coordinates - coordinates.map(f64::round)).amax() < 1e-9);
@@ -234,15 +235,14 @@ mod tests {
         is_group(&triclinic.unwrap(), 2);
     }
 
-    /// Points that are mapped to each other are as many steps along the same reciprocal vectors, of whose images under the group there are
-    /// no others.
+    /// Points of an orbit have equally many steps along equivalent reciprocal vectors, and the group maps them to no other points.
     #[test]
     fn a_wedge_has_one_point_of_each_orbit() {
         let lattice = LatticeKind::FaceCenteredCubic.lattice::<3>(1.0).unwrap();
         let grid = WaveGrids::new(lattice).grid(12);
         let all = Symmetry::all(&lattice);
         let zone = BrillouinZone::new(lattice);
-        // Of the cube, and of a cube that is stretched along its edges.
+        // Symmetries of the cube, and of a cube that is stretched along its edges.
         let of_bricks = |symmetry: &Symmetry<3>| {
             symmetry.map.iter().all(|x| (x * x - x.abs()).abs() < 1e-9) && {
                 let d = symmetry.map.diagonal();
@@ -265,7 +265,7 @@ mod tests {
                 *of_orbits.entry(*first).or_insert(0) += 1;
                 let (line, place) = (index / 12, index % 12);
                 assert!(!wedge.is_first(index) || wedge.lines[line].contains(&place));
-                // Images are as far from zero.
+                // Images have equal distances from zero.
                 let [own, other] = [own, other].map(|k| zone.folded(&k).norm());
                 assert!((own - other).abs() < 1e-9);
             }

@@ -6,9 +6,9 @@ use super::{BravaisLattice, Fractional, LatticeError};
 use crate::algebra::sort_by_value;
 use nalgebra::SVector;
 
-/// The volume of the Voronoi cell of each point of a periodic set; their sum is the cell volume.
+/// Returns the volume of the Voronoi cell of each point of a periodic set. The sum is the cell volume.
 ///
-/// `points` in lattice coordinates, one period of the set. Volumes in length^D.
+/// `points` are in lattice coordinates, one period of the set. Volumes are in length^D.
 ///
 /// ```
 /// use nalgebra::{Vector2, Vector3};
@@ -24,7 +24,7 @@ use nalgebra::SVector;
 /// ```
 ///
 /// # Errors
-/// [`LatticeError`] beyond three dimensions or when two points coincide.
+/// [`LatticeError`] beyond three dimensions or if two points coincide.
 pub fn voronoi_volumes<const D: usize>(
     lattice: &BravaisLattice<D>,
     points: &[Fractional<D>],
@@ -33,7 +33,7 @@ pub fn voronoi_volumes<const D: usize>(
     Ok(cells.into_iter().map(|cell| cell.volume).collect())
 }
 
-/// The Voronoi cells of one period of a set, each with its point as the origin.
+/// Voronoi cells of one period of a set, each with its point as the origin.
 pub(super) fn voronoi_cells<const D: usize>(
     lattice: &BravaisLattice<D>,
     points: &[Fractional<D>],

@@ -1,4 +1,4 @@
-//! Grids of wave vectors over a cell of the reciprocal lattice, and what of them no state changes.
+//! Grids of wave vectors over a cell of the reciprocal lattice, with their state-independent data.
 
 use super::mirror::{Mirror, MirrorWaves};
 use super::numbering::{coordinates, opposite};
@@ -10,35 +10,34 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// The wave vectors `k = sum_i (j_i / n) b_i`, `j_i = 0 .. n`, first index slowest, with the phases of the lattice
-/// vectors and the lattice Laplacian.
+/// Grid of wave vectors `k = sum_i (j_i / n) b_i`, `j_i = 0 .. n`, with the phases of lattice vectors and the lattice Laplacian.
 ///
-/// Indices beyond `n / 2` stand for negative ones, so that the vectors surround zero.
+/// The first index is slowest. Indices beyond `n / 2` represent negative ones, so the vectors surround zero.
 #[derive(Debug)]
 pub struct WaveGrid<const D: usize> {
     resolution: usize,
     wave_vectors: Arc<Vec<SVector<f64, D>>>,
     laplacian: Arc<Vec<f64>>,
-    /// `cos` and `sin` of `2 pi m j / n`, `j = 0 .. n`, for each `m` from `-n / 2` to `n / 2`.
+    /// Tables of `cos` and `sin` of `2 pi m j / n`, `j = 0 .. n`, for each `m` from `-n / 2` to `n / 2`.
     turned: Arc<Vec<(Vec<f64>, Vec<f64>)>>,
     lattice: BravaisLattice<D>,
-    /// What is to be taken off wave vectors that are folded.
+    /// Reciprocal vectors to subtract from folded wave vectors.
     shifts: Option<Shifts<D>>,
     site_phases: Mutex<SitePhases<D>>,
 }
 
-/// What folding takes off wave vectors: few different ones for many points.
+/// Reciprocal vectors subtracted by folding: few distinct ones for many points.
 #[derive(Debug)]
 struct Shifts<const D: usize> {
     distinct: Vec<SVector<f64, D>>,
-    /// The place of the shift of each point of half of the grid among these.
+    /// Index of the shift of each point of half of the grid.
     of_point: Vec<u32>,
 }
 
 /// Cosines and sines at half of the points.
 type Phases = (Vec<f64>, Vec<f64>);
 
-/// Sites with those of `k.site`.
+/// Sites with the cosines and sines of `k.site`.
 type SitePhases<const D: usize> = Vec<(SVector<f64, D>, Arc<Phases>)>;
 
 impl<const D: usize> WaveGrid<D> {
@@ -72,8 +71,8 @@ impl<const D: usize> WaveGrid<D> {
         }
     }
 
-    /// The same with each wave vector replaced by its equivalent in a zone; `shift` tells how many of each reciprocal vector one loses, itself
-    /// given in units of these.
+    /// Replaces each wave vector by its equivalent in a zone. `shift` returns the multiples of the reciprocal vectors to subtract from a wave vector
+    /// in units of these vectors.
     fn folded(&self, shift: impl Fn(&Fractional<D>) -> [i32; D]) -> Self {
         Self {
             resolution: self.resolution,
@@ -86,22 +85,22 @@ impl<const D: usize> WaveGrid<D> {
         }
     }
 
-    /// Points along each reciprocal vector.
+    /// Number of points along each reciprocal vector.
     pub fn resolution(&self) -> usize {
         self.resolution
     }
 
-    /// The number of its points.
+    /// Number of grid points.
     pub fn count(&self) -> usize {
         self.wave_vectors.len()
     }
 
-    /// The number of points with a first index up to `n / 2`, which are the first ones; the others are opposite to some of these.
+    /// Number of points with a first index up to `n / 2`. They come first, and all others are opposite to some of them.
     pub(crate) fn half(&self) -> usize {
         half::<D>(self.resolution)
     }
 
-    /// The wave vector of a point; 1/length.
+    /// Wave vector of a point; 1/length.
     pub fn wave_vector(&self, point: usize) -> SVector<f64, D> {
         let Some(shifts) = &self.shifts else {
             return self.wave_vectors[point];
@@ -112,24 +111,24 @@ impl<const D: usize> WaveGrid<D> {
         }
     }
 
-    /// The wave vectors of all points; 1/length.
+    /// Wave vectors of all points; 1/length.
     pub fn wave_vectors(&self) -> impl Iterator<Item = SVector<f64, D>> {
         (0..self.count()).map(|point| self.wave_vector(point))
     }
 
-    /// The lattice Laplacian `|k|_h^2` of each; 1/length^2.
+    /// Lattice Laplacian `|k|_h^2` of each point; 1/length^2.
     pub fn laplacian(&self) -> &[f64] {
         &self.laplacian
     }
 
-    /// `cos` and `sin` of `2 pi m / n`.
+    /// Values `cos` and `sin` of `2 pi m / n`.
     pub(crate) fn on_circle(&self, m: i64) -> (f64, f64) {
         let unit = &self.turned[self.resolution / 2 + 1];
         let m = m.rem_euclid(self.resolution as i64) as usize;
         (unit.0[m], unit.1[m])
     }
 
-    /// `cos` and `sin` of `2 pi m j / n` for all `j`. `m` of either sign is taken modulo `n`.
+    /// Tables of `cos` and `sin` of `2 pi m j / n` for all `j`, with `m` of either sign taken modulo `n`.
     pub(crate) fn turned(&self, m: i32) -> (&[f64], &[f64]) {
         let n = self.resolution as i64;
         let nearest = (i64::from(m) + n / 2).rem_euclid(n);
@@ -137,7 +136,7 @@ impl<const D: usize> WaveGrid<D> {
         (cosines, sines)
     }
 
-    /// `cos k.site` and `sin k.site` at the wave vectors of half of the points, computed once a site.
+    /// Tables of `cos k.site` and `sin k.site` at the wave vectors of half of the points, computed once per site.
     pub(crate) fn site_phases(&self, site: &SVector<f64, D>) -> Arc<Phases> {
         let mut known = self
             .site_phases
@@ -151,7 +150,7 @@ impl<const D: usize> WaveGrid<D> {
         phases
     }
 
-    /// `exp(i k.site)`: a product of those along the reciprocal vectors, and of that of the shift, with far fewer sines than wave vectors.
+    /// Phases `exp(i k.site)` as products of the phases along the reciprocal vectors and of the shift, with far fewer sines than wave vectors.
     fn phases_of(&self, site: &SVector<f64, D>) -> Phases {
         let n = self.resolution;
         let turned = |angle: f64| Complex::from_polar(1.0, angle);
@@ -191,13 +190,13 @@ impl<const D: usize> WaveGrid<D> {
     }
 }
 
-/// The number of points of a grid with a first index up to half of the resolution.
+/// Number of points of a grid with a first index up to half of the resolution.
 fn half<const D: usize>(resolution: usize) -> usize {
     (resolution / 2 + 1) * resolution.pow(D as u32 - 1)
 }
 
 impl<const D: usize> Shifts<D> {
-    /// Of half of the points of a grid.
+    /// Computes the shifts for half of the points of a grid.
     fn new(
         resolution: usize,
         lattice: &BravaisLattice<D>,
@@ -230,7 +229,7 @@ impl<const D: usize> Shifts<D> {
     }
 }
 
-/// Fills a line with a function that is the same between two points at which it is the same.
+/// Fills a line with a function that is constant between any two points of equal value.
 fn fill_convex(line: &mut [u32], at: &mut impl FnMut(usize) -> u32) {
     let Some(last) = line.len().checked_sub(1) else {
         return;
@@ -249,13 +248,13 @@ fn fill_convex(line: &mut [u32], at: &mut impl FnMut(usize) -> u32) {
     }
 }
 
-/// A number of a grid along an axis as a part of the reciprocal vector; beyond the middle it stands for a negative one.
+/// Grid index along an axis as a fraction of the reciprocal vector; indices beyond the middle represent negative ones.
 fn centered(j: usize, resolution: usize) -> f64 {
     let (j, n) = (j as f64, resolution as f64);
     (if 2.0 * j > n { j - n } else { j }) / n
 }
 
-/// The grids of one lattice, each made when it is first asked for.
+/// Grids of one lattice, each created on first use.
 #[derive(Debug)]
 pub struct WaveGrids<const D: usize> {
     lattice: BravaisLattice<D>,
@@ -264,17 +263,17 @@ pub struct WaveGrids<const D: usize> {
     mirrors: Vec<Mirror>,
     mirrored: Mutex<MirroredGrids>,
     symmetries: OnceLock<Vec<Symmetry<D>>>,
-    /// By resolution, and the numbers of the symmetries as bits.
+    /// Wedges by resolution and by the indices of the symmetries as bits.
     wedges: Mutex<BTreeMap<(usize, u64), Arc<Wedge>>>,
 }
 
-/// The part of grids that a mirror leaves, by the mirror's number and the steps along its lines.
+/// Grids reduced by a mirror, by the index of the mirror and the steps along its lines.
 type MirroredGrids = BTreeMap<(usize, [usize; 2]), Arc<MirrorWaves>>;
 
 impl<const D: usize> WaveGrids<D> {
-    /// For a lattice.
+    /// Creates the collection for a lattice.
     pub fn new(lattice: BravaisLattice<D>) -> Self {
-        // The sums along mirror lines know the lattice Laplacian by the phases of the primitive vectors.
+        // The sums along mirror lines use the lattice Laplacian in terms of the phases of the primitive vectors.
         let is_own = lattice.is_measured_by_own_vectors();
         let mirrors = if is_own {
             Mirror::all(&lattice)
@@ -294,12 +293,12 @@ impl<const D: usize> WaveGrids<D> {
         }
     }
 
-    /// The symmetries of the lattice.
+    /// Symmetries of the lattice.
     pub(crate) fn symmetries(&self) -> &[Symmetry<D>] {
         self.symmetries.get_or_init(|| Symmetry::all(&self.lattice))
     }
 
-    /// Which points of a grid are mapped to each other by those symmetries whose bits are set.
+    /// Orbits of the points of a grid under the symmetries whose bits are set.
     pub(crate) fn wedge(&self, resolution: usize, symmetries: u64) -> Arc<Wedge> {
         let mut made = self.wedges.lock().unwrap_or_else(PoisonError::into_inner);
         let make = || {
@@ -313,14 +312,14 @@ impl<const D: usize> WaveGrids<D> {
         Arc::clone(made.entry((resolution, symmetries)).or_insert_with(make))
     }
 
-    /// The mirrors of the lattice.
+    /// Mirrors of the lattice.
     pub(crate) fn mirrors(&self) -> &[Mirror] {
         &self.mirrors
     }
 
-    /// The part of a grid that the mirror with a number leaves, with at least the given steps along its lines.
+    /// Part of a grid that remains after mirror symmetry, with at least the given steps along the lines of the mirror `number`.
     pub(crate) fn mirrored(&self, number: usize, steps: [usize; 2]) -> Arc<MirrorWaves> {
-        // Lines are filled up anyway.
+        // Round up to full lines.
         let filled = (steps[0] + 3).next_multiple_of(super::FILL) - 3;
         let intervals = [filled, steps[1].next_multiple_of(3)];
         let mut made = self.mirrored.lock().unwrap_or_else(PoisonError::into_inner);
@@ -335,24 +334,24 @@ impl<const D: usize> WaveGrids<D> {
         Arc::clone(made.or_insert_with(make))
     }
 
-    /// The lattice.
+    /// Lattice of the grids.
     pub fn lattice(&self) -> &BravaisLattice<D> {
         &self.lattice
     }
 
-    /// `G^-1/2` of the long-wave metric: with `k = G^-1/2 m` the scale `|k|_h^2 -> k.G k` becomes `|m|^2`.
+    /// Matrix `G^-1/2` of the long-wave metric: with `k = G^-1/2 m` the limit `|k|_h^2 -> k.G k` becomes `|m|^2`.
     pub fn long_wave_map(&self) -> &SMatrix<f64, D, D> {
         &self.long_wave_map
     }
 
-    /// The grid with `resolution` points along each reciprocal vector.
+    /// Grid with `resolution` points along each reciprocal vector.
     pub fn grid(&self, resolution: usize) -> Arc<WaveGrid<D>> {
         self.cached((resolution, false), || {
             WaveGrid::new(&self.lattice, resolution)
         })
     }
 
-    /// The same with each wave vector replaced by its equivalent in the first Brillouin zone of the lattice.
+    /// Grid with each wave vector replaced by its equivalent in the first Brillouin zone of the lattice.
     pub fn folded_grid(&self, resolution: usize) -> Arc<WaveGrid<D>> {
         let plain = self.grid(resolution);
         self.cached((resolution, true), || {
@@ -361,13 +360,13 @@ impl<const D: usize> WaveGrids<D> {
         })
     }
 
-    /// The same for a state: with each wave vector replaced by its equivalent whose image is in the zone of the deformed lattice. Not kept.
+    /// Grid for a state, with each wave vector replaced by its equivalent whose image lies in the zone of the deformed lattice. It is not cached.
     pub(crate) fn grid_folded_to(
         &self,
         resolution: usize,
         zone: &BrillouinZone<D>,
     ) -> Arc<WaveGrid<D>> {
-        // In units of the reciprocal vectors a wave vector and its image are the same.
+        // In units of the reciprocal vectors a wave vector equals its image.
         Arc::new(self.grid(resolution).folded(|place| zone.shift(place)))
     }
 
@@ -377,8 +376,7 @@ impl<const D: usize> WaveGrids<D> {
     }
 }
 
-/// `m^-1/2` of a symmetric positive definite matrix; NaN where its decomposition does not converge, which needs
-/// entries that are not finite.
+/// Matrix `m^-1/2` of a symmetric positive definite matrix; NaN if its decomposition does not converge, which requires entries that are not finite.
 fn inverse_square_root<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
     let matrix = DMatrix::from_fn(D, D, |i, j| m[(i, j)]);
     let Some(eigen) = hermitian_eigen(matrix) else {
@@ -400,7 +398,7 @@ mod tests {
     use crate::lattice::{BrillouinZone, LatticeKind};
     use nalgebra::{Matrix2, Vector2, Vector3};
 
-    /// Also on the lines between `k` and `-k`, and where a zone that is not that of the grid takes other vectors off.
+    /// Includes the lines between `k` and `-k`, and a zone that differs from the zone of the grid and subtracts other vectors.
     #[test]
     fn phases_of_sites_are_those_of_folded_wave_vectors() {
         let lattice = LatticeKind::Hexagonal.lattice::<2>(1.0).expect("a lattice");
@@ -423,7 +421,7 @@ mod tests {
         }
     }
 
-    /// Each point is as near to zero as any that is equivalent, in the metric of the zone, and equivalent to the one of the plain grid.
+    /// Each point is at most as far from zero as any equivalent point, in the metric of the zone, and is equivalent to the point of the plain grid.
     #[test]
     fn folded_wave_vectors_are_equivalent_and_in_the_zone() {
         for (kind, stretch) in [

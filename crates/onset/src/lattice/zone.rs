@@ -1,4 +1,4 @@
-//! The first Brillouin zone: the wave vectors nearer to zero than to any reciprocal vector.
+//! First Brillouin zone: the wave vectors nearer to zero than to any reciprocal vector.
 
 use super::cell::{cell_among, face};
 use super::reduction::combinations;
@@ -6,33 +6,33 @@ use super::{BravaisLattice, Fractional, Reduced};
 use crate::algebra::array_of;
 use nalgebra::{SMatrix, SVector};
 
-/// The first Brillouin zone of a lattice.
+/// First Brillouin zone of a lattice.
 #[derive(Clone, Debug)]
 pub struct BrillouinZone<const D: usize> {
     lattice: BravaisLattice<D>,
     /// Primitive vectors whose reciprocal vectors are short.
     dual: SMatrix<f64, D, D>,
-    /// Short reciprocal vectors, which are a basis.
+    /// Basis of short reciprocal vectors.
     short: Reduced<D>,
     /// Short reciprocal vectors `G`; the zone is `k . G <= |G|^2 / 2` for all of them.
     reciprocal: Vec<SVector<f64, D>>,
-    /// How many of each vector of the basis they are.
+    /// Coordinates of these vectors in the basis.
     factors: Vec<SVector<f64, D>>,
-    /// `|G|^2 / 2`.
+    /// Offsets `|G|^2 / 2` of the bisectors.
     bisectors: Vec<f64>,
 }
 
 impl<const D: usize> BrillouinZone<D> {
-    /// The zone of a lattice.
+    /// Computes the zone of a lattice.
     pub fn new(lattice: BravaisLattice<D>) -> Self {
-        // Where no short basis is found, the zone of the given one is as good as any.
+        // If no short basis is found, the zone of the given basis is used.
         let short = Reduced::of(lattice.reciprocal())
             .unwrap_or_else(|_| Reduced::given(lattice.reciprocal()));
         let dual = lattice.vectors() * short.inverse.transpose();
         let reciprocal: Vec<SVector<f64, D>> = combinations()
             .map(|factors| short.vectors * factors)
             .collect();
-        // Only those whose bisector touches the zone bound it.
+        // The zone is bounded only by vectors whose bisector touches it.
         let beyond =
             |k: &SVector<f64, D>, g: &SVector<f64, D>| k.dot(g) > (0.5 + 1e-9) * g.norm_squared();
         let bounding =
@@ -51,42 +51,43 @@ impl<const D: usize> BrillouinZone<D> {
         }
     }
 
-    /// The lattice whose zone this is.
+    /// Lattice of the zone.
     pub fn lattice(&self) -> &BravaisLattice<D> {
         &self.lattice
     }
 
-    /// The reciprocal vectors whose bisectors bound the zone.
+    /// Reciprocal vectors whose bisectors bound the zone.
     pub(crate) fn bounding_vectors(&self) -> &[SVector<f64, D>] {
         &self.reciprocal
     }
 
-    /// The equivalent wave vector in the zone.
+    /// Equivalent wave vector in the zone.
     pub fn folded(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
         self.folded_with_shift(&(self.dual.transpose() * k / std::f64::consts::TAU))
             .0
     }
 
-    /// The equivalent wave vectors that are as short as one in the zone, itself included.
+    /// Equivalent wave vectors that are as short as the one in the zone, including it.
     pub(crate) fn as_short(&self, k: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
         let on_face = |g: &&SVector<f64, D>| k.dot(g) >= (0.5 - 1e-6) * g.norm_squared();
         let others = self.reciprocal.iter().filter(on_face).map(|g| k - g);
         std::iter::once(*k).chain(others).collect()
     }
 
-    /// How many of each reciprocal vector a wave vector, in units of these, loses as it is folded. The wave vectors that lose the same fill a
-    /// convex set, an image of the zone.
+    /// Multiples of the reciprocal vectors to subtract from a wave vector, given in units of these vectors, to fold it into the zone.
+    ///
+    /// Wave vectors with equal multiples fill a convex set, an image of the zone.
     pub(crate) fn shift(&self, fractional: &Fractional<D>) -> [i32; D] {
         let (_, shift) = self.folded_with_shift(&(self.short.inverse * fractional));
         let shift = self.short.change * shift;
         array_of(|n| shift[n].round() as i32)
     }
 
-    /// The equivalent wave vector in the zone, of one in units of the short basis, and what it has lost in these units.
+    /// Equivalent wave vector in the zone of a wave vector in units of the short basis, and the subtracted multiples of this basis.
     fn folded_with_shift(&self, cycles: &SVector<f64, D>) -> (SVector<f64, D>, SVector<f64, D>) {
         let mut shift = cycles.map(f64::round);
         let mut folded = self.short.vectors * (cycles - shift);
-        // Each step shortens the vector; few are needed, and the bound only guards rounding.
+        // Each step shortens the vector. Few steps are needed; the limit only guards against rounding.
         for _ in 0..64 {
             let mut farthest = (0, f64::NEG_INFINITY);
             for (n, (g, half)) in self.reciprocal.iter().zip(&self.bisectors).enumerate() {
@@ -107,14 +108,14 @@ impl<const D: usize> BrillouinZone<D> {
         (folded, shift)
     }
 
-    /// Whether a wave vector lies in the zone, up to a relative tolerance.
+    /// Returns true if a wave vector lies in the zone, up to a relative tolerance.
     pub fn contains(&self, k: &SVector<f64, D>, tolerance: f64) -> bool {
         self.reciprocal
             .iter()
             .all(|g| k.dot(g) <= (0.5 + tolerance) * g.norm_squared())
     }
 
-    /// How many times a wave vector fits into the zone: `t k` lies on its boundary. Infinite for zero.
+    /// Factor `t` by which a wave vector must be multiplied to lie on the boundary of the zone; infinite for zero.
     ///
     /// ```
     /// use nalgebra::Vector2;
@@ -131,18 +132,17 @@ impl<const D: usize> BrillouinZone<D> {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// The wave vector with the given coordinates in units of the reciprocal vectors.
+    /// Wave vector with the given coordinates in units of the reciprocal vectors.
     pub fn wave_vector(&self, fractional: &Fractional<D>) -> SVector<f64, D> {
         self.lattice.reciprocal() * fractional
     }
 
-    /// The corners of the zone: in two dimensions counterclockwise, in one dimension its two ends.
+    /// Corners of the zone: in two dimensions counterclockwise, in one dimension its two ends.
     pub fn corners(&self) -> Vec<SVector<f64, D>> {
         cell_among(&self.reciprocal).corners
     }
 
-    /// The faces of the zone in three dimensions, each by its corners in turn; one of each pair of opposite ones. None in
-    /// one and two dimensions.
+    /// Faces of the zone in three dimensions, given by their corners in cyclic order, one of each opposite pair. Empty in one and two dimensions.
     pub(crate) fn faces(&self) -> Vec<Vec<SVector<f64, D>>> {
         if D != 3 {
             return Vec::new();

@@ -4,8 +4,9 @@ use super::{Real, Side, Work};
 use crate::algebra::array_of;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A value with its first derivatives in `N` variables, over the numbers `R`: what a discrete force needs to become a stiffness, and an energy to
-/// become a stress.
+/// Value with its first derivatives in `N` variables, over the numbers `R`.
+///
+/// It differentiates a discrete force to a stiffness, and an energy to a stress.
 ///
 /// ```
 /// use onset::real::{Dual, Real};
@@ -17,13 +18,13 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<const N: usize, R = f64> {
-    /// The value.
+    /// Value of the function.
     pub value: R,
-    /// First derivatives.
+    /// First derivatives of the function.
     pub gradient: [R; N],
 }
 
-/// A linear combination of gradients, which numbers with several lanes make with vectors.
+/// Linear combination of gradients, which numbers with several lanes evaluate with vector instructions.
 enum Combined<'a, const N: usize, R> {
     Scaled(&'a [R; N], R),
     Both(&'a [R; N], R, &'a [R; N], R),
@@ -42,7 +43,7 @@ impl<const N: usize, R: Real> Work for Combined<'_, N, R> {
 }
 
 impl<const N: usize, R: Real> Dual<N, R> {
-    /// A number with vanishing derivatives.
+    /// Number with vanishing derivatives.
     #[inline(always)]
     pub(crate) fn fixed(value: R) -> Self {
         Self {
@@ -51,7 +52,7 @@ impl<const N: usize, R: Real> Dual<N, R> {
         }
     }
 
-    /// The `N` independent variables at a point.
+    /// Independent variables at a point.
     pub fn variables(point: [R; N]) -> [Self; N] {
         array_of(|i| Self::variable(point[i], i))
     }
@@ -63,7 +64,7 @@ impl<const N: usize, R: Real> Dual<N, R> {
         variable
     }
 
-    /// The composition with a scalar function, from its value and first derivative.
+    /// Composition with a scalar function, from its value and first derivative.
     #[inline(always)]
     fn chain(self, value: R, first: R) -> Self {
         Self {
@@ -133,7 +134,7 @@ impl<const N: usize, R: Real> Real for Dual<N, R> {
         self.chain(self.value.tanh(), self.value.cosh().powi(-2))
     }
     fn powi(self, exponent: i32) -> Self {
-        // The exponent is tested first: 0 * x^(n-1) must be 0 also at x = 0.
+        // Test the exponent first: 0 * x^(n-1) must be 0 at x = 0 too.
         let first = if exponent == 0 {
             R::constant(0.0)
         } else {

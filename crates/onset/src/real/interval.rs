@@ -1,21 +1,20 @@
-//! Intervals with outward rounding.
+//! Interval arithmetic with outward rounding.
 
 use super::{Real, Side};
 use std::f64::consts::FRAC_1_PI;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Units in the last place by which a result of `exp`, `ln`, `sin`, `cos`, `sinh`, `cosh`, `tanh` and `powf` is widened. The mathematical
-/// libraries in use (glibc, musl, the Rust port of musl, those of Apple and Microsoft) state errors of at most two units.
+/// Number of units in the last place by which results of `exp`, `ln`, `sin`, `cos`, `sinh`, `cosh`, `tanh` and `powf` are widened. The mathematical
+/// libraries in use (glibc, musl, the Rust port of musl, the libraries of Apple and Microsoft) state errors of at most two units.
 const LIBRARY_ULPS: u32 = 4;
 
-/// All real numbers between two bounds, of which an unknown one is meant: `low <= x <= high`.
+/// Interval that contains an unknown number: `low <= x <= high`.
 ///
-/// The result of an operation holds every result that the operation can have on members of its operands. Bounds
-/// may be infinite, never NaN; where an operation is not defined on all members (a division by an
-/// interval that holds zero, the logarithm of one with negative members) the result is [`Interval::ENTIRE`]: nothing
-/// is known. Sums, differences, products, quotients and square roots are correctly rounded by IEEE 754 and widened by one
-/// unit in the last place on either side; the elementary functions by four, which assumes that the platform's
-/// are within four units of the truth.
+/// The result of an operation contains every result of the operation on members of its operands. Bounds may be infinite, but never NaN. If an
+/// operation is not defined on all members (a division by an interval that contains zero, or the logarithm of an interval with negative members), the
+/// result is [`Interval::ENTIRE`]. Sums, differences, products, quotients and square roots are correctly rounded by IEEE 754 and widened by one unit
+/// in the last place on either side. The elementary functions are widened by four, which assumes that the functions of the platform are accurate to
+/// four units.
 ///
 /// ```
 /// use onset::real::{Interval, Real};
@@ -26,26 +25,26 @@ const LIBRARY_ULPS: u32 = 4;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// The lower bound.
+    /// Lower bound of the interval.
     pub low: f64,
-    /// The upper bound.
+    /// Upper bound of the interval.
     pub high: f64,
 }
 
 impl Interval {
-    /// All real numbers: nothing is known.
+    /// Interval of all real numbers.
     pub const ENTIRE: Self = Self {
         low: f64::NEG_INFINITY,
         high: f64::INFINITY,
     };
 
-    /// Exactly zero.
+    /// Interval that contains zero only.
     pub const ZERO: Self = Self {
         low: 0.0,
         high: 0.0,
     };
 
-    /// The numbers between two bounds, in either order; all numbers where one is NaN.
+    /// Interval between two bounds, in either order; all numbers if a bound is NaN.
     pub fn new(a: f64, b: f64) -> Self {
         if a <= b {
             Self { low: a, high: b }
@@ -56,7 +55,7 @@ impl Interval {
         }
     }
 
-    /// The number itself. An infinite one stands for all beyond the largest, NaN for every number.
+    /// Interval that contains a single number. Infinity represents all numbers beyond the largest, NaN all numbers.
     pub fn point(x: f64) -> Self {
         if x.is_finite() {
             Self { low: x, high: x }
@@ -75,7 +74,7 @@ impl Interval {
         }
     }
 
-    /// A number known to some units in its last place. Zero is exact.
+    /// Interval around a number with an error of some units in its last place. Zero is exact.
     pub fn around(x: f64, ulps: u32) -> Self {
         if x == 0.0 {
             Self::ZERO
@@ -84,7 +83,7 @@ impl Interval {
         }
     }
 
-    /// The bounds moved outward by some units in the last place.
+    /// Moves the bounds outward by some units in the last place.
     fn widened(mut low: f64, mut high: f64, ulps: u32) -> Self {
         for _ in 0..ulps {
             low = low.next_down();
@@ -97,22 +96,22 @@ impl Interval {
         }
     }
 
-    /// Bounds from correctly rounded operations.
+    /// Widens bounds from correctly rounded operations.
     fn rounded(low: f64, high: f64) -> Self {
         Self::widened(low, high, 1)
     }
 
-    /// Bounds from functions of the platform.
+    /// Widens bounds from functions of the platform.
     fn library(low: f64, high: f64) -> Self {
         Self::widened(low, high, LIBRARY_ULPS)
     }
 
-    /// Whether a number is a member.
+    /// Returns true if a number is a member.
     pub fn contains(self, x: f64) -> bool {
         self.low <= x && x <= self.high
     }
 
-    /// The distance of the bounds, rounded up.
+    /// Distance of the bounds, rounded up.
     pub fn width(self) -> f64 {
         if self.low == self.high {
             0.0
@@ -121,7 +120,7 @@ impl Interval {
         }
     }
 
-    /// A number in the middle; zero of the entire line.
+    /// Number in the middle of the interval; zero for the entire line.
     pub fn midpoint(self) -> f64 {
         if self.low == self.high {
             return self.low;
@@ -138,7 +137,7 @@ impl Interval {
         }
     }
 
-    /// The largest distance of a member from [`Interval::midpoint`], rounded up.
+    /// Largest distance of a member from [`Interval::midpoint`], rounded up.
     pub fn radius(self) -> f64 {
         if self.low == self.high {
             return 0.0;
@@ -147,17 +146,17 @@ impl Interval {
         (self.high - middle).max(middle - self.low).next_up()
     }
 
-    /// The largest absolute value of a member.
+    /// Largest absolute value of a member.
     pub fn magnitude(self) -> f64 {
         self.low.abs().max(self.high.abs())
     }
 
-    /// Whether both bounds are finite.
+    /// Returns true if both bounds are finite.
     pub fn is_finite(self) -> bool {
         self.low.is_finite() && self.high.is_finite()
     }
 
-    /// The absolute values of the members.
+    /// Absolute values of the members.
     pub fn abs(self) -> Self {
         if self.low >= 0.0 {
             self
@@ -171,17 +170,17 @@ impl Interval {
         }
     }
 
-    /// The square; unlike a product with itself never negative.
+    /// Square of the interval. Unlike a product with itself it is never negative.
     pub fn square(self) -> Self {
         self.powi(2)
     }
 
-    /// Whether the interval is exactly zero.
+    /// Returns true if the interval is exactly zero.
     fn is_zero(self) -> bool {
         self.low == 0.0 && self.high == 0.0
     }
 
-    /// A power of a nonnegative interval.
+    /// Power of a nonnegative interval.
     fn positive_power(self, exponent: u32) -> Self {
         let (mut result, mut base, mut rest) = (Self::point(1.0), self, exponent);
         let mut is_one = true;
@@ -198,13 +197,13 @@ impl Interval {
         result
     }
 
-    /// The cosine of `pi (x + shift)` for all members: its extremes are at the integers.
+    /// Cosine of `pi (x + shift)` for all members: its extremes are at the integers.
     fn wave(self, shift: f64, function: impl Fn(f64) -> f64) -> Self {
         let all = Self {
             low: -1.0,
             high: 1.0,
         };
-        // Beyond, an interval of a unit in the last place can hold a noticeable part of a period.
+        // For larger arguments an interval of one unit in the last place can cover a significant part of a period.
         if self.magnitude() >= 1e15 {
             return all;
         }
@@ -230,7 +229,7 @@ impl Interval {
     }
 }
 
-/// The product of bounds, where infinity is no number but a bound that is not reached.
+/// Product of bounds, where infinity is a bound that is not attained.
 fn product(a: f64, b: f64) -> f64 {
     if a == 0.0 || b == 0.0 { 0.0 } else { a * b }
 }
@@ -340,8 +339,7 @@ impl Real for Interval {
     fn constant(value: f64) -> Self {
         Self::point(value)
     }
-    /// The midpoint. A law that branches on it must do so with [`Real::switch`], which takes both branches where the
-    /// interval does not decide.
+    /// Midpoint of the interval. A law must branch with [`Real::switch`], which takes both branches if the interval does not decide.
     fn value(self) -> f64 {
         self.midpoint()
     }

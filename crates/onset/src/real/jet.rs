@@ -4,8 +4,9 @@ use super::{Interval, Real, Side};
 use crate::algebra::array_of;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A value with its gradient and Hessian in `N` variables: the Taylor expansion to second order. Over the numbers `R`:
-/// jets of [`Interval`](super::Interval)s enclose values and derivatives.
+/// Value with its gradient and Hessian in `N` variables: the Taylor expansion to second order, over the numbers `R`.
+///
+/// Jets of [`Interval`](super::Interval)s enclose values and derivatives.
 ///
 /// ```
 /// use onset::real::{Jet, Real};
@@ -18,16 +19,16 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jet<const N: usize, R = f64> {
-    /// The value.
+    /// Value of the function.
     pub value: R,
-    /// First derivatives.
+    /// First derivatives of the function.
     pub gradient: [R; N],
     /// Second derivatives; always symmetric.
     pub hessian: [[R; N]; N],
 }
 
 impl<const N: usize, R: Real> Jet<N, R> {
-    /// A number with vanishing derivatives.
+    /// Number with vanishing derivatives.
     pub(crate) fn fixed(value: R) -> Self {
         let zero = R::constant(0.0);
         Self {
@@ -37,7 +38,7 @@ impl<const N: usize, R: Real> Jet<N, R> {
         }
     }
 
-    /// The `N` independent variables at a point: unit gradients, zero Hessians.
+    /// Independent variables at a point: unit gradients, zero Hessians.
     pub fn variables(point: [R; N]) -> [Self; N] {
         array_of(|i| {
             let mut variable = Self::fixed(point[i]);
@@ -46,8 +47,7 @@ impl<const N: usize, R: Real> Jet<N, R> {
         })
     }
 
-    /// The composition `h(x)` of a scalar function with this jet, from `h`, `h'` and `h''` at the
-    /// value: `grad = h' g`, `Hess = h' H + h'' g (x) g`.
+    /// Composition `h(x)` of a scalar function with this jet, from `h`, `h'` and `h''` at the value: `grad = h' g`, `Hess = h' H + h'' g (x) g`.
     fn chain(self, value: R, first: R, second: R) -> Self {
         let mut result = self;
         result.value = value;
@@ -61,7 +61,7 @@ impl<const N: usize, R: Real> Jet<N, R> {
         result
     }
 
-    /// Applies the same linear operation to value, gradient and Hessian.
+    /// Applies a linear operation to value, gradient and Hessian.
     fn zip(self, other: Self, operation: impl Fn(R, R) -> R) -> Self {
         let mut result = self;
         result.value = operation(self.value, other.value);
@@ -132,13 +132,13 @@ impl<const N: usize, R: Real> Real for Jet<N, R> {
     }
     fn tanh(self) -> Self {
         let t = self.value.tanh();
-        // tanh' = 1 - t^2 = 1 / cosh^2, which keeps its digits where t is one.
+        // tanh' = 1 - t^2 = 1 / cosh^2, which keeps its digits where t is close to one.
         let first = self.value.cosh().powi(-2);
         self.chain(t, first, t * first * -2.0)
     }
     fn powi(self, exponent: i32) -> Self {
         let n = f64::from(exponent);
-        // The coefficient is tested first: 0 * x^(n-1) must be 0 also at x = 0.
+        // Test the coefficient first: 0 * x^(n-1) must be 0 at x = 0 too.
         let term = |coefficient: f64, power: i32| {
             if coefficient == 0.0 {
                 R::constant(0.0)
@@ -184,7 +184,7 @@ impl<const N: usize, R: Real> Mul for Jet<N, R> {
                     + other.value * self.hessian[i][j]
                     + self.gradient[i] * other.gradient[j]
                     + other.gradient[i] * self.gradient[j];
-                // Mirrored, so that the Hessian is symmetric to the last digit.
+                // Set both entries, so that the Hessian is symmetric to the last digit.
                 result.hessian[i][j] = second;
                 result.hessian[j][i] = second;
             }

@@ -1,15 +1,14 @@
-//! Several numbers at once.
+//! Several numbers in parallel.
 
 use super::{Real, Side, Work};
 use crate::algebra::array_of;
 use pulp::{Arch, NullaryFnOnce};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// How many numbers.
+/// Number of parallel numbers.
 pub const LANES: usize = 8;
 
-/// As many numbers as the widest vectors hold; all operations are lane by lane, and give in each lane what they give for
-/// its number alone.
+/// Numbers that fill the widest vector registers. All operations act lane by lane and give the result of the individual number in each lane.
 ///
 /// ```
 /// use onset::real::{Lanes, Real};
@@ -21,7 +20,7 @@ pub const LANES: usize = 8;
 #[repr(align(64))]
 pub struct Lanes(pub [f64; LANES]);
 
-/// Work for the widest vectors of the machine.
+/// Work compiled for the widest vectors of the machine.
 struct InVectors<W>(W);
 
 impl<W: Work> NullaryFnOnce for InVectors<W> {
@@ -34,7 +33,7 @@ impl<W: Work> NullaryFnOnce for InVectors<W> {
 }
 
 impl Lanes {
-    /// The first ones of some numbers.
+    /// Loads the first numbers of a slice.
     #[inline(always)]
     pub(crate) fn of(numbers: &[f64]) -> Self {
         let mut lanes = [0.0; LANES];
@@ -42,10 +41,10 @@ impl Lanes {
         Self(lanes)
     }
 
-    /// Those from a place on; another number where there are none.
+    /// Loads the numbers from a place on; lanes beyond the end are filled with `beyond`.
     #[inline(always)]
     pub(crate) fn at(numbers: &[f64], place: usize, beyond: f64) -> Self {
-        // A place is chosen and not numbers, which would go through memory.
+        // Select a place rather than numbers, which would pass through memory.
         let partly;
         Self::of(match numbers.get(place..place.wrapping_add(LANES)) {
             Some(own) => own,
@@ -78,7 +77,7 @@ impl Real for Lanes {
         Self([value; LANES])
     }
 
-    /// The value that all lanes have; no number where they differ.
+    /// Common value of all lanes; NaN if they differ.
     fn value(self) -> f64 {
         let [first, ..] = self.0;
         if self.0 == [first; LANES] {
@@ -92,7 +91,7 @@ impl Real for Lanes {
         Some(self.value()).filter(|value| !value.is_nan())
     }
 
-    // Without a way out before the last lane, so that all are compared at once.
+    // No early return, so that all lanes are compared together.
     #[inline(always)]
     fn side(self, threshold: f64) -> Option<Side> {
         let (mut below, mut above) = (true, true);
@@ -152,7 +151,7 @@ impl Real for Lanes {
     fn tanh(self) -> Self {
         self.map(f64::tanh)
     }
-    /// By squares, as a number alone has it.
+    /// Power by repeated squaring, as for a single number.
     #[inline(always)]
     fn powi(self, exponent: i32) -> Self {
         let (mut left, mut square) = (exponent.unsigned_abs(), self);

@@ -4,11 +4,11 @@ use super::{Jet, Real, Side, Work};
 use crate::algebra::Each;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A function of `F_11`, `F_22`, `F_12` and `F_21` with its first and second derivatives where `F_12 = F_21 = 0`, as long as it
-/// is even or odd under a change of sign of the latter two, which mirrors body and space alike.
+/// Function of `F_11`, `F_22`, `F_12` and `F_21` with definite parity in `F_12`, `F_21`, with its first and second derivatives at `F_12 = F_21 = 0`.
 ///
-/// What such a symmetry makes vanish is never computed: the value and the first derivatives of one parity, and all second
-/// derivatives that mix parities. A function without it is [`Mirrored::Neither`], and says so instead of being wrong.
+/// A change of sign of `F_12` and `F_21` mirrors body and space together. Quantities that vanish by this symmetry are not computed: the value and the
+/// first derivatives of one parity, and all second derivatives that mix parities. A function without definite parity is [`Mirrored::Neither`], so the
+/// result is never wrong.
 ///
 /// ```
 /// use onset::real::{Mirrored, Real};
@@ -25,26 +25,26 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub enum Mirrored<R = f64> {
     /// Zero for any state.
     Zero,
-    /// The same for any state.
+    /// Equal for all states.
     Constant(f64),
-    /// Even.
+    /// Even in `F_12` and `F_21`.
     Even(Even<R>),
     /// Odd, with its derivatives by `F_12` and `F_21`.
     Odd([R; 2]),
-    /// Neither even nor odd: nothing is known.
+    /// Neither even nor odd, so that no derivatives are known.
     Neither,
 }
 
-/// A function that is even in `F_12` and `F_21`.
+/// Function that is even in `F_12` and `F_21`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Even<R = f64> {
-    /// The value.
+    /// Value of the function.
     pub value: R,
     /// Derivatives by `F_11`, `F_22`.
     pub gradient: [R; 2],
     /// Second derivatives by `F_11`, `F_22`: `11`, `12`, `22`.
     pub along: [R; 3],
-    /// Second derivatives by `F_12`, `F_21`, likewise.
+    /// Second derivatives by `F_12`, `F_21`: `11`, `12`, `22`.
     pub across: [R; 3],
 }
 
@@ -107,7 +107,7 @@ impl<R: Real> Even<R> {
         }
     }
 
-    /// The composition with a scalar function of which value and derivatives are given.
+    /// Composition with a scalar function, given its value and derivatives.
     #[inline(always)]
     fn chain(&self, [value, first, second]: &[R; 3]) -> Self {
         let (first, second) = (*first, *second);
@@ -126,7 +126,7 @@ impl<R: Real> Even<R> {
     }
 }
 
-/// An operation on even functions, which numbers with several lanes do with vectors.
+/// Operation on even functions, which numbers with several lanes evaluate with vector instructions.
 enum Operation<'a, R> {
     Scaled(&'a Even<R>, f64),
     Plus(&'a Even<R>, &'a Even<R>),
@@ -149,7 +149,7 @@ impl<R: Real> Work for Operation<'_, R> {
 }
 
 impl<R: Real> Mirrored<R> {
-    /// `F_11`, `F_12`, `F_21`, `F_22` at a state with the given diagonal.
+    /// Variables `F_11`, `F_12`, `F_21`, `F_22` at a state with the given diagonal.
     pub fn variables(f11: R, f22: R) -> [Self; 4] {
         let (zero, one) = (R::constant(0.0), R::constant(1.0));
         let along = |value, gradient| {
@@ -166,7 +166,7 @@ impl<R: Real> Mirrored<R> {
         ]
     }
 
-    /// All second derivatives by `F_11`, `F_12`, `F_21`, `F_22`, unless the function is not even.
+    /// Returns all second derivatives by `F_11`, `F_12`, `F_21`, `F_22`; `None` unless the function is even.
     pub fn hessian(&self) -> Option<[[R; 4]; 4]> {
         let zero = R::constant(0.0);
         let Even { along, across, .. } = match self {
@@ -186,7 +186,7 @@ impl<R: Real> Mirrored<R> {
         Self::Even(R::vectorized(operation))
     }
 
-    /// The composition with a scalar function through the jet of one variable, which knows the derivatives.
+    /// Composition with a scalar function through a jet of one variable, which provides the derivatives.
     fn through(
         self,
         plain: impl FnOnce(f64) -> f64,
@@ -201,7 +201,7 @@ impl<R: Real> Mirrored<R> {
                 let derivatives = [jet.value, jet.gradient[0], jet.hessian[0][0]];
                 Self::even(Operation::Chain(even, &derivatives))
             }
-            // An even function of it could be told, but no law needs it.
+            // An even function of an odd argument would be even, but no law needs it.
             Self::Odd(_) | Self::Neither => Self::Neither,
         }
     }
@@ -290,7 +290,7 @@ impl<R: Real> Real for Mirrored<R> {
             (Self::Odd(_), 0) => Self::Constant(1.0),
             (Self::Odd(_), 1) => self,
             (Self::Odd(_), 2) => self * self,
-            // To second order.
+            // The square is even; higher powers vanish to second order.
             (Self::Odd(_), 3..) => Self::Zero,
             _ => self.through(|x| x.powi(exponent), |x| x.powi(exponent)),
         }
@@ -303,7 +303,7 @@ impl<R: Real> Real for Mirrored<R> {
 impl<R: Real> Add for Mirrored<R> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        // By reference: such numbers are large.
+        // By reference, because these numbers are large.
         match (&self, &other) {
             (Self::Neither, _) | (_, Self::Neither) => Self::Neither,
             (Self::Zero, x) | (x, Self::Zero) => *x,
@@ -387,7 +387,7 @@ impl<R: Real> Mul<f64> for Mirrored<R> {
     type Output = Self;
     fn mul(self, factor: f64) -> Self {
         match &self {
-            // What has no part in a sum does not decide its parity.
+            // A term that does not contribute to a sum does not affect its parity.
             _ if factor == 0.0 => Self::Zero,
             Self::Constant(c) => Self::Constant(c * factor),
             Self::Even(x) => Self::even(Operation::Scaled(x, factor)),

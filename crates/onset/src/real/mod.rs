@@ -1,8 +1,8 @@
-//! Numbers a law can be evaluated with: plain floating point, second-order jets, and intervals.
+//! Number types for the evaluation of a law: floating point, second-order jets, and intervals.
 //!
-//! A strain energy is written once, generic over [`Real`]. Evaluated with [`f64`] it gives the
-//! energy; evaluated with a [`Jet`] over the nine components of the deformation gradient it gives,
-//! in the same pass, the stress and the tangent, exact to rounding; with jets of [`Interval`]s, bounds that hold them.
+//! A strain energy is written once, generic over [`Real`]. With [`f64`] it gives the energy. With a [`Jet`] over the nine components of the
+//! deformation gradient it gives the stress and the tangent in one pass, exact to rounding. With jets of [`Interval`]s it gives bounds that contain
+//! them.
 
 mod dual;
 mod interval;
@@ -19,28 +19,28 @@ pub use mirrored::{Even, Mirrored};
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A side of a threshold.
+/// Side of a threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// Less than the threshold.
     Below,
-    /// The threshold itself, or more.
+    /// Equal to the threshold, or more.
     Above,
 }
 
-/// A piece of work on numbers, small enough to be inlined where they want it done.
+/// Piece of numerical work that is small enough to be inlined by its caller.
 pub trait Work {
-    /// What comes of it.
+    /// Type of the result.
     type Output;
 
-    /// Does it.
+    /// Performs the work and returns the result.
     fn done(self) -> Self::Output;
 }
 
-/// A number that an energy can be written with.
+/// Number type for the evaluation of energies.
 ///
-/// A branch in a law (a switch between tension and compression, say) is made with [`Real::switch`], which selects the same
-/// formula for the value and for its derivatives, and takes both where an interval does not decide.
+/// A branch in a law (for example between tension and compression) must use [`Real::switch`], which selects one formula for the value and for its
+/// derivatives, and takes both if an interval does not decide.
 pub trait Real:
     Copy
     + Debug
@@ -54,23 +54,23 @@ pub trait Real:
     + Mul<f64, Output = Self>
     + Div<f64, Output = Self>
 {
-    /// The constant `value`.
+    /// Number with a constant `value`.
     fn constant(value: f64) -> Self;
 
-    /// The floating-point value, without derivatives.
+    /// Floating-point value without derivatives.
     fn value(self) -> f64;
 
-    /// The floating-point number that this is, derivatives apart; `None` of an interval and of lanes that differ, which stand for many.
+    /// Floating-point number without derivatives; `None` for an interval and for lanes that differ, which represent many numbers.
     fn number(self) -> Option<f64> {
         Some(self.value())
     }
 
-    /// The bounds of an interval, derivatives apart; `None` of what is not one.
+    /// Bounds of an interval without derivatives; `None` for other numbers.
     fn bounds(self) -> Option<Interval> {
         None
     }
 
-    /// On which side of a threshold the number is; `None` where an interval holds numbers of both, and where there is no number.
+    /// Side of the number relative to a threshold; `None` if an interval contains numbers of both sides, and for NaN.
     #[inline]
     fn side(self, threshold: f64) -> Option<Side> {
         let value = self.value();
@@ -83,14 +83,14 @@ pub trait Real:
         }
     }
 
-    /// A number that stands for both: the smallest interval that holds two intervals. Of plain numbers, which stand for
-    /// themselves alone, the number itself.
+    /// Smallest interval that contains two intervals. A floating-point number is returned unchanged.
     fn hull(self, _other: Self) -> Self {
         self
     }
 
-    /// One formula below a threshold of this number, another at it and above; both where that is not decided, and no number where
-    /// this is none.
+    /// Selects one formula below a threshold of this number and another one at and above it.
+    ///
+    /// If an interval contains both sides, both formulas contribute. For NaN the result is NaN.
     ///
     /// ```
     /// use onset::real::{Interval, Real};
@@ -111,49 +111,49 @@ pub trait Real:
         }
     }
 
-    /// What stands for the numbers of both sides where this number is on both: the hull of intervals, lane by lane the one
-    /// of its side. A plain number without a side is none, and no formula has a value there.
+    /// Combination of the values of both sides if the number lies on both: the hull of intervals, or lane by lane the value of its side. The result
+    /// is NaN for a floating-point number without a side.
     fn blended(self, _threshold: f64, _below: Self, _above: Self) -> Self {
         Self::constant(f64::NAN)
     }
 
-    /// Does work in the way that is best for such numbers: in the widest vectors of the machine for those with lanes.
+    /// Performs work in the way best for the number type: with the widest vectors of the machine for numbers with lanes.
     #[inline(always)]
     fn vectorized<W: Work>(work: W) -> W::Output {
         work.done()
     }
 
-    /// The reciprocal, `1 / x`.
+    /// Reciprocal `1 / x` of the number.
     fn recip(self) -> Self;
 
-    /// The square root.
+    /// Square root of the number.
     fn sqrt(self) -> Self;
 
-    /// The exponential function.
+    /// Exponential function of the number.
     fn exp(self) -> Self;
 
-    /// The natural logarithm.
+    /// Natural logarithm of the number.
     fn ln(self) -> Self;
 
-    /// The sine.
+    /// Sine of the number.
     fn sin(self) -> Self;
 
-    /// The cosine.
+    /// Cosine of the number.
     fn cos(self) -> Self;
 
-    /// The hyperbolic sine.
+    /// Hyperbolic sine of the number.
     fn sinh(self) -> Self;
 
-    /// The hyperbolic cosine.
+    /// Hyperbolic cosine of the number.
     fn cosh(self) -> Self;
 
-    /// The hyperbolic tangent.
+    /// Hyperbolic tangent of the number.
     fn tanh(self) -> Self;
 
-    /// An integer power.
+    /// Integer power of the number.
     fn powi(self, exponent: i32) -> Self;
 
-    /// A real power of a positive number.
+    /// Real power of a positive number.
     fn powf(self, exponent: f64) -> Self;
 }
 
