@@ -15,7 +15,7 @@ pub(crate) fn array_of<T: Copy, const N: usize>(mut value: impl FnMut(usize) -> 
     all
 }
 
-/// Elementwise `map` of an array for values that are `Copy`; see [`array_of`].
+/// Elementwise `map` of an array for `Copy` values, with the advantages of [`array_of`].
 pub(crate) trait Each<T, const N: usize> {
     fn each<U: Copy>(self, image: impl FnMut(T) -> U) -> [U; N];
 }

@@ -137,7 +137,7 @@ fn schur_form(matrix: &DMatrix<Complex>) -> Option<(DMatrix<Complex>, DMatrix<Co
         })
 }
 
-/// Reflection `1 - 2 w w*`, its own inverse, with a unit vector whose components have equal magnitude and irregular phases.
+/// Reflection `1 - 2 w w*`, which is an involution, with a unit vector whose components have equal magnitude and irregular phases.
 fn reflection(size: usize) -> DMatrix<Complex> {
     let length = (size as f64).recip().sqrt();
     let w = DVector::from_fn(size, |n, _| Complex::from_polar(length, (n * n) as f64));

@@ -3,7 +3,7 @@
 use super::Complex;
 use nalgebra::DMatrix;
 
-/// Complex matrix as two real ones. Products of real matrices are vectorized, products of complex ones are not.
+/// Complex matrix stored as its real and imaginary part. Products of real matrices are vectorized, products of complex matrices are not.
 #[derive(Clone, Debug)]
 pub(crate) struct Parts {
     real: DMatrix<f64>,

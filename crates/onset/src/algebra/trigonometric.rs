@@ -5,12 +5,12 @@ use super::Complex;
 /// Real trigonometric polynomial `sum_m c_m exp(i m t)`, `|m| <= order`, `c_-m = conj(c_m)`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrigonometricPolynomial {
-    /// Coefficients `c_0, c_1, ..., c_order`.
+    /// Coefficients `c_0, c_1, ..., c_order` of the sum.
     coefficients: Vec<Complex>,
 }
 
 impl TrigonometricPolynomial {
-    /// Creates `constant + cosine cos t + sine sin t`.
+    /// Creates the polynomial `constant + cosine cos t + sine sin t`.
     pub fn first_order(constant: f64, cosine: f64, sine: f64) -> Self {
         Self {
             coefficients: vec![

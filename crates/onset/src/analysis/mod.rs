@@ -31,13 +31,13 @@ pub trait Analysis: Send + Sync {
     /// Number of space dimensions.
     fn dimension(&self) -> usize;
 
-    /// Particle spacing; length.
+    /// Particle spacing of the reference configuration; length.
     fn spacing(&self) -> f64;
 
     /// Number of particles of a cell.
     fn sites(&self) -> usize;
 
-    /// Number of neighbors of a particle; see [`Discretization::neighbors`](crate::scheme::Discretization::neighbors).
+    /// Number of neighbors of a particle; from [`Discretization::neighbors`](crate::scheme::Discretization::neighbors).
     fn neighbors(&self) -> f64;
 
     /// Returns true if undeformed particles represent the deformed state.
@@ -49,7 +49,7 @@ pub trait Analysis: Send + Sync {
     /// [`MethodError`] if the material in the reference state cannot be evaluated, or has no waves there.
     fn speed_squared(&self) -> Result<f64, MethodError>;
 
-    /// Prepares the analysis for many states; see [`Survey::for_many_states`](crate::verdict::Survey::for_many_states).
+    /// Prepares the analysis for many states, with [`Survey::for_many_states`](crate::verdict::Survey::for_many_states).
     ///
     /// # Errors
     /// [`MethodError`] if the method cannot be evaluated.
@@ -75,7 +75,7 @@ pub trait Analysis: Send + Sync {
 
     /// Returns the verdict on a state and the type of instability, several times faster than [`Analysis::assess`].
     ///
-    /// Witnesses of neighboring states can be given if they are known: see [`Survey::judge_beside`](crate::verdict::Survey::judge_beside).
+    /// Witnesses of neighboring states can be given if they are known, as for [`Survey::judge_beside`](crate::verdict::Survey::judge_beside).
     ///
     /// # Errors
     /// [`MethodError`] if material or method cannot be evaluated there.
@@ -133,8 +133,8 @@ pub trait Analysis: Send + Sync {
 
     /// Splits `D(k)` into the contributions of positions, and of the stress and the density that particles carry and codes integrate. 1/time^2.
     ///
-    /// Everything is assigned to the positions if the method does not distinguish these parts; see
-    /// [`Discretization::carried`](crate::scheme::Discretization::carried).
+    /// Everything is assigned to the positions if the method does not distinguish these parts
+    /// ([`Discretization::carried`](crate::scheme::Discretization::carried)).
     ///
     /// # Errors
     /// [`MethodError`] if material or method cannot be evaluated there.
@@ -156,23 +156,23 @@ pub trait Analysis: Send + Sync {
     /// Coordinates of a wave vector in units of the reciprocal vectors.
     fn fractional(&self, k: &SVector<f64, 3>) -> Vec<f64>;
 
-    /// Rotations and reflections that map the reference lattice onto itself, the identity first; see
+    /// Rotations and reflections that map the reference lattice onto itself, the identity first; from
     /// [`BravaisLattice::holohedry`](crate::lattice::BravaisLattice::holohedry).
     fn holohedry(&self) -> Vec<SMatrix<f64, 3, 3>>;
 
     /// Standard path through a zone: names and reference wave vectors of its corners. 1/length.
     ///
-    /// Without the name of a zone, it is the zone of the named lattice on which the particles lie, regardless of the description of their cell.
+    /// Without the name of a zone, it is the zone of the named lattice of the particles, regardless of the description of their cell.
     fn zone_path(&self, zone: Option<LatticeKind>) -> Vec<(&'static str, Vec<f64>)>;
 
     /// Returns true if forces depend on velocities.
     fn is_damped(&self) -> bool;
 
-    /// Returns true if the method defines its own time step, independent of the integrator; see
-    /// [`Discretization::transferred`](crate::scheme::Discretization::transferred).
+    /// Returns true if the method defines a time step, independent of the integrator
+    /// ([`Discretization::transferred`](crate::scheme::Discretization::transferred)).
     fn is_transferred(&self) -> bool;
 
-    /// Returns the waves of a state in discrete time; `None` unless the method defines its own time step.
+    /// Returns the waves of a state in discrete time; `None` unless the method defines a time step.
     ///
     /// # Errors
     /// [`MethodError`] if material or method cannot be evaluated there.
@@ -195,7 +195,7 @@ pub trait Analysis: Send + Sync {
 
     /// Returns the largest stable time step of an integrator at a state, including damping. Time.
     ///
-    /// For a method that defines its own time step, it is the limit of that step.
+    /// For a method that defines a time step, it is the limit of that step.
     ///
     /// # Errors
     /// [`MethodError`] if material or method cannot be evaluated there.
@@ -296,16 +296,16 @@ pub trait PlaneWaves: Send + Sync {
     /// Wave vector of the searched zone with equal waves: `k` itself if `D(k)` is periodic, otherwise its equivalent in the first zone; 1/length.
     fn folded(&self, k: &[f64]) -> Vec<f64>;
 
-    /// Factor by which a wave vector can be extended within the searched zone; infinite for zero.
+    /// Largest factor that keeps a multiple of the wave vector within the searched zone; infinite for zero.
     fn reach(&self, k: &[f64]) -> f64;
 
     /// Squared frequencies of the continuum, the eigenvalues of `Q(k) / rho0`; 1/time^2.
     fn continuum_omega_squared(&self, k: &[f64]) -> Vec<f64>;
 }
 
-/// Plane waves of a state in discrete time, for a method that defines its own time step.
+/// Plane waves of a state in discrete time, for a method that defines a time step.
 ///
-/// See [`TransferredWaves`](crate::time_step::TransferredWaves). Wave vectors are as in [`PlaneWaves`].
+/// They are computed by [`TransferredWaves`](crate::time_step::TransferredWaves). Wave vectors are as in [`PlaneWaves`].
 pub trait SteppedWaves: Send + Sync {
     /// Rates `s = ln(z)/dt` of all solutions `exp(s t)` at whole steps, sorted by the real part of `omega^2`; 1/time.
     fn rates(&self, k: &[f64], step: f64) -> Vec<Complex>;
@@ -391,7 +391,7 @@ pub fn analysis(
     in_dimension!(method.dimension(), of(method, material))
 }
 
-/// Like [`analysis`], but in the cell that the choices describe, which patches use, not in the primitive cell.
+/// Like [`analysis`], in the cell that the choices describe instead of the primitive cell; patches use it.
 ///
 /// # Errors
 /// [`MethodError`] if the method cannot be set up.
@@ -441,7 +441,7 @@ pub fn check_method(method: &MethodChoices) -> Result<(), MethodError> {
     in_dimension!(method.dimension(), of(method))
 }
 
-/// Returns whether waves of a material grow at a state, for perturbations in `dimension` dimensions; see [`probe_material`].
+/// Returns whether waves of a material grow at a state, for perturbations in `dimension` dimensions, with [`probe_material`].
 ///
 /// # Errors
 /// [`MaterialError`] if the response is not finite.
@@ -453,7 +453,7 @@ pub fn probe_material_in(
     in_dimension!(dimension, probe_material(material, f))
 }
 
-/// Returns all losses and recoveries of strong ellipticity along a path, for perturbations in `dimension` dimensions; see [`scan_material`].
+/// Returns all losses and recoveries of strong ellipticity along a path, for perturbations in `dimension` dimensions, with [`scan_material`].
 ///
 /// # Errors
 /// [`PathError`] if a state of the path cannot be evaluated.

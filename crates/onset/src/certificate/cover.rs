@@ -63,7 +63,7 @@ enum Attempt {
     },
 }
 
-/// Covers the zone.
+/// Covers the zone by boxes and returns the result.
 ///
 /// If many boxes remain, the waves that `candidates` returns are examined before the cover continues.
 pub(super) fn cover(
@@ -329,7 +329,7 @@ impl Cover<'_> {
     /// Tries to prove that the measure is at least `target` everywhere.
     fn attempt(&self, target: f64, budget: usize) -> Attempt {
         let first = HALF_PERIOD / (2.0 * FIRST);
-        // Long waves are covered by rays as far as the remainder of the expansion is small against the target.
+        // Long waves are covered by rays where the remainder of the expansion is small compared with the target.
         let mut inner = 2.0 * first;
         let limit = (0.1 * target / self.expansion.sixth()).sqrt().sqrt();
         while inner > limit && inner > 1e-4 {

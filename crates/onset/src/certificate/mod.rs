@@ -307,7 +307,7 @@ pub struct Foundation<const D: usize> {
 /// Proved property of the discrete gradient of a Lagrangian method.
 #[derive(Clone, Copy, Debug)]
 enum Gradient<const D: usize> {
-    /// Bound in `sum_q V_q |B_q|^2 / (rho V0) >= bound L`.
+    /// Proved `bound` with `sum_q V_q |B_q|^2 / (rho V0) >= bound L`.
     Bounded(f64),
     /// Phases of a wave whose discrete gradient vanishes.
     Vanishes(SVector<f64, D>),
@@ -345,7 +345,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
         }
     }
 
-    /// Creates a certifier from the state-independent proofs of another one, which must have the same discretization and material.
+    /// Creates a certifier from the state-independent proofs of another certifier, which must have the same discretization and material.
     pub fn founded(
         foundation: Foundation<D>,
         discretization: &'a dyn Discretization<D>,

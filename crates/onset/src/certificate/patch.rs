@@ -31,7 +31,7 @@ impl Patch {
         self.value.abs() + self.slopes() + self.curvatures() + self.rest
     }
 
-    /// Linear combination `a self + b other`.
+    /// Linear combination `a self + b other` of patches.
     pub(super) fn combined(&self, a: f64, other: &Self, b: f64) -> Self {
         let mix = |x: f64, y: f64| a * x + b * y;
         let rest = a.abs() * self.rest + b.abs() * other.rest;

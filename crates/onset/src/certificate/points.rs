@@ -14,7 +14,7 @@ use crate::real::{Interval, Real};
 const PLACE_ULPS: u32 = 4;
 /// Error of Voronoi volumes, in units in the last place.
 const VOLUME_ULPS: u32 = 64;
-/// Distance in lattice coordinates below which two places are equal.
+/// Places whose lattice coordinates differ by less than this are equal.
 const SAME_PLACE: f64 = 2e-16;
 
 /// Distance from the edge of the support, in support radii, within which [`Kernel::weight`](crate::kernel::Kernel::weight) ignores a neighbor.
@@ -77,9 +77,8 @@ struct Layout<const D: usize> {
 /// Returns the quadrature points of one cell, one of each pair that inversion maps to each other.
 ///
 /// # Errors
-/// - [`Reason::Method`] for approximations and quadratures that are not implemented here
-/// - [`Reason::NoInversionCenter`] if inversion does not map the set onto itself
-/// - [`Reason::NotFinite`] if the deformed lattice is so thin that intervals do not distinguish it from a degenerate one
+/// [`Reason::Method`] for approximations and quadratures that are not implemented here. [`Reason::NoInversionCenter`] if inversion does not map the
+/// set onto itself. [`Reason::NotFinite`] if the deformed lattice is so thin that intervals do not distinguish it from a degenerate one.
 pub(super) fn points<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,

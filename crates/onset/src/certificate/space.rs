@@ -25,7 +25,7 @@ const BUDGET: usize = 20_000;
 pub struct SpaceCertificate {
     /// Result of the proof. Measures are acoustic eigenvalues in units of a given scale, witnesses are directions `N`.
     pub certainty: Certainty<3>,
-    /// Polarization `g` (of any length) with which the witness was confirmed: `g . Q(N) g < 0`.
+    /// Polarization `g` (of any length) that confirms the witness: `g . Q(N) g < 0`.
     pub polarization: Option<Vector3<f64>>,
 }
 
@@ -145,7 +145,7 @@ impl SpaceCertificate {
     }
 }
 
-/// Scaled energy `g . Q(N) g / (|g|^2 |N|^2)`.
+/// Normalized value `g . Q(N) g / (|g|^2 |N|^2)` of the form.
 fn energy(form: &Form<Interval>, wave: &Wave) -> Interval {
     let n = wave.direction.map(Interval::point);
     let g = wave.polarization.map(Interval::point);

@@ -302,7 +302,7 @@ impl Assembly {
         }
     }
 
-    /// Adds the terms of single vectors: the motion of a quadrature point with its own wave.
+    /// Adds the terms of single vectors: the effect of the motion of a quadrature point.
     fn add_motion(&mut self, cell: [i32; 2], site: Option<usize>, motion: &[Interval; 4]) {
         let coefficient = motion.map(Interval::midpoint);
         let place = site.map_or([0.0; 2], |site| self.sites[site]);

@@ -21,7 +21,7 @@ use nalgebra::{SMatrix, SVector};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stiffness<const D: usize>(
     [[SMatrix<f64, D, D>; D]; D],
-    /// Largest component as given, which sets the rounding error: terms that cancel in acoustic tensors, such as those of a pressure, contribute to
+    /// Largest component as given, which sets the rounding error: terms that cancel in acoustic tensors, for example from a pressure, contribute to
     /// it.
     f64,
     /// A part `k m_iJ m_kL` that is larger than all others by far: the stiffness against changes of volume, with `m = cof F`.
@@ -45,7 +45,7 @@ pub struct AcousticMinimum<const D: usize> {
     pub bound: f64,
     /// Eigenvalues smaller than this in magnitude can be rounding: [`ROUNDING`] of the largest component of the stiffness. Units of the stiffness.
     pub rounding: f64,
-    /// Waves with complex eigenvalues; see [`Stiffness::flutter`].
+    /// Waves with complex eigenvalues, from [`Stiffness::flutter`].
     pub flutter: Option<AcousticFlutter<D>>,
 }
 
@@ -63,7 +63,7 @@ pub struct AcousticFlutter<const D: usize> {
 /// The tests compare it with sixty-digit arithmetic for random laws and constants.
 pub const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Stiffness ratio of volume changes to all others from which the volumetric part is treated separately in the search for the softest wave.
+/// Stiffness ratio of volume changes to all others; above this ratio the search for the softest wave treats the volumetric part separately.
 const STIFF: f64 = 1e8;
 /// Reduced stiffness ratio of the volumetric part in that search.
 const ENOUGH: f64 = 1e6;
@@ -156,7 +156,7 @@ impl<const D: usize> AcousticMinimum<D> {
         flutter.map_or(self.direction, |flutter| flutter.direction)
     }
 
-    /// Real part of the eigenvalue, set to zero if it is below rounding (see [`AcousticMinimum::ellipticity`]). Units of the stiffness.
+    /// Real part of the eigenvalue, set to zero if it is below rounding ([`AcousticMinimum::ellipticity`]). Units of the stiffness.
     pub fn significant(&self) -> f64 {
         match self.ellipticity() {
             Ellipticity::Undecided if !self.eigenvalue.re.is_nan() => 0.0,

@@ -53,7 +53,7 @@ struct Orthotropic {
     a: [f64; 2],
     b: [f64; 2],
     c: f64,
-    /// Coefficient of `Q12 = mixed N1 N2`.
+    /// Coefficient of the product in `Q12 = mixed N1 N2`.
     mixed: f64,
 }
 
@@ -215,7 +215,7 @@ pub(super) fn fluttering_direction<const D: usize>(stiffness: &Stiffness<D>) -> 
     direction(Entries::of(stiffness).discriminant().minimum().0)
 }
 
-/// Number of doubled angles from which the minimum is searched for.
+/// Number of doubled angles that are tried as starts of the minimization.
 const RAYS: usize = 64;
 /// Largest number of Newton steps to the minimum.
 const TURNS: usize = 16;
@@ -254,7 +254,7 @@ pub(super) fn descended_direction<const D: usize>(stiffness: &Stiffness<D>) -> S
 /// Sines and cosines of these angles.
 static RAY_TABLE: std::sync::OnceLock<[(f64, f64); RAYS]> = std::sync::OnceLock::new();
 
-/// Newton's method on the eigenvalue `h - sqrt(p)`, as long as it decreases.
+/// Newton's method on the eigenvalue `h - sqrt(p)`, while it decreases.
 fn turned(entries: &[[f64; 3]; 4], start: f64) -> (f64, f64) {
     // An entry `e0 + e1 cos t + e2 sin t` and its derivatives.
     let at = |t: f64| {

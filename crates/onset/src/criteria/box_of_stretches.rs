@@ -63,12 +63,12 @@ const SMALLEST_TURN: f64 = 1e-11;
 const RESOLUTION: f64 = 1e-14;
 /// Rays extend beyond the range by this factor, because a loss between two rays can be nearer than the losses on them.
 const BEYOND: f64 = 1.25;
-/// Points along an edge of the coarse and the fine grid with which the inside of a box is checked.
+/// Points along an edge of the coarse and the fine grid that check the inside of a box.
 const CHECKS: [usize; 2] = [21, 41];
 const CHECKS_OF_ANY: [usize; 2] = [9, 13];
 /// Largest number of times that a box is shrunk on one grid.
 const SHRINKS: usize = 16;
-/// Number of lowest grid points from which a descent starts, in addition to all local minima of the grid.
+/// Number of lowest grid points that start a descent, in addition to all local minima of the grid.
 const LOWEST: usize = 8;
 /// Largest number of descents from a grid.
 const STARTS: usize = 24;
@@ -136,7 +136,7 @@ pub fn widest_safe_box(material: &dyn Hyperelastic, range: &Range) -> Option<Saf
     let (_, found) = widest?;
     let mut at = |angle: f64| {
         let found = field.safe_box(angle, range, false)?;
-        // Of boxes that are equally wide to rounding, one that reaches an end of the range is preferred.
+        // Among boxes of equal width to rounding, prefer a box that reaches an end of the range.
         if widest.is_none_or(|(_, best)| width(&found) > width(&best) - AT_END) {
             widest = Some((angle, found));
         }
@@ -446,8 +446,8 @@ impl<const N: usize> Walk<N> {
         }
     }
 
-    /// Takes a step down and extrapolates the last two steps while the value is `lower`. A narrow valley runs along none of the trial directions,
-    /// only along a combination of two of them.
+    /// Takes a step down and extrapolates the last two steps while the value is `lower`. A narrow valley is not parallel to any of the trial
+    /// directions, only to a combination of two of them.
     fn go(
         &mut self,
         (value, place): (f64, [f64; N]),

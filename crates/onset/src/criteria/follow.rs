@@ -57,7 +57,7 @@ impl Event {
 }
 
 impl Track {
-    /// Stretch up to which the criterion holds from the reference on; `None` if it is not lost.
+    /// Stretch at the first loss of the criterion, counted from the reference; `None` if it is not lost.
     pub fn limit(&self) -> Option<f64> {
         match self.holds_at_start {
             true => self.events.first().map(|event| event.stretch),
@@ -75,7 +75,7 @@ impl Track {
 const RESOLUTION: f64 = 1e-14;
 /// Changes within this distance of the reference, in `ln lambda`, count as changes at the reference.
 const AT_REFERENCE: f64 = 1e-9;
-/// Step in `ln lambda` with which the slope of a measure is computed.
+/// Finite-difference step of the slope of a measure, in `ln lambda`.
 const SLOPE_STEP: f64 = 1e-5;
 /// Tolerance of the bottom of a dip, relative to the interval.
 const DIP: f64 = 2e-11;
@@ -241,7 +241,7 @@ const STRIDE: usize = 8;
 const BEFORE_LOSS: [f64; 4] = [0.02, 5e-3, 1e-3, 1e-5];
 /// Largest number of changes to another family of jumps once the family followed before gains no energy.
 const FAMILIES: usize = 6;
-/// Number of growing steps by which the state is moved outward until interval arithmetic proves the gain.
+/// Number of growing steps outward until interval arithmetic must have proved the gain.
 const OUTWARD: i32 = 22;
 
 /// Follows rank-one convexity along one side of a path. The limit found is an upper bound ([`Event::is_upper_bound`]).

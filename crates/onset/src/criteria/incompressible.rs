@@ -67,8 +67,8 @@ impl Loading {
     }
 }
 
-/// Ratio of bulk to shear modulus above which the bulk modulus counts as infinite. Results differ by no more than the inverse ratio, while rounding
-/// of the volume change costs the pressure of a compressible law more digits.
+/// Larger ratios of bulk to shear modulus count as infinite. Results differ by no more than the inverse ratio, while rounding of the volume change
+/// costs the pressure of a compressible law more digits.
 const STIFF: f64 = 1e8;
 
 /// Bulk modulus of a law in the reference, if it counts as infinite.
@@ -82,8 +82,7 @@ pub(super) fn huge_bulk_modulus(material: &dyn Hyperelastic) -> Option<f64> {
     (shear > ROUNDING * bulk && bulk > STIFF * shear).then_some(bulk)
 }
 
-/// Adds to a response the change of volume by which a law with a finite bulk modulus carries the pressure, relative to the stress `other` of the same
-/// shape.
+/// Adds the volume change that carries the pressure of a law with a finite bulk modulus, relative to the stress `other` of the same shape.
 pub(super) fn swollen(
     material: &dyn Hyperelastic,
     response: Response,

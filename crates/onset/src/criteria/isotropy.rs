@@ -84,7 +84,7 @@ const SYMMETRIC: f64 = 1e-6;
 /// Tangent of an isotropic law in principal axes. All components not listed vanish.
 #[derive(Clone, Debug)]
 pub(super) struct PrincipalTangent {
-    /// Components `A_iijj = d^2 W / dlambda_i dlambda_j`.
+    /// Normal components `A_iijj = d^2 W / dlambda_i dlambda_j` of the tangent.
     normal: Matrix3<f64>,
     /// Off-diagonal components `A_ijij`.
     shear: Matrix3<f64>,
@@ -189,7 +189,7 @@ impl PrincipalTangent {
     /// Smallest value of this form over volume-preserving waves, with its wave.
     ///
     /// These waves satisfy `g . F^-T N = sum x_i / lambda_i = 0`. Shears with `g` and `N` along different axes do. For the other waves the splitting
-    /// of [`PrincipalTangent::softest_wave`] leaves the signs for which the sum can vanish. On the simplex this is a segment, on which the form is a
+    /// of [`PrincipalTangent::softest_wave`] leaves the signs for which the sum can vanish. On the simplex this is a segment, where the form is a
     /// quadratic function of one variable. These are the conditions of Zee and Sternberg, Arch. Ration. Mech. Anal. 83 (1983) 53.
     pub(super) fn softest_isochoric_wave(&self, stretches: &Vector3<f64>) -> (f64, Witness) {
         let mut lowest = self.softest_shear();
@@ -265,7 +265,7 @@ impl PrincipalTangent {
     }
 
     /// Smallest measure of [`Criterion::Surface`](super::Criterion::Surface) over waves along principal axes at faces normal to the coordinate axes
-    /// `faces`, which must be principal axes; `None` if none of them is.
+    /// `faces`. Faces whose normal is not a principal axis do not count; `None` if no face remains.
     pub(super) fn softest_surface_wave(
         &self,
         stretches: &Vector3<f64>,

@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 /// Jump `a (x) N` of the deformation gradient with its scaled excess of energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jump {
-    /// Amplitude vector `a`.
+    /// Amplitude `a` of the jump.
     pub amplitude: Vector3<f64>,
     /// Unit normal `N` in the reference.
     pub direction: Vector3<f64>,
@@ -75,7 +75,7 @@ pub struct JumpSearch<'a> {
     incompressible: bool,
 }
 
-/// Amplitude, relative to the stretch, below which a jump counts as infinitesimal: its excess is that of a wave.
+/// Smaller amplitudes, relative to the stretch, count as infinitesimal: their excess equals the excess of a wave.
 const SMALLEST: f64 = 1e-3;
 /// Number of halvings of the longest trial jump.
 const HALVINGS: i32 = 22;
@@ -93,7 +93,7 @@ const ROUNDS: usize = 3;
 const INWARD: f64 = 0.99;
 /// Smallest ratio of the volumes after and before a jump.
 const LEAST_VOLUME: f64 = 1e-7;
-/// Ratio of the volumes after and before a jump below which the jump counts as collapse.
+/// Smaller ratios of the volumes after and before a jump count as collapse.
 const COLLAPSED: f64 = 1e-3;
 /// Axes of a cube: normals of its faces, its edges and its corners.
 const AXES: [[f64; 3]; 13] = [

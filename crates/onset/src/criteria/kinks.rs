@@ -13,7 +13,7 @@ use nalgebra::Matrix3;
     serde(rename_all = "kebab-case")
 )]
 pub enum Discontinuity {
-    /// The energy jumps.
+    /// The energy itself jumps.
     StepOfEnergy,
     /// The stress jumps: a kink of the energy.
     JumpOfStress,
@@ -49,7 +49,7 @@ const SMALLEST: [f64; 3] = [1e-9, 1e-7, 1e-6];
 const PART: f64 = 0.6;
 /// Number of halvings after which an interval counts as short.
 const SHORT: usize = 4;
-/// Width to which the interval around a jump is narrowed, in `ln lambda`.
+/// Final width of the interval around a jump, in `ln lambda`.
 const WIDTH: f64 = 1e-12;
 /// Step beyond the end of a path, in `ln lambda`.
 const BEYOND: f64 = 1e-6;
@@ -116,7 +116,7 @@ fn quantity(response: &Response, order: usize) -> (Vec<f64>, f64) {
     }
 }
 
-/// Intervals between neighboring states in which a quantity may jump: those with locally largest third differences, and the outermost two.
+/// Intervals between neighboring states in which a quantity may jump: intervals with locally largest third differences, and the outermost two.
 fn suspects(states: &[&PathState], order: usize) -> Vec<usize> {
     let Some(last) = states.len().checked_sub(2) else {
         return Vec::new();

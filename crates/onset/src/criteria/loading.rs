@@ -22,7 +22,7 @@ pub enum Mode {
     Uniaxial,
     /// Two directions are stretched equally: `F11 = F22 = lambda`.
     Equibiaxial,
-    /// One direction is stretched and another one is held, as in a wide strip ("pure shear").
+    /// One direction is stretched and a second direction is held, as in a wide strip ("pure shear").
     Planar,
     /// Simple shear, `F12 = gamma = lambda - 1/lambda`; `lambda` is the larger principal stretch.
     SimpleShear,
@@ -321,7 +321,7 @@ impl Range {
 /// State along a loading path.
 #[derive(Clone, Debug)]
 pub struct PathState {
-    /// Path parameter `s = ln lambda`.
+    /// Path parameter `s = ln lambda` of the state.
     pub parameter: f64,
     /// Energy, stress and tangent, with the deformation gradient.
     pub response: Response,
@@ -418,11 +418,11 @@ const TRIALS: usize = 16 * STEPS;
 const HALVINGS: i32 = 44;
 /// Cosine of the largest angle between the branch at a state and the chord to the next state.
 const ALONG: f64 = 0.9;
-/// Length below which a step may turn by any angle, as at a kink of the stress.
+/// Shorter steps may turn by any angle, as at a kink of the stress.
 const KINKED: f64 = 1e-7;
 /// Longest step along a branch that does not reach the next parameter of the path.
 const LONGEST: f64 = 0.05;
-/// Distance from a fold, in `ln lambda`, within which rounding moves the free stretches as far as the fold is away.
+/// Distance from a fold, in `ln lambda`, where rounding moves the free stretches by an equal distance.
 const AT_FOLD: f64 = 1e-13;
 /// Distance, in `ln lambda`, from the end of the domain of a law within which no states are kept.
 const BEFORE_END: f64 = 1e-6;
@@ -1090,9 +1090,9 @@ fn with_free(mut f: Matrix3<f64>, free: &[usize], lateral: &Vector2<f64>) -> Mat
 #[derive(Clone, Copy)]
 struct Linear {
     count: usize,
-    /// Tractions `tau_kk`.
+    /// Tractions `tau_kk` on the free faces.
     traction: Vector2<f64>,
-    /// Derivatives `dtau_kk / dln F_mm`.
+    /// Derivatives `dtau_kk / dln F_mm` of the tractions.
     matrix: [[f64; 2]; 2],
     /// Derivatives `dtau_kk / ds` by the imposed part.
     imposed: Vector2<f64>,
@@ -1100,7 +1100,7 @@ struct Linear {
     magnitude: f64,
 }
 
-/// Ratio of successive corrections above which derivatives from an earlier iteration are recomputed.
+/// Derivatives from an earlier iteration are recomputed if successive corrections have a larger ratio than this.
 const LEADS_ON: f64 = 0.1;
 /// Finite-difference step in logarithmic stretch. Rounding of the stress and curvature of a flow stress are both less than 1e-3 of the difference,
 /// which Newton's method and the guess of the next state tolerate.

@@ -82,16 +82,16 @@ pub enum Criterion {
     StrongEllipticity,
     /// Strong ellipticity restricted to waves in the plane of the first two axes, as in a simulation in plane strain.
     ///
-    /// The measure is the exact minimum of the smallest eigenvalue of the acoustic tensors in the plane. Units of stress. Source: see
+    /// The measure is the exact minimum of the smallest eigenvalue of the acoustic tensors in the plane. Units of stress. Source: as for
     /// [`Criterion::StrongEllipticity`].
     PlaneEllipticity,
     /// Rank-one convexity: no layering with finite jumps costs less energy, `W(F + a (x) N) - W(F) - P : (a (x) N) > 0` for all `a`, `N`.
     ///
     /// Source: Ball, Arch. Ration. Mech. Anal. 63 (1977) 337; Morrey (1952). The measure is the smallest
-    /// `2 (W(F + a (x) N) - W(F) - P : a (x) N) / |a|^2` that a search finds; see [`JumpSearch`]. Units of stress. A negative value is a proof to
-    /// rounding (or in interval arithmetic: [`JumpSearch::proves`]). A positive value means that the search found no such jump, so a limit along a
-    /// loading is an upper bound: other jumps may gain energy nearer to the reference. The limit is never later than the loss of ellipticity, and it
-    /// is earlier if the third derivative of the energy along the critical wave does not vanish.
+    /// `2 (W(F + a (x) N) - W(F) - P : a (x) N) / |a|^2` found by a [`JumpSearch`]. Units of stress. A negative value is a proof to rounding (or in
+    /// interval arithmetic: [`JumpSearch::proves`]). A positive value means that the search found no such jump, so a limit along a loading is an
+    /// upper bound: other jumps may gain energy nearer to the reference. The limit is never later than the loss of ellipticity, and it is earlier if
+    /// the third derivative of the energy along the critical wave does not vanish.
     RankOneConvexity,
     /// Baker-Ericksen inequalities: the larger principal stress acts along the larger principal stretch,
     /// `(sigma_i - sigma_j)(lambda_i - lambda_j) > 0`.
@@ -137,7 +137,7 @@ pub enum Criterion {
     /// Ordered forces: the larger principal force acts along the larger principal stretch, `(T_i - T_j)(lambda_i - lambda_j) > 0`,
     /// `T_i = dW/dlambda_i` (Biot stress).
     ///
-    /// Source: Coleman and Noll, Arch. Ration. Mech. Anal. 4 (1959) 97; Truesdell and Noll, The non-linear field theories of mechanics (1965),
+    /// Sources: Coleman and Noll, Arch. Ration. Mech. Anal. 4 (1959) 97, and Truesdell and Noll, The non-linear field theories of mechanics (1965),
     /// section 51 (O-F inequalities); for isotropic laws. The measure is the smallest `(T_i - T_j) / (lambda_i - lambda_j)`, which is
     /// `A_ijij + A_ijji` of the tangent in principal axes and therefore has its limit at equibiaxial stretches. Units of stress.
     OrderedForces,
@@ -164,7 +164,7 @@ pub struct Measure {
     pub value: f64,
     /// Values above `-neutral` count as held. Nonzero only for criteria that are neutral on whole sets of states.
     pub neutral: f64,
-    /// Values up to this are zero to rounding and do not count as positive; see [`AcousticMinimum::rounding`](crate::continuum::AcousticMinimum).
+    /// Values up to this are zero to rounding and do not count as positive, as for [`AcousticMinimum::rounding`](crate::continuum::AcousticMinimum).
     pub zero: f64,
     /// Along a loading, the sign of values smaller than this in magnitude can be rounding.
     pub rounding: f64,
@@ -200,7 +200,7 @@ pub enum Witness {
     Wave {
         /// Unit direction `N` in the reference.
         direction: [f64; 3],
-        /// Unit polarization `g`.
+        /// Unit polarization `g` of the wave.
         polarization: [f64; 3],
     },
     /// Rate of the deformation gradient of unit length, `Fdot_iJ`.
@@ -222,7 +222,7 @@ pub enum Witness {
     },
     /// Finite jump `a (x) N` of the deformation gradient.
     Jump {
-        /// Amplitude vector `a`.
+        /// Amplitude `a` of the jump.
         amplitude: [f64; 3],
         /// Unit normal `N` in the reference.
         direction: [f64; 3],
@@ -351,7 +351,7 @@ impl Criterion {
     /// Returns the measure at a state; `None` if the criterion is not defined there.
     ///
     /// Baker-Ericksen and ordered forces need an isotropic law, the load maximum needs a state with a loading, and the surface criterion needs
-    /// incompressible response. Rank-one convexity is always `None`, since its search needs the law: see [`JumpSearch`].
+    /// incompressible response. Rank-one convexity is always `None`, since its search ([`JumpSearch`]) needs the law.
     ///
     /// ```
     /// use onset::kinematics::DeformationGradient;
@@ -394,7 +394,7 @@ const NEUTRAL: f64 = 3e-14;
 /// because the small stiffness is computed from numbers of the size of the large one.
 const ROUNDING: f64 = 1e-13;
 
-/// Ratio of the principal stretches above which the sign of a measure along a loading counts as rounding: the tangent in principal axes has lost too
+/// For a larger ratio of the principal stretches the sign of a measure along a loading counts as rounding: the tangent in principal axes has lost too
 /// many digits.
 const LARGEST_RATIO: f64 = 1e4;
 

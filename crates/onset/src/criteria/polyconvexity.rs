@@ -60,7 +60,7 @@ const UNKNOWN: Polyconvexity = Polyconvexity {
     source: "",
 };
 
-/// Returns the recorded result on the polyconvexity of a law, given the names of the law and its parameters; unknown if none is recorded.
+/// Returns the recorded result on the polyconvexity of a law, given the names of the law and its parameters; unknown without a record.
 ///
 /// ```
 /// use onset::criteria::{Knowledge, polyconvexity};

@@ -8,9 +8,9 @@ const ENDLESS: u32 = 64;
 /// Lower bounds of the smoothness of a node where a test is zero.
 #[derive(Clone, Copy)]
 struct Contact {
-    /// Order in the test to which the node vanishes on both sides.
+    /// Order of the zero of the node in the test, on both sides.
     order: u32,
-    /// Order to which the two sides of the node agree.
+    /// Order of agreement of the two sides of the node.
     agreement: u32,
 }
 

@@ -53,7 +53,7 @@ fn examined(tape: &Tape, value: impl Fn(Leaf) -> Interval) -> Option<Fault> {
         .fault
 }
 
-/// Side of zero on which an interval certainly lies; `None` if it contains zero.
+/// Side of zero that certainly contains an interval; `None` if the interval contains zero.
 fn certain_side(test: Interval) -> Option<Side> {
     if test.high < 0.0 {
         Some(Side::Below)

@@ -184,7 +184,7 @@ pub enum Problem {
     /// The text is too long.
     #[error("the formula has {characters} characters; admitted are {limit}")]
     TooLong {
-        /// Length in characters.
+        /// Length of the text in characters.
         characters: usize,
         /// Largest admissible length in characters.
         limit: usize,
@@ -192,7 +192,7 @@ pub enum Problem {
     /// Parentheses, signs, powers or calls are nested too deeply.
     #[error("more than {limit} levels of parentheses, calls, signs or powers within each other")]
     TooDeep {
-        /// Largest admissible depth.
+        /// Largest admissible depth of nesting.
         limit: usize,
     },
     /// The formula has too many distinct operations.
@@ -353,7 +353,7 @@ pub enum Problem {
 }
 
 impl Problem {
-    /// Returns a hint to the user, if there is one.
+    /// Returns a hint to the user, if available.
     pub fn hint(&self) -> Option<String> {
         let fixed = |text: &str| Some(text.to_owned());
         match self {

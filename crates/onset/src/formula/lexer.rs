@@ -23,7 +23,7 @@ impl Token<'_> {
     }
 }
 
-/// Signs, sorted so that a sign precedes its own prefixes.
+/// Signs, sorted so that a longer sign precedes its prefixes.
 const SIGNS: [&str; 18] = [
     "**", "<=", ">=", "==", "!=", "&&", "||", "+", "-", "*", "/", "^", "(", ")", ",", ";", "<", ">",
 ];

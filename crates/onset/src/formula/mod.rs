@@ -75,7 +75,7 @@ impl Formula {
     /// `I1` and `I2` are invariants of the 2 x 2 tensor `C`, and `I1bar = I1/J`.
     ///
     /// # Errors
-    /// See [`Formula::parse`].
+    /// [`FormulaError`] under the conditions of [`Formula::parse`].
     pub fn parse_in_plane(text: &str) -> Result<Self, FormulaError> {
         Self::parse_in(text, 2)
     }

@@ -171,7 +171,7 @@ impl<'a> Parser<'a> {
         )
     }
 
-    /// Parses `let name = value; ... value`.
+    /// Parses a whole formula, `let name = value; ... value`.
     fn formula(&mut self) -> Result<Id, FormulaError> {
         while self.token() == Token::Name("let") {
             self.advance();

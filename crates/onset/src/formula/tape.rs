@@ -32,7 +32,7 @@ enum Operation {
     SquareRoot(Register),
     IntegerPower(Register, i32),
     RealPower(Register, f64),
-    /// Power `x^y = exp(y ln x)`.
+    /// Power `x^y = exp(y ln x)` of two registers.
     Power(Register, Register),
     Select(Register, Register, Register),
 }

@@ -45,7 +45,7 @@ pub enum KinematicsError {
         /// Determinant of the deformation gradient.
         jacobian: f64,
     },
-    /// A principal stretch is so far from one that double precision cannot distinguish a stiffness from rounding.
+    /// A principal stretch is too extreme for double precision to distinguish a stiffness from rounding.
     #[error(
         "the deformation is too extreme for double precision: principal stretches from {smallest:.1e} to {largest:.1e}, \
          admitted are {} to {}",
@@ -94,7 +94,7 @@ impl<R: Real> DeformationGradient<R> {
         ]
     }
 
-    /// Determinant `J = det F`.
+    /// Determinant `J = det F` of the deformation gradient.
     #[inline(always)]
     pub fn determinant(&self) -> R {
         determinant(&self.0)
@@ -126,18 +126,18 @@ fn determinant<R: Real>(f: &[[R; 3]; 3]) -> R {
 /// Principal invariants of `C = F^T F`, and `J`.
 #[derive(Clone, Copy, Debug)]
 pub struct Invariants<R> {
-    /// First invariant `I1 = tr C`.
+    /// First principal invariant `I1 = tr C`.
     pub first: R,
-    /// Second invariant `I2 = (tr(C)^2 - tr(C^2)) / 2`.
+    /// Second principal invariant `I2 = (tr(C)^2 - tr(C^2)) / 2`.
     pub second: R,
-    /// Third invariant `I3 = det C`.
+    /// Third principal invariant `I3 = det C`.
     pub third: R,
-    /// Volume ratio `J = det F`.
+    /// Ratio of volumes `J = det F`.
     pub jacobian: R,
 }
 
 impl DeformationGradient {
-    /// Reference state, `F = 1`.
+    /// Returns the reference state, `F = 1`.
     pub fn identity() -> Self {
         Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     }
@@ -197,7 +197,7 @@ impl DeformationGradient {
         ])
     }
 
-    /// Volume ratio `J = det F`.
+    /// Ratio of volumes `J = det F`.
     pub fn jacobian(&self) -> f64 {
         self.determinant()
     }

@@ -51,7 +51,7 @@ pub struct Crystal<const D: usize> {
 impl<const D: usize> Crystal<D> {
     /// Creates a lattice with particles at places given in lattice coordinates.
     ///
-    /// Volumes are the volumes of the Voronoi cells. The spacing is that of the lattice with equal volume per particle.
+    /// Volumes are the volumes of the Voronoi cells. The spacing is the spacing of the lattice with equal volume per particle.
     ///
     /// # Errors
     /// [`LatticeError::CoincidentPoints`] if two particles coincide, [`LatticeError::NoSites`] if no place is given.
@@ -98,18 +98,18 @@ impl<const D: usize> Crystal<D> {
     /// Creates a lattice without parameters, with the given distance of nearest neighbors.
     ///
     /// # Errors
-    /// See [`LatticeKind::lattice`].
+    /// [`LatticeError`] under the conditions of [`LatticeKind::lattice`].
     pub fn of(kind: LatticeKind, spacing: f64) -> Result<Self, LatticeError> {
         let crystal = Self::new(kind.lattice(spacing)?, kind.sites())?;
         Ok(crystal.with_spacing(spacing))
     }
 
-    /// Creates a kind of lattice on its Bravais lattice, optionally with other particles instead of its own.
+    /// Creates a kind of lattice on its Bravais lattice, optionally with other particles instead of the standard ones.
     ///
     /// The spacing is the distance of nearest neighbors in the lattice. With other particles it is scaled by the volume per particle.
     ///
     /// # Errors
-    /// See [`Crystal::new`].
+    /// [`LatticeError`] under the conditions of [`Crystal::new`].
     pub fn arranged(
         kind: LatticeKind,
         lattice: BravaisLattice<D>,
@@ -215,7 +215,7 @@ impl<const D: usize> Crystal<D> {
     /// Ball of a given radius, for distances measured as `|metric x|`.
     ///
     /// # Errors
-    /// [`LatticeError`] if the metric maps the lattice to a degenerate one, or to one that double precision does not resolve.
+    /// [`LatticeError`] if the image of the lattice under the metric is degenerate, or not resolved in double precision.
     pub(crate) fn ball(
         &self,
         radius: f64,
@@ -288,7 +288,7 @@ impl<const D: usize> Crystal<D> {
         })
     }
 
-    /// Displaces every particle of a cell at random; the volumes become those of the new Voronoi cells.
+    /// Displaces every particle of a cell at random; the volumes are recomputed from the new Voronoi cells.
     ///
     /// Each Cartesian component changes by a number between `-amplitude` and `amplitude` (a length). Equal seeds give equal numbers on every machine.
     ///

@@ -53,7 +53,7 @@ pub fn delaunay_centers<const D: usize>(
     Ok(centers)
 }
 
-/// Coordinate between 0 and 1, exact if symmetry makes it a simple fraction.
+/// Coordinate between 0 and 1, exact if it is a simple fraction by symmetry.
 fn folded(x: f64) -> f64 {
     let fraction = (x * DIVISIONS).round() / DIVISIONS;
     let x = if (x - fraction).abs() < SAME {

@@ -6,7 +6,7 @@ use nalgebra::{SMatrix, SVector};
 
 /// Kind of lattice of the particles: a Bravais lattice with one or two particles in each cell.
 ///
-/// The centers of the Delaunay cells are possible places of stress points, see [`super::delaunay_centers`].
+/// The centers of the Delaunay cells ([`super::delaunay_centers`]) are possible places of stress points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",

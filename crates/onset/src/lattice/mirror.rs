@@ -19,7 +19,7 @@ pub(crate) struct Mirror {
 
 /// Largest multiple of a phase along a mirror line whose cosines and sines are tabulated.
 pub(crate) const HARMONICS: usize = 48;
-/// Number of columns to which lines are padded, a full vector register.
+/// Lines are padded to a multiple of this number of columns, a full vector register.
 pub(crate) const FILL: usize = 8;
 /// Columns of a line that form one group.
 pub(crate) type Group = [f64; FILL];

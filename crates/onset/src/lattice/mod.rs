@@ -213,8 +213,8 @@ impl<const D: usize> BravaisLattice<D> {
     /// Lattice Laplacian `|k|_h^2 = sum_i 2 (1 - cos k.a_i) / |a_i|^2`, the finite-difference analog of `|k|^2`. 1/length^2.
     ///
     /// It is finite over the zone and quadratic for long waves. The `a_i` are the shortest primitive vectors, so it depends on the lattice only, not
-    /// on the basis that describes it. Among equally short vectors, those with an inclination to the diagonal `(1, 1, 1)` closest to that of the axes
-    /// are used.
+    /// on the basis that describes it. Among equally short vectors, the vectors whose inclination to the diagonal `(1, 1, 1)` is closest to the
+    /// inclination of the axes are used.
     ///
     /// ```
     /// use nalgebra::{Matrix2, Vector2};

@@ -61,11 +61,12 @@ impl<const D: usize> Reduced<D> {
 
     /// Reduced basis that is independent of the basis that describes the lattice.
     ///
-    /// Among equally short vectors those come first whose inclination to the diagonal `(1, 1, 1)` is closest to the inclination of the axes. For
-    /// named lattices these are the standard vectors. The given basis is returned if it differs only in order and signs.
+    /// Among equally short vectors the order is by the inclination to the diagonal `(1, 1, 1)`: vectors with an inclination closest to the
+    /// inclination of the axes come first. For named lattices these are the standard vectors. The given basis is returned if it differs only in order
+    /// and signs.
     ///
     /// # Errors
-    /// See [`Reduced::of`].
+    /// [`LatticeError`] under the conditions of [`Reduced::of`].
     pub(crate) fn canonical(vectors: &SMatrix<f64, D, D>) -> Result<Self, LatticeError> {
         let reduced = Self::of(vectors)?;
         let Some(coordinates) = chosen(&reduced.vectors) else {
@@ -88,10 +89,10 @@ impl<const D: usize> Reduced<D> {
         })
     }
 
-    /// Canonical basis with a unique order and sign of each vector, which are those of the named lattices.
+    /// Canonical basis with the order and the signs of the vectors of the named lattices.
     ///
     /// # Errors
-    /// See [`Reduced::of`].
+    /// [`LatticeError`] under the conditions of [`Reduced::of`].
     pub(crate) fn unique(vectors: &SMatrix<f64, D, D>) -> Result<Self, LatticeError> {
         let reduced = Self::of(vectors)?;
         let Some(mut coordinates) = chosen(&reduced.vectors) else {
@@ -275,8 +276,8 @@ impl<const D: usize> Ball<D> {
     /// Creates a ball with a given radius.
     ///
     /// # Errors
-    /// [`LatticeError::Dependent`] if the columns do not span space, [`LatticeError::Sheared`] if they are so long, and so nearly parallel, that
-    /// double precision does not resolve the lattice.
+    /// [`LatticeError::Dependent`] if the columns do not span space, [`LatticeError::Sheared`] if they are too long and nearly parallel for double
+    /// precision to resolve the lattice.
     pub(crate) fn new(vectors: &SMatrix<f64, D, D>, radius: f64) -> Result<Self, LatticeError> {
         let basis = Reduced::of(vectors)?;
         let inverse = inverse_of(&basis.vectors)
@@ -329,7 +330,7 @@ pub(super) fn covering_radius<const D: usize>(reduced: &SMatrix<f64, D, D>) -> f
     0.5 * reduced.norm()
 }
 
-/// All differences `place + R` with lattice vectors `R` that are at most as long as a radius.
+/// All differences `place + R` with lattice vectors `R` whose length does not exceed a radius.
 pub(super) fn images_within<const D: usize>(
     lattice: &BravaisLattice<D>,
     ball: &Ball<D>,

@@ -71,7 +71,7 @@ impl<const D: usize> Symmetry<D> {
 pub(crate) struct Wedge {
     /// First point of the orbit of each point.
     pub(crate) first: Vec<u32>,
-    /// Range along each line (all indices but the last) of the points that are first of their orbit.
+    /// Range along each line (all indices except the last) of the points that are first of their orbit.
     pub(crate) lines: Vec<Range<usize>>,
 }
 

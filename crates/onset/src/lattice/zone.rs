@@ -115,7 +115,7 @@ impl<const D: usize> BrillouinZone<D> {
             .all(|g| k.dot(g) <= (0.5 + tolerance) * g.norm_squared())
     }
 
-    /// Factor `t` by which a wave vector must be multiplied to lie on the boundary of the zone; infinite for zero.
+    /// Factor `t` that moves a wave vector to the boundary of the zone; infinite for zero.
     ///
     /// ```
     /// use nalgebra::Vector2;

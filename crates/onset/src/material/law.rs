@@ -7,11 +7,11 @@ use crate::algebra::array_of;
 /// Admissible values of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Admitted {
-    /// All finite numbers.
+    /// All finite numbers, including zero.
     Any,
-    /// Positive finite numbers.
+    /// Positive finite numbers, excluding zero.
     Positive,
-    /// Nonnegative finite numbers.
+    /// Nonnegative finite numbers, including zero.
     NotNegative,
     /// Numbers from 0 to 1.
     Fraction,
@@ -200,7 +200,7 @@ impl Law {
     /// Stiffness at small strains in the reference, in closed form; parameters as for [`Law::build`]. Units of stress.
     ///
     /// # Errors
-    /// See [`Law::build`].
+    /// [`MaterialError`] under the conditions of [`Law::build`].
     pub fn small_strain_stiffness(
         &self,
         given: &[(&str, f64)],

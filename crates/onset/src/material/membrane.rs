@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// Two-dimensional law: an energy of the 2 x 2 deformation gradient, without an out-of-plane direction.
 ///
-/// The energy is that of a three-dimensional law at `F_33 = 1` without out-of-plane shears, or a formula in the invariants of the 2 x 2 tensor
+/// The energy is the energy of a three-dimensional law at `F_33 = 1` without out-of-plane shears, or a formula in the invariants of the 2 x 2 tensor
 /// ([`Formula::parse_in_plane`](crate::formula::Formula::parse_in_plane)). Increments stay in the plane: out-of-plane stress and tangent are zero.
 ///
 /// ```

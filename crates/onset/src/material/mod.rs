@@ -97,7 +97,7 @@ pub enum MaterialError {
     /// The law is not applicable to a sheet in plane stress, or to a bar in uniaxial stress.
     #[error("the law has no plane stress: {reason}")]
     NoPlaneStress {
-        /// Reason in words.
+        /// Reason why it is not applicable.
         reason: &'static str,
     },
     /// The branch of plane-stress states that begins at the reference ends before this state.
@@ -219,7 +219,7 @@ pub trait StrainEnergy {
     }
 }
 
-/// In-plane tangent, with `A_iJkL` at `[2 i + J][2 k + L]`.
+/// Tangent within the plane, with `A_iJkL` at `[2 i + J][2 k + L]`.
 pub type PlaneTangent = [[f64; 4]; 4];
 
 /// Returns true if `A_iJkL = A_kLiJ` within the plane to rounding, as for a stress that derives from an energy.
@@ -230,7 +230,7 @@ pub(crate) fn has_major_symmetry(tangent: &PlaneTangent) -> bool {
     pairs.all(|(a, b)| (tangent[a][b] - tangent[b][a]).abs() <= scale)
 }
 
-/// In-plane parts of stress and tangent.
+/// Components of stress and tangent within the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneResponse {
     /// Stress components `P_iJ`, stored at `[2 i + J]`.
@@ -253,7 +253,7 @@ pub trait Hyperelastic: Send + Sync {
     /// result is not affected by the rounding of a very large stiffness against changes of volume.
     ///
     /// # Errors
-    /// See [`Hyperelastic::response`].
+    /// [`MaterialError`] under the conditions of [`Hyperelastic::response`].
     fn isochoric_response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         self.response(f)
     }
@@ -268,7 +268,7 @@ pub trait Hyperelastic: Send + Sync {
     /// Energy and first Piola-Kirchhoff stress at a state, without the tangent. Units of stress.
     ///
     /// # Errors
-    /// See [`Hyperelastic::response`].
+    /// [`MaterialError`] under the conditions of [`Hyperelastic::response`].
     fn energy_and_stress(
         &self,
         f: &DeformationGradient,
@@ -295,7 +295,7 @@ pub trait Hyperelastic: Send + Sync {
         self.response(&DeformationGradient::identity())
     }
 
-    /// In-plane part of the tangent, `A_iJkL` at `[2 i + J][2 k + L]` with indices 0 and 1. Units of stress.
+    /// Part of the tangent within the plane, `A_iJkL` at `[2 i + J][2 k + L]` with indices 0 and 1. Units of stress.
     ///
     /// It suffices for waves in the plane and is several times cheaper than the full tangent.
     ///
@@ -308,7 +308,7 @@ pub trait Hyperelastic: Send + Sync {
         }))
     }
 
-    /// In-plane tangents ([`Hyperelastic::plane_tangent`]) of many states. Each result is bitwise independent of the other states.
+    /// Tangents within the plane ([`Hyperelastic::plane_tangent`]) of many states. Each result is bitwise independent of the other states.
     fn plane_tangents(
         &self,
         states: &[DeformationGradient],
@@ -316,7 +316,7 @@ pub trait Hyperelastic: Send + Sync {
         states.iter().map(|f| self.plane_tangent(f)).collect()
     }
 
-    /// In-plane parts of stress and tangent. Units of stress.
+    /// Components of stress and tangent within the plane. Units of stress.
     ///
     /// # Errors
     /// [`MaterialError::NotFinite`] if they over- or underflow.
@@ -343,7 +343,7 @@ pub trait Hyperelastic: Send + Sync {
     /// the positions.
     ///
     /// # Errors
-    /// See [`Hyperelastic::response`].
+    /// [`MaterialError`] under the conditions of [`Hyperelastic::response`].
     fn integrated_tangent(
         &self,
         _f: &DeformationGradient,
@@ -364,7 +364,7 @@ pub trait Hyperelastic: Send + Sync {
 pub struct LaneStress {
     /// Energy `W` per reference volume; NaN if no stress exists.
     pub energy: Lanes,
-    /// Stress components `P_iJ`.
+    /// Components `P_iJ` of the stress.
     pub first_piola: [[Lanes; 3]; 3],
 }
 
@@ -471,7 +471,7 @@ impl LaneStress {
 pub struct ResponseEnclosure {
     /// Energy `W` per reference volume.
     pub energy: Interval,
-    /// Stress components `P_iJ`.
+    /// Bounds of the stress components `P_iJ`.
     pub first_piola: [[Interval; 3]; 3],
     /// Tangent components `A_iJkL`, indexed `[i][J][k][L]`.
     pub tangent: [[[[Interval; 3]; 3]; 3]; 3],
@@ -570,7 +570,7 @@ fn jets<R: Real>(f: &DeformationGradient<R>) -> DeformationGradient<Jet<9, R>> {
     DeformationGradient::from_components(jets)
 }
 
-/// Cofactor matrix `cof F = J F^-T`.
+/// Matrix of cofactors `cof F = J F^-T`.
 pub(crate) fn cofactor(f: &Matrix3<f64>) -> Matrix3<f64> {
     let [a, b, c] = [0, 1, 2].each(|i| f.row(i).transpose());
     Matrix3::from_rows(&[
@@ -700,7 +700,7 @@ fn finite_stress(
     Ok((energy.value, stress))
 }
 
-/// In-plane stress and tangent, with a check for over- and underflow.
+/// Stress and tangent within the plane, with a check for over- and underflow.
 fn finite_plane_response(
     energy: &Jet<4>,
     f: &DeformationGradient,
@@ -724,7 +724,7 @@ fn finite_response(energy: &Jet<9>, f: &DeformationGradient) -> Result<Response,
     .finite()
 }
 
-/// In-plane tangent, with a check for over- and underflow.
+/// Tangent within the plane, with a check for over- and underflow.
 fn finite(tangent: PlaneTangent, f: &DeformationGradient) -> Result<PlaneTangent, MaterialError> {
     require_finite(tangent.as_flattened().iter(), f)?;
     Ok(tangent)

@@ -20,9 +20,9 @@ const FARTHEST: f64 = 0.5;
 const CONTRACTION: f64 = 0.25;
 /// Relative size of a step that is rounding.
 const ROUNDING: f64 = 1e-15;
-/// Relative size of a step from which lack of contraction counts as rounding.
+/// Relative steps smaller than this count as rounding if they do not contract.
 const CLOSE: f64 = 1e-7;
-/// Smallest fraction of the path from the reference to a state by which the branch is followed. For a stretch of ten thousand it is a small strain.
+/// Smallest step along the branch, as a fraction of the path from the reference to a state. For a stretch of ten thousand it is a small strain.
 const SMALLEST_STRIDE: f64 = 1.0 / (1u32 << 26) as f64;
 /// Stiffness across the sheet, relative to the largest stiffness, that is rounding.
 const NO_STIFFNESS: f64 = 1e-12;
@@ -51,15 +51,15 @@ const WIDENINGS: usize = 8;
 ///
 /// `Q` is the acoustic tensor of waves across the sheet, so the stationary point is a minimum if these waves have real speeds. For isotropic laws, or
 /// if the plane of the sheet is a plane of mirror symmetry, `F_13` and `F_23` are zero and one stretch is computed; otherwise all three components
-/// are. A bar has the second column too, up to a rotation about its axis. If several minima exist, the one that continues from the reference along
-/// `R ((1 - t) 1 + t U)` is used, with the in-plane `F = R U`.
+/// are. A bar has the second column too, up to a rotation about its axis. If several minima exist, the minimum that continues from the reference
+/// along `R ((1 - t) 1 + t U)` is used, with the in-plane `F = R U`.
 ///
-/// Components of a state beyond its dimensions are not read: [`Response::deformation`] contains the computed ones. Stress and tangent beyond the
-/// dimensions are zero; components like `A_3131` are those of the membrane, `dP_31/dF_31`. Units of stress, per reference volume.
+/// Components of a state beyond its dimensions are not read: [`Response::deformation`] contains the computed components. Stress and tangent beyond
+/// the dimensions are zero; components like `A_3131` are the components `dP_31/dF_31` of the membrane. Units of stress, per reference volume.
 ///
-/// A metal that flows has reached a state, including its thickness, along its own proportional path, at whose end the faces are traction-free. Its
-/// tangent of continued flow is condensed, since continued flow keeps the faces free. Source: H. Le Dret and A. Raoult, J. Math. Pures Appl. 74
-/// (1995) 549 (membranes).
+/// A metal that flows has reached a state, including its thickness, along a proportional path, at whose end the faces are traction-free. Its tangent
+/// of continued flow is condensed, since continued flow keeps the faces free. Source: H. Le Dret and A. Raoult, J. Math. Pures Appl. 74 (1995) 549
+/// (membranes).
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;

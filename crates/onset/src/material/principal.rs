@@ -35,8 +35,8 @@ pub trait PrincipalEnergy {
     }
 }
 
-/// Relative difference below which two eigenvalues of `C` count as close. At this difference the quotient has lost less than two digits, and the
-/// error of the five-point quadrature is less than `1e-15`.
+/// Eigenvalues of `C` with a smaller relative difference count as close. At this difference the quotient has lost less than two digits, and the error
+/// of the five-point quadrature is less than `1e-15`.
 const CLOSE: f64 = 0.05;
 
 /// Points of the Gauss-Legendre rule of order 10 on `(0, 1)` from its midpoint on, with weights. The rule and the integrand are symmetric about the
@@ -140,7 +140,7 @@ impl Expansion {
         }
     }
 
-    /// Evaluates the expansion at its own state, with derivatives.
+    /// Evaluates the expansion at the state itself, with derivatives.
     fn at<R: Real>(&self, c: &[[R; 3]; 3]) -> R {
         let n = &self.axes;
         // C n_j, then n_i . C n_j.
@@ -384,7 +384,7 @@ const BY_SHAPE: [[f64; 3]; 3] = {
     [[third, a, b], [third, -a, b], [third, 0.0, -2.0 * b]]
 };
 
-/// Ratio of volumetric to shape stiffness from which the volumetric stiffness is separated. Below it derivatives by each stretch keep more digits if
+/// The volumetric stiffness is separated if it exceeds the shape stiffness by this ratio. Below it derivatives by each stretch keep more digits if
 /// the stretches differ much.
 const STIFF: f64 = 1e6;
 

@@ -42,7 +42,7 @@ pub struct FiniteUpdate {
     elastic: Vector3<f64>,
     stress: Vector3<f64>,
     theta: f64,
-    /// Derivatives `d tau_i / d trial_j`.
+    /// Derivatives `d tau_i / d trial_j` of the return mapping.
     consistent: Matrix3<f64>,
 }
 
@@ -53,7 +53,7 @@ impl DruckerPrager {
     /// Kirchhoff stress in place of the stress (J. C. Simo, *Comput. Methods Appl. Mech. Engrg.* 99 (1992) 61). Without flow this is Hencky's law.
     ///
     /// # Errors
-    /// See [`DruckerPrager::update`].
+    /// [`PlasticityError`] under the conditions of [`DruckerPrager::update`].
     pub fn finite_update(
         &self,
         deformation: &DeformationGradient,
@@ -95,7 +95,7 @@ impl DruckerPrager {
 }
 
 impl FiniteUpdate {
-    /// Kirchhoff stress `tau = J sigma`.
+    /// Kirchhoff stress `tau = J sigma` at the end of the step.
     pub fn kirchhoff(&self) -> Matrix3<f64> {
         self.frame * Matrix3::from_diagonal(&self.stress) * self.frame.transpose()
     }
@@ -147,7 +147,7 @@ impl FiniteUpdate {
         RateModuli::finite(&self.law, &self.elastic, self.state.slip, self.frame)
     }
 
-    /// Pull-back `A_iJkL = a_ijkl F^-1_Jj F^-1_Ll`.
+    /// Pull-back `A_iJkL = a_ijkl F^-1_Jj F^-1_Ll` of spatial moduli.
     fn pulled_back(&self, moduli: &SpatialModuli) -> FourthOrder {
         let spatial = |a: usize| self.frame.column(a);
         let material = inverse(&self.deformation) * self.frame;

@@ -30,7 +30,7 @@ pub enum Hardening {
         /// Slip over which the difference falls by the factor `1/e`.
         reference: f64,
     },
-    /// Power law `k = initial (1 + gamma/reference)^exponent`.
+    /// Power-law hardening `k = initial (1 + gamma/reference)^exponent`.
     Power {
         /// Strength at first yield.
         initial: f64,
@@ -53,7 +53,7 @@ pub enum Hardening {
 }
 
 impl Hardening {
-    /// Checks the parameters.
+    /// Checks that the parameters are admissible.
     pub(in crate::plasticity) fn check(&self) -> Result<(), PlasticityError> {
         let positive = |name, value: f64| {
             PlasticityError::require(value > 0.0, name, value, "a positive finite number")

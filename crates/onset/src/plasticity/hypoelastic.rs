@@ -106,7 +106,7 @@ fn made(p: &[f64], rate: Rate) -> Made {
     }))
 }
 
-/// Kronecker delta.
+/// Kronecker delta `delta_ij` as a number.
 fn delta(i: usize, j: usize) -> f64 {
     f64::from(u8::from(i == j))
 }
@@ -114,11 +114,11 @@ fn delta(i: usize, j: usize) -> f64 {
 /// State with the stress that results from the path to it.
 struct Stressed<'a> {
     law: &'a Hypoelastic,
-    /// Logarithmic strain `ln V`.
+    /// Logarithmic strain `ln V` of the state.
     logarithm: Spectral,
     /// Logarithm of the volume ratio, `tr ln V = ln J`.
     volume: f64,
-    /// Stress deviator `s`.
+    /// Deviator `s` of the stress.
     deviator: Matrix3<f64>,
 }
 
@@ -198,7 +198,7 @@ impl Stressed<'_> {
         self.law.mu * shear + (bulk - self.law.mu / 1.5) * delta(i, j) * delta(k, l)
     }
 
-    /// Bulk modulus `d(-p)/d ln J`.
+    /// Bulk modulus `d(-p)/d ln J` of the state.
     fn bulk(&self) -> f64 {
         self.law.kappa * (-self.law.n * self.volume).exp()
     }

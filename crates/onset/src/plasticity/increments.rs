@@ -35,13 +35,13 @@ const LARGEST_STRAIN: f64 = 1.0;
 const GROWTH: f64 = 1.5;
 /// Smallest relative reduction of the elastic tangent that counts as flow.
 const FLOWS: f64 = 1e-3;
-/// Size of the increments with which tangents are probed, in units of the strain of first yield.
+/// Size of the probing increments, in units of the strain of first yield.
 const PROBE: f64 = 1e-4;
 /// Relative size of tangent components that count as zero: components that violate orthotropy along the axes, and flow by a second mechanism.
 const NEGLIGIBLE: f64 = 1e-4;
 /// Largest number of Newton iterations for the lateral strains.
 const ITERATIONS: usize = 40;
-/// Corrections of strains below which the iteration has converged, in units of the strain of first yield.
+/// The iteration has converged at smaller corrections of the strains, in units of the strain of first yield.
 const SETTLED: f64 = 1e-11;
 /// Largest admissible lateral stresses, in units of the elastic moduli times the strain of first yield, if the corrections do not converge.
 const BALANCED: f64 = 1e-6;
@@ -55,7 +55,7 @@ const HALVINGS: usize = 36;
 /// imply.
 ///
 /// # Errors
-/// See [`follow`](super::follow); in addition [`PlasticityError::Law`] if the law fails before it flows, and [`PlasticityError::NotAlongAxes`] or
+/// The errors of [`follow`](super::follow), [`PlasticityError::Law`] if the law fails before it flows, and [`PlasticityError::NotAlongAxes`] or
 /// [`PlasticityError::SeveralMechanisms`] if its tangent does not correspond to one mechanism of flow along the axes.
 pub fn follow_increments(
     law: &dyn IncrementalLaw,
@@ -116,9 +116,9 @@ struct Continued {
 
 /// Stress and moduli of an increment along the axes.
 struct Answer {
-    /// Cauchy stress.
+    /// Cauchy stress along the axes.
     stress: Vector3<f64>,
-    /// Derivatives `d sigma_i / d e_j`.
+    /// Derivatives `d sigma_i / d e_j` of the stress.
     slope: Matrix3<f64>,
     /// Derivatives `d tau_i / d e_j` in the strain measure of the loading.
     normal: Matrix3<f64>,
@@ -227,7 +227,7 @@ impl<'a> Increments<'a> {
         Err(PlasticityError::NoBalance)
     }
 
-    /// State after one more increment.
+    /// State after an additional increment.
     fn advanced(&self, driving: f64) -> Result<Self, PlasticityError> {
         let strain = self.balanced(driving)?;
         let mut next = self.clone();
@@ -451,9 +451,9 @@ struct Taken {
     flow: Vector3<f64>,
     /// Vector `Q:C` that multiplies the strain.
     loading: Vector3<f64>,
-    /// Denominator `h + Q:C:P`.
+    /// Denominator `h + Q:C:P` of the reduction.
     stiffness: f64,
-    /// Relaxation `Q:C:P`.
+    /// Relaxation `Q:C:P` by flow.
     relaxation: f64,
 }
 
@@ -501,8 +501,7 @@ impl Taken {
     }
 }
 
-/// Norm by which a direction of flow is divided: the norm of the deviator times `sqrt(2)`, or the norm of the direction itself if its deviator
-/// vanishes.
+/// Norm of a direction of flow: the norm of the deviator times `sqrt(2)`, or the norm of the direction itself if its deviator vanishes.
 fn unit(direction: &Vector3<f64>) -> f64 {
     let deviator = direction.add_scalar(-direction.mean());
     let size = std::f64::consts::SQRT_2 * deviator.norm();

@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-/// Step length, relative to the end of the interval, below which steps are accepted regardless of their error.
+/// Shorter steps, relative to the end of the interval, are accepted regardless of their error.
 const SHORTEST: f64 = 1e-12;
 
 /// Largest number of steps of an integration.

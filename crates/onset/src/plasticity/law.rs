@@ -79,7 +79,7 @@ impl DruckerPrager {
     /// Creates the von Mises (J2) law, `mu = beta = 0`.
     ///
     /// # Errors
-    /// See [`DruckerPrager::new`].
+    /// [`PlasticityError`] under the conditions of [`DruckerPrager::new`].
     pub fn von_mises(
         shear_modulus: f64,
         poisson_ratio: f64,

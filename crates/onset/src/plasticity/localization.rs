@@ -29,15 +29,15 @@ pub enum Criterion {
     serde(rename_all = "kebab-case")
 )]
 pub enum BandKind {
-    /// Opening without shear.
+    /// Opening mode without shear.
     DilationBand,
-    /// Shear with opening.
+    /// Shear combined with opening.
     DilatantShearBand,
     /// Shear at constant thickness.
     ShearBand,
-    /// Shear with closing.
+    /// Shear combined with closing.
     CompactantShearBand,
-    /// Closing without shear.
+    /// Closing mode without shear.
     CompactionBand,
 }
 
@@ -100,7 +100,7 @@ impl RateModuli {
     ///
     /// The maximum extends over all directions of the sphere (of the sheet for [`RateModuli::in_sheet`]) without sampling. In principal axes
     /// `h_cr(n)` is a quotient of cubics of `n_i^2`. It is bounded on parts of the triangle of these variables, and the best point is refined. At
-    /// small strain the maximum lies in the plane of the largest and the smallest principal stress (see the book).
+    /// small strain the maximum lies in the plane of the largest and the smallest principal stress, as the book derives.
     ///
     /// ```
     /// use nalgebra::{Matrix3, Vector3};
@@ -130,7 +130,7 @@ impl RateModuli {
     /// Returns true if a criterion holds in every direction for continued flow.
     ///
     /// # Errors
-    /// See [`RateModuli::critical`].
+    /// [`PlasticityError`] under the conditions of [`RateModuli::critical`].
     pub fn holds(&self, criterion: Criterion) -> Result<bool, PlasticityError> {
         Ok(self.modulus > self.critical(criterion)?.modulus)
     }
@@ -229,9 +229,9 @@ impl RateModuli {
 }
 
 impl BandKind {
-    /// Sine below which a band counts as free of shear.
+    /// A band with a smaller sine counts as free of shear.
     const PURE: f64 = 1e-6;
-    /// Cosine below which a band counts as of constant thickness. Laws with isochoric flow leave an elastic remainder.
+    /// A band with a smaller cosine counts as of constant thickness. Laws with isochoric flow leave an elastic remainder.
     const CONSTANT: f64 = 0.01;
 
     fn of(normal: &Vector3<f64>, polarization: &Vector3<f64>) -> Self {

@@ -119,7 +119,7 @@ const fn ratio(name: &'static str, default: f64) -> Parameter {
     )
 }
 
-/// Flow stress `sigma_y(e)`.
+/// Flow stress `sigma_y(e)` of the metal.
 #[derive(Clone, Copy, Debug)]
 struct FlowStress {
     first: f64,
@@ -193,7 +193,7 @@ struct Flow {
     normal: Matrix3<f64>,
     /// Dual normal `Y` with `N : dM = Y : dC_e`.
     dual: Matrix3<f64>,
-    /// Second derivative `w_ee`.
+    /// Second derivative `w_ee` of the energy.
     stiffness: f64,
 }
 

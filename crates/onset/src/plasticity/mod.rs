@@ -101,7 +101,7 @@ pub enum PlasticityError {
          below which a strain does not determine the stress"
     )]
     SnapBack {
-        /// Smallest plastic modulus.
+        /// Smallest plastic modulus of the law.
         modulus: f64,
         /// Lower limit of the plastic modulus.
         least: f64,
@@ -136,7 +136,7 @@ pub enum PlasticityError {
         "the confinement {confinement} itself makes the material yield; expected a pressure within the yield surface"
     )]
     Confinement {
-        /// Confining pressure.
+        /// Confining pressure of the loading.
         confinement: f64,
     },
     /// The material does not yield along a path.

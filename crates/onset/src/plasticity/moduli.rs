@@ -12,23 +12,23 @@ use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 /// reference volume (Kirchhoff stress).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RateModuli {
-    /// Normal moduli `a_iijj`.
+    /// Normal moduli `a_iijj` in principal axes.
     pub(super) normal: Matrix3<f64>,
     /// Shear moduli `a_ijij`, the stiffness of a shear wave along `j` with polarization `i`.
     pub(super) shear: Matrix3<f64>,
-    /// Shear moduli `a_ijji`.
+    /// Cross moduli `a_ijji` in principal axes.
     pub(super) swap: Matrix3<f64>,
     /// Vector `A` of flow.
     pub(super) flow: Vector3<f64>,
     /// Vector `B` of loading.
     pub(super) loading: Vector3<f64>,
-    /// Plastic modulus `h`.
+    /// Plastic modulus `h` of the state.
     pub(super) modulus: f64,
-    /// Relaxation `Q:C:P`.
+    /// Relaxation `Q:C:P` by flow.
     pub(super) relaxation: f64,
     /// Principal directions, as columns.
     pub(super) frame: Matrix3<f64>,
-    /// Principal stresses.
+    /// Principal stresses of the state.
     pub(super) stress: Vector3<f64>,
     /// Whether the maximum over directions lies in the plane of the extreme flows: the elastic part is isotropic (small strain), and the deviators of
     /// `P` and `Q` are parallel.
@@ -90,7 +90,7 @@ impl RateModuli {
     pub fn of(flow: &Flow, stress: &Vector3<f64>, frame: Matrix3<f64>, is_finite: bool) -> Self {
         let elasticity = &flow.elasticity;
         let moduli = match is_finite {
-            // Only differences of strains matter, which equal those of the deviators.
+            // Only differences of strains matter, and the deviators have the same differences.
             true => SpatialModuli::new(
                 elasticity.normal(),
                 stress,

@@ -89,7 +89,7 @@ pub struct Loading {
     pub confinement: f64,
     /// Ratio of the strain along axis 2 to the strain along axis 1 for [`LoadingPath::SheetStretch`].
     pub strain_ratio: f64,
-    /// Plastic shear strain up to which the path is followed.
+    /// Final plastic shear strain of the path.
     pub slip: f64,
 }
 
@@ -128,7 +128,7 @@ pub enum End {
     TurnsBack,
     /// The stress deviator vanishes.
     Apex,
-    /// The intermediate principal stress becomes equal to another one, and another face of the yield surface would flow.
+    /// The intermediate principal stress reaches the largest or the smallest one, and another face of the yield surface would flow.
     Corner,
     /// The elastic strains have become too large for the elastic part of the law.
     ElasticNotElliptic,

@@ -8,7 +8,7 @@ use nalgebra::Matrix3;
 /// State of a material point at small strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
-    /// Plastic strain, symmetric.
+    /// Plastic strain, a symmetric tensor.
     pub plastic_strain: Matrix3<f64>,
     /// Plastic shear strain `gamma`.
     pub slip: f64,
@@ -132,7 +132,7 @@ impl DruckerPrager {
         let (bulk, friction, dilatancy) = (self.bulk_modulus(), self.friction(), self.dilatancy());
         let excess = friction * trial_mean - self.hardening().strength(slip);
         let relaxation = friction * dilatancy * bulk;
-        // Otherwise the increment of slip is not determined.
+        // If this condition fails, the increment of slip is not determined.
         if !(dilatancy > 0.0 && relaxation + self.hardening().lowest_modulus() > 0.0) {
             return Err(PlasticityError::Apex);
         }

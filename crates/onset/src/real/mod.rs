@@ -88,7 +88,7 @@ pub trait Real:
         self
     }
 
-    /// Selects one formula below a threshold of this number and another one at and above it.
+    /// Selects one formula below a threshold of this number, and another formula at and above the threshold.
     ///
     /// If an interval contains both sides, both formulas contribute. For NaN the result is NaN.
     ///

@@ -150,7 +150,7 @@ struct DampedWave {
 enum Factors {
     /// Eigenvalues of the amplification matrix.
     Matrix(Amplification, Integrator),
-    /// Stability polynomial `P(lambda dt)`.
+    /// Stability polynomial `P(lambda dt)` of the method.
     Polynomial(Vec<f64>),
 }
 
@@ -185,8 +185,8 @@ impl DampedWave {
         }
     }
 
-    /// Excess over one of the largest modulus that must be bounded. Only as many factors as there are growing solutions of the linearized equations
-    /// may exceed one. [`DampedWave::rounding`] is subtracted, so that zero is the limit.
+    /// Excess over one of the largest modulus that must be bounded: each growing solution of the linearized equations permits one larger modulus.
+    /// [`DampedWave::rounding`] is subtracted, so that zero is the limit.
     fn excess(&self, step: f64) -> f64 {
         let rounding = self.rounding();
         // A discrete solution may grow slightly faster than the continuous one.
@@ -217,7 +217,7 @@ impl DampedWave {
         }
     }
 
-    /// Largest stable step.
+    /// Largest stable step of the wave.
     fn critical_step(&self) -> f64 {
         match &self.factors {
             Factors::Polynomial(polynomial) => {

@@ -21,7 +21,7 @@ pub use transferred::TransferredWaves;
 use crate::algebra::Complex;
 use runge_kutta::Stages;
 
-/// Explicit integrators.
+/// Explicit integrators of the equations of motion.
 ///
 /// ```
 /// use onset::time_step::Integrator;

@@ -214,7 +214,7 @@ pub(super) fn value(polynomial: &[f64], z: Complex) -> Complex {
     coefficients.fold(Complex::default(), |sum, c| sum * z + c)
 }
 
-/// Distance from zero along a ray at which `|P|` first exceeds one; zero if it does so immediately. `direction` has unit length.
+/// Distance from zero along a ray where `|P|` first exceeds one; zero if it exceeds one immediately. `direction` has unit length.
 pub(super) fn reach(polynomial: &[f64], direction: Complex) -> f64 {
     // |P(r e)|^2 - 1 as a polynomial of r.
     let mut excess = vec![0.0; 2 * polynomial.len() - 1];

@@ -11,7 +11,7 @@ const ROUNDING: f64 = 64.0;
 const VANISHED: f64 = 1e-12;
 /// Growth relative to the frequency that exceeds the rounding of `ln(z)`.
 const OUTSIDE: f64 = 1e-10;
-/// Value of `|omega^2 dt^2|` from which the larger factor equals `-omega^2 dt^2` to all digits, and squares may overflow.
+/// For larger `|omega^2 dt^2|` the larger factor equals `-omega^2 dt^2` to all digits, and squares may overflow.
 const LONG: f64 = 1e40;
 
 /// Waves of a state in discrete time, for a method that stores velocities at points and accelerates them on a grid.
@@ -164,7 +164,7 @@ impl<const D: usize> TransferredWaves<D> {
         self.omega_squared(k).into_iter().map(of).collect()
     }
 
-    /// Factors by which a step multiplies the two solutions of each wave, sorted by the real part of `omega^2`; the larger factor first.
+    /// Factors of the two solutions of each wave per step, sorted by the real part of `omega^2`; the larger factor first.
     pub fn factors(&self, k: &SVector<f64, D>, step: f64) -> Vec<[Complex; 2]> {
         let changes = self.changes(k, step).into_iter();
         changes

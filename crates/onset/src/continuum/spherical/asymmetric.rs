@@ -1,7 +1,7 @@
 //! Stiffnesses without major symmetry, whose acoustic tensors can have complex eigenvalues.
 //!
 //! All eigenvalues of a real 3 x 3 matrix `M` have positive real parts if and only if (Routh and Hurwitz) its trace, its determinant, and
-//! `tr M m - det M` are positive, where `m` is the sum of the principal minors of order two. The determinant alone is no test: two eigenvalues can
+//! `tr M m - det M` are positive. Here `m` is the sum of the principal minors of order two. The determinant alone is no test: two eigenvalues can
 //! change sign together. For `M = Q(N) - level |N|^2` the three are homogeneous polynomials in the weights of `N = alpha a + beta b + gamma c`. In a
 //! cone where all their coefficients are positive, every real part exceeds the level.
 
@@ -11,7 +11,7 @@ use super::{Axes, Blocks, Minimum, dot, spread, symmetric_minimum};
 use crate::algebra::{Complex, Deviator, Each, array_of, eigenvalues, sort_by_value};
 use nalgebra::{Matrix3, SMatrix};
 
-/// Number of directions from which the real part is minimized.
+/// Number of directions from where the real part is minimized.
 const STARTS: usize = 4;
 /// Number of directions that are followed to the largest imaginary part.
 const FLUTTERING: usize = 4;
@@ -124,7 +124,7 @@ pub(in crate::continuum) fn fluttering_direction<const D: usize>(blocks: &Blocks
     sort_by_value(&mut ends, |item| item.0);
     let followed = ends.iter().take(FLUTTERING).map(|end| match end.0 < 0.0 {
         true => descended(*end, &imaginary, [WIDE, FINE]),
-        // Complex eigenvalues in a narrow range between real ones are found only by minimizing the discriminant.
+        // Complex eigenvalues in a narrow range between real eigenvalues are found only by minimizing the discriminant.
         false => {
             let (_, n) = descended((discriminant(&end.1), end.1), &discriminant, [WIDE, FINE]);
             descended((imaginary(&n), n), &imaginary, [WIDE, FINE])

@@ -10,7 +10,7 @@ use super::{Axes, dot};
 use crate::algebra::{Each, array_of, is_positive_definite, symmetric_eigen};
 use crate::real::Real;
 
-/// Number of divisions of an octant up to which the directions are exact in floating point.
+/// Largest number of divisions of an octant that leaves the directions exact in floating point.
 const DEPTH: usize = 24;
 
 /// Directions of the corners of a triangle. They lie on the octahedron, whose points are exact in floating point, and are not unit vectors.
@@ -72,7 +72,7 @@ pub(crate) fn cover(
     Cover::Above
 }
 
-/// Matrix `Q(a, b) - level a.b`.
+/// Matrix `Q(a, b) - level a.b` of a pair of corners.
 fn lowered<R: Real>(form: &Form<R>, level: f64, a: &Axes<R>, b: &Axes<R>) -> [[R; 3]; 3] {
     let mut matrix = form.acoustic(a, b);
     let shift = dot(a, b) * level;

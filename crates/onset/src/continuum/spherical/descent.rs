@@ -49,7 +49,7 @@ pub(crate) fn descended(form: &Form<f64>, start: Wave) -> Wave {
             wave = next;
             continue;
         }
-        // No further decrease. One more Newton step doubles the accurate digits of the direction; alternating steps would drift if all directions are
+        // No further decrease. A final Newton step doubles the accurate digits of the direction; alternating steps would drift if all directions are
         // equivalent.
         return match by_newton {
             Some(next) if next.eigenvalue <= wave.eigenvalue + ROUNDING => next,
@@ -59,7 +59,7 @@ pub(crate) fn descended(form: &Form<f64>, start: Wave) -> Wave {
     wave
 }
 
-/// Matrix `P(g)_JL = T_iJkL g_i g_k`.
+/// Matrix `P(g)_JL = T_iJkL g_i g_k` of a polarization.
 fn polarized(form: &Form<f64>, g: &Axes<f64>) -> [[f64; 3]; 3] {
     let entry = |j: usize, l: usize| {
         let terms = (0..9).map(|n| g[n / 3] * g[n % 3] * form.at(3 * (n / 3) + j, 3 * (n % 3) + l));

@@ -22,7 +22,7 @@ pub(crate) fn minor(m: usize) -> [(usize, usize); 2] {
 pub(crate) struct Form<R>([[R; 9]; 9]);
 
 impl<R: Real> Form<R> {
-    /// Creates the form from its components `component(i, J, k, L)`. Only those with `3 i + J <= 3 k + L` are evaluated.
+    /// Creates the form from its components `component(i, J, k, L)`, evaluated for `3 i + J <= 3 k + L` only.
     pub(crate) fn from_fn(component: impl Fn(usize, usize, usize, usize) -> R) -> Self {
         Self(array_of(|p| {
             array_of(|q| {
@@ -65,7 +65,7 @@ impl<R: Real> Form<R> {
         q
     }
 
-    /// Components of `H . T H - level |H|^2 + sum_m factors_m minor_m(H)`.
+    /// Components of the form `H . T H - level |H|^2 + sum_m factors_m minor_m(H)`.
     pub(crate) fn lowered(&self, level: f64, factors: &[f64; MINORS]) -> [[R; 9]; 9] {
         let mut shifted = self.0;
         for (p, row) in shifted.iter_mut().enumerate() {

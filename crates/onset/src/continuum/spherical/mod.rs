@@ -1,8 +1,8 @@
 //! Directions on the sphere: a search for the minimum, and a bound that shows whether it is global.
 //!
 //! The search descends from the best of some directions. Its result is compared with the bound by null Lagrangians ([`polyconvexity`]), which holds
-//! for all directions together and is usually attained. Otherwise the sphere is divided into triangles ([`cover`]) until all of them are above the
-//! value found, or the budget is exhausted.
+//! for all directions together and is usually attained. If it is not attained, the sphere is divided into triangles ([`cover`]) until all of them are
+//! above the value found, or the budget is exhausted.
 
 mod asymmetric;
 mod cover;
@@ -33,9 +33,9 @@ const RESOLUTION: f64 = 1e-10;
 const BUDGET: usize = 4_000;
 /// Largest number of covers that may find a lower value.
 const COVERS: usize = 20;
-/// Blocks of a stiffness of magnitude one that differ by less than this from symmetric ones count as symmetric.
+/// Largest asymmetry of the blocks of a stiffness of magnitude one that counts as zero.
 const SYMMETRIC: f64 = 1e-13;
-/// Number of directions from which a descent starts.
+/// Number of directions from where a descent starts.
 const STARTS: usize = 1;
 
 /// Minimum of a stiffness of magnitude one.

@@ -49,7 +49,7 @@ struct Path<'a> {
     level: f64,
     factors: [f64; MINORS],
     weight: f64,
-    /// Inverse `S^-1`.
+    /// Inverse matrix `S^-1` at the current point.
     inverse: [[f64; 9]; 9],
     logarithm: f64,
 }

@@ -2,7 +2,7 @@
 
 use crate::real::{Real, Side};
 
-/// Magnitude below which the series is used: ten terms leave less than rounding there.
+/// The series is used for smaller arguments: there ten terms leave less than rounding.
 const SMALL: f64 = 0.1;
 const TERMS: u32 = 10;
 

@@ -1,8 +1,8 @@
-//! Exponentiated Hencky law.
+//! Exponentiated Hencky law for large strains.
 //!
 //! `W = mu/k (exp(k |dev h|^2) - 1) + kappa/(2 k2) (exp(k2 (tr h)^2) - 1)`, `h_i = ln lambda_i`. The energy of two dimensions, with the deviator
 //! `h - tr h/2` in the plane, is rank-one convex for `k >= 1/4` and `khat >= 1/8`. This does not apply to plane strain of the present law, whose
-//! deviator is three-dimensional. In three dimensions no constants make it elliptic everywhere.
+//! deviator is three-dimensional. In three dimensions the law is not elliptic everywhere for any constants.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{LaneStress, PrincipalEnergy, StrainEnergy, energy_of_stretches};

@@ -10,7 +10,7 @@ fn per_slip(hardening: &Hardening, slip: f64) -> f64 {
     1.0 - hardening.modulus(slip) * slip / hardening.strength(slip)
 }
 
-/// Remaining stiffness `G_s / G = k / (k + G gamma)`.
+/// Ratio of stiffnesses `G_s / G = k / (k + G gamma)`.
 fn remaining(hardening: &Hardening, slip: f64, shear: f64) -> f64 {
     let strength = hardening.strength(slip);
     strength / (strength + shear * slip)
@@ -77,8 +77,8 @@ impl FlowLaw for DeformationTheory {
 /// Scalar damage: `sigma = (1 - D) C : e`, where `D` depends on the largest equivalent shear strain `sqrt(e : C : e / G)`.
 ///
 /// The strain at the shear stress `k(gamma)` is `k/G + gamma`, so that `1 - D = k / (k + G gamma)`. The criterion is
-/// `sqrt(G sigma : C^-1 : sigma) = k`, and inelastic strain is parallel to the strain. Source: J. C. Simo and J. W. Ju, *Int. J. Solids Struct.* 23
-/// (1987) 821 (damage by the energy norm). For localization of laws of this form see J. R. Rice, in *Theoretical and Applied Mechanics* (1976) 207.
+/// `sqrt(G sigma : C^-1 : sigma) = k`, and inelastic strain is parallel to the strain. Sources: J. C. Simo and J. W. Ju, *Int. J. Solids Struct.* 23
+/// (1987) 821 (damage by the energy norm), and for localization of laws of this form J. R. Rice, in *Theoretical and Applied Mechanics* (1976) 207.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScalarDamage {
     elasticity: Elasticity,
@@ -98,7 +98,7 @@ impl ScalarDamage {
         })
     }
 
-    /// Equivalent stress `sqrt(G sigma : C^-1 : sigma)`.
+    /// Equivalent shear stress `sqrt(G sigma : C^-1 : sigma)`.
     fn equivalent(&self, stress: &Vector3<f64>) -> f64 {
         (self.elasticity.shear * stress.dot(&self.elasticity.strain(stress))).sqrt()
     }

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 /// angle `psi` in place of `phi`.
 ///
 /// Source: P. A. Vermeer and R. de Borst, *Heron* 29(3) (1984), for this form. If two principal stresses are equal at first yield (triaxial
-/// compression), both faces of the corner flow equally. If the intermediate stress becomes equal to another one later, the path ends.
+/// compression), both faces of the corner flow equally. If the intermediate stress reaches the largest or the smallest one later, the path ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MohrCoulomb {
     elasticity: Elasticity,
@@ -20,7 +20,7 @@ pub struct MohrCoulomb {
     hardening: Hardening,
 }
 
-/// Relative difference below which principal stresses count as equal.
+/// Principal stresses with a smaller relative difference count as equal.
 const EQUAL: f64 = 1e-9;
 
 impl MohrCoulomb {
