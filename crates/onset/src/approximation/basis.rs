@@ -1,10 +1,10 @@
-//! Bases of monomials, and what a neighbor contributes to moments.
+//! Bases of monomials and the contributions of neighbors to moment matrices.
 
 use crate::algebra::array_of;
 use crate::kernel::Weight;
 use nalgebra::SVector;
 
-/// The number of monomials of `D` variables up to a degree, `(D + degree)! / (D! degree!)`.
+/// Number of monomials of `D` variables up to a degree, `(D + degree)! / (D! degree!)`.
 ///
 /// ```
 /// use onset::approximation::basis_size;
@@ -19,7 +19,7 @@ pub const fn basis_size(dimension: usize, degree: usize) -> usize {
     size
 }
 
-/// The basis `p` at a neighbor with its derivatives.
+/// Basis `p` at a neighbor with its derivatives.
 pub(super) struct BasisValue<const D: usize, const B: usize> {
     value: SVector<f64, B>,
     gradient: [SVector<f64, B>; D],
@@ -27,7 +27,7 @@ pub(super) struct BasisValue<const D: usize, const B: usize> {
 }
 
 impl<const D: usize, const B: usize> BasisValue<D, B> {
-    /// `p = (1)`.
+    /// Constant basis `p = (1)`.
     pub(super) fn constant() -> Self {
         Self {
             value: SVector::repeat(1.0),
@@ -37,7 +37,7 @@ impl<const D: usize, const B: usize> BasisValue<D, B> {
     }
 }
 
-/// The exponents of `B` monomials by increasing degree: first 1, then the components.
+/// Exponents of `B` monomials by increasing degree: first 1, then the components.
 pub(super) struct Monomials<const D: usize, const B: usize> {
     exponents: [[u8; D]; B],
 }
@@ -50,7 +50,7 @@ impl<const D: usize, const B: usize> Monomials<D, B> {
         }
     }
 
-    /// The monomials of `xi / length` with their derivatives by `xi`.
+    /// Monomials of `xi / length` with their derivatives by `xi`.
     pub(super) fn at(&self, xi: &SVector<f64, D>, length: f64) -> BasisValue<D, B> {
         let unit = xi / length;
         let derived = |by: [u8; D], scale: f64| {
@@ -66,7 +66,7 @@ impl<const D: usize, const B: usize> Monomials<D, B> {
     }
 }
 
-/// The exponents of all monomials of one degree, those with much of the first component first.
+/// Exponents of all monomials of one degree, with decreasing powers of the first component.
 fn of_degree<const D: usize>(degree: u8) -> Vec<[u8; D]> {
     let mut found = Vec::new();
     let count = (usize::from(degree) + 1).pow(D as u32);
@@ -74,7 +74,7 @@ fn of_degree<const D: usize>(degree: u8) -> Vec<[u8; D]> {
         let mut rest = n;
         let mut exponents = [0; D];
         for exponent in exponents.iter_mut().rev() {
-            // Below the degree plus one, which is at most a handful.
+            // The remainder is at most the degree, which is small.
             *exponent = (rest % (usize::from(degree) + 1)) as u8;
             rest /= usize::from(degree) + 1;
         }
@@ -85,7 +85,7 @@ fn of_degree<const D: usize>(degree: u8) -> Vec<[u8; D]> {
     found
 }
 
-/// A monomial differentiated `by_i` times along each axis.
+/// Derivative of a monomial, `by_i` times along each axis.
 fn derivative<const D: usize>(exponents: &[u8; D], by: &[u8; D], x: &SVector<f64, D>) -> f64 {
     let factor = |i: usize| {
         if by[i] > exponents[i] {
@@ -98,8 +98,7 @@ fn derivative<const D: usize>(exponents: &[u8; D], by: &[u8; D], x: &SVector<f64
     (0..D).map(factor).product()
 }
 
-/// What one neighbor contributes: the basis `p` and `a = p W`, differentiated with respect to `xi`; to the moments
-/// `W p (x) p = p (x) a`.
+/// Contribution of one neighbor to the moments `W p (x) p = p (x) a`: the basis `p` and `a = p W`, differentiated with respect to `xi`.
 pub(super) struct Term<const D: usize, const B: usize> {
     pub(super) p: SVector<f64, B>,
     pub(super) p1: [SVector<f64, B>; D],
@@ -133,12 +132,12 @@ impl<const D: usize, const B: usize> Term<D, B> {
         }
     }
 
-    /// `(p (x) a)_,j v`.
+    /// Derivative of the moment, `(p (x) a)_,j v`.
     pub(super) fn moment1_times(&self, j: usize, v: &SVector<f64, B>) -> SVector<f64, B> {
         self.p1[j] * self.a.dot(v) + self.p * self.a1[j].dot(v)
     }
 
-    /// `(p (x) a)_,jt v`.
+    /// Second derivative of the moment, `(p (x) a)_,jt v`.
     pub(super) fn moment2_times(&self, j: usize, t: usize, v: &SVector<f64, B>) -> SVector<f64, B> {
         self.p2[j][t] * self.a.dot(v)
             + self.p1[j] * self.a1[t].dot(v)

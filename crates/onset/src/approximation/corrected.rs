@@ -1,16 +1,16 @@
-//! Corrected derivatives: gradients that are exact for linear fields without being the derivative of any function.
+//! Corrected derivatives: gradients that are exact for linear fields but are not the derivatives of any functions.
 //!
 //! The discrete gradient of a field is `grad f(x) = sum_K f_K psi_K` with
 //!
 //! `psi_K = C^T h_K`, `h_K = g_K - n_K sum_L g_L`, `C = (sum_K x_K (x) h_K)^-1`, `g_K = grad W(x_K - x)`,
 //!
 //! which is `C^T sum_K (f_K - f_0) g_K`: a difference to the value `f_0 = sum_K n_K f_K` of the field at the point itself.
-//! `sum_K psi_K = 0` and `sum_K x_K (x) psi_K = 1` for any `n_K` that add up to one. The two corrections differ in `n_K`:
-//! Krongauz and Belytschko's is Shepard's function, so that `h_K` is its derivative times `sum W`; Randles and Libersky's
-//! is one at the particle that the point is, and zero at all others. Where the point is no particle, its value has to be
-//! interpolated, and the two are the same. Values are Shepard's in both.
+//! `sum_K psi_K = 0` and `sum_K x_K (x) psi_K = 1` for any `n_K` that add up to one. The two corrections differ in `n_K`.
+//! Krongauz and Belytschko use Shepard's function, so that `h_K` is its derivative times `sum W`. Randles and Libersky use one at the particle that
+//! coincides with the point and zero at all others.
+//! If the point is not a particle, its value is interpolated, and both corrections are identical. Values are Shepard's in both.
 //!
-//! The derivatives below are those of these formulas: `psi_K,jt` is not symmetric.
+//! The derivatives below are derivatives of these formulas: `psi_K,jt` is not symmetric.
 
 use super::least_squares::inverted;
 use super::{Motion, Order, ShapeFunctions, SingularMoment};
@@ -18,40 +18,40 @@ use crate::algebra::array_of;
 use crate::kernel::Weight;
 use nalgebra::{SMatrix, SVector};
 
-/// Relative positions below this fraction of the length scale are those of the point itself.
-const SAME_PLACE: f64 = 1e-12;
+/// Relative positions below this fraction of the length scale coincide with the point.
+const PARTICLE_TOLERANCE: f64 = 1e-12;
 
-/// The value to which a gradient takes differences.
+/// Value that is subtracted in the differences of a gradient.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Reference {
-    /// Shepard's.
+    /// Value interpolated by Shepard's functions.
     Interpolated,
-    /// That of the particle at the point, where there is one.
+    /// Value of the particle at the point, if there is a particle.
     Particle,
 }
 
-/// The corrected gradients at a point.
+/// Corrected gradients at a point.
 struct Correction<'a, const D: usize> {
     positions: &'a [SVector<f64, D>],
     weights: &'a [Weight<D>],
-    /// `sum W`.
+    /// Sum of the weights, `sum W`.
     sum: f64,
     /// Whether `n_K` are Shepard's functions, which move with the particles.
     is_interpolated: bool,
-    /// `n_K`.
+    /// Shares `n_K` of the value at the point.
     shares: Vec<f64>,
-    /// `sum_L g_L`.
+    /// Sum of the weight gradients, `sum_L g_L`.
     total: SVector<f64, D>,
-    /// `h_K`.
+    /// Gradients `h_K` of differences.
     differences: Vec<SVector<f64, D>>,
-    /// `C`.
+    /// Correction matrix `C` of the gradients.
     inverse: SMatrix<f64, D, D>,
 }
 
-/// Shape functions with Shepard's values and corrected gradients.
+/// Returns shape functions with Shepard's values and corrected gradients.
 ///
 /// # Errors
-/// [`SingularMoment`] when the neighbors do not span space.
+/// [`SingularMoment`] if the neighbors do not span space.
 pub(super) fn corrected<const D: usize>(
     positions: &[SVector<f64, D>],
     weights: &[Weight<D>],
@@ -63,7 +63,7 @@ pub(super) fn corrected<const D: usize>(
     let values: Vec<f64> = weights.iter().map(|w| w.value / sum).collect();
     let own = positions
         .iter()
-        .position(|x| x.amax() <= SAME_PLACE * length)
+        .position(|x| x.amax() <= PARTICLE_TOLERANCE * length)
         .filter(|_| reference == Reference::Particle);
     let shares = match own {
         Some(own) => (0..weights.len())
@@ -108,12 +108,12 @@ pub(super) fn corrected<const D: usize>(
 }
 
 impl<const D: usize> Correction<'_, D> {
-    /// `sum_L d g_L,m / d x_t` at fixed particles.
+    /// Derivative `sum_L d g_L,m / d x_t` at fixed particles.
     fn total1(&self) -> SMatrix<f64, D, D> {
         self.weights.iter().map(|w| w.hessian).sum()
     }
 
-    /// `d psi_I,j / d x_t` at fixed particles, from `d C = -C dN C`, `N = sum_K x_K (x) h_K`.
+    /// Derivative `d psi_I,j / d x_t` at fixed particles, from `d C = -C dN C`, `N = sum_K x_K (x) h_K`.
     fn hessians(&self) -> Vec<SMatrix<f64, D, D>> {
         let total1 = self.total1();
         // d h_K,m / d x_t = W_K,mt - n_K sum_L W_L,mt - n_K,t sum_L g_L,m, with n_K,t = h_K,t / sum W for Shepard's.
@@ -144,8 +144,8 @@ impl<const D: usize> Correction<'_, D> {
             .collect()
     }
 
-    /// How `psi_I,j = h_I,m C_mj` changes when particles move: through `C` (as many products as dimensions, with `h_I`), and
-    /// through `h_I` itself (one more, with `n_I`, and what the particle's own weight does).
+    /// Change of `psi_I,j = h_I,m C_mj` when particles move. The change of `C` gives one product with `h_I` for each dimension; the change of `h_I`
+    /// gives one product with `n_I` and the term of the particle's weight.
     fn motion(&self) -> Motion<D> {
         let mut motion = Motion::with_capacity(D + 1, self.weights.len());
         let mean: SVector<f64, D> = self

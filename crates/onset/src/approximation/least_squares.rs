@@ -1,4 +1,4 @@
-//! Moving least squares of any order; Shepard's functions are those of order zero.
+//! Moving least squares of any order, with Shepard's functions as order zero.
 //!
 //! `phi_K = alpha . p(xi_K) W(xi_K)` with `M alpha = e_0`, `M = sum_K W p (x) p`. Derivatives with respect to the
 //! evaluation point and to the particles follow by implicit differentiation of `M alpha = e_0`.
@@ -8,23 +8,23 @@ use super::{MAXIMUM_CONDITION, Motion, Order, ShapeFunctions, SingularMoment};
 use crate::algebra::array_of;
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-/// The coefficients `alpha` and what their derivatives need.
+/// Coefficients `alpha` and the quantities needed for their derivatives.
 pub(super) struct Coefficients<const D: usize, const B: usize> {
-    /// `M^-1`; zero where `alpha` is fixed, which makes all derivatives of `alpha` vanish.
+    /// `M^-1`, or zero for a fixed `alpha`, so that all derivatives of `alpha` vanish.
     inverse: SMatrix<f64, B, B>,
     alpha: SVector<f64, B>,
-    /// `D_j alpha`, with respect to the evaluation point.
+    /// Derivatives `D_j alpha` with respect to the evaluation point.
     alpha1: [SVector<f64, B>; D],
-    /// `D_j D_t alpha`.
+    /// Second derivatives `D_j D_t alpha`.
     alpha2: [[SVector<f64, B>; D]; D],
     /// `sum_K (p (x) a)_,j`: minus the derivative of `M` with respect to the evaluation point.
     moment1: [SMatrix<f64, B, B>; D],
 }
 
-/// The inverse of a matrix of moments.
+/// Inverse of a moment matrix.
 ///
 /// # Errors
-/// [`SingularMoment`] when it is singular to rounding.
+/// [`SingularMoment`] if the matrix is singular to rounding.
 pub(super) fn inverted<const B: usize>(
     moment: &SMatrix<f64, B, B>,
 ) -> Result<SMatrix<f64, B, B>, SingularMoment> {
@@ -36,10 +36,10 @@ pub(super) fn inverted<const B: usize>(
         .ok_or(SingularMoment { condition })
 }
 
-/// The functions whose coefficients solve `M alpha = e_0`.
+/// Returns the functions whose coefficients solve `M alpha = e_0`.
 ///
 /// # Errors
-/// [`SingularMoment`] when the neighbors do not determine them.
+/// [`SingularMoment`] if the neighbors do not determine the coefficients.
 pub(super) fn solved<const D: usize, const B: usize>(
     terms: &[Term<D, B>],
     order: Order,
@@ -78,7 +78,7 @@ pub(super) fn solved<const D: usize, const B: usize>(
 }
 
 impl<const D: usize, const B: usize> Coefficients<D, B> {
-    /// A constant `alpha`, as raw weights have.
+    /// Constant `alpha`, as for raw weights.
     pub(super) fn fixed(alpha: f64) -> Self {
         Self {
             inverse: SMatrix::zeros(),
@@ -123,7 +123,7 @@ impl<const D: usize, const B: usize> Coefficients<D, B> {
         }
     }
 
-    /// From `phi_I,j = D_j alpha . a_I - alpha . a_I,j`.
+    /// Motion of the gradients, from `phi_I,j = D_j alpha . a_I - alpha . a_I,j`.
     fn motion(&self, terms: &[Term<D, B>]) -> Motion<D> {
         let mut motion = Motion::with_capacity(B, terms.len());
         for term in terms {

@@ -1,10 +1,11 @@
 //! Shape functions from weights: raw, Shepard, moving least squares, and corrected derivatives.
 //!
-//! All but the last are `phi_K = alpha . p(xi_K) W(xi_K)` with `xi_K = x_K - x`, where the coefficients solve
-//! `M alpha = e_0` with the moment matrix `M = sum_K W p (x) p`: for the basis `p = (1)` this is Shepard's function (34),
-//! for all monomials up to a degree moving least squares, which is the reproducing kernel method of that order; raw
-//! weights have a constant `alpha`. Corrected derivatives have gradients that are the derivative of no function:
-//! `grad f(x) = C^T sum_K (f_K - f_0) grad W_K`, with the matrix `C` that makes it exact for linear fields.
+//! Except for the corrected derivatives the functions are `phi_K = alpha . p(xi_K) W(xi_K)` with `xi_K = x_K - x`. The coefficients solve
+//! `M alpha = e_0` with the moment matrix `M = sum_K W p (x) p`. The basis `p = (1)` gives Shepard's function (34).
+//! All monomials up to a degree give moving least squares, which is the reproducing kernel method of this order. Raw weights have a constant `alpha`.
+//!
+//! Corrected derivatives are gradients that are not the derivatives of any functions:
+//! `grad f(x) = C^T sum_K (f_K - f_0) grad W_K`, with the matrix `C` that makes the gradient exact for linear fields.
 
 mod basis;
 mod corrected;
@@ -19,7 +20,7 @@ use least_squares::{Coefficients, solved};
 use nalgebra::{SMatrix, SVector};
 use thiserror::Error;
 
-/// How weights are corrected to become shape functions.
+/// Correction that turns weights into shape functions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -27,9 +28,9 @@ use thiserror::Error;
     serde(rename_all = "kebab-case")
 )]
 pub enum Approximation {
-    /// The weight itself, times the particle volume over the weight's integral.
+    /// The weight itself, times the ratio of the particle volume to the integral of the weight.
     Raw,
-    /// Normalized weights, equation (34): partition of unity, not linearly complete.
+    /// Normalized weights, equation (34): a partition of unity, not linearly complete.
     Shepard,
     /// Moving least squares with a linear basis: linearly complete.
     Mls,
@@ -39,19 +40,20 @@ pub enum Approximation {
     /// Moving least squares with all monomials up to the third degree.
     #[cfg_attr(feature = "serde", serde(rename = "mls-3"))]
     Mls3,
-    /// Gradients of differences to the value of the particle at the point, corrected to be exact for linear fields:
+    /// Gradients of differences to the value of the particle at the point, corrected to be exact for linear fields.
+    ///
     /// `grad f(x_I) = C^T sum_K (f_K - f_I) grad W_K`, `C = (sum_K (x_K - x_I) (x) grad W_K)^-1`, as in Randles and
-    /// Libersky, Comput. Methods Appl. Mech. Engrg. 139 (1996) 375. At points that are no particles `f_I` is
-    /// interpolated by Shepard's functions.
+    /// Libersky, Comput. Methods Appl. Mech. Engrg. 139 (1996) 375. At points that are not particles Shepard's functions interpolate `f_I`.
     RandlesLibersky,
-    /// Gradients of Shepard's functions, corrected by a matrix to be exact for linear fields:
+    /// Gradients of Shepard's functions, corrected by a matrix to be exact for linear fields.
+    ///
     /// `psi_K = C^T grad phi_K`, `C = (sum_K x_K (x) grad phi_K)^-1`, as in Krongauz and Belytschko, Comput. Methods
     /// Appl. Mech. Engrg. 146 (1997) 371.
     KrongauzBelytschko,
 }
 
 impl Approximation {
-    /// All of them, in the order of the documentation.
+    /// All approximations, in the order of the documentation.
     pub const ALL: [Self; 7] = [
         Self::Raw,
         Self::Shepard,
@@ -62,8 +64,7 @@ impl Approximation {
         Self::KrongauzBelytschko,
     ];
 
-    /// The degree up to which polynomials are reproduced by the values, `sum_K q(x_K) phi_K(x) = q(x)`; none where
-    /// not even constants are.
+    /// Degree of the polynomials that the values reproduce, `sum_K q(x_K) phi_K(x) = q(x)`; `None` if constants are not reproduced.
     pub fn degree(self) -> Option<usize> {
         match self {
             Self::Raw => None,
@@ -74,7 +75,7 @@ impl Approximation {
         }
     }
 
-    /// The degree up to which gradients of polynomials are exact, `sum_K q(x_K) grad phi_K(x) = grad q(x)`.
+    /// Degree of the polynomials whose gradients are exact, `sum_K q(x_K) grad phi_K(x) = grad q(x)`.
     ///
     /// ```
     /// use onset::approximation::Approximation;
@@ -88,52 +89,53 @@ impl Approximation {
         }
     }
 
-    /// The least number of neighbors that determine a gradient in a dimension.
+    /// Smallest number of neighbors that determine a gradient in a dimension.
     pub fn neighbors_needed(self, dimension: usize) -> usize {
         basis_size(dimension, self.degree().unwrap_or(0).max(1))
     }
 }
 
-/// The moment matrix of a quadrature point is singular: the neighbors do not span space.
+/// The moment matrix of a quadrature point is singular because the neighbors do not span space.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[error("the moment matrix is singular (condition number {condition:.1e})")]
 pub struct SingularMoment {
-    /// Its condition number in the maximum norm.
+    /// Condition number of the moment matrix in the maximum norm.
     pub condition: f64,
 }
 
-/// Condition number of the moment matrix beyond which shape functions are noise.
+/// Largest condition number of the moment matrix for which shape functions are accurate.
 const MAXIMUM_CONDITION: f64 = 1e12;
 
 /// Shape functions of the neighbors of one point, with their derivatives.
 #[derive(Clone, Debug)]
 pub struct ShapeFunctions<const D: usize> {
-    /// `phi_K`, dimensionless.
+    /// Values `phi_K` of the functions; dimensionless.
     pub values: Vec<f64>,
-    /// `phi_K,j`, with respect to the evaluation point, or the corrected gradient in its place; 1/length.
+    /// Gradients `phi_K,j` with respect to the evaluation point, or the corrected gradients in their place; 1/length.
     pub gradients: Vec<SVector<f64, D>>,
-    /// The derivative `t` of the gradient `j` with respect to the evaluation point, row `j`, column `t`; symmetric unless
-    /// the gradient is a corrected one. 1/length^2.
+    /// Derivative `t` of the gradient `j` with respect to the evaluation point, row `j`, column `t`; 1/length^2. Symmetric unless the gradient is
+    /// corrected.
     pub hessians: Vec<SMatrix<f64, D, D>>,
-    /// As `hessians`, but with the normalization `alpha` held fixed: `alpha . (p W)_,jt`; of corrected gradients
-    /// `C_mj W_,mt`.
+    /// Second derivatives with the normalization `alpha` held fixed, `alpha . (p W)_,jt`; for corrected gradients `C_mj W_,mt`. Shapes and units as
+    /// for `hessians`.
     pub frozen_hessians: Vec<SMatrix<f64, D, D>>,
-    /// How the gradients change when particles move, if asked for.
+    /// Changes of the gradients when particles move, if [`Order::Sensitivities`] was requested.
     motion: Option<Motion<D>>,
 }
 
-/// How the gradient `phi_I,j` at a fixed point changes when a particle `K` moves: `d phi_I,j / d x_K,t = sum_b (d_jt alpha_b)_K
-/// (a_b)_I - (d_t alpha_b)_K (a_b,j)_I`, a sum of products of what depends on `K`, through the coefficients `alpha_b`, and on
-/// `I`; for `K = I` also what the particle's own term `a` does. 1/length^2.
+/// Change of the gradient `phi_I,j` at a fixed point when a particle `K` moves; 1/length^2.
+///
+/// `d phi_I,j / d x_K,t = sum_b (d_jt alpha_b)_K (a_b)_I - (d_t alpha_b)_K (a_b,j)_I`: each product separates the dependence on `K`, through the
+/// coefficients `alpha_b`, from the dependence on `I`. For `K = I` the change of the particle's term `a` is added.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion<const D: usize> {
-    /// Number of products.
+    /// Number of products in the sum.
     pub(crate) basis: usize,
-    /// `a_b` with its gradient, at `[I * basis + b]`.
+    /// Factors `a_b` with their gradients, at `[I * basis + b]`.
     pub(crate) terms: Vec<(f64, SVector<f64, D>)>,
     /// `d alpha_b / d x_K,t` and its derivative `j` along the evaluation point (row `j`, column `t`), at `[K * basis + b]`.
     pub(crate) shifts: Vec<(SVector<f64, D>, SMatrix<f64, D, D>)>,
-    /// What is added for `K = I`.
+    /// Term added for `K = I`.
     pub(crate) own: Vec<SMatrix<f64, D, D>>,
 }
 
@@ -148,20 +150,19 @@ impl<const D: usize> Motion<D> {
     }
 }
 
-/// Which derivatives are wanted.
+/// Highest derivatives of the shape functions to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// Values and gradients.
+    /// Values and first derivatives of the functions.
     First,
-    /// Also second derivatives with respect to the evaluation point.
+    /// In addition, second derivatives with respect to the evaluation point.
     Second,
-    /// Also the sensitivities to the motion of every particle.
+    /// In addition, sensitivities to the motion of every particle.
     Sensitivities,
 }
 
 impl<const D: usize> ShapeFunctions<D> {
-    /// `d phi_I,j / d x_K,t`, row `j`, column `t`; not a number when the functions were made without
-    /// [`Order::Sensitivities`].
+    /// Derivative `d phi_I,j / d x_K,t`, row `j`, column `t`. NaN if the functions were computed without [`Order::Sensitivities`].
     pub fn sensitivity(&self, of: usize, to: usize) -> SMatrix<f64, D, D> {
         let Some(motion) = &self.motion else {
             return SMatrix::repeat(f64::NAN);
@@ -175,19 +176,19 @@ impl<const D: usize> ShapeFunctions<D> {
         if of == to { sum + motion.own[of] } else { sum }
     }
 
-    /// How the gradients change when particles move, if it was asked for.
+    /// Returns the changes of the gradients when particles move, if they were requested.
     pub(crate) fn motion(&self) -> Option<&Motion<D>> {
         self.motion.as_ref()
     }
 }
 
 impl Approximation {
-    /// The shape functions at a point from the weights of its neighbors at the relative positions
-    /// `xi_K = x_K - x`. `raw_factor` is particle volume over kernel integral; `length` scales the
-    /// basis and has no influence but on rounding.
+    /// Returns the shape functions at a point from the weights of its neighbors at the relative positions `xi_K = x_K - x`.
+    ///
+    /// `raw_factor` is the ratio of particle volume to kernel integral. `length` scales the basis and affects only rounding errors.
     ///
     /// # Errors
-    /// [`SingularMoment`] when the neighbors do not determine the coefficients.
+    /// [`SingularMoment`] if the neighbors do not determine the coefficients.
     pub fn shape_functions<const D: usize>(
         self,
         positions: &[SVector<f64, D>],
@@ -228,7 +229,6 @@ impl Approximation {
     }
 }
 
-/// The neighbors of a point.
 struct Neighbors<'a, const D: usize> {
     positions: &'a [SVector<f64, D>],
     weights: &'a [Weight<D>],

@@ -5,7 +5,7 @@ use std::fmt::{Display, Formatter};
 use std::str::FromStr;
 
 impl Kernel {
-    /// Its name; of a formula the text as typed.
+    /// Returns the name of the kernel; for a formula, the text as entered.
     pub fn name(self) -> &'static str {
         match self {
             Self::QuarticSpline => "quartic-spline",
@@ -22,7 +22,7 @@ impl Kernel {
         }
     }
 
-    /// Its formula, with `q = r / R0 < 1` and `(x)+` the positive part.
+    /// Returns the formula of the kernel, with `q = r / R0 < 1` and `(x)+` the positive part.
     pub fn formula(self) -> &'static str {
         match self {
             Self::QuarticSpline => "W = 1 - 6 q^2 + 8 q^3 - 3 q^4, q = r / R0 < 1",
@@ -51,7 +51,7 @@ impl Kernel {
         }
     }
 
-    /// Where it is from.
+    /// Returns the source of the kernel in the literature.
     pub fn source(self) -> &'static str {
         match self {
             Self::QuarticSpline => "equation (35) of the paper",
@@ -80,7 +80,7 @@ impl Display for Kernel {
 impl FromStr for Kernel {
     type Err = KernelError;
 
-    /// The kernel with a name, or the one of a formula of `q`.
+    /// Parses the name of a kernel or a formula of `q`.
     fn from_str(text: &str) -> Result<Self, KernelError> {
         let text = text.trim();
         if let Some(kernel) = Self::ALL.into_iter().find(|kernel| kernel.name() == text) {

@@ -1,41 +1,41 @@
-//! Why a text is no kernel.
+//! Errors of kernels that are given as text.
 
 use crate::formula::{FormulaError, Problem};
 use thiserror::Error;
 
-/// Why a text is neither the name of a kernel nor a formula of one.
+/// Error of a text that is neither the name of a kernel nor a valid formula.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum KernelError {
-    /// A word that no kernel is called.
+    /// The name does not belong to any kernel.
     #[error("there is no kernel `{name}`; expected {} or a formula of q", names())]
     UnknownName {
-        /// As typed.
+        /// Name as entered by the user.
         name: String,
     },
-    /// The formula cannot be read.
+    /// The formula cannot be parsed.
     #[error("{}", read(.0))]
     Formula(FormulaError),
-    /// The profile is not a number somewhere.
+    /// The profile is not finite at some distance.
     #[error(
         "the kernel is not finite at q = {q}\n  hint: it must be defined for 0 <= q <= 1, q = |x| / R0"
     )]
     NotFinite {
-        /// Where; distance over support radius.
+        /// Distance over support radius.
         q: f64,
     },
     /// The profile is not positive at the origin.
     #[error("the kernel is {value} at q = 0; it must be positive there")]
     NotPositive {
-        /// The value at the origin.
+        /// Value of the profile at the origin.
         value: f64,
     },
-    /// The profile does not end at the rim.
+    /// The profile does not vanish at the rim.
     #[error(
         "the kernel is {value} at q = 1; it must vanish there, for neighbors enter and leave at the rim\n  \
          hint: multiply by (1 - q)^3, so that slope and curvature vanish as well"
     )]
     NotZeroAtRim {
-        /// The value at the rim.
+        /// Value of the profile at the rim.
         value: f64,
     },
     /// The profile or its slope jumps within the support.
@@ -43,7 +43,7 @@ pub enum KernelError {
         "the kernel or its slope jumps at q = {q}\n  hint: join the parts with equal value and slope"
     )]
     Jump {
-        /// Where; distance over support radius.
+        /// Distance over support radius.
         q: f64,
     },
     /// The integral over space is not positive.
@@ -51,7 +51,7 @@ pub enum KernelError {
     IntegralNotPositive {
         /// Number of space dimensions.
         dimension: usize,
-        /// The integral for a support radius of one.
+        /// Integral for a support radius of one.
         value: f64,
     },
 }
@@ -60,7 +60,7 @@ fn names() -> String {
     super::Kernel::ALL.map(super::Kernel::name).join(", ")
 }
 
-/// What is wrong with a formula, where, and what to do.
+/// Message for an invalid formula: the problem, its place, and a remedy.
 fn read(error: &FormulaError) -> String {
     let place = match &error.place {
         Some(place) => format!("kernel, {place}: {}\n{}", error.problem, place.marked()),

@@ -1,42 +1,43 @@
-//! Polynomials times `exp(-s^2)`, ended smoothly at `s = 3`.
+//! Polynomials times `exp(-s^2)`, with smooth truncation at `s = 3`.
 //!
-//! Such a function has no end of its own. Cut off, it has a jump at the rim, where neighbors enter and leave; here its Taylor
-//! polynomial of second order in `s^2` about the rim is subtracted, so that `W`, `W'` and `W''` vanish there, and the rest is
-//! divided by its value at the origin. What is subtracted is 0.6 % of the Gaussian at the origin, 3.6 % of Laguerre-Gauss.
+//! Such functions have infinite support. A plain cut causes a jump at the rim, where neighbors enter and leave.
+//! Here the Taylor polynomial of second order in `s^2` about the rim is subtracted, so that `W`, `W'` and `W''` vanish there, and the difference is
+//! divided by its value at the origin.
+//! The subtracted part is 0.6 % of the Gaussian at the origin and 3.6 % of Laguerre-Gauss.
 
 use super::profile::Profile;
 use crate::algebra::Each;
 use crate::real::Real;
 use std::f64::consts::PI;
 
-/// `s^2` at the rim.
+/// Value of `s^2` at the rim.
 const END: f64 = 9.0;
-/// `exp(-9)`.
+/// Value of `exp(-9)` at the rim.
 const RIM: f64 = 1.234_098_040_866_795_5e-4;
-/// `erf(3)`.
+/// Error function at the rim, `erf(3)`.
 const ERROR_FUNCTION: f64 = 0.999_977_909_503_001_4;
 
-/// `(c0 + c1 t + c2 t^2) exp(-t)`, `t = 9 q^2`, less its Taylor polynomial about `t = 9`.
+/// `(c0 + c1 t + c2 t^2) exp(-t)`, `t = 9 q^2`, minus its Taylor polynomial about `t = 9`.
 pub(super) struct Exponential {
     polynomial: [f64; 3],
     /// Value and first two derivatives by `t` at `t = 9`, times `exp(9)`.
     at_rim: [f64; 3],
 }
 
-/// `exp(-s^2)`.
+/// Gaussian kernel, `exp(-s^2)` before truncation.
 pub(super) const GAUSSIAN: Exponential = Exponential {
     polynomial: [1.0, 0.0, 0.0],
     at_rim: [1.0, -1.0, 1.0],
 };
 
-/// `(1 - s^2/2 + s^4/6) exp(-s^2)`.
+/// Laguerre-Gauss kernel, `(1 - s^2/2 + s^4/6) exp(-s^2)` before truncation.
 pub(super) const LAGUERRE_GAUSS: Exponential = Exponential {
     polynomial: [1.0, -0.5, 1.0 / 6.0],
     at_rim: [10.0, -7.5, 16.0 / 3.0],
 };
 
 impl Exponential {
-    /// The value at the origin before it is made one.
+    /// Value at the origin before normalization.
     const fn peak(&self) -> f64 {
         let [value, first, second] = self.at_rim;
         self.polynomial[0] - RIM * (value - first * END + second * END * END / 2.0)
@@ -51,7 +52,7 @@ impl Exponential {
         let (u, exponential) = (t - END, (-t).exp());
         let p = t * (t * c2 + c1) + c0;
         let p1 = t * (2.0 * c2) + c1;
-        // By t: f = p e, f' = (p' - p) e, f'' = (p'' - 2 p' + p) e.
+        // Derivatives by t: f = p e, f' = (p' - p) e, f'' = (p'' - 2 p' + p) e.
         let value = p * exponential - (u * (u * (0.5 * b2) + b1) + b0);
         let first = (p1 - p) * exponential - (u * b2 + b1);
         let second = (p - p1 * 2.0 + 2.0 * c2) * exponential - b2;
@@ -62,7 +63,7 @@ impl Exponential {
         }
     }
 
-    /// `int_0^1 W q^(D-1) dq`.
+    /// Returns the radial integral `int_0^1 W q^(D-1) dq`.
     pub(super) fn radial_integral<const D: usize>(&self) -> f64 {
         // E_n = int_0^3 s^n exp(-s^2) ds by parts: E_(n+2) = (n + 1)/2 E_n - 3^(n+1) exp(-9)/2.
         let mut whole = [0.0; 8];
@@ -77,7 +78,7 @@ impl Exponential {
             .map(|i| self.polynomial[i] * whole[D - 1 + 2 * i])
             .sum();
         let [value, first, second] = self.at_rim;
-        // int q^(D-1) (q^2 - 1)^n dq for n = 0, 1, 2.
+        // Integrals of q^(D-1) (q^2 - 1)^n dq for n = 0, 1, 2.
         let linear = 1.0 / (d + 2.0) - 1.0 / d;
         let square = 1.0 / (d + 4.0) - 2.0 / (d + 2.0) + 1.0 / d;
         let taylor = value / d + first * END * linear + 0.5 * second * END * END * square;

@@ -1,4 +1,4 @@
-//! A kernel as a formula of `q` that somebody types.
+//! Kernels given by the user as a formula of `q`.
 
 use super::error::KernelError;
 use super::moments::Pieces;
@@ -10,14 +10,14 @@ use crate::real::{Interval, Jet, Real};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// Distance in support radii below which `W'/q` is taken from higher derivatives: there a quotient loses more digits than they do.
-const NEAR: f64 = 1e-6;
-/// What counts as zero at the rim and at the origin, relative to the value at the origin.
+/// Largest distance in support radii at which `W'/q` is computed from higher derivatives, because the quotient loses more digits.
+const QUOTIENT_DISTANCE: f64 = 1e-6;
+/// Rounding error of a zero at the rim and at the origin, relative to the value at the origin.
 const NOTHING: f64 = 1e-10;
 /// Cells of the midpoint rule that encloses an integral.
 const CELLS: u32 = 4096;
 
-/// A kernel given by a formula of `q = |x| / R0`. Formulas are kept: the same text is the same kernel, compiled once.
+/// Kernel given by a formula of `q = |x| / R0`. Formulas are cached, so that each text is compiled once.
 #[derive(Clone, Copy, Debug)]
 pub struct FormulaKernel(&'static Compiled);
 
@@ -25,9 +25,9 @@ pub struct FormulaKernel(&'static Compiled);
 struct Compiled {
     text: String,
     function: FunctionOfOne,
-    /// The reciprocal of the value at the origin.
+    /// Reciprocal of the value at the origin.
     scale: f64,
-    /// Whether the slope does not vanish at the origin.
+    /// Whether the slope at the origin is nonzero.
     is_cusped: bool,
     smoothness: Smoothness,
     breaks: Vec<f64>,
@@ -35,7 +35,7 @@ struct Compiled {
     enclosures: [OnceLock<Interval>; 3],
 }
 
-/// A number as the independent variable.
+/// Converts a number to the independent variable of a jet.
 fn variable<R: Real>(q: R) -> Jet<1, R> {
     let [variable] = Jet::variables([q]);
     variable
@@ -50,11 +50,11 @@ impl PartialEq for FormulaKernel {
 impl Eq for FormulaKernel {}
 
 impl FormulaKernel {
-    /// Reads a formula of `q`; it is divided by its value at the origin.
+    /// Parses a formula of `q`. The kernel is the formula divided by its value at the origin.
     ///
     /// # Errors
-    /// [`KernelError`] when the text is no formula of `q`, when the profile is not finite or jumps within `0 <= q <= 1`, does not
-    /// vanish at `q = 1`, or has no positive value at the origin or integral over space.
+    /// [`KernelError`] if the text is not a formula of `q`, if the profile is not finite or jumps within `0 <= q <= 1`, if it does not
+    /// vanish at `q = 1`, or if its value at the origin or its integral over space is not positive.
     ///
     /// ```
     /// use onset::kernel::{FormulaKernel, Kernel};
@@ -72,13 +72,13 @@ impl FormulaKernel {
         }
         let compiled = Compiled::new(text)?;
         let mut kernels = known();
-        // Another thread may have been faster.
+        // Another thread may have inserted the kernel in the meantime.
         Ok(*kernels
             .entry(text.to_owned())
             .or_insert_with(|| Self(Box::leak(Box::new(compiled)))))
     }
 
-    /// The formula as typed.
+    /// Formula as entered by the user.
     pub fn text(self) -> &'static str {
         &self.0.text
     }
@@ -91,17 +91,17 @@ impl FormulaKernel {
         self.0.smoothness
     }
 
-    /// Where derivatives up to the fourth jump within the support.
+    /// Distances at which derivatives up to the fourth jump within the support.
     pub(super) fn breaks(self) -> &'static [f64] {
         &self.0.breaks
     }
 
-    /// `int_0^1 W q^(D-1) dq`.
+    /// Returns the radial integral `int_0^1 W q^(D-1) dq`.
     pub(super) fn radial_integral<const D: usize>(self) -> f64 {
         self.0.integrals[D.clamp(1, 3) - 1]
     }
 
-    /// Bounds of `int_0^1 W q^(D-1) dq`.
+    /// Bounds of the radial integral `int_0^1 W q^(D-1) dq`.
     pub(super) fn radial_enclosure<const D: usize>(self) -> Interval {
         *self.0.enclosures[D.clamp(1, 3) - 1].get_or_init(|| self.0.enclosed_integral::<D>())
     }
@@ -132,7 +132,7 @@ impl Compiled {
         let [origin, rim] = [0.0, 1.0].each(|q| orders_at(scaled, q));
         let smoothness = Smoothness::measured(origin, &breaks, rim);
         let slope = function.at(variable(0.0)).gradient[0];
-        // A slope that is not finite is none that vanishes.
+        // A NaN slope does not vanish either.
         let is_cusped = slope.is_nan() || slope.abs() > NOTHING * peak;
         let mut compiled = Self {
             text: text.to_owned(),
@@ -160,7 +160,7 @@ impl Compiled {
         self.function.at(q) * self.scale
     }
 
-    /// Value, slope and curvature.
+    /// Value, slope and curvature at `q`.
     fn derivatives<R: Real>(&self, q: R) -> [R; 3] {
         let jet = self.value(variable(q));
         [jet.value, jet.gradient[0], jet.hessian[0][0]]
@@ -171,11 +171,13 @@ impl Compiled {
             return cusped(q, R::constant(1.0), || self.derivatives(q));
         }
         let away = || Profile::from_derivatives(q, self.derivatives(q));
-        switch!(q, NEAR => self.near_origin(q), away())
+        switch!(q, QUOTIENT_DISTANCE => self.near_origin(q), away())
     }
 
-    /// The profile where `W'/q` is a quotient of two small numbers. By the mean value theorem, `W'(q)/q` and `S'` are values of
-    /// `W''` and half to all of `W'''` between the origin and `q`: intervals, which are extended to the origin, hold them.
+    /// Profile near the origin, where `W'/q` is a quotient of two small numbers.
+    ///
+    /// By the mean value theorem, `W'(q)/q` and `S'` are values of `W''` and of half to all of `W'''` between the origin and `q`. Intervals are
+    /// extended to the origin and contain both.
     fn near_origin<R: Real>(&self, q: R) -> Profile<R> {
         let inner = q.hull(R::constant(0.0));
         let jet = self.value(variable(variable(inner)));
@@ -189,7 +191,7 @@ impl Compiled {
         }
     }
 
-    /// Bounds of `int_0^1 W q^(D-1) dq` by the midpoint rule with its rest, `h^3 g''/24` a cell.
+    /// Bounds of `int_0^1 W q^(D-1) dq` by the midpoint rule with its remainder, `h^3 g''/24` per cell.
     fn enclosed_integral<const D: usize>(&self) -> Interval {
         let width = Interval::point(1.0) / f64::from(CELLS);
         let integrand = |q: Jet<1, Interval>| self.value(q) * q.powi(D as i32 - 1);

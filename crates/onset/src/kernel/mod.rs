@@ -1,8 +1,8 @@
-//! Weight functions of compact support.
+//! Weight functions with compact support.
 //!
-//! All are functions of the distance in units of the support radius, `q = |x| / R0`, one at the origin and zero for `q >= 1`. Codes
-//! that measure by a smoothing length `h` put the rim at `2 h`, `2.5 h` or `3 h`; here the radius is what a user sets, and
-//! [`Kernel::support_over_smoothing_length`] converts by the standard deviation, which does not depend on such habits.
+//! All kernels are functions of the distance in units of the support radius, `q = |x| / R0`, equal to one at the origin and zero for `q >= 1`.
+//! Codes that use a smoothing length `h` place the rim at `2 h`, `2.5 h` or `3 h`. Here the user sets the radius.
+//! [`Kernel::support_over_smoothing_length`] converts it by the standard deviation, which does not depend on such conventions.
 
 mod description;
 mod error;
@@ -23,12 +23,12 @@ use crate::real::Real;
 use nalgebra::{SMatrix, SVector};
 use profile::switch;
 
-/// Where rounding decides, a particle on the rim, whose weight is zero, does not count as a neighbor.
+/// Distance over support radius at which a particle counts as on the rim, where the weight is zero. It does not count as a neighbor.
 const RIM: f64 = 1.0 - 1e-12;
 
-/// A weight function `W(q)` of the distance in units of the support radius, zero for `q >= 1`, one at the origin.
+/// Weight function `W(q)` of the distance in units of the support radius: one at the origin, zero for `q >= 1`.
 ///
-/// By name or as a formula of `q` it is read from text, and written to it:
+/// A kernel is read from text and written as text, by name or as a formula of `q`:
 ///
 /// ```
 /// use onset::kernel::Kernel;
@@ -40,45 +40,45 @@ const RIM: f64 = 1.0 - 1e-12;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kernel {
-    /// The quartic spline, equation (35): `W = 1 - 6 q^2 + 8 q^3 - 3 q^4 = (1 - q)^3 (1 + 3 q)`.
-    /// `W`, `W'` and `W''` vanish at `q = 1`; the third derivative jumps there and at `q = 0`. It is Wendland's C2 function of
-    /// one dimension.
+    /// Quartic spline, equation (35): `W = 1 - 6 q^2 + 8 q^3 - 3 q^4 = (1 - q)^3 (1 + 3 q)`.
+    ///
+    /// `W`, `W'` and `W''` vanish at `q = 1`; the third derivative jumps there and at `q = 0`. It is Wendland's C2 function of one dimension.
     QuarticSpline,
-    /// The cubic B-spline, M4: `2 (1 - q)^3 - 8 (1/2 - q)^3`, positive parts only; Monaghan's with `R0 = 2 h`.
+    /// Cubic B-spline M4, `2 (1 - q)^3 - 8 (1/2 - q)^3`, positive parts only; Monaghan's spline with `R0 = 2 h`.
     CubicSpline,
-    /// The quartic B-spline, M5, with `R0 = 5/2 h`.
+    /// Quartic B-spline M5, with `R0 = 5/2 h`.
     QuarticBSpline,
-    /// The quintic B-spline, M6, with `R0 = 3 h`.
+    /// Quintic B-spline M6, with `R0 = 3 h`.
     QuinticSpline,
-    /// Wendland's twice differentiable function, of one dimension or of three.
+    /// Wendland's twice differentiable function, for one dimension or for three.
     WendlandC2,
-    /// Wendland's four times differentiable function, of one dimension or of three.
+    /// Wendland's four times differentiable function, for one dimension or for three.
     WendlandC4,
-    /// Wendland's six times differentiable function, of one dimension or of three.
+    /// Wendland's six times differentiable function, for one dimension or for three.
     WendlandC6,
-    /// `exp(-9 q^2)`, that is `R0 = 3 h`, less its Taylor polynomial of second order in `q^2` about the rim.
+    /// Gaussian `exp(-9 q^2)`, so that `R0 = 3 h`, minus its Taylor polynomial of second order in `q^2` about the rim.
     Gaussian,
-    /// The hyperbolic kernel, `R0 = 2 h`; its slope does not vanish at the origin.
+    /// Hyperbolic kernel with `R0 = 2 h`; its slope at the origin is nonzero.
     Hyperbolic,
-    /// `(1 - s^2/2 + s^4/6) exp(-s^2)`, `s = 3 q`, ended as the Gaussian is.
+    /// Laguerre-Gauss kernel `(1 - s^2/2 + s^4/6) exp(-s^2)`, `s = 3 q`, truncated like the Gaussian.
     LaguerreGauss,
-    /// A user-defined formula.
+    /// User-defined formula of `q`.
     Formula(FormulaKernel),
 }
 
-/// A weight with its first and second derivatives with respect to the position.
+/// Weight with its first and second derivatives with respect to the position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weight<const D: usize> {
-    /// `W`, dimensionless.
+    /// Value `W` of the weight; dimensionless.
     pub value: f64,
-    /// `W_,j`; 1/length.
+    /// Gradient `W_,j` of the weight; 1/length.
     pub gradient: SVector<f64, D>,
-    /// `W_,jt`; 1/length^2.
+    /// Second derivatives `W_,jt`; 1/length^2.
     pub hessian: SMatrix<f64, D, D>,
 }
 
 impl Kernel {
-    /// All that have a name.
+    /// All named kernels, without formulas.
     pub const ALL: [Self; 10] = [
         Self::QuarticSpline,
         Self::CubicSpline,
@@ -92,7 +92,7 @@ impl Kernel {
         Self::LaguerreGauss,
     ];
 
-    /// The profile within the support, `0 <= q <= 1`. Beyond it is not the weight, which is zero.
+    /// Returns the profile within the support, `0 <= q <= 1`. It is not valid beyond the support, where the weight is zero.
     ///
     /// ```
     /// use onset::kernel::Kernel;
@@ -117,17 +117,16 @@ impl Kernel {
         }
     }
 
-    /// The profile at any distance: zero beyond the support.
+    /// Returns the profile at any distance, zero beyond the support.
     #[inline(always)]
     pub(crate) fn profile_anywhere<const D: usize, R: Real>(self, q: R) -> Profile<R> {
         switch!(q, RIM => self.profile::<D, R>(q), Profile::zero())
     }
 
-    /// The weight of a particle at the position `x` relative to the evaluation point, with the
-    /// distance measured as `q = |metric x| / radius`, and derivatives with respect to `x`.
+    /// Returns the weight of a particle at the position `x` relative to the evaluation point, or `None` outside of the support.
     ///
-    /// The metric is the identity for a spherical support, `F^-1` for one that is convected.
-    /// `None` outside of the support.
+    /// The distance is measured as `q = |metric x| / radius`, and derivatives are taken with respect to `x`.
+    /// The metric is the identity for a spherical support and `F^-1` for a convected support.
     ///
     /// ```
     /// use nalgebra::{Matrix2, Vector2};
@@ -147,7 +146,7 @@ impl Kernel {
             return None;
         }
         let profile = self.profile::<D, f64>(q);
-        // In y: grad = (W'/q) y, Hessian = (W'/q) 1 + ((W'' - W'/q)/q^2) y (x) y; then the chain rule.
+        // With respect to y: grad = (W'/q) y, Hessian = (W'/q) 1 + ((W'' - W'/q)/q^2) y (x) y; then the chain rule.
         let map = metric / radius;
         let mut hessian = SMatrix::<f64, D, D>::identity() * profile.slope_over_q;
         if q > 0.0 {

@@ -10,16 +10,16 @@ use std::sync::LazyLock;
 /// Points of the Gauss-Legendre rule of a panel.
 const POINTS: usize = 20;
 
-/// The radians of a wave in one panel.
+/// Largest phase of a wave across one panel; radians.
 const RADIANS: f64 = 6.0;
 
-/// Places and weights of the Gauss-Legendre rule on `(0, 1)`.
+/// Points and weights of the Gauss-Legendre rule on `(0, 1)`.
 static RULE: LazyLock<[(f64, f64); POINTS]> = LazyLock::new(|| {
     array_of(|i| {
         let n = POINTS as f64;
         let mut x = (PI * (i as f64 + 0.75) / (n + 0.5)).cos();
         let mut slope = 1.0;
-        // Newton's method doubles the digits: six steps from two digits are more than enough.
+        // Newton's method doubles the number of correct digits: six steps from two digits exceed double precision.
         for _ in 0..6 {
             let (mut last, mut value) = (1.0, x);
             for k in 2..=POINTS {
@@ -33,11 +33,11 @@ static RULE: LazyLock<[(f64, f64); POINTS]> = LazyLock::new(|| {
     })
 });
 
-/// The support `0 <= q <= 1` cut into panels at the breaks of a profile.
+/// Support `0 <= q <= 1`, divided into panels at the breaks of a profile.
 pub(super) struct Pieces(Vec<(f64, f64)>);
 
 impl Pieces {
-    /// So many panels in each piece at least, in proportion to its length.
+    /// Divides each piece into `panels` panels per unit of length, and into one panel at least.
     pub(super) fn new(breaks: &[f64], panels: usize) -> Self {
         let mut ends: Vec<f64> = breaks.to_vec();
         ends.push(1.0);
@@ -52,7 +52,7 @@ impl Pieces {
         Self(cut)
     }
 
-    /// The integral over `0 <= q <= 1`.
+    /// Integral of a function over `0 <= q <= 1`.
     pub(super) fn integral(&self, function: impl Fn(f64) -> f64) -> f64 {
         let panel = |(start, width): &(f64, f64)| -> f64 {
             RULE.iter()
@@ -63,7 +63,7 @@ impl Pieces {
     }
 }
 
-/// Measure of the unit sphere in `D` dimensions: 2, `2 pi`, `4 pi`.
+/// Surface of the unit sphere in `D` dimensions: 2, `2 pi`, `4 pi`.
 fn sphere<const D: usize>() -> f64 {
     match D {
         1 => 2.0,
@@ -72,7 +72,7 @@ fn sphere<const D: usize>() -> f64 {
     }
 }
 
-/// The mean of `cos(k . x)` over all directions for `|k| |x| = x`: cosine, Bessel function `J0`, sinc.
+/// Mean of `cos(k . x)` over all directions for `|k| |x| = x`: cosine, Bessel function `J0`, sinc.
 fn wave<const D: usize>(x: f64) -> f64 {
     match D {
         1 => x.cos(),
@@ -82,7 +82,7 @@ fn wave<const D: usize>(x: f64) -> f64 {
     }
 }
 
-/// `J0(x)` as the mean of `cos(x sin t)` over `n` directions of a half turn, which is off by `2 J_2n(x)`: nothing for `2 n` well
+/// Bessel function `J0(x)` as the mean of `cos(x sin t)` over `n` directions of a half turn. The error `2 J_2n(x)` is negligible for `2 n` well
 /// beyond `x`.
 fn bessel(x: f64) -> f64 {
     let n = (0.5 * x + 5.0 * x.cbrt() + 16.0).ceil();
@@ -91,7 +91,7 @@ fn bessel(x: f64) -> f64 {
 }
 
 impl Kernel {
-    /// Where the pieces of the profile meet.
+    /// Distances at which the pieces of the profile meet.
     fn breaks(self) -> &'static [f64] {
         match self {
             Self::CubicSpline | Self::Hyperbolic => &[0.5],
@@ -107,7 +107,7 @@ impl Kernel {
         }
     }
 
-    /// The integral of `W(|x| / radius)` over space; length^D.
+    /// Integral of `W(|x| / radius)` over space; length^D.
     ///
     /// ```
     /// use onset::kernel::Kernel;
@@ -153,18 +153,18 @@ impl Kernel {
             Self::Formula(formula) => {
                 Interval::around(sphere::<D>(), 1) * formula.radial_enclosure::<D>()
             }
-            // Sums of a few terms of size one, which cancel to some hundredths.
+            // The integral is a sum of a few terms of order one, which cancel to some hundredths.
             Self::Gaussian | Self::LaguerreGauss => Interval::around(self.integral::<D>(1.0), 512),
             _ => Interval::around(self.integral::<D>(1.0), 4),
         }
     }
 
-    /// The factor that makes the integral over space one; length^-D.
+    /// Factor that normalizes the integral over space to one; length^-D.
     pub fn normalization<const D: usize>(self, radius: f64) -> f64 {
         1.0 / self.integral::<D>(radius)
     }
 
-    /// The radial moment `int |x|^n W(|x| / radius) dx` over space, by quadrature; length^(D+n).
+    /// Radial moment `int |x|^n W(|x| / radius) dx` over space, by quadrature; length^(D+n).
     pub fn moment<const D: usize>(self, radius: f64, order: u32) -> f64 {
         let power = (D as u32 - 1 + order) as i32;
         let integrand = |q: f64| self.profile::<D, f64>(q).value * q.powi(power);
@@ -172,14 +172,14 @@ impl Kernel {
         unit * radius.powi((D as u32 + order) as i32)
     }
 
-    /// The standard deviation along one direction, `sigma^2 = int x_1^2 W dx / int W dx`; length.
+    /// Standard deviation along one direction, `sigma^2 = int x_1^2 W dx / int W dx`; length.
     pub fn standard_deviation<const D: usize>(self, radius: f64) -> f64 {
         let second = self.moment::<D>(radius, 2) / D as f64;
         (second / self.integral::<D>(radius)).sqrt()
     }
 
-    /// The support radius in units of the smoothing length `h = 2 sigma` of Dehnen and Aly (2012), a measure of resolution by
-    /// which kernels of different shape compare.
+    /// Support radius in units of the smoothing length `h = 2 sigma` of Dehnen and Aly (2012), a measure of resolution that makes kernels of
+    /// different shape comparable.
     ///
     /// ```
     /// use onset::kernel::Kernel;
@@ -190,15 +190,17 @@ impl Kernel {
         0.5 / self.standard_deviation::<D>(1.0)
     }
 
-    /// The support radius of this kernel that has the smoothing length `h = 2 sigma`; length.
+    /// Support radius of this kernel for the smoothing length `h = 2 sigma`; length.
     pub fn radius_of<const D: usize>(self, smoothing_length: f64) -> f64 {
         smoothing_length * self.support_over_smoothing_length::<D>()
     }
 
-    /// The smoothing length `h` that the papers of a kernel, and codes after them, give to a support radius: `R0 / 3` for the quintic
-    /// B-spline and for functions of `exp(-x^2 / h^2)`, `2/5 R0` for the quartic B-spline, `R0 / 2` for all others; length.
+    /// Smoothing length `h` for a support radius by the convention of the papers and codes that use the kernel; length.
     ///
-    /// It is a habit, no measure of resolution: for that see [`Kernel::support_over_smoothing_length`].
+    /// It is `R0 / 3` for the quintic B-spline and for functions of `exp(-x^2 / h^2)`, `2/5 R0` for the quartic B-spline, and `R0 / 2` for all
+    /// others.
+    ///
+    /// It is a convention, not a measure of resolution such as [`Kernel::support_over_smoothing_length`].
     ///
     /// ```
     /// use onset::kernel::Kernel;
@@ -220,10 +222,10 @@ impl Kernel {
         radius / radii
     }
 
-    /// The Fourier transform `int W(|x| / radius) exp(i k . x) dx`, which is real and depends on `|k|` only; length^D.
+    /// Fourier transform `int W(|x| / radius) exp(i k . x) dx`, which is real and depends only on `|k|`; length^D.
     ///
-    /// Where it is negative, estimates of density reward pairs of particles that close ranks (Dehnen and Aly 2012).
-    /// By quadrature, to about `1e-14` of its value for long waves.
+    /// Where it is negative, density estimates favor the pairing of particles (Dehnen and Aly 2012). The quadrature is accurate to about `1e-14` of
+    /// the long-wave value.
     ///
     /// ```
     /// use onset::kernel::Kernel;

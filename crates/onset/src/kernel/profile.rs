@@ -2,22 +2,21 @@
 
 use crate::real::Real;
 
-/// A radial profile `W(q)` with its derivatives, arranged so that gradient and Hessian over space need no quotient that is
-/// singular at the origin: with `y = x / R0`, `q = |y|`,
+/// Radial profile `W(q)` with its derivatives, arranged so that gradient and Hessian over space are not singular at the origin.
 ///
-/// `grad W = S y`, `Hess W = S 1 + (S' / q) y (x) y`, where `S = W'/q`, `S' = (W'' - W'/q) / q`.
+/// With `y = x / R0` and `q = |y|`: `grad W = S y`, `Hess W = S 1 + (S' / q) y (x) y`, where `S = W'/q`, `S' = (W'' - W'/q) / q`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Profile<R> {
-    /// `W(q)`, dimensionless.
+    /// Value `W(q)` of the profile; dimensionless.
     pub value: R,
-    /// `S = W'(q) / q`.
+    /// Slope over distance, `S = W'(q) / q`.
     pub slope_over_q: R,
-    /// `S' = (W'' - W'/q) / q`.
+    /// Derivative of the slope over distance, `S' = (W'' - W'/q) / q`.
     pub curvature_over_q: R,
 }
 
 impl<R: Real> Profile<R> {
-    /// That of no weight.
+    /// Profile of a zero weight.
     #[inline(always)]
     pub(super) fn zero() -> Self {
         let zero = R::constant(0.0);
@@ -28,7 +27,7 @@ impl<R: Real> Profile<R> {
         }
     }
 
-    /// The profile from `W`, `W'` and `W''` away from the origin.
+    /// Returns the profile from `W`, `W'` and `W''` away from the origin.
     #[inline(always)]
     pub(super) fn from_derivatives(q: R, [value, slope, curvature]: [R; 3]) -> Self {
         let slope_over_q = slope / q;
@@ -39,7 +38,7 @@ impl<R: Real> Profile<R> {
         }
     }
 
-    /// What stands for both of two profiles where `q` is on both sides of a threshold.
+    /// Returns a profile that covers both of two profiles if `q` lies on both sides of a threshold.
     #[inline(always)]
     pub(super) fn blended(q: R, threshold: f64, below: Self, above: Self) -> Self {
         let either = |a: R, b: R| q.blended(threshold, a, b);
@@ -51,8 +50,10 @@ impl<R: Real> Profile<R> {
     }
 }
 
-/// One profile below a threshold of `q`, another at it and above, of which only what is asked for is evaluated; both where an interval does not decide, or several
-/// numbers do not agree. No function of closures: those would not be inlined.
+/// Evaluates one profile below a threshold of `q`, another at it and above. Both are evaluated only if an interval contains the threshold or if
+/// several numbers lie on both sides.
+///
+/// This is not a function of closures, because these would not be inlined.
 macro_rules! switch {
     ($q:expr, $threshold:expr => $below:expr, $above:expr) => {{
         let (q, threshold) = ($q, $threshold);
@@ -78,12 +79,13 @@ macro_rules! switch {
 }
 pub(super) use switch;
 
-/// The distance, in support radii, below which a cusped profile is that of a particle with itself: the mean over all directions,
-/// whose gradient is zero.
+/// Distance between a particle and itself to rounding, in support radii. A cusped profile has the mean over all directions there, with zero gradient.
 pub(super) const SELF: f64 = 1e-12;
 
-/// A profile with `W'(0) != 0`: `S = W'/q` grows without bound towards the origin. At the origin itself the gradient is zero by
-/// symmetry and there is no Hessian; both are taken as zero there, for a particle does not move relative to itself.
+/// Profile with `W'(0) != 0`, for which `S = W'/q` is unbounded near the origin.
+///
+/// At the origin the gradient is zero by symmetry and the Hessian does not exist. Both are set to zero, because a particle does not move relative to
+/// itself.
 #[inline(always)]
 pub(super) fn cusped<R: Real>(
     q: R,

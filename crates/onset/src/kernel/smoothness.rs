@@ -1,33 +1,33 @@
-//! How many derivatives of a kernel over space are continuous, and where they end.
+//! Numbers of continuous derivatives of a kernel over space, and the places of the jumps.
 
 use super::Kernel;
 use crate::algebra::{Each, array_of};
 use crate::real::Jet;
 
-/// How many derivatives over space are continuous at the places where a radial profile can break; `None` for all of them, of a
-/// formula for at least four.
+/// Number of continuous derivatives over space at the places where a radial profile can break. `None` stands for all derivatives; for a formula, for
+/// at least four.
 ///
-/// Waves of Lagrangian kernels need one, the exact linearization of Eulerian ones two: with fewer at the rim the dynamical matrix
-/// jumps where a neighbor enters or leaves.
+/// Waves with Lagrangian kernels need one continuous derivative, the exact linearization of Eulerian kernels needs two. With fewer at the rim the
+/// dynamical matrix jumps where a neighbor enters or leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Smoothness {
     /// At the origin, where odd derivatives of the profile must vanish.
     pub origin: Option<u32>,
-    /// Where the pieces of the profile meet.
+    /// At the joints between the pieces of the profile.
     pub inside: Option<u32>,
-    /// At the rim, beyond which the weight is zero.
+    /// At the rim of the support.
     pub rim: Option<u32>,
 }
 
-/// Distance at which the derivatives on both sides of a place are compared.
-const STEP: f64 = 1e-9;
-/// A change over [`STEP`] that is a jump, relative to the size of the derivative.
+/// Distance over which the derivatives on both sides of a place are compared; support radii.
+const JUMP_DISTANCE: f64 = 1e-9;
+/// Smallest change over this distance that counts as a jump, relative to the size of the derivative.
 const JUMP: f64 = 1e-4;
-/// Cells that are searched for jumps.
+/// Number of cells that are searched for jumps.
 const CELLS: u32 = 1024;
 
 impl Smoothness {
-    /// The least of all places.
+    /// Smallest number at any place.
     pub fn least(self) -> Option<u32> {
         [self.origin, self.inside, self.rim]
             .into_iter()
@@ -35,7 +35,7 @@ impl Smoothness {
             .min()
     }
 
-    /// From the derivatives at origin and rim, and breaks with the order of the derivative that jumps.
+    /// Smoothness from the derivatives at origin and rim, and the breaks with the order of the derivative that jumps.
     pub(super) fn measured(origin: [f64; 5], breaks: &[(f64, u32)], rim: [f64; 5]) -> Self {
         let scale = |orders: &[f64; 5]| 1e-7 * orders.iter().fold(1.0, |a: f64, b| a.max(b.abs()));
         let (odd, end) = (scale(&origin), scale(&rim));
@@ -53,7 +53,7 @@ impl Smoothness {
     }
 }
 
-/// The profile and its first four derivatives.
+/// Profile and its first four derivatives.
 pub(super) fn orders_at(profile: impl Fn(Jet<1, Jet<1>>) -> Jet<1, Jet<1>>, q: f64) -> [f64; 5] {
     let [inner] = Jet::variables([q]);
     let [outer] = Jet::variables([inner]);
@@ -68,10 +68,10 @@ pub(super) fn orders_at(profile: impl Fn(Jet<1, Jet<1>>) -> Jet<1, Jet<1>>, q: f
     ]
 }
 
-/// Where a derivative up to the fourth jumps within the support, with the lowest order that does.
+/// Returns the places within the support where a derivative up to the fourth jumps, with the lowest order of such a derivative.
 ///
 /// # Errors
-/// The place, where the profile itself or its slope jumps.
+/// The place where the profile itself or its slope jumps.
 pub(super) fn jumps(
     profile: impl Fn(Jet<1, Jet<1>>) -> Jet<1, Jet<1>>,
 ) -> Result<Vec<(f64, u32)>, f64> {
@@ -99,10 +99,10 @@ pub(super) fn jumps(
     Ok(found)
 }
 
-/// The place within an interval where a function jumps, by halving towards the larger change.
+/// Place within an interval where a function jumps, by bisection towards the larger change.
 fn jump(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64, size: f64) -> Option<f64> {
     let (mut below, mut above) = (function(low), function(high));
-    while high - low > STEP {
+    while high - low > JUMP_DISTANCE {
         if (above - below).abs() <= JUMP * size {
             return None;
         }
@@ -118,7 +118,7 @@ fn jump(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64, size: f64) -
 }
 
 impl Kernel {
-    /// How many derivatives over space are continuous in `D` dimensions.
+    /// Returns the numbers of continuous derivatives over space in `D` dimensions.
     ///
     /// ```
     /// use onset::kernel::Kernel;
@@ -131,7 +131,7 @@ impl Kernel {
             inside,
             rim,
         };
-        // A power (1 - q)^n at the rim; Wendland's of three dimensions have one more than those of one.
+        // The kernel is a power (1 - q)^n at the rim. Wendland's functions for three dimensions have one more factor than those for one.
         let extra = u32::from(D > 1);
         match self {
             Self::QuarticSpline => of(Some(2), None, Some(2)),

@@ -1,6 +1,6 @@
-//! B-splines, piecewise polynomials of `q` with `W(0) = 1`, and the hyperbolic kernel.
+//! B-splines, which are piecewise polynomials of `q` with `W(0) = 1`, and the hyperbolic kernel.
 //!
-//! Inlined, as all profiles are, so that of several numbers at once they are compiled for the vectors of the machine.
+//! Like all profiles they are inlined, so that profiles of several numbers compile to vector instructions.
 
 use super::profile::{Profile, cusped, switch};
 use crate::real::Real;
@@ -24,7 +24,7 @@ fn powers<R: Real, const N: usize>(
     Profile::from_derivatives(q, [value, slope * -n, curvature * (n * (n - 1.0))])
 }
 
-/// `2 ((1 - q)^3 - 4 (1/2 - q)^3)`, positive parts only.
+/// Cubic B-spline `2 ((1 - q)^3 - 4 (1/2 - q)^3)`, positive parts only.
 #[inline(always)]
 pub(super) fn cubic<R: Real>(q: R) -> Profile<R> {
     let inner = Profile {
@@ -35,7 +35,7 @@ pub(super) fn cubic<R: Real>(q: R) -> Profile<R> {
     switch!(q, 0.5 => inner, powers(q, 3, 2.0, [(1.0, 1.0)]))
 }
 
-/// `125/46 ((1 - q)^4 - 5 (3/5 - q)^4 + 10 (1/5 - q)^4)`, positive parts only.
+/// Quartic B-spline `125/46 ((1 - q)^4 - 5 (3/5 - q)^4 + 10 (1/5 - q)^4)`, positive parts only.
 #[inline(always)]
 pub(super) fn quartic<R: Real>(q: R) -> Profile<R> {
     const SCALE: f64 = 125.0 / 46.0;
@@ -49,7 +49,7 @@ pub(super) fn quartic<R: Real>(q: R) -> Profile<R> {
     switch!(q, 0.2 => inner, 0.6 => powers(q, 4, SCALE, middle), powers(q, 4, SCALE, [(1.0, 1.0)]))
 }
 
-/// `81/22 ((1 - q)^5 - 6 (2/3 - q)^5 + 15 (1/3 - q)^5)`, positive parts only.
+/// Quintic B-spline `81/22 ((1 - q)^5 - 6 (2/3 - q)^5 + 15 (1/3 - q)^5)`, positive parts only.
 #[inline(always)]
 pub(super) fn quintic<R: Real>(q: R) -> Profile<R> {
     const SCALE: f64 = 81.0 / 22.0;
@@ -68,7 +68,7 @@ pub(super) fn quintic<R: Real>(q: R) -> Profile<R> {
     )
 }
 
-/// `(s^3 - 6 s + 6) / 6` for `s = 2 q < 1`, `(2 - s)^3 / 6` for `s < 2`.
+/// Hyperbolic kernel: `(s^3 - 6 s + 6) / 6` for `s = 2 q < 1`, `(2 - s)^3 / 6` for `s < 2`.
 #[inline(always)]
 pub(super) fn hyperbolic<R: Real>(q: R) -> Profile<R> {
     let inner = || {

@@ -1,10 +1,10 @@
-//! Wendland's functions: polynomials of least degree with a positive Fourier transform in the dimension they are made for. Those
-//! of one dimension are others than those of two and three.
+//! Wendland's functions: polynomials of least degree with a positive Fourier transform in a given dimension. The functions for one dimension differ
+//! from the functions for two and three.
 
 use super::profile::Profile;
 use crate::real::Real;
 
-/// One dimension `(1 - q)^3 (1 + 3 q)`, the paper's quartic; two and three `(1 - q)^4 (1 + 4 q)`.
+/// C2 function: `(1 - q)^3 (1 + 3 q)` in one dimension, the paper's quartic; `(1 - q)^4 (1 + 4 q)` in two and three.
 #[inline(always)]
 pub(super) fn c2<const D: usize, R: Real>(q: R) -> Profile<R> {
     let p = -q + 1.0;
@@ -23,7 +23,7 @@ pub(super) fn c2<const D: usize, R: Real>(q: R) -> Profile<R> {
     }
 }
 
-/// One dimension `(1 - q)^5 (1 + 5 q + 8 q^2)`; two and three `(1 - q)^6 (1 + 6 q + 35/3 q^2)`.
+/// C4 function: `(1 - q)^5 (1 + 5 q + 8 q^2)` in one dimension; `(1 - q)^6 (1 + 6 q + 35/3 q^2)` in two and three.
 #[inline(always)]
 pub(super) fn c4<const D: usize, R: Real>(q: R) -> Profile<R> {
     let p = -q + 1.0;
@@ -42,7 +42,7 @@ pub(super) fn c4<const D: usize, R: Real>(q: R) -> Profile<R> {
     }
 }
 
-/// One dimension `(1 - q)^7 (1 + 7 q + 19 q^2 + 21 q^3)`; two and three `(1 - q)^8 (1 + 8 q + 25 q^2 + 32 q^3)`.
+/// C6 function: `(1 - q)^7 (1 + 7 q + 19 q^2 + 21 q^3)` in one dimension; `(1 - q)^8 (1 + 8 q + 25 q^2 + 32 q^3)` in two and three.
 #[inline(always)]
 pub(super) fn c6<const D: usize, R: Real>(q: R) -> Profile<R> {
     let p = -q + 1.0;

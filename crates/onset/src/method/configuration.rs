@@ -1,4 +1,4 @@
-//! Quadrature points, neighbors and shape functions of a homogeneous state.
+//! Quadrature points, neighbors and shape functions in a homogeneous state.
 
 use super::{Background, Frame, Method, MethodError, SupportSize};
 use crate::approximation::{Approximation, Order, ShapeFunctions};
@@ -7,46 +7,45 @@ use crate::lattice::{Ball, Reduced, determinant, inverse_of};
 use crate::quadrature::QuadraturePoint;
 use nalgebra::{SMatrix, SVector};
 
-/// A quadrature point at a homogeneous state: what it sees, and the deformation that it carries.
+/// Quadrature point in a homogeneous state, with its neighbors, its shape functions and its deformation gradient.
 #[derive(Clone, Debug)]
 pub struct ConfiguredPoint<const D: usize> {
-    /// Reference volume `V_q`.
+    /// Reference volume `V_q`; length^D.
     pub volume: f64,
-    /// Whether it is a particle.
+    /// Whether the point is a particle.
     pub is_node: bool,
-    /// Second moments of its cell, where strain is expanded over it.
+    /// Second moments of the cell of the point, if strain is expanded over it.
     pub second_moments: Option<SMatrix<f64, D, D>>,
     /// Lattice coordinates of the neighbors, relative to the cell of the point.
     pub cells: Vec<[i32; D]>,
     /// Lattice coordinates of the point in its cell.
     pub place: SVector<f64, D>,
-    /// Shape functions of the neighbors; derivatives in the coordinates of the kernel (material for
-    /// Lagrangian, spatial for Eulerian kernels).
+    /// Shape functions of the neighbors. Derivatives are in the coordinates of the kernel: material for Lagrangian, spatial for Eulerian kernels.
     pub shape: ShapeFunctions<D>,
-    /// The deformation gradient that the point carries.
+    /// Deformation gradient that the point carries.
     pub deformation: DeformationGradient,
 }
 
-/// All quadrature points of one cell at a homogeneous state.
+/// All quadrature points of one cell in a homogeneous state.
 #[derive(Clone, Debug)]
 pub struct Configuration<const D: usize> {
-    /// The points.
+    /// Quadrature points of the cell.
     pub points: Vec<ConfiguredPoint<D>>,
-    /// A short basis of the lattice that the kernels see.
+    /// Short basis of the lattice in the coordinates of the kernels.
     pub(crate) basis: Reduced<D>,
 }
 
-/// How kernels are laid out at a state.
+/// Lattice and support in the coordinates of the kernels.
 pub(super) struct Layout<const D: usize> {
-    /// Primitive vectors of the lattice that the kernels see, as columns.
+    /// Primitive vectors of the lattice in the coordinates of the kernels, as columns.
     pub(super) vectors: SMatrix<f64, D, D>,
     pub(super) radius: f64,
-    /// Distances are measured as `|metric x|`.
+    /// Metric of the support: distances are `|metric x|`.
     pub(super) metric: SMatrix<f64, D, D>,
 }
 
 impl<const D: usize> Layout<D> {
-    /// The same with a larger support.
+    /// Returns this layout with a larger support.
     pub(super) fn enlarged(&self, factor: f64) -> Self {
         Self {
             radius: factor * self.radius,
@@ -56,11 +55,11 @@ impl<const D: usize> Layout<D> {
 }
 
 impl<const D: usize> Method<D> {
-    /// The quadrature points with their neighbors and shape functions at a state.
+    /// Returns the quadrature points with their neighbors and shape functions in a state.
     ///
     /// # Errors
-    /// [`MethodError`] when the support is too small or too large there, when `F` is not of the
-    /// discretization's dimension, or when the interpolated background is not admissible.
+    /// [`MethodError`] if the support is too small or too large, if `F` does not have the dimension of the discretization, or if the interpolated
+    /// background is not admissible.
     pub fn configuration(
         &self,
         f: &DeformationGradient,
@@ -81,8 +80,9 @@ impl<const D: usize> Method<D> {
         })
     }
 
-    /// The same with one of each pair of points that inversion exchanges, with the volume of both, where every point has
-    /// its opposite; and whether that is so.
+    /// Returns the configuration with one of each pair of points that inversion exchanges, with the volume of both.
+    ///
+    /// If some point has no opposite, all points are returned. The second value is true for halves.
     pub(crate) fn configuration_of_halves(
         &self,
         f: &DeformationGradient,
@@ -122,7 +122,7 @@ impl<const D: usize> Method<D> {
                 radius * determinant(&f.leading::<D>()).powf(1.0 / D as f64),
                 SMatrix::identity(),
             ),
-            // Convected with the particles: on the regular lattice these have not moved.
+            // Convected with the particles, which do not move on the regular lattice.
             SupportSize::Convected => (radius, inverted(&home)),
         };
         Layout {
@@ -199,7 +199,7 @@ impl<const D: usize> Method<D> {
         })
     }
 
-    /// The deformation gradient that a quadrature point carries.
+    /// Deformation gradient that a quadrature point carries.
     fn carried_deformation(
         &self,
         f: &DeformationGradient,
@@ -209,7 +209,7 @@ impl<const D: usize> Method<D> {
         if self.choices.background == Background::Imposed {
             return Ok(*f);
         }
-        // sum_K y_K (x) grad phi_K: the identity for linearly complete functions.
+        // sum_K y_K (x) grad phi_K is the identity for linearly complete functions.
         let moment: SMatrix<f64, D, D> = positions
             .iter()
             .zip(&shape.gradients)
@@ -225,13 +225,13 @@ impl<const D: usize> Method<D> {
     }
 }
 
-/// The inverse of a matrix of up to three rows; NaN where it is singular, which the checks of
-/// deformation gradients and dynamical matrices report.
+/// Inverse of a matrix with at most three rows. It is NaN if the matrix is singular, which the checks of deformation gradients and dynamical matrices
+/// report.
 fn inverted<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
     inverse_of(m).unwrap_or_else(|| SMatrix::repeat(f64::NAN))
 }
 
-/// The ball of the support in the lattice that the kernels see.
+/// Ball of the support in the lattice, in the coordinates of the kernels.
 pub(super) fn support<const D: usize>(layout: &Layout<D>) -> Result<Ball<D>, MethodError> {
     let ball = Ball::new(&(layout.metric * layout.vectors), layout.radius)?;
     MethodError::assert_few(&ball, layout.radius, 1)?;

@@ -1,4 +1,4 @@
-//! The discrete forces of kernel methods, particles displaced from a homogeneous state.
+//! Discrete forces of kernel methods for particles displaced from a homogeneous state.
 
 use super::configuration::support;
 use super::{ConfiguredPoint, Frame, Linearization, Method, MethodError};
@@ -10,10 +10,10 @@ use crate::material::Hyperelastic;
 use crate::scheme::{NoForce, PatchForces, PeriodicPatch, PointResponse};
 use nalgebra::{SMatrix, SVector};
 
-/// Forces of a quadrature point on particles of its surroundings, by their lattice coordinates relative to its cell.
+/// Forces of a quadrature point on the particles around it, by their lattice coordinates relative to its cell.
 type Share<const D: usize> = Vec<([i32; D], SVector<f64, D>)>;
 
-/// The quadrature points of a method at a homogeneous state, in every cell of a patch.
+/// Quadrature points of a method in a homogeneous state, in every cell of a patch.
 pub(crate) struct PatchPoints<'a, const D: usize> {
     method: &'a Method<D>,
     f: DeformationGradient,
@@ -22,15 +22,16 @@ pub(crate) struct PatchPoints<'a, const D: usize> {
 }
 
 impl<const D: usize> Method<D> {
-    /// The forces on the particles of a periodic patch displaced from a homogeneous state.
+    /// Returns the forces on the particles of a periodic patch displaced from a homogeneous state.
     ///
-    /// Lagrangian kernels: `f_I = -sum_q V_q P(F_q) grad phi_I`, `F_q = F + sum_K u_K (x) grad phi_K`; with natural stabilization the
-    /// strain beyond the center of a cell is linear, as it is small. Eulerian kernels: `f_I = -sum_q v_q sigma(F_q) grad phi_I(x_q)` with
-    /// the shape functions of the moved particles, `F_q = (1 + sum_K u_K (x) grad phi_K) F` and `v_q = J_q V_q`; stress points
-    /// move with the interpolated displacement.
+    /// Lagrangian kernels: `f_I = -sum_q V_q P(F_q) grad phi_I`, `F_q = F + sum_K u_K (x) grad phi_K`. With natural stabilization the
+    /// response to the small strain relative to the center of a cell is linear.
+    ///
+    /// Eulerian kernels: `f_I = -sum_q v_q sigma(F_q) grad phi_I(x_q)` with the shape functions of the moved particles,
+    /// `F_q = (1 + sum_K u_K (x) grad phi_K) F` and `v_q = J_q V_q`. Stress points move with the interpolated displacement.
     ///
     /// # Errors
-    /// [`MethodError::NotOfForces`] for linearizations other than the exact one; otherwise as for the dynamical matrix.
+    /// [`MethodError::NotOfForces`] for linearizations other than the exact one; otherwise the errors of the dynamical matrix.
     pub(crate) fn patch_points<'a>(
         &'a self,
         material: &'a dyn Hyperelastic,
@@ -79,7 +80,7 @@ impl<const D: usize> Method<D> {
             let seen = point.cells.iter().zip(&point.shape.values);
             seen.map(|(cell, value)| moved(cell) * *value).sum()
         };
-        // Particles that were outside of the support may have come in.
+        // Particles from outside of the support may have entered it.
         let (mut cells, mut positions, mut weights) = (Vec::new(), Vec::new(), Vec::new());
         for cell in support(&layout.enlarged(1.2))?.cells(&point.place) {
             let fractional = SVector::<f64, D>::from_fn(|i, _| f64::from(cell[i])) - point.place;
@@ -201,7 +202,7 @@ fn lagrangian_share<const D: usize>(
     cells.map(|(number, cell)| (*cell, force(number))).collect()
 }
 
-/// `sum_K u_K (x) grad phi_K`.
+/// Displacement gradient `sum_K u_K (x) grad phi_K` at the point.
 fn gradient<const D: usize>(
     point: &ConfiguredPoint<D>,
     moved: &impl Fn(&[i32; D]) -> SVector<f64, D>,

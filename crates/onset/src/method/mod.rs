@@ -1,8 +1,7 @@
-//! A particle method: lattice, kernel, approximation, quadrature and frame taken together.
+//! Kernel methods with one particle per cell: lattice, kernel, approximation, quadrature and frame.
 //!
-//! Given a homogeneous deformation, a method says where its quadrature points are, which particles
-//! they see, with which shape functions, and which deformation gradient they carry. It holds no
-//! material.
+//! For a homogeneous deformation a method determines its quadrature points, their neighbors and shape functions, and the deformation gradient of each
+//! point. It is independent of the material.
 
 mod configuration;
 mod forces;
@@ -23,21 +22,20 @@ use nalgebra::SVector;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Neighbors of a quadrature point beyond which a support is refused: the cost grows with their
-/// square, and no method in use comes near.
+/// Largest admissible number of neighbors of a quadrature point. The cost grows with its square, and methods in use have far fewer.
 pub const MAXIMUM_NEIGHBORS: usize = 400;
-/// Particles of a cell beyond which the matrices of one wave fill the memory.
+/// Largest admissible number of particles in a cell; the matrices of one wave would otherwise fill the memory.
 const MAXIMUM_PARTICLES: f64 = 1e3;
-/// Spacings of which the powers in volumes and in second derivatives of weights neither over- nor underflow.
+/// Admissible spacings. Their powers in volumes and in second derivatives of weights neither overflow nor underflow.
 const SPACINGS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
-/// The largest lattice coordinate.
+/// Largest admissible lattice coordinate.
 const COORDINATES: f64 = 1e6;
-/// Places of the lattice that are looked at for each admitted neighbor.
+/// Lattice sites that may be examined for each admissible neighbor.
 const PLACES: f64 = 25.0;
-/// Gradients that add up to less than this, over the support radius, add up to zero but for rounding.
+/// Largest sum of gradients, times the support radius, that is zero to rounding.
 const TRANSLATION: f64 = 1e-9;
 
-/// In which coordinates the kernel is written.
+/// Coordinates of the kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -45,13 +43,13 @@ const TRANSLATION: f64 = 1e-9;
     serde(rename_all = "kebab-case")
 )]
 pub enum Frame {
-    /// Kernels of material coordinates, `W(X - X_I)`: neighbors never change.
+    /// Kernels in material coordinates, `W(X - X_I)`: neighbors never change.
     Lagrangian,
-    /// Kernels of current coordinates, `W(x - x_I(t))`, as in smoothed particle hydrodynamics.
+    /// Kernels in current coordinates, `W(x - x_I(t))`, as in smoothed particle hydrodynamics.
     Eulerian,
 }
 
-/// Which deformation gradient the quadrature points carry in the homogeneous state.
+/// Deformation gradient of the quadrature points in the homogeneous state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -59,16 +57,16 @@ pub enum Frame {
     serde(rename_all = "kebab-case")
 )]
 pub enum Background {
-    /// `F` itself, everywhere (the paper).
+    /// The imposed `F` at every point (the paper).
     Imposed,
-    /// What the shape functions make of the particles' displacements. Lagrangian kernels: `F_q = 1 +
-    /// (F - 1) M_q`, `M_q = sum_K X_K (x) grad phi_K(X_q)`. Eulerian kernels: `F_q^-1 = 1 - (1 - F^-1) m_q`
-    /// with `m_q` likewise in the current lattice. The reference configuration stays free of stress. `X_K` is taken from the point: from
-    /// any other origin the same, where the gradients add up to zero.
+    /// Interpolation of the displacements of the particles by the shape functions. The reference configuration stays free of stress.
+    ///
+    /// Lagrangian kernels: `F_q = 1 + (F - 1) M_q`, `M_q = sum_K X_K (x) grad phi_K(X_q)`. Eulerian kernels: `F_q^-1 = 1 - (1 - F^-1) m_q`
+    /// with the same sum `m_q` in the current lattice. `X_K` is measured from the point; the origin does not matter if the gradients add up to zero.
     Interpolated,
 }
 
-/// Eulerian kernels: where the particles are in the homogeneous state.
+/// Positions of the particles in the homogeneous state, for Eulerian kernels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -76,14 +74,13 @@ pub enum Background {
     serde(rename_all = "kebab-case")
 )]
 pub enum CurrentLattice {
-    /// At `F X`.
+    /// Deformed positions `F X` of the particles.
     Convected,
-    /// At the reference positions, carrying the stress of `F` (the paper's "letting the current
-    /// configuration be the reference configuration").
+    /// Reference positions with the stress of `F` (the paper's "letting the current configuration be the reference configuration").
     Regular,
 }
 
-/// Eulerian kernels: how large the support is in the homogeneous state.
+/// Size of the support in the homogeneous state, for Eulerian kernels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -91,16 +88,16 @@ pub enum CurrentLattice {
     serde(rename_all = "kebab-case")
 )]
 pub enum SupportSize {
-    /// The radius `R0` in space, whatever the deformation.
+    /// Constant radius `R0` in space, independent of the deformation.
     Fixed,
-    /// `R0 J^(1/D)`: constant number of neighbors on average.
+    /// Radius `R0 J^(1/D)`, with a constant mean number of neighbors.
     Scaled,
-    /// The reference sphere convected with the particles to an ellipsoid, `|F^-1 x| < R0`; on the regular lattice,
-    /// where they have not moved, the same as fixed.
+    /// Reference sphere convected with the particles to an ellipsoid, `|F^-1 x| < R0`. Equal to `Fixed` on the regular lattice, where the particles
+    /// have not moved.
     Convected,
 }
 
-/// Eulerian kernels: what moves when the particles are perturbed.
+/// Linearization of the forces in perturbations of the particles, for Eulerian kernels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -108,23 +105,21 @@ pub enum SupportSize {
     serde(rename_all = "kebab-case")
 )]
 pub enum Linearization {
-    /// Everything: the exact derivative of the discrete forces. Stress points move with the
-    /// interpolated displacement, and the normalization with all particles.
+    /// Exact derivative of the discrete forces. Stress points move with the interpolated displacement, and all particles change the normalization.
     Exact,
-    /// Equation (49): `d(phi_I,j)(x_q) = phi_I,jt (u_q - u_I)`, which leaves out the motion of the
-    /// other particles through the normalization; a stress point moves with the plane wave itself,
-    /// which makes the dynamical matrix non-periodic.
+    /// Equation (49): `d(phi_I,j)(x_q) = phi_I,jt (u_q - u_I)`. It omits the motion of the other particles in the normalization.
+    /// A stress point moves with the plane wave itself, which makes the dynamical matrix non-periodic.
     Paper,
-    /// As exact, but stress points move with the plane wave.
+    /// Like `Exact`, with stress points that move with the plane wave.
     ExactPlaneWave,
-    /// As paper, but stress points move with the interpolated displacement.
+    /// Like `Paper`, with stress points that move with the interpolated displacement.
     PaperInterpolated,
-    /// As paper, with the second derivative of the weight alone, its normalization held fixed.
+    /// Like `Paper`, with the second derivative of the weight alone and its normalization held fixed.
     FrozenNormalization,
 }
 
 impl Linearization {
-    /// The word used in files and on the command line.
+    /// Name in study files and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
@@ -135,7 +130,7 @@ impl Linearization {
         }
     }
 
-    /// Whether a stress point moves with the plane wave instead of the interpolated displacement.
+    /// Returns true if a stress point moves with the plane wave instead of the interpolated displacement.
     pub fn moves_points_with_plane_wave(self) -> bool {
         matches!(
             self,
@@ -143,14 +138,13 @@ impl Linearization {
         )
     }
 
-    /// Whether the motion of all particles through the normalization is kept.
+    /// Returns true if the motion of all particles is included in the normalization.
     pub fn is_exact_in_kernel(self) -> bool {
         matches!(self, Self::Exact | Self::ExactPlaneWave)
     }
 }
 
-/// Every choice that defines a particle method. The default is the paper's Lagrangian method with
-/// stress points on the hexagonal lattice, `D_mx = 2`.
+/// Choices that define a kernel method. The default is the paper's Lagrangian method with stress points on the hexagonal lattice, `D_mx = 2`.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -160,38 +154,36 @@ impl Linearization {
 pub struct KernelMethodChoices {
     /// Lattice of the particles.
     pub lattice: LatticeKind,
-    /// Rectangular lattice: the second side over the first.
+    /// Rectangular lattice: ratio of the second to the first side.
     pub aspect: f64,
-    /// Oblique and triclinic lattice: the components of the primitive vectors in units of the spacing, one vector after
-    /// the other.
+    /// Oblique and triclinic lattices: components of the primitive vectors in units of the spacing, vector by vector.
     pub vectors: Vec<f64>,
-    /// More particles in the cell of the lattice, of which the first is at the origin: their lattice coordinates, one particle
-    /// after the other. Takes the place of the lattice's own.
+    /// Particles of a cell by their lattice coordinates, particle by particle, with the first at the origin. They replace the basis of the lattice.
     pub basis: Vec<f64>,
-    /// Cells along each primitive vector that are taken together, so that their particles can differ.
+    /// Cells along each primitive vector that form a supercell, so that their particles can differ.
     pub cells: u32,
-    /// The largest random offset of a particle along each axis, in units of the spacing.
+    /// Largest random offset of a particle along each axis, in units of the spacing.
     pub perturbation: f64,
-    /// The seed of the random offsets: the same for the same seed, everywhere.
+    /// Seed of the random offsets, which are reproducible on every machine.
     pub seed: u32,
-    /// Particle spacing: distance of nearest neighbors in the lattice, of rectangles the first side, of oblique and triclinic lattices the unit of
-    /// `vectors`; length.
+    /// Distance of nearest neighbors; length. It is the first side of rectangular lattices and the unit of `vectors` of oblique and triclinic
+    /// lattices; length.
     pub spacing: f64,
     /// Reference density; mass per reference volume.
     pub density: f64,
-    /// Weight function.
+    /// Weight function of the particles.
     pub kernel: Kernel,
     /// Support radius in units of the spacing, `D_mx = R0 / spacing`.
     pub support: f64,
     /// Correction of the weights.
     pub approximation: Approximation,
-    /// Quadrature points.
+    /// Type of quadrature points.
     pub quadrature: Quadrature,
-    /// Particles and stress points: the fraction of the cell's volume at the stress points, in place of Voronoi volumes.
+    /// Stress points: fraction of the cell's volume at the stress points, in place of Voronoi volumes.
     pub stress_point_weight: Option<f64>,
     /// Gauss quadrature: points per direction.
     pub gauss_points: u32,
-    /// User-defined points: for each its lattice coordinates and its fraction of the cell's volume, one after the other.
+    /// User-defined points: for each point, its lattice coordinates and its fraction of the cell's volume.
     pub points: Vec<f64>,
     /// Coordinates of the kernel.
     pub frame: Frame,
@@ -201,7 +193,7 @@ pub struct KernelMethodChoices {
     pub current_lattice: CurrentLattice,
     /// Eulerian kernels: size of the support.
     pub support_size: SupportSize,
-    /// Eulerian kernels: what the perturbation moves.
+    /// Eulerian kernels: linearization of the forces.
     pub linearization: Linearization,
 }
 
@@ -233,58 +225,58 @@ impl Default for KernelMethodChoices {
     }
 }
 
-/// Why a method cannot be set up or evaluated at a state.
+/// Error in the setup of a method or in its evaluation in a state.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MethodError {
-    /// A setting is not one of the numbers that are admitted.
+    /// A setting is outside of its admissible range.
     #[error("discretization.{name} is {value:?}; expected {expected}")]
     Setting {
-        /// The setting's name.
+        /// Name of the setting.
         name: &'static str,
-        /// Its value.
+        /// Value of the setting.
         value: f64,
-        /// What is admitted, in words.
+        /// Admissible values, in words.
         expected: &'static str,
     },
-    /// Two choices that exclude each other.
+    /// Two choices exclude each other.
     #[error("{choice} is not supported with {other}; {hint}")]
     Incompatible {
-        /// One of them.
+        /// One of the two choices.
         choice: &'static str,
-        /// The other.
+        /// The choice that it conflicts with.
         other: &'static str,
-        /// What goes instead.
+        /// Alternatives to the two choices.
         hint: &'static str,
     },
-    /// A quadrature point sees too few particles to determine a gradient.
+    /// A quadrature point has too few neighbors to determine a gradient.
     #[error(
         "a {point} has {neighbors} particle(s) within the support radius {} (in units of length); \
          its shape functions in {dimension}D need at least {needed}",
         length(*radius)
     )]
     SupportTooSmall {
-        /// `particle` or `stress point`.
+        /// Kind of point, `particle` or `stress point`.
         point: &'static str,
-        /// The support radius; length.
+        /// Support radius; length.
         radius: f64,
-        /// How many particles it sees.
+        /// Number of neighbors of the point.
         neighbors: usize,
-        /// How many are needed.
+        /// Number of neighbors needed.
         needed: usize,
         /// Number of space dimensions.
         dimension: usize,
     },
-    /// The support holds more particles than the program admits.
+    /// The support holds more particles than admissible.
     #[error(
         "the support radius {} holds about {neighbors:.1e} particles; at most {limit} are admitted",
         length(*radius)
     )]
     SupportTooLarge {
-        /// The support radius; length.
+        /// Support radius; length.
         radius: f64,
-        /// How many particles it would hold.
+        /// Estimated number of particles in the support.
         neighbors: f64,
-        /// How many are admitted.
+        /// Largest admissible number of particles.
         limit: usize,
     },
     /// The bonds of a particle do not determine a deformation gradient.
@@ -294,24 +286,24 @@ pub enum MethodError {
         length(*horizon)
     )]
     HorizonTooSmall {
-        /// The horizon; length.
+        /// Horizon of the family; length.
         horizon: f64,
-        /// How many bonds there are.
+        /// Number of bonds of the particle.
         bonds: usize,
         /// Number of space dimensions.
         dimension: usize,
     },
-    /// The horizon holds more particles than the program admits.
+    /// The horizon holds more particles than admissible.
     #[error(
         "the horizon {} holds about {bonds:.1e} particles; at most {limit} are admitted",
         length(*horizon)
     )]
     HorizonTooLarge {
-        /// The horizon; length.
+        /// Horizon of the family; length.
         horizon: f64,
-        /// How many particles it would hold.
+        /// Estimated number of particles in the horizon.
         bonds: f64,
-        /// How many are admitted.
+        /// Largest admissible number of particles.
         limit: usize,
     },
     /// The neighbors of a quadrature point do not span space.
@@ -319,14 +311,14 @@ pub enum MethodError {
         "the {neighbors} neighbors of a {point} do not determine its shape functions: {source}"
     )]
     SingularMoment {
-        /// `particle` or `stress point`.
+        /// Kind of point, `particle` or `stress point`.
         point: &'static str,
-        /// How many particles it sees.
+        /// Number of neighbors of the point.
         neighbors: usize,
-        /// The condition of the moment matrix.
+        /// Condition of the moment matrix.
         source: SingularMoment,
     },
-    /// The deformation couples directions that the discretization has with those that it has not.
+    /// The deformation couples the directions of the discretization to the remaining directions.
     #[error(
         "the deformation gradient couples the {dimension} dimension(s) of the lattice with the others; \
          expected plane strain (2D) or uniaxial strain (1D)"
@@ -335,86 +327,86 @@ pub enum MethodError {
         /// Number of space dimensions.
         dimension: usize,
     },
-    /// The homogeneous state that the discretization sees is not a deformation.
+    /// The interpolated homogeneous state is not an admissible deformation gradient.
     #[error("the interpolated deformation gradient is not admissible: {0}")]
     Background(#[source] KinematicsError),
-    /// The deformation itself.
+    /// The deformation gradient is not admissible.
     #[error(transparent)]
     Deformation(#[from] KinematicsError),
-    /// Several particles in a cell, where one is expected.
+    /// The cell holds several particles where one is expected.
     #[error(
         "the cell holds {particles} particles; kernel methods in closed form have one, `scheme::kernel::KernelScheme` has any \
          number"
     )]
     SeveralParticles {
-        /// How many there are.
+        /// Number of particles in the cell.
         particles: usize,
     },
-    /// The equations of a linearization that are no derivative of forces.
+    /// The equations of a linearization are not the derivative of forces.
     #[error(
         "the linearization `{linearization}` is not that of the forces of particles: it leaves some of their motion out, or moves \
          stress points with the plane wave itself; choose discretization.linearization = \"exact\""
     )]
     NotOfForces {
-        /// The linearization.
+        /// Name of the linearization.
         linearization: &'static str,
     },
-    /// A consistent mass that vanishes for some waves, for which there is no equation of motion.
+    /// The consistent mass vanishes for some waves, which have no equation of motion.
     #[error(
         "the consistent mass matrix is singular: the points of the quadrature see nothing of the wave with the phases {phases:?} \
          from node to node\n  hint: choose discretization.grid-mass = \"lumped\", or more points in a cell"
     )]
     SingularMass {
-        /// The phases of the wave along the axes, over pi.
+        /// Phases of the wave along the axes, in units of pi.
         phases: Vec<u8>,
     },
-    /// The dynamical matrix over- or underflows.
+    /// The dynamical matrix overflows or underflows.
     #[error("the dynamical matrix is not finite at this state")]
     NotFinite,
-    /// Nobody has waited for the answer any more.
+    /// The caller has cancelled the computation.
     #[error("given up: nobody waits for the answer any more")]
     GivenUp,
-    /// Elements that cannot be set up.
+    /// The mesh of the elements is not valid.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// Natural stabilization expands the strain of material coordinates.
+    /// Natural stabilization expands the strain in material coordinates and needs Lagrangian kernels.
     #[error(
         "discretization.quadrature \"nodal-stabilized\" expands the strain over the reference cells of the particles and \
          needs discretization.frame = \"lagrangian\""
     )]
     StabilizedEulerian,
-    /// The quadrature points.
+    /// The quadrature points are not admissible.
     #[error(transparent)]
     Quadrature(#[from] QuadratureError),
-    /// The lattice.
+    /// The lattice is not admissible.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
-    /// The material.
+    /// The material cannot be evaluated.
     #[error(transparent)]
     Material(#[from] MaterialError),
 }
 
-/// A length without what the spacing of nearest particles has by rounding.
+/// Length without the rounding errors of the particle spacing.
 fn length(value: f64) -> String {
     let rounded = format!("{value:.12e}").parse().unwrap_or(value);
     format!("{rounded:?}")
 }
 
 impl MethodError {
-    /// A number that must be positive and finite.
+    /// Checks that a number is positive and finite.
     pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), Self> {
         let is_admitted = value > 0.0 && value.is_finite();
         Self::require(is_admitted, name, value, "a positive finite number")
     }
 
-    /// A number that must be zero, or positive and finite.
+    /// Checks that a number is zero, or positive and finite.
     pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<(), Self> {
         let is_admitted = value >= 0.0 && value.is_finite();
         let expected = "zero or a positive finite number";
         Self::require(is_admitted, name, value, expected)
     }
 
-    /// A condition on a setting.
+    /// Checks a condition on a setting.
     pub(crate) fn require(
         is_admitted: bool,
         name: &'static str,
@@ -429,7 +421,7 @@ impl MethodError {
         is_admitted.then_some(()).ok_or(refused)
     }
 
-    /// Refuses a support, before anything is allocated for it, that holds more particles than are admitted.
+    /// Rejects a support with too many particles, before memory is allocated for it.
     pub(crate) fn assert_few<const D: usize>(
         ball: &Ball<D>,
         radius: f64,
@@ -438,7 +430,7 @@ impl MethodError {
         let sites = sites as f64;
         let limit = MAXIMUM_NEIGHBORS;
         let (neighbors, places) = (sites * ball.mean_count(), sites * ball.places());
-        // The ball of a thin cell can be looked for at many places although it holds few particles.
+        // The ball of a thin cell can cover many sites although it holds few particles.
         if neighbors <= limit as f64 && places <= PLACES * limit as f64 {
             return Ok(());
         }
@@ -449,7 +441,7 @@ impl MethodError {
         })
     }
 
-    /// Refuses a support that holds far more particles than its volume says, as across thin cells.
+    /// Rejects a support that holds far more particles than expected from its volume, as across thin cells.
     pub(crate) fn assert_not_crowded(neighbors: usize, radius: f64) -> Result<(), Self> {
         if neighbors <= 2 * MAXIMUM_NEIGHBORS {
             return Ok(());
@@ -461,8 +453,7 @@ impl MethodError {
         })
     }
 
-    /// Whether the support, or the horizon, holds too few or too many particles: the state has no discretization, rather than a wrong
-    /// one.
+    /// Returns true if the support or the horizon holds too few or too many particles, so that the discretization does not exist in the state.
     pub fn is_about_support(&self) -> bool {
         matches!(
             self,
@@ -475,21 +466,21 @@ impl MethodError {
         )
     }
 
-    /// Whether the law of the material is not defined at the state, as beyond the locking stretch of its chains, or has no stress
-    /// there, as on a kink.
+    /// Returns true if the law of the material is not defined in the state, as beyond the locking stretch of its chains, or has no stress there, as
+    /// at a kink.
     pub fn is_outside_domain(&self) -> bool {
         matches!(self, Self::Material(error) if error.leaves_undefined())
     }
 
-    /// Whether there is no answer at this state, while there is at others: by the support, or by the law.
+    /// Returns true if the state has no result although other states have, because of the support or the law.
     pub fn leaves_undefined(&self) -> bool {
         self.is_about_support() || self.is_outside_domain()
     }
 }
 
 impl KernelMethodChoices {
-    /// The Bravais lattice in the basis in which it is computed, with that basis: of primitive vectors that are
-    /// given, shortest ones, so that nothing depends on which of its bases describes a lattice.
+    /// Bravais lattice in the basis used for computations, with this basis. Given primitive vectors are reduced to shortest vectors, so that results
+    /// do not depend on the basis that describes the lattice.
     fn lattice<const D: usize>(&self) -> Result<(BravaisLattice<D>, Reduced<D>), MethodError> {
         let given = self
             .lattice
@@ -508,10 +499,10 @@ impl KernelMethodChoices {
         Ok((short, reduced))
     }
 
-    /// The rule for quadrature points in a cell of the basis in which the lattice is computed.
+    /// Returns the rule for quadrature points in a cell of the basis used for computations.
     ///
     /// # Errors
-    /// [`MethodError`] when there is no such lattice.
+    /// [`MethodError`] if the lattice does not exist.
     pub fn cell_rule<const D: usize>(&self) -> Result<CellRule, MethodError> {
         let (_, basis) = self.lattice::<D>()?;
         assert_near("points", &self.points)?;
@@ -529,11 +520,11 @@ impl KernelMethodChoices {
         })
     }
 
-    /// The particles in the reference state, as they are described: the lattice with its basis, cells taken together, offsets applied. Cells are
-    /// those of shortest primitive vectors, whichever are given.
+    /// Returns the described particles in the reference configuration: the lattice with its basis, supercells and offsets. Cells have shortest
+    /// primitive vectors for any given vectors.
     ///
     /// # Errors
-    /// [`MethodError`] when a number is out of range, or particles coincide.
+    /// [`MethodError`] if a number is out of range, or if particles coincide.
     pub fn crystal<const D: usize>(&self) -> Result<Crystal<D>, MethodError> {
         let crystal = self.regular_crystal::<D>()?;
         let crystal = match self.cells {
@@ -543,7 +534,7 @@ impl KernelMethodChoices {
         if self.perturbation == 0.0 {
             return Ok(crystal);
         }
-        // One particle in a cell has nothing that it could be moved against.
+        // A single particle per cell has no other particle to move against.
         MethodError::require(
             crystal.sites().len() > 1,
             "perturbation",
@@ -553,11 +544,13 @@ impl KernelMethodChoices {
         Ok(crystal.perturbed(self.perturbation * self.spacing, u64::from(self.seed))?)
     }
 
-    /// The cell in which the method is computed: as it is described, or the primitive cell of its particles and quadrature points, which a perturbed
-    /// lattice has not. `integrates` says whether the method has the quadrature of the choices.
+    /// Returns the cell used for computations: the described cell, or the primitive cell of its particles and quadrature points. A perturbed lattice
+    /// has no smaller cell.
+    ///
+    /// `integrates` states whether the method uses the quadrature of the choices.
     ///
     /// # Errors
-    /// As for [`KernelMethodChoices::crystal`], and when the quadrature is refused.
+    /// The errors of [`KernelMethodChoices::crystal`], and [`MethodError`] if the quadrature is rejected.
     pub(crate) fn cell<const D: usize>(
         &self,
         kind: CellKind,
@@ -600,7 +593,7 @@ impl KernelMethodChoices {
         })
     }
 
-    /// The points of a rule or list in one described cell.
+    /// Quadrature points of a rule or list in one described cell.
     fn listed_points<const D: usize>(
         &self,
         lattice: &BravaisLattice<D>,
@@ -612,7 +605,7 @@ impl KernelMethodChoices {
             .collect())
     }
 
-    /// The number of particles of the described cell.
+    /// Number of particles in the described cell.
     pub(crate) fn sites(&self) -> usize {
         let dimension = self.lattice.dimension();
         let of_lattice = match self.basis.len() / dimension {
@@ -663,39 +656,39 @@ impl KernelMethodChoices {
     }
 }
 
-/// Which cell of a method is computed.
+/// Cell used for computations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CellKind {
-    /// The smallest one.
+    /// The primitive cell, which is the smallest.
     Primitive,
-    /// As the choices describe it.
+    /// The cell described by the choices.
     Described,
 }
 
-/// The particles of a cell, with its quadrature points where a rule or a list gives them.
+/// Particles of a cell, with its quadrature points if a rule or a list gives them.
 #[derive(Clone, Debug)]
 pub(crate) struct MethodCell<const D: usize> {
     pub(crate) crystal: Crystal<D>,
-    /// Places and volumes.
+    /// Positions and volumes of the quadrature points.
     pub(crate) points: Option<Vec<(Fractional<D>, f64)>>,
 }
 
-/// A method on its lattice, ready to be evaluated at any state.
+/// Kernel method on its lattice, ready to be evaluated in any state.
 #[derive(Clone, Debug)]
 pub struct Method<const D: usize> {
     choices: KernelMethodChoices,
     crystal: Crystal<D>,
     points: Vec<QuadraturePoint<D>>,
-    /// One of each pair of points that inversion exchanges, with the volume of both; none unless all points have opposites.
+    /// One of each pair of points that inversion exchanges, with the volume of both; `None` unless every point has an opposite.
     halves: Option<Vec<QuadraturePoint<D>>>,
     wave_grids: Arc<WaveGrids<D>>,
 }
 
 impl<const D: usize> Method<D> {
-    /// Sets up a method.
+    /// Builds the method on its lattice.
     ///
     /// # Errors
-    /// [`MethodError`] when a setting is out of range or `D` is not the lattice's dimension.
+    /// [`MethodError`] if a setting is out of range, or if `D` is not the dimension of the lattice.
     pub fn new(choices: KernelMethodChoices) -> Result<Self, MethodError> {
         let KernelMethodChoices {
             spacing,
@@ -740,9 +733,10 @@ impl<const D: usize> Method<D> {
         Ok(method)
     }
 
-    /// Refuses an interpolated background where a translation of all particles strains a point, `sum_K grad phi_K != 0`: the
-    /// displacements `(F - 1) X` give every such point another strain, as far as it is from the origin, and there is no
-    /// homogeneous state. Raw weights do that at points that no symmetry of the reference lattice fixes.
+    /// Rejects an interpolated background if a translation of all particles strains a point, `sum_K grad phi_K != 0`.
+    ///
+    /// The strain of such a point under the displacements `(F - 1) X` depends on its distance from the origin, so that no homogeneous state exists.
+    /// This occurs with raw weights at points that no symmetry of the reference lattice fixes.
     fn assert_background(&self) -> Result<(), MethodError> {
         let KernelMethodChoices {
             background,
@@ -753,7 +747,7 @@ impl<const D: usize> Method<D> {
             return Ok(());
         }
         let reference = self.configuration(&DeformationGradient::identity(), Order::First);
-        // A support that is too small or too large is refused where a state is asked for.
+        // A support that is too small or too large is rejected later, when a state is evaluated.
         let points = reference.map_or_else(|_| Vec::new(), |reference| reference.points);
         let strained = points.iter().any(|point| {
             let sum: SVector<f64, D> = point.shape.gradients.iter().sum();
@@ -770,35 +764,34 @@ impl<const D: usize> Method<D> {
         Ok(())
     }
 
-    /// The same method with user-defined quadrature points in place of `discretization.quadrature`.
-    /// Their volumes are taken as they are.
+    /// Replaces `discretization.quadrature` by user-defined quadrature points. Their volumes are used without changes.
     pub fn with_quadrature_points(mut self, points: Vec<QuadraturePoint<D>>) -> Self {
         self.halves = halves_of(&points);
         self.points = points;
         self
     }
 
-    /// The choices that define the method.
+    /// Choices that define the method.
     pub fn choices(&self) -> &KernelMethodChoices {
         &self.choices
     }
 
-    /// The particles in the reference state.
+    /// Particles in the reference configuration.
     pub fn crystal(&self) -> &Crystal<D> {
         &self.crystal
     }
 
-    /// The reference lattice of the particles.
+    /// Reference lattice of the particles.
     pub fn lattice(&self) -> &BravaisLattice<D> {
         self.crystal.lattice()
     }
 
-    /// The quadrature points of one cell.
+    /// Quadrature points of one cell.
     pub fn quadrature_points(&self) -> &[QuadraturePoint<D>] {
         &self.points
     }
 
-    /// Whether strain is expanded over the cell of some quadrature point, which takes second derivatives.
+    /// Returns true if strain is expanded over the cell of some quadrature point, which needs second derivatives.
     pub fn is_naturally_stabilized(&self) -> bool {
         self.points
             .iter()
@@ -810,18 +803,17 @@ impl<const D: usize> Method<D> {
         &self.wave_grids
     }
 
-    /// The support radius in the reference state, `R0 = D_mx spacing`; length.
+    /// Support radius in the reference configuration, `R0 = D_mx spacing`; length.
     pub fn support_radius(&self) -> f64 {
         self.choices.support * self.choices.spacing
     }
 
-    /// The mass of a particle, `m = rho0 V0` (not `rho0 V_q`).
+    /// Mass of a particle, `m = rho0 V0` (not `rho0 V_q`).
     pub fn particle_mass(&self) -> f64 {
         self.choices.density * self.lattice().cell_volume()
     }
 
-    /// Whether the dynamical matrix is periodic in the wave vector: everywhere but with stress points that move with the
-    /// plane wave itself.
+    /// Returns true if the dynamical matrix is periodic in the wave vector. The exception are stress points that move with the plane wave itself.
     pub fn is_periodic(&self) -> bool {
         let KernelMethodChoices {
             frame,
@@ -833,8 +825,8 @@ impl<const D: usize> Method<D> {
             || !linearization.moves_points_with_plane_wave()
     }
 
-    /// The map from the reference lattice to the one on which the kernels live at a state, and whose zone holds the wave
-    /// vectors: `F` with Eulerian kernels on the convected lattice, otherwise the identity.
+    /// Map from the reference lattice to the lattice of the kernels in a state, whose zone holds the wave vectors: `F` for Eulerian kernels on the
+    /// convected lattice, otherwise the identity.
     pub fn home_map(&self, f: &DeformationGradient) -> nalgebra::SMatrix<f64, D, D> {
         let KernelMethodChoices {
             frame,
@@ -848,7 +840,7 @@ impl<const D: usize> Method<D> {
     }
 }
 
-/// Refuses lattice coordinates of which too few digits are left behind the point: they repeat with the period one.
+/// Rejects lattice coordinates with too few digits after the decimal point. Coordinates are periodic with the period one.
 fn assert_near(name: &'static str, coordinates: &[f64]) -> Result<(), MethodError> {
     coordinates.iter().try_for_each(|value| {
         MethodError::require(

@@ -1,18 +1,18 @@
-//! Quadrature points by their places in the primitive cell: Gauss rules, and user-defined lists.
+//! Quadrature points by their positions in the primitive cell: Gauss rules and user-defined lists.
 
 use super::{QuadratureError, QuadraturePoint};
 use crate::algebra::sort_by_value;
 use crate::lattice::BravaisLattice;
 use nalgebra::SVector;
 
-/// What a quadrature needs to know beside its name.
+/// Parameters of the quadrature rules.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellRule {
-    /// The fraction of the cell's volume at the stress points, in place of Voronoi volumes.
+    /// Fraction of the cell's volume at the stress points, in place of Voronoi volumes.
     pub stress_point_weight: Option<f64>,
-    /// Gauss points per direction.
+    /// Number of Gauss points per direction.
     pub gauss_points: u32,
-    /// For each user-defined point its lattice coordinates and its fraction of the cell's volume, one after the other.
+    /// User-defined points: for each point, its lattice coordinates and its fraction of the cell's volume.
     pub points: Vec<f64>,
 }
 
@@ -26,13 +26,12 @@ impl Default for CellRule {
     }
 }
 
-/// Tolerance of the sum of the fractions of a list.
+/// Tolerance of the sum of the fractions in a list.
 const SUM: f64 = 1e-9;
-/// Distance from a particle, in lattice coordinates, below which a point is the particle.
-const SAME_PLACE: f64 = 1e-12;
+/// Distance in lattice coordinates within which a point coincides with a particle.
+const PARTICLE_TOLERANCE: f64 = 1e-12;
 
-/// Distances from the middle of the unit interval and weights of the Gauss-Legendre rules, one of each pair of opposite
-/// points.
+/// Gauss-Legendre rules on the unit interval: distances from the center and weights, one of each pair of opposite points.
 fn rule(points: u32) -> Option<Vec<(f64, f64)>> {
     let root = |x: f64| 0.5 * x.sqrt();
     Some(match points {
@@ -51,9 +50,9 @@ fn rule(points: u32) -> Option<Vec<(f64, f64)>> {
     })
 }
 
-/// Places and weights of a Gauss-Legendre rule on the unit interval, by increasing place; `None` for other numbers than 1 to 4.
+/// Points and weights of a Gauss-Legendre rule on the unit interval, by increasing position; `None` for numbers other than 1 to 4.
 pub(crate) fn gauss_line(points: u32) -> Option<Vec<(f64, f64)>> {
-    // Opposite points are exactly opposite: the smaller coordinate is what is left of the larger one.
+    // Opposite points are exactly opposite: the smaller coordinate is one minus the larger one.
     let pair = |&(distance, weight): &(f64, f64)| {
         let right = 0.5 + distance;
         [(1.0 - right, weight), (right, weight)]
@@ -64,11 +63,12 @@ pub(crate) fn gauss_line(points: u32) -> Option<Vec<(f64, f64)>> {
     Some(line)
 }
 
-/// The largest number of Gauss points per direction.
-const MOST: u32 = 4;
+/// Largest number of Gauss points per direction.
+const MAXIMUM_GAUSS_POINTS: u32 = 4;
 
-/// Gauss points of the parallelepiped that the primitive vectors span, with the particles at its corners: `points` in each
-/// direction, exact for polynomials up to the degree `2 points - 1` in each lattice coordinate.
+/// Returns the Gauss points of the parallelepiped spanned by the primitive vectors, with the particles at its corners.
+///
+/// With `points` in each direction the rule is exact for polynomials up to the degree `2 points - 1` in each lattice coordinate.
 ///
 /// ```
 /// use onset::lattice::LatticeKind;
@@ -79,14 +79,14 @@ const MOST: u32 = 4;
 /// ```
 ///
 /// # Errors
-/// [`QuadratureError::GaussPoints`] for other numbers than 1 to 4.
+/// [`QuadratureError::GaussPoints`] for numbers other than 1 to 4.
 pub fn gauss_points<const D: usize>(
     lattice: &BravaisLattice<D>,
     points: u32,
 ) -> Result<Vec<QuadraturePoint<D>>, QuadratureError> {
     let line = gauss_line(points).ok_or(QuadratureError::GaussPoints {
         value: points,
-        most: MOST,
+        most: MAXIMUM_GAUSS_POINTS,
     })?;
     let side = line.len();
     let point = |n: usize| {
@@ -98,8 +98,8 @@ pub fn gauss_points<const D: usize>(
     Ok((0..side.pow(D as u32)).map(point).collect())
 }
 
-/// User-defined points: for each its lattice coordinates and its fraction of the cell's volume. A point at a particle is the
-/// particle, and moves as such.
+/// Returns user-defined points from a list of their lattice coordinates and fractions of the cell's volume. A point at a particle is identified with
+/// the particle and moves with it.
 ///
 /// ```
 /// use onset::lattice::LatticeKind;
@@ -112,8 +112,7 @@ pub fn gauss_points<const D: usize>(
 /// ```
 ///
 /// # Errors
-/// [`QuadratureError`] when the list is empty or ends within a point, a weight is not positive, or the weights do not add up
-/// to one.
+/// [`QuadratureError`] if the list is empty or ends within a point, if a weight is not positive, or if the weights do not add up to one.
 pub fn own_points<const D: usize>(
     lattice: &BravaisLattice<D>,
     list: &[f64],
@@ -142,9 +141,9 @@ pub fn own_points<const D: usize>(
     }
     let point = |numbers: &[f64]| {
         let place = SVector::<f64, D>::from_fn(|i, _| numbers[i] - numbers[i].floor());
-        let is_particle = place.map(|x| x - x.round()).amax() <= SAME_PLACE;
+        let is_particle = place.map(|x| x - x.round()).amax() <= PARTICLE_TOLERANCE;
         let place = if is_particle { SVector::zeros() } else { place };
-        // What rounding left of the sum is shared by all, so that volumes add up to that of the cell.
+        // The rounding error of the sum is distributed over all points, so that their volumes add up to the cell volume.
         QuadraturePoint::new(place, numbers[D] / sum * lattice.cell_volume())
     };
     Ok(list.chunks_exact(each).map(point).collect())

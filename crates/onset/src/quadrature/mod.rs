@@ -1,4 +1,4 @@
-//! Where the internal forces are integrated, and with which volumes.
+//! Quadrature points and volumes for the integration of internal forces.
 
 mod cell;
 mod moments;
@@ -11,7 +11,7 @@ use crate::lattice::{BravaisLattice, Fractional, LatticeError, delaunay_centers,
 use nalgebra::{SMatrix, SVector};
 use thiserror::Error;
 
-/// The set of quadrature points.
+/// Set of quadrature points in a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -19,24 +19,25 @@ use thiserror::Error;
     serde(rename_all = "kebab-case")
 )]
 pub enum Quadrature {
-    /// At the particles only, equation (41).
+    /// The particles alone, equation (41).
     Nodal,
-    /// At the particles and at the centers of the Delaunay cells, equation (42).
+    /// The particles and the centers of the Delaunay cells, equation (42).
     StressPoints,
-    /// At the centers of the Delaunay cells only (Randles et al.).
+    /// The centers of the Delaunay cells alone (Randles et al.).
     StressPointsOnly,
-    /// At the particles, with the strain expanded to first order over their Voronoi cells: naturally stabilized nodal
-    /// integration, Hillman and Chen, Int. J. Numer. Meth. Engng 107 (2016) 603. The energy of a cell is
-    /// `V w(F) + 1/2 M_jl F_,j : A : F_,l` with the second moments `M` of the cell. Lagrangian kernels only.
+    /// The particles, with the strain expanded to first order over their Voronoi cells: naturally stabilized nodal
+    /// integration, Hillman and Chen, Int. J. Numer. Meth. Engng 107 (2016) 603.
+    ///
+    /// The energy of a cell is `V w(F) + 1/2 M_jl F_,j : A : F_,l` with the second moments `M` of the cell. Lagrangian kernels only.
     NodalStabilized,
-    /// At Gauss points of the cells between the particles: the parallelepipeds that the primitive vectors span.
+    /// Gauss points of the parallelepipeds spanned by the primitive vectors, with the particles at the corners.
     Gauss,
-    /// At user-defined points with user-defined weights.
+    /// User-defined points with user-defined weights.
     Points,
 }
 
 impl Quadrature {
-    /// All of them, in the order of the documentation.
+    /// All quadratures, in the order of the documentation.
     pub const ALL: [Self; 6] = [
         Self::Nodal,
         Self::StressPoints,
@@ -47,21 +48,21 @@ impl Quadrature {
     ];
 }
 
-/// A quadrature point of the primitive cell.
+/// Quadrature point of the primitive cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuadraturePoint<const D: usize> {
-    /// Its place, in lattice coordinates.
+    /// Position in lattice coordinates.
     pub place: Fractional<D>,
-    /// Its reference volume `V_q`; the volumes of a cell add up to `V0`.
+    /// Reference volume `V_q`. The volumes of a cell add up to `V0`.
     pub volume: f64,
-    /// Whether it is a particle, and moves as such.
+    /// Whether the point is a particle and moves with it.
     pub is_node: bool,
-    /// Where strain is expanded over the point's cell: `M_jl`, the integral of `x_j x_l` over it; length^(D+2).
+    /// Integral `M_jl` of `x_j x_l` over the cell of the point, if the strain is expanded over this cell; length^(D+2).
     pub second_moments: Option<SMatrix<f64, D, D>>,
 }
 
 impl<const D: usize> QuadraturePoint<D> {
-    /// A point that stands for its volume with nothing but its own strain; a particle at the origin of the cell.
+    /// Builds a point that integrates only the strain at its position. A point at the origin of the cell is a particle.
     pub fn new(place: Fractional<D>, volume: f64) -> Self {
         Self {
             place,
@@ -72,24 +73,24 @@ impl<const D: usize> QuadraturePoint<D> {
     }
 }
 
-/// What can be wrong with quadrature points.
+/// Error in the quadrature points.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum QuadratureError {
-    /// The stress points' part of the volume is no proper part.
+    /// The fraction of the volume at the stress points is not between 0 and 1.
     #[error(
         "discretization.stress-point-weight is {value:?}; it is the fraction of the cell's volume at the stress points \
          and must be above 0 and below 1"
     )]
     StressPointWeight {
-        /// Its value.
+        /// Fraction given by the user.
         value: f64,
     },
-    /// There is no such Gauss rule here.
+    /// The number of Gauss points is not available.
     #[error("discretization.gauss-points is {value}; it must be from 1 to {most}, per direction")]
     GaussPoints {
-        /// The number asked for.
+        /// Number of Gauss points given.
         value: u32,
-        /// The largest available.
+        /// Largest available number of points.
         most: u32,
     },
     /// A user-defined list is empty or ends within a point.
@@ -98,45 +99,45 @@ pub enum QuadratureError {
          {dimension} lattice coordinate(s) and a fraction of the cell's volume"
     )]
     PointsLength {
-        /// How many numbers it has.
+        /// Number of values in the list.
         length: usize,
-        /// How many a point needs.
+        /// Number of values for each point.
         each: usize,
-        /// The dimension.
+        /// Number of space dimensions.
         dimension: usize,
     },
-    /// A coordinate is not finite or a weight not positive.
+    /// A coordinate is not finite, or a weight is not positive.
     #[error(
         "point {number} of discretization.points has {value:?} as its {what}; \
          expected finite lattice coordinates and positive fractions"
     )]
     PointsValue {
-        /// Which point, from 1.
+        /// Number of the point, from 1.
         number: usize,
-        /// `coordinate` or `weight`.
+        /// Kind of value, `coordinate` or `weight`.
         what: &'static str,
-        /// Its value.
+        /// Value given by the user.
         value: f64,
     },
-    /// The weights do not add up to the cell.
+    /// The weights do not add up to the volume of the cell.
     #[error(
         "the weights of discretization.points add up to {sum:?}; they are fractions of the cell's volume \
          and must add up to 1"
     )]
     PointsSum {
-        /// Their sum.
+        /// Sum of the weights given.
         sum: f64,
     },
-    /// The lattice.
+    /// The lattice has no Voronoi volumes.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
 }
 
 impl Quadrature {
-    /// The points of one cell, with the volumes of their Voronoi cells, equation (43), unless `rule` says otherwise.
+    /// Returns the points of one cell, with the volumes of their Voronoi cells, equation (43), unless `rule` overrides them.
     ///
     /// # Errors
-    /// [`QuadratureError`] where the rule is not admissible or Voronoi volumes are not available.
+    /// [`QuadratureError`] if the rule is not admissible, or if Voronoi volumes are not available.
     pub fn points<const D: usize>(
         self,
         lattice: &BravaisLattice<D>,
@@ -177,8 +178,8 @@ fn of_voronoi<const D: usize>(
         .collect())
 }
 
-/// The same points with a fraction of the volume at the stress points, among which, as among the particles, it is shared as
-/// it was.
+/// Scales the volumes so that the stress points have a given fraction of the volume. Proportions among the stress points and among the particles do
+/// not change.
 fn weighted<const D: usize>(
     mut points: Vec<QuadraturePoint<D>>,
     volume: f64,

@@ -4,12 +4,12 @@ use crate::algebra::array_of;
 use crate::lattice::{BravaisLattice, determinant};
 use nalgebra::{SMatrix, SVector};
 
-/// Corners nearer to a bisector than this, in units of the lattice's size, lie on it.
+/// Corners closer to a bisector than this, in units of the lattice size, lie on it.
 const ON_PLANE: f64 = 1e-10;
 
-/// `M_jl`, the integral of `x_j x_l` over the Voronoi cell of a lattice point, which is its center; length^(D+2).
+/// Returns the second moments `M_jl`, integrals of `x_j x_l` over the Voronoi cell around a lattice point; length^(D+2).
 ///
-/// The cell is divided into simplices with one corner at the point, over each of which
+/// The cell is divided into simplices with one corner at the lattice point. Over each simplex
 /// `M = V / ((D + 1)(D + 2)) (sum_c v_c (x) v_c + s (x) s)`, `s = sum_c v_c`.
 ///
 /// ```
@@ -35,9 +35,9 @@ pub fn second_moments<const D: usize>(lattice: &BravaisLattice<D>) -> SMatrix<f6
         .sum()
 }
 
-/// All lattice vectors that can bound the cell.
+/// All lattice vectors whose bisectors can bound the cell.
 fn neighbors<const D: usize>(lattice: &BravaisLattice<D>) -> Vec<SVector<f64, D>> {
-    // The cell lies within half of the longest diagonal, and a bisector that cuts it belongs to a point within twice that.
+    // The cell lies within half of the longest diagonal. A bisector that cuts it belongs to a point within twice this distance.
     let diagonal: f64 = lattice.vectors().column_iter().map(|a| a.norm()).sum();
     let reach: [i64; D] = array_of(|i| {
         let distance_of_planes = std::f64::consts::TAU / lattice.reciprocal().column(i).norm();
@@ -59,7 +59,7 @@ fn neighbors<const D: usize>(lattice: &BravaisLattice<D>) -> Vec<SVector<f64, D>
         .collect()
 }
 
-/// The part of the bisector towards one neighbor that no other one cuts away, as simplices: a point, a segment, triangles.
+/// Face of the cell in the bisector of one neighbor, as simplices: a point, a segment, triangles.
 fn face<const D: usize>(
     neighbor: &SVector<f64, D>,
     neighbors: &[SVector<f64, D>],
@@ -98,7 +98,7 @@ fn face<const D: usize>(
         .collect()
 }
 
-/// Unit vectors that span what is perpendicular to a vector.
+/// Unit vectors that span the space perpendicular to a vector.
 fn tangents<const D: usize>(normal: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
     let mut spanned = vec![normal.normalize()];
     let mut axes: Vec<usize> = (0..D).collect();
@@ -113,7 +113,7 @@ fn tangents<const D: usize>(normal: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
     spanned.split_off(1)
 }
 
-/// What of a convex face is nearer to the origin than to a neighbor.
+/// Part of a convex face that is closer to the origin than to a neighbor.
 fn clipped<const D: usize>(
     corners: &[SVector<f64, D>],
     neighbor: &SVector<f64, D>,
@@ -126,7 +126,7 @@ fn clipped<const D: usize>(
         if is_in(from) {
             left.push(*from);
         }
-        // A segment has one edge, a polygon as many as corners.
+        // A segment has one edge, a polygon one for each corner.
         let is_edge = D == 3 || n + 1 < corners.len();
         let to = &corners[(n + 1) % corners.len()];
         if is_edge && is_in(from) != is_in(to) {
@@ -196,7 +196,7 @@ mod tests {
         assert!(difference.amax() < 1e-12);
     }
 
-    /// By its definition: the mean over the primitive cell of what is left of a point after its nearest lattice point.
+    /// The definition: the mean square over the primitive cell of the distance to the nearest lattice point.
     #[test]
     fn second_moments_are_the_mean_square_of_the_distance_from_the_nearest_lattice_point() {
         let cell = lattice(Matrix2::new(1.0, 0.35, 0.1, 0.8));

@@ -70,10 +70,10 @@ impl MethodChoices {
         self.in_cell(CellKind::Primitive)
     }
 
-    /// The errors are listed under [`MethodChoices::discretization`].
+    /// Returns the discretization in the cell of the choices, for use on patches.
     ///
     /// # Errors
-    /// See [`MethodChoices::discretization`].
+    /// The errors are listed under [`MethodChoices::discretization`].
     pub fn described<const D: usize>(&self) -> Result<Box<dyn Discretization<D>>, MethodError> {
         self.in_cell(CellKind::Described)
     }

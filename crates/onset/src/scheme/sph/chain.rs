@@ -5,7 +5,6 @@
 //! The traction is differentiated by these numbers once for each neighbor. Their derivatives by the displacements are in closed form, in the
 //! homogeneous state.
 //! Direct differentiation by each displacement would cost a factor equal to the number of particles.
-//! Direct differentiation by each displacement would cost a factor equal to the number of particles.
 
 use super::stress::StressOf;
 use crate::algebra::array_of;
