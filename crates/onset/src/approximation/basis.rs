@@ -27,7 +27,7 @@ pub(super) struct BasisValue<const D: usize, const B: usize> {
 }
 
 impl<const D: usize, const B: usize> BasisValue<D, B> {
-    /// Constant basis `p = (1)`.
+    /// Basis of constants, `p = (1)`.
     pub(super) fn constant() -> Self {
         Self {
             value: SVector::repeat(1.0),

@@ -155,9 +155,9 @@ impl<const D: usize> Motion<D> {
 pub enum Order {
     /// Values and first derivatives of the functions.
     First,
-    /// In addition, second derivatives with respect to the evaluation point.
+    /// Second derivatives with respect to the evaluation point, in addition to `First`.
     Second,
-    /// In addition, sensitivities to the motion of every particle.
+    /// Sensitivities to the motion of every particle, in addition to `Second`.
     Sensitivities,
 }
 

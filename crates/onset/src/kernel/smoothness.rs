@@ -4,18 +4,18 @@ use super::Kernel;
 use crate::algebra::{Each, array_of};
 use crate::real::Jet;
 
-/// Number of continuous derivatives over space at the places where a radial profile can break. `None` stands for all derivatives; for a formula, for
+/// Number of continuous derivatives over space at the places where a radial profile can break. `None` means all derivatives, or for a formula
 /// at least four.
 ///
 /// Waves with Lagrangian kernels need one continuous derivative, the exact linearization of Eulerian kernels needs two. With fewer at the rim the
 /// dynamical matrix jumps where a neighbor enters or leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Smoothness {
-    /// At the origin, where odd derivatives of the profile must vanish.
+    /// Number at the origin, where odd derivatives of the profile must vanish.
     pub origin: Option<u32>,
-    /// At the joints between the pieces of the profile.
+    /// Number at the joints between the pieces of the profile.
     pub inside: Option<u32>,
-    /// At the rim of the support.
+    /// Number at the rim of the support.
     pub rim: Option<u32>,
 }
 
@@ -131,7 +131,7 @@ impl Kernel {
             inside,
             rim,
         };
-        // The kernel is a power (1 - q)^n at the rim. Wendland's functions for three dimensions have one more factor than those for one.
+        // The kernel is a power (1 - q)^n at the rim. Wendland's functions have one more factor in three dimensions than in one.
         let extra = u32::from(D > 1);
         match self {
             Self::QuarticSpline => of(Some(2), None, Some(2)),

@@ -158,7 +158,7 @@ pub struct KernelMethodChoices {
     pub aspect: f64,
     /// Oblique and triclinic lattices: components of the primitive vectors in units of the spacing, vector by vector.
     pub vectors: Vec<f64>,
-    /// Particles of a cell by their lattice coordinates, particle by particle, with the first at the origin. They replace the basis of the lattice.
+    /// Lattice coordinates of the particles of a cell other than the particle at the origin, particle by particle. They replace the basis of the lattice.
     pub basis: Vec<f64>,
     /// Cells along each primitive vector that form a supercell, so that their particles can differ.
     pub cells: u32,
@@ -167,7 +167,7 @@ pub struct KernelMethodChoices {
     /// Seed of the random offsets, which are reproducible on every machine.
     pub seed: u32,
     /// Distance of nearest neighbors; length. It is the first side of rectangular lattices and the unit of `vectors` of oblique and triclinic
-    /// lattices; length.
+    /// lattices.
     pub spacing: f64,
     /// Reference density; mass per reference volume.
     pub density: f64,
