@@ -31,7 +31,7 @@ pub enum KernelError {
     },
     /// The profile does not vanish at the rim.
     #[error(
-        "the kernel is {value} at q = 1; it must vanish there, for neighbors enter and leave at the rim\n  \
+        "the kernel is {value} at q = 1; it must vanish there, because neighbors enter and leave at the rim\n  \
          hint: multiply by (1 - q)^3, so that slope and curvature vanish as well"
     )]
     NotZeroAtRim {

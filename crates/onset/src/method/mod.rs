@@ -257,7 +257,7 @@ pub enum MethodError {
     SupportTooSmall {
         /// Kind of point, `particle` or `stress point`.
         point: &'static str,
-        /// Support radius; length.
+        /// Support radius of the kernel; length.
         radius: f64,
         /// Number of neighbors of the point.
         neighbors: usize,
@@ -272,7 +272,7 @@ pub enum MethodError {
         length(*radius)
     )]
     SupportTooLarge {
-        /// Support radius; length.
+        /// Support radius of the kernel; length.
         radius: f64,
         /// Estimated number of particles in the support.
         neighbors: f64,
@@ -344,7 +344,7 @@ pub enum MethodError {
     },
     /// The equations of a linearization are not the derivative of forces.
     #[error(
-        "the linearization `{linearization}` is not that of the forces of particles: it leaves some of their motion out, or moves \
+        "the linearization `{linearization}` is not the derivative of the forces of particles: it omits part of their motion, or moves \
          stress points with the plane wave itself; choose discretization.linearization = \"exact\""
     )]
     NotOfForces {
@@ -353,8 +353,8 @@ pub enum MethodError {
     },
     /// The consistent mass vanishes for some waves, which have no equation of motion.
     #[error(
-        "the consistent mass matrix is singular: the points of the quadrature see nothing of the wave with the phases {phases:?} \
-         from node to node\n  hint: choose discretization.grid-mass = \"lumped\", or more points in a cell"
+        "the consistent mass matrix is singular: the wave with the phases {phases:?} from node to node vanishes at all points of \
+         the quadrature\n  hint: choose discretization.grid-mass = \"lumped\", or more points in a cell"
     )]
     SingularMass {
         /// Phases of the wave along the axes, in units of pi.
@@ -363,8 +363,8 @@ pub enum MethodError {
     /// The dynamical matrix overflows or underflows.
     #[error("the dynamical matrix is not finite at this state")]
     NotFinite,
-    /// The caller has cancelled the computation.
-    #[error("given up: nobody waits for the answer any more")]
+    /// The caller has canceled the computation.
+    #[error("given up: the request was canceled")]
     GivenUp,
     /// The mesh of the elements is not valid.
     #[error(transparent)]
@@ -629,7 +629,7 @@ impl KernelMethodChoices {
             return Err(MethodError::Setting {
                 name: "basis",
                 value: self.basis.len() as f64,
-                expected: "as many numbers as particles times dimensions",
+                expected: "a list whose length is a multiple of the number of dimensions",
             });
         }
         assert_near("basis", &self.basis)?;
@@ -847,7 +847,7 @@ fn assert_near(name: &'static str, coordinates: &[f64]) -> Result<(), MethodErro
             value.abs() <= COORDINATES,
             name,
             *value,
-            "lattice coordinates from -1e6 to 1e6: those of the same place in another cell differ by whole numbers",
+            "lattice coordinates from -1e6 to 1e6; equivalent places in other cells differ by whole numbers",
         )
     })
 }

@@ -1,4 +1,4 @@
-//! The equations of motion of a patch.
+//! Equations of motion of a periodic patch.
 
 use crate::algebra::array_of;
 use crate::bloch::{BlochSum, Mass, WaveSystem};
@@ -6,7 +6,7 @@ use crate::lattice::Particle;
 use crate::scheme::{NoForce, PatchForces, PeriodicPatch};
 use nalgebra::SVector;
 
-/// Points and weights of Gauss' rule with five points on the interval from 0 to 1, exact up to degree nine.
+/// Points and weights of Gauss's five-point rule on the interval from 0 to 1, exact up to degree nine.
 const GAUSS: [(f64, f64); 5] = [
     (0.046_910_077_030_668, 0.118_463_442_528_094_54),
     (0.230_765_344_947_158_45, 0.239_314_335_249_683_23),
@@ -14,20 +14,20 @@ const GAUSS: [(f64, f64); 5] = [
     (0.769_234_655_052_841_5, 0.239_314_335_249_683_23),
     (0.953_089_922_969_332, 0.118_463_442_528_094_54),
 ];
-/// What is left of a system with a consistent mass, over its right-hand side.
+/// Relative residual for the solution with a consistent mass matrix.
 const SOLVED: f64 = 1e-15;
-/// The most iterations of it; mass matrices of elements need some thirty.
+/// Largest number of iterations of this solution. Mass matrices of elements need about thirty.
 const ITERATIONS: usize = 200;
 
-/// A field on a patch: a vector for each particle.
+/// Vector field on a patch.
 pub(super) type Field<const D: usize> = Vec<SVector<f64, D>>;
 
-/// Its vectors, one after the other.
+/// Components of a field, vector by vector.
 pub(super) fn flat<const D: usize>(field: &[SVector<f64, D>]) -> Vec<f64> {
     field.iter().flatten().copied().collect()
 }
 
-/// So many vectors that stand one after the other; zeros where there are none.
+/// Field of `count` vectors from their components, with zeros for missing vectors.
 pub(super) fn field_of<const D: usize>(flat: &[f64], count: usize) -> Field<D> {
     let own = flat.chunks_exact(D).map(SVector::from_column_slice);
     let mut field: Field<D> = own.collect();
@@ -35,13 +35,13 @@ pub(super) fn field_of<const D: usize>(flat: &[f64], count: usize) -> Field<D> {
     field
 }
 
-/// Its vectors in space.
+/// Vectors of a field with three components.
 pub(super) fn in_space<const D: usize>(field: &[SVector<f64, D>]) -> Vec<[f64; 3]> {
     let own = |x: &SVector<f64, D>| array_of(|i| x.get(i).copied().unwrap_or(0.0));
     field.iter().map(own).collect()
 }
 
-/// A sum over neighbors, of every particle of a patch: pairs of numbers and factors.
+/// Sum over the neighbors of every particle of a patch: pairs of numbers and factors.
 struct Rows<const D: usize> {
     rows: Vec<Vec<(usize, nalgebra::SMatrix<f64, D, D>)>>,
 }
@@ -71,10 +71,10 @@ enum Inertia<const D: usize> {
     Consistent(Rows<D>),
 }
 
-/// `M dv/dt = f(u, v) - f(0, 0)`, `du/dt = T v`.
+/// Equations of motion `M dv/dt = f(u, v) - f(0, 0)`, `du/dt = T v`.
 pub(super) struct Equations<'a, const D: usize> {
     forces: &'a dyn PatchForces<D>,
-    /// `f(0, 0)`.
+    /// Forces `f(0, 0)` of the homogeneous state.
     dead: Field<D>,
     inertia: Inertia<D>,
     drift: Option<Rows<D>>,
@@ -85,7 +85,7 @@ fn dot<const D: usize>(a: &[SVector<f64, D>], b: &[SVector<f64, D>]) -> f64 {
 }
 
 impl<'a, const D: usize> Equations<'a, D> {
-    /// Masses and smoothing are those of the waves.
+    /// Builds the equations with the masses and the smoothing of the waves.
     pub(super) fn new(
         patch: &PeriodicPatch<D>,
         system: &WaveSystem<D>,
@@ -107,14 +107,14 @@ impl<'a, const D: usize> Equations<'a, D> {
         })
     }
 
-    /// `f(u, v) - f(0, 0)`.
+    /// Forces `f(u, v) - f(0, 0)` on the particles.
     fn force(&self, u: &[SVector<f64, D>], v: &[SVector<f64, D>]) -> Result<Field<D>, NoForce> {
         let mut force = self.forces.at(u, v)?;
         force.iter_mut().zip(&self.dead).for_each(|(f, d)| *f -= d);
         Ok(force)
     }
 
-    /// `dv/dt`.
+    /// Accelerations `dv/dt` of the particles.
     pub(super) fn acceleration(
         &self,
         u: &[SVector<f64, D>],
@@ -130,7 +130,7 @@ impl<'a, const D: usize> Equations<'a, D> {
         }
     }
 
-    /// `du/dt`.
+    /// Rates `du/dt` of the displacements.
     pub(super) fn drift(&self, v: &[SVector<f64, D>]) -> Field<D> {
         match &self.drift {
             Some(rows) => rows.times(v),
@@ -138,7 +138,7 @@ impl<'a, const D: usize> Equations<'a, D> {
         }
     }
 
-    /// `M v`.
+    /// Momenta `M v` of the particles.
     fn momenta(&self, v: &[SVector<f64, D>]) -> Field<D> {
         match &self.inertia {
             Inertia::Lumped(masses) => v.iter().zip(masses).map(|(v, m)| v * *m).collect(),
@@ -146,18 +146,18 @@ impl<'a, const D: usize> Equations<'a, D> {
         }
     }
 
-    /// `T v.M v / 2`: of smoothed velocities the product with the momenta that they belong to, which is what is conserved.
+    /// Kinetic energy `T v.M v / 2`. With smoothed velocities `T v` this product with the momenta is the conserved quantity.
     pub(super) fn kinetic_energy(&self, v: &[SVector<f64, D>]) -> f64 {
         0.5 * dot(&self.momenta(v), &self.drift(v))
     }
 
-    /// The sum of `M v`.
+    /// Total momentum, the sum of `M v`.
     pub(super) fn momentum(&self, v: &[SVector<f64, D>]) -> SVector<f64, D> {
         self.momenta(v).iter().sum()
     }
 
-    /// The work that is done against the forces at rest on the straight way from the homogeneous state to displacements: the potential energy
-    /// where there is one.
+    /// Work against the forces at zero velocity along the straight path from the homogeneous state to the given displacements. It is the potential
+    /// energy, if the forces have a potential.
     pub(super) fn work(&self, u: &[SVector<f64, D>]) -> Result<f64, NoForce> {
         let at_rest = vec![SVector::zeros(); u.len()];
         let mut work = 0.0;
@@ -169,7 +169,7 @@ impl<'a, const D: usize> Equations<'a, D> {
     }
 }
 
-/// `M^-1 f` by conjugate gradients.
+/// Solves `M^-1 f` by conjugate gradients.
 fn solved<const D: usize>(mass: &Rows<D>, force: &[SVector<f64, D>]) -> Field<D> {
     let mut solution = vec![SVector::zeros(); force.len()];
     let mut left = force.to_vec();

@@ -1,4 +1,4 @@
-//! Why a motion ends.
+//! Errors that end a motion.
 
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
@@ -6,44 +6,44 @@ use crate::method::MethodError;
 use std::fmt;
 use thiserror::Error;
 
-/// A motion that cannot go on: when, which particle, and where that is.
+/// End of a motion: the time, the particle and its state.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub struct Fault {
-    /// Time.
+    /// Time at which the motion ends.
     pub time: f64,
-    /// Steps that were taken.
+    /// Number of steps taken.
     pub step: u64,
-    /// The number of the particle.
+    /// Number of the particle.
     pub particle: usize,
-    /// Where it is in the reference state; length.
+    /// Position of the particle in the reference configuration; length.
     pub position: Vec<f64>,
-    /// How far it has moved from the homogeneous state; length.
+    /// Displacement of the particle from the homogeneous state; length.
     pub displacement: Vec<f64>,
-    /// Its velocity; length/time.
+    /// Velocity of the particle; length/time.
     pub velocity: Vec<f64>,
-    /// Of the points that see it the deformation gradient with the smallest determinant, rows one after the other.
+    /// Deformation gradient with the smallest determinant among the points around the particle, row by row.
     pub deformation: Vec<f64>,
-    /// Why.
+    /// Reason for the end of the motion.
     pub ground: Ground,
 }
 
-/// Why a motion cannot go on.
+/// Reason why a motion ends.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ground {
-    /// The material is turned inside out: the determinant of a deformation gradient is not positive.
+    /// The material is inverted: the determinant of a deformation gradient is not positive.
     Inverted,
-    /// There is no stress about it, and the law does not say why.
+    /// The stress is undefined, and the law gives no further reason.
     OutsideDomain,
-    /// It is nearer than half a spacing to a particle of another piece: it would pass through.
+    /// The particle is closer than half a spacing to a particle of another piece and would pass through it.
     Overlapping,
-    /// The method has no forces there, or the law no stress.
+    /// The method has no forces in the state, or the law has no stress.
     Method(MethodError),
-    /// A number beyond all numbers, or none.
+    /// A number is infinite or NaN.
     NotFinite,
 }
 
 impl Ground {
-    /// Why there is no stress at a deformation gradient.
+    /// Returns the reason why the stress is undefined at a deformation gradient.
     pub(crate) fn without_stress(material: &dyn Hyperelastic, f: &DeformationGradient) -> Self {
         match material.response(f) {
             _ if f.determinant() <= 0.0 => Self::Inverted,
@@ -62,7 +62,7 @@ impl fmt::Display for Fault {
                 "it is nearer than half a spacing to a particle of another piece, and would pass through it: the contact is too soft, or the pieces meet too fast".to_owned()
             }
             Ground::Method(error) => error.to_string(),
-            Ground::NotFinite => "its motion is beyond all numbers".to_owned(),
+            Ground::NotFinite => "its motion is infinite or not a number".to_owned(),
         };
         write!(
             formatter,

@@ -1,18 +1,19 @@
-//! Motion: the discrete equations of motion of a periodic patch of particles, nonlinear, step by step.
+//! Nonlinear motion of a periodic patch of particles: the discrete equations of motion, integrated in time.
 //!
-//! The particles of a patch are displaced by `u` from a homogeneous state, and obey `M dv/dt = f(u, v) - f(0, 0)`, `du/dt = T v` with the
-//! forces of the method itself: those whose derivatives the waves are made of ([`Discretization::with_forces`]). What the homogeneous state leaves
-//! on particles that are no centers of symmetry is taken off, as dead loads that hold it. Methods that follow the deformation by
-//! velocities have one step of it from the homogeneous state, and the neighbors that particles have there; kernels of material coordinates have
-//! no such limit.
+//! The particles of a patch are displaced by `u` from a homogeneous state and obey `M dv/dt = f(u, v) - f(0, 0)`, `du/dt = T v` with the forces of
+//! the method ([`Discretization::with_forces`]). The waves are computed from the derivatives of these forces.
+//! Forces of the homogeneous state on particles that are not centers of symmetry are subtracted, as dead loads that hold the state.
 //!
-//! A [`Stepper`] takes steps of time; [`PatchWave`]s are the plane waves that fit into the patch, with their rates in discrete time, the eigenvalues of
-//! the matrix by which a step multiplies them. So what is predicted and what moves share the forces of the method, and nothing else: the one
-//! differentiates them, the other adds them up.
+//! Methods that integrate the deformation from velocities take it in a single step from the homogeneous state, with the neighbors of that state.
+//! Kernels in material coordinates have no such limit.
 //!
-//! Material points whose velocities go through a grid once a step are moved by that step, as far as they go, beside waves of the nodes.
+//! A [`Stepper`] advances the time. [`PatchWave`]s are the plane waves that fit into the patch, with their rates in discrete time from the
+//! eigenvalues of the amplification matrix of a step.
+//! Prediction and motion therefore share only the forces of the method: one differentiates them, the other adds them up.
 //!
-//! What is finite, with a free surface and grips, is a [body].
+//! Material points whose velocities pass through a grid once per step move by this step, and their waves are waves of the nodes.
+//!
+//! Finite systems with free surfaces and grips are in [body].
 //!
 //! [`Discretization::with_forces`]: crate::scheme::Discretization::with_forces
 

@@ -1,4 +1,4 @@
-//! A patch that moves.
+//! Periodic patches in motion.
 
 use super::equations::{Equations, Field, field_of, flat, in_space};
 use super::transfer::TransferredPatch;
@@ -15,89 +15,95 @@ use crate::time_step::Integrator;
 use nalgebra::{SMatrix, SVector};
 use std::f64::consts::TAU;
 
-/// Where the particles of a patch are and how fast they move; vectors one after the other.
+/// Displacements and velocities of the particles of a patch or body, vector by vector.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PatchState {
-    /// Steps that were taken.
+    /// Number of steps taken.
     pub step: u64,
     /// Displacements from the homogeneous state; length.
     pub displacements: Vec<f64>,
-    /// Velocities as the integrator keeps them: of central differences those half a step before. Length/time.
+    /// Velocities as stored by the integrator; length/time. For central differences they are half a step before the displacements.
     pub velocities: Vec<f64>,
-    /// Deformation gradients that particles of a body carry along, row by row, and none of a body that is deformed homogeneously; of material points with a transfer
-    /// their displacement gradients from the homogeneous state and affine velocity fields, column by column. Of others none, as they follow from the displacements.
+    /// Deformation carried by the particles, if it does not follow from the displacements; empty otherwise, and for a homogeneously deformed body.
+    ///
+    /// Particles of a body carry deformation gradients, row by row. Material points with a transfer carry displacement gradients from the homogeneous
+    /// state and affine velocity fields, column by column.
     pub deformations: Vec<f64>,
-    /// What was done on them from outside; energy. Zero of patches.
+    /// External work on the particles; energy. Zero for patches.
     pub work: f64,
 }
 
-/// What a patch has as a whole.
+/// Global quantities of a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantities {
-    /// `v.M v / 2`; energy (in one and two dimensions per unit of the dimensions that are left out).
+    /// Kinetic energy `v.M v / 2`; energy (in 1D and 2D per unit of the omitted dimensions).
     pub kinetic: f64,
-    /// The work against the forces on the straight way from the homogeneous state: the potential energy, where forces have one.
+    /// Work against the forces along the straight path from the homogeneous state: the potential energy, if the forces have a potential.
     pub potential: f64,
-    /// `sum M v`; mass length/time.
+    /// Linear momentum `sum M v`; mass length/time.
     pub momentum: [f64; 3],
-    /// The largest displacement of a particle from the homogeneous state; of material points with a transfer, which waves can strain and not move, at least that of a wave as long as
-    /// the spacing with their strain. Length.
+    /// Largest displacement of a particle from the homogeneous state; length.
+    ///
+    /// A wave can strain material points with a transfer without moving them. For these the value is at least the displacement of a wave of one
+    /// spacing with the same strain.
     pub largest: f64,
 }
 
-/// A patch of particles in motion, whatever its dimension and method.
+/// Patch of particles in motion, for any dimension and method.
 pub trait PatchMotion {
-    /// The number of space dimensions.
+    /// Number of space dimensions.
     fn dimension(&self) -> usize;
 
-    /// Where the particles are in the reference state; length.
+    /// Positions of the particles in the reference configuration; length.
     fn positions(&self) -> Vec<[f64; 3]>;
 
-    /// The state.
+    /// Returns the current state.
     fn state(&self) -> PatchState;
 
-    /// Takes a state up.
+    /// Continues from a state.
     fn put(&mut self, state: &PatchState);
 
-    /// One step of time.
+    /// Advances by one time step.
     ///
     /// # Errors
-    /// [`Fault`] where there are no forces, or no finite ones.
+    /// [`Fault`] if forces are undefined or not finite.
     fn advance(&mut self, stepper: Stepper, step: f64) -> Result<(), Box<Fault>>;
 
-    /// Energies and momentum. `step` is that of the run.
+    /// Returns energies and momentum. `step` is the time step of the run.
     ///
     /// # Errors
-    /// [`Fault`] where there are no forces.
+    /// [`Fault`] if forces are undefined.
     fn quantities(&self, stepper: Stepper, step: f64) -> Result<Quantities, Box<Fault>>;
 
-    /// The plane waves that fit into the patch, one of each pair of opposite ones. The first, as many as a cell has degrees of freedom, have the
-    /// wave vector zero.
+    /// Plane waves that fit into the patch, one of each pair of opposite waves. The first have the wave vector zero; their number is the number of
+    /// degrees of freedom of a cell.
     fn waves(&self) -> &[PatchWave];
 
-    /// The largest stable step for these waves; time.
+    /// Largest stable step for these waves; time.
     fn critical_time_step(&self, stepper: Stepper) -> f64;
 
-    /// A wave in discrete time; none where its eigenvalues do not converge.
+    /// Returns a wave in discrete time, or `None` if its eigenvalues do not converge.
     fn stepped(&self, wave: &PatchWave, stepper: Stepper, step: f64) -> Option<SteppedWave>;
 
-    /// Whether the particles of the patch see a wave: that of nodes of a grid can vanish at all points.
+    /// Returns true if the wave moves or strains particles of the patch. A wave of grid nodes can vanish at all points.
     fn sees(&self, _: &PatchWave) -> bool {
         true
     }
 
-    /// Random displacements with the mean zero, of material points with a transfer what such displacements of the nodes leave on them; `amplitude` is the
-    /// largest one along an axis. Length.
+    /// Returns random displacements with zero mean, where `amplitude` is the largest displacement along an axis; length.
+    ///
+    /// For material points with a transfer the nodes are displaced, and the displacements are interpolated to the points.
     fn noise(&self, amplitude: f64, seed: u64) -> PatchState;
 
-    /// A wave alone, with the largest component of displacement given, of material points with a transfer the largest displacement; length.
+    /// Returns a single wave with the given amplitude; length. The amplitude is the largest component of the displacement, or for material points
+    /// with a transfer the largest displacement.
     fn seed(&self, wave: &SteppedWave, amplitude: f64) -> PatchState;
 
-    /// The amplitude of a wave in the displacements; length.
+    /// Amplitude of a wave in the current displacements; length.
     fn amplitude(&self, wave: &SteppedWave) -> f64;
 }
 
-/// A patch of `D` dimensions in motion.
+/// Patch of `D` dimensions in motion.
 pub struct MovingPatch<'a, const D: usize> {
     discretization: &'a dyn Discretization<D>,
     material: &'a dyn Hyperelastic,
@@ -112,7 +118,7 @@ pub struct MovingPatch<'a, const D: usize> {
     count: u64,
 }
 
-/// Does something with the motion of a patch of cells about a homogeneous state.
+/// Calls a function with a patch of cells in motion about a homogeneous state.
 pub(crate) fn with_motion<const D: usize>(
     discretization: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
@@ -141,7 +147,7 @@ pub(crate) fn with_motion<const D: usize>(
     result
 }
 
-/// Random displacements of so many particles, of which the mean is zero; length.
+/// Random displacements of `count` particles with zero mean; length.
 pub(super) fn random_displacements<const D: usize>(
     count: usize,
     amplitude: f64,
@@ -194,7 +200,7 @@ impl<'a, const D: usize> MovingPatch<'a, D> {
         add(&mut self.u, &drift, dt);
     }
 
-    /// As [`Integrator`] has it.
+    /// Applies one step of an integrator.
     fn part(&mut self, integrator: Integrator, dt: f64) -> Result<(), NoForce> {
         match integrator {
             Integrator::CentralDifferences => {
@@ -236,7 +242,7 @@ impl<'a, const D: usize> MovingPatch<'a, D> {
         Ok(())
     }
 
-    /// The velocities at the time of the displacements.
+    /// Velocities at the time of the displacements.
     fn velocities_now(&self, stepper: Stepper, step: f64) -> Result<Field<D>, NoForce> {
         if stepper.integrator() != Integrator::CentralDifferences {
             return Ok(self.v.clone());
@@ -246,7 +252,7 @@ impl<'a, const D: usize> MovingPatch<'a, D> {
         Ok(both.map(|(v, a)| v + a * (0.5 * step)).collect())
     }
 
-    /// Of the points that see a particle the deformation gradient with the smallest determinant.
+    /// Deformation gradient with the smallest determinant among the points around a particle.
     fn most_compressed(&self, particle: usize) -> Option<(f64, Vec<f64>)> {
         let strain = self.discretization.strain().ok()?;
         let mut worst: Option<(f64, Vec<f64>)> = None;
@@ -301,7 +307,7 @@ impl<'a, const D: usize> MovingPatch<'a, D> {
     }
 }
 
-/// Adds a rate times a step to a field.
+/// Adds a rate times a time step to a field.
 fn add<const D: usize>(field: &mut Field<D>, rate: &Field<D>, dt: f64) {
     field
         .iter_mut()
@@ -421,7 +427,7 @@ impl<const D: usize> PatchMotion for MovingPatch<'_, D> {
             }
         }
         let cells = self.patch.cells();
-        // A real field holds half of a wave, and half of its opposite, unless they are the same.
+        // A real field contains half of a wave and half of its opposite, unless both are equal.
         let turns = wave.wave.turns.iter().zip(cells);
         let is_own_opposite = turns
             .into_iter()
@@ -432,7 +438,7 @@ impl<const D: usize> PatchMotion for MovingPatch<'_, D> {
     }
 }
 
-/// `k.X`, of a wave vector that fits into the patch.
+/// Phase `k.X` of a wave vector that fits into the patch.
 fn phase<const D: usize>(wave: &SteppedWave, x: &SVector<f64, D>) -> f64 {
     let along = wave.wave.wave_vector.iter().zip(x.iter());
     along.map(|(k, x)| k * x).sum::<f64>() % TAU

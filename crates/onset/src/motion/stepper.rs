@@ -1,10 +1,10 @@
-//! Integrators as sequences of steps.
+//! Integrators, and compositions of several of their steps.
 
 use crate::algebra::Complex;
 use crate::time_step::{Amplification, Integrator};
 use nalgebra::{DMatrix, Matrix2};
 
-/// The first five of the nine steps of Kahan's and Li's symmetric composition of order six, `s9odr6a`; the other four mirror them.
+/// First five of the nine steps of Kahan and Li's symmetric composition of order six, `s9odr6a`; the other four mirror them.
 ///
 /// Source: Kahan, Li, Math. Comp. 66 (1997) 1089.
 const SIXTH: [f64; 5] = [
@@ -15,7 +15,7 @@ const SIXTH: [f64; 5] = [
     0.798_543_990_934_829_9,
 ];
 
-/// A way to take a step of time: an [`Integrator`], or a composition of several steps of one.
+/// Time stepping method: an [`Integrator`], or a composition of several of its steps.
 ///
 /// ```
 /// use onset::motion::Stepper;
@@ -29,15 +29,15 @@ pub struct Stepper {
 }
 
 impl Stepper {
-    /// Velocity Verlet.
+    /// Velocity Verlet scheme, kick-drift-kick.
     pub const KICK_DRIFT_KICK: Self = Self::of(Integrator::KickDriftKick);
-    /// Nine steps of velocity Verlet, some of them back in time, with an error of order six in the step. Without damping only: what
-    /// damps forward feeds backward.
+    /// Nine steps of velocity Verlet, some of them backward in time, with an error of order six in the step. For undamped systems only, because
+    /// damping amplifies in backward steps.
     pub const SIXTH_ORDER: Self = Self {
         integrator: Integrator::KickDriftKick,
         is_composed: true,
     };
-    /// An integrator alone.
+    /// Returns the stepper of a single integrator.
     pub const fn of(integrator: Integrator) -> Self {
         Self {
             integrator,
@@ -45,7 +45,7 @@ impl Stepper {
         }
     }
 
-    /// Returns the stepper with a name; an integrator may have another usual name.
+    /// Returns the stepper with a name. Integrators may have a second common name.
     pub fn named(name: &str) -> Option<Self> {
         match name == Self::SIXTH_ORDER.name() {
             true => Some(Self::SIXTH_ORDER),
@@ -53,13 +53,13 @@ impl Stepper {
         }
     }
 
-    /// The names of all steppers.
+    /// Names of all steppers.
     pub fn names() -> Vec<&'static str> {
         let integrators = Integrator::NAMES.into_iter();
         integrators.chain([Self::SIXTH_ORDER.name()]).collect()
     }
 
-    /// The word used in files and on the command line.
+    /// Name in study files and on the command line.
     pub fn name(self) -> &'static str {
         match self.is_composed {
             true => "sixth-order",
@@ -67,17 +67,17 @@ impl Stepper {
         }
     }
 
-    /// The integrator of each of its steps.
+    /// Integrator of each of its steps.
     pub fn integrator(self) -> Integrator {
         self.integrator
     }
 
-    /// Whether some of its steps go back in time, so that it is for forces without damping.
+    /// Returns true if some of its steps go backward in time, so that it is only for forces without damping.
     pub fn goes_back(self) -> bool {
         self.is_composed
     }
 
-    /// The parts of a step, which add up to one.
+    /// Fractions of a step, which add up to one.
     pub fn parts(self) -> impl Iterator<Item = f64> {
         let all: &'static [f64] = match self.is_composed {
             true => &SIXTH,
@@ -86,7 +86,7 @@ impl Stepper {
         all.iter().chain(all[..all.len() - 1].iter().rev()).copied()
     }
 
-    /// `G(dt)` with `(u, v)' = G (u, v)` for a wave; shape `2 n x 2 n`.
+    /// Returns the amplification matrix `G(dt)` of a wave, `(u, v)' = G (u, v)`; shape `2 n x 2 n`.
     pub fn matrix(self, wave: &Amplification, step: f64) -> DMatrix<Complex> {
         let mut parts = self.parts();
         let first = wave.matrix(self.integrator, parts.next().unwrap_or(1.0) * step);
@@ -95,12 +95,12 @@ impl Stepper {
         })
     }
 
-    /// The largest `omega dt` at which an oscillation without damping stays bounded.
+    /// Largest `omega dt` at which an undamped oscillation stays bounded.
     pub fn bound(self) -> f64 {
         if !self.is_composed {
             return self.integrator.undamped_reach();
         }
-        // Half the trace of a step of u'' = -u is the cosine of the phase that it turns by.
+        // For u'' = -u, half the trace of a step is the cosine of its phase change.
         let half_trace = |step: f64| {
             let part = |part: f64| {
                 let (dt, half) = (part * step, 0.5 * part * step);
@@ -136,7 +136,7 @@ mod tests {
     use super::Stepper;
 
     #[test]
-    fn the_composition_meets_the_conditions_of_order_six() {
+    fn the_sixth_order_composition_satisfies_the_order_conditions() {
         // Sums of odd powers; Yoshida, Phys. Lett. A 150 (1990) 262.
         let parts: Vec<f64> = Stepper::SIXTH_ORDER.parts().collect();
         assert_eq!(parts.len(), 9);
@@ -147,8 +147,8 @@ mod tests {
     }
 
     #[test]
-    fn the_error_of_the_composition_falls_with_the_sixth_power_of_the_step() {
-        // A pendulum, which is not linear: u'' = -sin u, once around about.
+    fn the_error_of_the_sixth_order_composition_scales_with_the_sixth_power_of_the_step() {
+        // Nonlinear pendulum u'' = -sin u, for about one period.
         let run = |steps: u32| {
             let dt = 6.0 / f64::from(steps);
             let (mut u, mut v) = (1.0_f64, 0.0_f64);

@@ -1,7 +1,8 @@
-//! A patch of material points whose velocities go through a grid once a step.
+//! Patches of material points whose velocities pass through a grid once per step.
 //!
-//! What moves are the points, with their deformation gradients and affine fields, by the step of the method itself ([`PatchTransfer`]). What is predicted are waves
-//! of nodes ([`TransferredWaves`]): a wave starts as what nodes that it displaces leave on the points, and is measured by projection on that.
+//! The points move, with their deformation gradients and affine fields, by the time step of the method ([`PatchTransfer`]). The predictions are for
+//! waves of nodes ([`TransferredWaves`]).
+//! A wave starts as the interpolation of a wave of nodes to the points. It is measured by projection on this interpolation.
 
 use super::equations::{Field, field_of, flat, in_space};
 use super::patch::random_displacements;
@@ -16,15 +17,15 @@ use crate::time_step::TransferredWaves;
 use nalgebra::{DVector, SMatrix, SVector};
 use std::f64::consts::TAU;
 
-/// Points see less than this share of a wave of nodes, or nodes of theirs: nothing.
+/// Waves of nodes whose amplitude at the points is below this fraction count as invisible, as do waves of points at the nodes.
 const UNSEEN: f64 = 1e-9;
-/// Points so many spacings away are lost.
+/// Distance in spacings at which a point counts as lost.
 const LOST: f64 = 1e8;
 
-/// A solution that decays so many times faster than the other changes is gone before a record tells it.
+/// Largest ratio of decay rates at which the faster solution can still be measured.
 const SOON_GONE: f64 = 10.0;
 
-/// A patch of material points in motion.
+/// Patch of material points in motion.
 pub(super) struct TransferredPatch<'a, const D: usize> {
     material: &'a dyn Hyperelastic,
     f: DeformationGradient,
@@ -32,7 +33,7 @@ pub(super) struct TransferredPatch<'a, const D: usize> {
     nodal: TransferredWaves<D>,
     nodes: PeriodicPatch<D>,
     waves: Vec<PatchWave>,
-    /// Of the points in the reference state; length.
+    /// Positions of the points in the reference configuration; length.
     positions: Field<D>,
     points: PointsInMotion<D>,
     count: u64,
@@ -72,7 +73,7 @@ impl<'a, const D: usize> TransferredPatch<'a, D> {
         modes.into_iter().nth(wave.branch - 1)
     }
 
-    /// A wave of the nodes, from its vectors at the node at the origin.
+    /// Field of a wave on the nodes, from its vectors at the node at the origin.
     fn on_nodes(&self, wave: &PatchWave, vector: &DVector<Complex>) -> Field<D> {
         let k = wave.vector::<D>();
         let at = |node| {
@@ -83,8 +84,8 @@ impl<'a, const D: usize> TransferredPatch<'a, D> {
         self.nodes.particles().into_iter().map(at).collect()
     }
 
-    /// What a wave with the largest displacement one leaves on the points; none where they do not see it. A displacement gradient counts as that of a wave
-    /// as long as the spacing, in case it is all that is seen.
+    /// Interpolation to the points of a wave whose largest displacement is one; `None` if it vanishes at the points. A displacement gradient counts
+    /// as a wave with the wavelength of one spacing, in case only the strain is nonzero.
     fn on_points(
         &self,
         wave: &PatchWave,
@@ -100,7 +101,7 @@ impl<'a, const D: usize> TransferredPatch<'a, D> {
         Some(points)
     }
 
-    /// The largest displacement, of waves that strain points and do not move them by their strain.
+    /// Largest displacement. For waves that strain points without moving them it follows from their strain.
     fn largest(&self, points: &PointsInMotion<D>) -> f64 {
         let displaced = points.displacements.iter().map(|u| u.norm());
         let length = self.grid().spacing() / TAU;
@@ -108,7 +109,7 @@ impl<'a, const D: usize> TransferredPatch<'a, D> {
         displaced.chain(strained).fold(0.0, f64::max)
     }
 
-    /// The deformation gradient of a point.
+    /// Deformation gradient of a point.
     fn deformation(&self, point: usize) -> DeformationGradient {
         let base = self.f.leading::<D>();
         self.f
@@ -250,13 +251,13 @@ impl<const D: usize> PatchMotion for TransferredPatch<'_, D> {
         steps.fold(f64::INFINITY, f64::min)
     }
 
-    /// The displacements of nodes and the velocities of points over what they see of the nodes, `z v_p = flip v_p + N_p (w - flip s)` with the velocities of the nodes
-    /// `w = (z - 1) u / dt` after the forces and `s = w + dt omega^2 u` before.
+    /// Ratio of point velocities to nodal displacements, `z v_p = flip v_p + N_p (w - flip s)`, with the nodal velocities `w = (z - 1) u / dt` after
+    /// the forces and `s = w + dt omega^2 u` before.
     fn stepped(&self, wave: &PatchWave, _: Stepper, step: f64) -> Option<SteppedWave> {
         let k = wave.vector();
         let (omega_squared, mode) = self.mode(wave)?;
         let mut factors = *self.nodal.factors(&k, step).get(wave.branch - 1)?;
-        // Points that a wave strains and does not move bring no velocities of it to the nodes: u' = (1 - omega^2 dt^2) u.
+        // Points that a wave strains without moving them transfer no velocity to the nodes: u' = (1 - omega^2 dt^2) u.
         let is_at_rest = 1.0 - self.nodal.lost(&k) < UNSEEN;
         if is_at_rest {
             factors = [1.0 - omega_squared * (step * step), Complex::new(0.0, 0.0)];
@@ -265,7 +266,7 @@ impl<const D: usize> PatchMotion for TransferredPatch<'_, D> {
         let speed = |z: Complex| {
             let after = (z - 1.0) / step;
             let speed = (after * (1.0 - flip) - omega_squared * (flip * step)) / (z - flip);
-            // Where nothing is left of the velocities of the nodes, or the wave stays where it is, there is none.
+            // The velocity is zero if the nodal velocities are lost, or if the wave does not move.
             match speed.is_finite() && !wave.has_zero_energy && !is_at_rest {
                 true => speed,
                 false => Complex::new(0.0, 0.0),
@@ -276,7 +277,7 @@ impl<const D: usize> PatchMotion for TransferredPatch<'_, D> {
         let is_alone = !travels && other > SOON_GONE * change;
         let speed = match travels || is_alone {
             true => speed(factors[0]),
-            // Both solutions: of one alone a record does not tell the other.
+            // Seeds both solutions, because a short record of one alone does not separate it from the other.
             false => (speed(factors[0]) + speed(factors[1])) * 0.5,
         };
         let mode = real_at_the_origin(&mode);
@@ -320,7 +321,7 @@ impl<const D: usize> PatchMotion for TransferredPatch<'_, D> {
     }
 }
 
-/// A vector times the number that makes its largest component one.
+/// Vector scaled so that its largest component is one.
 fn real_at_the_origin(vector: &DVector<Complex>) -> DVector<Complex> {
     let by_size = |a: &&Complex, b: &&Complex| a.norm().total_cmp(&b.norm());
     match vector.iter().max_by(by_size) {

@@ -1,4 +1,4 @@
-//! The plane waves of a patch, in continuous and in discrete time.
+//! Plane waves of a patch, in continuous and in discrete time.
 
 use super::Stepper;
 use crate::algebra::{Complex, Each, any_eigenvalues, array_of};
@@ -7,53 +7,53 @@ use crate::scheme::PeriodicPatch;
 use crate::time_step::{Amplification, critical_time_step_at};
 use nalgebra::{DMatrix, DVector, SVector};
 
-/// `omega^2` below this share of the largest one is zero: rounding; and below so many times that of the sums it comes from, since all waves
-/// of a small patch can have no energy.
-const ZERO: f64 = 1e-10;
-const ROUNDING: f64 = 16.0;
+/// Rounding error of `omega^2` as a fraction of the largest `omega^2`.
+const OMEGA_SQUARED_ROUNDING: f64 = 1e-10;
+/// Multiple of the rounding error of the sums that also counts as zero, because all waves of a small patch can have zero energy.
+const NOISE_FACTOR: f64 = 16.0;
 
-/// A plane wave that fits into a patch.
+/// Plane wave that fits into a patch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PatchWave {
-    /// How many times it turns along each side of the patch.
+    /// Number of wavelengths along each side of the patch.
     pub turns: Vec<usize>,
     /// Reference wave vector; 1/length.
     pub wave_vector: Vec<f64>,
-    /// Which of the waves with this wave vector, counted from 1 by increasing `omega^2`.
+    /// Number of the branch at this wave vector, from 1 by increasing `omega^2`.
     pub branch: usize,
-    /// `omega^2`, damping left out; 1/time^2.
+    /// Undamped `omega^2`; 1/time^2.
     pub omega_squared: Complex,
-    /// `s` of its solution `exp(s t)`, damping included: the growing one, or that with the positive frequency. 1/time.
+    /// Rate `s` of the solution `exp(s t)`, damping included; 1/time. It is the growing solution, or the solution with positive frequency.
     pub rate: Complex,
-    /// Whether no force answers it.
+    /// Whether the wave is a zero-energy mode.
     pub has_zero_energy: bool,
 }
 
 impl PatchWave {
-    /// The wave vector; 1/length.
+    /// Wave vector of the wave; 1/length.
     pub(super) fn vector<const D: usize>(&self) -> SVector<f64, D> {
         SVector::from_fn(|i, _| self.wave_vector[i])
     }
 }
 
-/// A wave in discrete time: what one step multiplies it with, and how it is seeded.
+/// Wave in discrete time, with its amplification factors and its initial state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SteppedWave {
-    /// The wave.
+    /// Wave in continuous time.
     pub wave: PatchWave,
-    /// What a step multiplies the two solutions of the wave with.
+    /// Amplification factors per step of the two solutions of the wave.
     pub factors: [Complex; 2],
-    /// Whether the second solution is gone before a record tells it, and the first is seeded alone.
+    /// Whether the second solution decays too fast to be measured, so that only the first is seeded.
     pub is_alone: bool,
-    /// Displacements and velocities of the particles of a cell, times `exp(i k.X)`, that start it.
+    /// Initial displacements and velocities of the particles of a cell, to be multiplied by `exp(i k.X)`.
     pub(super) seed: [DVector<Complex>; 2],
-    /// What displacements are multiplied with to measure it.
+    /// Projector that measures the amplitude from displacements.
     pub(super) projector: DVector<Complex>,
 }
 
 impl SteppedWave {
-    /// The rates `s` of the two solutions `exp(s t)` at every so many steps; 1/time. A solution that turns by more than half around
-    /// between two looks is told from the nearest one that does not as little as a record tells it.
+    /// Returns the rates `s` of the two solutions `exp(s t)` as sampled once in `every` steps; 1/time. A solution that rotates by more than half a
+    /// turn between samples is aliased, as in a record.
     pub fn rates(&self, step: f64, every: u32) -> [Complex; 2] {
         self.factors
             .each(|z| (z.powu(every)).ln() / (step * f64::from(every)))
@@ -68,7 +68,7 @@ fn rotated(omega_squared: Complex) -> Complex {
     }
 }
 
-/// The waves of a patch: of each pair `k`, `-k` one, by increasing turns; the first of them do not turn at all.
+/// Waves of a patch, one of each pair `k`, `-k`, by increasing numbers of wavelengths. The first ones have the wave vector zero.
 pub(super) fn waves_of<const D: usize>(
     system: &WaveSystem<D>,
     patch: &PeriodicPatch<D>,
@@ -87,7 +87,7 @@ pub(super) fn waves_of<const D: usize>(
         if opposite < turns {
             continue;
         }
-        // The nearest of the equivalent ones to zero.
+        // Among the equivalent wave vectors, the one closest to zero.
         let fractional = SVector::from_fn(|i, _| {
             let turned = turns[i] as f64 / cells[i] as f64;
             if turned > 0.5 { turned - 1.0 } else { turned }
@@ -113,14 +113,14 @@ pub(super) fn waves_of<const D: usize>(
     }
     let largest = waves.iter().map(|wave| wave.omega_squared.norm());
     let largest = largest.fold(0.0, f64::max);
-    let zero = (ZERO * largest).max(ROUNDING * system.noise());
+    let zero = (OMEGA_SQUARED_ROUNDING * largest).max(NOISE_FACTOR * system.noise());
     for wave in &mut waves {
         wave.has_zero_energy = wave.omega_squared.norm() <= zero;
     }
     waves
 }
 
-/// The largest stable step for the waves of a patch; time.
+/// Largest stable step for the waves of a patch; time.
 pub(super) fn critical_time_step<const D: usize>(
     system: &WaveSystem<D>,
     waves: &[PatchWave],
@@ -142,7 +142,7 @@ pub(super) fn critical_time_step<const D: usize>(
     each.fold(f64::INFINITY, f64::min)
 }
 
-/// A wave as an integrator steps it. None where its eigenvalues do not converge.
+/// Returns a wave as advanced by an integrator, or `None` if its eigenvalues do not converge.
 pub(super) fn stepped<const D: usize>(
     system: &WaveSystem<D>,
     wave: &PatchWave,
@@ -154,7 +154,7 @@ pub(super) fn stepped<const D: usize>(
         None => undamped(system, &k, wave, stepper, step)?,
         Some(_) => damped(system, &k, wave, stepper, step)?,
     };
-    // The largest displacement is real at a particle of the cell at the origin, and one.
+    // Scales the largest displacement of a particle of the cell at the origin to one.
     let largest = seed[0]
         .iter()
         .copied()
@@ -173,10 +173,10 @@ pub(super) fn stepped<const D: usize>(
     })
 }
 
-/// Factors, and the displacements and velocities that start a wave.
+/// Amplification factors, and the displacements and velocities that start a wave.
 type Started = ([Complex; 2], [DVector<Complex>; 2]);
 
-/// Every wave is an oscillator in the direction of its mode: `u = a T w`, `v = b w` with `M^-1 K T w = omega^2 w`.
+/// Treats each wave as an oscillator in the direction of its mode: `u = a T w`, `v = b w` with `M^-1 K T w = omega^2 w`.
 fn undamped<const D: usize>(
     system: &WaveSystem<D>,
     k: &SVector<f64, D>,
@@ -202,13 +202,13 @@ fn undamped<const D: usize>(
     if is_first(factors[1], factors[0]) {
         factors.swap(0, 1);
     }
-    // Velocities that belong to the displacement one: (G_uu - z) + G_uv b = 0.
+    // Velocity for a displacement of one: (G_uu - z) + G_uv b = 0.
     let speed = |z: Complex| (z - matrix[(0, 0)]) / matrix[(0, 1)];
     let travels = wave.omega_squared.re > 0.0 || wave.omega_squared.im != 0.0;
     let b = match (wave.has_zero_energy, travels) {
         (true, _) => Complex::new(0.0, 0.0),
         (false, true) => speed(factors[0]),
-        // Growth and decay together: of one alone a record does not tell the other.
+        // Seeds growth and decay together, because a short record of one alone does not separate it from the other.
         (false, false) => (speed(factors[0]) + speed(factors[1])) * 0.5,
     };
     Some((factors, [moved, mode * b]))
@@ -223,7 +223,7 @@ fn damped<const D: usize>(
 ) -> Option<Started> {
     let n = system.size();
     let mut matrix = stepper.matrix(&Amplification::new(system, k), step);
-    // Velocities times the step: a similarity that keeps both halves of the same size.
+    // Velocities are scaled by the time step, a similarity transformation that balances both halves.
     let scale = Complex::new(step, 0.0);
     for i in 0..n {
         for j in 0..n {
@@ -248,7 +248,7 @@ fn damped<const D: usize>(
     let whole = match travels || wave.has_zero_energy {
         true => first,
         false => {
-            // Both with the same displacement in the first's direction.
+            // Both vectors get the same displacement in the direction of the first.
             let second = null_vector(&matrix, factors[1])?;
             let share = first.rows(0, n).dotc(&first.rows(0, n))
                 / first.rows(0, n).dotc(&second.rows(0, n));
@@ -260,7 +260,7 @@ fn damped<const D: usize>(
     Some((factors, [displacement, velocity]))
 }
 
-/// The vector that a matrix multiplies with an eigenvalue.
+/// Eigenvector of a matrix for an eigenvalue.
 fn null_vector(matrix: &DMatrix<Complex>, value: Complex) -> Option<DVector<Complex>> {
     let n = matrix.nrows();
     let shifted = matrix - DMatrix::identity(n, n) * value;

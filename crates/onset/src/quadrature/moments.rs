@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn second_moments_are_those_of_the_known_cells() {
+    fn second_moments_of_known_cells_have_published_values() {
         let cubic = 1.0 / 12.0;
         assert!((dimensionless(&lattice(Matrix1::new(0.7))) - cubic).abs() < 1e-14);
         assert!((dimensionless(&lattice(Matrix2::identity() * 3.0)) - cubic).abs() < 1e-14);
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rectangle_and_a_box_have_the_moments_of_each_axis() {
+    fn second_moments_of_a_box_follow_from_its_sides() {
         let moments = second_moments(&lattice(Matrix3::from_diagonal(&[1.0, 2.0, 0.5].into())));
         for (i, side) in [1.0_f64, 2.0, 0.5].into_iter().enumerate() {
             assert!((moments[(i, i)] - side * side / 12.0).abs() < 1e-13);
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn the_simplices_of_an_oblique_cell_fill_it_and_the_basis_does_not_matter() {
+    fn simplices_fill_an_oblique_cell_and_second_moments_do_not_depend_on_the_basis() {
         let oblique = Matrix3::new(1.0, 0.3, 0.2, 0.0, 0.9, -0.4, 0.1, 0.0, 1.2);
         let cell = lattice(oblique);
         let all = neighbors(&cell);
@@ -198,7 +198,7 @@ mod tests {
 
     /// The definition: the mean square over the primitive cell of the distance to the nearest lattice point.
     #[test]
-    fn second_moments_are_the_mean_square_of_the_distance_from_the_nearest_lattice_point() {
+    fn second_moments_are_mean_squares_of_the_vector_from_the_nearest_lattice_point() {
         let cell = lattice(Matrix2::new(1.0, 0.35, 0.1, 0.8));
         let near = neighbors(&cell);
         let side = 400;

@@ -121,7 +121,7 @@ impl MethodChoices {
                     Approximation::RandlesLibersky | Approximation::KrongauzBelytschko
                 ) {
                     return Err(MethodError::Incompatible {
-                        choice: "an approximation that corrects gradients alone",
+                        choice: "an approximation that corrects only gradients",
                         other: "conforming integration, which takes its gradients from functions",
                         hint: "choose \"shepard\", whose functions these approximations have, or \"mls\"",
                     });

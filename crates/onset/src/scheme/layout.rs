@@ -316,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn several_weights_at_once_are_those_of_one_at_a_time() {
+    fn weights_of_several_vectors_equal_weights_of_single_vectors() {
         let formulas = [
             "(1 - q)^3*(1 + 3*q)",
             "(1 - q)^3",

@@ -1,20 +1,22 @@
-//! Free blocks cut out of a lattice, which stand for all its finite bodies.
+//! Critical time steps of free blocks cut out of a lattice, which represent all finite bodies.
 
 use super::{BodyParticles, Shape, Start, with_body};
 use crate::kinematics::DeformationGradient;
 use crate::material::Hyperelastic;
 use crate::scheme::Discretization;
 
-/// Particles across the thinnest blocks: gradients of two rows are far stiffer than of three, and hardly anybody means them.
+/// Particles across the thinnest blocks. With two rows, gradients are far stiffer than with three, and such bodies are rarely intended.
 const THINNEST: usize = 3;
-/// Particles along the sides of the widest blocks, at most, in one to three dimensions.
-const WIDEST: [usize; 3] = [16, 12, 8];
+/// Largest number of particles along the sides of a block, in one to three dimensions.
+const MAXIMUM_SIDE: [usize; 3] = [16, 12, 8];
 
-/// Share of the smallest step: waves along faces of other lengths than those of these blocks are faster by up to half a percent.
+/// Safety factor of the smallest step: waves along faces of other lengths than in these blocks are faster by up to half a percent.
 const MARGIN: f64 = 0.98;
 
-/// The smallest critical step of free blocks at a homogeneous state, from three particles thick to wider than forces reach, less two percent: of their corners, edges
-/// and faces. `None` of methods without bodies. Found, not proved: a particle that sticks out of a corner may need less. Time.
+/// Returns the smallest critical time step of free blocks in a homogeneous state, less two percent; time. `None` for methods without bodies.
+///
+/// The blocks are from three particles thick to wider than the range of the forces and include corners, edges and faces. The step is computed, not
+/// proved: a particle that protrudes from a corner may need a smaller step.
 pub(crate) fn step_of_free_blocks<const D: usize>(
     discretization: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
@@ -22,7 +24,7 @@ pub(crate) fn step_of_free_blocks<const D: usize>(
 ) -> Option<f64> {
     let ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][D - 1];
     let reach = (discretization.neighbors() / ball).powf(1.0 / D as f64);
-    let widest = (2 * reach.ceil() as usize + 2).clamp(THINNEST, WIDEST[D - 1]);
+    let widest = (2 * reach.ceil() as usize + 2).clamp(THINNEST, MAXIMUM_SIDE[D - 1]);
     let cubes = (THINNEST..=widest).filter(|n| D < 3 || *n <= THINNEST + 1 || *n == widest);
     let mut blocks: Vec<[usize; D]> = cubes.map(|n| [n; D]).collect();
     // Strips, plates and bars.
@@ -57,7 +59,7 @@ pub(crate) fn step_of_free_blocks<const D: usize>(
                 found = step.ok();
             },
         );
-        // Blocks without a state are skipped: too few neighbors, or a law that is not defined.
+        // Blocks without a state are skipped: they have too few neighbors, or the law is not defined.
         if let (Ok(()), Some(step)) = (made, found) {
             least = Some(least.map_or(step, |least| least.min(step)));
         }

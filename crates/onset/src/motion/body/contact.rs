@@ -1,10 +1,12 @@
-//! Contact of pieces whose neighbors stay: particles of different pieces repel each other.
+//! Contact of total-Lagrangian bodies: particles of different pieces repel each other.
 //!
-//! Particles that see each other, themselves or through others, are one piece. Two of different pieces nearer than the spacing `h` push each other apart along the line
-//! between them, by `c A_1111 h^(D-1) (1 - r/h)`: with `c = 1` two rows face to face are as stiff as the material between its rows. The force has the potential
-//! `c A_1111 h^D (1 - r/h)^2 / 2`, and takes neither momentum nor angular momentum. Nothing is lost where pieces slide, but rows of particles are not smooth: out of step
-//! they meet at `0.87 h` in the plane, and push each other along. Parts of one piece do not feel each other. A pair nearer than `h/2` ends the motion, before pieces pass through
-//! each other.
+//! Particles that are neighbors, directly or through others, form one piece. Two particles of different pieces that are closer than the spacing `h`
+//! repel each other along the line between them with the force `c A_1111 h^(D-1) (1 - r/h)`.
+//! With `c = 1` two rows face to face are as stiff as the material between its rows. The force has the potential `c A_1111 h^D (1 - r/h)^2 / 2` and
+//! conserves momentum and angular momentum.
+//!
+//! Sliding is free of friction, but rows of particles are not smooth: shifted rows touch at `0.87 h` in the plane and exert tangential forces. There
+//! is no contact within a piece. A pair closer than `h/2` ends the motion, before pieces pass through each other.
 
 use super::BodyError;
 use super::error::Lost;
@@ -17,39 +19,39 @@ use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use crate::real::LANES;
 
-/// Contact of bodies whose neighbors stay: particles of pieces that do not see each other repel each other.
+/// Contact between the pieces of a total-Lagrangian body, whose particles are not neighbors of each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// How stiff it is, over the material: particles nearer than the spacing `h` push each other by `stiffness A_1111 h^(D-1) (1 - r/h)`, with the tangent
-    /// of the law at `F = 1`.
+    /// Stiffness relative to the material: particles closer than the spacing `h` repel each other with the force `stiffness A_1111 h^(D-1) (1 -
+    /// r/h)`, with the tangent of the law at `F = 1`.
     pub stiffness: f64,
 }
 
-/// The pieces of a body, and who touches whom.
+/// The pieces of a body and the particles in contact.
 pub(super) struct Pieces<const D: usize> {
-    /// `c A_1111 h^(D-1)`; force.
+    /// Contact force `c A_1111 h^(D-1)`; force.
     force: f64,
-    /// `h`; length.
+    /// Spacing `h` of the particles; length.
     spacing: f64,
-    /// Of each particle.
+    /// Number of the piece of each particle.
     piece: Vec<u32>,
     neighbors: Neighbors<D>,
-    /// In the reference state; length.
+    /// Positions in the reference configuration; length.
     positions: Vec<[f64; D]>,
-    /// Where they are; length.
+    /// Current positions of the particles; length.
     places: Vec<[f64; D]>,
     touching: Vec<Touch<D>>,
 }
 
-/// Two particles that touch.
+/// Two particles in contact.
 struct Touch<const D: usize> {
     ends: [u32; 2],
-    /// The force on the first, and the reverse on the second.
+    /// Force on the first particle; the second has the opposite force.
     force: [f64; D],
 }
 
 impl<const D: usize> Pieces<D> {
-    /// Of a body with a contact.
+    /// Determines the pieces of a body with contact.
     pub(super) fn new(
         contact: Contact,
         material: &dyn Hyperelastic,
@@ -76,7 +78,7 @@ impl<const D: usize> Pieces<D> {
         let piece = pieces(links, positions.len());
         if piece.iter().all(|own| *own == 0) {
             return Err(BodyError::NoContact(
-                "the particles are one piece, which all see each other directly or through others",
+                "the particles are one piece: all are neighbors, directly or through others",
             ));
         }
         Ok(Self {
@@ -90,7 +92,7 @@ impl<const D: usize> Pieces<D> {
         })
     }
 
-    /// Finds who touches whom at displacements; tells a particle that is about to pass through another one.
+    /// Finds the particles in contact at the given displacements. The error is a particle that is about to pass through another.
     pub(super) fn meet(&mut self, u: &Field<D>) -> Result<(), Lost> {
         let Self {
             force,
@@ -123,7 +125,7 @@ impl<const D: usize> Pieces<D> {
         passing.map_or(Ok(()), Err)
     }
 
-    /// `v += dt f / m`, of which [`Self::meet`] was called.
+    /// Adds `dt f / m` to the velocities. [`Self::meet`] must have been called for the current displacements.
     pub(super) fn kick(&self, v: &mut Field<D>, dt: f64, mass: impl Fn(usize) -> f64) {
         for touch in &self.touching {
             for (sign, end) in [1.0, -1.0].into_iter().zip(touch.ends) {
@@ -135,7 +137,7 @@ impl<const D: usize> Pieces<D> {
         }
     }
 
-    /// `sum c A_1111 h^D (1 - r/h)^2 / 2`, of which [`Self::meet`] was called.
+    /// Potential `sum c A_1111 h^D (1 - r/h)^2 / 2`. [`Self::meet`] must have been called for the current displacements.
     pub(super) fn energy(&self) -> f64 {
         let own = |touch: &Touch<D>| {
             let squared = touch.force.iter().map(|x| x * x).sum::<f64>();
@@ -144,14 +146,16 @@ impl<const D: usize> Pieces<D> {
         self.touching.iter().map(own).sum()
     }
 
-    /// What contacts add to `omega^2`, estimated from above: a particle of a row is pushed by those of a row of another piece that are nearer than the spacing, of which
-    /// there are 1, 3 and 5 in one, two and three dimensions where rows are not compressed, and moves against them; 1/time^2.
+    /// Upper estimate of the contribution of contacts to `omega^2`; 1/time^2.
+    ///
+    /// A particle in a row touches the particles of another row that are closer than the spacing, which are 1, 3 and 5 in one, two and three
+    /// dimensions if rows are not compressed. It moves against them.
     pub(super) fn stiffest(&self, lightest: f64) -> f64 {
         let touching = (2 * D - 1) as f64;
         2.0 * touching * self.force / (self.spacing * lightest)
     }
 
-    /// What is kept; bytes.
+    /// Memory in use; bytes.
     pub(super) fn bytes(&self) -> usize {
         self.neighbors.bytes()
             + self.piece.len() * size_of::<u32>()
@@ -160,11 +164,11 @@ impl<const D: usize> Pieces<D> {
     }
 }
 
-/// The piece of each particle: those that see each other have the same number, the first has 0.
+/// Piece of each particle, numbered from 0. Neighbors belong to the same piece.
 fn pieces<const D: usize>(links: &Links<D>, count: usize) -> Vec<u32> {
     fn root(parents: &mut [u32], mut own: u32) -> u32 {
         while parents[own as usize] != own {
-            // Halves the way for those who come after.
+            // Shortens the path for later searches.
             parents[own as usize] = parents[parents[own as usize] as usize];
             own = parents[own as usize];
         }

@@ -1,7 +1,9 @@
-//! Densities, stresses, accelerations and velocity gradients of particles whose neighbors are found again.
+//! Densities, stresses, accelerations and velocity gradients of particles with changing neighbors.
 //!
-//! Each particle adds up what it gets of its neighbors in the order of their numbers, eight particles that follow each other at once and blocks of them on all cores.
-//! What comes of particles beyond the support is exactly zero. So the same bits come out whenever neighbors were found, and of any number of cores.
+//! Each particle sums over its neighbors in the order of their numbers. Eight consecutive particles are computed together, and blocks of them on all
+//! cores.
+//! Contributions of particles beyond the support are exactly zero. The results are therefore bitwise independent of the time of the neighbor search
+//! and of the number of cores.
 
 use super::neighborhoods::{Look, NOWHERE, Neighborhoods, Seen, number, tensor, vector};
 use super::parts::{field_parts, tensor_parts};
@@ -19,39 +21,39 @@ use crate::scheme::sph::{CurrentPairs, Laden, correction};
 use crate::scheme::{NoForce, determinant, inverse};
 use std::marker::PhantomData;
 
-/// Particles that one core works on at a time.
+/// Particles that one core computes at a time.
 const BLOCK: usize = 16 * LANES;
 
 type Vector<const D: usize> = [Lanes; D];
 type Tensor<const D: usize> = [[Lanes; D]; D];
 
-/// What forces and velocity gradients need, and what they leave. Where particles fill up the last group, there are none.
+/// State of the particles for forces and velocity gradients. The last group of particles is padded.
 pub(super) struct CurrentEngine<'a, const D: usize> {
     pub(super) material: &'a dyn Hyperelastic,
-    /// With the kernels of the state that the body started from.
+    /// Pair forces with the kernels of the initial state of the body.
     law: Result<CurrentPairs<D>, MethodError>,
-    /// That state.
+    /// Deformation gradient of this initial state.
     pub(super) base: DeformationGradient,
     density: f64,
-    /// In the reference state.
+    /// Reference volumes; length^D.
     volumes: Component,
-    /// `F_I`.
+    /// Deformation gradients `F_I` of the particles.
     pub(super) deformations: Tensors<D>,
-    /// Where the particles are in the reference state.
+    /// Positions in the reference configuration; length.
     pub(super) positions: Field<D>,
-    /// Where they are.
+    /// Current positions of the particles; length.
     pub(super) places: Field<D>,
     neighborhoods: Neighborhoods<D>,
     densities: Component,
-    /// `m / rho`, and a place for others.
+    /// Current volumes `m / rho`, and a buffer for their next values.
     spreads: Component,
     later: Component,
-    /// What forces take; see [`Laden`].
+    /// Contributions of the particles to pair forces; compare [`Laden`].
     reaches: Component,
     tensions: Tensors<D>,
-    /// Where there is an artificial stress.
+    /// Tensile parts, if there is an artificial stress.
     tensile: Option<Tensors<D>>,
-    /// `K_I^-1`, where forces are corrected.
+    /// `K_I^-1`, if forces are corrected.
     corrections: Option<Tensors<D>>,
     pub(super) count: usize,
 }
@@ -76,7 +78,7 @@ fn times<const D: usize>(a: &Tensor<D>, b: &Tensor<D>) -> Tensor<D> {
     product
 }
 
-/// `S + a (x) b`.
+/// Adds a dyadic product, `S + a (x) b`.
 #[inline(always)]
 fn add_product<const D: usize>(sum: &mut Tensor<D>, a: &Vector<D>, b: &Vector<D>) {
     for i in 0..D {
@@ -86,32 +88,32 @@ fn add_product<const D: usize>(sum: &mut Tensor<D>, a: &Vector<D>, b: &Vector<D>
     }
 }
 
-/// `V_J grad W_IJ`, with respect to `x_I`: minus that along `x_J - x_I`.
+/// Returns `V_J grad W_IJ` with respect to `x_I`: minus the gradient along `x_J - x_I`.
 #[inline(always)]
 fn spread_slope<const D: usize>(spreads: &[f64], other: &Seen<D>) -> Vector<D> {
     let spread = -number(spreads, other.place);
     other.weight.gradient.each(|slope| slope * spread)
 }
 
-/// `1 + factor L`.
+/// Returns the tensor `1 + factor L`.
 #[inline(always)]
 fn stepped<const D: usize>(l: &Tensor<D>, factor: f64) -> Tensor<D> {
     array_of(|i| array_of(|j| l[i][j] * factor + if i == j { 1.0 } else { 0.0 }))
 }
 
-/// A group of particles that follow each other, of which the last one may have fewer.
+/// Group of consecutive particles. The last group may have fewer.
 #[derive(Clone, Copy)]
 struct Group {
-    /// The first particle.
+    /// Number of the first particle.
     own: usize,
-    /// Its place in the block.
+    /// Position of the group in the block.
     place: usize,
-    /// How many particles.
+    /// Number of particles in the group.
     len: usize,
 }
 
 impl Group {
-    /// Puts numbers into a block; where there are no particles another one.
+    /// Writes numbers into a block, with the number `beyond` as padding.
     #[inline(always)]
     fn put(&self, block: &mut [f64], numbers: Lanes, beyond: f64) {
         let own = &mut block[self.place..self.place + LANES];
@@ -134,7 +136,7 @@ impl Group {
     }
 }
 
-/// The groups of the block with a number, of so many particles in all.
+/// Groups of a block, given the number of the block and the number of all particles.
 fn groups(number: usize, count: usize) -> impl Iterator<Item = Group> {
     let first = number * BLOCK;
     let all = (first..count.min(first + BLOCK)).step_by(LANES);
@@ -145,11 +147,11 @@ fn groups(number: usize, count: usize) -> impl Iterator<Item = Group> {
     })
 }
 
-/// Sums over the neighbors of all particles. Methods of traits, and no closures, so that they are compiled for the vectors of the machine.
+/// Sums over the neighbors of all particles. Trait methods instead of closures, so that they compile to vector instructions.
 trait Sums<const D: usize>: Sync {
-    /// Of a group.
+    /// Sum for one group of particles.
     type Sum;
-    /// Where the sums of a block are left.
+    /// Storage for the sums of a block.
     type Block: Send;
 
     fn begin(&self, own: usize) -> Self::Sum;
@@ -157,7 +159,7 @@ trait Sums<const D: usize>: Sync {
     fn leave(&self, sum: Self::Sum, group: &Group, block: &mut Self::Block) -> Result<(), NoForce>;
 }
 
-/// The sums of a group.
+/// Sum over the neighbors of one group.
 struct OfGroup<'s, S: Sums<D>, const D: usize> {
     sums: &'s S,
     group: Group,
@@ -178,7 +180,7 @@ impl<S: Sums<D>, const D: usize> Work for OfGroup<'_, S, D> {
     }
 }
 
-/// Particles at places, with those that they see.
+/// Particles at their positions, with their neighbors.
 #[derive(Clone, Copy)]
 struct Around<'s, const D: usize> {
     law: &'s CurrentPairs<D>,
@@ -188,7 +190,7 @@ struct Around<'s, const D: usize> {
 }
 
 impl<const D: usize> Around<'_, D> {
-    /// Sums over the neighbors of all particles, left in blocks; tells the first particle without.
+    /// Sums over the neighbors of all particles and stores the results in blocks. The error belongs to the first particle without a result.
     fn sum<S: Sums<D>>(&self, sums: &S, blocks: Vec<S::Block>) -> Result<(), NoForce> {
         let measure = self.law.measure();
         let blocks = blocks.into_iter().enumerate().collect();
@@ -214,7 +216,7 @@ impl<const D: usize> Around<'_, D> {
         done.into_iter().collect()
     }
 
-    /// `K_I^-1`.
+    /// Correction matrices `K_I^-1` of a group.
     fn corrections(&self, group: &Group, moment: &Tensor<D>) -> Result<Tensor<D>, NoForce> {
         let mut all = [[Lanes::constant(0.0); D]; D];
         for lane in 0..group.len {
@@ -236,7 +238,7 @@ impl<const D: usize> Around<'_, D> {
         Ok(all)
     }
 
-    /// How many others a particle sees.
+    /// Number of neighbors of a particle.
     fn neighbors(&self, particle: usize) -> usize {
         let measure = self.law.measure();
         let apart = |other| array_of(|i| self.places[i][other] - self.places[i][particle]);
@@ -245,11 +247,11 @@ impl<const D: usize> Around<'_, D> {
     }
 }
 
-/// `sum_J m_J W_IJ`.
+/// Densities `sum_J m_J W_IJ` of the particles.
 struct Densities<'s> {
     volumes: &'s [f64],
     density: f64,
-    /// `W` of a particle at itself.
+    /// Weight `W` at zero distance.
     at_itself: f64,
 }
 
@@ -281,24 +283,24 @@ impl<'s, const D: usize> Sums<D> for Densities<'s> {
     }
 }
 
-/// `L_I = sum_J V_J (w_J - w_I) (x) grad W_IJ K_I^-1`, and what is to be left of it.
+/// Velocity gradients `L_I = sum_J V_J (w_J - w_I) (x) grad W_IJ K_I^-1`, and the quantity that is stored for each.
 struct Gradients<'s, L, const D: usize, const CORRECTED: bool> {
     around: Around<'s, D>,
-    /// `V`.
+    /// Current volumes `V` of the particles.
     spreads: &'s [f64],
     w: [&'s [f64]; D],
     left: L,
 }
 
-/// The sum of `L_I`, and `K_I = sum_J V_J x_IJ (x) grad W_IJ` where gradients are corrected.
+/// Sum for `L_I`, and `K_I = sum_J V_J x_IJ (x) grad W_IJ` if gradients are corrected.
 struct Gradient<const D: usize> {
-    /// `w_I`.
+    /// Velocities `w_I` of the group.
     own: Vector<D>,
     sum: Tensor<D>,
     moment: Tensor<D>,
 }
 
-/// What is left of velocity gradients.
+/// Quantity computed from a velocity gradient and stored.
 trait Left<const D: usize>: Sync {
     type Block: Send;
 
@@ -343,10 +345,10 @@ impl<L: Left<D>, const D: usize, const CORRECTED: bool> Sums<D> for Gradients<'_
     }
 }
 
-/// `K_I^-1`.
+/// Correction matrices `K_I^-1` of the forces.
 struct Corrections<'s, const D: usize> {
     around: Around<'s, D>,
-    /// `V`.
+    /// Current volumes `V` of the particles.
     spreads: &'s [f64],
 }
 
@@ -376,7 +378,7 @@ impl<'s, const D: usize> Sums<D> for Corrections<'s, D> {
     }
 }
 
-/// `V` after a time, `V exp(dt tr L)`.
+/// Volumes after a time, `V exp(dt tr L)`.
 struct Grown<'s> {
     spreads: &'s [f64],
     time: f64,
@@ -396,7 +398,7 @@ impl<'s, const D: usize> Left<D> for Grown<'s> {
     }
 }
 
-/// `F' = (1 - b L)^-1 (1 + a L) F`.
+/// Deformation gradients after a step, `F' = (1 - b L)^-1 (1 + a L) F`.
 struct Carried<'s> {
     forth: f64,
     back: f64,
@@ -418,7 +420,7 @@ impl<'s, const D: usize> Left<D> for Carried<'s> {
         let next = times(&inverse(&stepped(l, -self.back)), &half);
         for i in 0..D {
             for j in 0..D {
-                // What fills up stays.
+                // The padding keeps its values.
                 let block = &mut block[i][j][group.place..group.place + group.len];
                 block.copy_from_slice(&next[i][j].0[..group.len]);
             }
@@ -426,7 +428,7 @@ impl<'s, const D: usize> Left<D> for Carried<'s> {
     }
 }
 
-/// What there is of all particles.
+/// Current data of all particles.
 #[derive(Clone, Copy)]
 struct Fields<'s, const D: usize> {
     law: &'s CurrentPairs<D>,
@@ -455,10 +457,10 @@ impl<const D: usize> Fields<'_, D> {
     }
 }
 
-/// `f_I / m_I`.
+/// Accelerations `f_I / m_I` of the particles.
 struct Accelerations<'s, const D: usize>(Fields<'s, D>);
 
-/// `sum_J r_J grad W_IJ` and `sum_J T_J grad W_IJ` of the stresses, and the viscous force.
+/// Sums `sum_J r_J grad W_IJ` and `sum_J T_J grad W_IJ` of the stresses, and the viscous force.
 struct Force<const D: usize> {
     mass: Lanes,
     density: Lanes,
@@ -526,10 +528,10 @@ impl<'s, const D: usize> Sums<D> for Accelerations<'s, D> {
     }
 }
 
-/// `v_I + sum_J epsilon m_J / rho_IJ W_IJ (v_J - v_I)`.
+/// Smoothed velocities of the particles, `v_I + sum_J epsilon m_J / rho_IJ W_IJ (v_J - v_I)`.
 struct Smoothed<'s, const D: usize>(Fields<'s, D>);
 
-/// That of a group so far.
+/// Partial sum of the smoothed velocities of a group.
 struct Smoothing<const D: usize> {
     density: Lanes,
     v: Vector<D>,
@@ -618,13 +620,13 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
         })
     }
 
-    /// Takes other kernels, or why there are none.
+    /// Replaces the kernels, or stores the error if they do not exist.
     pub(super) fn settle(&mut self, law: Result<CurrentPairs<D>, MethodError>) {
         self.law = law;
         self.neighborhoods = Neighborhoods::new();
     }
 
-    /// Gives all particles one deformation gradient.
+    /// Sets the deformation gradient of all particles.
     pub(super) fn deform(&mut self, f: &DeformationGradient) {
         self.base = *f;
         let f = f.components();
@@ -639,7 +641,7 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
         self.density * self.volumes[particle]
     }
 
-    /// `F_I`.
+    /// Deformation gradient `F_I` of a particle.
     pub(super) fn deformation(&self, particle: usize) -> [[f64; D]; D] {
         array_of(|i| vector_of(&self.deformations[i], particle))
     }
@@ -666,7 +668,7 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
         })
     }
 
-    /// Puts particles where displacements have them, and finds whom they see, with densities.
+    /// Moves the particles to their displaced positions and updates neighbors and densities.
     pub(super) fn place(&mut self, u: &Field<D>) -> Result<(), NoForce> {
         for (place, (x, u)) in self.places.iter_mut().zip(self.positions.iter().zip(u)) {
             for (place, (x, u)) in place.iter_mut().zip(x.iter().zip(u)) {
@@ -676,7 +678,7 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
         self.look()
     }
 
-    /// Finds whom particles see where they are, and densities.
+    /// Updates neighbors and densities at the current positions.
     pub(super) fn look(&mut self) -> Result<(), NoForce> {
         if !self.places.iter().all(|x| are_finite(x)) {
             let is_lost = |n: &usize| !are_finite(&vector_of(&self.places, *n));
@@ -715,7 +717,7 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
         self.around()?.sum(&sums, blocks)
     }
 
-    /// Stresses, and what forces take of them.
+    /// Computes the stresses and their contributions to pair forces.
     pub(super) fn stress(&mut self) -> Result<(), NoForce> {
         let law = self.law()?.clone();
         let count = self.count;
@@ -782,7 +784,7 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
         stressed.into_iter().collect()
     }
 
-    /// Finds what corrects forces, where they are corrected.
+    /// Computes the correction of the forces, if they are corrected.
     fn correct(&mut self) -> Result<(), NoForce> {
         if !self.law()?.corrects_forces() {
             return Ok(());
@@ -800,27 +802,27 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
         done
     }
 
-    /// Accelerations by the stresses at hand, and by viscosity.
+    /// Accelerations from the current stresses and from viscosity.
     pub(super) fn accelerations(&self, v: &Field<D>, a: &mut Field<D>) -> Result<(), NoForce> {
         let sums = Accelerations(self.fields(v)?);
         self.around()?.sum(&sums, field_parts(a, BLOCK))
     }
 
-    /// The velocities of XSPH.
+    /// Smoothed velocities of XSPH.
     pub(super) fn smooth(&self, v: &Field<D>, smoothed: &mut Field<D>) -> Result<(), NoForce> {
         let sums = Smoothed(self.fields(v)?);
         self.around()?.sum(&sums, field_parts(smoothed, BLOCK))
     }
 
-    /// Deformation gradients after a small displacement: `F' = (1 + factor L) F`.
+    /// Updates the deformation gradients after a small displacement: `F' = (1 + factor L) F`.
     pub(super) fn strain(&mut self, w: &Field<D>, factor: f64) -> Result<(), NoForce> {
         self.carry(w, factor, 0.0)
     }
 
-    /// Deformation gradients after a step, from the places in its middle: `F' = (1 - dt/2 L)^-1 (1 + dt/2 L) F`.
+    /// Updates the deformation gradients after a step, from the positions at its midpoint: `F' = (1 - dt/2 L)^-1 (1 + dt/2 L) F`.
     pub(super) fn advance(&mut self, w: &Field<D>, step: f64) -> Result<(), NoForce> {
         if !self.law()?.sums_densities() {
-            // Those of deformation gradients are of the beginning of the step: half a step further on.
+            // Volumes from deformation gradients belong to the start of the step and are advanced by half a step.
             let mut later = std::mem::take(&mut self.later);
             let grown = Grown {
                 spreads: &self.spreads,
@@ -833,7 +835,7 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
         self.carry(w, 0.5 * step, 0.5 * step)
     }
 
-    /// `F' = (1 - back L)^-1 (1 + forth L) F`.
+    /// Updates the deformation gradients: `F' = (1 - back L)^-1 (1 + forth L) F`.
     fn carry(&mut self, w: &Field<D>, forth: f64, back: f64) -> Result<(), NoForce> {
         let mut f = std::mem::replace(&mut self.deformations, zero_tensors(0));
         let carried = Carried {
@@ -874,7 +876,7 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
         around.sum(&sums, blocks)
     }
 
-    /// `sum_I V_I W(F_I)`.
+    /// Strain energy `sum_I V_I W(F_I)` of the body.
     pub(super) fn energy(&self) -> f64 {
         let f = slices(&self.deformations);
         let mut sum = 0.0;
@@ -887,7 +889,7 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
         sum
     }
 
-    /// What the engine keeps for a particle; bytes.
+    /// Memory per component of the engine; bytes.
     pub(super) fn bytes(&self) -> usize {
         let kept = [&self.tensile, &self.corrections];
         let tensors = 2 + kept.into_iter().flatten().count();

@@ -1,7 +1,7 @@
-//! Deformation gradients, stresses and accelerations of all particles.
+//! Deformation gradients, stresses and accelerations of the particles of total-Lagrangian bodies.
 //!
-//! All is done for groups of so many particles as vectors hold. Sums are fused with products, on all machines, and each particle has its own: the same bits
-//! come out of vectors of any width, and of any number of cores.
+//! All loops run over groups of particles of the width of a vector register. Sums use fused multiply-add on all machines, and each particle has a
+//! separate sum. The results are therefore bitwise independent of the vector width and of the number of cores.
 
 use super::contact::Pieces;
 use super::error::Lost;
@@ -15,24 +15,24 @@ use crate::material::Hyperelastic;
 use crate::real::LANES;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Groups that one core works on at a time.
+/// Groups that one core computes at a time.
 const BLOCK: usize = 128;
 
-/// What forces need, and what they leave.
+/// State of the particles for forces, with the results of the last evaluation.
 pub(super) struct Engine<'a, const D: usize> {
     pub(super) material: &'a dyn Hyperelastic,
     pub(super) links: Links<D>,
     /// Stretches beyond the dimensions of the body.
     pub(super) transverse: DeformationGradient,
-    /// Under the penalty; see [`PairLaw::penalty_offsets`](crate::scheme::PairLaw::penalty_offsets).
+    /// Offsets of the penalty as in [`PairLaw::penalty_offsets`](crate::scheme::PairLaw::penalty_offsets).
     pub(super) offsets: Option<[f64; 2]>,
     pub(super) density: f64,
     pub(super) volumes: Vec<f64>,
-    /// `F_I`.
+    /// Deformation gradients `F_I` of the particles.
     pub(super) deformations: Tensors<D>,
-    /// `T_I`.
+    /// Stresses `T_I` of the particles.
     stresses: Tensors<D>,
-    /// Where there is a contact between them.
+    /// Pieces of the body, if there is a contact between them.
     pieces: Option<Pieces<D>>,
 }
 
@@ -59,7 +59,7 @@ impl<'a, const D: usize> Engine<'a, D> {
         }
     }
 
-    /// `F_I` and `T_I` at displacements, and who touches whom.
+    /// Computes `F_I` and `T_I` at the given displacements, and the particles in contact.
     pub(super) fn deform(&mut self, u: &Field<D>) -> Result<(), Lost> {
         if let Some(pieces) = &mut self.pieces {
             pieces.meet(u)?;
@@ -101,7 +101,7 @@ impl<'a, const D: usize> Engine<'a, D> {
         lost.into_iter().flatten().min().map_or(Ok(()), Err)
     }
 
-    /// `v += dt f / m` with the forces at displacements, of which [`Self::deform`] was called.
+    /// Adds `dt f / m` to the velocities. [`Self::deform`] must have been called for these displacements.
     pub(super) fn kick(&self, u: &Field<D>, v: &mut Field<D>, dt: f64) {
         let parts = field_parts(v, BLOCK * LANES)
             .into_iter()
@@ -135,14 +135,14 @@ impl<'a, const D: usize> Engine<'a, D> {
         }
     }
 
-    /// What contacts add to the largest `omega^2`, at most; 1/time^2.
+    /// Upper bound of the contribution of contacts to the largest `omega^2`; 1/time^2.
     pub(super) fn stiffest_contact(&self) -> f64 {
         let lightest = self.volumes.iter().copied().fold(f64::INFINITY, f64::min);
         let own = |pieces: &Pieces<D>| pieces.stiffest(self.density * lightest);
         self.pieces.as_ref().map_or(0.0, own)
     }
 
-    /// `sum_I V_I W(F_I)` and the potential of the contacts, of which [`Self::deform`] was called.
+    /// Strain energy `sum_I V_I W(F_I)` plus the potential of the contacts. [`Self::deform`] must have been called for the current displacements.
     pub(super) fn energy(&self) -> f64 {
         let f = slices(&self.deformations);
         let parts = self.volumes.chunks(BLOCK * LANES).enumerate().collect();
@@ -161,7 +161,7 @@ impl<'a, const D: usize> Engine<'a, D> {
         energies.iter().sum::<f64>() + contact
     }
 
-    /// What the engine keeps for a particle; bytes.
+    /// Memory of the engine in use; bytes.
     pub(super) fn bytes(&self) -> usize {
         let tensors = 2 * D * D * self.volumes.len().next_multiple_of(LANES);
         let links = &self.links;
@@ -174,7 +174,7 @@ impl<'a, const D: usize> Engine<'a, D> {
     }
 }
 
-/// `T_I = P(F_I) K_I^-T`.
+/// Stresses `T_I = P(F_I) K_I^-T` of the particles.
 struct Stressed<'s, const D: usize> {
     material: &'s dyn Hyperelastic,
     transverse: &'s DeformationGradient,
@@ -182,7 +182,7 @@ struct Stressed<'s, const D: usize> {
 }
 
 impl<const D: usize> Stressed<'_, D> {
-    /// Of the particles of a block, of which there are so many; tells the first one without.
+    /// Computes the stresses of a block of `count` particles. Returns the first particle without a stress.
     fn block(
         &self,
         groups: &[u32],
@@ -208,7 +208,7 @@ impl<const D: usize> Stressed<'_, D> {
                             sum[lane] += p[lane] * k[lane];
                         }
                     }
-                    // What fills up has no stress, defined or not.
+                    // The padding has zero stress, even if the law is undefined there.
                     sum[own..].fill(0.0);
                     t[i][j][place..place + LANES].copy_from_slice(&sum);
                 }
@@ -218,11 +218,11 @@ impl<const D: usize> Stressed<'_, D> {
     }
 }
 
-/// `F_I` of the particles of a block.
+/// Deformation gradients `F_I` of the particles of a block.
 struct Strained<'s, 'f, const D: usize> {
     links: &'s Links<D>,
     groups: &'s [u32],
-    /// The first particle of the block.
+    /// Number of the first particle of the block.
     first: usize,
     u: &'s [&'s [f64]; D],
     f: &'s mut [[&'f mut [f64]; D]; D],
@@ -242,9 +242,9 @@ impl<const D: usize> WithSimd for Strained<'_, '_, D> {
     }
 }
 
-// Closures would not be compiled for the vectors of the machine here: loops it is.
+// Closures would not compile to vector instructions here, therefore explicit loops.
 impl<const D: usize> Strained<'_, '_, D> {
-    /// Of the group at a place of the block, from a particle on.
+    /// Computes the deformation gradients of a group in the block, starting at one of its particles.
     #[inline(always)]
     fn strain<S: Simd>(&mut self, simd: S, stencil: &Stencil<D>, place: usize, from: usize) {
         let links = self.links;
@@ -282,29 +282,29 @@ impl<const D: usize> Strained<'_, '_, D> {
     }
 }
 
-/// The velocities of the particles of a block, kicked.
+/// Updated velocities of the particles of a block.
 struct Kicked<'s, 'f, const D: usize> {
     links: &'s Links<D>,
     groups: &'s [u32],
-    /// The first particle of the block.
+    /// Number of the first particle of the block.
     first: usize,
     u: &'s [&'s [f64]; D],
     f: &'s [[&'s [f64]; D]; D],
     t: &'s [[&'s [f64]; D]; D],
     offsets: [f64; 2],
-    /// `dt / rho0`.
+    /// Factor `dt / rho0` of the forces.
     factor: f64,
     v: &'s mut [&'f mut [f64]; D],
 }
 
-/// Without a penalty.
+/// No penalty against zero-energy modes.
 const WITHOUT: u8 = 0;
-/// The penalty as it was published.
+/// Published form of the penalty.
 const PUBLISHED: u8 = 1;
-/// With lengths added in its denominators.
+/// Penalty with offsets in its denominators.
 const OFFSET: u8 = 2;
 
-/// The same under one form of the penalty.
+/// Velocity update for one form of the penalty, known at compile time.
 struct Under<'s, 'f, const D: usize, const FORM: u8>(Kicked<'s, 'f, D>);
 
 impl<const D: usize, const FORM: u8> WithSimd for Under<'_, '_, D, FORM> {
@@ -323,7 +323,7 @@ impl<const D: usize, const FORM: u8> WithSimd for Under<'_, '_, D, FORM> {
 }
 
 impl<const D: usize> Kicked<'_, '_, D> {
-    /// Those of the group at a place of the block, from a particle on.
+    /// Updates the velocities of a group in the block, starting at one of its particles.
     #[inline(always)]
     fn kick<S: Simd, const FORM: u8>(
         &mut self,
@@ -365,7 +365,7 @@ impl<const D: usize> Kicked<'_, '_, D> {
             if FORM == WITHOUT {
                 continue;
             }
-            // x_IJ, and (F_I + F_J) X_IJ - 2 x_IJ along it.
+            // x_IJ, and the component of (F_I + F_J) X_IJ - 2 x_IJ along it.
             let mut x = [zero; D];
             let mut squared = zero;
             let mut along = zero;
@@ -384,7 +384,7 @@ impl<const D: usize> Kicked<'_, '_, D> {
                 let length = simd.sqrt_f64s(squared);
                 squared = simd.mul_add_f64s(length, lengths, simd.add_f64s(squared, area));
             }
-            // Where there is no such pair, nothing is divided by nothing.
+            // Prevents 0/0 for particles without such a pair.
             squared = simd.add_f64s(squared, simd.sub_f64s(one, is_there));
             let stiffness = simd.mul_f64s(is_there, simd.splat_f64s(-kind.stiffness));
             let along = simd.div_f64s(simd.mul_f64s(along, stiffness), squared);

@@ -1,92 +1,92 @@
-//! What is wrong with a body, and where its motion ends.
+//! Errors in the setup of a body, and the particle at which its motion ends.
 
 use crate::method::MethodError;
 use thiserror::Error;
 
-/// Why there is no body.
+/// Error in the setup of a body.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum BodyError {
-    /// The method or the law.
+    /// The method or the law cannot be evaluated.
     #[error(transparent)]
     Method(#[from] MethodError),
-    /// The method has no bodies.
+    /// The method does not support bodies.
     #[error("this method has no bodies")]
     NoBodies,
-    /// A contact that would have no effect, or no stiffness: why.
+    /// The contact would have no effect or no stiffness; with the reason.
     #[error("there is no contact: {0}")]
     NoContact(&'static str),
-    /// A shape without particles.
+    /// The shape contains no particles.
     #[error("the body has no particles")]
     Empty,
-    /// More particles than the engine numbers.
-    #[error("the body would have {particles} particles; at most {limit} are run")]
+    /// The body has more particles than the engine supports.
+    #[error("the body would have {particles} particles; at most {limit} are supported")]
     TooMany {
-        /// How many there would be.
+        /// Number of particles of the body.
         particles: usize,
-        /// How many there may be.
+        /// Largest number of particles.
         limit: usize,
     },
-    /// A number of a shape, a particle or a grip is not what it must be.
+    /// A number of a shape, a particle, a contact or a grip is outside of its admissible range.
     #[error("{what} is {value:?}; expected {expected}")]
     Number {
-        /// Which, in words.
+        /// Name of the number, in words.
         what: String,
-        /// Its value.
+        /// Value given by the user.
         value: f64,
-        /// What is admitted, in words.
+        /// Admissible values, in words.
         expected: &'static str,
     },
-    /// Two particles at one place.
+    /// Two particles have the same position.
     #[error("particles {first} and {second} are both at {position:?}")]
     Coincident {
-        /// The number of one.
+        /// Number of the first particle.
         first: usize,
-        /// That of the other.
+        /// Number of the second particle.
         second: usize,
-        /// Where they are; length.
+        /// Common reference position; length.
         position: Vec<f64>,
     },
-    /// A particle whose neighbors do not determine a deformation gradient.
+    /// The neighbors of a particle do not determine a deformation gradient.
     #[error(
         "particle {particle} at {position:?} has {neighbors} neighbor(s), which do not determine its deformation gradient"
     )]
     Lonely {
-        /// Its number.
+        /// Number of the particle.
         particle: usize,
-        /// Where it is; length.
+        /// Reference position of the particle; length.
         position: Vec<f64>,
-        /// How many neighbors it has.
+        /// Number of its neighbors.
         neighbors: usize,
     },
-    /// A grip that holds nothing.
-    #[error("grip {grip} holds no particle: none is between {low:?} and {high:?}")]
+    /// A grip holds no particle.
+    #[error("grip {grip} holds no particle: its box from {low:?} to {high:?} is empty")]
     EmptyGrip {
-        /// Which, counted from 1.
+        /// Number of the grip, from 1.
         grip: usize,
-        /// The lower corner of its box; length.
+        /// Lower corner of the box of the grip; length.
         low: Vec<f64>,
-        /// The upper one.
+        /// Upper corner of the box; length.
         high: Vec<f64>,
     },
-    /// A particle in two grips.
+    /// A particle lies in two grips.
     #[error("particle {particle} at {position:?} is in the grips {first} and {second}")]
     HeldTwice {
-        /// Its number.
+        /// Number of the particle.
         particle: usize,
-        /// Where it is; length.
+        /// Reference position of the particle; length.
         position: Vec<f64>,
-        /// One grip, counted from 1.
+        /// Number of one grip, from 1.
         first: usize,
-        /// The other one.
+        /// Number of the other grip, from 1.
         second: usize,
     },
 }
 
-/// The particle at which the motion ends.
+/// Particle at which the motion ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Lost {
-    /// About it there is no stress.
+    /// The stress at this particle is undefined.
     Strained(usize),
-    /// It is about to pass through one of another piece.
+    /// This particle is about to pass through a particle of another piece.
     Passing(usize),
 }

@@ -1,22 +1,22 @@
-//! Grips: particles that move as told.
+//! Grips: groups of particles with prescribed motion.
 
 use super::BodyError;
 use super::vectors::{Field, put};
 use crate::algebra::array_of;
 
-/// The particles in a box, which move with a velocity that rises smoothly from zero.
+/// Particles in a box with a prescribed velocity that rises smoothly from zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grip {
-    /// The lower corner of the box in the reference state; length.
+    /// Lower corner of the box in the reference configuration; length.
     pub low: Vec<f64>,
-    /// The upper corner.
+    /// Upper corner of the box; length.
     pub high: Vec<f64>,
-    /// The velocity at the end of the ramp; length/time.
+    /// Velocity at the end of the ramp; length/time.
     pub velocity: Vec<f64>,
-    /// How long it takes to rise; time. Zero for none.
+    /// Duration of the ramp; time. Zero for the full velocity from the start.
     pub ramp: f64,
-    /// When the grip lets go: its particles keep the velocity that they have. Zero for particles that only start with a velocity, infinity for
-    /// never.
+    /// Time at which the grip releases its particles, which keep their velocity. Zero for particles that only start with a velocity, infinity for a
+    /// permanent grip.
     pub until: f64,
 }
 
@@ -33,7 +33,7 @@ impl Default for Grip {
 }
 
 impl Grip {
-    /// The share of the velocity at a time: `3 s^2 - 2 s^3` with `s = t / ramp`, one after it.
+    /// Returns the fraction of the velocity at a time: `3 s^2 - 2 s^3` with `s = t / ramp` during the ramp, then one.
     ///
     /// ```
     /// use onset::motion::Grip;
@@ -48,18 +48,18 @@ impl Grip {
         s * s * (3.0 - 2.0 * s)
     }
 
-    /// The velocity at a time.
+    /// Velocity of the grip at a time.
     pub(super) fn velocity_at<const D: usize>(&self, time: f64) -> [f64; D] {
         let share = self.share(time);
         array_of(|i| share * self.velocity.get(i).copied().unwrap_or(0.0))
     }
 
-    /// Whether it holds its particles at a time.
+    /// Returns true if the grip holds its particles at a time.
     pub(super) fn is_closed(&self, time: f64) -> bool {
         time < self.until
     }
 
-    /// Whether a reference position is in the box, its faces included.
+    /// Returns true if a reference position lies in the box or on its faces.
     pub(super) fn holds(&self, position: &[f64]) -> bool {
         let sides = position.iter().zip(self.low.iter().zip(&self.high));
         sides
@@ -68,7 +68,7 @@ impl Grip {
     }
 }
 
-/// The gripped particles with the numbers of their grips.
+/// Gripped particles with the numbers of their grips.
 pub(super) fn held<const D: usize>(
     positions: &[[f64; D]],
     grips: &[Grip],
@@ -101,7 +101,7 @@ pub(super) fn held<const D: usize>(
     Ok(held)
 }
 
-/// Puts zero for the particles that grips hold to the end.
+/// Sets a field to zero for the particles of permanent grips.
 pub(super) fn hold<const D: usize>(field: &mut Field<D>, held: &[(u32, u32)], grips: &[Grip]) {
     for (particle, grip) in held {
         if grips[*grip as usize].until == f64::INFINITY {
@@ -110,8 +110,8 @@ pub(super) fn hold<const D: usize>(field: &mut Field<D>, held: &[(u32, u32)], gr
     }
 }
 
-/// What a grip does on a particle of a mass in a step: its impulse, by which the velocity becomes what is told and not what forces alone would make of it,
-/// times the mean velocity.
+/// Work of a grip on a particle in a step: impulse times mean velocity. The impulse changes the velocity due to the forces alone to the prescribed
+/// velocity.
 pub(super) fn work_of<const D: usize>(
     mass: f64,
     before: &[f64; D],

@@ -1,4 +1,4 @@
-//! Bodies whose gradients stay with the material.
+//! Bodies of total-Lagrangian methods, whose gradients stay with the material.
 
 use super::contact::{Contact, Pieces};
 use super::engine::Engine;
@@ -19,13 +19,13 @@ use crate::material::Hyperelastic;
 use crate::motion::{Fault, Ground, PatchState};
 use crate::scheme::PairLaw;
 
-/// A body of `D` dimensions in motion.
+/// Total-Lagrangian body in motion.
 struct LagrangianBody<'a, const D: usize> {
     engine: Engine<'a, D>,
     positions: Vec<[f64; D]>,
     spacing: f64,
     grips: &'a [Grip],
-    /// Gripped particles with their grips.
+    /// Gripped particles with the numbers of their grips.
     held: Vec<(u32, u32)>,
     u: Field<D>,
     v: Field<D>,
@@ -33,7 +33,7 @@ struct LagrangianBody<'a, const D: usize> {
     count: u64,
 }
 
-/// Does something with a body of a method that says what its pairs of particles have in common.
+/// Calls a function with a body of a method whose pair forces are known.
 pub(super) fn with_lagrangian_body<const D: usize>(
     law: &dyn PairLaw<D>,
     crystal: &Crystal<D>,
@@ -87,7 +87,7 @@ impl<const D: usize> LagrangianBody<'_, D> {
         self.engine.density * self.engine.volumes[particle]
     }
 
-    /// What a grip wants of its particles at a time.
+    /// Velocity of a grip at a time.
     fn grip_velocity(&self, grip: u32, time: f64) -> [f64; D] {
         self.grips[grip as usize].velocity_at(time)
     }
@@ -98,7 +98,7 @@ impl<const D: usize> LagrangianBody<'_, D> {
             .map_err(|lost| self.fault(lost, step))
     }
 
-    /// The velocities at the time of the displacements, of which forces are known, and the work of the grips in the half step before it.
+    /// Velocities at the time of the displacements, from forces computed before, and the work of the grips in the preceding half step.
     fn now(&self, step: f64) -> (Field<D>, f64) {
         let mut v = self.v.clone();
         self.engine.kick(&self.u, &mut v, 0.5 * step);
@@ -160,7 +160,7 @@ impl<const D: usize> LagrangianBody<'_, D> {
         })
     }
 
-    /// The change of the accelerations with displacements along a vector, by central differences.
+    /// Change of the accelerations with displacements along a vector, by central differences.
     fn changed(&mut self, along: &Field<D>, size: f64) -> Result<Field<D>, Box<Fault>> {
         let kept = self.u.clone();
         let mut change = zeros(self.len());
@@ -210,7 +210,7 @@ impl<const D: usize> BodyMotion for LagrangianBody<'_, D> {
             let is_closed = self.grips[grip as usize].is_closed(0.0);
             let velocity = self.grip_velocity(grip, if is_closed { -0.5 * step } else { 0.0 });
             for i in 0..D {
-                // What is let go at once starts with its velocity, and is kicked as all others.
+                // Particles released at the start have the velocity of the grip and are accelerated like all others.
                 let kicked = if is_closed {
                     0.0
                 } else {
@@ -266,7 +266,7 @@ impl<const D: usize> BodyMotion for LagrangianBody<'_, D> {
         self.held = held;
         drift(&mut self.u, &self.v, step);
         self.count += 1;
-        // Of a number that is none all sums are none.
+        // A NaN or infinite component makes the sum NaN or infinite.
         let sum: f64 = self.u.iter().flatten().sum();
         match sum.is_finite() {
             true => Ok(()),

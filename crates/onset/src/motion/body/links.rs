@@ -1,4 +1,4 @@
-//! Which particles see which: groups of particles that follow each other, and what they see.
+//! Neighbors in total-Lagrangian bodies, stored for groups of consecutive particles.
 
 use super::BodyError;
 use super::shape::Placed;
@@ -10,57 +10,57 @@ use crate::scheme::{Bond, PairLaw};
 use nalgebra::SMatrix;
 use std::collections::HashMap;
 
-/// Particles nearer to each other than this share of the support are at one place.
-const SAME_PLACE: f64 = 1e-9;
-/// Cells are numbered up to here.
+/// Distance, as a fraction of the support, within which two particles coincide.
+const COINCIDENCE_DISTANCE: f64 = 1e-9;
+/// Largest number of a cell.
 const FAR: f64 = 1e15;
-/// No particle.
+/// Number that marks a missing particle.
 const NONE: u32 = u32::MAX;
 
-/// What pairs with the same vector and volume share.
+/// Data shared by all pairs with the same vector and volume.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kind<const D: usize> {
-    /// `a_IJ = V_J grad W_IJ`; 1/length.
+    /// Gradient vector `a_IJ = V_J grad W_IJ`; 1/length.
     pub(super) a: [f64; D],
-    /// `X_IJ`; length.
+    /// Reference vector `X_IJ`; length.
     pub(super) x: [f64; D],
-    /// The stiffness of the penalty over `V_I`; force/length^(D+1).
+    /// Stiffness of the penalty over `V_I`; force/length^(D+1).
     pub(super) stiffness: f64,
 }
 
-/// Pairs of particles of a group, of one kind, with others that are as far away in the order of particles.
+/// Pairs of one kind between particles of a group and others at the same offset in the order of particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Pair {
-    /// The number of the other particle less that of the own one.
+    /// Number of the other particle minus the number of the particle itself.
     pub(super) offset: i32,
-    /// The number of the kind.
+    /// Number of the kind.
     pub(super) kind: u32,
-    /// The particles of the group that have such a pair: a bit each, the first one's lowest.
+    /// Particles of the group that have such a pair, one bit each; the lowest bit is the first particle.
     pub(super) of: u8,
 }
 
-/// What the particles of a group see; wherever the same is seen, it is written once.
+/// Neighbors of the particles of a group. Groups with equal neighbors share one stencil.
 #[derive(Clone, Debug)]
 pub(super) struct Stencil<const D: usize> {
-    /// Its pairs, from one to before another.
+    /// Range of its pairs, first to one past the last.
     pub(super) pairs: [u32; 2],
-    /// `K^-1` of each particle.
+    /// Correction `K^-1` of each particle.
     pub(super) correction: [[[f64; LANES]; D]; D],
-    /// `sum_J a_IJ` of each particle.
+    /// Sum `sum_J a_IJ` for each particle.
     pub(super) total: [[f64; LANES]; D],
 }
 
-/// Who sees whom in a body.
+/// Neighbors of all particles of a body.
 pub(super) struct Links<const D: usize> {
     pub(super) kinds: Vec<Kind<D>>,
     pub(super) pairs: Vec<Pair>,
     pub(super) stencils: Vec<Stencil<D>>,
-    /// The stencil of each group of so many particles as vectors hold.
+    /// Number of the stencil of each group of particles, with the width of a vector register.
     pub(super) groups: Vec<u32>,
 }
 
 impl<const D: usize> Links<D> {
-    /// Of the particles of a body.
+    /// Finds the neighbors of the particles of a body.
     pub(super) fn new(
         crystal: &Crystal<D>,
         placed: &Placed<D>,
@@ -94,7 +94,7 @@ impl<const D: usize> Links<D> {
         self.kinds.len() as u32 - 1
     }
 
-    /// Particles of a lattice: the pairs of a site are those of all its particles, as far as there is somebody.
+    /// Adds the particles of a lattice. All particles of a site have the same pairs, except for particles missing at the surface.
     fn regular(
         &mut self,
         crystal: &Crystal<D>,
@@ -127,10 +127,10 @@ impl<const D: usize> Links<D> {
         groups.end()
     }
 
-    /// Particles anywhere, each pair of a kind of its own.
+    /// Adds particles at arbitrary positions, with a separate kind for each pair.
     fn irregular(&mut self, placed: &Placed<D>, law: &dyn PairLaw<D>) -> Result<(), BodyError> {
         let radius = law.radius();
-        // Beyond it places are not told apart by their cells.
+        // Cells beyond this number are not distinguished.
         let cell = |x: &[f64; D]| x.each(|x| (x / radius).floor().clamp(-FAR, FAR) as i64);
         let mut cells: HashMap<[i64; D], Vec<u32>> = HashMap::new();
         for (number, x) in placed.positions.iter().enumerate() {
@@ -157,14 +157,14 @@ impl<const D: usize> Links<D> {
                 let there = placed.positions[other as usize];
                 let apart: [f64; D] = array_of(|i| there[i] - x[i]);
                 let distance = apart.iter().map(|x| x * x).sum::<f64>().sqrt();
-                if distance < SAME_PLACE * radius {
+                if distance < COINCIDENCE_DISTANCE * radius {
                     return Err(BodyError::Coincident {
                         first: number.min(other as usize),
                         second: number.max(other as usize),
                         position: x.to_vec(),
                     });
                 }
-                // As in lattices: the rim does not count.
+                // Particles on the rim do not count, as in lattices.
                 if distance < radius * (1.0 - 1e-12) {
                     let volume = placed.volumes[other as usize];
                     pairs.push((groups.links.kind(law, apart, volume), other));
@@ -176,16 +176,16 @@ impl<const D: usize> Links<D> {
     }
 }
 
-/// Particles taken up one after the other, into groups of as many as vectors hold.
+/// Assembles consecutive particles into groups with the width of a vector register.
 struct Groups<'a, const D: usize> {
     links: &'a mut Links<D>,
     placed: &'a Placed<D>,
     is_corrected: bool,
-    /// The stencils, by their pairs and how many particles there are.
+    /// Known stencils, by the number of particles and their pairs.
     known: HashMap<(usize, Vec<Pair>), u32>,
-    /// The pairs of the group that is filled.
+    /// Pairs of the current group.
     pairs: Vec<Pair>,
-    /// The particles so far.
+    /// Number of particles added.
     count: usize,
 }
 
@@ -201,13 +201,13 @@ impl<'a, const D: usize> Groups<'a, D> {
         }
     }
 
-    /// The next particle with what it sees: kinds and numbers.
+    /// Adds the next particle with its neighbors, given by kinds and numbers.
     fn next(&mut self, seen: impl IntoIterator<Item = (u32, u32)>) -> Result<(), BodyError> {
         let own = 1 << (self.count % LANES);
         for (place, (kind, other)) in seen.into_iter().enumerate() {
             let offset = other as i32 - self.count as i32;
             let is_it = |pair: &Pair| pair.kind == kind && pair.offset == offset;
-            // Mostly a particle sees what the one before has seen.
+            // Most particles have the same neighbors as the particle before.
             let known = match self.pairs.get(place).is_some_and(is_it) {
                 true => Some(place),
                 false => self.pairs.iter().position(is_it),
@@ -228,7 +228,7 @@ impl<'a, const D: usize> Groups<'a, D> {
         }
     }
 
-    /// The last group, which may not be full.
+    /// Ends the last group, which may be incomplete.
     fn end(mut self) -> Result<(), BodyError> {
         match self.count % LANES {
             0 => Ok(()),
@@ -236,7 +236,7 @@ impl<'a, const D: usize> Groups<'a, D> {
         }
     }
 
-    /// Ends the group that is filled.
+    /// Ends the current group.
     fn close(&mut self, count: usize) -> Result<(), BodyError> {
         let key = (count, std::mem::take(&mut self.pairs));
         let stencil = match self.known.get(&key) {
@@ -252,7 +252,7 @@ impl<'a, const D: usize> Groups<'a, D> {
         Ok(())
     }
 
-    /// A stencil that was not there before.
+    /// Computes and stores a new stencil.
     fn begin(&mut self, pairs: &[Pair], count: usize) -> Result<(), BodyError> {
         let mut stencil = Stencil {
             pairs: [0; 2],
@@ -298,7 +298,7 @@ impl<'a, const D: usize> Groups<'a, D> {
     }
 }
 
-/// The numbers of the particles of a lattice, by their places.
+/// Numbers of the particles of a lattice, by their sites and cells.
 struct Numbers<const D: usize> {
     low: [i32; D],
     sides: [usize; D],

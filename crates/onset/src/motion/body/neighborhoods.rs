@@ -1,4 +1,4 @@
-//! Whom particles that move see, eight of them at once.
+//! Neighbor search for moving particles in groups of eight.
 
 use super::neighbors::{Cells, SKIN};
 use super::vectors::{Field, vector_of};
@@ -8,41 +8,43 @@ use crate::real::{LANES, Lanes, Real, Side, Work};
 use crate::scheme::sph::CurrentPairs;
 use crate::scheme::{Measure, Weighed};
 
-/// Where there is no particle: so far away that no particle sees it. What fills up the last group is there together, and what it sees of itself is thrown away.
+/// Coordinate of padding particles, beyond the support of every particle. Their mutual contributions are discarded.
 pub(super) const NOWHERE: f64 = 1e100;
-/// Groups whose neighbors one core looks for at a time.
+/// Number of groups in one task of the neighbor search.
 const BLOCK: usize = 64;
 
-/// For each group of particles that follow each other how far away, in their order, are those that they see or may see soon; found again when a particle has moved
-/// too far. Neighbors in space are mostly as far away in that order from one particle of a group as from the next.
+/// Possible neighbors of each group of consecutive particles, as offsets in the order of particles. They are updated when a particle has moved too
+/// far.
+///
+/// Most neighbors have the same offset in this order from one particle of a group to the next.
 pub(super) struct Neighborhoods<const D: usize> {
-    /// Where the particles were then.
+    /// Positions of the particles at the last search.
     found_at: Field<D>,
-    /// Where those of each group end.
+    /// End of the offsets of each group.
     ends: Vec<usize>,
-    /// In increasing order.
+    /// Offsets of each group in increasing order.
     offsets: Vec<i32>,
 }
 
-/// A neighbor of each particle of a group.
+/// One neighbor of each particle of a group.
 pub(super) struct Seen<const D: usize> {
-    /// The number of that of the first one.
+    /// Number of the neighbor of the first particle.
     pub(super) place: usize,
-    /// The vectors to them.
+    /// Vectors from the particles to these neighbors.
     pub(super) x: [Lanes; D],
-    /// Along these; zero beyond the support, and where there is no particle.
+    /// Weights along these vectors; zero beyond the support and for padding.
     pub(super) weight: Weighed<Lanes, D>,
 }
 
-// Closures would not be compiled for the vectors of the machine: loops it is.
+// Closures would not compile to vector instructions, therefore explicit loops.
 
-/// The numbers of the particles from a place on; zeros where there is none.
+/// Numbers of consecutive particles from a place on, with zeros as padding.
 #[inline(always)]
 pub(super) fn number(of: &[f64], place: usize) -> Lanes {
     Lanes::at(of, place, 0.0)
 }
 
-/// The vectors of the particles from a place on.
+/// Vectors of consecutive particles from a place on.
 #[inline(always)]
 pub(super) fn vector<const D: usize>(of: &[&[f64]; D], place: usize) -> [Lanes; D] {
     let mut own = [Lanes([0.0; LANES]); D];
@@ -52,7 +54,7 @@ pub(super) fn vector<const D: usize>(of: &[&[f64]; D], place: usize) -> [Lanes; 
     own
 }
 
-/// The tensors of the particles from a place on.
+/// Tensors of consecutive particles from a place on.
 #[inline(always)]
 pub(super) fn tensor<const D: usize>(of: &[[&[f64]; D]; D], place: usize) -> [[Lanes; D]; D] {
     let mut own = [[Lanes([0.0; LANES]); D]; D];
@@ -71,7 +73,7 @@ impl<const D: usize> Neighborhoods<D> {
         }
     }
 
-    /// Finds those of so many particles at places, if what was found does not hold any more.
+    /// Updates the possible neighbors of `count` particles, if the last search is no longer valid.
     pub(super) fn find(&mut self, law: &CurrentPairs<D>, places: &Field<D>, count: usize) {
         let are_known = self.found_at[0].len() == places[0].len();
         if are_known && !self.have_moved(law, places) {
@@ -107,7 +109,7 @@ impl<const D: usize> Neighborhoods<D> {
         self.found_at.clone_from(places);
     }
 
-    /// Whether a particle has moved by half of the skin.
+    /// Returns true if a particle has moved by half of the skin.
     fn have_moved(&self, law: &CurrentPairs<D>, places: &Field<D>) -> bool {
         let measure = law.measure();
         let now = places.each_ref().map(Vec::as_slice);
@@ -120,20 +122,20 @@ impl<const D: usize> Neighborhoods<D> {
         })
     }
 
-    /// Of the group that begins with a particle.
+    /// Offsets of the group that begins with a particle.
     fn of(&self, particle: usize) -> &[i32] {
         let group = particle / LANES;
         let begin = group.checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.offsets[begin..self.ends[group]]
     }
 
-    /// What is kept; bytes.
+    /// Memory in use; bytes.
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.offsets) + size_of_val(&*self.ends) + D * size_of_val(&*self.found_at[0])
     }
 }
 
-/// Looks for the neighbors of the group that begins with a particle: those of which at least one is within the support.
+/// Collects the neighbors of the group that begins with a particle: offsets for which at least one pair is within the support.
 pub(super) struct Look<'s, const D: usize> {
     pub(super) law: &'s CurrentPairs<D>,
     pub(super) measure: &'s Measure<D>,

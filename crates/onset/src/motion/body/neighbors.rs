@@ -1,22 +1,22 @@
-//! Who is near whom among particles that move.
+//! Pairs of moving particles within a distance of each other.
 
 use crate::algebra::{Each, array_of};
 use std::collections::HashMap;
 
-/// How much farther than needed pairs are looked for, as a share of the distance: particles may move by half of it before they are looked for again.
+/// Extra search distance, relative to the distance needed. Particles may move by half of it before the next search.
 pub(super) const SKIN: f64 = 0.2;
-/// So many cells from the origin, and farther, all are one.
+/// Largest number of a cell; cells beyond it are not distinguished.
 const FAR: f64 = 1e15;
 
-/// Pairs of particles that may be within a distance of each other, found again when a particle has moved too far.
+/// Pairs of particles that may be within a distance of each other, updated when a particle has moved too far.
 pub(super) struct Neighbors<const D: usize> {
     distance: f64,
-    /// Where the particles were when the pairs were found.
+    /// Positions of the particles at the last search.
     found_at: Vec<[f64; D]>,
     pairs: Vec<[u32; 2]>,
 }
 
-/// The squared distance of two places.
+/// Squared distance of two places.
 pub(super) fn squared<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
@@ -30,13 +30,13 @@ impl<const D: usize> Neighbors<D> {
         }
     }
 
-    /// Pairs with the smaller number first, in increasing order; among them are all whose distance is below that which is looked for. So a sum over those
-    /// is the same to the last digit, whenever they were found.
+    /// Pairs with the smaller number first, in increasing order. They include all pairs within the distance, so that sums over such pairs do not
+    /// depend on the time of the search.
     pub(super) fn near(&mut self, places: &[[f64; D]]) -> &[[u32; 2]] {
         self.near_of(places, &|_, _| true)
     }
 
-    /// The same of some pairs only, always those of which the same is said.
+    /// Pairs selected by a function, which must return the same value for a pair in every call.
     pub(super) fn near_of(
         &mut self,
         places: &[[f64; D]],
@@ -53,7 +53,7 @@ impl<const D: usize> Neighbors<D> {
         &self.pairs
     }
 
-    /// The pairs that are kept; bytes.
+    /// Memory of the pairs; bytes.
     pub(super) fn bytes(&self) -> usize {
         self.pairs.len() * size_of::<[u32; 2]>() + self.found_at.len() * size_of::<[f64; D]>()
     }
@@ -75,18 +75,18 @@ impl<const D: usize> Neighbors<D> {
     }
 }
 
-/// Particles by the cells of a grid, which are as large as the farthest of a pair are looked for.
+/// Particles sorted into the cells of a grid. The cell size is the search distance.
 pub(super) struct Cells<'p, const D: usize> {
     places: &'p [[f64; D]],
     reach: f64,
-    /// The cells of all particles with their numbers, cell by cell.
+    /// Cells of all particles with their numbers, cell by cell.
     order: Vec<([i64; D], u32)>,
-    /// Where the particles of a cell begin and end in that order.
+    /// Range of the particles of each cell in this order.
     cells: HashMap<[i64; D], [usize; 2]>,
 }
 
 impl<'p, const D: usize> Cells<'p, D> {
-    /// Of particles of which those are looked for that are, or come soon, within a distance.
+    /// Sorts particles for searches within a distance, extended by the skin.
     pub(super) fn new(places: &'p [[f64; D]], distance: f64) -> Self {
         let reach = (1.0 + SKIN) * distance;
         let numbered = (0_u32..).zip(places);
@@ -110,7 +110,7 @@ impl<'p, const D: usize> Cells<'p, D> {
         x.each(|x| (x / reach).floor().clamp(-FAR, FAR) as i64)
     }
 
-    /// Tells all particles near a place, in no order; one that is there too.
+    /// Calls a function with the number of every particle near a place, in no particular order, including a particle at the place.
     pub(super) fn near(&self, x: &[f64; D], mut tell: impl FnMut(u32)) {
         let home = Self::cell(x, self.reach);
         for code in 0..3_usize.pow(D as u32) {
@@ -173,14 +173,14 @@ mod tests {
     }
 
     #[test]
-    fn pairs_are_those_of_all_particles_with_all_while_they_move() {
+    fn pairs_of_moving_particles_equal_a_brute_force_search() {
         assert_found::<1>(40);
         assert_found::<2>(150);
         assert_found::<3>(300);
     }
 
     #[test]
-    fn particles_that_fly_away_are_far_from_all_others() {
+    fn particles_at_huge_coordinates_pair_only_with_near_particles() {
         let mut places = vec![[0.0, 0.0], [0.5, 0.0], [1e300, 0.0], [-1e300, 1e12]];
         let mut neighbors = Neighbors::new(1.0);
         assert_eq!(neighbors.near(&places), [[0, 1]]);

@@ -1,9 +1,9 @@
-//! Fields cut into blocks of particles, of which each core takes one after the other.
+//! Division of fields into blocks of particles, which are distributed over the cores.
 
 use super::vectors::{Component, Field, Tensors};
 use crate::cores::of_each;
 
-/// A field cut into blocks of so many particles.
+/// Divides a field into blocks of `block` particles.
 pub(super) fn field_parts<const D: usize>(
     field: &mut Field<D>,
     block: usize,
@@ -14,7 +14,7 @@ pub(super) fn field_parts<const D: usize>(
     (0..count).map(next).collect()
 }
 
-/// Tensors cut into blocks of so many particles.
+/// Divides tensors into blocks of `block` particles.
 pub(super) fn tensor_parts<const D: usize>(
     tensors: &mut Tensors<D>,
     block: usize,
@@ -32,7 +32,7 @@ fn parts_of<const D: usize>(field: &Field<D>, block: usize) -> usize {
     field[0].len().div_ceil(block)
 }
 
-/// `u += dt v`.
+/// Advances a field, `u += dt v`.
 pub(super) fn drift<const D: usize>(u: &mut Field<D>, v: &Field<D>, dt: f64) {
     let parts = u.iter_mut().zip(v).collect();
     of_each(parts, |(u, v): (&mut Component, &Component)| {

@@ -2,26 +2,27 @@
 
 use crate::algebra::array_of;
 
-/// What a body has as a whole.
+/// Global quantities of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyQuantities {
-    /// `sum m v^2 / 2` (with XSPH in all equations `sum m v . v_smoothed / 2`); energy (in one and two dimensions per unit of the dimensions that are left out, as all that follow).
+    /// Kinetic energy `sum m v^2 / 2`; energy (in 1D and 2D per unit of the omitted dimensions, as for all quantities below). With XSPH in all
+    /// equations it is `sum m v . v_smoothed / 2`.
     pub kinetic: f64,
-    /// `sum V W(F)`, and the potential of contacts; energy. The penalty has no potential.
+    /// Strain energy `sum V W(F)` plus the potential of contacts; energy. The penalty has no potential.
     pub strain: f64,
-    /// What the grips have done; energy.
+    /// Work of the grips on the body; energy.
     pub work: f64,
-    /// `sum m v`; mass length/time.
+    /// Linear momentum `sum m v`; mass length/time.
     pub momentum: [f64; 3],
-    /// `sum m x * v` about the origin; mass length^2/time.
+    /// Angular momentum `sum m x * v` about the origin; mass length^2/time.
     pub angular_momentum: [f64; 3],
-    /// The largest displacement of a particle; length.
+    /// Largest displacement of a particle; length.
     pub largest: f64,
-    /// The smallest and the largest volume ratio of a particle.
+    /// Smallest and largest volume ratio of a particle.
     pub volume_ratios: [f64; 2],
 }
 
-/// A vector of the body in space.
+/// Extends a vector of the body to three components.
 pub(super) fn in_space<const D: usize>(x: &[f64; D]) -> [f64; 3] {
     array_of(|i| x.get(i).copied().unwrap_or(0.0))
 }
@@ -34,7 +35,7 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 impl BodyQuantities {
-    /// Those of no particle, with the energy of the strains and the work of the grips.
+    /// Builds the quantities of a body without particles, with a given strain energy and work of the grips.
     pub(super) fn new(strain: f64, work: f64) -> Self {
         Self {
             kinetic: 0.0,
@@ -47,7 +48,7 @@ impl BodyQuantities {
         }
     }
 
-    /// Adds a particle: its mass, where it is, its displacement, its velocity with the one that moves it, and its volume ratio.
+    /// Adds a particle by its mass, position, displacement, velocity, the velocity that moves it, and its volume ratio.
     pub(super) fn count<const D: usize>(
         &mut self,
         mass: f64,

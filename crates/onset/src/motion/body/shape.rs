@@ -1,82 +1,82 @@
-//! The particles of a body: cut out of a lattice, or given.
+//! Particles of a body: cut out of a lattice, or given individually.
 
 use super::BodyError;
 use crate::algebra::{Each, array_of};
 use crate::lattice::{Crystal, Particle, cells_between};
 use nalgebra::SVector;
 
-/// The most particles of a body.
+/// Largest number of particles of a body.
 const PARTICLES: usize = 20_000_000;
-/// Particles this share of a spacing outside of a shape are on its rim, and belong to it.
+/// Particles outside of a shape by less than this fraction of a spacing belong to it.
 const RIM: f64 = 1e-9;
-/// Cells are numbered up to here.
+/// Largest number of a cell.
 const FAR: f64 = 1e9;
-/// Cells in the box around a body, at most: of a thin and long one, or one of pieces far apart, there can be many more than particles.
+/// Largest number of cells in the box around a body. Thin, long or separated pieces can have many more cells than particles.
 const CELLS: f64 = 1e8;
 
-/// A cut from an edge of a block, at the middle of its first side, from below along the second.
+/// Notch from an edge of a block, at the middle of its first side, from below along the second side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Notch {
-    /// Length.
+    /// Depth along the second side; length.
     pub depth: f64,
-    /// Length.
+    /// Width along the first side; length.
     pub width: f64,
 }
 
-/// A shape that is cut out of a lattice. Blocks have a corner at the origin; disks and rings have their center there.
+/// Shape that is cut out of a lattice. Blocks have a corner at the origin; disks and rings are centered there.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// A bar, a plate or any other block.
     Block {
-        /// Its sides; length.
+        /// Sides of the block; length.
         size: Vec<f64>,
-        /// The radius of a round hole through the middle, along the third axis; length.
+        /// Radius of a round hole through the center, along the third axis; length.
         hole: Option<f64>,
-        /// A notch.
+        /// Notch of the block, if any.
         notch: Option<Notch>,
     },
-    /// A disk, or a ring; in three dimensions a cylinder along the third axis, from zero on.
+    /// A disk or a ring; in three dimensions a cylinder along the third axis, starting at zero.
     Ring {
-        /// The outer radius; length.
+        /// Outer radius of the ring; length.
         radius: f64,
-        /// The inner one, zero for a disk; length.
+        /// Inner radius, zero for a disk; length.
         inner: f64,
-        /// The length of a cylinder; length.
+        /// Height of a cylinder; length.
         height: Option<f64>,
     },
-    /// A shape that is there twice.
+    /// Two copies of a shape.
     Twice {
-        /// It.
+        /// Shape of both copies.
         shape: Box<Shape>,
-        /// Where it is again; length.
+        /// Offset of the second copy; length.
         offset: Vec<f64>,
     },
 }
 
-/// A particle that is given.
+/// Particle with a given position and volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlacedParticle {
-    /// Where it is in the reference state; length.
+    /// Position in the reference configuration; length.
     pub position: [f64; 3],
-    /// Its reference volume; length^D.
+    /// Reference volume; length^D.
     pub volume: f64,
 }
 
-/// The particles of a body.
+/// Particles of a body.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BodyParticles {
-    /// Those of the method's lattice inside of a shape. The lattice lies so that half a spacing is between the faces of a block and its outermost
-    /// particles where its sides are whole numbers of spacings along the axes.
+    /// Particles of the method's lattice inside of a shape. If the sides of a block along the axes are multiples of the spacing, its faces are half a
+    /// spacing from its outermost particles.
     Cut(Shape),
-    /// Particles anywhere.
+    /// Particles at given positions.
     Given(Vec<PlacedParticle>),
 }
 
-/// Where the particles are.
+/// Positions and volumes of the particles of a body.
 pub(super) struct Placed<const D: usize> {
     pub(super) positions: Vec<[f64; D]>,
     pub(super) volumes: Vec<f64>,
-    /// Which particles of the lattice they are, in the order of rows along its first vector; none of given ones.
+    /// Sites of the particles in the lattice, in the order of rows along its first vector; `None` for given particles.
     pub(super) places: Option<Vec<Particle<D>>>,
 }
 
@@ -92,7 +92,7 @@ fn positive(what: &str, value: f64) -> Result<f64, BodyError> {
 }
 
 impl Shape {
-    /// The lower and the upper corner of a box that holds it.
+    /// Lower and upper corner of a box around the shape.
     fn corners<const D: usize>(&self) -> Result<[[f64; D]; 2], BodyError> {
         match self {
             Self::Block { size, hole, notch } => {
@@ -134,7 +134,7 @@ impl Shape {
         }
     }
 
-    /// What it is made of, a shape of one piece at each of some places.
+    /// Pieces of the shape with their offsets.
     fn pieces<const D: usize>(&self) -> Result<Vec<(&Self, [f64; D])>, BodyError> {
         let Self::Twice { shape, offset } = self else {
             return Ok(vec![(self, [0.0; D])]);
@@ -159,7 +159,7 @@ impl Shape {
         Ok(pieces)
     }
 
-    /// Whether a place inside of the box is inside of the shape.
+    /// Returns true if a place inside of the box lies inside of the shape.
     fn holds<const D: usize>(&self, x: &[f64; D], rim: f64) -> bool {
         let across = |x: f64, y: f64| x.hypot(y);
         match self {
@@ -182,7 +182,7 @@ impl Shape {
     }
 }
 
-/// The places of the particles of a body.
+/// Places the particles of a body.
 pub(super) fn placed<const D: usize>(
     crystal: &Crystal<D>,
     particles: &BodyParticles,
@@ -208,7 +208,7 @@ fn cut<const D: usize>(crystal: &Crystal<D>, shape: &Shape) -> Result<Placed<D>,
             });
         }
     }
-    // Neighbors are looked up in a table of the box around all pieces.
+    // The table of neighbors covers the box around all pieces.
     let (mut first, mut last) = ([i32::MAX; D], [i32::MIN; D]);
     for (particle, _) in &found {
         for i in 0..D {
@@ -227,7 +227,7 @@ fn cut<const D: usize>(crystal: &Crystal<D>, shape: &Shape) -> Result<Placed<D>,
         key[3] = particle.cell[0];
         key
     });
-    // Where pieces overlap a particle is in both.
+    // A particle in the overlap of two pieces is found twice.
     found.dedup_by_key(|(particle, _)| *particle);
     Ok(Placed {
         volumes: found
@@ -265,7 +265,7 @@ fn given_ones<const D: usize>(given: &[PlacedParticle]) -> Result<Placed<D>, Bod
         places: None,
     })
 }
-/// The particles of a lattice in a piece of a shape that is moved to a place.
+/// Particles of a lattice in a piece of a shape with an offset.
 fn cut_piece<const D: usize>(
     crystal: &Crystal<D>,
     piece: &Shape,
@@ -299,7 +299,7 @@ fn cut_piece<const D: usize>(
     Ok(found)
 }
 
-/// Whether there are not too many cells between two.
+/// Checks that the box between two cells does not contain too many cells.
 fn check_cells<const D: usize>(first: &[f64; D], last: &[f64; D]) -> Result<(), BodyError> {
     let cells: f64 = (0..D)
         .map(|i| (last[i] - first[i] + 1.0).max(0.0))
@@ -314,7 +314,8 @@ fn check_cells<const D: usize>(first: &[f64; D], last: &[f64; D]) -> Result<(), 
     }
 }
 
-/// The first and the last cell of a lattice that reach into a box at a place: lattice coordinates are linear, so their extremes are at its corners.
+/// First and last cell of a lattice that reach into a box with an offset. Lattice coordinates are linear, so that their extremes are at the corners
+/// of the box.
 fn cells_of_box<const D: usize>(
     crystal: &Crystal<D>,
     [low, high]: &[[f64; D]; 2],

@@ -1,30 +1,32 @@
-//! Which steps are stable: the largest frequency of a body.
+//! Stable time steps from the largest frequency of a body.
 
 use crate::algebra::{Complex, any_eigenvalues, uniform};
 use crate::motion::Fault;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Vectors that are kept, at most.
-const KEPT: usize = 32;
-/// Numbers of all vectors that are kept, at most, unless they are fewer than [`FEWEST`].
+/// Largest number of vectors in the Krylov space.
+const MAXIMUM_VECTORS: usize = 32;
+/// Largest number of components of all vectors in the Krylov space, unless it has only [`MINIMUM_VECTORS`] vectors.
 const NUMBERS: usize = 1 << 27;
-/// Vectors that are kept, at least.
-const FEWEST: usize = 6;
-/// Multiplications with the map, at least and at most where the vectors are long or short, and numbers of all images in between.
+/// Smallest number of vectors in the Krylov space.
+const MINIMUM_VECTORS: usize = 6;
+/// Largest number of matrix-vector products: the lower and upper limit, and the number of components of all images in between.
 const IMAGES: (usize, usize, usize) = (60, 2000, 200_000_000);
-/// The search ends at this residual over the eigenvalue.
+/// The iteration stops at this ratio of residual to eigenvalue.
 const RESIDUAL: f64 = 5e-7;
-/// Displacements by which forces are differentiated, in spacings.
+/// Displacement for the numerical differentiation of forces, in spacings.
 pub(super) const DIFFERENCE: f64 = 1e-5;
 
-/// What a linear map makes of a vector.
+/// Image of a vector under a linear map.
 type Image = Result<Vec<f64>, Box<Fault>>;
 
-/// Bound from above of the largest real part of the eigenvalues of a linear map that is symmetric, or nearly so, in some norm: the Ritz value of a
-/// restarted Krylov space plus its residual. It exceeds the eigenvalue by at most [`RESIDUAL`] where the search ends, and for long
-/// vectors, where it is cut off, by the mean error of a Krylov space of a random start, `0.103 (ln(n (k-1)^2) / (k-1))^2`. Zero if no eigenvalue is positive.
+/// Returns an upper bound of the largest real part of the eigenvalues of a linear map, or zero if no eigenvalue is positive.
 ///
-/// The map is given a vector and the size of its largest component.
+/// The map must be symmetric in some norm, at least nearly. The bound is the Ritz value of a restarted Krylov space plus its residual.
+/// It exceeds the eigenvalue by at most [`RESIDUAL`] if the iteration converges. For long vectors the iteration is truncated, and the mean error of a
+/// Krylov space with a random start is added, `0.103 (ln(n (k-1)^2) / (k-1))^2`.
+///
+/// The arguments of the map are a vector and the size of its largest component.
 ///
 /// Source: Stathopoulos, Saad and Wu, SIAM J. Sci. Comput. 19 (1998) 227 (restarts); Kuczynski and Wozniakowski, SIAM J. Matrix Anal. Appl. 13 (1992)
 /// 1094 (mean error).
@@ -33,7 +35,7 @@ pub(super) fn largest_eigenvalue(
     map: &mut dyn FnMut(&[f64], f64) -> Image,
 ) -> Result<f64, Box<Fault>> {
     let most = (NUMBERS / (2 * unknowns.max(1)))
-        .clamp(FEWEST, KEPT)
+        .clamp(MINIMUM_VECTORS, MAXIMUM_VECTORS)
         .min(unknowns);
     let (least, last, numbers) = IMAGES;
     let allowed = (numbers / unknowns.max(1)).clamp(least, last);
@@ -80,19 +82,19 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The vector at length one; `None` for the zero vector.
+/// Normalizes a vector; `None` for the zero vector.
 fn unit(mut vector: Vec<f64>) -> Option<Vec<f64>> {
     let length = norm(&vector);
     vector.iter_mut().for_each(|x| *x /= length);
     (length > 0.0 && length.is_finite()).then_some(vector)
 }
 
-/// Orthonormal vectors with their images under a linear map, and the map within their space.
+/// Orthonormal vectors with their images under a linear map, and the projection of the map onto their space.
 #[derive(Default)]
 struct Space {
     vectors: Vec<Vec<f64>>,
     images: Vec<Vec<f64>>,
-    /// `v_i . A v_j`.
+    /// Projection of the map, `v_i . A v_j`.
     within: DMatrix<f64>,
 }
 
@@ -109,11 +111,11 @@ impl Space {
         self.within = within;
     }
 
-    /// The part of a vector that is orthogonal to the space, at length one; `None` if that is rounding.
+    /// Normalized part of a vector that is orthogonal to the space; `None` if this part is a rounding error.
     fn beyond(&self, vector: &[f64]) -> Option<Vec<f64>> {
         let mut rest = vector.to_vec();
         let whole = norm(&rest);
-        // Once more for what cancellation has left.
+        // The second pass removes the errors of cancellation.
         for _ in 0..2 {
             for own in &self.vectors {
                 let share = dot(own, &rest);
@@ -127,7 +129,7 @@ impl Space {
             .flatten()
     }
 
-    /// The Ritz value with the largest real part and its vector in coordinates of the space; of a pair of complex ones the real parts.
+    /// Ritz value with the largest real part and its vector in coordinates of the space; for a complex pair, the real parts.
     fn rightmost(&self) -> Option<(f64, DVector<f64>)> {
         let count = self.within.nrows();
         let values = any_eigenvalues(&self.within.map(|x| Complex::new(x, 0.0)))?;
@@ -154,7 +156,7 @@ impl Space {
         Some((value.re, &ritz / ritz.norm()))
     }
 
-    /// A combination of vectors.
+    /// Linear combination of vectors.
     fn combined(vectors: &[Vec<f64>], shares: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; vectors[0].len()];
         for (vector, share) in vectors.iter().zip(shares) {
@@ -193,8 +195,9 @@ impl Space {
     }
 }
 
-/// The largest stable step of the leapfrog with the squared frequency `w^2` and the damping `c`, the forces of which are those of velocities half a
-/// step before: `w^2 dt^2 + 2 c dt = 4`, where the step multiplies an oscillation by -1. Time.
+/// Returns the largest stable leapfrog step for the squared frequency `w^2` and the damping `c`; time.
+///
+/// The damping forces use the velocities half a step before. The step is the root of `w^2 dt^2 + 2 c dt = 4`, where the amplification factor is -1.
 pub(crate) fn critical_step(squared: f64, damping: f64) -> f64 {
     4.0 / (damping + (damping * damping + 4.0 * squared).sqrt())
 }

@@ -1,17 +1,20 @@
-//! A body of particles whose neighbors are found again as they move.
+//! Bodies of updated SPH, whose particles have changing neighbors.
 //!
-//! Each particle carries its deformation gradient: `dF_I/dt = L_I F_I` with the velocity gradient that the method sees at the present neighbors,
-//! `L_I = sum_J m_J / rho_J (w_J - w_I) (x) grad W_IJ K_I^-1` (`K = 1` where gradients are not corrected), and its stress is that of the law there. It is a function
-//! of `F_I` alone, so a hyperelastic law needs no objective rate. With corrected gradients `L` is a spin where particles turn rigidly, and `F` turns with them; without,
-//! `L` is that spin times `K`, which is not one at surfaces: turning strains there. Where a
-//! particle has lost its neighbors there is no `L`, and `F` stays.
+//! Each particle carries its deformation gradient, `dF_I/dt = L_I F_I`, with the velocity gradient of the method for the current neighbors,
+//! `L_I = sum_J m_J / rho_J (w_J - w_I) (x) grad W_IJ K_I^-1` (`K = 1` for uncorrected gradients). The law gives the stress at `F_I`.
+//! The stress depends only on `F_I`, so that a hyperelastic law needs no objective rate.
 //!
-//! From `F` at one time to the next the gradient is that in the middle of the step: `F' = (1 - dt/2 L)^-1 (1 + dt/2 L) F`. A spin gives a rotation to the last digit,
-//! and particles that move freely along straight lines, `x = (1 + A t) X`, the exact `1 + A t`, if gradients are corrected: with `M` in the middle `L = A M^-1`,
-//! and the fraction is `(M + dt/2 A) (M - dt/2 A)^-1`, since `A` and `M` commute. About a homogeneous state at rest a step changes `F` by `sum_J dt v_J (x) g_J F`, as the
-//! forces of a patch have it: waves are those of the linearized equations with their rates in discrete time.
+//! With corrected gradients `L` is a spin for rigid rotations, and `F` rotates with the particles. With uncorrected gradients `L` is this spin times
+//! `K`, which is not one at surfaces: rotations cause strains there.
+//! For a particle without neighbors `L` is undefined, and `F` does not change.
 //!
-//! With the momentum form `mean`, densities by continuity and gradients that are not corrected, the energy of the strains is what the forces take:
+//! A step updates `F` with the gradient at its midpoint: `F' = (1 - dt/2 L)^-1 (1 + dt/2 L) F`. A spin gives an exact rotation. Particles that move
+//! freely along straight lines, `x = (1 + A t) X`, give the exact `1 + A t` if gradients are corrected.
+//! The reason is that with `M` at the midpoint `L = A M^-1`, and the factor is `(M + dt/2 A) (M - dt/2 A)^-1`, since `A` and `M` commute.
+//! About a homogeneous state without velocities a step changes `F` by `sum_J dt v_J (x) g_J F`, as do the forces of a patch: waves obey the
+//! linearized equations with their rates in discrete time.
+//!
+//! With the momentum form `mean`, densities by continuity and uncorrected gradients, the forces conserve the sum of kinetic and strain energy:
 //! `d/dt sum_I V_I0 W(F_I) = sum_I V_I s_I : L_I = sum_IJ V_I V_J (v_J - v_I).s_I grad W_IJ = -sum_I f_I.v_I`. Other choices have no potential.
 
 use super::contact::Contact;
@@ -33,27 +36,27 @@ use crate::scheme::sph::CurrentPairs;
 use crate::scheme::{Discretization, NoForce};
 use nalgebra::SMatrix;
 
-/// Particles nearer to each other than this share of the support are at one place.
-const SAME_PLACE: f64 = 1e-9;
+/// Distance, as a fraction of the support, within which two particles coincide.
+const COINCIDENCE_DISTANCE: f64 = 1e-9;
 
-/// A body of `D` dimensions in motion.
+/// Body of updated SPH in motion.
 struct UpdatedBody<'a, const D: usize> {
     discretization: &'a dyn Discretization<D>,
     engine: CurrentEngine<'a, D>,
     grips: &'a [Grip],
-    /// Gripped particles with their grips.
+    /// Gripped particles with the numbers of their grips.
     held: Vec<(u32, u32)>,
     u: Field<D>,
     v: Field<D>,
-    /// Accelerations, and the velocities that come of them.
+    /// Accelerations, then the velocities after the step.
     next: Field<D>,
-    /// The velocities of XSPH.
+    /// Smoothed velocities of XSPH.
     smoothed: Field<D>,
     work: f64,
     count: u64,
 }
 
-/// Does something with a body whose neighbors are found again.
+/// Calls a function with a body of updated SPH.
 pub(super) fn with_updated_body<const D: usize>(
     discretization: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
@@ -72,7 +75,7 @@ pub(super) fn with_updated_body<const D: usize>(
     }
     let placed = placed(discretization.crystal(), particles)?;
     let held = held(&placed.positions, grips)?;
-    check_apart(&placed.positions, SAME_PLACE * law.radius())?;
+    check_apart(&placed.positions, COINCIDENCE_DISTANCE * law.radius())?;
     let count = placed.positions.len();
     let density = discretization.density();
     let smoothed = if law.is_smoothed() { count } else { 0 };
@@ -103,14 +106,14 @@ fn check_apart<const D: usize>(positions: &[[f64; D]], distance: f64) -> Result<
     }
 }
 
-/// `a + factor b`, of all particles.
+/// Field `a + factor b` of all particles.
 fn moved<const D: usize>(a: &Field<D>, b: &Field<D>, factor: f64) -> Field<D> {
     let mut sum = a.clone();
     drift(&mut sum, b, factor);
     sum
 }
 
-/// The velocities that move the particles, and those that deformations follow.
+/// Velocities that move the particles, and velocities that deform them.
 fn followed<'f, const D: usize>(
     law: &CurrentPairs<D>,
     v: &'f Field<D>,
@@ -129,8 +132,7 @@ impl<const D: usize> UpdatedBody<'_, D> {
         vector_of(&self.engine.positions, particle)
     }
 
-    /// Vectors that stand one after the other.
-    /// A field, zero for the particles that grips hold to the end.
+    /// Converts vectors to a field that is zero for the particles of permanent grips.
     fn free(&self, flat: &[f64]) -> Field<D> {
         let mut field = zeros(self.len());
         fill(&mut field, flat);
@@ -138,18 +140,18 @@ impl<const D: usize> UpdatedBody<'_, D> {
         field
     }
 
-    /// Takes the kernels of a homogeneous state, and gives it to all particles.
+    /// Applies a homogeneous state to all particles, with the kernels of this state.
     fn settle(&mut self, base: &DeformationGradient) {
         let law = self.discretization;
         let law = law.current_pairs(self.engine.material, base).transpose();
-        // A method that has bodies in the reference state has them everywhere.
+        // A method that supports bodies in the reference state supports them in every state.
         if let Some(law) = law {
             self.engine.settle(law);
         }
         self.engine.deform(base);
     }
 
-    /// Accelerations at the present displacements and velocities, into [`Self::next`].
+    /// Computes the accelerations at the current displacements and velocities into [`Self::next`].
     fn accelerate(&mut self) -> Result<(), NoForce> {
         self.engine.place(&self.u)?;
         self.engine.stress()?;
@@ -160,7 +162,7 @@ impl<const D: usize> UpdatedBody<'_, D> {
         self.accelerate().map_err(|none| self.fault(none, step))
     }
 
-    /// Gripped particles with the velocities that grips which are closed give them, in the middle of the step.
+    /// Particles of closed grips with their prescribed velocities at the midpoint of the step.
     fn told(&self, step: f64) -> impl Iterator<Item = (usize, [f64; D])> {
         let time = (self.count as f64 + 0.5) * step;
         let own = self.held.iter();
@@ -169,7 +171,7 @@ impl<const D: usize> UpdatedBody<'_, D> {
             .map(move |(particle, grip)| (particle, grip.velocity_at(time)))
     }
 
-    /// The smoothed velocities of others, of particles that grips do not move themselves.
+    /// Computes the smoothed velocities. Gripped particles keep their prescribed velocities.
     fn smooth(&mut self, v: &Field<D>, step: f64) -> Result<(), NoForce> {
         if !self.engine.law()?.is_smoothed() {
             return Ok(());
@@ -182,7 +184,7 @@ impl<const D: usize> UpdatedBody<'_, D> {
         Ok(())
     }
 
-    /// Accelerations after small displacements, as waves have them.
+    /// Computes the accelerations after small displacements, as for waves.
     fn displace(&mut self, along: &Field<D>, factor: f64) -> Result<(), NoForce> {
         let Self {
             engine,
@@ -205,7 +207,7 @@ impl<const D: usize> UpdatedBody<'_, D> {
         engine.accelerations(v, next)
     }
 
-    /// The change of the accelerations with displacements along a vector, by central differences.
+    /// Change of the accelerations with displacements along a vector, by central differences.
     fn changed_by_displacements(
         &mut self,
         along: &Field<D>,
@@ -222,7 +224,7 @@ impl<const D: usize> UpdatedBody<'_, D> {
         Ok(self.difference(&sides, size))
     }
 
-    /// The same with velocities along a vector.
+    /// Change of the accelerations with velocities along a vector, by central differences.
     fn changed_by_velocities(&mut self, along: &Field<D>, size: f64) -> Result<Vec<f64>, NoForce> {
         self.engine.place(&self.u)?;
         self.engine.stress()?;
@@ -235,14 +237,14 @@ impl<const D: usize> UpdatedBody<'_, D> {
         Ok(self.difference(&sides, size))
     }
 
-    /// The difference of two sides over `2 size`, one vector after the other.
+    /// Difference of two fields over `2 size`, vector by vector.
     fn difference(&self, sides: &[Field<D>], size: f64) -> Vec<f64> {
         let difference = moved(&sides[0], &sides[1], -1.0);
         let flat = flat(&difference, self.len()).into_iter();
         flat.map(|own| own / (2.0 * size)).collect()
     }
 
-    /// The velocities at the time of the displacements, of which accelerations are known, and the work of the grips in the half step before it.
+    /// Velocities at the time of the displacements, from accelerations computed before, and the work of the grips in the preceding half step.
     fn now(&self, step: f64) -> (Field<D>, f64) {
         let mut v = moved(&self.v, &self.next, 0.5 * step);
         let mut work = 0.0;
@@ -256,7 +258,7 @@ impl<const D: usize> UpdatedBody<'_, D> {
         (v, work)
     }
 
-    /// One step from accelerations.
+    /// Advances by one step, from known accelerations.
     fn step(&mut self, step: f64) -> Result<(), NoForce> {
         for (v, next) in self.v.iter().zip(&mut self.next) {
             for (v, next) in v.iter().zip(next) {
@@ -359,7 +361,7 @@ impl<const D: usize> BodyMotion for UpdatedBody<'_, D> {
         self.count = 0;
         self.work = 0.0;
         if start.noise > 0.0 {
-            // It displaces without being smoothed.
+            // The noise displaces particles without smoothing.
             let strained = self.engine.place(&self.u);
             strained
                 .and_then(|()| self.engine.strain(&noise, 1.0))

@@ -1,56 +1,56 @@
-//! Numbers of particles that follow each other, as many as a vector of the machine holds.
+//! Fields of consecutive particles, padded to whole groups of the width of a vector register.
 
 use crate::algebra::{Each, array_of};
 use crate::kinematics::DeformationGradient;
 use crate::real::{LANES, Lanes};
 use pulp::Simd;
 
-/// A component of all particles, filled up with zeros to whole groups.
+/// One component of a field, padded with zeros to whole groups.
 pub(super) type Component = Vec<f64>;
-/// A vector of all particles.
+/// Vector field of all particles.
 pub(super) type Field<const D: usize> = [Component; D];
-/// A tensor of all particles.
+/// Tensor field of all particles.
 pub(super) type Tensors<const D: usize> = [[Component; D]; D];
 
-/// A vector of zeros for so many particles.
+/// Zero vector field for `count` particles.
 pub(super) fn zeros<const D: usize>(count: usize) -> Field<D> {
     std::array::from_fn(|_| vec![0.0; count.next_multiple_of(LANES)])
 }
 
-/// A tensor of zeros for so many particles.
+/// Zero tensor field for `count` particles.
 pub(super) fn zero_tensors<const D: usize>(count: usize) -> Tensors<D> {
     std::array::from_fn(|_| zeros(count))
 }
 
-/// The vector of a particle.
+/// Vector of a particle.
 pub(super) fn vector_of<const D: usize>(field: &Field<D>, particle: usize) -> [f64; D] {
     array_of(|i| field[i][particle])
 }
 
-/// Puts the vector of a particle.
+/// Sets the vector of a particle.
 pub(super) fn put<const D: usize>(field: &mut Field<D>, particle: usize, vector: &[f64; D]) {
     for (component, x) in field.iter_mut().zip(vector) {
         component[particle] = *x;
     }
 }
 
-/// Whether all are finite: without a way out before the last one, so that several are looked at at once.
+/// Returns true if all numbers are finite. Without early exit, so that the loop compiles to vector instructions.
 pub(super) fn are_finite(numbers: &[f64]) -> bool {
     numbers.iter().fold(true, |all, x| all & x.is_finite())
 }
 
-/// The vectors of so many particles, one after the other.
+/// Vectors of the first `count` particles, vector by vector.
 pub(super) fn flat<const D: usize>(field: &Field<D>, count: usize) -> Vec<f64> {
     (0..count).flat_map(|n| vector_of(field, n)).collect()
 }
 
-/// Minus a vector.
+/// Returns a negated vector.
 pub(super) fn negative(mut vector: Vec<f64>) -> Vec<f64> {
     vector.iter_mut().for_each(|x| *x = -*x);
     vector
 }
 
-/// Puts vectors that stand one after the other into a field.
+/// Copies consecutive vectors into a field.
 pub(super) fn fill<const D: usize>(field: &mut Field<D>, flat: &[f64]) {
     for (particle, x) in flat.chunks_exact(D).enumerate() {
         put(field, particle, &array_of(|i| x[i]));
@@ -63,7 +63,7 @@ pub(super) fn slices<const D: usize>(tensors: &Tensors<D>) -> [[&[f64]; D]; D] {
         .each(|row| row.each_ref().map(Vec::as_slice))
 }
 
-/// The deformation gradients of the group that begins at a place.
+/// Deformation gradients of the group that begins at a place.
 pub(super) fn states<const D: usize>(
     transverse: &DeformationGradient,
     f: &[[&[f64]; D]; D],
@@ -78,7 +78,7 @@ pub(super) fn states<const D: usize>(
     }))
 }
 
-/// For each of some particles of a group one where it is among those that bits tell, and zero where not.
+/// Masks of a group for each bit pattern: one for a particle whose bit is set, zero for the others.
 pub(super) const MASKS: [[f64; LANES]; 1 << LANES] = masks();
 
 const fn masks() -> [[f64; LANES]; 1 << LANES] {
@@ -97,7 +97,7 @@ const fn masks() -> [[f64; LANES]; 1 << LANES] {
     masks
 }
 
-/// Those of the particles that are so far away from some, zeros where there are none.
+/// Numbers of the particles at an offset from a particle, with zeros as padding.
 #[inline(always)]
 pub(super) fn load<S: Simd>(from: &[f64], own: usize, offset: i32) -> S::f64s {
     let place = own.wrapping_add_signed(offset as isize);
@@ -107,20 +107,20 @@ pub(super) fn load<S: Simd>(from: &[f64], own: usize, offset: i32) -> S::f64s {
     }
 }
 
-/// Of particles of which some are beyond the first or the last one.
+/// Numbers of particles when some lie before the first or after the last particle.
 #[cold]
 fn beyond(from: &[f64], place: usize) -> [f64; LANES] {
     let one = |lane| from.get(place.wrapping_add(lane)).copied();
     array_of(|lane| one(lane).unwrap_or(0.0))
 }
 
-/// Those of a group from one of its particles on.
+/// Numbers of a group, starting at one of its particles.
 #[inline(always)]
 pub(super) fn part<S: Simd>(group: &[f64], from: usize) -> S::f64s {
     S::as_simd_f64s(&group[from..from + S::F64_LANES]).0[0]
 }
 
-/// Stores as many as there are.
+/// Stores the lanes of a vector register.
 #[inline(always)]
 pub(super) fn store<S: Simd>(to: &mut [f64], numbers: S::f64s) {
     S::as_mut_simd_f64s(to).0[0] = numbers;

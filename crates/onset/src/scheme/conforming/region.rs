@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_boxes_and_their_pyramids_are_closed_and_fill_space() {
+    fn voronoi_cells_boxes_and_their_pyramids_are_closed_and_fill_space() {
         let chain = LatticeKind::Chain.lattice::<1>(0.7).expect("a lattice");
         assert_sound(&Crystal::of_lattice(chain), &[2]);
         let square = Crystal::of_lattice(LatticeKind::Square.lattice::<2>(1.1).expect("a lattice"));
@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn cubic_lattices_have_cubes_truncated_octahedra_and_rhombic_dodecahedra() {
+    fn voronoi_cells_of_cubic_lattices_are_cubes_truncated_octahedra_and_rhombic_dodecahedra() {
         let crystal = |diagonal: f64, rest: f64| {
             let vectors =
                 SMatrix::<f64, 3, 3>::from_fn(|i, j| if i == j { diagonal } else { rest });

@@ -32,7 +32,7 @@ pub enum MeshError {
     },
     /// An element has no volume or is partly inverted.
     #[error(
-        "element {element} is flat or turned inside out; expected corners that do not cross, those of quadrilaterals and bricks in the order of binary numbers"
+        "element {element} is flat or inverted; expected edges that do not cross, with the corners of quadrilaterals and bricks in the order of binary numbers"
     )]
     Distorted {
         /// Number of the element in the cell.
@@ -40,7 +40,7 @@ pub enum MeshError {
     },
     /// The elements overlap or leave gaps.
     #[error(
-        "the elements of a cell have the volume {elements:?}, the cell {cell:?}; expected elements that fill it once"
+        "the elements of a cell have the volume {elements:?}, the cell {cell:?}; expected elements that fill the cell exactly once"
     )]
     Volume {
         /// Sum of the volumes of the elements; length^D.
@@ -50,7 +50,7 @@ pub enum MeshError {
     },
     /// Hourglass control was requested for elements without hourglass modes.
     #[error(
-        "hourglass control was asked for with full integration, which has no hourglass modes; choose integration = \"one-point\", or set hourglass-stiffness and hourglass-viscosity to 0"
+        "hourglass control is not supported with full integration, which has no hourglass modes; choose integration = \"one-point\", or set hourglass-stiffness and hourglass-viscosity to 0"
     )]
     NeedlessControl,
 }

@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn slopes_are_derivatives_and_on_a_knot_means_of_both_sides() {
+    fn slopes_are_derivatives_and_at_knots_the_mean_of_both_sides() {
         for functions in ALL {
             let profile = functions.profile(0.25, GridGradients::Functions);
             for x in [-1.6, -0.75, -0.5, 0.1, 0.3, 0.5, 1.1, 1.25, 1.5] {
@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn the_generalized_tent_is_the_mean_of_the_tent_over_the_particle() {
+    fn the_gimp_function_is_the_mean_of_the_hat_function_over_the_particle() {
         let l = 0.3;
         let (tent, mean) = (
             GridFunctions::Linear.profile(l, GridGradients::Functions),
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn squared_gradients_over_functions_are_the_mean_of_both_sides_where_functions_end() {
+    fn squared_gradients_at_the_end_of_a_function_are_the_mean_of_both_sides() {
         for functions in [
             GridFunctions::Gimp,
             GridFunctions::QuadraticSpline,
@@ -333,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn second_moments_are_a_quarter_of_quadratic_and_a_third_of_cubic_splines() {
+    fn second_moments_are_one_quarter_for_quadratic_and_one_third_for_cubic_splines() {
         // Jiang et al. 2015, The affine particle-in-cell method: D_p = h^2/4 and h^2/3.
         for x in [-0.4, 0.0, 0.2, 0.5, 0.77, 1.3] {
             let of = |functions: GridFunctions| {

@@ -196,7 +196,7 @@ impl<const D: usize> UpdatedSph<D> {
                 return Err(MethodError::Incompatible {
                     choice: "an artificial stress",
                     other: "the momentum form \"difference\"",
-                    hint: "choose the form \"symmetric\" or \"mean\", whose tensile instability it is for",
+                    hint: "choose the form \"symmetric\" or \"mean\"; only these have a tensile instability",
                 });
             }
         }
@@ -598,7 +598,7 @@ mod tests {
     }
 
     #[test]
-    fn derivatives_by_the_chain_rule_are_those_of_the_forces() {
+    fn chain_rule_derivatives_equal_derivatives_of_the_forces() {
         assert_derivatives(LatticeKind::Chain, [3], 2.2);
         assert_derivatives(LatticeKind::Square, [2, 1], 2.01);
         assert_derivatives(LatticeKind::Hexagonal, [2, 1], 2.0);

@@ -135,7 +135,7 @@ mod tests {
     use crate::real::Dual;
 
     #[test]
-    fn the_tensile_part_and_its_derivative_are_those_of_principal_stresses() {
+    fn the_tensile_part_and_its_derivative_follow_from_principal_stresses() {
         let repulsion = Repulsion {
             epsilon: 1.0,
             exponent: 4.0,
