@@ -15,7 +15,7 @@ const TOOLS: &str = "target/tools";
 /// Font with the glyphs for formulas that system fonts lack.
 const FONT: &str = "node_modules/temml/dist/Temml.woff2";
 /// Pages outside the book whose links refer to files of the repository.
-const BESIDE: [&str; 6] = [
+const PAGES_OUTSIDE: [&str; 6] = [
     "README.md",
     "CONTRIBUTING.md",
     "CHANGELOG.md",
@@ -90,7 +90,7 @@ pub fn build(mdbook: &Path) -> Result<(), String> {
     std::fs::copy(Path::new(FOLDER).join(FONT), &font)
         .map_err(|error| format!("{}: {error}", font.display()))?;
     let mut wrong = wrong_in_book(Path::new(BUILT))?;
-    for page in BESIDE {
+    for page in PAGES_OUTSIDE {
         wrong.extend(wrong_in_page(Path::new(page))?);
     }
     match wrong.is_empty() {
@@ -253,7 +253,7 @@ mod tests {
     use super::{Page, wrong_in_book, wrong_in_page};
 
     #[test]
-    fn links_that_lead_nowhere_and_other_servers_are_told() {
+    fn broken_links_and_other_servers_are_reported() {
         let folder = std::env::temp_dir().join(format!("onset-book-{}", std::process::id()));
         std::fs::create_dir_all(folder.join("part")).expect("a folder");
         let page = |name: &str, html: &str| {

@@ -110,7 +110,7 @@ const SUBJECTS: &[Subject] = &[
         claim: "a simulation that is killed at any time goes on to the same bytes",
         package: "onset-cli",
         program: "verify",
-        test: "a_run_that_is_killed_goes_on_to_the_same_bytes",
+        test: "a_killed_run_is_resumed_to_the_same_bytes",
         cases: 200,
     },
     Subject {

@@ -10,7 +10,7 @@ use std::process::Command;
 const FOLDER: &str = "crates/onset-cli/page";
 
 /// Factor on time limits for tests on machines with other load.
-const SHARED: u32 = 20;
+const SHARED_MACHINE_PATIENCE: u32 = 20;
 
 /// Builds the page into the folder that the program embeds, and tests it.
 ///
@@ -52,7 +52,7 @@ pub fn test() -> Result<(), String> {
             ));
         }
     }
-    driven(SHARED)
+    driven(SHARED_MACHINE_PATIENCE)
 }
 
 /// Installs the tools that build and test the page.

@@ -6,11 +6,11 @@ use std::process::Command;
 use std::time::SystemTime;
 
 /// Requirements for building wheels.
-const MAKING: &str = "python/requirements-wheel.txt";
+const BUILD_REQUIREMENTS: &str = "python/requirements-wheel.txt";
 /// Interpreters without a global lock, used if installed. The stable ABI excludes them, so that each needs a separate wheel.
 const FREE_THREADED: [&str; 2] = ["python3.14t", "python3.15t"];
 /// Options for small release wheels; identical functions are merged if the linker of the toolchain supports it.
-const SMALL: &[&str] = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+const SMALL_WHEEL_OPTIONS: &[&str] = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
     &[
         "--compression-level",
         "9",
@@ -22,7 +22,7 @@ const SMALL: &[&str] = if cfg!(all(target_os = "linux", target_arch = "x86_64"))
     &["--compression-level", "9"]
 };
 /// Requirements of the tests, in addition to the wheel.
-const TESTING: &str = "python/tests/requirements.txt";
+const TEST_REQUIREMENTS: &str = "python/tests/requirements.txt";
 
 /// Builds the release wheels in `target/wheels`, and prints their paths and sizes.
 ///
@@ -35,7 +35,7 @@ pub fn run() -> Result<(), String> {
     let unlocked = unlocked.filter(|name| is_installed(name)).map(Some);
     for interpreter in std::iter::once(None).chain(unlocked) {
         let wheel = made("wheel", "target/wheels", interpreter)?;
-        let making = environment("wheel", Path::new(MAKING))?;
+        let making = environment("wheel", Path::new(BUILD_REQUIREMENTS))?;
         succeed(Command::new(making).arg("python/smaller.py").arg(&wheel))?;
         let size = std::fs::metadata(&wheel).map_err(|error| error.to_string())?;
         println!(
@@ -95,8 +95,8 @@ pub fn test() -> Result<(), String> {
 /// Description of the failure.
 pub fn environments() -> Result<[PathBuf; 2], String> {
     Ok([
-        environment("wheel", Path::new(MAKING))?,
-        environment("python", Path::new(TESTING))?,
+        environment("wheel", Path::new(BUILD_REQUIREMENTS))?,
+        environment("python", Path::new(TEST_REQUIREMENTS))?,
     ])
 }
 
@@ -114,7 +114,7 @@ pub fn command() -> Result<PathBuf, String> {
 
 /// Builds a wheel for an interpreter, by default for all with a global lock, and returns its path.
 fn made(profile: &str, folder: &str, interpreter: Option<&Path>) -> Result<PathBuf, String> {
-    let making = environment("wheel", Path::new(MAKING))?;
+    let making = environment("wheel", Path::new(BUILD_REQUIREMENTS))?;
     let licences = [
         "python/licences.py",
         "python/licenses/THIRD-PARTY.txt",
@@ -128,7 +128,7 @@ fn made(profile: &str, folder: &str, interpreter: Option<&Path>) -> Result<PathB
             .arg(std::path::absolute(folder).map_err(|error| error.to_string())?)
             .arg("--interpreter")
             .arg(interpreter.unwrap_or(&making))
-            .args(if profile == "wheel" { SMALL } else { &[] })
+            .args(if profile == "wheel" { SMALL_WHEEL_OPTIONS } else { &[] })
             .current_dir("python"),
     )?;
     newest(folder, since)

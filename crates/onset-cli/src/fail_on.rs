@@ -101,7 +101,7 @@ mod tests {
     use super::FailOn;
 
     #[test]
-    fn groups_are_verdicts_and_what_is_neither_is_refused() {
+    fn groups_expand_to_verdicts_and_unknown_names_are_refused() {
         assert_eq!(
             FailOn::parse("numerical, suppressed"),
             Ok(FailOn(vec!["numerical", "suppressed"]))

@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 /// Delay before the display appears.
-const QUIET: Duration = Duration::from_secs(2);
+const DISPLAY_DELAY: Duration = Duration::from_secs(2);
 
 static SHOWN: Mutex<Option<Patience>> = Mutex::new(None);
 
@@ -36,10 +36,10 @@ impl Patience {
     fn with(doing: &'static str) -> Self {
         let (done, waiting) = channel::<()>();
         let shown = std::thread::Builder::new().spawn(move || {
-            if waiting.recv_timeout(QUIET) != Err(RecvTimeoutError::Timeout) {
+            if waiting.recv_timeout(DISPLAY_DELAY) != Err(RecvTimeoutError::Timeout) {
                 return;
             }
-            let bar = ProgressBar::new_spinner().with_elapsed(QUIET);
+            let bar = ProgressBar::new_spinner().with_elapsed(DISPLAY_DELAY);
             let style = ProgressStyle::with_template("{spinner} {msg}: {elapsed} (Ctrl-C ends it)");
             bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
             bar.set_message(doing);

@@ -210,7 +210,7 @@ const YELLOW: &str = "33";
 const CYAN: &str = "36";
 
 /// Beginnings of colored lines.
-const BEGINNINGS: [(&str, &str); 5] = [
+const COLORED_BEGINNINGS: [(&str, &str); 5] = [
     ("error:", RED),
     ("  hint:", CYAN),
     ("note:", YELLOW),
@@ -221,7 +221,7 @@ const BEGINNINGS: [(&str, &str); 5] = [
 /// Colors a text by the beginnings of its lines, and the verdict.
 fn painted(text: &str) -> String {
     let line = |line: &str| {
-        let begins = BEGINNINGS.iter().find(|(start, _)| line.starts_with(start));
+        let begins = COLORED_BEGINNINGS.iter().find(|(start, _)| line.starts_with(start));
         if let Some((start, color)) = begins {
             let rest = &line[start.len()..];
             return format!("\x1b[{color}m{start}\x1b[0m{rest}");
@@ -256,7 +256,7 @@ mod tests {
     use super::painted;
 
     #[test]
-    fn lines_are_colored_by_what_they_are() {
+    fn lines_are_colored_by_their_kind() {
         for (line, expected) in [
             ("error: no", "\x1b[31merror:\x1b[0m no"),
             ("  hint: this", "\x1b[36m  hint:\x1b[0m this"),

@@ -61,7 +61,7 @@ mod tests {
     use super::admitted;
 
     #[test]
-    fn up_to_eight_threads_for_each_core_are_admitted() {
+    fn up_to_eight_threads_per_core_are_accepted() {
         for asked in ["", "0", "1", "16"] {
             assert_eq!(admitted(asked, 2), Ok(()), "{asked}");
         }

@@ -11,13 +11,13 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 /// Interval between checks for signals.
-const LOOK: Duration = Duration::from_millis(50);
+const SIGNAL_CHECK_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Longest wait for a computation to end after Ctrl-C. It then continues in the background until its next check.
 const GRACE: Duration = Duration::from_millis(200);
 
 /// Stack size of a thread, equal to the usual stack of the main thread; bytes.
-const STACK: usize = 8 << 20;
+const STACK_BYTES: usize = 8 << 20;
 
 /// Number of requests to end a computation.
 #[derive(Clone, Debug, Default)]
@@ -125,9 +125,9 @@ fn begun<T: Send + 'static>(
     let (answered, answers) = channel();
     std::thread::Builder::new()
         .name("onset".to_owned())
-        .stack_size(STACK)
+        .stack_size(STACK_BYTES)
         .spawn(move || {
-            let answer = catch_unwind(AssertUnwindSafe(|| pool::shared(work, STACK)?))
+            let answer = catch_unwind(AssertUnwindSafe(|| pool::shared(work, STACK_BYTES)?))
                 .unwrap_or_else(|why| Err(told(&*why)));
             // The receiver of a cancelled computation is gone.
             let _ = answered.send(answer);
@@ -141,7 +141,7 @@ fn received<T: Send>(
     py: Python<'_>,
     answers: &mut Receiver<Result<T, Failure>>,
 ) -> Option<Result<T, Failure>> {
-    match py.detach(move || answers.recv_timeout(LOOK)) {
+    match py.detach(move || answers.recv_timeout(SIGNAL_CHECK_INTERVAL)) {
         Ok(answer) => Some(answer),
         Err(RecvTimeoutError::Timeout) => None,
         Err(RecvTimeoutError::Disconnected) => Some(Err(Failure::Ended)),

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use std::path::PathBuf;
 
 /// Number of states in a batch of a thread.
-const PART: usize = 256;
+const BATCH_STATES: usize = 256;
 
 /// A law as set.
 #[pyclass(frozen, module = "onset._onset")]
@@ -143,19 +143,19 @@ impl Law {
             let part = |(n, (out, states)): (usize, (&mut [f64], &[DeformationGradient]))| {
                 interrupt.end_if_asked();
                 for (i, (out, f)) in out.chunks_exact_mut(NUMBERS).zip(states).enumerate() {
-                    let state = n * PART + i;
+                    let state = n * BATCH_STATES + i;
                     respond(&*law, f, out)
                         .map_err(|error| Failure::Input(format!("state {state}: {error}")))?;
                 }
                 Ok::<(), Failure>(())
             };
-            if states.len() <= PART {
+            if states.len() <= BATCH_STATES {
                 // Computed by this thread, because all others may be waiting for a Python law that called this function.
                 part((0, (&mut all, &states)))?;
                 return Ok(all);
             }
-            all.par_chunks_mut(NUMBERS * PART)
-                .zip(states.par_chunks(PART))
+            all.par_chunks_mut(NUMBERS * BATCH_STATES)
+                .zip(states.par_chunks(BATCH_STATES))
                 .enumerate()
                 .try_for_each(part)?;
             Ok(all)

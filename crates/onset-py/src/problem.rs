@@ -26,13 +26,13 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Number of states in a batch, as in a map.
-const PART: usize = 512;
+const BATCH_STATES: usize = 512;
 /// Number of states above which a more expensive preparation pays off.
-const MANY: usize = 64;
+const MANY_STATES: usize = 64;
 /// Largest number of values in an array answer.
-const MOST: usize = 1 << 28;
+const MAX_VALUES: usize = 1 << 28;
 /// Largest phase that double precision resolves.
-const LARGEST: f64 = 1e6;
+const MAX_PHASE: f64 = 1e6;
 
 /// Positions, masses, spacing, and components of the deformation of the lattice.
 type Cell = (Vec<Vec<f64>>, Vec<f64>, f64, Vec<f64>);
@@ -509,7 +509,7 @@ impl Problem {
             check(&wave_vectors, problem.settings.discretization.spacing)?;
             let vectors = wave_vectors.len() / dimension;
             let count = states.len().checked_mul(vectors * width);
-            if count.is_none_or(|count| count > MOST) {
+            if count.is_none_or(|count| count > MAX_VALUES) {
                 return Err(Failure::Input(format!(
                     "{} states and {vectors} wave vectors are too many at once\n  hint: ask for parts",
                     states.len()
@@ -526,7 +526,7 @@ impl Problem {
                     .map_err(answers::ProblemError::from)?;
                 out.par_chunks_exact_mut(width)
                     .zip(wave_vectors.par_chunks_exact(dimension))
-                    .with_min_len(PART)
+                    .with_min_len(BATCH_STATES)
                     .for_each(|(out, k)| take(&*waves, k, out));
                 interrupt.end_if_asked();
             }
@@ -547,7 +547,7 @@ fn check(wave_vectors: &[f64], spacing: f64) -> Result<(), Failure> {
         .iter()
         .fold(0.0, |most: f64, x| most.max(x.abs()));
     let value = largest * spacing;
-    if value > LARGEST {
+    if value > MAX_PHASE {
         return Err(answers::ProblemError::WaveVector { value }.into());
     }
     Ok(())
@@ -584,9 +584,9 @@ fn records(
 ) -> Result<Vec<Record>, Failure> {
     let states = states(problem, components)?;
     let map = MapSettings::default();
-    let evaluator = Evaluator::new(problem.settings.clone(), &map, states.len() >= MANY)?;
+    let evaluator = Evaluator::new(problem.settings.clone(), &map, states.len() >= MANY_STATES)?;
     let shares = 4 * rayon::current_num_threads();
-    let part = states.len().div_ceil(shares).clamp(1, PART);
+    let part = states.len().div_ceil(shares).clamp(1, BATCH_STATES);
     let of_part = |(n, states): (usize, &[DeformationGradient])| {
         interrupt.end_if_asked();
         let records = evaluator.records(states).into_iter().enumerate();

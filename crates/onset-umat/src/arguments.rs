@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 /// Number of guard values between two arguments.
-const MARGIN: usize = 64;
+const MARGIN_VALUES: usize = 64;
 
 /// Guard value: a NaN that no computation produces.
-const NOBODY: f64 = f64::from_bits(0x7ff8_0a11_0000_b0d1);
+const GUARD: f64 = f64::from_bits(0x7ff8_0a11_0000_b0d1);
 
 /// Names of the arguments, in the order of the block.
 pub const NAMES: [&str; 25] = [
@@ -26,15 +26,15 @@ pub struct Arguments {
 impl Arguments {
     /// Block with the given arguments.
     pub fn of(arguments: &[(&str, &[f64])]) -> Self {
-        let size = arguments.iter().map(|(_, values)| values.len() + MARGIN);
-        let mut numbers = Vec::with_capacity(MARGIN + size.sum::<usize>());
-        numbers.extend([NOBODY; MARGIN]);
+        let size = arguments.iter().map(|(_, values)| values.len() + MARGIN_VALUES);
+        let mut numbers = Vec::with_capacity(MARGIN_VALUES + size.sum::<usize>());
+        numbers.extend([GUARD; MARGIN_VALUES]);
         let mut places = Vec::with_capacity(arguments.len());
         for (name, values) in arguments {
             let start = numbers.len();
             numbers.extend_from_slice(values);
             places.push((place(name), start..numbers.len()));
-            numbers.extend([NOBODY; MARGIN]);
+            numbers.extend([GUARD; MARGIN_VALUES]);
         }
         Self { numbers, places }
     }
@@ -62,8 +62,8 @@ impl Arguments {
 
     /// Index in [`NAMES`] of an argument that was written beyond its ends.
     pub fn overrun(&self) -> Option<usize> {
-        let is_changed = |n: &usize| self.numbers[*n].to_bits() != NOBODY.to_bits();
-        let margin = |start: usize| start..start + MARGIN;
+        let is_changed = |n: &usize| self.numbers[*n].to_bits() != GUARD.to_bits();
+        let margin = |start: usize| start..start + MARGIN_VALUES;
         let (first, _) = self.places.first()?;
         if margin(0).any(|n| is_changed(&n)) {
             return Some(*first);
@@ -73,7 +73,7 @@ impl Arguments {
             let changed = margin(range.end).find(is_changed)?;
             // A changed value closer to the next argument belongs to that argument.
             let next = self.places.get(index + 1).map(|(next, _)| *next);
-            let is_near = changed < range.end + MARGIN / 2;
+            let is_near = changed < range.end + MARGIN_VALUES / 2;
             Some(if is_near {
                 *place
             } else {
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_number_beside_an_argument_is_watched_and_none_in_it() {
+    fn every_value_next_to_an_argument_is_guarded_and_none_inside_it() {
         let all: Vec<(&str, &[f64])> = NAMES.iter().map(|name| (*name, &[1.0, 2.0][..])).collect();
         let size = Arguments::of(&all).numbers.len();
         for n in 0..size {
@@ -110,7 +110,7 @@ mod tests {
             for n in [end, end + 20, block.range(name).start - 1] {
                 block.numbers[n] = 0.5;
                 assert_eq!(block.overrun(), Some(place), "{name}");
-                block.numbers[n] = NOBODY;
+                block.numbers[n] = GUARD;
             }
         }
     }

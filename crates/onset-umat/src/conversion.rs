@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn a_response_survives_the_way_to_a_umat_and_back() {
+    fn a_response_survives_conversion_to_a_umat_and_back() {
         let laws: [&dyn Hyperelastic; 2] = [&BlatzKo::default(), &ModifiedMooneyRivlin::default()];
         for law in laws {
             for f in states() {

@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use tempfile::TempDir;
 
 /// Number of attempts if other processes create folders at the same place.
-const TRIES: usize = 8;
+const MAX_ATTEMPTS: usize = 8;
 
 /// Existing folders, each with the process that created it.
 static OWN: Mutex<Vec<(u32, PathBuf)>> = Mutex::new(Vec::new());
@@ -42,7 +42,7 @@ impl PrivateFolder {
     /// [`io::Error`] if it cannot be created.
     pub fn new(parent: &Path, prefix: &str) -> io::Result<Self> {
         sweep(parent, prefix);
-        for _ in 0..TRIES {
+        for _ in 0..MAX_ATTEMPTS {
             let folder = made(parent, prefix)?;
             let lock = File::open(folder.path()).ok();
             let is_taken = lock.as_ref().is_some_and(|lock| {
@@ -143,7 +143,7 @@ mod tests {
     use std::os::unix::fs::{PermissionsExt, symlink};
 
     #[test]
-    fn a_folder_is_private_and_what_a_killed_process_left_is_swept_but_nothing_else() {
+    fn a_folder_is_private_and_only_leftovers_of_killed_processes_are_removed() {
         let place = TempDir::new().expect("a folder");
         let at = |name: &str| place.path().join(name);
         fs::create_dir(at("x-left")).expect("a folder");

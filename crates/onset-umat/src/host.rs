@@ -19,7 +19,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// Interval at which the process checks for its parent, in case the closed socket is not reported.
-const WATCH: Timespec = Timespec {
+const WATCH_INTERVAL: Timespec = Timespec {
     tv_sec: 1,
     tv_nsec: 0,
 };
@@ -52,7 +52,7 @@ fn end_without_parent() -> io::Result<()> {
         let is_closed = || {
             // Waits only for the other end to be closed.
             let mut watched = [PollFd::new(&socket, PollFlags::empty())];
-            poll(&mut watched, Some(&WATCH)).is_ok_and(|ready| ready > 0)
+            poll(&mut watched, Some(&WATCH_INTERVAL)).is_ok_and(|ready| ready > 0)
         };
         while !is_closed() && parent_id() == parent {}
         let name = folder.file_name().unwrap_or_default();

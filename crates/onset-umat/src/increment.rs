@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn the_increment_is_a_rotation_and_a_logarithmic_strain_that_make_up_the_deformation() {
+    fn rotation_and_logarithmic_strain_of_an_increment_compose_the_deformation() {
         let start = Matrix3::new(1.1, 0.2, 0.0, -0.1, 0.9, 0.1, 0.0, 0.0, 1.0);
         let increment = Increment::between(start, state().matrix()).expect("invertible");
         let rotation = increment.rotation;
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn on_the_proportional_path_every_increment_strains_and_turns_alike() {
+    fn all_increments_of_a_proportional_path_have_equal_strain_and_rotation() {
         let path = proportional_path(&state(), 7).expect("a path");
         assert_eq!(path.len(), 7);
         assert_eq!(path[6], state().matrix());

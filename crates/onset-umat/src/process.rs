@@ -22,10 +22,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// Number of bytes kept from the end of the routine's output.
-const KEPT: usize = 2000;
+const KEPT_OUTPUT_BYTES: usize = 2000;
 
 /// Time allowed for a process to end after it has closed its socket.
-const PARTING: Duration = Duration::from_secs(2);
+const MAX_EXIT_TIME: Duration = Duration::from_secs(2);
 
 /// Running process with a loaded library, ended when this value is dropped.
 pub struct Process {
@@ -234,7 +234,7 @@ impl Process {
         );
         let by_itself = !is_silent && self.parted();
         let status = self.end().filter(|_| by_itself);
-        let output = self.output.recv_timeout(PARTING).unwrap_or_default();
+        let output = self.output.recv_timeout(MAX_EXIT_TIME).unwrap_or_default();
         match status {
             _ if is_silent => UmatError::Silent {
                 seconds: self.limit.as_secs_f64(),
@@ -259,7 +259,7 @@ impl Process {
         let pause = Duration::from_millis(5);
         let mut waited = Duration::ZERO;
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
-        while waited < PARTING {
+        while waited < MAX_EXIT_TIME {
             match waitid(WaitId::Pid(Pid::from_child(&self.child)), options) {
                 Ok(Some(_)) => return true,
                 Ok(None) => std::thread::sleep(pause),
@@ -294,7 +294,7 @@ fn last_words(mut reader: impl Read + Send + 'static) -> Receiver<String> {
                 Ok(0) => break,
                 Ok(count) => {
                     kept.extend(&buffer[..count]);
-                    let excess = kept.len().saturating_sub(KEPT);
+                    let excess = kept.len().saturating_sub(KEPT_OUTPUT_BYTES);
                     kept.drain(..excess);
                 }
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}

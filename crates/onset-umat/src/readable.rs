@@ -29,8 +29,8 @@ pub fn readable(text: &str) -> String {
 }
 
 /// Largest number of characters in a message, and the number kept at its end, which contains the hint.
-const MOST: usize = 2000;
-const END: usize = 500;
+const MAX_CHARACTERS: usize = 2000;
+const END_CHARACTERS: usize = 500;
 
 /// Message made safe for a terminal and a log by [`readable`], shortened in the middle if it exceeds 2,000 characters.
 ///
@@ -42,11 +42,11 @@ pub fn message(text: &str) -> String {
     const GAP: &str = " [...] ";
     let kept = readable(text);
     let count = kept.chars().count();
-    if count <= MOST {
+    if count <= MAX_CHARACTERS {
         return kept;
     }
-    let begin = kept.chars().take(MOST - END - GAP.len());
-    let end = kept.chars().skip(count - END);
+    let begin = kept.chars().take(MAX_CHARACTERS - END_CHARACTERS - GAP.len());
+    let end = kept.chars().skip(count - END_CHARACTERS);
     begin.chain(GAP.chars()).chain(end).collect()
 }
 
@@ -80,7 +80,7 @@ mod tests {
     use super::readable;
 
     #[test]
-    fn nothing_that_a_terminal_obeys_is_left() {
+    fn no_control_sequences_for_terminals_remain() {
         for (text, expected) in [
             ("plain\n\ttext ü", "plain\n\ttext ü"),
             ("\u{1b}[2J\u{1b}[1;31mred\u{1b}[0m!", "red!"),
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn of_any_letters_no_control_character_survives() {
+    fn no_control_character_survives_in_any_text() {
         let letters: Vec<char> = "\u{1b}[]\\m;0(\u{7}\u{9b}\u{9c}ab\n".chars().collect();
         for case in 0..letters.len().pow(4) {
             let text: String = (0..4)

@@ -78,7 +78,7 @@ pub struct Umat {
 
 /// Number of paths sent in one batch; small enough for the replies to fit into the system's buffers.
 #[cfg(unix)]
-const BATCH: usize = 64;
+const BATCH_PATHS: usize = 64;
 
 impl Umat {
     /// Loads a library.
@@ -172,7 +172,7 @@ impl Umat {
     /// Outcomes of the first paths, up to a failure of the process; at least one.
     #[cfg(unix)]
     fn batch(&self, paths: &[Vec<Matrix3<f64>>]) -> Vec<Result<Outcome, UmatError>> {
-        let batch = &paths[..paths.len().min(BATCH)];
+        let batch = &paths[..paths.len().min(BATCH_PATHS)];
         let mut replies = Vec::with_capacity(batch.len());
         let failure = self.ask(batch, &mut replies).err();
         let answered = batch.iter().zip(replies);

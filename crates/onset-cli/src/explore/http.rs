@@ -9,19 +9,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Limits on the bytes of a request head, the number of headers, and the bytes of a body.
-const HEAD: usize = 16 << 10;
-const HEADERS: usize = 64;
-const BODY: usize = 1 << 20;
+const MAX_HEAD_BYTES: usize = 16 << 10;
+const MAX_HEADERS: usize = 64;
+const MAX_BODY_BYTES: usize = 1 << 20;
 /// Longest idle time of a connection between two requests.
-const SILENCE: Duration = Duration::from_secs(60);
+const MAX_IDLE_TIME: Duration = Duration::from_secs(60);
 /// Longest transfer times of a request head, a body, and a reply.
 const HEAD_TIME: Duration = Duration::from_secs(3);
 const BODY_TIME: Duration = Duration::from_secs(5);
 const ANSWER_TIME: Duration = Duration::from_secs(20);
 /// Longest wait for remaining input when a connection ends.
-const LINGER: Duration = Duration::from_millis(500);
+const MAX_LINGER_TIME: Duration = Duration::from_millis(500);
 /// Interval between checks of a connection while its reply is computed.
-const GLANCE: Duration = Duration::from_millis(20);
+const CHECK_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Request of the page.
 pub struct Request {
@@ -74,7 +74,7 @@ impl Reply {
 ///
 /// The page runs only its own scripts and connects only to this server. Inline styles are allowed, because the plotting library inserts them into
 /// figures.
-const ALWAYS: &str = "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
+const HEADERS_OF_ALL_REPLIES: &str = "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
      connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n\
      X-Content-Type-Options: nosniff\r\n\
      Referrer-Policy: no-referrer\r\n\
@@ -124,14 +124,14 @@ impl Connection {
     /// Reads the next request.
     pub fn request(&mut self) -> Result<Request, Instead> {
         if self.rest.is_empty() {
-            self.more(Instant::now() + SILENCE)?;
+            self.more(Instant::now() + MAX_IDLE_TIME)?;
         }
         let end = Instant::now() + HEAD_TIME;
         let (mut request, start, length) = loop {
             if let Some(found) = head(&self.rest)? {
                 break found;
             }
-            if self.rest.len() > HEAD {
+            if self.rest.len() > MAX_HEAD_BYTES {
                 return Err(refused(
                     "431 Request Header Fields Too Large",
                     "the head of the request is too long",
@@ -167,7 +167,7 @@ impl Connection {
     /// The error of the operating system.
     pub fn send(&mut self, reply: &Reply, has_body: bool) -> io::Result<()> {
         let mut bytes = format!(
-            "HTTP/1.1 {}\r\nContent-Type: {}\r\nContent-Length: {}\r\n{ALWAYS}\r\n",
+            "HTTP/1.1 {}\r\nContent-Type: {}\r\nContent-Length: {}\r\n{HEADERS_OF_ALL_REPLIES}\r\n",
             reply.status,
             reply.kind,
             reply.body.len()
@@ -191,11 +191,11 @@ impl Connection {
     /// Closes the connection after reading remaining input; otherwise the reply could be lost.
     pub fn end(mut self) {
         let mut bytes = [0; 16 << 10];
-        let is_set = self.stream.set_read_timeout(Some(LINGER)).is_ok();
+        let is_set = self.stream.set_read_timeout(Some(MAX_LINGER_TIME)).is_ok();
         if !is_set || self.stream.shutdown(Shutdown::Write).is_err() {
             return;
         }
-        let mut rest = BODY;
+        let mut rest = MAX_BODY_BYTES;
         while let Ok(count @ 1..) = self.stream.read(&mut bytes) {
             rest = rest.saturating_sub(count);
             if rest == 0 {
@@ -220,7 +220,7 @@ impl Connection {
             }
             // If another thread is polling, its result is used.
             if let Ok(mut last) = looked.try_lock()
-                && last.elapsed() >= GLANCE
+                && last.elapsed() >= CHECK_INTERVAL
             {
                 *last = Instant::now();
                 let mut byte = [0];
@@ -249,7 +249,7 @@ fn left(end: Instant) -> io::Result<Duration> {
 
 /// Head of a request, with the offset and the length of its body; `None` if the head is incomplete.
 fn head(bytes: &[u8]) -> Result<Option<(Request, usize, usize)>, Instead> {
-    let mut headers = [httparse::EMPTY_HEADER; HEADERS];
+    let mut headers = [httparse::EMPTY_HEADER; MAX_HEADERS];
     let mut parsed = httparse::Request::new(&mut headers);
     let start = match parsed.parse(bytes) {
         Ok(httparse::Status::Complete(start)) => start,
@@ -286,7 +286,7 @@ fn head(bytes: &[u8]) -> Result<Option<(Request, usize, usize)>, Instead> {
         }
         _ => return Err(refused("400 Bad Request", "Content-Length is not a number")),
     };
-    if length > BODY {
+    if length > MAX_BODY_BYTES {
         return Err(refused("413 Content Too Large", "the question is too long"));
     }
     Ok(Some((request, start, length)))
@@ -308,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn heads_are_read_or_refused() {
+    fn request_heads_are_parsed_or_refused() {
         assert_eq!(told("GET / HTTP/1.1\r\nHost: a"), "more");
         assert_eq!(told("GET /a?b HTTP/1.1\r\nHost: a\r\n\r\n"), "GET /a 30 0");
         let post = |header: &str| told(&format!("POST / HTTP/1.1\r\n{header}\r\n\r\n"));

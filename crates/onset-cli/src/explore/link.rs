@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn a_link_has_the_whole_question() {
+    fn a_link_contains_the_complete_question() {
         assert_eq!(
             of_question(&question()).join("&"),
             "set=material.energy%3Dmu%2A%28I1%20-%203%29%20%2B%20100%25&stretch=1.1,0.9&axis=stretch-1,0.5,2&axis=stretch-2,0.5,2"
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn a_link_of_another_run_asks_the_same() {
+    fn a_link_of_another_run_contains_the_same_question() {
         let mut asked = question();
         asked.window.axes[1] = "discretization.support".to_owned();
         asked.window.ranges[1] = [1.2, 4.0];

@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 /// Largest number of connections; a browser opens six.
-const MOST: usize = 64;
+const MAX_CONNECTIONS: usize = 64;
 
 /// All open connections.
 #[derive(Default)]
@@ -27,7 +27,7 @@ impl Connections {
     /// [`io::Error`] if all others are computing an answer, or if the system refuses a second handle.
     pub fn admit(&self, stream: &TcpStream) -> io::Result<Admitted<'_>> {
         let mut open = self.entries();
-        if open.len() >= MOST {
+        if open.len() >= MAX_CONNECTIONS {
             let waiting = open
                 .iter()
                 .enumerate()

@@ -14,11 +14,11 @@ use std::thread;
 use std::time::Duration;
 
 /// Pause after a failed connection.
-const PAUSE: Duration = Duration::from_millis(20);
+const RETRY_PAUSE: Duration = Duration::from_millis(20);
 /// Header with the token of the page. Pages of other servers cannot send it without a permission that this server never grants.
-const SHOWN: &str = "onset-token";
+const TOKEN_HEADER: &str = "onset-token";
 /// Refusal of a request without a valid token.
-const UNKNOWN: &str = "this page is for the user who has started it: the token of the running program is missing, or another one\n  hint: open the address \
+const NO_TOKEN: &str = "this page is for the user who has started it: the token of the running program is missing, or another one\n  hint: open the address \
      that `onset explore` has printed; in the same browser links without a token are answered then";
 
 /// Server of the page and of its questions.
@@ -55,7 +55,7 @@ impl Server {
         for stream in listener.incoming() {
             // A failed connection does not affect the others.
             let Ok(stream) = stream else {
-                thread::sleep(PAUSE);
+                thread::sleep(RETRY_PAUSE);
                 continue;
             };
             let own = Arc::clone(&server);
@@ -66,7 +66,7 @@ impl Server {
             });
             // If no thread can be started, other connections must end first.
             if conversation.is_err() {
-                thread::sleep(PAUSE);
+                thread::sleep(RETRY_PAUSE);
             }
         }
         Ok(ExitCode::SUCCESS)
@@ -113,7 +113,7 @@ impl Server {
                 Some(name) if self.is_shown(request) => {
                     admitted.computing(|| self.answer(name, request, connection))
                 }
-                Some(_) => Some(error("403 Forbidden", UNKNOWN)),
+                Some(_) => Some(error("403 Forbidden", NO_TOKEN)),
                 None => Some(missing()),
             },
             _ => Some(Reply::refused(
@@ -148,19 +148,19 @@ impl Server {
     /// Returns true if the request contains the token.
     fn is_shown(&self, request: &Request) -> bool {
         request
-            .header(SHOWN)
+            .header(TOKEN_HEADER)
             .is_some_and(|shown| self.token.is(shown))
     }
 
     /// Reply with the token, if the request contains the token, or the ticket for the first time.
     fn entered(&self, request: &Request) -> Reply {
         let mut ticket = self.ticket.lock().unwrap_or_else(PoisonError::into_inner);
-        let shown = request.header(SHOWN).unwrap_or_default();
+        let shown = request.header(TOKEN_HEADER).unwrap_or_default();
         let is_ticket = ticket.as_ref().is_some_and(|own| own.is(shown));
         if is_ticket {
             *ticket = None;
         } else if !self.token.is(shown) {
-            return error("403 Forbidden", UNKNOWN);
+            return error("403 Forbidden", NO_TOKEN);
         }
         json("200 OK", told("token", self.token.to_string()))
     }

@@ -4,7 +4,7 @@ use std::fmt;
 use std::hint::black_box;
 
 /// Number of random bytes in a token; 128 bits cannot be guessed.
-const BYTES: usize = 16;
+const TOKEN_BYTES: usize = 16;
 
 /// Random bits from the operating system, in hexadecimal.
 pub struct Token(String);
@@ -15,7 +15,7 @@ impl Token {
     /// # Errors
     /// The error of the operating system if it provides no random bits.
     pub fn random() -> Result<Self, getrandom::Error> {
-        let mut bytes = [0; BYTES];
+        let mut bytes = [0; TOKEN_BYTES];
         getrandom::fill(&mut bytes)?;
         Ok(Self(
             bytes.iter().map(|byte| format!("{byte:02x}")).collect(),
@@ -42,7 +42,7 @@ mod tests {
     use super::Token;
 
     #[test]
-    fn a_token_is_itself_alone() {
+    fn a_token_equals_only_itself() {
         let [own, other] = [(); 2].map(|()| Token::random().expect("random bytes"));
         let text = own.to_string();
         assert_eq!(text.len(), 32);

@@ -1,9 +1,9 @@
-//! Command lines that nobody means well, of every command; most of them ask for little work, so that many can be tried.
+//! Random, mostly invalid command lines for every command; most need little work, so that many can be tried.
 
 use crate::process::{Line, STUDY};
 use serde_json::Value;
 
-/// A key with the words that it admits, if it admits words.
+/// Key with its admissible words, if any.
 #[derive(Clone, Debug)]
 struct Key {
     section: String,
@@ -11,14 +11,14 @@ struct Key {
     words: Vec<String>,
 }
 
-/// A law with the names of its parameters.
+/// Law with the names of its parameters.
 #[derive(Clone, Debug)]
 struct Law {
     name: String,
     parameters: Vec<String>,
 }
 
-/// The laws, from the same schema; not those that are programs.
+/// Laws in the schema, without those that run programs.
 fn laws(schema: &Value) -> Vec<Law> {
     let cases = schema.pointer("/properties/material/allOf");
     let law = |case: &Value| {
@@ -40,7 +40,7 @@ fn laws(schema: &Value) -> Vec<Law> {
     laws
 }
 
-/// The keys of studies and comparisons, from the schema that the program writes itself.
+/// Keys of studies and comparisons in the schema.
 fn keys(schema: &Value) -> Vec<Key> {
     let mut keys = Vec::new();
     for section in ["material", "discretization", "state", "map", "compare"] {
@@ -131,7 +131,7 @@ const FORMULAS: &[&str] = &[
 
 const PARAMETERS: &[&str] = &["mu", "kappa", "lambda", "alpha2", "k1", "k2", "j_m", "c1"];
 
-/// Choices of a discretization that go together.
+/// Compatible choices for a discretization.
 const METHODS: &[&[(&str, &str)]] = &[
     &[],
     &[("quadrature", "nodal")],
@@ -219,7 +219,7 @@ const COEFFICIENTS: &[&str] = &[
     "",
 ];
 
-/// Places for output: the folder that all begin in, others, and what is none.
+/// Output folders: usual ones, others, and invalid ones.
 const PLACES: &[&str] = &[
     ".",
     ".",
@@ -238,7 +238,7 @@ const PLACES: &[&str] = &[
     "a b'c",
 ];
 
-/// Where a study may be read.
+/// Paths of studies.
 const FILES: &[&str] = &[
     "study.toml",
     "nowhere.toml",
@@ -252,7 +252,7 @@ const FILES: &[&str] = &[
     "--",
 ];
 
-/// Numbers spread evenly over `(-1, 1)`: SplitMix64.
+/// Uniform random numbers in `(-1, 1)`: SplitMix64.
 struct Random(u64);
 
 impl Random {
@@ -269,10 +269,10 @@ impl Random {
     }
 }
 
-/// Assignments of keys, without the dot.
+/// Assignments as section, key and value.
 type Assignments = Vec<(String, String, String)>;
 
-/// A source of command lines.
+/// Generator of command lines.
 pub struct Source {
     random: Random,
     keys: Vec<Key>,
@@ -280,7 +280,7 @@ pub struct Source {
 }
 
 impl Source {
-    /// One that knows the keys of a schema.
+    /// Generator for the keys of a schema.
     pub fn new(schema: &Value) -> Self {
         Self {
             random: Random(0),
@@ -302,7 +302,7 @@ impl Source {
         words[self.below(words.len())]
     }
 
-    /// Usually one that makes sense.
+    /// Random number, usually a reasonable one.
     fn number(&mut self) -> String {
         match self.below(24) {
             0 => self.of(NUMBERS).to_owned(),
@@ -322,7 +322,7 @@ impl Source {
         all.join(",")
     }
 
-    /// Two numbers, usually the smaller one first.
+    /// Two numbers, usually in increasing order.
     fn interval(&mut self) -> String {
         if self.chance(30) {
             return self.numbers(2);
@@ -331,10 +331,10 @@ impl Source {
         format!("{:?},{:?}", 0.6 + 0.4 * low, 1.0 + 0.5 * width)
     }
 
-    /// A value of a key.
+    /// Random value of a key.
     fn value(&mut self, key: &Key) -> String {
         match (key.section.as_str(), key.name.as_str()) {
-            // Large cells take their time, rightly.
+            // Large cells take long by nature.
             ("discretization", "cells") => self.of(&["1", "2", "0", "-1", "1e9", "17"]).to_owned(),
             ("discretization", "support" | "horizon") if self.chance(80) => {
                 format!("{:?}", 1.6 + 0.5 * self.random.number())
@@ -363,14 +363,14 @@ impl Source {
         }
     }
 
-    /// Assignments, seldom.
+    /// Occasional assignments.
     fn changes(&mut self, sections: &[&str], words: &mut Vec<String>) {
         if self.chance(15) {
             self.set(sections, words);
         }
     }
 
-    /// A few assignments of some sections: choices that go together, and any.
+    /// A few assignments of some sections: compatible choices, and arbitrary ones.
     fn assignments(&mut self, sections: &[&str]) -> Assignments {
         let mut all: Assignments = Vec::new();
         let mut add = |section: &str, name: &str, value: &str| {
@@ -407,7 +407,7 @@ impl Source {
         for _ in 0..more {
             let n = self.below(self.keys.len());
             let key = self.keys[n].clone();
-            // Of the laws, the parameters of all others are many.
+            // A law has few parameters, and the other laws have many.
             if key.section == "material" && !["energy", "library"].contains(&key.name.as_str()) {
                 continue;
             }
@@ -437,7 +437,7 @@ impl Source {
         }
     }
 
-    /// A value as TOML writes it, usually.
+    /// A value as TOML, usually.
     fn toml(&mut self, value: &str) -> String {
         let is_number =
             |text: &str| text.parse::<f64>().is_ok() && !text.starts_with(['i', 'n', '+']);
@@ -470,7 +470,7 @@ impl Source {
             .filter(|(own, ..)| own == section)
             .collect();
         for (n, (_, name, value)) in own.iter().enumerate() {
-            // A key stands once, but for mistakes.
+            // A key occurs once, except by mistake.
             let is_again = own[..n].iter().any(|(_, other, _)| other == name);
             if is_again && !self.chance(2) {
                 continue;
@@ -481,7 +481,7 @@ impl Source {
         text
     }
 
-    /// The text of a study of few states; of as many as one likes where they are only counted.
+    /// Study with few states, or with any number if they are only counted.
     fn study(&mut self, is_counted: bool) -> String {
         let assignments = self.assignments(&["material", "discretization", "state", "map"]);
         let mut text = String::new();
@@ -517,7 +517,7 @@ impl Source {
         self.damaged(text)
     }
 
-    /// The text of a comparison of few methods on few states.
+    /// Comparison of few methods on few states.
     fn comparison(&mut self) -> String {
         let common = self.assignments(&["material"]);
         let few = [
@@ -548,7 +548,7 @@ impl Source {
         self.damaged(text)
     }
 
-    /// A text that has, sometimes, suffered.
+    /// Text that is sometimes damaged.
     fn damaged(&mut self, mut text: String) -> String {
         if text.is_empty() || !self.chance(12) {
             return text;
@@ -577,7 +577,7 @@ impl Source {
         text
     }
 
-    /// The file of a study: usually standard input.
+    /// File of a study, usually standard input.
     fn file(&mut self, line: &mut Line, text: String) {
         if self.chance(92) {
             line.words.push("-".to_owned());
@@ -642,14 +642,14 @@ impl Source {
         }
     }
 
-    /// A command line: the same one for the same seed and number.
+    /// Command line that is reproducible for a seed and a number.
     pub fn line(&mut self, seed: u64, number: u64) -> Line {
         self.random = Random(
             seed.wrapping_mul(0xD605_BBB5_8C8A_BBFD)
                 .wrapping_add(number),
         );
         self.random = Random(self.random.word());
-        // Those that ask for more are drawn less often.
+        // Expensive commands are drawn less often.
         let mut drawn = self.below(COMMANDS.iter().map(|(_, share)| share).sum());
         let command = COMMANDS.iter().find(|(_, share)| {
             let is_it = drawn < *share;
@@ -662,7 +662,7 @@ impl Source {
             input: String::new(),
         };
         self.arguments(command, &mut line);
-        // What asks for little because of its words stays as it is.
+        // Commands whose words keep them cheap are not changed.
         if !["reproduce", "recommend"].contains(&command) {
             self.spoil(&mut line.words);
         }
@@ -772,7 +772,7 @@ impl Source {
             "tune" => self.tune(line),
             "limit" => self.limit(line),
             "plot" => self.plot(&mut line.words),
-            // The whole takes minutes: only what keeps it from beginning.
+            // A complete run takes minutes, so that only arguments that prevent it are drawn.
             "reproduce" => {
                 let out = self.of(&["study.toml", "/dev/null", "/proc/self/x", "study.toml/x"]);
                 line.words.push(format!("--out={out}"));
@@ -869,7 +869,7 @@ impl Source {
     }
 
     fn recommend(&mut self, line: &mut Line) {
-        // Those that the program knows take their time, rightly: in the plane, or along a line, on few states.
+        // The built-in methods take long by nature: they are drawn in one and two dimensions, on few states.
         if self.chance(80) {
             let text = self.comparison();
             self.file(line, text);
@@ -964,7 +964,7 @@ impl Source {
         }
     }
 
-    /// Leaves something out, or puts something in that is of another command.
+    /// Omits an argument, or inserts one of another command.
     fn spoil(&mut self, words: &mut Vec<String>) {
         if self.chance(4) {
             let n = self.below(words.len());
@@ -990,7 +990,7 @@ impl Source {
     }
 }
 
-/// The commands, and how often each is drawn.
+/// Commands, with their relative frequencies.
 const COMMANDS: &[(&str, usize)] = &[
     ("state", 300),
     ("dispersion", 100),

@@ -1,5 +1,4 @@
-//! Command lines that nobody means well: each ends in time, within its memory, with a documented exit code, and what it calls
-//! JSON is that.
+//! Random, mostly invalid command lines: each ends within limits of time and memory, with a documented exit code, and its JSON output is valid.
 
 #![cfg(unix)]
 
@@ -16,13 +15,13 @@ use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// What came of some command lines.
+/// Statistics of command lines.
 #[derive(Default)]
 struct Tally {
     answered: usize,
     refused: usize,
     failed: usize,
-    /// The one that took longest.
+    /// Slowest command line.
     slowest: (Duration, String),
     faults: Vec<String>,
 }
@@ -70,7 +69,7 @@ fn every_command_line_ends_in_time_within_its_memory_and_with_a_documented_code(
             let line = source.line(seed, case as u64);
             let ending = place.run(&line);
             if let Some(fault) = ending.fault(&line) {
-                // A long hunt tells at once.
+                // A long test reports failures immediately.
                 eprintln!("case {case} of seed {seed}: {fault}");
             }
             tally.add(&line, &ending);
@@ -114,7 +113,7 @@ fn a_large_shear_of_kernels_of_current_coordinates_is_answered_within_the_limits
 }
 
 #[test]
-fn work_that_would_not_end_is_refused_or_given_up() {
+fn endless_work_is_refused_or_cancelled() {
     let place = Place::new("endless");
     let oblique = "--set discretization.lattice=oblique --set discretization.vectors=";
     for line in [
@@ -208,7 +207,7 @@ fn the_basis_and_the_units_of_a_problem_change_no_verdict() {
     }
 }
 
-/// Methods beside the kernel methods.
+/// Methods other than the kernel methods.
 const OTHERS: [&str; 9] = [
     "method=total-lagrangian-sph lattice=square penalty=0.1",
     "method=updated-sph artificial-stress=0.3 velocity-smoothing=0.5",
@@ -222,7 +221,7 @@ const OTHERS: [&str; 9] = [
 ];
 
 #[test]
-fn every_method_answers_the_same_in_all_units_and_refuses_those_that_are_out_of_bounds() {
+fn answers_of_every_method_do_not_depend_on_units_within_their_bounds() {
     let place = Place::new("methods");
     let number =
         |answer: &Value, name: &str| answer["discretization"][name].as_f64().expect("a number");
@@ -250,7 +249,7 @@ fn every_method_answers_the_same_in_all_units_and_refuses_those_that_are_out_of_
             let other = place.answered(&line(mu, density, spacing));
             assert_eq!(other["verdict"], plain["verdict"], "{what}");
             let [a, b] = [&other, &plain].map(|answer| number(answer, "minimum_scaled"));
-            // What is zero is so to the rounding of the largest.
+            // Zeros agree to the rounding of the largest number.
             assert!((a - b).abs() < 1e-9 * b.abs() + 1e-13, "{what}: {a} {b}");
             let [mu, density, spacing] =
                 [mu, density, spacing].map(|text| text.parse::<f64>().expect("a number"));
@@ -280,7 +279,7 @@ fn every_method_answers_the_same_in_all_units_and_refuses_those_that_are_out_of_
 }
 
 #[test]
-fn more_threads_than_cores_have_use_for_are_refused() {
+fn an_excessive_number_of_threads_is_refused() {
     for (threads, code) in [("1", 0), ("100000", 2), ("many", 2)] {
         let output = Command::new(env!("CARGO_BIN_EXE_onset"))
             .args(["list", "kernels"])

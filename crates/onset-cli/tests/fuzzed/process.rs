@@ -1,4 +1,4 @@
-//! A command line as a process with little memory and time, in a folder of its own; and what can be wrong with how it ended.
+//! Process with limited memory and time in a separate folder, and checks of its exit.
 
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -8,23 +8,23 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus};
 use std::time::{Duration, Instant};
 
-/// Seconds of processor time, without all optimization.
+/// Limit of processor time without full optimization; seconds.
 const SECONDS: u64 = 30;
-/// Seconds after which a command that shows that it works is interrupted.
+/// Time after which a command with a progress display is interrupted; seconds.
 const ENOUGH: u64 = 10;
-/// Seconds after which a process that needs no processor time waits for something that never comes.
+/// Time after which a process without processor time is considered blocked.
 const WAITING: Duration = Duration::from_secs(300);
-/// Commands that ask thousands of states, or try method after method, and show that they work: where these take longer than [`ENOUGH`] they are
-/// interrupted, and must end at once.
+/// Commands that compute thousands of states, or many methods, with a progress display: after [`ENOUGH`] seconds they are interrupted, and must end
+/// immediately.
 const LONG: [&str; 5] = ["path", "boundary", "tune", "recommend", "compare"];
-/// Exit code of a command that was interrupted.
+/// Exit code of an interrupted command.
 const INTERRUPTED: i32 = 130;
-/// Kibibytes of address space: a gibibyte, and what threads and the program itself reserve.
+/// Limit of the address space in kibibytes: one gibibyte, plus the reservations of threads and the program.
 const KIBIBYTES: u64 = 1_310_720;
-/// Blocks of 512 bytes that a file may have.
+/// Limit of the size of a file, in blocks of 512 bytes.
 const BLOCKS: u64 = 200_000;
 
-/// A command line, with what is on its standard input.
+/// Command line with its standard input.
 #[derive(Clone, Debug, Default)]
 pub struct Line {
     pub words: Vec<String>,
@@ -32,7 +32,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// Of words with blanks between them.
+    /// Line of words separated by blanks.
     pub fn of(words: &str) -> Self {
         Self {
             words: words.split_whitespace().map(str::to_owned).collect(),
@@ -45,7 +45,7 @@ impl Line {
     }
 }
 
-/// To be typed again in a shell.
+/// Prints the line for use in a shell.
 impl std::fmt::Display for Line {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let words: Vec<String> = self.words.iter().map(|word| format!("{word:?}")).collect();
@@ -57,22 +57,22 @@ impl std::fmt::Display for Line {
     }
 }
 
-/// How a command ended.
+/// Result of a command.
 pub struct Ending {
     pub status: ExitStatus,
-    /// Whether it took long, and was asked to end.
+    /// Whether it was interrupted because it took long.
     is_interrupted: bool,
     pub stdout: Vec<u8>,
     pub stderr: String,
     pub elapsed: Duration,
-    /// What it left in its folder.
+    /// Files left in its folder.
     left: BTreeSet<String>,
 }
 
-/// A place where commands run one after the other: each in a folder `here` with a study in it, beside stores that are there for all.
+/// Folder in which commands run sequentially: each in a subfolder `here` with a study, next to common stores.
 pub struct Place(PathBuf);
 
-/// A study of four states.
+/// Study of four states.
 pub const STUDY: &str = "\
 [discretization]
 support = 1.6
@@ -87,7 +87,7 @@ states = 2
 ";
 
 impl Place {
-    /// A place with a name that is used for nothing else.
+    /// Place with a unique name.
     pub fn new(name: &str) -> Self {
         let place = Path::new(env!("CARGO_TARGET_TMPDIR"))
             .join(format!("fuzzed-{}-{name}", std::process::id()));
@@ -95,7 +95,7 @@ impl Place {
         Self(place)
     }
 
-    /// Makes stores of the study, whole and half done, to be read.
+    /// Creates stores of the study, complete and incomplete, for reading.
     pub fn with_stores(self) -> Self {
         let wide = STUDY.replacen("states = 2", "states = 9", 1);
         for (line, input) in [
@@ -115,7 +115,7 @@ impl Place {
         self
     }
 
-    /// Runs a command within the limits of the operating system.
+    /// Runs a command within limits of the operating system.
     pub fn run(&self, line: &Line) -> Ending {
         let here = self.0.join("here");
         let _ = fs::remove_dir_all(&here);
@@ -172,7 +172,7 @@ impl Place {
         }
     }
 
-    /// The document that a command prints.
+    /// Document printed by a command.
     pub fn answered(&self, line: &str) -> Value {
         let ending = self.run(&Line::of(line));
         assert!(
@@ -191,7 +191,7 @@ impl Drop for Place {
     }
 }
 
-/// Words of which a refusal has one: what was expected, or what to do.
+/// Words of refusals: each message must contain at least one.
 const HELP: [&str; 12] = [
     "hint: ",
     "; set ",
@@ -207,14 +207,14 @@ const HELP: [&str; 12] = [
     "try '--help'",
 ];
 
-/// Letters that a terminal may obey.
+/// Returns true if a text contains control sequences for terminals.
 fn commands_a_terminal(text: &str) -> bool {
     text.chars()
         .any(|letter| letter.is_control() && !"\n\t".contains(letter))
 }
 
 impl Ending {
-    /// What is wrong with how a command ended.
+    /// Reason why the result of a command is wrong, or `None`.
     pub fn fault(&self, line: &Line) -> Option<String> {
         let what = self.what_is_wrong(line)?;
         let told: String = self.stderr.chars().take(800).collect();
@@ -247,7 +247,7 @@ impl Ending {
         if let Some(name) = self.left.iter().find(|name| name.starts_with(".onset")) {
             return Some(format!("{name} is left"));
         }
-        // The tiles of a map that are done are kept.
+        // Finished tiles of a map are kept.
         let is_map = line.has("map");
         if code != 0 && !is_map && !self.left.is_empty() {
             return Some(format!("refused, with {:?} written", self.left));
@@ -255,7 +255,7 @@ impl Ending {
         let is_help = ["help", "--version", "-V", "--help", "-h"]
             .iter()
             .any(|word| line.has(word));
-        // After two dashes nothing is an option.
+        // After two dashes no argument is an option.
         let options = line.words.iter().take_while(|word| *word != "--");
         let asks_json = options.clone().any(|word| word == "--json");
         let has_printed = code == 0 || !self.stdout.is_empty();

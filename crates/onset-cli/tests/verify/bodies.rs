@@ -1,4 +1,4 @@
-//! `onset simulate` with a body: what it writes, how it goes on, and what it says of faults.
+//! `onset simulate` with a body: its files, its resumption, and its errors.
 
 use crate::{Answer, Place, tree};
 use serde_json::Value;
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A folder with the study of a body.
+/// Folder with the study of a body.
 struct Body(Place);
 
 impl Body {
@@ -25,7 +25,7 @@ impl Body {
         command
     }
 
-    /// Into a folder of this place.
+    /// Command that writes into a folder of this place.
     fn kept(&self, line: &str) -> Command {
         let mut command = self.command(line);
         command.arg("--out").arg(self.out());
@@ -39,7 +39,7 @@ impl Body {
 
 const METHOD: &str = "[material]\nmodel = 'neo-hooke'\n[discretization]\nmethod = 'total-lagrangian-sph'\nlattice = 'square'\nsupport = 2.4\npenalty = 0.5\n";
 
-/// A bar that is pulled at one end.
+/// Bar that is pulled at one end.
 fn pulled() -> String {
     format!(
         "{METHOD}[body]\nshape = 'bar'\nsize = [20, 6]\n\
@@ -51,7 +51,7 @@ fn pulled() -> String {
 const LINE: &str = "--steps 400 --every 10 --fields 3 --amplitude 1e-4 --checkpoint 20 --quiet";
 
 #[test]
-fn a_bar_is_pulled_and_everything_is_kept() {
+fn a_pulled_bar_writes_all_its_files() {
     let place = Body::new(&pulled());
     let answer = Answer::of(place.kept(&format!("{LINE} --json")));
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
@@ -82,14 +82,14 @@ fn a_bar_is_pulled_and_everything_is_kept() {
     assert!(history.starts_with("step,time,kinetic_energy,strain_energy,energy,work_of_grips,"));
     let field = std::fs::read_to_string(place.out().join("field-0002.vtu")).expect("a field");
     assert!(field.contains("Name=\"volume_ratio\"") && field.contains("NumberOfPoints=\"120\""));
-    // Of a run that has come to its end nothing is left, and nothing changes.
+    // A complete run has no work left, and resuming it changes nothing.
     let files = tree(&place.out());
     let again = Answer::of(place.kept(&format!("{LINE} --resume")));
     assert_eq!(again.code, Some(0), "{}", again.stderr);
     assert!(tree(&place.out()) == files);
 }
 
-/// Kills a run after each of so many parts of its duration but the last, and takes it up: its files are those of a run that was not killed.
+/// Kills a run after each of several parts of its duration except the last, and resumes it: its files equal those of an undisturbed run.
 fn assert_kills_change_nothing(
     study: &str,
     duration: Duration,
@@ -106,7 +106,7 @@ fn assert_kills_change_nothing(
             .spawn()
             .expect("the command starts");
         std::thread::sleep(duration.mul_f64(f64::from(case) / f64::from(parts)));
-        // On a machine that has become slower the last kill still meets a checkpoint.
+        // On a slower machine the last kill still finds a checkpoint.
         let checkpoint = place.out().join("checkpoint.onset");
         while case + 1 == parts
             && !checkpoint.exists()
@@ -127,7 +127,7 @@ fn assert_kills_change_nothing(
 }
 
 #[test]
-fn a_body_that_is_killed_goes_on_to_the_same_bytes() {
+fn a_killed_body_is_resumed_to_the_same_bytes() {
     let whole = Body::new(&pulled());
     let start = Instant::now();
     assert_eq!(Answer::of(whole.kept(LINE)).code, Some(0));
@@ -136,7 +136,7 @@ fn a_body_that_is_killed_goes_on_to_the_same_bytes() {
     assert_kills_change_nothing(&pulled(), duration, &files, 8);
 }
 
-/// Two blocks that fly into each other, of a method that finds neighbors again.
+/// Two colliding blocks, with a method that updates neighbors.
 fn colliding() -> String {
     let method = METHOD
         .replace("total-lagrangian-sph", "updated-sph")
@@ -149,7 +149,7 @@ fn colliding() -> String {
 }
 
 #[test]
-fn a_body_that_finds_its_neighbors_again_keeps_everything_and_goes_on_to_the_same_bytes() {
+fn a_body_with_updated_neighbors_writes_all_its_files_and_is_resumed_to_the_same_bytes() {
     let whole = Body::new(&colliding());
     let start = Instant::now();
     let answer = Answer::of(whole.kept(&format!("{LINE} --json")));
@@ -178,7 +178,7 @@ fn a_body_that_finds_its_neighbors_again_keeps_everything_and_goes_on_to_the_sam
         })
         .collect();
     let (first, last) = (&lines[0], &lines[lines.len() - 1]);
-    // They have met, momentum stays, and what they lose is not given back.
+    // They have collided; momentum is conserved, and dissipated energy is not recovered.
     assert!(last[2] < 0.9 * first[2], "{} {}", first[2], last[2]);
     for axis in 6..8 {
         assert!((last[axis] - first[axis]).abs() < 1e-11 * 36.0 * 0.1);
@@ -186,7 +186,7 @@ fn a_body_that_finds_its_neighbors_again_keeps_everything_and_goes_on_to_the_sam
     assert_kills_change_nothing(&colliding(), duration, &files, 6);
 }
 
-/// The same of total-Lagrangian particles, with a contact.
+/// Two colliding blocks of total-Lagrangian particles, with a contact.
 fn touching() -> String {
     colliding()
         .replace("updated-sph", "total-lagrangian-sph")
@@ -195,19 +195,19 @@ fn touching() -> String {
 }
 
 #[test]
-fn blocks_in_contact_go_on_to_the_same_bytes() {
+fn blocks_in_contact_are_resumed_to_the_same_bytes() {
     let whole = Body::new(&touching());
     let start = Instant::now();
     let answer = Answer::of(whole.kept(&format!("{LINE} --json")));
     let duration = start.elapsed();
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     let document: Value = serde_json::from_str(&answer.stdout).expect("a document");
-    // They have met: what was motion is strain, or sound.
+    // They have collided: kinetic energy has become strain energy or sound.
     assert!(document["strain_energy"].as_f64() > Some(0.1), "{document}");
     assert_kills_change_nothing(&touching(), duration, &tree(&whole.out()), 4);
 }
 
-/// What became of a study of the book.
+/// Result of a study from the book.
 fn of_the_book(study: &str, line: &str) -> Value {
     let path = format!(
         "{}/../../studies/bodies/{study}.toml",
@@ -222,17 +222,17 @@ fn of_the_book(study: &str, line: &str) -> Value {
 }
 
 #[test]
-fn the_bodies_of_the_book_do_what_it_says() {
+fn the_bodies_of_the_book_behave_as_described() {
     let number = |document: &Value, name: &str| document[name].as_f64().expect("a number");
     let total = "--set discretization.method=total-lagrangian-sph --set discretization.penalty=0.5";
     let line = "--time 60 --amplitude 1e-3";
-    // Of a bar that has come apart the grips hold nothing any more.
+    // The grips of a broken bar carry no load.
     let [broken, whole] = ["", total].map(|more| {
         let document = of_the_book("pulled-bar", &format!("{line} {more}"));
         number(&document, "work_of_grips")
     });
     assert!(broken < 0.2 * whole, "{broken} {whole}");
-    // Rings that hold are bent, and store what they had as motion.
+    // Intact rings are bent and store their kinetic energy.
     let line = "--time 150 --fraction 0.2";
     let [torn, bent] = ["", "--set discretization.artificial-stress=0.3"].map(|more| {
         let document = of_the_book("rings", &format!("{line} {more}"));
@@ -248,7 +248,7 @@ fn the_bodies_of_the_book_do_what_it_says() {
 }
 
 #[test]
-fn a_particle_that_loses_all_neighbors_flies_on_or_is_told_where_gradients_are_corrected() {
+fn an_isolated_particle_flies_on_or_is_reported_if_gradients_are_corrected() {
     let thrown = |corrected: bool| {
         pulled()
             .replace("total-lagrangian-sph", "updated-sph")
@@ -270,7 +270,7 @@ fn a_particle_that_loses_all_neighbors_flies_on_or_is_told_where_gradients_are_c
 
 #[cfg(unix)]
 #[test]
-fn an_interrupted_body_goes_on_to_the_same_bytes() {
+fn an_interrupted_body_is_resumed_to_the_same_bytes() {
     let whole = Body::new(&pulled());
     let line = "--steps 4000 --every 100 --fields 3 --checkpoint 50";
     assert_eq!(Answer::of(whole.kept(line)).code, Some(0));
@@ -295,7 +295,7 @@ fn an_interrupted_body_goes_on_to_the_same_bytes() {
     assert!(tree(&place.out()) == tree(&whole.out()));
 }
 
-/// A run that is refused or fails, with what it says.
+/// Runs a body that is refused or fails, and returns the message.
 fn told(body: &Body, line: &str, code: i32) -> String {
     let answer = Answer::of(body.command(line));
     assert_eq!(
@@ -309,7 +309,7 @@ fn told(body: &Body, line: &str, code: i32) -> String {
 }
 
 #[test]
-fn a_body_that_is_pulled_apart_ends_with_its_state_and_keeps_its_checkpoint() {
+fn a_body_that_is_torn_apart_reports_its_state_and_keeps_its_checkpoint() {
     let study = pulled().replace("velocity = [0.05, 0]", "velocity = [-3, 0]");
     let place = Body::new(&study);
     let answer = Answer::of(place.kept("--steps 4000 --checkpoint 5 --quiet"));
@@ -329,7 +329,7 @@ fn a_body_that_is_pulled_apart_ends_with_its_state_and_keeps_its_checkpoint() {
             answer.stderr
         );
     }
-    // It is whole: a resumed run goes on from it, to the same end.
+    // The checkpoint is complete: a resumed run ends in the same way.
     let again = Answer::of(place.kept("--steps 4000 --checkpoint 5 --quiet --resume"));
     assert_eq!(again.code, Some(1));
     let ends = |text: &str| text.lines().next().map(str::to_owned);
@@ -337,7 +337,7 @@ fn a_body_that_is_pulled_apart_ends_with_its_state_and_keeps_its_checkpoint() {
 }
 
 #[test]
-fn a_particle_beyond_the_domain_of_its_law_is_told() {
+fn a_particle_beyond_the_domain_of_its_law_is_reported() {
     // Chains that lock at a small stretch.
     let study = pulled()
         .replace("model = 'neo-hooke'", "model = 'gent'\njm = 0.05")
@@ -353,7 +353,7 @@ fn a_particle_beyond_the_domain_of_its_law_is_told() {
 }
 
 #[test]
-fn steps_above_the_critical_one_are_refused_or_told_from_their_end() {
+fn steps_above_the_critical_step_are_refused_or_blamed_for_the_failure() {
     let place = Body::new(&pulled());
     let refused = told(&place, "--steps 10 --fraction 1.5", 2);
     assert!(refused.contains("of the largest stable one"), "{refused}");
@@ -366,7 +366,7 @@ fn steps_above_the_critical_one_are_refused_or_told_from_their_end() {
 }
 
 #[test]
-fn bodies_that_cannot_be_are_refused() {
+fn impossible_bodies_are_refused() {
     let refused = |study: &str, line: &str| told(&Body::new(study), line, 2);
     let body = |body: &str| format!("{METHOD}[body]\n{body}\n");
     let bar = body("shape = 'bar'\nsize = [20, 6]");
@@ -442,7 +442,7 @@ fn bodies_that_cannot_be_are_refused() {
 }
 
 #[test]
-fn particles_of_a_file_are_run_and_their_faults_told_with_their_line() {
+fn particles_from_a_file_are_run_and_errors_are_reported_with_the_line() {
     let study = format!("{METHOD}[body]\nshape = 'file'\nfile = 'particles.csv'\n");
     let place = Body::new(&study);
     let mut table = "x,y,volume\n".to_owned();
@@ -481,7 +481,7 @@ fn particles_of_a_file_are_run_and_their_faults_told_with_their_line() {
 }
 
 #[test]
-fn times_of_grips_have_units_where_the_problem_has_them() {
+fn times_of_grips_have_units_if_the_problem_has_units() {
     let grips = "[[grips]]\nfrom = [0, 0]\nto = [2, 6]\nvelocity = [0.1, 0]\nramp = '2 ms'\n";
     let bar = "[body]\nshape = 'bar'\nsize = [20, 6]\n";
     let told = told(&Body::new(&format!("{METHOD}{bar}{grips}")), "--steps 9", 2);

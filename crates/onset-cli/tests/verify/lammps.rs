@@ -4,11 +4,11 @@ use super::{Answer, Place, deck, program, read, run};
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// A row of the table: what it is, and its deck.
+/// Row of the table: its title, and its deck.
 pub struct Row<'a> {
     pub title: &'static str,
     pub line: &'a str,
-    /// The difference of the rate that it must keep.
+    /// Largest allowed difference of the rate.
     pub tolerance: f64,
 }
 
@@ -18,7 +18,7 @@ const RATE: &str = "material.model=hypoelastic-green-naghdi --set material.young
 
 const STRENGTH: &str = "material.model=hypoelastic-jaumann --set material.young=1 --set material.poisson=0.3 --set material.n=1 --set discretization.support=2.01";
 
-/// The rows of LAMMPS.
+/// Rows of LAMMPS.
 pub const ROWS: &[Row<'static>] = &[
     Row {
         title: "`smd/tlsph`, F = 1, checkerboard (pi, pi), hg = 1",
@@ -117,7 +117,7 @@ pub const ROWS: &[Row<'static>] = &[
     },
 ];
 
-// The titles of those that are run with changes begin so.
+// Beginnings of the titles of rows that are also run with changes.
 const CHECKERBOARD: &str = "`smd/tlsph`, F = 1, checkerboard";
 const ACROSS: &str = "`smd/tlsph`, hypoelastic, F = (1.1, 0.95), (pi/2, 0)";
 const TENSILE: &str = "`smd/ulsph`, tensile instability, F = 1.05";
@@ -125,7 +125,7 @@ const SPIN: &str = "`smd/ulsph`, strength, spin as it has it";
 const CORRECTED: &str = "`smd/ulsph`, gradient correction, tensile";
 const BONDS: &str = "`peri/pmb`, F = 1, (2 pi/5, 0, 0) along";
 
-/// The row whose title begins so.
+/// Row with the given beginning of its title.
 fn row(title: &str) -> &'static Row<'static> {
     let mut rows = ROWS.iter().filter(|row| row.title.starts_with(title));
     rows.next().expect("a row of that title")
@@ -149,7 +149,7 @@ fn lammps() -> Option<PathBuf> {
     program("ONSET_LAMMPS", "predictions against LAMMPS")
 }
 
-/// Runs rows and writes their table where a variable asks for it.
+/// Runs rows, and writes their table if an environment variable names it.
 pub fn check(rows: &[Row<'_>], program: &std::path::Path, variable: &str) {
     let mut table = String::new();
     for row in rows {
@@ -186,14 +186,14 @@ pub fn check(rows: &[Row<'_>], program: &std::path::Path, variable: &str) {
 }
 
 #[test]
-fn predicted_waves_are_seen_in_lammps() {
+fn predicted_waves_are_measured_in_lammps() {
     let Some(program) = lammps() else { return };
     check(ROWS, &program, "ONSET_LAMMPS_TABLE");
 }
 
-/// The rate of the stress that is assumed is seen in a shear wave of a stressed state: the same moduli with Jaumann's rate are another wave.
+/// The assumed stress rate affects a shear wave at a stressed state: with the same moduli, the Jaumann rate gives another frequency.
 #[test]
-fn a_shear_wave_tells_the_objective_rate() {
+fn a_shear_wave_distinguishes_objective_rates() {
     let Some(program) = lammps() else { return };
     let row = row(ACROSS);
     let measured = run(&row.deck(), &program).number("measured_omega_squared");
@@ -209,10 +209,11 @@ fn a_shear_wave_tells_the_objective_rate() {
     );
 }
 
-/// SMD's updated SPH turns the deviator against the spin. With Jaumann's rate as it is in the literature the predicted shear wave is another one; waves that turn
-/// nothing are the same.
+/// SMD's updated SPH rotates the deviator against the spin.
+///
+/// With the Jaumann rate of the literature the predicted shear wave differs; waves without rotation agree.
 #[test]
-fn the_wrong_sign_of_a_spin_is_flagged() {
+fn the_wrong_sign_of_a_spin_is_detected() {
     let Some(program) = lammps() else { return };
     let row = row(SPIN);
     let right = Row {
@@ -231,7 +232,7 @@ fn the_wrong_sign_of_a_spin_is_flagged() {
 }
 
 #[test]
-fn mutants_of_lammps_decks_are_flagged() {
+fn mutants_of_lammps_decks_are_detected() {
     let Some(program) = lammps() else { return };
     let changed = |row: &Row<'_>, file: &str, change: &dyn Fn(&str) -> String| {
         let place = row.deck();
@@ -287,7 +288,7 @@ fn mutants_of_lammps_decks_are_flagged() {
     changed(row(CORRECTED), "in.lammps", &left_out);
     changed(row(TENSILE), "particles.data", &support);
     changed(row(TENSILE), "in.lammps", &step);
-    // The size of a particle, from which the partial volumes near the horizon follow.
+    // The size of a particle, which determines the partial volumes near the horizon.
     let size = |text: &str| {
         let line = text
             .lines()
@@ -300,7 +301,7 @@ fn mutants_of_lammps_decks_are_flagged() {
 }
 
 #[test]
-fn noisy_and_cut_dumps_of_lammps_are_undecided_and_wrong_ones_refused() {
+fn noisy_and_truncated_dumps_of_lammps_are_undecided_and_invalid_dumps_refused() {
     let Some(program) = lammps() else { return };
     let place = row(TENSILE).deck();
     assert_eq!(run(&place, &program).code, Some(0));
@@ -364,7 +365,7 @@ fn noisy_and_cut_dumps_of_lammps_are_undecided_and_wrong_ones_refused() {
     }
 }
 
-/// The strip of LAMMPS' example `rubber_strip_pull`, with fixed steps and velocities that rise as those of a grip.
+/// The strip of LAMMPS' example `rubber_strip_pull`, with fixed steps and velocities that increase as those of a grip.
 const STRIP: &str = "units si
 dimension 2
 boundary sm sm p
@@ -402,7 +403,7 @@ dump strip all custom 4000 strip.dump id x y
 run 4000
 ";
 
-/// The places of the particles in a frame of a dump, by their number.
+/// Positions of the particles in a frame of a dump, by their number.
 fn frame(dump: &str, number: usize) -> Vec<[f64; 2]> {
     let frame = dump.split("ITEM: ATOMS").nth(number).expect("a frame");
     let lines = frame
@@ -467,11 +468,11 @@ fn the_rubber_strip_moves_as_in_lammps() {
             largest[i] = largest[i].max(u[i].abs());
         }
     }
-    // Across it narrows by 0.6, along it is pulled by 1.5 at each end.
+    // Laterally it narrows by 0.6; axially it is pulled by 1.5 at each end.
     assert!(largest[0] > 0.55 && largest[1] > 1.45, "{largest:?}");
     assert!(widest[0] < 0.003 && widest[1] < 0.005, "{widest:?}");
 
-    // Hencky's law has for Kirchhoff's stress what LAMMPS integrates as Cauchy's: its force is larger by a volume ratio.
+    // The Hencky law has as Kirchhoff stress what LAMMPS integrates as Cauchy stress, so that its force is larger by a volume ratio.
     let line = theirs
         .stdout
         .lines()

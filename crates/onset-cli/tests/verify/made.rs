@@ -1,22 +1,22 @@
-//! Decks that are answered by particles which move as another prediction says.
+//! Decks answered by synthetic particles that move as another prediction requires.
 
 use super::{Place, deck, read};
 use std::fmt::Write;
 
-/// A checkerboard of a square lattice under the penalty of SMD, at the method's own choices.
+/// Checkerboard mode of a square lattice under the penalty of SMD, with the default choices of the method.
 pub const CHECKERBOARD: &str = "--code plain --wave-vector 3.141592653589793,3.141592653589793 --time-step 0.05 --steps 240 --tolerance 1e-6 \
     --set material.model=saint-venant-kirchhoff --set material.young=1 --set material.poisson=0.3 --set discretization.method=total-lagrangian-sph \
     --set discretization.lattice=square --set discretization.kernel=(1-q)^3";
-/// A wave of peridynamics.
+/// Wave of peridynamics.
 const BONDS: &str = "--code plain --stretch 1,1,1 --wave-vector 1.2566370614359172,0,0 --branch 3 --time-step 0.05 --steps 160 --tolerance 1e-8 \
     --set material.model=saint-venant-kirchhoff --set material.young=1.5 --set material.poisson=0.25 --set discretization.method=peridynamics \
     --set discretization.lattice=simple-cubic --set discretization.horizon=3";
-/// A tensile instability.
+/// Tensile instability.
 const TENSION: &str = "--code plain --stretch 1.05,1.05 --wave-vector 3.141592653589793,0 --time-step 0.02 --steps 200 --tolerance 1e-6 \
     --set material.model=formula --set material.energy=K*(J-ln(J)) --set material.K=1 --set discretization.method=updated-sph \
     --set discretization.lattice=square --set discretization.kernel=(1-q)^3 --set discretization.momentum=mean --set discretization.support=2.01";
 
-/// A particle of a deck: where it is and how fast it starts.
+/// Particle of a deck: position and initial velocity.
 struct Particle {
     id: usize,
     position: [f64; 3],
@@ -40,7 +40,7 @@ fn particles(place: &Place) -> Vec<Particle> {
     table.lines().skip(2).map(row).collect()
 }
 
-/// The displacements of a wave over its velocity at the start, step by step of velocity Verlet.
+/// Displacements of a wave over its initial velocity, for each step of velocity Verlet.
 fn motion(omega_squared: f64, step: f64, steps: usize) -> Vec<f64> {
     let (mut u, mut v) = (0.0, 1.0);
     let mut all = vec![u];
@@ -52,7 +52,7 @@ fn motion(omega_squared: f64, step: f64, steps: usize) -> Vec<f64> {
     all
 }
 
-/// The `omega^2` and the step of a deck.
+/// `omega^2` and time step of a deck.
 fn prediction(place: &Place) -> (f64, f64, usize, usize) {
     let case = place.case();
     let number = |name: &str| case[name].as_f64().expect("a number");
@@ -66,7 +66,7 @@ fn prediction(place: &Place) -> (f64, f64, usize, usize) {
     )
 }
 
-/// The output of a run in which waves have an `omega^2`, with a step of its own; `moved` changes positions.
+/// Output of a run whose waves have the given `omega^2` and step; `moved` changes positions.
 pub fn table(
     place: &Place,
     omega_squared: f64,
@@ -96,7 +96,7 @@ pub fn table(
     text
 }
 
-/// The same in extended XYZ.
+/// Output of a run in extended XYZ.
 fn frames(place: &Place, table: &str) -> String {
     let id = place.case()["id"].as_str().expect("a mark").to_owned();
     let rows: Vec<Vec<&str>> = table
@@ -119,13 +119,13 @@ fn frames(place: &Place, table: &str) -> String {
     text
 }
 
-/// What the linearized equations of a study say of the wave of another.
+/// `omega^2` predicted for the wave of another study.
 fn other(line: &str) -> f64 {
     prediction(&deck(line)).0
 }
 
 #[test]
-fn a_code_that_does_what_is_predicted_agrees() {
+fn a_code_that_moves_as_predicted_agrees() {
     let penalized = format!(
         "{CHECKERBOARD} --set discretization.penalty=0.4 --set discretization.support=2.01"
     );
@@ -152,11 +152,11 @@ fn a_code_that_does_what_is_predicted_agrees() {
 }
 
 #[test]
-fn every_mutant_is_flagged() {
+fn every_mutant_is_detected() {
     let penalized = |penalty: f64, more: &str| {
         format!("{CHECKERBOARD} --set discretization.penalty={penalty} {more}")
     };
-    // A checkerboard strains no particle, whatever the correction: a wave that does.
+    // A checkerboard strains no particle for any correction, so that another wave is used.
     let quarter = |more: &str| {
         penalized(0.4, more).replacen(
             "3.141592653589793,3.141592653589793",
@@ -213,7 +213,7 @@ fn every_mutant_is_flagged() {
         );
         assert_eq!(answer.document()["outcome"], "differs");
     }
-    // Another time step than the output says.
+    // The output has another time step than stated.
     for line in [
         penalized(0.4, support),
         BONDS.to_owned(),
@@ -230,7 +230,7 @@ fn every_mutant_is_flagged() {
 }
 
 #[test]
-fn noisy_and_cut_outputs_are_undecided() {
+fn noisy_and_truncated_outputs_are_undecided() {
     let penalized = format!(
         "{CHECKERBOARD} --set discretization.penalty=0.4 --set discretization.support=2.01"
     );
@@ -238,7 +238,7 @@ fn noisy_and_cut_outputs_are_undecided() {
         let place = deck(line);
         let (omega_squared, step, ..) = prediction(&place);
         let whole = table(&place, omega_squared, step, &mut |x| x);
-        // A hundredth of the amplitude, the same for all particles of no frame.
+        // Noise of a hundredth of the amplitude, independent for all particles and frames.
         let mut state = 0x9e37_79b9_7f4a_7c15_u64;
         let mut noise = |x: f64| {
             state ^= state << 13;
@@ -275,8 +275,8 @@ fn noisy_and_cut_outputs_are_undecided() {
 }
 
 #[test]
-fn an_integrator_is_told_by_its_rates() {
-    // Velocity Verlet where late density is said to be: it does not amplify.
+fn integrators_are_distinguished_by_their_rates() {
+    // Velocity Verlet instead of the assumed late density: it does not amplify.
     let line = format!(
         "{} --stepping late-density",
         TENSION

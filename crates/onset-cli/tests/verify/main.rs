@@ -1,8 +1,8 @@
-//! `onset verify`: what it says of runs that are right, wrong, noisy, cut off, or of another study.
+//! `onset verify`: results for runs that are correct, wrong, noisy, truncated, or of another study.
 //!
-//! `motion` is `onset simulate`, `bodies` the same of bodies. `made` answers decks with particles that move as another prediction says, whatever is installed. `lammps` and `pysph` run the codes
-//! themselves, where the variables ONSET_LAMMPS and ONSET_PYSPH name the program and the interpreter; `cargo xtask test` and
-//! `cargo xtask verify --all` install them.
+//! `motion` tests `onset simulate`, and `bodies` tests it with bodies. `made` answers decks with synthetic particles and needs no installed code.
+//! `lammps` and `pysph` run the codes themselves, if the variables ONSET_LAMMPS and ONSET_PYSPH name the program and the interpreter; `cargo xtask
+//! test` and `cargo xtask verify --all` install them.
 
 mod bodies;
 mod lammps;
@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// A folder of a test, removed in the end.
+/// Folder of a test, removed when it ends.
 struct Place(PathBuf);
 
 impl Place {
@@ -45,12 +45,12 @@ impl Place {
         std::fs::write(self.0.join(name), text).expect("written");
     }
 
-    /// The case of the deck.
+    /// Case file of the deck.
     fn case(&self) -> Value {
         serde_json::from_str(&self.read("case.json")).expect("a document")
     }
 
-    /// Changes a file of the deck, which must change.
+    /// Changes a file of the deck; the change must have an effect.
     fn edit(&self, name: &str, change: impl Fn(&str) -> String) {
         let (before, after) = (self.read(name), change(&self.read(name)));
         assert_ne!(before, after, "{name} has not changed");
@@ -64,7 +64,7 @@ impl Drop for Place {
     }
 }
 
-/// How the command ended.
+/// Result of a command.
 struct Answer {
     code: Option<i32>,
     stdout: String,
@@ -90,7 +90,7 @@ impl Answer {
     }
 }
 
-/// `onset verify` with arguments separated by blanks, and others.
+/// `onset verify` with arguments separated by blanks, and further arguments.
 fn verify(line: &str, others: &[&str]) -> Answer {
     let mut command = Command::new(env!("CARGO_BIN_EXE_onset"));
     command
@@ -100,7 +100,7 @@ fn verify(line: &str, others: &[&str]) -> Answer {
     Answer::of(command)
 }
 
-/// The files of a folder with their bytes.
+/// Files of a folder with their contents.
 fn tree(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let entries = std::fs::read_dir(folder).expect("a folder");
     let mut files: Vec<(String, Vec<u8>)> = entries
@@ -119,7 +119,7 @@ fn text(path: &Path) -> &str {
     path.to_str().expect("UTF-8")
 }
 
-/// A deck in a folder of its own.
+/// Deck in a separate folder.
 fn deck(line: &str) -> Place {
     let place = Place::new();
     let answer = verify(&format!("deck {line}"), &["--out", text(place.path())]);
@@ -127,7 +127,7 @@ fn deck(line: &str) -> Place {
     place
 }
 
-/// What is said of an output of a deck.
+/// Result for an output of a deck.
 fn read(place: &Place, output: &str) -> Answer {
     verify("read --json", &[text(&place.path().join(output))])
 }
@@ -140,7 +140,7 @@ fn run(place: &Place, program: &Path) -> Answer {
     )
 }
 
-/// The program that a variable names; `None` says aloud what is not tested.
+/// Program named by a variable; without it, `None` with a message about the skipped tests.
 fn program(variable: &str, what: &str) -> Option<PathBuf> {
     let named = std::env::var_os(variable).map(PathBuf::from);
     if named.is_none() {

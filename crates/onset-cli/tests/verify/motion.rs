@@ -1,4 +1,4 @@
-//! `onset simulate`: every method moves as its linearized equations say, and a run that ends early goes on to the same bytes.
+//! `onset simulate`: every method moves as its linearized equations predict, and an interrupted run is resumed to the same bytes.
 
 use crate::hunt::hunted;
 use crate::{Answer, Place, text, tree};
@@ -25,7 +25,7 @@ fn number(document: &Value, pointer: &str) -> f64 {
     number.unwrap_or_else(|| panic!("no number at {pointer} of {document}"))
 }
 
-/// The methods of a comparison: names, and the assignments that make them.
+/// Methods of a comparison: names and assignments.
 fn methods(dimension: usize) -> Vec<(String, Vec<String>)> {
     let path = format!(
         "{}/../../comparisons/methods-{dimension}d.toml",
@@ -49,7 +49,7 @@ fn methods(dimension: usize) -> Vec<(String, Vec<String>)> {
         let mut all = common.clone();
         for assignment in assigned(method, "discretization").chunks(2) {
             let key = assignment[1].split('=').next().expect("a key");
-            // What a method sets for itself comes in the place of what all have in common.
+            // Settings of a method replace common settings.
             if let Some(place) = all
                 .iter()
                 .position(|own| own.split('=').next() == Some(key))
@@ -64,14 +64,14 @@ fn methods(dimension: usize) -> Vec<(String, Vec<String>)> {
     .collect()
 }
 
-/// A method with the smallest patch that tells its waves apart.
+/// Method with the smallest patch that separates its waves.
 struct Subject {
     dimension: usize,
     name: String,
     set: Vec<String>,
 }
 
-/// A measured row of the table.
+/// Measured row of the table.
 struct Row {
     what: &'static str,
     state: String,
@@ -95,7 +95,7 @@ impl Subject {
         dimensions.iter().flat_map(of).collect()
     }
 
-    /// Material points whose velocities go through the grid once a step.
+    /// Material points whose velocities are transferred through the grid in each step.
     fn transfers(dimensions: &[usize]) -> Vec<Self> {
         let transfers: [(&str, &[&str]); 5] = [
             ("material points, FLIP", &["transfer=flip"]),
@@ -137,7 +137,7 @@ impl Subject {
         self.set.iter().any(|own| own.contains(".transfer="))
     }
 
-    /// What all methods have in common counts where a method reads it, as in `onset compare`.
+    /// Common settings apply only to methods that read them, as in `onset compare`.
     fn without_idle_keys(mut self) -> Self {
         loop {
             let answer = self.run(&self.stretch(1.0, 1.0), "--steps 1");
@@ -152,8 +152,9 @@ impl Subject {
         }
     }
 
-    /// A state at which no wave grows. An artificial stress has a kink where particles feel no stress; it acts in tension, and compressed particles
-    /// of a plane are unstable with it as without.
+    /// State at which no wave grows.
+    ///
+    /// An artificial stress has a kink at zero stress. It acts in tension; compressed particles in 2D are unstable with or without it.
     fn stable(&self) -> String {
         match self.name.contains("artificial stress") {
             true => self.stretch(1.02, 1.02),
@@ -161,7 +162,7 @@ impl Subject {
         }
     }
 
-    /// In space more along one side: of a patch of two cells all waves alternate, which nodes do not see.
+    /// Number of cells. In 3D one side is longer: all waves of a patch of two cells alternate, and have no effect at the nodes.
     fn cells(&self) -> &str {
         ["8", "4", "4,2,2"][self.dimension - 1]
     }
@@ -170,7 +171,7 @@ impl Subject {
         let mut all = vec![first.to_string()];
         all.resize(self.dimension, others.to_string());
         if self.dimension == 1 {
-            // Stretches are those of a plane at least.
+            // At least two stretches are given.
             all.push("1".to_owned());
         }
         all.join(",")
@@ -182,7 +183,7 @@ impl Subject {
         simulate(&line, &self.set)
     }
 
-    /// The answer of a run that agrees.
+    /// Answer of a run that agrees.
     fn agrees(&self, state: &str, line: &str) -> Value {
         let answer = self.run(state, line);
         assert_eq!(
@@ -200,7 +201,7 @@ impl Subject {
         answer.code == Some(2)
     }
 
-    /// A state, not far from the reference one, at which a wave of the patch grows.
+    /// State near the reference configuration at which a wave of the patch grows.
     fn unstable(&self) -> Option<String> {
         let stretches = [1.1, 0.8, 1.4, 0.6, 2.0];
         let mut states: Vec<String> = stretches
@@ -216,7 +217,7 @@ impl Subject {
         })
     }
 
-    /// A stable, an unstable and a zero-energy mode, where there are such.
+    /// A stable, an unstable and a zero-energy mode, if they exist.
     fn rows(&self) -> Vec<Row> {
         let rest = self.stretch(1.0, 1.0);
         let turns = ["1", "1,0", "1,0,0"][self.dimension - 1];
@@ -245,7 +246,7 @@ impl Subject {
     }
 }
 
-/// How many rows there are of each kind.
+/// Number of agreeing rows of each kind.
 fn agreeing_rows(subjects: Vec<Subject>) -> [usize; 3] {
     let mut kinds = [0; 3];
     for subject in subjects {
@@ -269,13 +270,13 @@ fn agreeing_rows(subjects: Vec<Subject>) -> [usize; 3] {
 }
 
 #[test]
-fn methods_on_a_chain_move_as_predicted() {
+fn methods_in_1d_move_as_predicted() {
     let kinds = agreeing_rows(Subject::all(&[1]));
     assert!(kinds.iter().all(|count| *count > 0), "{kinds:?}");
 }
 
 #[test]
-fn methods_in_the_plane_move_as_predicted() {
+fn methods_in_2d_move_as_predicted() {
     let kinds = agreeing_rows(Subject::all(&[2]));
     assert!(kinds.iter().all(|count| *count > 0), "{kinds:?}");
 }
@@ -286,7 +287,7 @@ fn material_points_with_a_transfer_move_as_predicted() {
     assert!(stable == 10 && unstable > 6, "{stable} {unstable}");
 }
 
-/// Material points on a chain with linear functions, one in a cell unless told.
+/// Material points in 1D with linear functions, one in a cell by default.
 fn on_a_chain(line: &str) -> Answer {
     let set = [
         "method=material-points",
@@ -300,7 +301,7 @@ fn on_a_chain(line: &str) -> Answer {
 }
 
 #[test]
-fn waves_that_strain_points_and_do_not_move_them_are_measured_and_small_strains_only() {
+fn waves_that_strain_points_without_moving_them_are_measured_at_small_strains_only() {
     for transfer in ["transfer=flip", "transfer=pic"] {
         let line = format!(
             "--cells 8 --turns 4 --set discretization.{transfer} --set discretization.points-per-side=1"
@@ -308,14 +309,14 @@ fn waves_that_strain_points_and_do_not_move_them_are_measured_and_small_strains_
         let answer = on_a_chain(&line);
         assert_eq!(answer.code, Some(0), "{}{}", answer.stdout, answer.stderr);
         assert!(number(&answer.document(), "/measured/difference") < 1e-6);
-        // Beyond small strains linearized equations are not tested.
+        // Beyond small strains the linearized equations do not apply.
         let large = on_a_chain(&format!("{line} --amplitude 0.1"));
         assert_eq!(large.code, Some(3), "{}{}", large.stdout, large.stderr);
     }
 }
 
 #[test]
-fn points_that_meet_a_node_of_linear_functions_have_the_slope_for_an_affine_field() {
+fn points_at_a_node_of_linear_functions_have_the_slope_of_an_affine_field() {
     let energies = ["0.25", "0.2499999999", "0.24"].map(|amplitude| {
         let line = format!(
             "--cells 8 --turns 1 --amplitude {amplitude} --steps 1 --time-step 0.01 --set discretization.transfer=apic"
@@ -332,8 +333,8 @@ fn points_that_meet_a_node_of_linear_functions_have_the_slope_for_an_affine_fiel
 }
 
 #[test]
-fn the_sixth_order_keeps_the_energy_of_what_has_one() {
-    // With amplitudes that are not small; the methods with kernels or elements of material coordinates have an energy.
+fn the_sixth_order_integrator_conserves_the_energy_of_conservative_methods() {
+    // At large amplitudes; methods with kernels or elements in material coordinates are conservative.
     let conservative = [
         "total-Lagrangian SPH",
         "SCNI, MLS",
@@ -423,9 +424,9 @@ fn the_table_of_motions() {
 }
 
 impl Subject {
-    /// Energy drift of the sixth order, and the largest displacements of noise of 1e-8 spacings below and above the critical step.
+    /// Energy drift of the sixth-order integrator, and the largest displacements from noise of 1e-8 spacings below and above the critical step.
     fn endurance(&self, state: &str) -> [String; 3] {
-        // A transfer has a step of its own, and takes energy.
+        // A transfer defines its step, and dissipates energy.
         let line = "--mode noise --amplitude 1e-3 --integrator sixth-order --fraction 0.02 --steps 1000 --every 10 --tolerance 1";
         let drift = match self.is_transferred() {
             true => String::new(),
@@ -440,7 +441,8 @@ impl Subject {
                 "--mode noise --amplitude 1e-8 --fraction 0.999 --steps 100000",
             )
             .document();
-        // Above the step of a transfer one factor leaves the unit circle alone: slowly, where two that meet there leave it as the root of the excess.
+        // Above the step of a transfer a single factor leaves the unit circle, slowly; otherwise two coalescing factors leave it with the square root
+        // of the excess.
         let (line, least) = match self.is_transferred() {
             true => ("--fraction 1.01 --steps 300", 1e-7),
             false => ("--fraction 1.001 --steps 150", 1e-5),
@@ -448,7 +450,7 @@ impl Subject {
         let line = format!("--mode noise --amplitude 1e-8 {line} --supercritical");
         let above = self.run(state, &line);
         let bounded = number(&below, "/largest_displacement");
-        // What has left all numbers has grown.
+        // Overflow counts as growth.
         let grown = match above.code {
             Some(1) => f64::INFINITY,
             _ => number(&above.document(), "/largest_displacement"),
@@ -462,12 +464,10 @@ impl Subject {
     }
 }
 
-// Checkpoints.
-
 /// A run of some tenths of a second with checkpoints, histories and fields.
 const RUN: &str = "--stretch 1.2,0.9 --set discretization.method=total-lagrangian-sph --cells 4 --mode noise --steps 600 --checkpoint 20 --fields 5 --seed 7 --tolerance 1 --quiet";
 
-/// The same of material points with affine velocity fields.
+/// A run of material points with affine velocity fields.
 const POINTS: &str = "--stretch 1.2,0.9 --set discretization.method=mls-mpm --cells 4 --mode noise --steps 600 --checkpoint 20 --fields 5 --seed 7 --tolerance 1 --quiet";
 
 fn into(place: &Path) -> [String; 2] {
@@ -497,7 +497,7 @@ fn whole(run: &str) -> (Place, Vec<(String, Vec<u8>)>, Duration) {
 }
 
 #[test]
-fn a_run_that_is_killed_goes_on_to_the_same_bytes() {
+fn a_killed_run_is_resumed_to_the_same_bytes() {
     goes_on_when_killed(RUN);
     goes_on_when_killed(POINTS);
 }
@@ -516,7 +516,7 @@ fn goes_on_when_killed(run: &str) {
     for case in 0..cases {
         let place = Place::new();
         let arguments = into(place.path());
-        // Killed, resumed and killed again, resumed.
+        // Killed, resumed, killed and resumed again.
         for again in 0..2 {
             let is_kept = place.path().join("checkpoint.onset").exists();
             let more = if again == 1 && is_kept {
@@ -552,7 +552,7 @@ fn goes_on_when_killed(run: &str) {
 
 #[cfg(unix)]
 #[test]
-fn an_interrupt_ends_in_order_and_the_run_goes_on_to_the_same_bytes() {
+fn an_interrupted_run_ends_cleanly_and_is_resumed_to_the_same_bytes() {
     let (_place, files, _) = whole(RUN);
     let place = Place::new();
     let arguments = into(place.path());
@@ -608,7 +608,7 @@ fn damaged_and_foreign_checkpoints_are_refused() {
     refused(&format!("{RUN} --resume"), "cut off");
     std::fs::write(&path, b"something else").expect("written");
     refused(&format!("{RUN} --resume"), "no checkpoint");
-    // A whole one goes on, or begins anew, as a run does that was ended before its first.
+    // A complete checkpoint is resumed, or started over if the run ended before its first checkpoint.
     for (more, has_checkpoint) in [
         ("--resume", true),
         ("--overwrite", true),
@@ -626,8 +626,8 @@ fn damaged_and_foreign_checkpoints_are_refused() {
 
 #[cfg(unix)]
 #[test]
-fn a_full_disk_leaves_the_last_checkpoint() {
-    // The first checkpoints fit, longer histories do not.
+fn a_full_disk_preserves_the_last_checkpoint() {
+    // The first checkpoints fit, but longer histories do not.
     let place = Place::new();
     let limited = "ulimit -f 64; trap '' XFSZ; exec \"$@\"";
     let line = RUN
@@ -652,9 +652,9 @@ fn a_full_disk_leaves_the_last_checkpoint() {
     assert!(matches!(answer.code, Some(0 | 3)), "{}", answer.stderr);
 }
 
-/// All waves of such a patch are rigid translations or of particles that alternate, which nodal integration does not see.
+/// All waves of such a patch are rigid translations or alternating displacements, on which nodal integration has no effect.
 #[test]
-fn a_patch_on_which_no_wave_has_energy_has_no_largest_stable_step() {
+fn a_patch_of_zero_energy_modes_has_no_largest_stable_step() {
     let line =
         "--stretch 1,1 --set discretization.method=total-lagrangian-sph --cells 2 --steps 10";
     let answer = simulate(line, &[]);
@@ -664,8 +664,8 @@ fn a_patch_on_which_no_wave_has_energy_has_no_largest_stable_step() {
 }
 
 #[test]
-fn a_motion_that_breaks_down_tells_time_particle_and_state() {
-    // Noise of half a spacing turns neighbors inside out.
+fn a_motion_that_breaks_down_is_reported_with_time_particle_and_state() {
+    // Noise of half a spacing inverts elements.
     let line = "--stretch 1,1 --set discretization.method=finite-elements --set discretization.mesh=quadrilaterals --cells 4 --mode noise --amplitude 0.9 --steps 2000";
     let answer = simulate(line, &[]);
     assert_eq!(answer.code, Some(1), "{}{}", answer.stdout, answer.stderr);
@@ -731,7 +731,7 @@ fn damped_and_smoothed_waves_have_their_rates_in_discrete_time_with_every_integr
             let answer = answer.document();
             let [a, b] = ["continuous", "predicted"]
                 .map(|own| number(&answer, &format!("/{own}/frequency")));
-            // The correction is much more than the tolerance.
+            // The correction is much larger than the tolerance.
             assert!(
                 (a / b - 1.0).abs() > 1e-5,
                 "{choices} {integrator}: {a} {b}"
@@ -741,7 +741,7 @@ fn damped_and_smoothed_waves_have_their_rates_in_discrete_time_with_every_integr
 }
 
 #[test]
-fn an_answer_says_material_and_units_in_numbers_of_six_digits() {
+fn an_answer_prints_material_and_units_with_six_digits() {
     let line = "--stretch 1.1,1 --set material.model=neo-hooke --set material.mu=1MPa --set material.lambda=2MPa \
                 --set discretization.density=1000kg/m^3 --set discretization.spacing=1mm --set discretization.method=tlsph \
                 --set discretization.penalty=0.2 --cells 4 --turns 1,0";
@@ -756,7 +756,7 @@ fn an_answer_says_material_and_units_in_numbers_of_six_digits() {
         " rad/s",
         " 1/m, branch 1",
         " 1/s^2",
-        // A wave that travels does not grow, to rounding.
+        // A traveling wave does not grow, to rounding.
         "growth rate 0 1/s",
     ] {
         assert!(told.contains(fact), "no `{fact}` in\n{told}");

@@ -27,7 +27,7 @@ const ROWS: &[Row<'static>] = &[
 ];
 
 #[test]
-fn predicted_waves_are_seen_in_pysph() {
+fn predicted_waves_are_measured_in_pysph() {
     if let Some(python) = program("ONSET_PYSPH", "predictions against PySPH") {
         check(ROWS, &python, "ONSET_PYSPH_TABLE");
     }

@@ -1,4 +1,4 @@
-//! Input that is wrong: what is said of it.
+//! Error messages for invalid input.
 
 use super::made::{CHECKERBOARD, table};
 use super::{Place, deck, read, text, verify};
@@ -16,7 +16,7 @@ fn checkerboard() -> (Place, String) {
 }
 
 #[test]
-fn outputs_that_are_wrong_are_told_with_their_line() {
+fn invalid_outputs_are_reported_with_their_line() {
     let (place, output) = checkerboard();
     let id = place.case()["id"].as_str().expect("a mark").to_owned();
     let lines: Vec<&str> = output.lines().collect();
@@ -77,7 +77,7 @@ fn outputs_that_are_wrong_are_told_with_their_line() {
 }
 
 #[test]
-fn cases_that_are_missing_or_changed_are_told() {
+fn missing_or_changed_cases_are_reported() {
     let (place, output) = checkerboard();
     place.write("wave.csv", &output);
     let missing = verify("read nowhere/wave.csv", &[]);
@@ -104,7 +104,7 @@ fn cases_that_are_missing_or_changed_are_told() {
 }
 
 #[test]
-fn programs_that_are_missing_or_fail_are_told() {
+fn missing_and_failing_programs_are_reported() {
     let smd = "--code lammps-smd-ulsph --stretch 1.05,1.05 --wave-vector 3.141592653589793,0 --energy K*(J-ln(J)) --set material.K=1";
     let place = deck(smd);
     let missing = verify("run", &[text(place.path()), "--program", "no-such-lammps"]);
@@ -119,7 +119,7 @@ fn programs_that_are_missing_or_fail_are_told() {
         let failed = verify("run", &[text(place.path()), "--program", "false"]);
         assert_eq!(failed.code, Some(2));
         assert!(failed.stderr.contains("ended with"), "{}", failed.stderr);
-        // A program that succeeds and writes nothing.
+        // A program that succeeds but writes nothing.
         let silent = verify("run", &[text(place.path()), "--program", "true"]);
         assert_eq!(silent.code, Some(2));
         assert!(silent.stderr.contains("wave.dump"), "{}", silent.stderr);
@@ -127,7 +127,7 @@ fn programs_that_are_missing_or_fail_are_told() {
 }
 
 #[test]
-fn what_a_code_cannot_compute_is_refused() {
+fn problems_beyond_the_capabilities_of_a_code_are_refused() {
     let law = "--energy K*(J-ln(J)) --set material.K=1";
     let cases = [
         (

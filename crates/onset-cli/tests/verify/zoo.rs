@@ -1,10 +1,10 @@
-//! The zoo: instabilities that people have met, with the verdicts on them.
+//! Zoo of reported instabilities, with their verdicts.
 
 use super::{deck, program, run};
 use std::path::PathBuf;
 use std::process::Command;
 
-/// An entry of the zoo.
+/// Entry of the zoo.
 struct Entry {
     name: String,
     table: toml::Table,
@@ -26,12 +26,12 @@ impl Entry {
         )
     }
 
-    /// The answer of `onset state`.
+    /// Answer of `onset state`.
     fn state(&self, key: &str) -> Option<serde_json::Value> {
         Some(self.document(["state", "--json"], self.words(key)?))
     }
 
-    /// The answer of `onset limit` to the question.
+    /// Answer of `onset limit` to the question.
     fn limit(&self) -> Option<serde_json::Value> {
         let words = [self.words("limit")?, self.words("question")?].concat();
         Some(self.document(["limit", "--json"], words))
@@ -126,7 +126,7 @@ fn each_entry_has_its_verdict_and_its_remedy() {
 }
 
 #[test]
-fn entries_that_are_confirmed_agree_with_a_run() {
+fn confirmed_entries_agree_with_a_run() {
     let Some(lammps) = program("ONSET_LAMMPS", "the confirmed entries of the zoo") else {
         return;
     };

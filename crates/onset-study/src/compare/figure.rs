@@ -7,7 +7,7 @@ use crate::number::counted;
 use onset::measures::{Load, StretchOnset};
 
 /// Smallest value on the logarithmic axis of errors; smaller values are drawn there.
-const SMALLEST: f64 = 1e-4;
+const SMALLEST_ERROR_SHOWN: f64 = 1e-4;
 
 /// Marker of a loading.
 struct Look {
@@ -19,7 +19,7 @@ struct Look {
 }
 
 /// Markers of [`Load::ALL`]: triangles for tension, solid shapes for compression, in colors for color-blind readers.
-const LOOKS: [Look; 4] = [
+const MARKERS: [Look; 4] = [
     Look {
         color: palette::LOADS[0],
         marker: Marker::Triangle,
@@ -68,7 +68,7 @@ impl Table {
                 counted(self.dimension, "dimension"),
                 self.options.stretches[0],
                 self.options.stretches[1],
-                percent(SMALLEST)
+                percent(SMALLEST_ERROR_SHOWN)
             ))
     }
 
@@ -96,7 +96,7 @@ impl Table {
         let axis = Axis::linear("stretch at onset (−)", (ends[0], ends[1]));
         let axis = axis.covering([ends[0] - reach, ends[1] + reach]);
         let mut panel = Panel::new("First instability", axis, self.methods());
-        let loads = Load::ALL.into_iter().zip(LOOKS);
+        let loads = Load::ALL.into_iter().zip(MARKERS);
         for (load, look) in loads.filter(|(load, _)| load.is_possible(self.dimension)) {
             let of = |m: &Measured| m.onsets.iter().find(|pair| pair.load == load).copied();
             let material = self.measured().find_map(|(_, m)| of(m));
@@ -165,14 +165,14 @@ impl Table {
 
     fn errors(&self) -> Panel {
         let all = self.measured().flat_map(|(_, m)| &m.dispersion);
-        let all = all.map(|error| error.error.max(SMALLEST));
-        let axis = Axis::log("error (−)", (SMALLEST, 1.0)).covering(all);
+        let all = all.map(|error| error.error.max(SMALLEST_ERROR_SHOWN));
+        let axis = Axis::log("error (−)", (SMALLEST_ERROR_SHOWN, 1.0)).covering(all);
         let mut panel = Panel::new("Frequencies", axis, self.methods());
         let colors = [palette::VERMILION, palette::BLUE, palette::GREEN];
         for (count, color) in super::WAVELENGTHS.into_iter().zip(colors) {
             let points = self
                 .measured()
-                .map(|(height, m)| (m.dispersion_at(count).max(SMALLEST), height));
+                .map(|(height, m)| (m.dispersion_at(count).max(SMALLEST_ERROR_SHOWN), height));
             panel = panel.with(
                 Points::new(points.collect())
                     .marker(Marker::Square)

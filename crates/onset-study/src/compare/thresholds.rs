@@ -32,15 +32,15 @@ impl Default for Thresholds {
 /// Limit that can be varied: its name as an option, and access to its value.
 type Limit = (&'static str, fn(&mut Thresholds) -> &mut f64);
 
-const WEAK: Limit = ("weak", |limits| &mut limits.weak);
-const WRONG: Limit = ("wrong", |limits| &mut limits.wrong);
-const LONG_WAVES: Limit = ("long-waves", |limits| &mut limits.long_waves);
-const LATER: Limit = ("later", |limits| &mut limits.later);
+const WEAK_LIMIT: Limit = ("weak", |limits| &mut limits.weak);
+const WRONG_LIMIT: Limit = ("wrong", |limits| &mut limits.wrong);
+const LONG_WAVES_LIMIT: Limit = ("long-waves", |limits| &mut limits.long_waves);
+const LATER_LIMIT: Limit = ("later", |limits| &mut limits.later);
 
 /// Limits that affect recommendations.
-pub(super) const OF_RECOMMENDATIONS: [Limit; 3] = [WEAK, WRONG, LONG_WAVES];
+pub(super) const OF_RECOMMENDATIONS: [Limit; 3] = [WEAK_LIMIT, WRONG_LIMIT, LONG_WAVES_LIMIT];
 /// Limits that affect tuning.
-pub(crate) const OF_TUNING: [Limit; 3] = [WEAK, WRONG, LATER];
+pub(crate) const OF_TUNING: [Limit; 3] = [WEAK_LIMIT, WRONG_LIMIT, LATER_LIMIT];
 
 impl Thresholds {
     /// Variants with one limit halved or doubled: its name, its new value, and all limits.

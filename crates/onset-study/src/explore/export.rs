@@ -11,7 +11,7 @@ use onset::bloch::IsEnded;
 use std::time::Instant;
 
 /// Reserved words of Python among the names of parameters.
-const KEPT: [&str; 2] = ["lambda", "yield"];
+const RESERVED_WORDS: [&str; 2] = ["lambda", "yield"];
 
 /// Exports the question, or its map, as `toml`, `command`, `python`, `svg` or `csv`.
 pub(super) fn export(
@@ -71,7 +71,7 @@ fn python(question: &Question, settings: &Settings) -> String {
                 arguments.insert(0, literal(value));
             } else {
                 let mut keyword = own.replace('-', "_");
-                if KEPT.contains(&own) {
+                if RESERVED_WORDS.contains(&own) {
                     keyword.push('_');
                 }
                 arguments.push(format!("{keyword}={}", literal(value)));

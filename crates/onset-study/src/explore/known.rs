@@ -11,7 +11,7 @@ use onset::verdict::Assessment;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Number of cached states.
-const REMEMBERED: usize = 8;
+const CACHED_STATES: usize = 8;
 
 /// Assessed state.
 pub(super) struct Known {
@@ -83,7 +83,7 @@ impl States {
             known: Mutex::default(),
         });
         places.push(Arc::clone(&place));
-        let extra = places.len().saturating_sub(REMEMBERED);
+        let extra = places.len().saturating_sub(CACHED_STATES);
         places.drain(..extra);
         place
     }

@@ -8,15 +8,15 @@ use serde::Serialize;
 use std::sync::{Mutex, PoisonError};
 
 /// Number of states along an axis of the coarsest map, by dimension. A state in 3D takes a hundred times as long as a state in 2D.
-const COARSEST: [usize; 3] = [12, 12, 6];
+const COARSEST_STATES: [usize; 3] = [12, 12, 6];
 /// Largest number of refinements.
 pub(super) const LEVELS: u32 = 3;
 /// Number of states along an axis of the finest map in 2D.
-pub(super) const FINEST: usize = COARSEST[1] << LEVELS;
+pub(super) const FINEST: usize = COARSEST_STATES[1] << LEVELS;
 /// Number of states along an axis between which boundaries are searched; tracing then is as exact as in the command.
 pub(super) const OF_CURVES: usize = 32;
 /// Number of cached maps.
-const REMEMBERED: usize = 8;
+const CACHED_MAPS: usize = 8;
 
 /// Map as shown by a page.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -90,7 +90,7 @@ impl Maps {
         is_ended: IsEnded<'_>,
     ) -> Result<Domain, Refusal> {
         let dimension = question.settings(trust)?.dimension();
-        let study = question.study(trust, COARSEST[dimension - 1] << level)?;
+        let study = question.study(trust, COARSEST_STATES[dimension - 1] << level)?;
         let name = study.document();
         if let Some(known) = self.known(&name) {
             return Ok(known);
@@ -104,7 +104,7 @@ impl Maps {
         };
         let mut maps = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         maps.push((name, domain.clone()));
-        let extra = maps.len().saturating_sub(REMEMBERED);
+        let extra = maps.len().saturating_sub(CACHED_MAPS);
         maps.drain(..extra);
         Ok(domain)
     }

@@ -36,7 +36,7 @@ pub struct Window {
 }
 
 /// Largest number of displacements in a cell, to keep answers fast.
-const UNKNOWNS: usize = 96;
+const MAX_UNKNOWNS: usize = 96;
 
 impl Default for Window {
     fn default() -> Self {
@@ -68,9 +68,9 @@ impl Question {
     pub(super) fn problem(&self, trust: &Trust) -> Result<Problem, Refusal> {
         let problem = Problem::new(self.settings(trust)?)?;
         let unknowns = problem.dimension() * problem.analysis.sites();
-        if unknowns > UNKNOWNS {
+        if unknowns > MAX_UNKNOWNS {
             return Err(Refusal::Input(format!(
-                "the cell has {unknowns} displacements; a page answers for at most {UNKNOWNS}\n  hint: choose fewer discretization.cells here, or ask the command"
+                "the cell has {unknowns} displacements; a page answers for at most {MAX_UNKNOWNS}\n  hint: choose fewer discretization.cells here, or ask the command"
             )));
         }
         Ok(problem)

@@ -84,7 +84,7 @@ fn a_map_has_the_verdicts_of_its_states_and_becomes_finer() {
 }
 
 #[test]
-fn what_nobody_waits_for_is_given_up() {
+fn cancelled_questions_are_not_answered() {
     let question = question(&["discretization.method=updated-sph"], "1,1");
     for name in ["state", "mode", "dispersion", "map", "boundary"] {
         let answer = explorer().answer(name, &question, &|| true);
@@ -93,7 +93,7 @@ fn what_nobody_waits_for_is_given_up() {
 }
 
 #[test]
-fn a_form_has_the_keys_that_are_read_and_drops_what_is_not() {
+fn a_form_has_the_keys_that_are_read_and_drops_the_others() {
     let set = [
         "material.model=neo-hooke",
         "material.mu=0.5",
@@ -129,7 +129,7 @@ fn a_form_has_the_keys_that_are_read_and_drops_what_is_not() {
 }
 
 #[test]
-fn moduli_are_fields_in_the_place_of_what_follows_from_them() {
+fn moduli_are_fields_in_place_of_derived_parameters() {
     let set = [
         "material.model=neo-hooke",
         "material.young=1",
@@ -143,7 +143,7 @@ fn moduli_are_fields_in_the_place_of_what_follows_from_them() {
 }
 
 #[test]
-fn parameters_of_a_typed_energy_that_have_no_value_are_told() {
+fn parameters_of_an_energy_without_a_value_are_listed() {
     let set = [
         "material.model=formula",
         "material.energy=mu/2*(I1 - 3 - 2*ln(J)) + c*(J - 1)^2",
@@ -169,7 +169,7 @@ fn a_wrong_formula_is_shown_with_a_caret() {
 }
 
 #[test]
-fn a_question_starts_no_library_and_looks_at_no_file() {
+fn a_question_starts_no_library_and_reads_no_file() {
     let library = "/nowhere/at-all.so";
     for set in [
         vec![
@@ -208,7 +208,7 @@ fn a_question_starts_no_library_and_looks_at_no_file() {
 }
 
 #[test]
-fn a_study_is_opened_as_a_question_that_asks_for_the_same() {
+fn a_study_is_opened_as_an_equivalent_question() {
     for text in [
         include_str!("../../../../studies/rubber.toml"),
         "[material]\nmodel = \"neo-hooke\"\n[discretization]\nmethod = \"updated-sph\"\nsupport = 2.2\n",
@@ -241,7 +241,7 @@ fn a_study_is_opened_as_a_question_that_asks_for_the_same() {
 }
 
 #[test]
-fn exports_ask_for_the_same() {
+fn exports_are_equivalent_to_the_question() {
     let set = [
         "material.model=neo-hooke",
         "material.lambda=3",
@@ -282,7 +282,7 @@ fn exports_ask_for_the_same() {
 }
 
 #[test]
-fn the_zoo_is_that_of_the_repository() {
+fn the_zoo_contains_all_files_of_the_repository() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../zoo");
     let mut names: Vec<String> = std::fs::read_dir(folder)
         .expect("the zoo")

@@ -11,10 +11,10 @@ use onset::bloch::Stability;
 use std::ops::Range;
 
 /// Largest change of a measure that counts as constant: the measure of a zero-energy mode is zero to rounding.
-const NOISE: f64 = 1e-9;
+const MEASURE_NOISE: f64 = 1e-9;
 
 /// Number of states over which measures are smooth. Shorter cells are halved only if they are nearer to a boundary.
-const SMOOTH: usize = 4;
+const SMOOTH_STATES: usize = 4;
 
 /// Box of states, both ends included.
 #[derive(Clone, Debug)]
@@ -129,19 +129,19 @@ fn coarse(extent: &[usize], stride: usize) -> Vec<Cell> {
 /// States of a tile during refinement.
 struct Tile<'a> {
     extent: &'a [usize],
-    /// Number of the record for each state, or [`OPEN`] if it is not computed.
+    /// Number of the record for each state, or [`NOT_COMPUTED`] if it is not computed.
     numbers: Vec<u32>,
     records: Vec<(usize, Record)>,
 }
 
 /// Marker for a state without a record.
-const OPEN: u32 = u32::MAX;
+const NOT_COMPUTED: u32 = u32::MAX;
 
 impl<'a> Tile<'a> {
     fn new(extent: &'a [usize]) -> Self {
         Self {
             extent,
-            numbers: vec![OPEN; extent.iter().product()],
+            numbers: vec![NOT_COMPUTED; extent.iter().product()],
             records: Vec::new(),
         }
     }
@@ -165,7 +165,7 @@ impl<'a> Tile<'a> {
             .iter()
             .flat_map(Cell::corners)
             .map(|corner| ravel(&corner, self.extent))
-            .filter(|state| self.numbers[*state] == OPEN)
+            .filter(|state| self.numbers[*state] == NOT_COMPUTED)
             .collect();
         missing.sort_unstable();
         missing.dedup();
@@ -182,7 +182,7 @@ impl<'a> Tile<'a> {
         let finding = records.first()?.finding;
         let agree = records.iter().all(|record| record.finding == finding);
         let span = cell.span();
-        let nearness = span as f64 / longest.min(SMOOTH) as f64;
+        let nearness = span as f64 / longest.min(SMOOTH_STATES) as f64;
         (agree && !may_change(&records, finding, nearness.min(1.0))).then_some(finding)
     }
 
@@ -251,10 +251,10 @@ impl Signs {
         let low = values().fold(f64::INFINITY, f64::min);
         let high = values().fold(f64::NEG_INFINITY, f64::max);
         let smallest = values().map(f64::abs).fold(f64::INFINITY, f64::min);
-        let may_vanish = high - low > NOISE && smallest < nearness * (high - low);
+        let may_vanish = high - low > MEASURE_NOISE && smallest < nearness * (high - low);
         Self {
-            negative: low < -NOISE || may_vanish,
-            positive: high > NOISE || may_vanish,
+            negative: low < -MEASURE_NOISE || may_vanish,
+            positive: high > MEASURE_NOISE || may_vanish,
         }
     }
 
@@ -389,7 +389,7 @@ mod tests {
     }
 
     #[test]
-    fn a_boundary_without_measures_is_followed_from_cell_to_cell() {
+    fn a_boundary_without_measures_is_traced_from_cell_to_cell() {
         // A wedge of undefined states, wider than a coarse cell only at one side.
         let wedge = |place: &[usize]| {
             let (row, column) = (place[0] as f64, place[1] as f64);
@@ -420,7 +420,7 @@ mod tests {
     }
 
     #[test]
-    fn a_measure_that_decides_nothing_is_not_followed() {
+    fn an_irrelevant_measure_causes_no_refinement() {
         // Numerical instability everywhere, in a material that is elliptic on one side.
         let record = |place: &[usize]| Record {
             finding: Finding {

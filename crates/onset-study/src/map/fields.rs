@@ -300,7 +300,7 @@ mod tests {
     use crate::settings::{OUTPUTS, Value};
 
     #[test]
-    fn the_outputs_are_the_numbers_of_a_state_and_what_is_not_asked_for_is_not_stored() {
+    fn outputs_are_the_numbers_of_a_state_and_only_requested_ones_are_stored() {
         let names: Vec<&str> = numbers().iter().map(|(field, _)| field.name).collect();
         assert_eq!(names, OUTPUTS);
         let mut map = MapSettings::default();
@@ -358,7 +358,7 @@ mod tests {
     }
 
     #[test]
-    fn states_that_are_filled_in_have_words_and_no_numbers() {
+    fn filled_in_states_have_flags_but_no_numbers() {
         let finding = Finding {
             verdict: Some(Verdict::Numerical),
             stability: Some(Stability::Flutter),

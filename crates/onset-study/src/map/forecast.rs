@@ -19,16 +19,16 @@ use std::convert::Infallible;
 use std::time::{Duration, Instant};
 
 /// Number of grid points along each axis, for successively finer grids.
-const GRIDS: [usize; 6] = [2, 3, 5, 9, 17, 33];
+const GRID_POINTS: [usize; 6] = [2, 3, 5, 9, 17, 33];
 /// Largest number of tiles whose refinement is rehearsed, evenly chosen.
-const REHEARSED: usize = 200;
+const REHEARSED_TILES: usize = 200;
 /// Numbers of timed states: in the first group, in the initial batch, in the largest batch, and in total.
 ///
 /// Batches fill the vector lanes as in a map.
-const FIRST: usize = 4;
-const BATCH: usize = 16;
+const FIRST_BATCH: usize = 4;
+const INITIAL_BATCH: usize = 16;
 const LARGEST_BATCH: usize = 128;
-const TIMED: usize = 512;
+const TIMED_STATES: usize = 512;
 /// Default time limit: afterwards no finer grid is started and no more states are timed.
 pub const PATIENCE: Duration = Duration::from_millis(600);
 
@@ -138,7 +138,7 @@ impl Work {
     /// Work of an adaptive map.
     fn rehearsed(study: &Study, tiling: &Tiling, sample: &Sample<'_>) -> Self {
         let tiles = tiling.tiles();
-        let some = tiles.min(REHEARSED);
+        let some = tiles.min(REHEARSED_TILES);
         let mut states = Vec::new();
         let mut prepared = 0;
         let clock = Clock::start();
@@ -214,22 +214,22 @@ impl Timing {
         work: &Work,
         patience: Duration,
     ) -> Result<Self, ProblemError> {
-        let most = TIMED.min(work.evaluations as usize).max(1);
+        let most = TIMED_STATES.min(work.evaluations as usize).max(1);
         let batch_at = |first: usize, count: usize| {
             let numbers = (first..first + count).map(|n| work.timed(n));
             let places: Vec<Vec<f64>> = numbers.map(|state| study.coordinates(state)).collect();
             Self::of_states(study, shared, &places)
         };
         // The first states find caches empty and vector lanes half full. They count only if no time remains for more.
-        let first = batch_at(0, FIRST.min(most))?;
-        let (mut timing, mut batch) = (Self::default(), BATCH);
+        let first = batch_at(0, FIRST_BATCH.min(most))?;
+        let (mut timing, mut batch) = (Self::default(), INITIAL_BATCH);
         let one = |timing: &Self| timing.spent() / timing.states.max(1) as u32;
         while timing.states < most {
             let known = if timing.states == 0 { &first } else { &timing };
             if timing.spent() + one(known) * batch as u32 > patience {
                 break;
             }
-            timing.add(batch_at(FIRST + timing.states, batch)?);
+            timing.add(batch_at(FIRST_BATCH + timing.states, batch)?);
             batch = (2 * batch).min(LARGEST_BATCH);
         }
         if timing.states > 0 {
@@ -303,8 +303,8 @@ fn sampled<'a>(
     patience: Duration,
 ) -> Result<Sample<'a>, ProblemError> {
     let start = Instant::now();
-    let mut sample = Sample::of(study, tiling, shared, GRIDS[0])?;
-    for count in &GRIDS[1..] {
+    let mut sample = Sample::of(study, tiling, shared, GRID_POINTS[0])?;
+    for count in &GRID_POINTS[1..] {
         // A grid twice as fine has 2^d times as many states.
         let growth = 2_u32.pow(tiling.shape.len() as u32);
         if sample.is_all() || start.elapsed() + growth * sample.time > patience {
@@ -457,15 +457,15 @@ mod tests {
     }
 
     #[test]
-    fn timed_states_lie_evenly_all_over_the_map() {
+    fn timed_states_are_spread_evenly_over_the_map() {
         let study = study("");
         let work = Work::of_all(&study, &tiling(&study));
         let mut blocks = [[0; 4]; 4];
-        for n in 0..TIMED {
+        for n in 0..TIMED_STATES {
             let state = work.timed(n);
             blocks[state / 64 / 12][state % 64 / 16] += 1;
         }
-        let mean = TIMED / 16;
+        let mean = TIMED_STATES / 16;
         let near = mean - mean / 4..=mean + mean / 4;
         assert!(
             blocks.iter().flatten().all(|count| near.contains(count)),
@@ -474,7 +474,7 @@ mod tests {
     }
 
     #[test]
-    fn of_an_adaptive_map_those_states_are_timed_that_it_is_going_to_compute() {
+    fn timed_states_of_an_adaptive_map_are_states_that_it_will_compute() {
         let study = study("adaptive = true\n");
         let tiling = tiling(&study);
         let evaluator = Evaluator::new(study.settings.clone(), &study.map, true).expect("valid");
@@ -485,12 +485,12 @@ mod tests {
         assert!(work.evaluations < study.states() as u64);
         let known: BTreeSet<usize> = work.states.iter().copied().collect();
         assert_eq!(known.len(), work.states.len(), "each state once");
-        assert!((0..TIMED).all(|n| known.contains(&work.timed(n))));
+        assert!((0..TIMED_STATES).all(|n| known.contains(&work.timed(n))));
         assert!(work.refining > 0.0);
     }
 
     #[test]
-    fn what_a_map_costs_is_the_sum_of_its_work() {
+    fn the_cost_of_a_map_is_the_sum_of_its_work() {
         let forecast = Forecast::of(&study("adaptive = true\n"), PATIENCE).expect("a forecast");
         let sum = forecast.evaluations as f64 * forecast.seconds_per_state
             + forecast.preparations as f64 * forecast.seconds_per_preparation

@@ -106,7 +106,7 @@ mod tests {
     use super::edge;
 
     #[test]
-    fn tiles_hold_about_as_many_states_in_space_as_in_the_plane() {
+    fn tiles_hold_similar_numbers_of_states_with_two_and_three_axes() {
         assert_eq!((edge(64, 2), edge(64, 3)), (64, 16));
         assert_eq!((edge(1, 2), edge(1, 3)), (1, 1));
     }

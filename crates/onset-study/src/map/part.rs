@@ -66,7 +66,7 @@ mod tests {
     use super::Part;
 
     #[test]
-    fn shares_are_disjoint_and_all_tiles_together() {
+    fn shares_are_disjoint_and_cover_all_tiles() {
         for (of, all) in [(1, 25), (2, 25), (8, 25), (30, 25)] {
             let mut together: Vec<usize> = (1..=of)
                 .flat_map(|number| Part::Share { number, of }.tiles(all))
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_are_written_as_they_are_read() {
+    fn parts_are_printed_as_they_are_parsed() {
         for text in ["0..64", "3..4", "1/8", "8/8"] {
             let part: Part = text.parse().expect("a part");
             assert_eq!(part.to_string(), text);

@@ -75,7 +75,7 @@ const TILES_PER_CORE: usize = 4;
 /// Largest number of states in tiles computed simultaneously.
 ///
 /// Results of a tile are kept until it is finished, a few hundred bytes per state; the limit keeps memory independent of the number of cores.
-const STATES_AT_ONCE: usize = 1 << 20;
+const MAX_STATES_IN_PROGRESS: usize = 1 << 20;
 
 /// Action on a tile, with its counts if it completes.
 type Action<'a> = dyn Fn(usize) -> Result<Option<Tally>, MapError> + Sync + 'a;
@@ -118,7 +118,7 @@ impl Plan {
             }
         }
         let largest = self.tiling.at(0).states().max(1);
-        let at_once = (STATES_AT_ONCE / largest).max(1);
+        let at_once = (MAX_STATES_IN_PROGRESS / largest).max(1);
         let each = |tiles: &[usize], action: &Action<'_>| self.each(tiles, at_once, watch, action);
         let found = each(&done, &|tile| self.checked(store, tile, watch).map(Some))?;
         let are_few = |tiles: &[usize]| {

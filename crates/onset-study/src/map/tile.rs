@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 /// Largest number of states in a batch: large enough to share set-up costs, small enough to distribute batches among cores.
-const PART: usize = 512;
+const BATCH_STATES: usize = 512;
 
 /// Study prepared for computation.
 pub struct Plan {
@@ -101,10 +101,10 @@ impl Plan {
             let parts: Result<Vec<Vec<Record>>, MapError> = if work.by_state {
                 // Small numbers of slow states are distributed too.
                 let shares = 4 * rayon::current_num_threads();
-                let part = batch.len().div_ceil(shares).clamp(1, PART);
+                let part = batch.len().div_ceil(shares).clamp(1, BATCH_STATES);
                 batch.par_chunks(part).map(&some).collect()
             } else {
-                batch.chunks(PART).map(&some).collect()
+                batch.chunks(BATCH_STATES).map(&some).collect()
             };
             Ok(parts?.concat())
         };
@@ -136,17 +136,17 @@ impl Default for Pace {
 
 impl Pace {
     /// Batches that take less time are followed by larger batches.
-    const SOON: Duration = Duration::from_millis(50);
-    const LONG: Duration = Duration::from_millis(250);
+    const SHORT_BATCH: Duration = Duration::from_millis(50);
+    const LONG_BATCH: Duration = Duration::from_millis(250);
 
     fn states(&self) -> usize {
         self.0.load(Ordering::Relaxed)
     }
 
     fn took(&self, states: usize, time: Duration) {
-        if time < Self::SOON {
-            self.0.fetch_max((4 * states).min(PART), Ordering::Relaxed);
-        } else if time > Self::LONG {
+        if time < Self::SHORT_BATCH {
+            self.0.fetch_max((4 * states).min(BATCH_STATES), Ordering::Relaxed);
+        } else if time > Self::LONG_BATCH {
             self.0.store((states / 4).max(1), Ordering::Relaxed);
         }
     }

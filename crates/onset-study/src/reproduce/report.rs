@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_line_counts_verdicts_and_names_the_claims_that_do_not_hold() {
+    fn the_last_line_counts_verdicts_and_names_failing_claims() {
         let mut report = Report {
             claims: vec![
                 claim("C1", ClaimVerdict::Reproduced, "reproduced"),

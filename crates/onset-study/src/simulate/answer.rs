@@ -111,7 +111,7 @@ impl SimulateAnswer {
             _ => {
                 let moved = displacement / problem.analysis.spacing();
                 let is_noise = question.seeded == Seeded::Noise
-                    && measured.as_ref().is_some_and(|own| own.difference < NOISE);
+                    && measured.as_ref().is_some_and(|own| own.difference < NOISE_RATE_TOLERANCE);
                 explained((outcome, reason), plan, patch, moved, is_noise)
             }
         };
@@ -157,11 +157,11 @@ impl SimulateAnswer {
 }
 
 /// Displacement in particle spacings beyond which the linearized equations do not apply.
-const SMALL: f64 = 0.01;
+const SMALL_DISPLACEMENT_SPACINGS: f64 = 0.01;
 /// Largest relative difference from the predicted rate of a measured rate in noise, where other waves change it.
-const NOISE: f64 = 0.01;
+const NOISE_RATE_TOLERANCE: f64 = 0.01;
 /// Smallest number of samples in a record.
-const FEWEST: usize = 16;
+const MIN_SAMPLES: usize = 16;
 
 type Verdict = (Outcome, String, Option<Measured>);
 
@@ -190,7 +190,7 @@ fn explained(
         ),
         false => String::new(),
     };
-    if displacement > SMALL {
+    if displacement > SMALL_DISPLACEMENT_SPACINGS {
         return (
             Outcome::Undecided,
             format!(
@@ -218,7 +218,7 @@ fn moving(plan: &Plan, progress: &Progress) -> Verdict {
     if (samples.len() as u64) < plan.course.samples {
         return undecided("the run has not come to the end of the record".to_owned());
     }
-    if samples.len() < FEWEST {
+    if samples.len() < MIN_SAMPLES {
         return undecided(format!(
             "the record has {}, too few to tell a rate: run more steps, or smaller ones",
             counted(samples.len(), "sample")
@@ -257,7 +257,7 @@ fn standing(plan: &Plan, patch: &dyn PatchMotion, progress: &Progress) -> Verdic
     let (Some([_, first]), Some([end, _])) = (samples.first(), samples.last()) else {
         return undecided("there is no record".to_owned());
     };
-    if samples.len() < FEWEST || *first == 0.0 {
+    if samples.len() < MIN_SAMPLES || *first == 0.0 {
         return undecided("the record is too short, or nothing moves".to_owned());
     }
     let row = |t: f64| Vector3::new(1.0, t / end, (t / end).powi(2));

@@ -1,7 +1,7 @@
 //! Run of a body with grips.
 
 use super::picture::{DRAWN, figure};
-use super::plan::{Duration, HALF, Pace, checked, every, fields, mark, refused, stable};
+use super::plan::{Duration, DEFAULT_STEP_FRACTION, Pace, checked, every, fields, mark, refused, stable};
 use super::run::{Course, Keeper, Moving, Place, Watch};
 use super::{SimulateError, fields as vtk};
 use crate::answers::{Problem, notes_on_patch};
@@ -165,7 +165,7 @@ fn course(
     let critical = body.critical_time_step().map_err(unstarted)?;
     let step = match (question.pace.time_step, question.pace.fraction) {
         (Some(step), _) => step,
-        (None, fraction) => fraction.unwrap_or(HALF) * critical,
+        (None, fraction) => fraction.unwrap_or(DEFAULT_STEP_FRACTION) * critical,
     };
     if !step.is_finite() {
         return Err(refused(

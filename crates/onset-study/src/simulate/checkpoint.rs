@@ -12,7 +12,7 @@ pub const CHECKPOINT: &str = "checkpoint.onset";
 
 const FORMAT: &[u8; 8] = b"onsetck3";
 /// Number of digits in an identifier.
-const MARK: usize = 12;
+const IDENTIFIER_DIGITS: usize = 12;
 /// Progress of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Progress {
@@ -78,7 +78,7 @@ impl Progress {
         if crc32c::crc32c(content) != u32::from_le_bytes(*sum) {
             return Err(damaged());
         }
-        let (own, rest) = rest.split_at_checked(MARK).ok_or_else(damaged)?;
+        let (own, rest) = rest.split_at_checked(IDENTIFIER_DIGITS).ok_or_else(damaged)?;
         if own != mark.as_bytes() {
             return Err(wrong(
                 "the checkpoint is of another run: study, state, wave, body or steps differ",
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn a_checkpoint_is_read_as_it_was_written() {
+    fn a_checkpoint_is_restored_as_it_was_written() {
         let bytes = progress().bytes("0123456789ab");
         let start = progress().state;
         let read = Progress::of_bytes(Path::new("c"), &bytes, "0123456789ab", &start);
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn damage_of_any_kind_is_told() {
+    fn damage_of_any_kind_is_reported() {
         let bytes = progress().bytes("0123456789ab");
         let own = progress().state;
         let read = |bytes: &[u8], mark: &str, start: &PatchState| {

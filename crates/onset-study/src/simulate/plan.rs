@@ -102,32 +102,32 @@ pub(super) struct Plan {
 }
 
 /// Largest number of particles.
-const PARTICLES: usize = 1_000_000;
+const MAX_PARTICLES: usize = 1_000_000;
 /// Largest number of waves in a patch; all of them are computed.
-const WAVES: usize = 200_000;
+const MAX_WAVES: usize = 200_000;
 /// Largest number of displacements in a page with an animation.
 pub(super) const SHOWN: usize = 100_000;
 /// Default number of lines in a history.
-const LINES: u64 = 400;
+const DEFAULT_LINES: u64 = 400;
 /// Largest number of lines in a history.
-const MOST_LINES: u64 = 1_000_000;
+const MAX_LINES: u64 = 1_000_000;
 /// Largest number of steps.
-const STEPS: u64 = 10_000_000_000;
+const MAX_STEPS: u64 = 10_000_000_000;
 /// Smallest number of steps if the duration is not given.
-const FEWEST: f64 = 160.0;
+const MIN_STEPS: f64 = 160.0;
 /// Number of steps of a zero-energy mode if the duration is not given.
-const OF_ZERO_ENERGY: f64 = 1000.0;
+const ZERO_ENERGY_STEPS: f64 = 1000.0;
 /// Default ratio of the step to the largest stable step.
-pub(super) const HALF: f64 = 0.5;
+pub(super) const DEFAULT_STEP_FRACTION: f64 = 0.5;
 /// Largest number of samples in a record.
-const SAMPLES: u64 = 400;
+const MAX_SAMPLES: u64 = 400;
 /// Number of samples per period, and per e-folding time.
-const OF_PERIOD: f64 = 20.0;
-const OF_GROWTH: f64 = 40.0;
+const SAMPLES_PER_PERIOD: f64 = 20.0;
+const SAMPLES_PER_E_FOLDING: f64 = 40.0;
 /// Number of e-folding times in a record; beyond, a growing wave is no longer small.
 const E_FOLDINGS: f64 = 4.0;
 /// Relative tolerance of a wave vector that fits the patch, in wavelengths; allows for typed digits.
-const TYPED: f64 = 1e-6;
+const WAVE_VECTOR_TOLERANCE: f64 = 1e-6;
 
 pub(super) fn refused(what: impl Into<String>, hint: impl Into<String>) -> SimulateError {
     SimulateError::Refused {
@@ -154,14 +154,14 @@ impl Question {
             .iter()
             .try_fold(problem.analysis.sites(), |all, own| all.checked_mul(*own));
         let waves = count.and_then(|count| count.checked_mul(dimension));
-        if count.is_none_or(|count| count > PARTICLES)
-            || waves.is_none_or(|waves| waves > 2 * WAVES)
+        if count.is_none_or(|count| count > MAX_PARTICLES)
+            || waves.is_none_or(|waves| waves > 2 * MAX_WAVES)
         {
             return Err(refused(
                 "--cells: the patch has too many particles",
                 format!(
                     "at most {} are run, whose waves are all computed",
-                    2 * WAVES / dimension
+                    2 * MAX_WAVES / dimension
                 ),
             ));
         }
@@ -366,7 +366,7 @@ fn turns_of(problem: &Problem, k: &[f64], cells: &[usize]) -> Result<Vec<i64>, S
         .collect();
     if turns
         .iter()
-        .any(|turns| (turns - turns.round()).abs() > TYPED * turns.abs().max(1.0))
+        .any(|turns| (turns - turns.round()).abs() > WAVE_VECTOR_TOLERANCE * turns.abs().max(1.0))
     {
         let reciprocal = problem.analysis.reciprocal();
         let mut nearest = nalgebra::Vector3::zeros();
@@ -419,13 +419,13 @@ fn step(
 ) -> Result<f64, SimulateError> {
     // Step of a transfer, as set by the study.
     let own = problem.settings.method.time_step;
-    // A growing or traveling wave is resolved by at least `FEWEST` steps.
-    let resolved = natural(wave, wave.rate).map_or(f64::INFINITY, |time| time / FEWEST);
+    // A growing or traveling wave is resolved by at least `MIN_STEPS` steps.
+    let resolved = natural(wave, wave.rate).map_or(f64::INFINITY, |time| time / MIN_STEPS);
     let step = match (question.pace.time_step, question.pace.fraction) {
         (Some(step), _) => step,
         (None, Some(fraction)) => fraction * critical,
         (None, None) if own > 0.0 => own,
-        (None, None) => (HALF * critical).min(resolved),
+        (None, None) => (DEFAULT_STEP_FRACTION * critical).min(resolved),
     };
     let stepper = question.stepper.unwrap_or(Stepper::KICK_DRIFT_KICK);
     if critical == 0.0 && !(step > 0.0 && question.pace.is_supercritical) {
@@ -475,13 +475,13 @@ pub(super) fn mark(decisive: &serde_json::Value) -> String {
 
 /// Number of steps between lines of the history.
 pub(super) fn every(asked: Option<u64>, steps: u64) -> Result<u64, SimulateError> {
-    let every = asked.unwrap_or(steps.div_ceil(LINES)).max(1);
-    if steps / every > MOST_LINES {
+    let every = asked.unwrap_or(steps.div_ceil(DEFAULT_LINES)).max(1);
+    if steps / every > MAX_LINES {
         return Err(refused(
             format!("the history would have {} lines", steps / every),
             format!(
-                "at most {MOST_LINES} are kept: choose --every {}",
-                steps.div_ceil(MOST_LINES)
+                "at most {MAX_LINES} are kept: choose --every {}",
+                steps.div_ceil(MAX_LINES)
             ),
         ));
     }
@@ -520,8 +520,8 @@ fn steps(question: &Question, wave: &SteppedWave, step: f64) -> Result<u64, Simu
         Duration::Steps(count) => return checked(count as f64, step),
         Duration::Time(time) => (time / step).round(),
         Duration::Natural => match natural(&wave.wave, wave.rates(step, 1)[0]) {
-            Some(time) => (time / step).ceil().max(FEWEST),
-            None => OF_ZERO_ENERGY,
+            Some(time) => (time / step).ceil().max(MIN_STEPS),
+            None => ZERO_ENERGY_STEPS,
         },
     };
     checked(count, step)
@@ -529,12 +529,12 @@ fn steps(question: &Question, wave: &SteppedWave, step: f64) -> Result<u64, Simu
 
 /// Checked number of steps: at least one, and at most the limit.
 pub(super) fn checked(count: f64, step: f64) -> Result<u64, SimulateError> {
-    match count >= 1.0 && count <= STEPS as f64 {
+    match count >= 1.0 && count <= MAX_STEPS as f64 {
         true => Ok(count as u64),
         false => Err(refused(
             format!("the run would take {count:e} steps of {step:e}"),
             format!(
-                "choose --steps from 1 to {STEPS}, or another --time; stiff laws, penalties and contacts make steps small"
+                "choose --steps from 1 to {MAX_STEPS}, or another --time; stiff laws, penalties and contacts make steps small"
             ),
         )),
     }
@@ -544,19 +544,19 @@ pub(super) fn checked(count: f64, step: f64) -> Result<u64, SimulateError> {
 fn sampled(wave: &SteppedWave, step: f64, steps: u64) -> (u32, u64) {
     let whole = |every: f64| every.floor().clamp(1.0, 1e9) as u32;
     if wave.wave.has_zero_energy {
-        let every = whole(steps as f64 / SAMPLES as f64);
-        return (every, (steps / u64::from(every)).min(SAMPLES));
+        let every = whole(steps as f64 / MAX_SAMPLES as f64);
+        return (every, (steps / u64::from(every)).min(MAX_SAMPLES));
     }
     let phase = wave.factors[0].arg().abs();
     let growth = wave.factors[0].norm().ln().abs();
     // A wave whose phase advances by more than a quarter period per step is sampled in every second step.
     let every = match (phase > 0.5 * PI, phase > growth) {
         (true, _) => 2,
-        (false, true) => whole(2.0 * PI / (OF_PERIOD * phase)),
-        (false, false) => whole(1.0 / (OF_GROWTH * growth)),
+        (false, true) => whole(2.0 * PI / (SAMPLES_PER_PERIOD * phase)),
+        (false, false) => whole(1.0 / (SAMPLES_PER_E_FOLDING * growth)),
     };
     let rate = wave.rates(step, every)[0];
-    let samples = (steps / u64::from(every)).min(SAMPLES);
+    let samples = (steps / u64::from(every)).min(MAX_SAMPLES);
     if rate.re <= rate.im.abs() {
         return (every, samples);
     }

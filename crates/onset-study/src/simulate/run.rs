@@ -11,9 +11,9 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Default time between checkpoints.
-const INTERVAL: Duration = Duration::from_secs(5);
+const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(5);
 /// Number of steps between checks of the clock.
-const LOOK: u64 = 64;
+const STEPS_BETWEEN_CLOCK_CHECKS: u64 = 64;
 
 /// Folder for the output of a run.
 #[derive(Clone, Debug)]
@@ -133,7 +133,7 @@ impl<'a> Keeper<'a> {
             if self.is_due(step) {
                 self.keep(moving, Vec::new())?;
                 watch.advance(step, steps);
-            } else if step.is_multiple_of(LOOK) {
+            } else if step.is_multiple_of(STEPS_BETWEEN_CLOCK_CHECKS) {
                 watch.advance(step, steps);
             }
         }
@@ -182,7 +182,7 @@ impl<'a> Keeper<'a> {
         match self.place.map(|place| place.checkpoint) {
             None => false,
             Some(Some(steps)) => step.is_multiple_of(steps),
-            Some(None) => step.is_multiple_of(LOOK) && self.written.elapsed() >= INTERVAL,
+            Some(None) => step.is_multiple_of(STEPS_BETWEEN_CLOCK_CHECKS) && self.written.elapsed() >= CHECKPOINT_INTERVAL,
         }
     }
 

@@ -20,16 +20,16 @@ pub(super) struct Label<'a> {
 }
 
 /// Number of values converted to bytes at a time.
-const ABREAST: usize = 1024;
+const VALUES_AT_ONCE: usize = 1024;
 /// Length of the checksum; bytes.
-const CHECKSUM: usize = 4;
+const CHECKSUM_BYTES: usize = 4;
 
 /// Encodes a chunk as bytes.
 pub(super) fn encode(values: &Column, label: Label<'_>) -> io::Result<Vec<u8>> {
     let header = GzBuilder::new().filename(label.key).comment(label.identity);
     let mut gzip = header.write(Vec::new(), Compression::new(GZIP_LEVEL));
     // Small groups of values stay in the cache.
-    let mut raw = [0; 8 * ABREAST];
+    let mut raw = [0; 8 * VALUES_AT_ONCE];
     match values {
         Column::Flags(flags) => {
             for some in flags.chunks(raw.len()) {
@@ -40,7 +40,7 @@ pub(super) fn encode(values: &Column, label: Label<'_>) -> io::Result<Vec<u8>> {
             }
         }
         Column::Numbers(numbers) => {
-            for some in numbers.chunks(ABREAST) {
+            for some in numbers.chunks(VALUES_AT_ONCE) {
                 for (bytes, number) in raw.as_chunks_mut().0.iter_mut().zip(some) {
                     *bytes = number.to_le_bytes();
                 }
@@ -68,7 +68,7 @@ pub(super) fn decode(
     count: usize,
     label: Label<'_>,
 ) -> Result<Column, String> {
-    let size = bytes.len().checked_sub(CHECKSUM);
+    let size = bytes.len().checked_sub(CHECKSUM_BYTES);
     let (body, sum) = bytes.split_at(size.ok_or("it is cut short: it has no checksum")?);
     if sum != crc32c::crc32c(body).to_le_bytes() {
         return Err("its checksum is not that of what it holds".to_owned());
@@ -128,7 +128,7 @@ mod tests {
     };
 
     #[test]
-    fn what_was_written_is_read_and_in_the_place_of_another_it_is_not() {
+    fn a_chunk_is_restored_at_its_position_and_refused_at_another() {
         let flags = Column::Flags(vec![-1, 0, 1, 127, -128]);
         let numbers = Column::Numbers(vec![0.1, -0.0, f64::INFINITY, 1e-310]);
         for (column, is_flags, count) in [(flags, true, 5), (numbers, false, 4)] {
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn no_byte_can_be_changed_and_no_end_be_cut_off() {
+    fn every_changed_byte_and_every_truncation_is_detected() {
         let column = Column::Numbers((0..100).map(f64::from).collect());
         let bytes = encode(&column, LABEL).expect("bytes");
         for n in 0..bytes.len() {
@@ -168,7 +168,7 @@ mod tests {
 
     /// Forged chunks with a valid checksum and label.
     #[test]
-    fn a_chunk_that_claims_to_hold_more_is_not_unpacked() {
+    fn an_oversized_chunk_is_not_unpacked() {
         let zeros = Column::Flags(vec![0; 1 << 26]);
         let bytes = encode(&zeros, LABEL).expect("bytes");
         assert!(bytes.len() < 1 << 20);
@@ -176,7 +176,7 @@ mod tests {
         // A second gzip stream after the first, which some readers would accept.
         let column = Column::Flags(vec![7; 64]);
         let mut twice = encode(&column, LABEL).expect("bytes");
-        twice.truncate(twice.len() - CHECKSUM);
+        twice.truncate(twice.len() - CHECKSUM_BYTES);
         twice.extend_from_within(..);
         twice.extend(crc32c::crc32c(&twice).to_le_bytes());
         assert!(decode(&twice, true, 64, LABEL).is_err());

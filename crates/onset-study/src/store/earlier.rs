@@ -50,7 +50,7 @@ mod tests {
     use super::in_words;
 
     #[test]
-    fn earlier_flags_are_read_in_present_words() {
+    fn former_flags_are_read_under_present_names() {
         let earlier = "stable material rank-deficient kernel missed undefined";
         let now = "stable physical zero-energy numerical suppressed undefined";
         assert_eq!(in_words(earlier), now);

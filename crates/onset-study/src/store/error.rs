@@ -213,7 +213,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_full_disk_is_told_with_what_to_do() {
+    fn a_full_disk_is_reported_with_a_hint() {
         for kind in [
             ErrorKind::StorageFull,
             ErrorKind::QuotaExceeded,

@@ -149,7 +149,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_is_written_beside_what_others_write_and_leaves_nothing() {
+    fn a_file_is_written_next_to_unfinished_files_without_leftovers() {
         let root = std::env::temp_dir().join(format!("onset-folder-{}", unique()));
         let folder = Folder::new(&root);
         let leftover = root.join(PARTIAL).join("killed");
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     #[cfg(unix)]
-    fn no_link_is_followed_out_of_the_folder_and_only_files_are_read() {
+    fn links_out_of_the_folder_are_not_followed_and_only_regular_files_are_read() {
         use std::os::unix::fs::symlink;
         let root = std::env::temp_dir().join(format!("onset-folder-{}", unique()));
         let outside = std::env::temp_dir().join(format!("onset-outside-{}", unique()));
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failed_write_leaves_nothing_and_what_was_there() {
+    fn a_failed_write_leaves_the_previous_file_and_no_leftovers() {
         let root = std::env::temp_dir().join(format!("onset-folder-{}", unique()));
         let folder = Folder::new(&root);
         folder.write("a", b"one").expect("written");

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Longest wait for another process with exclusive access.
-const PATIENCE: Duration = Duration::from_secs(3);
+const MAX_WAIT: Duration = Duration::from_secs(3);
 
 /// Lock on a store, held until dropped.
 #[derive(Debug)]
@@ -36,7 +36,7 @@ impl Occupancy {
         let file = File::open(metadata)?;
         let begin = Instant::now();
         while let Err(TryLockError::WouldBlock) = file.try_lock_shared() {
-            if begin.elapsed() > PATIENCE {
+            if begin.elapsed() > MAX_WAIT {
                 return Ok(None);
             }
             std::thread::sleep(Duration::from_millis(20));

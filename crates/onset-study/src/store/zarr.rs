@@ -19,9 +19,9 @@ use std::path::{Path, PathBuf};
 /// File name of the metadata of a store, and of each array in it.
 pub(super) const METADATA: &str = "zarr.json";
 /// Largest size of metadata that is read, in bytes; studies with long texts have some ten thousand.
-const MOST_METADATA: u64 = 16 << 20;
+const MAX_METADATA_BYTES: u64 = 16 << 20;
 /// Largest number of values in a chunk: a tile with the largest edge, with three components.
-const MOST_VALUES: usize = 4 << 20;
+const MAX_CHUNK_VALUES: usize = 4 << 20;
 
 /// Array according to its metadata.
 #[derive(Clone, Debug)]
@@ -60,7 +60,7 @@ impl Array {
             && (1..=4).contains(&shape.len())
             && shape.len() == chunk.len()
             && shape.len() == names.len()
-            && values <= MOST_VALUES;
+            && values <= MAX_CHUNK_VALUES;
         let (fill, attributes) = (&metadata["fill_value"], &metadata["attributes"]);
         let written = layout::array(
             &shape,
@@ -265,7 +265,7 @@ impl ZarrStore {
             path: path.to_owned(),
         })?;
         let expected = layout.group();
-        let found = folder::read(&metadata, MOST_METADATA).map_err(StoreError::reading(path))?;
+        let found = folder::read(&metadata, MAX_METADATA_BYTES).map_err(StoreError::reading(path))?;
         if found.as_deref() != Some(text(&expected).as_bytes()) {
             return Err(StoreError::OtherStudy {
                 path: path.to_owned(),
@@ -285,7 +285,7 @@ impl ZarrStore {
     fn check_arrays(&self, layout: &Layout) -> Result<(), StoreError> {
         for (name, metadata) in layout.arrays() {
             let key = format!("{name}/{METADATA}");
-            let found = self.folder.read(&key, MOST_METADATA);
+            let found = self.folder.read(&key, MAX_METADATA_BYTES);
             let found = found.map_err(StoreError::reading(&self.folder.path(&key)))?;
             if found.as_deref() != Some(text(&metadata).as_bytes()) {
                 return Err(self.damaged(&key, "it does not say what onset has written".to_owned()));
@@ -615,7 +615,7 @@ fn examine_any(path: &Path) -> Result<Option<Value>, StoreError> {
     }
     let metadata = path.join(METADATA);
     let Some(bytes) =
-        folder::read(&metadata, MOST_METADATA).map_err(StoreError::reading(&metadata))?
+        folder::read(&metadata, MAX_METADATA_BYTES).map_err(StoreError::reading(&metadata))?
     else {
         if [".zgroup", ".zarray", ".zmetadata"]
             .iter()

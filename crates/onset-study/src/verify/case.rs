@@ -80,19 +80,19 @@ pub struct Case {
 }
 
 /// Largest number of particles in a deck.
-const LARGEST: usize = 40_000;
+const MAX_PARTICLES: usize = 40_000;
 /// Largest number of frames in an output.
-const FRAMES: usize = 400;
+const MAX_FRAMES: usize = 400;
 /// Smallest number of time steps if the program chooses the step.
-const STEPS: f64 = 160.0;
+const MIN_STEPS_RESOLVED: f64 = 160.0;
 /// Smallest number of time steps if the user sets the step. With more steps a growing wave would leave the linear range.
-const FEWEST: f64 = 48.0;
+const MIN_STEPS_GIVEN: f64 = 48.0;
 /// Relative tolerance of a wave vector that fits a periodic block, in units of the reciprocal vector; allows for typed digits.
-const TYPED: f64 = 1e-6;
+const WAVE_VECTOR_TOLERANCE: f64 = 1e-6;
 /// Half the width of the measured core, in particle spacings.
-const CORE: f64 = 9.0;
+const HALF_CORE_SPACINGS: f64 = 9.0;
 /// Safety factor on the speed of the fastest wave, for signals from the rim.
-const SAFETY: f64 = 2.0;
+const SPEED_SAFETY_FACTOR: f64 = 2.0;
 
 impl Case {
     /// Writes a case and the files of its deck.
@@ -148,17 +148,17 @@ impl Case {
                 // The faster of sound and of the shortest waves, whose speed is half their frequency times the spacing.
                 let sound = sound(&problem, &f, &sides)?;
                 let fastest = sound.max(problem.analysis.spacing() / critical);
-                let apart = SAFETY * fastest * duration + 2.0 * reach;
+                let apart = SPEED_SAFETY_FACTOR * fastest * duration + 2.0 * reach;
                 (
                     held(&sides, apart, width * reach),
                     question.wave_vector.clone(),
                 )
             }
         };
-        if block.particles() > LARGEST {
+        if block.particles() > MAX_PARTICLES {
             return Err(VerifyError::Wave {
                 what: format!(
-                    "the block has {} particles, more than {LARGEST}: waves from its rim must not arrive before the end",
+                    "the block has {} particles, more than {MAX_PARTICLES}: waves from its rim must not arrive before the end",
                     block.particles()
                 ),
                 hint: "choose fewer --steps, or a smaller --time-step".to_owned(),
@@ -181,7 +181,7 @@ impl Case {
             speed: amplitude * rate * problem.analysis.spacing(),
             time_step,
             steps,
-            every: steps.div_ceil(FRAMES),
+            every: steps.div_ceil(MAX_FRAMES),
             prediction,
             tolerance: question.tolerance.unwrap_or(code.tolerance()),
             settings: settings.unwrap_or_default(),
@@ -416,9 +416,9 @@ fn steps(question: &Question, rate: f64, is_growing: bool, critical: f64) -> (f6
     let duration = if is_growing { 4.0 } else { 5.0 } / rate;
     match (question.time_step, question.steps) {
         (Some(step), Some(count)) => (step, count),
-        (Some(step), None) => (step, (duration / step).ceil().max(FEWEST) as usize),
+        (Some(step), None) => (step, (duration / step).ceil().max(MIN_STEPS_GIVEN) as usize),
         (None, count) => {
-            let fewest = (duration / (0.1 * critical)).ceil().max(STEPS) as usize;
+            let fewest = (duration / (0.1 * critical)).ceil().max(MIN_STEPS_RESOLVED) as usize;
             let count = count.unwrap_or(fewest);
             (duration / count as f64, count)
         }
@@ -440,7 +440,7 @@ fn periodic(
         let turns = |count: usize| question.wave_vector[axis] * side * count as f64 / TAU;
         let fits = |count: &usize| {
             let turns = turns(*count);
-            (turns - turns.round()).abs() <= TYPED * *count as f64
+            (turns - turns.round()).abs() <= WAVE_VECTOR_TOLERANCE * *count as f64
         };
         let Some(count) = (fewest..=most).find(fits) else {
             return Err(VerifyError::Wave {
@@ -475,7 +475,7 @@ fn held(sides: &[f64], apart: f64, reach: f64) -> Block {
     };
     let smallest = sides.iter().copied().fold(f64::INFINITY, f64::min);
     for side in sides {
-        let core = (2.0 * CORE * smallest / side).round() as usize;
+        let core = (2.0 * HALF_CORE_SPACINGS * smallest / side).round() as usize;
         let margin = ((apart + reach) / side).ceil() as usize + 1;
         block.counts.push(core + 2 * margin);
         block.measured.push([margin, margin + core]);

@@ -57,19 +57,19 @@ pub enum FitError {
 }
 
 /// Smallest number of samples in a record.
-const SAMPLES: usize = 16;
+const MIN_SAMPLES: usize = 16;
 /// Number of starts of a scan that are refined.
-const STARTS: usize = 3;
+const REFINED_STARTS: usize = 3;
 /// Largest number of iterations in a refinement.
-const ITERATIONS: usize = 200;
+const MAX_ITERATIONS: usize = 200;
 /// Number of standard deviations in the uncertainty.
-const DEVIATIONS: f64 = 4.0;
+const UNCERTAINTY_DEVIATIONS: f64 = 4.0;
 /// Leading fraction of the record that must give the rate of the whole record.
-const PART: f64 = 0.7;
+const PARTIAL_RECORD_FRACTION: f64 = 0.7;
 /// Largest fraction of a record that counts as a trace of other branches.
-const TRACE: f64 = 1e-2;
+const MAX_TRACE_FRACTION: f64 = 1e-2;
 /// Phase (or growth) relative to the wave, over the record, by which another branch can be separated well, or at all.
-const APART: [f64; 2] = [3.0, 0.3];
+const SEPARABLE_PHASES: [f64; 2] = [3.0, 0.3];
 
 /// Fits the rates of a record.
 ///
@@ -100,10 +100,10 @@ fn fit(
     others: &[Complex],
     is_alone: bool,
 ) -> Result<Fit, FitError> {
-    if samples.len() < SAMPLES {
+    if samples.len() < MIN_SAMPLES {
         return Err(FitError::Short {
             count: samples.len(),
-            needed: SAMPLES,
+            needed: MIN_SAMPLES,
         });
     }
     if let Some(pair) = samples.windows(2).find(|pair| pair[1].0 <= pair[0].0) {
@@ -114,13 +114,13 @@ fn fit(
     }
     let whole = Series::new(samples, is_alone)?;
     let best = whole.best(expected);
-    let count = (PART * samples.len() as f64).ceil() as usize;
-    let part = Series::new(&samples[..count.max(SAMPLES)], is_alone)?;
+    let count = (PARTIAL_RECORD_FRACTION * samples.len() as f64).ceil() as usize;
+    let part = Series::new(&samples[..count.max(MIN_SAMPLES)], is_alone)?;
     let beside = |rates: &[Complex]| match whole.with_traces(rates, &best) {
         Some((traced, point)) => traced.told(&part.with(rates), &point),
         None => whole.told(&part, &best),
     };
-    let [apart, nearly] = APART.map(|apart| whole.told_apart(others, whole.rate(&best), apart));
+    let [apart, nearly] = SEPARABLE_PHASES.map(|apart| whole.told_apart(others, whole.rate(&best), apart));
     let far = beside(&apart);
     if nearly.len() == apart.len() {
         return Ok(far);
@@ -247,7 +247,7 @@ impl Series {
         let moved = (part.rate(&shorter) - rate).norm();
         Fit {
             rate,
-            uncertainty: moved.max(DEVIATIONS * self.deviation(best)),
+            uncertainty: moved.max(UNCERTAINTY_DEVIATIONS * self.deviation(best)),
             residual: best.residual,
         }
     }
@@ -256,7 +256,7 @@ impl Series {
     fn with_traces(&self, others: &[Complex], best: &Point) -> Option<(Self, Point)> {
         let traced = self.with(others);
         let parameters = self.own() + 1 + traced.traces.len() + 2;
-        if traced.traces.is_empty() || self.times.len() < SAMPLES.max(2 * parameters) {
+        if traced.traces.is_empty() || self.times.len() < MIN_SAMPLES.max(2 * parameters) {
             return None;
         }
         let point = traced.refined(best.place);
@@ -265,7 +265,7 @@ impl Series {
         let after = self.own() + 1;
         let part = traced.traces.iter().zip(amplitudes.iter().skip(after));
         let largest = part.map(|(trace, a)| (trace * *a).amax()).sum::<f64>();
-        (largest < TRACE && point.residual.is_finite()).then_some((traced, point))
+        (largest < MAX_TRACE_FRACTION && point.residual.is_finite()).then_some((traced, point))
     }
 
     /// Orthogonalized functions at the given parameters, and the residual of the record.
@@ -336,7 +336,7 @@ impl Series {
     fn refined(&self, start: Vector2<f64>) -> Point {
         let mut point = self.point(start);
         let mut damping = 1e-3;
-        for _ in 0..ITERATIONS {
+        for _ in 0..MAX_ITERATIONS {
             let (left, jacobian) = self.jacobian(&point.place);
             let normal = self.normal(&jacobian);
             let gradient: Vector2<f64> = (jacobian.transpose() * left)
@@ -380,7 +380,7 @@ impl Series {
             let mut points: Vec<Point> =
                 family.into_iter().map(|start| self.point(start)).collect();
             points.sort_by(|a, b| a.residual.total_cmp(&b.residual));
-            for point in points.iter().take(STARTS) {
+            for point in points.iter().take(REFINED_STARTS) {
                 let refined = self.refined(point.place);
                 if refined.residual < best.residual {
                     best = refined;
@@ -462,7 +462,7 @@ mod tests {
     }
 
     #[test]
-    fn of_one_solution_the_rate_is_found_whatever_was_expected() {
+    fn the_rate_of_a_single_solution_is_found_for_any_expected_rate() {
         for rate in [-3.0_f64, -0.4, 0.7] {
             let samples = record(60, 0.05, |t| 0.2 - (rate * t).exp());
             for expected in [-1.0, rate, 2.0] {
@@ -475,7 +475,7 @@ mod tests {
     }
 
     #[test]
-    fn rates_are_found_whatever_was_expected() {
+    fn rates_are_found_for_any_expected_rates() {
         for (growth, frequency) in [(0.0_f64, 0.4_f64), (-0.01, 1.3), (0.02, 6.0)] {
             let y = |t: f64| 0.3 + (growth * t).exp() * (frequency * t + 0.2).sin();
             let samples = record(240, 0.05, y);
@@ -490,7 +490,7 @@ mod tests {
     }
 
     #[test]
-    fn growth_is_told_from_oscillation() {
+    fn growth_is_distinguished_from_oscillation() {
         let samples = record(200, 0.02, |t| {
             1e-3 + (0.7 * t).exp() - 0.9 * (-0.71 * t).exp()
         });
@@ -509,7 +509,7 @@ mod tests {
     }
 
     #[test]
-    fn traces_of_other_branches_take_nothing_from_the_rate() {
+    fn traces_of_other_branches_do_not_bias_the_rate() {
         let traced = |t: f64| {
             (-0.01 * t).exp() * (1.3 * t).sin() + 2e-4 * (0.9 * t).cos() - 1e-9 * (0.6 * t).exp()
         };

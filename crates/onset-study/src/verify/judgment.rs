@@ -82,9 +82,9 @@ pub struct Judgment {
 }
 
 /// Largest relative residual of a record that counts as a single wave.
-const ONE_WAVE: f64 = 0.02;
+const MAX_RESIDUAL: f64 = 0.02;
 /// Factor on the uncertainty within which a difference is undecided. An uncertainty estimated from a short part of a period is uncertain itself.
-const DOUBT: f64 = 4.0;
+const UNDECIDED_UNCERTAINTY_FACTOR: f64 = 4.0;
 
 /// Reads an output and compares it with the prediction.
 ///
@@ -191,7 +191,7 @@ pub(crate) fn compared(
     uncertainty: f64,
     tolerance: f64,
 ) -> (Outcome, String) {
-    if residual > ONE_WAVE {
+    if residual > MAX_RESIDUAL {
         return (
             Outcome::Undecided,
             format!(
@@ -200,7 +200,7 @@ pub(crate) fn compared(
             ),
         );
     }
-    if difference > tolerance + DOUBT * uncertainty {
+    if difference > tolerance + UNDECIDED_UNCERTAINTY_FACTOR * uncertainty {
         return (Outcome::Differs, String::new());
     }
     if uncertainty > tolerance {

@@ -5,7 +5,7 @@ use onset::material::{Hyperelastic, MaterialError};
 use onset::plasticity::library;
 
 /// Rounding error of a symmetry, relative to the stiffness.
-const ROUNDING: f64 = 1e-9;
+const SYMMETRY_TOLERANCE: f64 = 1e-9;
 
 /// Lamé constants of an isotropic material that is stress-free in the reference configuration; stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +23,7 @@ impl Isotropic {
             lambda: tangent[(0, 0, 1, 1)],
             mu: tangent[(0, 1, 0, 1)],
         };
-        let scale = ROUNDING * tangent.largest();
+        let scale = SYMMETRY_TOLERANCE * tangent.largest();
         let delta = |i: usize, j: usize| f64::from(u8::from(i == j));
         let is_isotropic = indices().all(|[i, j, k, l]| {
             let shear = delta(i, k) * delta(j, l) + delta(i, l) * delta(j, k);
@@ -71,7 +71,7 @@ pub(super) fn is_in_rate_form(
         return Ok(false);
     };
     let (expected, response) = (rates.response(f)?, law.response(f)?);
-    let scale = ROUNDING * expected.tangent.largest();
+    let scale = SYMMETRY_TOLERANCE * expected.tangent.largest();
     let stress = expected.first_piola - response.first_piola;
     let is_same = |[i, j, k, l]: [usize; 4]| {
         let at = (i, j, k, l);
@@ -104,7 +104,7 @@ impl Volumetric {
         let jacobian = f.jacobian();
         let first = response.first_piola[(0, 0)] / (jacobian * inverse[0]);
         let second = response.tangent[(0, 0, 0, 0)] / (jacobian * inverse[0]).powi(2);
-        let scale = ROUNDING * response.tangent.largest();
+        let scale = SYMMETRY_TOLERANCE * response.tangent.largest();
         let is_volumetric = indices().all(|[i, j, k, l]| {
             let both = (second * jacobian + first) * jacobian * at(j, i) * at(l, k);
             let expected = both - first * jacobian * at(l, i) * at(j, k);
@@ -150,7 +150,7 @@ impl JaumannRates {
         let pairs = (0..9).map(|n| (n / 3, n % 3));
         let bulk = pairs.map(|(i, j)| g[(i, i, j, j)]).sum::<f64>() / 9.0;
         let shear = 0.5 * (g[(0, 1, 0, 1)] + g[(1, 0, 1, 0)]);
-        let scale = ROUNDING * g.largest().max(sigma.amax());
+        let scale = SYMMETRY_TOLERANCE * g.largest().max(sigma.amax());
         let delta = |i: usize, j: usize| f64::from(u8::from(i == j));
         let is_jaumann = indices().all(|[i, j, k, l]| {
             let strain = delta(i, k) * delta(j, l) + delta(i, l) * delta(j, k);
@@ -187,7 +187,7 @@ pub(super) fn integrates_pressure(
     let stretch = |i: usize| f.components()[i][i];
     let pairs = (0..9).map(|n| (n / 3, n % 3));
     let bulk = pairs.map(|(i, j)| tangent[(i, i, j, j)] * stretch(i) * stretch(j));
-    Ok(Some(bulk.sum::<f64>().abs() > ROUNDING * tangent.largest()))
+    Ok(Some(bulk.sum::<f64>().abs() > SYMMETRY_TOLERANCE * tangent.largest()))
 }
 
 fn indices() -> impl Iterator<Item = [usize; 4]> {
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_law_of_the_volume_is_told_with_its_pressure() {
+    fn a_law_of_the_volume_is_recognized_with_its_pressure() {
         let law = law(&OF_THE_VOLUME);
         let f = DeformationGradient::from_stretches([1.2, 0.9, 1.1]).expect("a state");
         let own = Volumetric::of(&*law, &f)
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn rubber_is_isotropic_and_resists_more_than_changes_of_volume() {
+    fn rubber_is_isotropic_and_resists_more_than_volume_changes() {
         let law = law(&[
             "material.model=neo-hooke",
             "material.mu=0.4",
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn jaumanns_rates_are_told_from_others() {
+    fn jaumann_rates_are_distinguished_from_others() {
         let given = ["material.mu=0.4", "material.kappa=2", "material.n=1"];
         let f = DeformationGradient::from_stretches([1.2, 0.9, 1.1]).expect("a state");
         let rate = |name: &str| law(&[&[name], &given[..]].concat());
@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn a_law_of_the_volume_has_jaumanns_rates_without_shear() {
+    fn a_law_of_the_volume_has_jaumann_rates_without_shear() {
         let law = law(&OF_THE_VOLUME);
         let f = DeformationGradient::from_stretches([1.2, 0.9, 1.1]).expect("a state");
         let own = JaumannRates::of(&*law, &f, 1.0).expect("a response");

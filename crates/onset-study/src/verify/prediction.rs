@@ -60,11 +60,11 @@ pub struct Prediction {
 }
 
 /// Rounding error of `D(k)`, relative to the largest `omega^2` of all waves: for imaginary parts of real entries, and `omega^2` of neutral modes.
-const ROUNDING: f64 = 1e-10;
+const MATRIX_TOLERANCE: f64 = 1e-10;
 /// Decay per step beyond which a solution belongs to the integrator and not to the wave.
-const FALL: f64 = 0.5;
+const MAX_DECAY_PER_STEP: f64 = 0.5;
 /// Largest relative difference between the discrete rate and the rate in continuous time.
-const RESOLVED: f64 = 0.3;
+const MAX_RATE_DIFFERENCE: f64 = 0.3;
 
 /// `D(k)` as a real matrix.
 pub(super) fn matrix(
@@ -74,7 +74,7 @@ pub(super) fn matrix(
 ) -> Result<DMatrix<f64>, VerifyError> {
     let matrix = problem.analysis.waves(f)?.dynamical_matrix_at(k);
     let largest = matrix.iter().map(|z| z.norm()).fold(0.0, f64::max);
-    if matrix.iter().any(|z| z.im.abs() > ROUNDING * largest) {
+    if matrix.iter().any(|z| z.im.abs() > MATRIX_TOLERANCE * largest) {
         return Err(VerifyError::Wave {
             what: "the wave is not standing: its dynamical matrix is complex".to_owned(),
             hint: "verify waves of a lattice with one particle in a cell".to_owned(),
@@ -105,13 +105,13 @@ pub(super) fn mode(
         });
     };
     let largest = 4.0 / (critical * critical);
-    if value.im.abs() > ROUNDING * largest {
+    if value.im.abs() > MATRIX_TOLERANCE * largest {
         return Err(VerifyError::Wave {
             what: "this wave flutters: its omega^2 is complex".to_owned(),
             hint: "choose another --branch or --wave-vector".to_owned(),
         });
     }
-    if value.re.abs() <= ROUNDING * largest {
+    if value.re.abs() <= MATRIX_TOLERANCE * largest {
         return Err(VerifyError::Wave {
             what: "this wave has zero energy: there is no rate to measure".to_owned(),
             hint: "choose another --branch or --wave-vector, or a stabilization other than 0"
@@ -195,7 +195,7 @@ pub(super) fn predicted(
     let near = |wanted: Complex| {
         let apart = |z: &&Complex| (*z - wanted).norm();
         let nearest = rates.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
-        nearest.filter(|z| apart(z) <= RESOLVED * root.norm())
+        nearest.filter(|z| apart(z) <= MAX_RATE_DIFFERENCE * root.norm())
     };
     // A growing wave lists the growing solution first, a traveling wave the one with positive frequency.
     match (near(root), near(-root)) {
@@ -216,10 +216,10 @@ pub(super) fn predicted(
 
 /// Rates of other branches: without the wave's two rates, constants, and solutions that vanish within a few steps.
 fn others(rates: &[Complex], own: [Complex; 2], step: f64) -> Vec<Rate> {
-    let least = ROUNDING.sqrt() * own[0].norm();
+    let least = MATRIX_TOLERANCE.sqrt() * own[0].norm();
     let is_other = |z: &&Complex| {
         let is_own = own.iter().any(|own| (*z - own).norm() <= least);
-        !is_own && z.norm() > least && z.re * step > -FALL
+        !is_own && z.norm() > least && z.re * step > -MAX_DECAY_PER_STEP
     };
     // Both of two real rates belong to the other branch; their imaginary parts are rounding.
     let told = |rate: Rate| match rate.is_growth() {
@@ -239,7 +239,7 @@ mod tests {
     use onset::algebra::Complex;
 
     #[test]
-    fn both_real_rates_of_another_branch_and_one_of_each_conjugate_pair_are_its_own() {
+    fn other_branches_contribute_both_real_rates_or_one_of_a_conjugate_pair() {
         let rate = Complex::new;
         let own = [rate(-0.01, 1.0), rate(-0.01, -1.0)];
         let rates = [

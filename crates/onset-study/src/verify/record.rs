@@ -4,7 +4,7 @@ use super::{Case, VerifyError};
 use std::path::{Path, PathBuf};
 
 /// Largest displacement of a small perturbation, in particle spacings. Larger ones also indicate another lattice.
-const LARGEST: f64 = 0.1;
+const MAX_DISPLACEMENT_SPACINGS: f64 = 0.1;
 
 /// Amplitudes of a wave over time.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,7 +131,7 @@ impl<'a> Projector<'a> {
         let largest = displacement
             .iter()
             .fold(0.0_f64, |most, u| most.max(u.abs()));
-        if largest > LARGEST * self.case.spacing() {
+        if largest > MAX_DISPLACEMENT_SPACINGS * self.case.spacing() {
             return Err(self.wrong(
                 line,
                 format!(

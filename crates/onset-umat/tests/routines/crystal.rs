@@ -1,4 +1,4 @@
-//! A crystal with one slip system, against its closed forms: slip, tangent, and the acoustic tensor of the slip plane.
+//! Crystal with one slip system, compared with closed forms: slip, tangent, and the acoustic tensor of the slip plane.
 
 use crate::{settings, state};
 use nalgebra::{Matrix3, Vector3};
@@ -29,7 +29,7 @@ fn system() -> (Vector3<f64>, Vector3<f64>) {
     )
 }
 
-/// States that slip in either sense, turned and sheared out of the plane too.
+/// States with slip in either direction, with rotation and out-of-plane shear.
 fn states() -> [DeformationGradient; 3] {
     [
         state([[1.1, 0.0, 0.0], [0.0, 0.93, 0.0], [0.0, 0.0, 1.0]]),
@@ -44,7 +44,7 @@ fn respond(umat: &Umat, f: &Matrix3<f64>) -> Response {
 }
 
 #[test]
-fn slip_follows_schmid_and_the_tangent_is_that_of_the_stress() {
+fn slip_follows_schmid_and_the_tangent_is_consistent_with_the_stress() {
     let (s, m) = system();
     for hardening in [0.5, 0.0, -0.3] {
         let umat = crystal(hardening);
@@ -53,7 +53,7 @@ fn slip_follows_schmid_and_the_tangent_is_that_of_the_stress() {
                 .along(umat.path(&f).expect("a path"))
                 .expect("an outcome");
             let slip = outcome.state_variables[0];
-            // Resolved shear by the Cauchy stress and the lattice vectors, whatever the routine says of them.
+            // Resolved shear from the Cauchy stress and the lattice vectors, independent of the routine's output.
             let elastic = f.matrix() * (Matrix3::identity() - s * m.transpose() * slip);
             let normal = elastic.try_inverse().expect("invertible").transpose() * m;
             let resolved = (elastic * s).dot(&(outcome.delivered.cauchy() * normal)) * f.jacobian();
@@ -79,10 +79,11 @@ fn slip_follows_schmid_and_the_tangent_is_that_of_the_stress() {
     }
 }
 
-/// R. J. Asaro and J. R. Rice, J. Mech. Phys. Solids 25 (1977) 309: with Schmid's law bands along the slip plane need `h = 0`. Here, for the
-/// unit polarization along `s* = F s` and the normal `m` of the undeformed slip plane, the acoustic tensor is `G h/(h + G |s*|^2)`.
+/// R. J. Asaro and J. R. Rice, J. Mech. Phys. Solids 25 (1977) 309: with Schmid's law, bands along the slip plane require `h = 0`.
+///
+/// For the unit polarization along `s* = F s` and the normal `m` of the undeformed slip plane, the acoustic tensor is `G h/(h + G |s*|^2)`.
 #[test]
-fn the_slip_plane_resists_bands_as_the_closed_form_says_and_not_at_all_without_hardening() {
+fn the_resistance_of_the_slip_plane_to_bands_has_its_closed_form_and_vanishes_without_hardening() {
     let (s, m) = system();
     for f in states() {
         let slipped = f.matrix() * s;

@@ -1,4 +1,4 @@
-//! What can go wrong in a user's code is an error that says so, and leaves nothing behind.
+//! Failures of user code: each gives an error with its reason, and leaves nothing behind.
 
 use crate::{blatz_ko, general, library, settings};
 use nalgebra::Matrix3;
@@ -10,7 +10,7 @@ use std::time::Duration;
 
 const HOSTILE: [&str; 1] = ["tests/fortran/hostile.f90"];
 
-/// The UMAT with a flaw; 0 has none.
+/// UMAT with a flaw; 0 stands for no flaw.
 fn hostile(flaw: u32) -> Umat {
     Umat::new(flawed(flaw)).expect("a UMAT")
 }
@@ -35,7 +35,7 @@ fn ended(umat: &Umat) -> (String, String) {
 }
 
 #[test]
-fn a_crash_is_told_with_signal_and_state_and_the_material_can_be_asked_again() {
+fn a_crash_is_reported_with_signal_and_state_and_the_material_remains_usable() {
     let umat = hostile(1);
     for _ in 0..2 {
         let (how, _) = ended(&umat);
@@ -66,7 +66,7 @@ fn an_endless_loop_ends_at_the_limit() {
 }
 
 #[test]
-fn stop_is_told_with_what_it_printed() {
+fn stop_is_reported_with_its_output() {
     let (how, _) = ended(&hostile(5));
     assert!(how.contains("exit code 0"), "{how}");
     let (how, output) = ended(&hostile(6));
@@ -75,7 +75,7 @@ fn stop_is_told_with_what_it_printed() {
 }
 
 #[test]
-fn a_result_that_is_no_number_is_told_with_its_place() {
+fn a_result_that_is_not_a_number_is_reported_with_its_position() {
     match asked(&hostile(3)) {
         Err(UmatError::NotFinite { what, .. }) => assert!(what.contains("STRESS(2)"), "{what}"),
         other => panic!("{other:?}"),
@@ -83,7 +83,7 @@ fn a_result_that_is_no_number_is_told_with_its_place() {
 }
 
 #[test]
-fn reading_a_property_that_is_not_given_is_noticed() {
+fn reading_a_missing_property_is_detected() {
     match asked(&hostile(10)) {
         Err(UmatError::NotFinite { properties, .. }) => assert_eq!(properties, 3),
         other => panic!("{other:?}"),
@@ -91,7 +91,7 @@ fn reading_a_property_that_is_not_given_is_noticed() {
 }
 
 #[test]
-fn writing_behind_the_state_variables_is_noticed() {
+fn writing_beyond_the_state_variables_is_detected() {
     let overrun = |result| matches!(result, Err(UmatError::Overrun { variables: 0, .. }));
     assert!(overrun(asked(&hostile(7))));
     let wide_enough = Umat::new(UmatSettings {
@@ -102,7 +102,7 @@ fn writing_behind_the_state_variables_is_noticed() {
 }
 
 #[test]
-fn writing_beyond_the_ends_of_an_argument_is_noticed_and_told_with_its_name() {
+fn writing_beyond_the_ends_of_an_argument_is_reported_with_its_name() {
     for (flaw, expected) in [
         (14, "STRESS"),
         (15, "DDSDDE"),
@@ -128,7 +128,7 @@ fn writing_beyond_the_ends_of_an_argument_is_noticed_and_told_with_its_name() {
 }
 
 #[test]
-fn what_a_umat_writes_to_arguments_that_it_should_only_read_is_gone_at_the_next_call() {
+fn changes_of_input_arguments_do_not_persist_to_the_next_call() {
     let umat = hostile(21);
     let quiet = hostile(0);
     for _ in 0..3 {
@@ -160,10 +160,10 @@ fn memory_is_limited() {
     }
 }
 
-/// Whoever starts processes can wait without using processor time; who computes for ever in a child is ended by the system.
+/// A process may wait for its children without processor time, so that the system must end an endless child.
 #[test]
 #[cfg(target_os = "linux")]
-fn what_a_umat_has_started_ends_with_it() {
+fn processes_started_by_a_umat_end_with_it() {
     let own = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("forks.so");
     std::fs::copy(library(&HOSTILE), &own).expect("a copy");
     let umat = Umat::new(UmatSettings {
@@ -176,7 +176,7 @@ fn what_a_umat_has_started_ends_with_it() {
         assert_eq!(processes(&own), started);
     }
     drop(umat);
-    // Killed processes without a parent are there until the system has waited for them.
+    // Killed orphans exist until the system has reaped them.
     for _ in 0..200 {
         if processes(&own) == 0 {
             return;
@@ -187,7 +187,7 @@ fn what_a_umat_has_started_ends_with_it() {
 }
 
 #[test]
-fn what_a_umat_prints_cannot_command_a_terminal() {
+fn output_of_a_umat_cannot_control_a_terminal() {
     let (_, output) = ended(&hostile(20));
     assert!(output.starts_with("red\n"), "{output:?}");
     assert!(
@@ -199,7 +199,7 @@ fn what_a_umat_prints_cannot_command_a_terminal() {
 }
 
 #[test]
-fn a_library_that_is_compiled_anew_while_it_is_used_is_refused() {
+fn a_library_that_is_recompiled_while_in_use_is_refused() {
     let own = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("anew.so");
     std::fs::copy(library(&HOSTILE), &own).expect("a copy");
     let umat = Umat::new(UmatSettings {
@@ -209,7 +209,7 @@ fn a_library_that_is_compiled_anew_while_it_is_used_is_refused() {
     .expect("a UMAT");
     let first = onset_umat::fingerprint(&own).expect("a sum");
     assert_eq!(umat.settings().fingerprint, Some(first.clone()));
-    // Another file in its place, as a linker makes it; the process that has the first goes on with it.
+    // Another file in its place, as a linker writes it; the process that has loaded the first file continues with it.
     std::fs::remove_file(&own).expect("removed");
     std::fs::copy(library(&["fortran/blatz_ko.f90"]), &own).expect("a copy");
     let stretched = |stretch| vec![Matrix3::from_diagonal_element(stretch)];
@@ -224,7 +224,7 @@ fn a_library_that_is_compiled_anew_while_it_is_used_is_refused() {
     }
 }
 
-/// A library that says in a file that it was loaded.
+/// Library that records in a file that it was loaded.
 fn telling(trace: &Path) -> PathBuf {
     let file = |name: &str| PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     let (source, library) = (file("telling.c"), file("telling.so"));
@@ -242,7 +242,7 @@ fn telling(trace: &Path) -> PathBuf {
 }
 
 #[test]
-fn of_a_library_that_is_not_the_one_that_was_looked_at_nothing_runs() {
+fn no_code_of_an_exchanged_library_runs() {
     let file = |name: &str| PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     let (trace, link) = (file("telling.trace"), file("turned.so"));
     let _ = std::fs::remove_file(&trace);
@@ -273,7 +273,7 @@ fn of_a_library_that_is_not_the_one_that_was_looked_at_nothing_runs() {
 }
 
 #[test]
-fn a_library_that_is_written_over_while_it_is_used_goes_on_as_it_was() {
+fn a_library_overwritten_while_in_use_continues_unchanged() {
     let own = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("over.so");
     std::fs::copy(library(&HOSTILE), &own).expect("a copy");
     let umat = Umat::new(UmatSettings {
@@ -281,13 +281,13 @@ fn a_library_that_is_written_over_while_it_is_used_goes_on_as_it_was() {
         ..flawed(0)
     })
     .expect("a UMAT");
-    // In place, as `cp` does: pages of it that are not yet in memory are gone.
+    // In place, as `cp` does: pages that are not yet in memory are lost.
     std::fs::write(&own, "no library").expect("a file");
     assert_eq!(asked(&umat), asked(&hostile(0)));
 }
 
 #[test]
-fn a_pipe_in_the_place_of_a_library_is_refused_and_not_waited_for() {
+fn a_pipe_in_place_of_a_library_is_refused_without_blocking() {
     let pipe = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("pipe.so");
     let _ = std::fs::remove_file(&pipe);
     let made = std::process::Command::new("mkfifo").arg(&pipe).status();
@@ -301,10 +301,10 @@ fn a_pipe_in_the_place_of_a_library_is_refused_and_not_waited_for() {
 }
 
 #[test]
-fn a_library_larger_than_the_memory_that_it_may_use_is_not_copied() {
+fn a_library_larger_than_the_memory_limit_is_not_copied() {
     let large = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("large.so");
     let file = std::fs::File::create(&large).expect("a file");
-    // A hole, which takes no room until it is copied.
+    // A sparse file, which takes no space until it is copied.
     file.set_len(1 << 40).expect("a hole");
     let refused = Umat::new(UmatSettings {
         library: large.clone(),
@@ -316,7 +316,7 @@ fn a_library_larger_than_the_memory_that_it_may_use_is_not_copied() {
 }
 
 #[test]
-fn a_wish_for_smaller_increments_is_told() {
+fn a_request_for_smaller_increments_is_reported() {
     match asked(&hostile(8)) {
         Err(UmatError::SmallerIncrement {
             factor, increment, ..
@@ -326,7 +326,7 @@ fn a_wish_for_smaller_increments_is_told() {
 }
 
 #[test]
-fn what_a_umat_prints_or_writes_to_unnamed_files_disturbs_nobody() {
+fn output_of_a_umat_and_its_unnamed_files_have_no_side_effects() {
     for flaw in [4, 13] {
         let umat = hostile(flaw);
         let quiet = hostile(0);
@@ -338,7 +338,7 @@ fn what_a_umat_prints_or_writes_to_unnamed_files_disturbs_nobody() {
 }
 
 #[test]
-fn after_a_failure_in_a_batch_the_other_states_are_answered() {
+fn after_a_failure_in_a_batch_the_other_states_are_computed() {
     let umat = hostile(11);
     let paths: Vec<_> = [0.1, 0.7, 0.2, 0.8, 0.3]
         .into_iter()
@@ -369,7 +369,7 @@ fn libraries_that_are_none_are_refused_with_the_reason() {
     assert!(matches!(error, UmatError::Load { .. }), "{error}");
     assert!(error.to_string().contains("gfortran -shared"), "{error}");
 
-    // The same library, said to be for a machine that is none.
+    // The same library, marked for a machine that does not exist.
     let mut bytes = std::fs::read(library(&HOSTILE)).expect("the library");
     bytes[18..20].copy_from_slice(&[0xf7, 0x00]);
     let foreign = file("foreign.so");
@@ -391,7 +391,7 @@ fn libraries_that_are_none_are_refused_with_the_reason() {
 }
 
 #[test]
-fn a_program_that_is_not_onset_is_no_host() {
+fn a_program_other_than_onset_is_refused_as_a_host() {
     for host in ["/bin/cat", "/bin/true", "/nowhere"] {
         let error = Umat::new(UmatSettings {
             host: Some(host.into()),
@@ -407,7 +407,7 @@ fn a_program_that_is_not_onset_is_no_host() {
     }
 }
 
-/// Processes that run a library, by the name that is on their command line.
+/// Processes that run a library, found by its name on their command line.
 #[cfg(target_os = "linux")]
 fn processes(library: &Path) -> usize {
     use std::os::unix::ffi::OsStrExt;
@@ -421,7 +421,7 @@ fn processes(library: &Path) -> usize {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn no_process_stays_behind() {
+fn no_process_is_left_behind() {
     let own = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("no-process-stays.so");
     std::fs::copy(library(&HOSTILE), &own).expect("a copy");
     for flaw in [0, 1, 2, 3, 5, 7] {
@@ -440,7 +440,7 @@ fn no_process_stays_behind() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn nothing_is_asked_after_a_failure_when_all_are_needed() {
+fn no_state_is_computed_after_a_failure_if_all_are_needed() {
     let own = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("asked-once.so");
     std::fs::copy(library(&HOSTILE), &own).expect("a copy");
     let umat = Umat::new(UmatSettings {
@@ -456,7 +456,7 @@ fn nothing_is_asked_after_a_failure_when_all_are_needed() {
         matches!(outcome, Err(UmatError::Ended { .. })),
         "{outcome:?}"
     );
-    // Nobody was started to answer for the third.
+    // No process was started for the third.
     assert_eq!(processes(&own), 0);
     assert_eq!(umat.along_all(&paths).len(), 3);
     assert_eq!(processes(&own), 1);

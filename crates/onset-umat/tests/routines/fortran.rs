@@ -1,14 +1,14 @@
-//! Libraries made of Fortran sources, for tests. Shared by the tests of several crates.
+//! Libraries compiled from Fortran sources, shared by the tests of several crates.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The variable that names the Fortran compiler; `gfortran` where it is not set.
+/// Variable that names the Fortran compiler; `gfortran` by default.
 const COMPILER: &str = "ONSET_FORTRAN";
 
-/// The library made of sources of this crate, made once and again when a source or the compiler is newer than it.
+/// Library compiled from sources of this crate; it is compiled again if a source or the compiler is newer.
 ///
-/// Fails the test when there is no compiler: a test that cannot run has not passed.
+/// Fails the test without a compiler: a test that cannot run has not passed.
 pub fn library(sources: &[&str]) -> PathBuf {
     let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("../onset-umat");
     let name: String = sources
@@ -24,7 +24,7 @@ pub fn library(sources: &[&str]) -> PathBuf {
     if modified(&library).is_some_and(|made| Some(made) > newest) {
         return library;
     }
-    // Tests run at the same time: each makes its own file and moves it into place.
+    // Tests run in parallel: each writes a separate file and renames it.
     let own = folder.join(format!(
         "{name}-{}-{:?}",
         std::process::id(),

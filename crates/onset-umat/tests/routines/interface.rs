@@ -1,11 +1,11 @@
-//! What Abaqus hands over, as the routine sees it.
+//! Input of a routine as passed by Abaqus.
 
 use crate::{general, settings};
 use nalgebra::Matrix3;
 use onset_umat::{Increment, Umat, UmatSettings};
 
 #[test]
-fn the_routine_sees_strains_times_rotations_and_gradients_as_abaqus_hands_them_over() {
+fn the_routine_receives_strains_times_rotations_and_gradients_as_from_abaqus() {
     let umat = Umat::new(UmatSettings {
         state_variables: 30,
         increments: 2,
@@ -24,7 +24,7 @@ fn the_routine_sees_strains_times_rotations_and_gradients_as_abaqus_hands_them_o
         );
     };
     for (a, (i, j)) in onset_umat::VOIGT.into_iter().enumerate() {
-        // Halfway, both strains are half of the whole one, turned to the end; shear is doubled.
+        // Halfway, both strains are half of the total, rotated to the end; shear is doubled.
         let factor = if i == j { 0.5 } else { 1.0 };
         close(seen[a], factor * whole.strain[(i, j)]);
         close(seen[6 + a], factor * whole.strain[(i, j)]);

@@ -1,4 +1,4 @@
-//! The UMATs that come with the crate, against what is known of their laws.
+//! The UMATs of the crate, compared with known properties of their laws.
 
 use crate::{blatz_ko, general, settings, state};
 use nalgebra::Matrix3;
@@ -6,7 +6,7 @@ use onset::kinematics::DeformationGradient;
 use onset::material::{BlatzKo, Hyperelastic, Response};
 use onset_umat::{Umat, UmatSettings};
 
-/// The largest difference of two responses, relative to the tangent.
+/// Largest difference of two responses, relative to the tangent.
 fn difference(a: &Response, b: &Response) -> f64 {
     let indices = || (0..81).map(|n| (n / 27, n / 9 % 3, n / 3 % 3, n % 3));
     let scale = indices().map(|at| a.tangent[at].abs()).fold(0.0, f64::max);
@@ -41,7 +41,7 @@ fn the_umat_of_blatz_and_ko_responds_as_the_built_in_law() {
 }
 
 #[test]
-fn one_by_one_all_at_once_and_from_many_threads_the_answers_are_the_same() {
+fn answers_are_the_same_in_single_calls_in_batches_and_from_many_threads() {
     let umat = blatz_ko();
     let paths: Vec<Vec<Matrix3<f64>>> = (0..5)
         .flat_map(|_| states())
@@ -73,14 +73,14 @@ fn plastic(increments: u32) -> Umat {
     .expect("a UMAT")
 }
 
-/// Isochoric stretch: the deviatoric logarithmic strain is `e diag(1, -1/2, -1/2)`, the pressure zero.
+/// Isochoric stretch: the deviatoric logarithmic strain is `e diag(1, -1/2, -1/2)`, and the pressure is zero.
 fn stretched(e: f64) -> DeformationGradient {
     DeformationGradient::from_stretches([e.exp(), (-0.5 * e).exp(), (-0.5 * e).exp()])
         .expect("admissible")
 }
 
 #[test]
-fn von_mises_plasticity_hardens_as_its_closed_form_says() {
+fn von_mises_plasticity_hardens_as_in_closed_form() {
     let [young, poisson, yield_stress, hardening] = STEEL;
     let shear = young / (2.0 * (1.0 + poisson));
     for increments in [1, 10] {
@@ -98,7 +98,7 @@ fn von_mises_plasticity_hardens_as_its_closed_form_says() {
             let dissipated = yield_stress * p + 0.5 * hardening * p * p;
             assert!((outcome.plastic_dissipation - dissipated).abs() < 1e-9 * young * e);
             if increments == 10 && p > 0.0 {
-                // Work is summed by the trapezoidal rule, exact but for the increment in which the yield point lies.
+                // Work is integrated by the trapezoidal rule, which is exact except for the increment that contains the yield point.
                 let elastic = q * q / (6.0 * shear);
                 let error = outcome.delivered.sse - elastic;
                 assert!(error.abs() < 0.1 * yield_stress * e, "{error}");
@@ -108,7 +108,7 @@ fn von_mises_plasticity_hardens_as_its_closed_form_says() {
 }
 
 #[test]
-fn a_rotation_on_the_way_turns_the_stress_of_a_plastic_material_and_nothing_else() {
+fn a_rotation_along_the_path_only_rotates_the_stress_of_a_plastic_material() {
     let umat = plastic(16);
     let rotation = Matrix3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
         * nalgebra::Rotation3::from_euler_angles(0.3, -0.2, 0.5).matrix();
@@ -127,7 +127,7 @@ fn a_rotation_on_the_way_turns_the_stress_of_a_plastic_material_and_nothing_else
 }
 
 #[test]
-fn elastic_until_yield_plastic_after_it_in_the_tangent() {
+fn the_tangent_is_elastic_before_yield_and_plastic_after_it() {
     let umat = plastic(1);
     let [young, poisson, yield_stress, hardening] = STEEL;
     let shear = young / (2.0 * (1.0 + poisson));
@@ -136,7 +136,7 @@ fn elastic_until_yield_plastic_after_it_in_the_tangent() {
         umat.along(path).expect("an outcome").delivered.ddsdde
     };
     let onset = yield_stress / (3.0 * shear);
-    // The modulus against the flow direction (1, -1/2, -1/2).
+    // Modulus along the flow direction (1, -1/2, -1/2).
     let modulus = |e: f64| {
         let c = at(e);
         let column = |i: usize| c[(i, 0)] - 0.5 * (c[(i, 1)] + c[(i, 2)]);

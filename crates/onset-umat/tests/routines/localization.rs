@@ -1,4 +1,4 @@
-//! Routines along loading paths, against the same laws by their flow and against closed forms of localization.
+//! Routines along loading paths, compared with the same laws in rate form and with closed forms of localization.
 
 use crate::{blatz_ko, settings};
 use onset::plasticity::{
@@ -43,9 +43,9 @@ fn followed(umat: &Umat, loading: &Loading, increments: usize) -> Localization {
     follow_increments(umat, loading, increments).expect("a path")
 }
 
-/// Onset and end of a path are those of the rate equations, the nearer the more increments: the error of implicit steps is of first order.
+/// Onset and end of a path converge to the rate equations with the number of increments: implicit steps have a first-order error.
 #[test]
-fn a_routine_localizes_where_the_flow_of_its_law_does() {
+fn a_routine_localizes_where_its_law_in_rate_form_does() {
     let (law, umat) = sandstone(0.6, 0.2);
     for (path, load, confinement) in [
         (LoadingPath::PlaneStrain, Load::Compression, 0.0),
@@ -67,7 +67,7 @@ fn a_routine_localizes_where_the_flow_of_its_law_does() {
                 "{path:?}"
             );
         }
-        // At first yield nothing but the extrapolated tangents tells flow from elasticity.
+        // At first yield only the extrapolated tangents distinguish plastic flow from elasticity.
         let moduli = |found: &Localization| {
             let point = first(found);
             [
@@ -98,7 +98,7 @@ fn a_routine_localizes_where_the_flow_of_its_law_does() {
     }
 }
 
-/// Rudnicki and Rice (1975), triaxial compression: the stress keeps its direction, so that implicit steps are exact and so are their tangents.
+/// Rudnicki and Rice (1975), triaxial compression: the stress keeps its direction, so that implicit steps and their tangents are exact.
 #[test]
 fn a_routine_in_triaxial_compression_has_the_critical_modulus_of_rudnicki_and_rice() {
     let (friction, dilatancy) = (0.9, 0.3);
@@ -115,7 +115,7 @@ fn a_routine_in_triaxial_compression_has_the_critical_modulus_of_rudnicki_and_ri
         let own = point.ellipticity.modulus;
         assert!((own - formula).abs() < 1e-5 * SHEAR, "{own} for {formula}");
     }
-    // The slip that the tangents add up to is that of the strength.
+    // The slip integrated from the tangents agrees with the slip from the strength.
     for point in &found.points {
         let left = point.equivalent_shear() + friction * point.mean_stress();
         let strength = STRENGTH.strength(point.slip);
@@ -126,9 +126,9 @@ fn a_routine_in_triaxial_compression_has_the_critical_modulus_of_rudnicki_and_ri
     }
 }
 
-/// Hill's neck in a sheet of linear hardening under tension: where the slope of the flow stress falls to half of the stress, but for elastic strains.
+/// Hill's neck in a sheet with linear hardening under tension: the slope of the flow stress is half of the stress, up to elastic strains.
 #[test]
-fn a_sheet_of_a_routine_necks_where_hill_says() {
+fn a_sheet_of_a_routine_necks_at_the_criterion_of_hill() {
     let (young, poisson, yield_stress, slope) = (200e3, 0.3, 250.0, 400.0);
     let umat = Umat::new(UmatSettings {
         state_variables: 1,
@@ -150,15 +150,15 @@ fn a_sheet_of_a_routine_necks_where_hill_says() {
         "{}",
         onset.stress[0]
     );
-    // The normal of Hill's neck is at atan(1/sqrt(2)) to the pull.
+    // The normal of Hill's neck is at atan(1/sqrt(2)) to the tensile axis.
     assert!((onset.ellipticity.band.angle_to_major - 35.264).abs() < 0.3);
-    // The slip is the plastic shear strain: sqrt(3) of that in tension.
+    // The slip is the plastic shear strain, sqrt(3) times the plastic strain in tension.
     let plastic = (onset.stress[0] - yield_stress) / slope;
     assert!((onset.slip / (3.0_f64.sqrt() * plastic) - 1.0).abs() < 0.01);
 }
 
 #[test]
-fn what_cannot_be_followed_is_said() {
+fn paths_that_cannot_be_followed_are_reported() {
     let pull = loading(LoadingPath::UniaxialStress, Load::Tension);
     let elastic = follow_increments(&blatz_ko(), &pull, 10);
     assert!(matches!(

@@ -1,4 +1,4 @@
-//! Routines written in Fortran, in processes of their own.
+//! Routines written in Fortran, in separate processes.
 
 mod crystal;
 mod failures;
@@ -29,7 +29,7 @@ fn state(components: [[f64; 3]; 3]) -> DeformationGradient {
     DeformationGradient::new(components).expect("admissible")
 }
 
-/// A state with stretch, shear and rotation in all directions.
+/// State with stretch, shear and rotation in all directions.
 fn general() -> DeformationGradient {
     state([[1.2, 0.3, -0.1], [-0.2, 0.9, 0.15], [0.05, -0.25, 1.1]])
 }

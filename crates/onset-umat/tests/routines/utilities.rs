@@ -1,4 +1,4 @@
-//! Abaqus's own routines, as `onset` offers them.
+//! Utility routines of Abaqus, as provided by `onset`.
 
 use crate::{general, settings};
 use nalgebra::{Matrix3, Vector3};
@@ -21,7 +21,7 @@ fn umat(wish: f64) -> Umat {
 }
 
 #[test]
-fn the_routines_of_abaqus_give_invariants_principal_values_and_turned_tensors() {
+fn the_routines_of_abaqus_compute_invariants_principal_values_and_rotated_tensors() {
     let umat = umat(0.0);
     let path = umat.path(&general()).expect("a path");
     let outcome = umat.along(path).expect("an outcome");
@@ -56,7 +56,7 @@ fn the_routines_of_abaqus_give_invariants_principal_values_and_turned_tensors() 
 }
 
 #[test]
-fn xit_and_errors_end_the_process_and_are_told() {
+fn xit_and_errors_end_the_process_and_are_reported() {
     for (wish, text) in [
         (1.0, "the UMAT called XIT"),
         (2.0, "element 1 has 0.500000"),
@@ -74,7 +74,7 @@ fn xit_and_errors_end_the_process_and_are_told() {
 }
 
 #[test]
-fn a_umat_without_the_routines_that_it_calls_is_told_where_to_find_them() {
+fn a_umat_with_missing_utility_routines_gets_a_hint_where_to_find_them() {
     let error = Umat::new(settings(&SOURCES[1..], &[0.0])).err();
     let message = error.expect("an error").to_string();
     assert!(message.contains("undefined symbol"), "{message}");

@@ -26,13 +26,13 @@ const NAME: &str = "lammps-smd-tlsph";
 /// Rate form of the law that the code integrates.
 const RATE: &str = "hypoelastic-green-naghdi";
 /// Number of steps in the first of the two runs that lead to a state.
-const STEPS: usize = 20;
+const RAMP_STEPS: usize = 20;
 /// Number of iterations for the stretch at the end of the first run; each leaves about a tenth of the error.
-const ITERATIONS: usize = 40;
+const STRETCH_ITERATIONS: usize = 40;
 /// Range of stretches that the two runs can reach.
-const STRETCHES: [f64; 2] = [0.4, 2.0];
+const STRETCH_RANGE: [f64; 2] = [0.4, 2.0];
 /// Range of volume ratios outside which the code deletes particles.
-const VOLUMES: [f64; 2] = [0.2, 2.0];
+const VOLUME_RATIO_RANGE: [f64; 2] = [0.2, 2.0];
 
 /// Stress update of a deck.
 enum Elasticity {
@@ -70,11 +70,11 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
         ));
     }
     let jacobian = f.jacobian();
-    if !(VOLUMES[0] < jacobian && jacobian < VOLUMES[1]) {
+    if !(VOLUME_RATIO_RANGE[0] < jacobian && jacobian < VOLUME_RATIO_RANGE[1]) {
         return Err(refused(
             format!(
                 "the code deletes particles with the volume ratio {jacobian}: outside of {} to {}",
-                VOLUMES[0], VOLUMES[1]
+                VOLUME_RATIO_RANGE[0], VOLUME_RATIO_RANGE[1]
             ),
             "choose another state",
         ));
@@ -89,7 +89,7 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
         }
         return Ok(Elasticity::Pressure(own));
     }
-    let is_far = |i: &usize| !(STRETCHES[0]..=STRETCHES[1]).contains(&f.components()[*i][*i]);
+    let is_far = |i: &usize| !(STRETCH_RANGE[0]..=STRETCH_RANGE[1]).contains(&f.components()[*i][*i]);
     if let Some(i) = (0..2).find(is_far) {
         return Err(refused(
             format!("decks do not lead to the stretch {}", f.components()[i][i]),
@@ -125,14 +125,14 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
 
 /// Stretch at the end of the first of the two runs that lead to `stretch`.
 ///
-/// Each step adds the strain increment `dF/F` with `F` at its end, and every `run` repeats the last increment before it. With [`STEPS`] equal steps
-/// to the stretch `a`, and one step from `a` to the stretch `s`, the strain is `sum_n d/(1 + n d) + d/a + 2 (s - a)/s` with `d = (a - 1)/STEPS`. This
+/// Each step adds the strain increment `dF/F` with `F` at its end, and every `run` repeats the last increment before it. With [`RAMP_STEPS`] equal steps
+/// to the stretch `a`, and one step from `a` to the stretch `s`, the strain is `sum_n d/(1 + n d) + d/a + 2 (s - a)/s` with `d = (a - 1)/RAMP_STEPS`. This
 /// strain must equal `ln s`.
 fn turning_point(stretch: f64) -> f64 {
     let mut a = stretch;
-    for _ in 0..ITERATIONS {
-        let d = (a - 1.0) / STEPS as f64;
-        let steps: f64 = (1..=STEPS).map(|n| d / (1.0 + n as f64 * d)).sum();
+    for _ in 0..STRETCH_ITERATIONS {
+        let d = (a - 1.0) / RAMP_STEPS as f64;
+        let steps: f64 = (1..=RAMP_STEPS).map(|n| d / (1.0 + n as f64 * d)).sum();
         let strain = steps + d / a + 2.0 * (stretch - a) / stretch;
         a += stretch * (strain - stretch.ln());
     }
@@ -195,7 +195,7 @@ fn support(deck: &Deck<'_>) -> f64 {
 /// Commands of the two runs to the state.
 fn ramp(case: &Case) -> String {
     let turning = case.stretches.map(turning_point);
-    let legs = [([1.0; 3], turning, STEPS), (turning, case.stretches, 1)];
+    let legs = [([1.0; 3], turning, RAMP_STEPS), (turning, case.stretches, 1)];
     lammps::strained(&legs.map(|(from, to, steps)| {
         let time = steps as f64 * case.time_step;
         ([0, 1].map(|i| (to[i] / from[i] - 1.0) / time), steps)

@@ -39,11 +39,11 @@ pub(super) const CORRECTED: UpdatedSmd = UpdatedSmd {
 };
 
 /// Factors of the spin in the stress rate: in the code, and in the Jaumann rate.
-const SPINS: [f64; 2] = [-1.0, 1.0];
+const SPIN_FACTORS: [f64; 2] = [-1.0, 1.0];
 /// Factor on the shear modulus in the step that sets the deviator; displacements scale with its reciprocal.
-const STIFFER: f64 = 1e10;
+const PRESTRESS_STIFFNESS_FACTOR: f64 = 1e10;
 /// Width of the held rim, in interaction ranges: particles within one range have a wrong gradient near a face, and act on particles within the next.
-const RIM: f64 = 2.0;
+const RIM_INTERACTION_RANGES: f64 = 2.0;
 
 /// Pressure, deviator and shear modulus of the law at the state, if its stress rate is a Jaumann rate.
 ///
@@ -66,7 +66,7 @@ fn rates(
     }
     let law = &*problem.material;
     let mut own = None;
-    for spin in SPINS {
+    for spin in SPIN_FACTORS {
         let rates = JaumannRates::of(law, f, spin).map_err(MethodError::from)?;
         own = own.or(rates);
     }
@@ -158,7 +158,7 @@ fn coefficients(deck: &Deck<'_>, own: &JaumannRates, shear: f64) -> String {
 /// Commands of the step that sets the deviator, and of the seed.
 fn prestressed(code: &UpdatedSmd, deck: &Deck<'_>, own: &JaumannRates) -> String {
     let case = deck.case;
-    let stiff = STIFFER * own.shear;
+    let stiff = PRESTRESS_STIFFNESS_FACTOR * own.shear;
     // In plane strain 2 mu dev(e) = s has e_i = (s_i - s_3)/(2 mu).
     let rate = |i: usize| {
         let strain = (own.deviator[i] - own.deviator[2]) / (2.0 * stiff);
@@ -174,7 +174,7 @@ fn prestressed(code: &UpdatedSmd, deck: &Deck<'_>, own: &JaumannRates) -> String
         coefficients(deck, own, stiff),
         lammps::strained(&[([0, 1].map(rate), 1)]),
         coefficients(deck, own, own.shear),
-        lammps::regions(case, RIM * case.reach, case.stretches),
+        lammps::regions(case, RIM_INTERACTION_RANGES * case.reach, case.stretches),
         lammps::seed(case),
     )
 }
@@ -270,7 +270,7 @@ impl Code for UpdatedSmd {
     }
 
     fn rim(&self, problem: &Problem, f: &DeformationGradient) -> Result<Option<f64>, VerifyError> {
-        Ok(is_prestressed(&rates(self, problem, f)?).then_some(RIM))
+        Ok(is_prestressed(&rates(self, problem, f)?).then_some(RIM_INTERACTION_RANGES))
     }
 
     fn tolerance(&self) -> f64 {
