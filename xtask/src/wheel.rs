@@ -128,7 +128,11 @@ fn made(profile: &str, folder: &str, interpreter: Option<&Path>) -> Result<PathB
             .arg(std::path::absolute(folder).map_err(|error| error.to_string())?)
             .arg("--interpreter")
             .arg(interpreter.unwrap_or(&making))
-            .args(if profile == "wheel" { SMALL_WHEEL_OPTIONS } else { &[] })
+            .args(if profile == "wheel" {
+                SMALL_WHEEL_OPTIONS
+            } else {
+                &[]
+            })
             .current_dir("python"),
     )?;
     newest(folder, since)

@@ -221,7 +221,9 @@ const COLORED_BEGINNINGS: [(&str, &str); 5] = [
 /// Colors a text by the beginnings of its lines, and the verdict.
 fn painted(text: &str) -> String {
     let line = |line: &str| {
-        let begins = COLORED_BEGINNINGS.iter().find(|(start, _)| line.starts_with(start));
+        let begins = COLORED_BEGINNINGS
+            .iter()
+            .find(|(start, _)| line.starts_with(start));
         if let Some((start, color)) = begins {
             let rest = &line[start.len()..];
             return format!("\x1b[{color}m{start}\x1b[0m{rest}");

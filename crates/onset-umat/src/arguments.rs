@@ -26,7 +26,9 @@ pub struct Arguments {
 impl Arguments {
     /// Block with the given arguments.
     pub fn of(arguments: &[(&str, &[f64])]) -> Self {
-        let size = arguments.iter().map(|(_, values)| values.len() + MARGIN_VALUES);
+        let size = arguments
+            .iter()
+            .map(|(_, values)| values.len() + MARGIN_VALUES);
         let mut numbers = Vec::with_capacity(MARGIN_VALUES + size.sum::<usize>());
         numbers.extend([GUARD; MARGIN_VALUES]);
         let mut places = Vec::with_capacity(arguments.len());

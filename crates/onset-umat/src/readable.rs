@@ -45,7 +45,9 @@ pub fn message(text: &str) -> String {
     if count <= MAX_CHARACTERS {
         return kept;
     }
-    let begin = kept.chars().take(MAX_CHARACTERS - END_CHARACTERS - GAP.len());
+    let begin = kept
+        .chars()
+        .take(MAX_CHARACTERS - END_CHARACTERS - GAP.len());
     let end = kept.chars().skip(count - END_CHARACTERS);
     begin.chain(GAP.chars()).chain(end).collect()
 }

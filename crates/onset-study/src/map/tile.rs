@@ -145,7 +145,8 @@ impl Pace {
 
     fn took(&self, states: usize, time: Duration) {
         if time < Self::SHORT_BATCH {
-            self.0.fetch_max((4 * states).min(BATCH_STATES), Ordering::Relaxed);
+            self.0
+                .fetch_max((4 * states).min(BATCH_STATES), Ordering::Relaxed);
         } else if time > Self::LONG_BATCH {
             self.0.store((states / 4).max(1), Ordering::Relaxed);
         }

@@ -111,7 +111,9 @@ impl SimulateAnswer {
             _ => {
                 let moved = displacement / problem.analysis.spacing();
                 let is_noise = question.seeded == Seeded::Noise
-                    && measured.as_ref().is_some_and(|own| own.difference < NOISE_RATE_TOLERANCE);
+                    && measured
+                        .as_ref()
+                        .is_some_and(|own| own.difference < NOISE_RATE_TOLERANCE);
                 explained((outcome, reason), plan, patch, moved, is_noise)
             }
         };

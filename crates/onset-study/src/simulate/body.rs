@@ -1,7 +1,9 @@
 //! Run of a body with grips.
 
 use super::picture::{DRAWN, figure};
-use super::plan::{Duration, DEFAULT_STEP_FRACTION, Pace, checked, every, fields, mark, refused, stable};
+use super::plan::{
+    DEFAULT_STEP_FRACTION, Duration, Pace, checked, every, fields, mark, refused, stable,
+};
 use super::run::{Course, Keeper, Moving, Place, Watch};
 use super::{SimulateError, fields as vtk};
 use crate::answers::{Problem, notes_on_patch};

@@ -78,7 +78,9 @@ impl Progress {
         if crc32c::crc32c(content) != u32::from_le_bytes(*sum) {
             return Err(damaged());
         }
-        let (own, rest) = rest.split_at_checked(IDENTIFIER_DIGITS).ok_or_else(damaged)?;
+        let (own, rest) = rest
+            .split_at_checked(IDENTIFIER_DIGITS)
+            .ok_or_else(damaged)?;
         if own != mark.as_bytes() {
             return Err(wrong(
                 "the checkpoint is of another run: study, state, wave, body or steps differ",

@@ -182,7 +182,10 @@ impl<'a> Keeper<'a> {
         match self.place.map(|place| place.checkpoint) {
             None => false,
             Some(Some(steps)) => step.is_multiple_of(steps),
-            Some(None) => step.is_multiple_of(STEPS_BETWEEN_CLOCK_CHECKS) && self.written.elapsed() >= CHECKPOINT_INTERVAL,
+            Some(None) => {
+                step.is_multiple_of(STEPS_BETWEEN_CLOCK_CHECKS)
+                    && self.written.elapsed() >= CHECKPOINT_INTERVAL
+            }
         }
     }
 

@@ -265,7 +265,8 @@ impl ZarrStore {
             path: path.to_owned(),
         })?;
         let expected = layout.group();
-        let found = folder::read(&metadata, MAX_METADATA_BYTES).map_err(StoreError::reading(path))?;
+        let found =
+            folder::read(&metadata, MAX_METADATA_BYTES).map_err(StoreError::reading(path))?;
         if found.as_deref() != Some(text(&expected).as_bytes()) {
             return Err(StoreError::OtherStudy {
                 path: path.to_owned(),

@@ -120,7 +120,8 @@ fn fit(
         Some((traced, point)) => traced.told(&part.with(rates), &point),
         None => whole.told(&part, &best),
     };
-    let [apart, nearly] = SEPARABLE_PHASES.map(|apart| whole.told_apart(others, whole.rate(&best), apart));
+    let [apart, nearly] =
+        SEPARABLE_PHASES.map(|apart| whole.told_apart(others, whole.rate(&best), apart));
     let far = beside(&apart);
     if nearly.len() == apart.len() {
         return Ok(far);

@@ -187,7 +187,9 @@ pub(super) fn integrates_pressure(
     let stretch = |i: usize| f.components()[i][i];
     let pairs = (0..9).map(|n| (n / 3, n % 3));
     let bulk = pairs.map(|(i, j)| tangent[(i, i, j, j)] * stretch(i) * stretch(j));
-    Ok(Some(bulk.sum::<f64>().abs() > SYMMETRY_TOLERANCE * tangent.largest()))
+    Ok(Some(
+        bulk.sum::<f64>().abs() > SYMMETRY_TOLERANCE * tangent.largest(),
+    ))
 }
 
 fn indices() -> impl Iterator<Item = [usize; 4]> {

@@ -74,7 +74,10 @@ pub(super) fn matrix(
 ) -> Result<DMatrix<f64>, VerifyError> {
     let matrix = problem.analysis.waves(f)?.dynamical_matrix_at(k);
     let largest = matrix.iter().map(|z| z.norm()).fold(0.0, f64::max);
-    if matrix.iter().any(|z| z.im.abs() > MATRIX_TOLERANCE * largest) {
+    if matrix
+        .iter()
+        .any(|z| z.im.abs() > MATRIX_TOLERANCE * largest)
+    {
         return Err(VerifyError::Wave {
             what: "the wave is not standing: its dynamical matrix is complex".to_owned(),
             hint: "verify waves of a lattice with one particle in a cell".to_owned(),

@@ -89,7 +89,8 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
         }
         return Ok(Elasticity::Pressure(own));
     }
-    let is_far = |i: &usize| !(STRETCH_RANGE[0]..=STRETCH_RANGE[1]).contains(&f.components()[*i][*i]);
+    let is_far =
+        |i: &usize| !(STRETCH_RANGE[0]..=STRETCH_RANGE[1]).contains(&f.components()[*i][*i]);
     if let Some(i) = (0..2).find(is_far) {
         return Err(refused(
             format!("decks do not lead to the stretch {}", f.components()[i][i]),
@@ -195,7 +196,10 @@ fn support(deck: &Deck<'_>) -> f64 {
 /// Commands of the two runs to the state.
 fn ramp(case: &Case) -> String {
     let turning = case.stretches.map(turning_point);
-    let legs = [([1.0; 3], turning, RAMP_STEPS), (turning, case.stretches, 1)];
+    let legs = [
+        ([1.0; 3], turning, RAMP_STEPS),
+        (turning, case.stretches, 1),
+    ];
     lammps::strained(&legs.map(|(from, to, steps)| {
         let time = steps as f64 * case.time_step;
         ([0, 1].map(|i| (to[i] / from[i] - 1.0) / time), steps)
