@@ -1,4 +1,4 @@
-//! The dynamical matrix from the linearized discrete forces.
+//! Assembly of the dynamical matrix from the linearized discrete forces.
 
 use super::DynamicalMatrix;
 use super::dynamical_matrix::{Block, ForceConstants, matrix_of};
@@ -11,11 +11,13 @@ use crate::method::{Configuration, ConfiguredPoint, Frame, Linearization, Method
 use nalgebra::{SMatrix, SVector};
 use pulp::{Arch, NullaryFnOnce};
 
-/// The dynamical matrix of a method and a material at a homogeneous state.
+/// Dynamical matrix of a method and a material at a homogeneous state. Shape `D x D`, unit 1/time^2.
 ///
-/// Lagrangian kernels: `D_ik = 1/m sum_q V_q conj(B_J) A_iJkL B_L`, `B = sum_K grad phi_K exp(i k.(X_K - X_q))`,
-/// equations (45), (54); with natural stabilization plus `1/m sum_q M_jl conj(B_J,j) A_iJkL B_L,l`. Eulerian kernels: the derivative of `f_I = sum_q v_q sigma(q) grad phi_I(x_q)`
-/// by the positions, equations (51), (55), in the chosen linearization. Shape `D x D`, units 1/time^2.
+/// Lagrangian kernels: `D_ik = 1/m sum_q V_q conj(B_J) A_iJkL B_L`, `B = sum_K grad phi_K exp(i k.(X_K - X_q))`, equations (45), (54). Natural
+/// stabilization adds `1/m sum_q M_jl conj(B_J,j) A_iJkL B_L,l`.
+///
+/// Eulerian kernels: the derivative of `f_I = sum_q v_q sigma(q) grad phi_I(x_q)` with respect to the positions, equations (51), (55), in the chosen
+/// linearization.
 ///
 /// ```
 /// use nalgebra::Vector2;
@@ -32,7 +34,7 @@ use pulp::{Arch, NullaryFnOnce};
 /// ```
 ///
 /// # Errors
-/// [`MethodError`] when the method or the material cannot be evaluated at the state.
+/// [`MethodError`] if the method or the material cannot be evaluated at the state.
 pub fn dynamical_matrix<const D: usize>(
     method: &Method<D>,
     material: &dyn Hyperelastic,
@@ -43,7 +45,7 @@ pub fn dynamical_matrix<const D: usize>(
     })
 }
 
-/// The derivatives of the shape functions that a method needs.
+/// Order of the derivatives of the shape functions that the dynamical matrix needs.
 fn order<const D: usize>(method: &Method<D>) -> Order {
     let discretization = method.choices();
     match (
@@ -56,7 +58,7 @@ fn order<const D: usize>(method: &Method<D>) -> Order {
     }
 }
 
-/// The derivatives of the shape functions that sums of products of strains need.
+/// Order of the derivatives of the shape functions that products of strains need.
 fn order_of_gradients<const D: usize>(method: &Method<D>) -> Order {
     if method.is_naturally_stabilized() {
         Order::Second
@@ -76,7 +78,7 @@ fn assembled<const D: usize>(
     let mut constants = ForceConstants::new(configuration.basis, reach(&configuration));
     let mut known: Option<(DeformationGradient, Local<D>)> = None;
     for point in &configuration.points {
-        // With the imposed background all points carry the same deformation.
+        // With the imposed background all points have the same deformation.
         let local = match known {
             Some((deformation, local)) if deformation == point.deformation => local,
             _ => respond(&point.deformation)?,
@@ -113,12 +115,13 @@ fn assembled<const D: usize>(
     }
 }
 
-/// The squared norm of the discrete gradient, `sum_q V_q |B_q(k)|^2 / V0`, on the diagonal of a matrix:
-/// the dynamical matrix of a material with the tangent `delta_ik delta_JL` and unit density. It knows
-/// of the method alone. A wave vector other than zero at which it vanishes is a zero-energy mode.
+/// Squared norm of the discrete gradient, `sum_q V_q |B_q(k)|^2 / V0`, on the diagonal of a matrix.
+///
+/// It is the dynamical matrix of a material with the tangent `delta_ik delta_JL` and unit density, and depends on the method alone. A nonzero wave
+/// vector with zero norm is a zero-energy mode.
 ///
 /// # Errors
-/// [`MethodError`] when the method cannot be evaluated at the state.
+/// [`MethodError`] if the method cannot be evaluated at the state.
 pub fn gradient_norm<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,
@@ -127,8 +130,7 @@ pub fn gradient_norm<const D: usize>(
     of_gradients(method, f, &unit, method.lattice().cell_volume())
 }
 
-/// The gradient moments `H_JL(k) = 1/m sum_q V_q conj(B_qJ) B_qL` of a Lagrangian method: the dynamical matrix of the
-/// tangent `delta_iJ delta_kL`.
+/// Gradient moments `H_JL(k) = 1/m sum_q V_q conj(B_qJ) B_qL` of a Lagrangian method: the dynamical matrix of the tangent `delta_iJ delta_kL`.
 pub(super) fn moment_matrix<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,
@@ -137,7 +139,7 @@ pub(super) fn moment_matrix<const D: usize>(
     of_gradients(method, f, &unit, method.particle_mass())
 }
 
-/// `sum_q V_q conj(B_J) T_iJkL B_L + M_jl conj(B_J,j) T_iJkL B_L,l` over a divisor, with a tangent that is no material's.
+/// Matrix `sum_q V_q conj(B_J) T_iJkL B_L + M_jl conj(B_J,j) T_iJkL B_L,l` over a divisor, with a given tangent in place of the material.
 fn of_gradients<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,
@@ -153,7 +155,7 @@ fn of_gradients<const D: usize>(
     Ok(constants.finish(method.lattice(), is_inverted))
 }
 
-/// The largest difference of coordinates in the short basis.
+/// Largest difference of lattice coordinates of two neighbors of a point, in the short basis.
 fn reach<const D: usize>(configuration: &Configuration<D>) -> i32 {
     let inverse = &configuration.basis.inverse;
     let range = |point: &ConfiguredPoint<D>| {
@@ -172,7 +174,7 @@ fn reach<const D: usize>(configuration: &Configuration<D>) -> i32 {
     configuration.points.iter().map(range).max().unwrap_or(0)
 }
 
-/// `T_iJkL` within the dimensions of a lattice, at `[i][J][k][L]`.
+/// Tangent `T_iJkL` within the dimensions of a lattice, at `[i][J][k][L]`.
 pub(crate) type Tangent<const D: usize> = [[[[f64; D]; D]; D]; D];
 
 fn tangent_from<const D: usize>(
@@ -185,17 +187,17 @@ fn tangent_from<const D: usize>(
 /// Stress and tangent of a material at a state, within the dimensions of a lattice.
 #[derive(Clone, Copy)]
 pub(crate) struct Local<const D: usize> {
-    /// `P_iJ`.
+    /// First Piola-Kirchhoff stress `P_iJ`.
     first_piola: [[f64; D]; D],
-    /// `A_iJkL`.
+    /// Material tangent `A_iJkL = dP_iJ/dF_kL` at the state.
     tangent: Tangent<D>,
 }
 
 impl<const D: usize> Local<D> {
-    /// From no more of the material's response than the dimensions need.
+    /// Evaluates the material, in two dimensions without the components out of the plane.
     ///
     /// # Errors
-    /// [`MaterialError`] when the response over- or underflows.
+    /// [`MaterialError`] if the response over- or underflows.
     pub(crate) fn new(
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
@@ -214,17 +216,17 @@ impl<const D: usize> Local<D> {
         })
     }
 
-    /// `P_iJ`.
+    /// First Piola-Kirchhoff stress `P_iJ`.
     pub(crate) fn first_piola(&self) -> &[[f64; D]; D] {
         &self.first_piola
     }
 
-    /// `A_iJkL`.
+    /// Material tangent `A_iJkL = dP_iJ/dF_kL` at the state.
     pub(crate) fn tangent(&self) -> &Tangent<D> {
         &self.tangent
     }
 
-    /// The stiffness of the material.
+    /// Tangent as the stiffness of the continuum.
     pub(crate) fn stiffness(&self) -> Stiffness<D> {
         Stiffness::from_fn(|i, j, k, l| self.tangent[i][j][k][l])
     }
@@ -254,9 +256,10 @@ struct Spatial<const D: usize> {
     tangent: Tangent<D>,
 }
 
-/// `factor (grad phi_I)_J T_iJkL`, for each `L` a matrix in `i`, `k`; with a Cauchy stress also the part
-/// `phi_I,j sigma_il delta_jk phi_K,l` that volume change and stress change leave together:
-/// `sigma_ij tr(L) + d sigma_ij = (a_ijkl + sigma_il delta_jk) L_kl`.
+/// Contraction `factor (grad phi_I)_J T_iJkL`: for each `L` a matrix in `i`, `k`.
+///
+/// With a Cauchy stress, it includes the joint contribution `phi_I,j sigma_il delta_jk phi_K,l` of the changes of volume and stress: `sigma_ij tr(L)
+/// + d sigma_ij = (a_ijkl + sigma_il delta_jk) L_kl`.
 fn contracted<const D: usize>(
     tangent: &Tangent<D>,
     own: &SVector<f64, D>,
@@ -281,8 +284,8 @@ fn contracted<const D: usize>(
     contracted
 }
 
-/// The force constants of a point of a Lagrangian kernel, `V conj(B_J) T_iJkL B_L` over a divisor, and where strain is expanded
-/// over the point's cell `M_jl conj(B_J,j) T_iJkL B_L,l`.
+/// Adds the force constants of a point of a Lagrangian kernel, `V conj(B_J) T_iJkL B_L` over a divisor. With strains expanded over the cell of the
+/// point, also `M_jl conj(B_J,j) T_iJkL B_L,l`.
 fn add_lagrangian<const D: usize>(
     constants: &mut ForceConstants<D>,
     point: &ConfiguredPoint<D>,
@@ -306,9 +309,10 @@ fn add_lagrangian<const D: usize>(
     pairs.sum(&constants.places(&point.cells), constants);
 }
 
-/// The force constants of a point of an Eulerian kernel: the gradient stiffness, and `sigma_ij d(phi_I,j)(x_q)`, since the
-/// kernel moves with the particles and the quadrature point. In the continuum the latter cancels against parts of the
-/// gradient stiffness; here it does so only to quadrature error, which is the tensile instability.
+/// Adds the force constants of a point of an Eulerian kernel.
+///
+/// They are the gradient stiffness and `sigma_ij d(phi_I,j)(x_q)`, because the kernel moves with the particles and the quadrature point. In the
+/// continuum the second part cancels against parts of the first; here it cancels only up to the quadrature error, which is the tensile instability.
 fn add_eulerian<const D: usize>(
     constants: &mut ForceConstants<D>,
     point: &ConfiguredPoint<D>,
@@ -334,13 +338,13 @@ fn add_eulerian<const D: usize>(
     let mut number = D;
     let turned = |matrix: &SMatrix<f64, D, D>, factor: f64| product(sigma, matrix, factor);
     if is_interpolated {
-        // The motion of the quadrature point, with the interpolated displacement.
+        // Motion of the quadrature point with the interpolated displacement.
         let of_i = |i: usize| turned(&hessians[i], factor);
         pairs.add(number, of_i, |k| [[shape.values[k]; D]; D]);
         number += 1;
     }
     if let Some(motion) = motion {
-        // The motion of the particles.
+        // Motion of the particles.
         for b in 0..motion.basis {
             let at = |i: usize| i * motion.basis + b;
             let of_i = |i: usize| [[factor * motion.terms[at(i)].0; D]; D];
@@ -386,7 +390,7 @@ fn add_eulerian<const D: usize>(
     }
 }
 
-/// `factor left right`.
+/// Product `factor left right` of two matrices.
 #[inline]
 fn product<const D: usize>(
     left: &SMatrix<f64, D, D>,
@@ -406,11 +410,11 @@ fn product<const D: usize>(
     product
 }
 
-/// What a point contributes to the force constants of all pairs of its neighbors: a sum of few products, entry by entry, of
-/// what depends on the one and what depends on the other.
+/// Contribution of a point to the force constants of all pairs of its neighbors. It is a sum of a few entrywise products, each of a factor of the
+/// first and a factor of the second neighbor.
 struct Pairs<const D: usize> {
     rank: usize,
-    /// At `[neighbor * rank + product]`.
+    /// Factors of both neighbors, at `[neighbor * rank + product]`.
     first: Vec<Block<D>>,
     second: Vec<Block<D>>,
 }
@@ -425,7 +429,7 @@ impl<const D: usize> Pairs<D> {
         }
     }
 
-    /// Sets the product with a number.
+    /// Sets the factors of the product with index `number`.
     fn add(
         &mut self,
         number: usize,
@@ -438,7 +442,7 @@ impl<const D: usize> Pairs<D> {
         }
     }
 
-    /// Sets the products with the components of the gradient of `phi_K`, from a number on.
+    /// Sets the products with the components of the gradient of `phi_K`, starting at index `number`.
     fn add_gradients(
         &mut self,
         point: &ConfiguredPoint<D>,
@@ -449,7 +453,7 @@ impl<const D: usize> Pairs<D> {
         self.add_products(number, |i| contracted(&gradients[i]), |k| gradients[k]);
     }
 
-    /// Sets the products of as many matrices as dimensions with the components of a vector, from a number on.
+    /// Sets the products of `D` matrices with the components of a vector, starting at index `number`.
     fn add_products(
         &mut self,
         number: usize,
@@ -466,7 +470,7 @@ impl<const D: usize> Pairs<D> {
         }
     }
 
-    /// Adds up all pairs.
+    /// Adds the products of all pairs to the force constants.
     fn sum(&self, places: &[usize], constants: &mut ForceConstants<D>) {
         Arch::new().dispatch(Summing {
             pairs: self,
@@ -477,7 +481,7 @@ impl<const D: usize> Pairs<D> {
     }
 }
 
-/// Work for the widest vectors of the machine. (A closure would not be inlined there.)
+/// Vectorized summation for the instruction set of the machine. A closure would not be inlined there.
 struct Summing<'a, const D: usize> {
     pairs: &'a Pairs<D>,
     places: &'a [usize],

@@ -1,18 +1,17 @@
-//! Branches of the spectrum with their derivatives by the wave vector, in closed form.
+//! Branches of the spectrum with their derivatives with respect to the wave vector, in closed form.
 //!
-//! In the plane `omega^2 = h -+ sqrt(p)`, `h = tr D / 2`, `p = ((D_11 - D_22) / 2)^2 + D_12 D_21`, where `h` and `p` are
-//! as smooth as `D`; what is not smooth is the root alone.
+//! In the plane `omega^2 = h -+ sqrt(p)`, `h = tr D / 2`, `p = ((D_11 - D_22) / 2)^2 + D_12 D_21`. Here `h` and `p` are as smooth as `D`; only the
+//! square root is not smooth.
 
 use super::dynamical_matrix::Expansion;
 use crate::algebra::{Complex, Each, array_of};
 use nalgebra::{SMatrix, SVector};
 use std::ops::{Add, Div, Mul, Sub};
 
-/// Products of the distances of an eigenvalue from the two others below this fraction of the largest entry's square are
-/// those of a double eigenvalue.
+/// Relative tolerance of a double eigenvalue: product of its distances from the two others, over the square of the largest entry.
 const DOUBLE: f64 = 1e-9;
 
-/// Real and complex numbers.
+/// Real or complex numbers.
 pub trait Number:
     Copy
     + Add<Output = Self>
@@ -21,7 +20,7 @@ pub trait Number:
     + Div<Output = Self>
     + Mul<f64, Output = Self>
 {
-    /// The absolute value.
+    /// Absolute value of the number.
     fn magnitude(self) -> f64;
 }
 
@@ -46,7 +45,7 @@ pub(super) struct Taylor<T, const D: usize> {
 }
 
 impl<T: Copy, const D: usize> Taylor<T, D> {
-    /// Applies a linear map to value and derivatives.
+    /// Applies a linear map to the value and the derivatives.
     #[inline]
     pub(super) fn map<U>(&self, map: impl Fn(T) -> U) -> Taylor<U, D> {
         Taylor {
@@ -56,7 +55,7 @@ impl<T: Copy, const D: usize> Taylor<T, D> {
         }
     }
 
-    // Loops rather than closures over arrays here and below: this is the innermost work of all descents.
+    // Loops instead of closures over arrays, here and below: this is the innermost work of all descents.
     #[inline]
     fn zip(&self, other: &Self, sum: impl Fn(T, T) -> T) -> Self {
         let mut both = *self;
@@ -89,7 +88,7 @@ impl<T: Number, const D: usize> Taylor<T, D> {
         product
     }
 
-    /// The composition with a function of which the value and two derivatives are given.
+    /// Composition with a function, given its value and its first two derivatives.
     #[inline]
     fn chain(&self, value: T, first: T, second: T) -> Self {
         let mut composed = *self;
@@ -106,7 +105,7 @@ impl<T: Number, const D: usize> Taylor<T, D> {
 }
 
 impl<const D: usize> Taylor<Complex, D> {
-    /// The root with a positive real part; derivatives that are not finite where it vanishes.
+    /// Square root with a positive real part. The derivatives are not finite where it vanishes.
     fn root(&self) -> Self {
         let root = self.value.sqrt();
         let first = 0.5 / root;
@@ -115,7 +114,7 @@ impl<const D: usize> Taylor<Complex, D> {
 }
 
 impl<const D: usize> Taylor<f64, D> {
-    /// The quotient with another function.
+    /// Quotient with another function.
     #[inline]
     pub(super) fn over(&self, scale: &Self) -> Self {
         let inverse = 1.0 / scale.value;
@@ -138,13 +137,13 @@ impl<const D: usize> Taylor<f64, D> {
         quotient
     }
 
-    /// The gradient as a vector.
+    /// Gradient as a vector.
     #[inline]
     pub(super) fn slope(&self) -> SVector<f64, D> {
         SVector::from(self.gradient)
     }
 
-    /// The second derivatives as a matrix.
+    /// Second derivatives as a matrix.
     #[inline]
     pub(super) fn curvature(&self) -> SMatrix<f64, D, D> {
         SMatrix::from_fn(|a, b| self.hessian[a][b])
@@ -161,8 +160,10 @@ impl<T: Number + nalgebra::Scalar, const D: usize> Expansion<T, D> {
         }
     }
 
-    /// The branch through a simple eigenvalue, in three dimensions: the root near zero of
-    /// `e^3 - t e^2 + m e - d`, with the invariants `t`, `m`, `d` of `D(k) - lambda`. Not finite where the eigenvalue is double.
+    /// Branch through a simple eigenvalue `lambda` in three dimensions.
+    ///
+    /// It is the root near zero of `e^3 - t e^2 + m e - d`, with the invariants `t`, `m`, `d` of `D(k) - lambda`. Not finite if the eigenvalue is
+    /// double.
     pub(super) fn branch_through(&self, eigenvalue: T) -> Taylor<T, D> {
         let entry = |i: usize, j: usize| {
             let mut entry = self.entry(i, j);
@@ -192,7 +193,7 @@ impl<T: Number + nalgebra::Scalar, const D: usize> Expansion<T, D> {
             .iter()
             .map(|x| x.value.magnitude())
             .fold(0.0, f64::max);
-        // The product of the distances to the other two.
+        // Product of the distances to the other two eigenvalues.
         let mut product = minors.value;
         if product.magnitude() <= DOUBLE * largest * largest {
             product = product * 0.0;
@@ -211,13 +212,13 @@ impl<T: Number + nalgebra::Scalar, const D: usize> Expansion<T, D> {
         }
     }
 
-    /// Half of the trace. Planar only.
+    /// Half of the trace, in the plane.
     fn half_trace(&self) -> Taylor<T, D> {
         self.entry(0, 0)
             .zip(&self.entry(1, 1), |x, y| (x + y) * 0.5)
     }
 
-    /// `p`, whose real part tells real branches from complex ones where `D` is real. Planar only.
+    /// Discriminant `p` in the plane. For a real `D`, its sign distinguishes real from complex branches.
     pub(super) fn discriminant(&self) -> Taylor<T, D> {
         let half = self
             .entry(0, 0)
@@ -239,7 +240,7 @@ impl<const D: usize> Expansion<Complex, D> {
             .map(|x| x.re)
     }
 
-    /// The growth rate `Im omega` of the fastest growing branch, in one or two dimensions.
+    /// Growth rate `Im omega` of the fastest growing branch, in one or two dimensions.
     pub(super) fn growth(&self) -> Taylor<f64, D> {
         if D == 1 {
             return self.entry(0, 0).growth();
@@ -254,7 +255,7 @@ impl<const D: usize> Expansion<Complex, D> {
 }
 
 impl<const D: usize> Taylor<Complex, D> {
-    /// The growth rate `Im omega` of the growing root of `omega^2`.
+    /// Growth rate `Im omega` of the growing root of `omega^2`.
     pub(super) fn growth(&self) -> Taylor<f64, D> {
         let frequency = self.root();
         let sign = frequency.value.im.signum();
@@ -263,7 +264,7 @@ impl<const D: usize> Taylor<Complex, D> {
 }
 
 impl<const D: usize> Expansion<f64, D> {
-    /// `a^3 - h^2`, negative where two eigenvalues are complex, in three dimensions; see [`super::spatial`].
+    /// Discriminant `a^3 - h^2` in three dimensions, negative if two eigenvalues are complex, as in [`super::spatial`].
     pub(super) fn spatial_discriminant(&self) -> Taylor<f64, D> {
         let third = |x: f64, y: f64| x + y / 3.0;
         let zero = self.entry(0, 0).map(|_| 0.0);
@@ -285,7 +286,7 @@ impl<const D: usize> Expansion<f64, D> {
                 .times(&k[n][q])
                 .zip(&k[m][q].times(&k[n][p]), |x, y| x - y)
         };
-        // tr K^2 = -2 times the sum of the principal minors.
+        // `tr K^2` is -2 times the sum of the principal minors.
         let a = (0..3)
             .fold(zero, |sum, i| sum.zip(&minor(i, i), third))
             .map(|x| -x);
@@ -295,7 +296,7 @@ impl<const D: usize> Expansion<f64, D> {
         a.times(&a).times(&a).zip(&h.times(&h), |x, y| x - y)
     }
 
-    /// The same matrix as one of complex numbers.
+    /// Converts the matrix to complex numbers.
     pub(super) fn complex(&self) -> Expansion<Complex, D> {
         let complex = |m: &SMatrix<f64, D, D>| m.map(|x| Complex::new(x, 0.0));
         Expansion {
@@ -308,7 +309,7 @@ impl<const D: usize> Expansion<f64, D> {
         }
     }
 
-    /// The same as for complex matrices; of a complex pair the real part is half of the trace.
+    /// `Re omega^2` of the lowest (`sign` -1) or the highest branch (+1), in one or two dimensions. For a complex pair this is half of the trace.
     pub(super) fn branch(&self, sign: f64) -> Taylor<f64, D> {
         if D == 1 {
             return self.entry(0, 0);

@@ -1,4 +1,4 @@
-//! The dynamical matrix as a sum of plane-wave phases.
+//! The dynamical matrix of one particle in a cell, as a sum of plane-wave phases.
 
 use super::mirror::MirrorSums;
 use super::planar::PlanarRows;
@@ -12,54 +12,54 @@ use pulp::{Arch, NullaryFnOnce};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-/// `D(k) = sum_R Phi(R) exp(i k.R)`: force constants per mass between a particle and what is displaced
-/// from it by the reference vector `R`.
+/// Dynamical matrix `D(k) = sum_R Phi(R) exp(i k.R)` of one particle in a cell.
 ///
-/// `D x D`, units 1/time^2. Hermitian for Lagrangian kernels; real for sets with an inversion center.
+/// `Phi(R)` are the force constants, divided by the mass, between a particle and the point displaced from it by the reference vector `R`. Shape `D x
+/// D`, unit 1/time^2. Hermitian for Lagrangian kernels; real for sets of points with an inversion center.
 #[derive(Clone, Debug)]
 pub struct DynamicalMatrix<const D: usize> {
     terms: Vec<Term<D>>,
     /// Primitive vectors of the reference lattice, as columns.
     vectors: SMatrix<f64, D, D>,
-    /// Where in its cell a vector ends: the lattice points first, then the places of plane-wave stress points.
+    /// End points of the vectors in their cell: first the lattice point, then the stress points that move with the plane wave.
     sites: Vec<SVector<f64, D>>,
-    /// Largest lattice coordinate of a vector.
+    /// Largest lattice coordinate of a vector, in magnitude.
     reach: usize,
-    /// `D(0) = sum_R Phi(R)`; zero where a translation costs no energy.
+    /// `D(0) = sum_R Phi(R)`; zero if a translation costs no energy.
     rigid: SMatrix<f64, D, D>,
-    /// Whether `Phi(-R) = Phi(R)`, which makes `D` real.
+    /// True if `Phi(-R) = Phi(R)`; then `D` is real.
     centrosymmetric: bool,
-    /// Whether `Phi(-R) = Phi(R)^T`, which makes `D` Hermitian.
+    /// True if `Phi(-R) = Phi(R)^T`; then `D` is Hermitian.
     hermitian: bool,
-    /// The force constants by rows, where `D` is planar and real; made when they are first asked for.
+    /// Force constants by rows if `D` is planar and real; computed when first needed.
     rows: OnceLock<Option<PlanarRows>>,
-    /// Rounding error to expect in an entry.
+    /// Rounding error of an entry.
     noise: f64,
 }
 
-/// The force constants of `R` and `-R` together.
+/// Force constants of `R` and `-R` together.
 #[derive(Clone, Debug)]
 pub(super) struct Term<const D: usize> {
-    /// `R`, in the reference state.
+    /// Vector `R` in the reference state.
     vector: SVector<f64, D>,
-    /// Its cell, `R = cell + site` in lattice coordinates.
+    /// Cell of the vector, `R = cell + site` in lattice coordinates.
     pub(super) cell: [i32; D],
-    /// Its place in the cell, an index of `sites`.
+    /// Position in the cell, an index into `sites`.
     pub(super) site: usize,
-    /// `Phi(R) + Phi(-R)`.
+    /// Even part `Phi(R) + Phi(-R)` of the force constants.
     pub(super) even: SMatrix<f64, D, D>,
-    /// `Phi(R) - Phi(-R)`.
+    /// Odd part `Phi(R) - Phi(-R)` of the force constants.
     odd: SMatrix<f64, D, D>,
 }
 
-/// `D(k)` with its derivatives with respect to the components of the wave vector; in real numbers where `D` is real.
+/// `D(k)` with its derivatives with respect to the components of the wave vector; real numbers if `D` is real.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Expansion<T, const D: usize> {
-    /// `D(k)`.
+    /// Value `D(k)` at the wave vector.
     pub value: SMatrix<T, D, D>,
-    /// First derivatives.
+    /// First derivatives with respect to the components of the wave vector.
     pub gradient: [SMatrix<T, D, D>; D],
-    /// Second derivatives.
+    /// Second derivatives with respect to the components of the wave vector.
     pub hessian: [[SMatrix<T, D, D>; D]; D],
 }
 
@@ -72,7 +72,7 @@ impl<const D: usize> Expansion<f64, D> {
         }
     }
 
-    /// Adds `block` times a function of `k.R`, given with its first two derivatives; second derivatives where the order is two.
+    /// Adds `block` times a function of `k.R`, given with its first two derivatives. Second derivatives only if `ORDER` is two.
     #[inline(always)]
     fn add<const ORDER: usize>(
         &mut self,
@@ -92,7 +92,7 @@ impl<const D: usize> Expansion<f64, D> {
         }
     }
 
-    /// Copies the half of the symmetric second derivatives that is summed to the other one.
+    /// Copies the summed half of the symmetric second derivatives to the other half.
     fn finished(mut self) -> Self {
         for a in 0..D {
             for b in 0..a {
@@ -103,7 +103,7 @@ impl<const D: usize> Expansion<f64, D> {
     }
 }
 
-/// A complex matrix from its parts.
+/// Joins real and imaginary part to a complex matrix.
 fn joined<const D: usize>(
     real: &SMatrix<f64, D, D>,
     imaginary: &SMatrix<f64, D, D>,
@@ -111,32 +111,32 @@ fn joined<const D: usize>(
     real.zip_map(imaginary, Complex::new)
 }
 
-/// A matrix of force constants, by rows.
+/// Matrix of force constants, by rows.
 pub(super) type Block<const D: usize> = [[f64; D]; D];
 
 /// Collects force constants by lattice vector.
 pub(super) struct ForceConstants<const D: usize> {
-    /// The basis in whose coordinates the blocks lie.
+    /// Basis for the coordinates of the blocks.
     basis: Reduced<D>,
-    /// Largest lattice coordinate in that basis.
+    /// Largest lattice coordinate in that basis, in magnitude.
     reach: i32,
-    /// What a step along a vector of the given basis is in the array of blocks.
+    /// Index steps in the array of blocks for the vectors of the given basis.
     steps: [i64; D],
-    /// Dense blocks for lattice vectors, coordinates in that basis from `-reach` to `reach`.
+    /// Dense blocks for lattice vectors with coordinates from `-reach` to `reach` in that basis.
     blocks: Vec<Block<D>>,
     /// Blocks at other vectors (plane-wave stress points), by rounded lattice coordinates.
     loose: BTreeMap<Vec<i64>, (SVector<f64, D>, SMatrix<f64, D, D>)>,
 }
 
-/// Sums of force constants below this fraction of their absolute sum vanish but for rounding.
+/// Largest sum of force constants that vanishes except for rounding, relative to the sum of their magnitudes.
 const ZERO: f64 = 1e-10;
-/// Force constants that differ by this multiple of the rounding error of the matrix are images of each other under a symmetry.
+/// Largest difference of force constants that are symmetric images, as a multiple of the rounding error of the matrix.
 const EQUAL: f64 = 64.0;
-/// Resolution with which lattice coordinates of loose vectors are told apart.
+/// Inverse of the distance at which lattice coordinates of loose vectors are distinguished.
 const LOOSE_RESOLUTION: f64 = 1e6;
 
 impl<const D: usize> ForceConstants<D> {
-    /// For lattice vectors with coordinates up to `reach` in a short basis.
+    /// Creates a collection for lattice vectors with coordinates up to `reach` in a short basis.
     pub(super) fn new(basis: Reduced<D>, reach: i32) -> Self {
         let side = (2 * reach + 1) as usize;
         let own = SVector::<f64, D>::from_fn(|i, _| (side as f64).powi((D - 1 - i) as i32));
@@ -150,11 +150,11 @@ impl<const D: usize> ForceConstants<D> {
         }
     }
 
-    /// The places of lattice vectors relative to that of zero; places of differences are differences of places.
+    /// Indices of lattice vectors relative to the zero vector. The index of a difference of vectors is the difference of their indices.
     pub(super) fn places(&self, cells: &[[i32; D]]) -> Vec<usize> {
         let mut places = Vec::with_capacity(cells.len());
         for cell in cells {
-            // Wrapped around below zero, as are sums and differences of places.
+            // Negative indices wrap around, as do sums and differences of indices.
             let mut place = 0_i64;
             for i in 0..D {
                 place += i64::from(cell[i]) * self.steps[i];
@@ -164,17 +164,17 @@ impl<const D: usize> ForceConstants<D> {
         places
     }
 
-    /// The place of the vector zero.
+    /// Index of the zero vector.
     pub(super) fn middle(&self) -> usize {
         self.blocks.len() / 2
     }
 
-    /// The blocks by place.
+    /// Blocks of force constants by index.
     pub(super) fn blocks_mut(&mut self) -> &mut [Block<D>] {
         &mut self.blocks
     }
 
-    /// Adds to the force constant of the lattice vector at a place.
+    /// Adds to the force constant of the lattice vector with a relative index.
     pub(super) fn add(&mut self, place: usize, block: &Block<D>) {
         let place = self.middle().wrapping_add(place);
         let own = &mut self.blocks[place];
@@ -206,8 +206,9 @@ impl<const D: usize> ForceConstants<D> {
         entry.1 += block;
     }
 
-    /// The sum over all vectors, with `R` and `-R` taken together. Where one of each pair of points that inversion exchanges
-    /// has been added, with the weight of both, the odd parts cancel.
+    /// Builds the matrix, with `R` and `-R` taken together.
+    ///
+    /// With `is_inverted`, only one point of each pair that the inversion exchanges was added, with the weight of both; then the odd parts cancel.
     pub(super) fn finish(
         mut self,
         lattice: &BravaisLattice<D>,
@@ -257,7 +258,7 @@ impl<const D: usize> ForceConstants<D> {
         sum.finish(sites, *lattice.vectors())
     }
 
-    /// The next cell in the order of the blocks, the last coordinate fastest.
+    /// Next cell in the order of the blocks, with the last coordinate fastest.
     fn advance(&self, cell: &mut [i32; D]) {
         for coordinate in cell.iter_mut().rev() {
             if *coordinate < self.reach {
@@ -268,7 +269,7 @@ impl<const D: usize> ForceConstants<D> {
         }
     }
 
-    /// A lattice vector of the short basis in the given one.
+    /// Converts a lattice vector from the short basis to the given one.
     fn given(&self, cell: &[i32; D]) -> [i32; D] {
         if self.basis.is_given() {
             return *cell;
@@ -281,9 +282,9 @@ impl<const D: usize> ForceConstants<D> {
 /// Pairs of opposite vectors with the sums over all of them.
 struct PairSum<const D: usize> {
     terms: Vec<Term<D>>,
-    /// `sum_R Phi(R)`.
+    /// Sum `sum_R Phi(R)` over all vectors.
     rigid: SMatrix<f64, D, D>,
-    /// The sum of the largest entries.
+    /// Sum of the largest entries of the force constants.
     magnitude: f64,
     is_inverted: bool,
 }
@@ -326,13 +327,12 @@ impl<const D: usize> PairSum<D> {
             magnitude,
             ..
         } = self;
-        // What symmetry makes vanish does so to the rounding error of the shape functions, which can be many times
-        // that of the sums.
+        // Symmetry makes sums vanish up to the rounding error of the shape functions, which can be much larger than the rounding error of the sums.
         let zero = ZERO * magnitude;
         if largest(&rigid) <= zero {
             rigid.fill(0.0);
         }
-        // D(k) = rigid + sum (cos - 1) even + i sin odd: Hermitian for symmetric even, antisymmetric odd parts.
+        // `D(k) = rigid + sum (cos - 1) even + i sin odd` is Hermitian if even parts are symmetric and odd parts antisymmetric.
         let asymmetry = |term: &Term<D>| {
             let (mut even, mut odd) = (0.0_f64, 0.0_f64);
             for i in 0..D {
@@ -358,7 +358,7 @@ impl<const D: usize> PairSum<D> {
     }
 }
 
-/// A matrix from its rows.
+/// Builds a matrix from its rows.
 pub(super) fn matrix_of<const D: usize>(block: &Block<D>) -> SMatrix<f64, D, D> {
     let mut matrix = SMatrix::zeros();
     for i in 0..D {
@@ -369,7 +369,7 @@ pub(super) fn matrix_of<const D: usize>(block: &Block<D>) -> SMatrix<f64, D, D> 
     matrix
 }
 
-/// The largest magnitude of an entry; NaN where one is.
+/// Largest magnitude of an entry; NaN if an entry is NaN.
 #[inline]
 fn largest<const D: usize>(matrix: &SMatrix<f64, D, D>) -> f64 {
     let mut largest = 0.0_f64;
@@ -408,7 +408,7 @@ impl<const D: usize> DynamicalMatrix<D> {
         joined(&real, &imaginary)
     }
 
-    /// The derivatives of `D(k)` with respect to the components of the wave vector.
+    /// Derivatives of `D(k)` with respect to the components of the wave vector.
     pub fn gradient_at(&self, k: &SVector<f64, D>) -> [SMatrix<Complex, D, D>; D] {
         let [real, imaginary] = self.sums::<1>(k);
         array_of(|a| joined(&real.gradient[a], &imaginary.gradient[a]))
@@ -426,7 +426,7 @@ impl<const D: usize> DynamicalMatrix<D> {
         }
     }
 
-    /// The real and the imaginary part of `D(k)` with derivatives up to an order.
+    /// Real and imaginary part of `D(k)` with derivatives up to `ORDER`.
     #[inline(always)]
     fn sums<const ORDER: usize>(&self, k: &SVector<f64, D>) -> [Expansion<f64, D>; 2] {
         let mut real = Expansion::starting_at(self.rigid);
@@ -435,7 +435,7 @@ impl<const D: usize> DynamicalMatrix<D> {
         for term in &self.terms {
             let half = phases.of(term);
             let (versine, sine) = (2.0 * half.im * half.im, 2.0 * half.im * half.re);
-            // (cos k.R - 1) even + i sin(k.R) odd, differentiated.
+            // `(cos k.R - 1) even + i sin(k.R) odd`, differentiated.
             let derivatives = [-versine, -sine, versine - 1.0];
             real.add::<ORDER>(&term.even, derivatives, &term.vector);
             if !self.centrosymmetric {
@@ -446,7 +446,7 @@ impl<const D: usize> DynamicalMatrix<D> {
         [real, imaginary]
     }
 
-    /// The same in real numbers, where `D(k)` is real, with derivatives up to an order; others are zero.
+    /// `D(k)` in real numbers with derivatives up to `ORDER`, zero beyond; `None` if `D(k)` is complex.
     pub(super) fn real_expansion_at<const ORDER: usize>(
         &self,
         k: &SVector<f64, D>,
@@ -457,13 +457,14 @@ impl<const D: usize> DynamicalMatrix<D> {
         Some(Arch::new().dispatch(RealSums::<ORDER, D>(self, k)))
     }
 
-    /// The eigenvalues `omega^2` at a reference wave vector, by increasing real part.
+    /// Eigenvalues `omega^2` at a reference wave vector, by increasing real part.
     pub fn omega_squared(&self, k: &SVector<f64, D>) -> [Complex; D] {
         eigenvalues(&self.at(k), self.noise)
     }
 
-    /// The long-wave limit: the stiffness per density `T` with `D(k) -> T_iJkL k_J k_L`,
-    /// `T = -1/2 sum_R Phi(R) R (x) R`. Units length^2/time^2.
+    /// Stiffness per density `T` of the long-wave limit `D(k) -> T_iJkL k_J k_L`. Length^2/time^2.
+    ///
+    /// `T = -1/2 sum_R Phi(R) R (x) R`.
     pub fn long_wave_stiffness(&self) -> Stiffness<D> {
         let mut sums = [[[[0.0; D]; D]; D]; D];
         for term in &self.terms {
@@ -481,33 +482,32 @@ impl<const D: usize> DynamicalMatrix<D> {
         Stiffness::from_fn(|i, j, k, l| sums[j.max(l)][j.min(l)][i][k])
     }
 
-    /// `D(0)`: zero, unless the shape functions are no partition of unity, so that a rigid
-    /// translation strains the body.
+    /// `D(0)`: zero, unless the shape functions are no partition of unity and a translation strains the body.
     pub fn rigid_translation(&self) -> &SMatrix<f64, D, D> {
         &self.rigid
     }
 
-    /// Whether `D(k)` is real for every wave vector.
+    /// Returns true if `D(k)` is real for every wave vector.
     pub fn is_centrosymmetric(&self) -> bool {
         self.centrosymmetric
     }
 
-    /// Whether `D(k)` is Hermitian for every wave vector, as the second derivative of an energy is.
+    /// Returns true if `D(k)` is Hermitian for every wave vector, as the second derivative of an energy is.
     pub fn is_hermitian(&self) -> bool {
         self.hermitian
     }
 
-    /// Whether all entries are finite.
+    /// Returns true if all entries are finite.
     pub fn is_finite(&self) -> bool {
         self.noise.is_finite()
     }
 
-    /// Rounding error to expect in an entry of `D(k)`. 1/time^2.
+    /// Rounding error of an entry of `D(k)`. 1/time^2.
     pub fn noise(&self) -> f64 {
         self.noise
     }
 
-    /// The force constants by rows, where `D` is planar and real.
+    /// Force constants by rows; `None` unless `D` is planar and real.
     pub(super) fn planar_rows(&self) -> Option<&PlanarRows> {
         self.rows
             .get_or_init(|| {
@@ -518,13 +518,12 @@ impl<const D: usize> DynamicalMatrix<D> {
             .as_ref()
     }
 
-    /// The force constants of pairs of opposite vectors.
+    /// Force constants of pairs of opposite vectors.
     pub(super) fn terms(&self) -> &[Term<D>] {
         &self.terms
     }
 
-    /// The sums along a mirror line, where `D` is planar, real, periodic and has one of the mirrors, and a translation is
-    /// free.
+    /// Sums along a mirror line; `None` unless `D` is planar, real, periodic and has one of the mirrors, and translations are free.
     pub(super) fn mirror_sums(&self, mirrors: &[Mirror]) -> Option<MirrorSums> {
         let is_free = self.rigid.amax() == 0.0;
         (is_free && self.centrosymmetric)
@@ -532,8 +531,10 @@ impl<const D: usize> DynamicalMatrix<D> {
             .flatten()
     }
 
-    /// Which of the symmetries of the lattice its real part has, as bits: with `Phi(Q R) = Q Phi(R) Q^T`, also of `R = 0`, the matrices at `k` and
-    /// `Q k` have the same eigenvalues. None where some vectors are none of the lattice.
+    /// Symmetries of the lattice that the real part of `D` has, as bits.
+    ///
+    /// If `Phi(Q R) = Q Phi(R) Q^T`, including `R = 0`, the matrices at `k` and `Q k` have the same eigenvalues. No bits are set if some vectors are
+    /// not lattice vectors.
     pub(super) fn symmetries(&self, all: &[Symmetry<D>]) -> u64 {
         if self.sites.len() > 1 {
             return 0;
@@ -560,8 +561,7 @@ impl<const D: usize> DynamicalMatrix<D> {
         all.iter().enumerate().map(bit).sum()
     }
 
-    /// The force constants `Phi(R)` of all lattice vectors that have some, zero included; `None` where some belong to vectors
-    /// that are none of the lattice.
+    /// Nonzero force constants `Phi(R)` of all lattice vectors, including `R = 0`; `None` if some vectors are not lattice vectors.
     pub(crate) fn force_constants(&self) -> Option<Vec<([i32; D], SMatrix<f64, D, D>)>> {
         let mut own = self.rigid;
         let mut constants = Vec::with_capacity(2 * self.terms.len() + 1);
@@ -577,8 +577,8 @@ impl<const D: usize> DynamicalMatrix<D> {
         Some(constants)
     }
 
-    /// Coordinates in which the forces reach equally far in all directions, where the reference lattice is too oblique for
-    /// them; none with vectors that are none of the lattice.
+    /// Coordinates in which the forces have the same range in all directions, if the reference lattice is too oblique for them; `None` if some
+    /// vectors are not lattice vectors.
     pub(super) fn short_range(&self, lattice: &BravaisLattice<D>) -> Option<ShortRange<D>> {
         if self.sites.len() > 1 {
             return None;
@@ -591,7 +591,7 @@ impl<const D: usize> DynamicalMatrix<D> {
         ShortRange::of(lattice, &forces)
     }
 
-    /// The same in other coordinates, with the lattice there: `D'(k') = D(map^T k')`.
+    /// Returns the matrix in the coordinates of `range`, with the lattice there: `D'(k') = D(map^T k')`.
     pub(super) fn in_short_range(
         &self,
         range: &ShortRange<D>,
@@ -610,12 +610,12 @@ impl<const D: usize> DynamicalMatrix<D> {
         moved
     }
 
-    /// A unit in which its entries are neither very large nor very small.
+    /// Unit in which the entries have moderate magnitudes.
     pub(super) fn moderate_unit(&self) -> f64 {
         moderate_unit(self.noise / f64::EPSILON)
     }
 
-    /// The same divided by a unit.
+    /// Returns the matrix divided by a unit.
     pub(super) fn over(&self, unit: f64) -> Self {
         let mut scaled = self.clone();
         for term in &mut scaled.terms {
@@ -628,7 +628,7 @@ impl<const D: usize> DynamicalMatrix<D> {
         scaled
     }
 
-    /// Where in its cell a vector ends.
+    /// End points of the vectors in their cell, in lattice coordinates.
     pub(super) fn sites(&self) -> &[SVector<f64, D>] {
         &self.sites
     }
@@ -638,7 +638,7 @@ impl<const D: usize> DynamicalMatrix<D> {
         &self.vectors
     }
 
-    /// Rounding error to expect in `D(k) / |k|^2` for long waves. Length^2/time^2.
+    /// Rounding error of `D(k) / |k|^2` for long waves. Length^2/time^2.
     pub(super) fn long_wave_noise(&self) -> f64 {
         let mut sum = 0.0;
         for term in &self.terms {
@@ -651,13 +651,16 @@ impl<const D: usize> DynamicalMatrix<D> {
         0.5 * f64::EPSILON * sum
     }
 
-    /// Largest lattice coordinate of a force constant.
+    /// Largest lattice coordinate of a force constant, in magnitude.
     pub(super) fn reach(&self) -> usize {
         self.reach
     }
 
-    /// The lattice coordinate up to which force constants matter to second derivatives by the wave vector, all but a
-    /// fiftieth: how fast `D(k)` varies over the zone. Kernels end so smoothly that the largest coordinate says too much.
+    /// Largest lattice coordinate that matters to second derivatives with respect to the wave vector: it determines how fast `D(k)` varies over the
+    /// zone.
+    ///
+    /// Larger coordinates contribute only a small part of the second derivatives. Kernels end so smoothly that the largest coordinate overestimates
+    /// the variation.
     pub(super) fn effective_reach(&self) -> usize {
         let mut by_reach = vec![0.0; self.reach + 1];
         for term in &self.terms {
@@ -677,7 +680,7 @@ impl<const D: usize> DynamicalMatrix<D> {
     }
 }
 
-/// Work for the widest vectors of the machine. (A closure would not be inlined there.)
+/// Vectorized summation for the instruction set of the machine. A closure would not be inlined there.
 struct RealSums<'a, const ORDER: usize, const D: usize>(
     &'a DynamicalMatrix<D>,
     &'a SVector<f64, D>,
@@ -693,12 +696,11 @@ impl<const ORDER: usize, const D: usize> NullaryFnOnce for RealSums<'_, ORDER, D
     }
 }
 
-/// The phases `exp(i k.R / 2)` of all vectors from those of the primitive vectors: a sine and cosine for each
-/// primitive vector and site, a product for each vector.
+/// Phases `exp(i k.R / 2)` of all vectors. They need one sine and cosine for each primitive vector and site, and one product for each vector.
 struct HalfPhases<const D: usize> {
-    /// `exp(i n k.a_d / 2)`.
+    /// Powers `exp(i n k.a_d / 2)` of the primitive vectors.
     powers: Powers<D>,
-    /// `exp(i k.site / 2)`.
+    /// Phases `exp(i k.site / 2)` of the sites.
     sites: Vec<Complex>,
 }
 

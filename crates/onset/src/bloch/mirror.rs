@@ -1,41 +1,39 @@
-//! `D(k)` where force constants have a mirror line: half as many sums on half of the wave vectors.
+//! The matrix `D(k)` of force constants with a mirror line: half of the sums at half of the wave vectors.
 //!
-//! Where a reflection of the lattice maps `Phi(R)` to itself with the sign of `Phi_12` and `Phi_21` changed, as that of an
-//! isotropic body stretched along mirror lines, `D_11` and `D_22` are sums of `cos i u cos j v` and `D_12`, `D_21` of
-//! `sin i u sin j v` in the phases `u`, `v` along the lines. That the force constants have the symmetry is read off them;
-//! nothing is inferred from lattice, state and law.
+//! The reflection maps `Phi(R)` to itself except for the signs of `Phi_12` and `Phi_21`, as for an isotropic body stretched along mirror lines of the
+//! lattice. Then `D_11` and `D_22` are sums of `cos i u cos j v`, and `D_12` and `D_21` are sums of `sin i u sin j v`, in the phases `u`, `v` along
+//! the lines. The symmetry is tested on the force constants themselves, not inferred from lattice, state and material.
 
 use super::dynamical_matrix::Term;
 use crate::algebra::{Pack, WIDEST};
 use crate::lattice::{FILL, Group, HARMONICS, Mirror};
 use pulp::Simd;
 
-/// Wave vectors that are evaluated together at most.
+/// Maximum number of wave vectors that are evaluated simultaneously.
 pub(super) const LANES: usize = WIDEST;
-/// Differences of force constants below this fraction of the sum of all are rounding.
+/// Rounding error of force constants, relative to the sum of their magnitudes.
 const ROUNDING: f64 = 1e-12;
 
-/// The sums of a matrix with a mirror line.
+/// Sums of a matrix with a mirror line.
 #[derive(Clone, Debug)]
 pub(super) struct MirrorSums {
-    /// Which of the lattice's mirrors it is.
+    /// Index of the mirror among the mirrors of the lattice.
     pub(super) number: usize,
     pub(super) mirror: Mirror,
     /// Largest `i` and `j`.
     pub(super) reach: [usize; 2],
-    /// For each `j` the largest `i`: forces end at a circle.
+    /// Largest `i` for each `j`, because the forces end at a circle.
     ends: Vec<usize>,
-    /// Factors of `cos i u cos j v` in `D_11`, `D_22` and of `sin i u sin j v` in `D_12`, `D_21`, at `[j][i]`, in the order of
-    /// the entries: themselves, times `i`, and times `i^2`.
+    /// Factors of `cos i u cos j v` in `D_11`, `D_22` and of `sin i u sin j v` in `D_12`, `D_21`, at `[j][i]` in the order of the entries: plain,
+    /// multiplied by `i`, and by `i^2`.
     factors: Vec<[[f64; 4]; 3]>,
 }
 
-/// One number a wave vector.
+/// One number for each wave vector.
 pub(super) type Lanes = [f64; LANES];
 
 impl MirrorSums {
-    /// The sums, if force constants (those of `R` and `-R` together) of particles whose translation is free have one of the
-    /// mirrors.
+    /// Computes the sums if the force constants (of `R` and `-R` together) have one of the mirrors and translations are free; otherwise `None`.
     pub(super) fn new<const D: usize>(terms: &[Term<D>], mirrors: &[Mirror]) -> Option<Self> {
         if D != 2 || terms.iter().any(|term| term.site > 0) {
             return None;
@@ -57,14 +55,14 @@ impl MirrorSums {
         }
         let width = reach[0] + 1;
         let mut factors = vec![[0.0; 4]; width * (reach[1] + 1)];
-        // What reflection would make vanish.
+        // Terms that vanish under reflection.
         let mut rest = factors.clone();
         let mut magnitude = 0.0;
         let mut total = [0.0; 4];
         for term in terms {
             let [i, j] = mirror.coordinates_of([term.cell[0], term.cell[1]]);
             let index = j.unsigned_abs() as usize * width + i.unsigned_abs() as usize;
-            // cos (i u + j v) = cos i u cos j v - sin i u sin j v.
+            // `cos (i u + j v) = cos i u cos j v - sin i u sin j v`.
             let sign = f64::from((i * j).signum());
             for e in 0..4 {
                 let even = term.even[(e / 2, e % 2)];
@@ -80,7 +78,7 @@ impl MirrorSums {
         if !is_symmetric || !is_rest(&total[1]) || !is_rest(&total[2]) {
             return None;
         }
-        // D(0) = 0.
+        // Translations are free: `D(0) = 0`.
         factors[0][0] -= total[0];
         factors[0][3] -= total[3];
         let matters = |factor: &f64| factor.abs() > 1e-3 * f64::EPSILON * magnitude;
@@ -102,8 +100,9 @@ impl MirrorSums {
         })
     }
 
-    /// The multiples of `u` and of `v` up to which the factors matter to second derivatives, all but a fiftieth: how fast
-    /// the matrix varies along the mirror lines.
+    /// Largest multiples of `u` and of `v` that matter: they determine how fast the matrix varies along the mirror lines.
+    ///
+    /// Larger multiples contribute only a small part of the second derivatives.
     pub(super) fn effective_reach(&self) -> [usize; 2] {
         let width = self.reach[0] + 1;
         let mut weights = [vec![0.0; width], vec![0.0; self.reach[1] + 1]];
@@ -125,14 +124,14 @@ impl MirrorSums {
         })
     }
 
-    /// The factors at one `j`, by `i`.
+    /// Factors at one `j`, by `i`.
     #[inline(always)]
     fn row(&self, j: usize) -> &[[[f64; 4]; 3]] {
         let width = self.reach[0] + 1;
         &self.factors[j * width..][..width]
     }
 
-    /// The numbers `i` at which factors with a `j` do not vanish.
+    /// Indices `i` of the nonzero factors at `j`.
     #[inline(always)]
     fn indices(&self, j: usize) -> Indices {
         let is_centered = self.mirror.is_centered();
@@ -143,8 +142,8 @@ impl MirrorSums {
         }
     }
 
-    /// The entries of `D` along lines of constant `v` as sums of multiples of `cos j v` and `sin j v`: for each `j` and each
-    /// group of columns the four factors.
+    /// Entries of `D` along lines of constant `v`, as sums of multiples of `cos j v` and `sin j v`. Writes the four factors for each `j` and each
+    /// group of columns.
     #[inline(always)]
     pub(super) fn rows<S: Simd>(
         &self,
@@ -175,7 +174,7 @@ impl MirrorSums {
         }
     }
 
-    /// `D` with its derivatives by `u` and `v`, `[derivative][entry]`, from the multiples of both.
+    /// `D` with its derivatives with respect to `u` and `v`, at `[derivative][entry]`, from the multiples of both phases.
     #[inline(always)]
     pub(super) fn entries<S: Simd, const COUNT: usize>(
         &self,
@@ -186,7 +185,7 @@ impl MirrorSums {
         let mut sums = [[zero; 4]; 6];
         for j in 0..=self.reach[1] {
             let factors = self.row(j);
-            // Sums over i of value, first and second derivatives by u; signs that all terms have in common come last.
+            // Sums over `i` of the value and of the first and second derivative with respect to `u`; common signs are applied at the end.
             let (mut even, mut odd) = ([[zero; 2]; 3], [[zero; 2]; 3]);
             for i in self.indices(j) {
                 let (cosine, sine) = (first.cosines[i], first.sines[i]);
@@ -228,7 +227,7 @@ impl MirrorSums {
                 }
             }
         }
-        // A cosine differentiated once or twice, a sine twice.
+        // Signs of a cosine differentiated once or twice, and of a sine differentiated twice.
         for n in [1, 2, 3, 5] {
             sums[n][0] = -sums[n][0];
             sums[n][3] = -sums[n][3];
@@ -241,7 +240,7 @@ impl MirrorSums {
     }
 }
 
-/// A number times zeroth, first and second powers of an integer.
+/// Products of a number with the zeroth, first and second power of an integer.
 #[inline(always)]
 fn weighted<S: Simd>(x: Pack<S>, n: usize) -> [Pack<S>; 3] {
     let n = x.constant(n as f64);
@@ -249,7 +248,7 @@ fn weighted<S: Simd>(x: Pack<S>, n: usize) -> [Pack<S>; 3] {
     [x, first, n * first]
 }
 
-/// Numbers at equal steps. (Those of the standard library are not inlined everywhere.)
+/// Integers in equal steps. The iterators of the standard library are not always inlined.
 struct Indices {
     next: usize,
     step: usize,
@@ -267,14 +266,14 @@ impl Iterator for Indices {
     }
 }
 
-/// `cos n t` and `sin n t`.
+/// Tables of `cos n t` and `sin n t`.
 pub(super) struct Multiples<S: Simd, const COUNT: usize> {
     pub(super) cosines: [Pack<S>; COUNT],
     pub(super) sines: [Pack<S>; COUNT],
 }
 
 impl<S: Simd, const COUNT: usize> Multiples<S, COUNT> {
-    /// Up to a reach, from the sines and cosines of `t`.
+    /// Computes the multiples up to `reach` from the sine and cosine of `t`.
     #[inline(always)]
     pub(super) fn of(sine: Pack<S>, cosine: Pack<S>, reach: usize) -> Self {
         let mut multiples = Self {
@@ -289,7 +288,7 @@ impl<S: Simd, const COUNT: usize> Multiples<S, COUNT> {
         multiples
     }
 
-    /// The same of a group of lanes.
+    /// Computes the multiples for a group of lanes.
     #[inline(always)]
     pub(super) fn of_group(
         simd: S,
@@ -301,7 +300,7 @@ impl<S: Simd, const COUNT: usize> Multiples<S, COUNT> {
         Self::of(sine, Pack::of(simd, cosines, group), reach)
     }
 
-    /// `sin n t` and `cos n t`, also of negative `n`.
+    /// `sin n t` and `cos n t`, also for negative `n`.
     #[inline(always)]
     pub(super) fn turn(&self, n: i32) -> (Pack<S>, Pack<S>) {
         let magnitude = n.unsigned_abs() as usize;
@@ -341,10 +340,10 @@ mod tests {
         assert!(at(&method, [[0.0, -0.9], [1.2, 0.0]]).1.is_some());
         assert!(at(&method, [[1.2, 1e-6], [0.0, 0.9]]).1.is_none());
         let (sine, cosine) = 0.4_f64.sin_cos();
-        // The lattice turned against the load.
+        // Rotation of the lattice relative to the load.
         let turned = [[1.2 * cosine, -1.2 * sine], [0.9 * sine, 0.9 * cosine]];
         assert!(at(&method, turned).1.is_none());
-        // By a multiple of 30 degrees it has a mirror again, another one.
+        // A rotation by a multiple of 30 degrees has a different mirror.
         let (sine, cosine) = (std::f64::consts::PI / 6.0).sin_cos();
         let turned = [[1.2 * cosine, -1.2 * sine], [0.9 * sine, 0.9 * cosine]];
         let (first, other) = (

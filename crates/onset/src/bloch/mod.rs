@@ -6,7 +6,7 @@
 //! - [`dynamical_matrix()`] and [`WaveSystem`] set up `D(k)`, for one or several particles in a cell.
 //! - [`ZoneSearch`] finds the extremes of `omega^2` over the zone by samples and Newton descents. For Hermitian, periodic `D(k)` it also computes a
 //!   lower bound of the scaled measure `omega^2 / (c^2 |k|_h^2)` by branch and bound; all other results are sampled.
-//! - [`GradientMoments`] does the same for all states of a map with one Lagrangian kernel method.
+//! - [`GradientMoments`] computes sampled extremes for all states of a map with one planar Lagrangian kernel method.
 
 mod assembly;
 mod bound;

@@ -1,9 +1,7 @@
-//! `D(k)` of a planar lattice with inversion centers, where it is real: on a grid over the zone, and with derivatives.
+//! The matrix `D(k)` of a planar lattice with inversion centers, where it is real: on a grid over the zone, and with derivatives.
 //!
-//! The sum over lattice vectors `m a_1 + n a_2` factors, `exp(i k.R) = exp(i m t_1) exp(i n t_2)`, `t_i = k.a_i`: summing
-//! over `n` first leaves one row for each `m`. The four entries lie side by side or in arrays of their own, so that the
-//! innermost loops run over them or along a line of the grid several numbers at a time, in the widest vectors that the
-//! machine has.
+//! The sum over lattice vectors `m a_1 + n a_2` factors, because `exp(i k.R) = exp(i m t_1) exp(i n t_2)` with `t_i = k.a_i`. Summation over `n`
+//! first leaves one row for each `m`. The innermost loops run over the four entries, or along a line of the grid, in vector registers.
 
 use super::DynamicalMatrix;
 use super::dynamical_matrix::{Expansion, Term};
@@ -12,21 +10,20 @@ use crate::lattice::WaveGrid;
 use nalgebra::{SMatrix, SVector};
 use pulp::{Arch, NullaryFnOnce};
 
-/// The entries `D_11`, `D_12`, `D_21`, `D_22` at the points of a [`WaveGrid`] with a first index up to `n / 2`; the
-/// others follow from `D(-k) = D(k)`.
+/// Entries `D_11`, `D_12`, `D_21`, `D_22` at the points of a [`WaveGrid`] with a first index up to `n / 2`. The others follow from `D(-k) = D(k)`.
 pub(super) type PlanarEntries = [Vec<f64>; 4];
 
-/// The force constants `even(R)` by rows.
+/// Force constants `even(R)`, sorted by rows.
 #[derive(Clone, Debug)]
 pub(super) struct PlanarRows {
     rows: Vec<Row>,
-    /// `D(0) - sum even(R)`.
+    /// Constant part `D(0) - sum even(R)` of the matrix.
     constant: [f64; 4],
-    /// Largest `|n|`.
+    /// Largest `|n|` of a term.
     reach: usize,
-    /// Places of the sites, in lattice coordinates.
+    /// Positions of the sites in lattice coordinates.
     sites: Vec<[f64; 2]>,
-    /// Primitive vectors.
+    /// Primitive vectors of the lattice.
     vectors: [[f64; 2]; 2],
 }
 
@@ -38,11 +35,11 @@ struct Row {
     terms: Vec<(i32, [f64; 4])>,
 }
 
-/// Multiples of a primitive vector whose phases are tabulated on the stack.
+/// Number of multiples of a phase that are tabulated on the stack; longer-ranged matrices are summed without rows.
 const REACH: usize = 32;
 
 impl PlanarRows {
-    /// Of a planar, real matrix; `None` for others, and for ranges that no method in use has.
+    /// Sorts the terms of a planar, real matrix; `None` for other matrices, and for ranges beyond the tables.
     pub(super) fn new<const D: usize>(
         terms: &[Term<D>],
         sites: &[SVector<f64, D>],
@@ -125,7 +122,7 @@ impl PlanarRows {
         entries
     }
 
-    /// Value and derivatives by `t_1`, `t_2`, then by `k`.
+    /// Value and derivatives, first with respect to `t_1`, `t_2`, then with respect to `k`.
     #[inline(always)]
     fn expansion<const D: usize>(&self, k: &SVector<f64, D>) -> Expansion<f64, D> {
         let [a, b] = self.vectors;
@@ -140,7 +137,7 @@ impl PlanarRows {
         let mut curvatures = [[0.0; 4]; 3];
         for row in &self.rows {
             let place = self.sites[row.site];
-            // sum even exp(i n t_2) and its moments with n.
+            // Sum `even exp(i n t_2)` and its moments with `n`.
             let (mut re, mut im) = ([[0.0; 4]; 3], [[0.0; 4]; 3]);
             for (n, even) in &row.terms {
                 let (cosine, sine) = turn(&second, *n);
@@ -189,7 +186,7 @@ impl PlanarRows {
 }
 
 impl Row {
-    /// `sum_n even exp(i n t_2)` along a line of the grid: real and imaginary parts of the four entries.
+    /// Sum `sum_n even exp(i n t_2)` along a line of the grid: real and imaginary parts of the four entries.
     #[inline(always)]
     fn sum_along<const D: usize>(&self, grid: &WaveGrid<D>, sums: &mut [f64]) {
         let length = grid.resolution();
@@ -209,7 +206,7 @@ impl Row {
 }
 
 impl<const D: usize> DynamicalMatrix<D> {
-    /// The entries on a grid; `None` unless planar and real.
+    /// Entries on a grid; `None` unless the matrix is planar and real.
     pub(super) fn planar_entries(&self, grid: &WaveGrid<D>) -> Option<PlanarEntries> {
         let rows = self.planar_rows()?;
         let sites: Vec<SVector<f64, D>> = self
@@ -224,15 +221,16 @@ impl<const D: usize> DynamicalMatrix<D> {
         }))
     }
 
-    /// `D(k)` with its derivatives, fast: without the relative accuracy of [`DynamicalMatrix::at`] for long waves.
-    /// `None` unless planar and real.
+    /// `D(k)` with its derivatives; `None` unless the matrix is planar and real.
+    ///
+    /// Faster than [`DynamicalMatrix::at`], but without its relative accuracy for long waves.
     pub(super) fn planar_expansion(&self, k: &SVector<f64, D>) -> Option<Expansion<f64, D>> {
         let rows = self.planar_rows()?;
         Some(Arch::new().dispatch(ExpansionAt { rows, k }))
     }
 }
 
-/// Work for the widest vectors of the machine. (A closure would not be inlined there.)
+/// Vectorized evaluation on a grid for the instruction set of the machine. A closure would not be inlined there.
 struct OnGrid<'a, const D: usize> {
     rows: &'a PlanarRows,
     grid: &'a WaveGrid<D>,
@@ -248,7 +246,7 @@ impl<const D: usize> NullaryFnOnce for OnGrid<'_, D> {
     }
 }
 
-/// Likewise.
+/// Vectorized expansion for the instruction set of the machine.
 struct ExpansionAt<'a, const D: usize> {
     rows: &'a PlanarRows,
     k: &'a SVector<f64, D>,
@@ -263,7 +261,7 @@ impl<const D: usize> NullaryFnOnce for ExpansionAt<'_, D> {
     }
 }
 
-/// `cos n t` and `sin n t` for `n` up to the reach.
+/// Table of `cos n t` and `sin n t` for `n` up to the reach.
 #[inline(always)]
 fn turns(t: f64, reach: usize) -> [[f64; 2]; REACH] {
     let (sine, cosine) = t.sin_cos();
@@ -275,7 +273,7 @@ fn turns(t: f64, reach: usize) -> [[f64; 2]; REACH] {
     turns
 }
 
-/// The entries of a matrix of two rows.
+/// Entries of a matrix with two rows.
 fn entries_of<const D: usize>(matrix: &SMatrix<f64, D, D>) -> [f64; 4] {
     array_of(|e| matrix[(e / 2, e % 2)])
 }

@@ -1,4 +1,9 @@
-//! Pockets of complex `omega^2` between the points at which spectra are known.
+//! Pockets of complex `omega^2` between the points of a grid.
+//!
+//! Where two real branches of a matrix that is not Hermitian cross, their coupling can make `omega^2` complex in a region that is smaller than a grid
+//! step. Each grid point yields a linear model of every pair of branches, in the eigenvectors at that point. The model predicts where the growth rate
+//! is largest within reach. Each prediction is refined a few times at the predicted position. All results are samples: a pocket without a predicting
+//! grid point can be missed.
 
 use super::system::MatrixExpansion;
 use super::{Expansion, growth_rate};
@@ -9,75 +14,77 @@ use nalgebra::{ComplexField, DMatrix, SMatrix, SVector};
 use std::collections::HashSet;
 use std::ops::Index;
 
-/// How far from its point a model is used, in steps: a little beyond the middle between two points.
+/// Range of a model around its point, in steps: slightly more than half of the distance of two points.
 const REACH: f64 = 0.6;
-/// Places along each axis at which two branches are followed to where they meet.
+/// Number of places along each axis at which the crossing of two branches is sampled.
 const PLACES: usize = 7;
-/// How often a pocket that is foreseen is looked at again from nearer, each time with the steps shortened by this factor.
+/// Number of refinements of a predicted pocket.
 const CLOSER: usize = 3;
+/// Factor between the steps of successive refinements.
 const NEARER: f64 = 0.3;
-/// How often steps are halved around points from which branches that may meet are not seen well enough.
+/// Number of times that steps are halved around points at which the first-order model is not reliable.
 const HALVINGS: usize = 4;
-/// They are seen well enough where second order changes their difference by less than this part of what first order does.
+/// Largest ratio of the second-order to the first-order change of a difference of branches for which the first-order model is reliable.
 const RESOLVED: f64 = 0.5;
-/// Points between halved steps, at most.
+/// Maximum number of points between halved steps.
 pub(super) const FINER: usize = 256;
-/// Growth rates that differ by less, relative to them, are those of images of one pocket under the symmetry of the lattice.
+/// Relative difference of growth rates of symmetric images of one pocket.
 const SAME: f64 = 1e-9;
-/// Wave vectors that agree to this part of a step are in one pocket.
+/// Distance, in steps, of wave vectors within one pocket.
 const APART: f64 = 0.25;
-/// Eigenvectors on both sides whose sizes have such a product are nearly dependent, and tell nothing of the neighborhood.
+/// Largest product of the norms of the left and right eigenvectors. Beyond it the vectors are nearly dependent and the model is useless.
 const DEPENDENT: f64 = 1e6;
-/// Real eigenvalues that differ by less than this part of the largest entry have eigenvectors that adjugates do not tell well.
+/// Smallest difference of real eigenvalues, relative to the largest entry, for which adjugates give accurate eigenvectors.
 const CLOSE: f64 = 1e-5;
 
-/// The scalars of a matrix: real or complex ones.
+/// Entries of a matrix: real or complex numbers.
 trait Scalar: ComplexField<RealField = f64> + Copy {}
 
 impl Scalar for f64 {}
 
 impl Scalar for Complex {}
 
-/// Up to which order in the distance a neighborhood is looked at.
+/// Order of the expansion around a wave vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Order {
     First,
-    /// To see where first order does not tell.
+    /// Second order, to detect where the first order is not reliable.
     Second,
 }
 
-/// `D(k)` with its derivatives; in real numbers where it is real.
+/// `D(k)` with its derivatives; in real numbers if it is real.
 pub(super) enum Around<const D: usize> {
     Real(Expansion<f64, D>),
     Complex(MatrixExpansion<D>),
 }
 
-/// A wave vector in a pocket that is foreseen.
+/// Wave vector in a predicted pocket.
 #[derive(Clone, Copy)]
 struct Candidate<const D: usize> {
     growth: f64,
     wave_vector: SVector<f64, D>,
-    /// The steps within which it is foreseen, as a part of those of the grid.
+    /// Steps within which it was predicted, as a fraction of the grid steps.
     share: f64,
 }
 
-/// What the spectrum at a wave vector tells of its neighborhood.
+/// Prediction for the neighborhood of a wave vector.
 struct Outlook<const D: usize> {
     foreseen: Option<Candidate<D>>,
-    /// What second order changes over what first order does, of branches that may meet; zero where they are seen well enough.
+    /// Largest ratio of second-order to first-order changes, for branches that may meet; zero if the model is reliable.
     unresolved: f64,
 }
 
-/// Two branches near a point, to first order in the eigenvectors there: the matrix `((l + a.u, b.u), (c.u, m + e.u))`, whose
-/// eigenvalues are complex in a pocket around where the branches would cross.
+/// Model of two branches near a point, to first order in the eigenvectors there.
+///
+/// It is the matrix `((l + a.u, b.u), (c.u, m + e.u))`. Its eigenvalues are complex in a pocket around the crossing of the uncoupled branches.
 struct Pair<S, const D: usize> {
     values: [S; 2],
     slopes: [[S; D]; 2],
-    /// `b` and `c`.
+    /// Coupling coefficients `b` and `c`.
     couplings: [[S; D]; 2],
 }
 
-/// A linear function of a place.
+/// Linear function of a place.
 fn along<S: Scalar, const D: usize>(slope: &[S; D], u: &[f64; D]) -> S {
     let mut sum = S::zero();
     for a in 0..D {
@@ -86,13 +93,13 @@ fn along<S: Scalar, const D: usize>(slope: &[S; D], u: &[f64; D]) -> S {
     sum
 }
 
-/// How fast the faster of two branches grows, given what they would be without couplings and the product of these; zero where both are real.
+/// Growth rate of the faster of two branches, given their uncoupled values and the product of the couplings; zero if both are real.
 fn growth_of<S: Scalar>([first, second]: [S; 2], product: S) -> f64 {
     let (mean, half) = ((first + second).scale(0.5), (first - second).scale(0.5));
     let square = half * half + product;
     if mean.imaginary() == 0.0 && square.imaginary() == 0.0 {
         let (mean, square) = (mean.real(), square.real());
-        // The modulus of `mean +- i root(-square)`, as `growth_rate` takes it.
+        // Modulus of `mean +- i root(-square)`, as in `growth_rate`.
         let growth = |modulus: f64| (0.5 * (modulus - mean)).max(0.0).sqrt();
         return match square < 0.0 {
             true => growth((mean * mean - square).sqrt()),
@@ -104,22 +111,23 @@ fn growth_of<S: Scalar>([first, second]: [S; 2], product: S) -> f64 {
     growth_rate(mean + root).max(growth_rate(mean - root))
 }
 
-/// Whether a wave whose `omega^2` has a real part of at least `p` and an imaginary one of at most the root of `q` can grow faster than a rival:
-/// the growth rate is `sqrt((|omega^2| - Re omega^2) / 2)`.
+/// Returns true if the growth rate of a wave can exceed `rival`, given `Re omega^2 >= p` and `(Im omega^2)^2 <= q`.
+///
+/// The growth rate is `sqrt((|omega^2| - Re omega^2) / 2)`.
 pub(super) fn can_beat(rival: f64, p: f64, q: f64) -> bool {
     let square = rival * rival;
     q > 4.0 * square * (square + p)
 }
 
 impl<S: Scalar, const D: usize> Pair<S, D> {
-    /// How fast the faster of the two grows at `u`.
+    /// Growth rate of the faster branch at `u`.
     fn growth(&self, u: &[f64; D]) -> f64 {
         let [first, second] = [0, 1].each(|n| self.values[n] + along(&self.slopes[n], u));
         let product = along(&self.couplings[0], u) * along(&self.couplings[1], u);
         growth_of([first, second], product)
     }
 
-    /// The fastest growth within reach, and where: looked for along the line or surface on which the branches would cross.
+    /// Largest growth rate within reach, and its place, sampled on the line or surface of the crossing.
     fn fastest(&self) -> (f64, [f64; D]) {
         let mut fastest = (0.0, [0.0; D]);
         let mut look = |growth: f64, u: [f64; D]| {
@@ -136,7 +144,7 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
             let height = crossing.height.at(&u);
             u[crossing.axis] = height.clamp(-REACH, REACH);
             if height == u[crossing.axis] {
-                // Most places: two real branches that push each other apart.
+                // Most places: two real branches that repel each other.
                 if !is_real || crossing.product(&u).real() < 0.0 {
                     look(crossing.growth(&u), u);
                 }
@@ -154,7 +162,7 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
             }
             let mut u = places.each(place);
             look_at(u);
-            // Along a line through the places the product of the couplings is quadratic, and can be negative between two of them only.
+            // Along a line through the places, the product of the couplings is quadratic and can be negative only between two of them.
             for a in others().filter(|a| places[*a] == 0) {
                 u[a] = 0.0;
                 if let Some(x) = crossing.lowest_along(a, &u) {
@@ -167,7 +175,7 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
         fastest
     }
 
-    /// The line or surface on which the two would cross without their couplings, where it comes within reach.
+    /// Line or surface where the uncoupled branches cross, if it comes within reach.
     fn crossing(&self) -> Option<Crossing<S, D>> {
         let distance = (self.values[0] - self.values[1]).real();
         let closing: [f64; D] = array_of(|a| (self.slopes[0][a] - self.slopes[1][a]).real());
@@ -206,7 +214,7 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
     }
 }
 
-/// A linear function of a place and a constant.
+/// Affine function of a place.
 #[derive(Clone, Copy)]
 struct Affine<S, const D: usize> {
     origin: S,
@@ -224,11 +232,11 @@ impl<S: Scalar, const D: usize> Affine<S, D> {
     }
 }
 
-/// Two branches where they would cross, by the places along all axes but one.
+/// Two branches on their crossing, as functions of the place along all axes except one.
 struct Crossing<S, const D: usize> {
-    /// The axis along which they close most steeply.
+    /// Axis along which the branches approach each other fastest.
     axis: usize,
-    /// The place along it.
+    /// Place of the crossing along this axis.
     height: Affine<f64, D>,
     values: [Affine<S, D>; 2],
     couplings: [Affine<S, D>; 2],
@@ -240,18 +248,18 @@ impl<S: Scalar, const D: usize> Crossing<S, D> {
         all.all(Affine::is_real)
     }
 
-    /// The product of the couplings: where it is real and negative, `omega^2` is complex.
+    /// Product of the couplings; if it is real and negative, `omega^2` is complex.
     fn product(&self, u: &[f64; D]) -> S {
         self.couplings[0].at(u) * self.couplings[1].at(u)
     }
 
-    /// How fast the faster of the two grows.
+    /// Growth rate of the faster branch.
     fn growth(&self, u: &[f64; D]) -> f64 {
         let [first, second] = [0, 1].each(|n| self.values[n].at(u));
         growth_of([first, second], self.product(u))
     }
 
-    /// Where along an axis the product of the couplings is smallest, within reach, if it bends upward; given a place at zero of that axis.
+    /// Place along an axis, within reach, where the product of the couplings is smallest, if it is convex. `u` must be zero along this axis.
     fn lowest_along(&self, axis: usize, u: &[f64; D]) -> Option<f64> {
         let [b, c] = [0, 1].each(|n| self.couplings[n].at(u));
         let [b_slope, c_slope] = [0, 1].each(|n| self.couplings[n].slopes[axis]);
@@ -263,27 +271,29 @@ impl<S: Scalar, const D: usize> Crossing<S, D> {
     }
 }
 
-/// What is looked for, where.
+/// A search for pockets.
 pub(super) struct Pockets<'a, const D: usize> {
-    /// `D(k)` with its derivatives up to an order; `None` where a wave vector is not looked at.
+    /// Expansion of `D(k)` up to an order; `None` where the wave vector is not searched.
     pub(super) around: &'a (dyn Fn(&SVector<f64, D>, Order) -> Option<Around<D>> + Sync),
-    /// Whether it is so large that each wave vector is worth a core.
+    /// True if the matrix is so large that each wave vector is worth a core.
     pub(super) is_large: bool,
-    /// Steps between the points of the grid, as columns.
+    /// Grid steps, as columns.
     pub(super) steps: SMatrix<f64, D, D>,
-    /// Growth rates below are not flutter.
+    /// Smallest growth rate that counts as flutter.
     pub(super) threshold: f64,
-    /// The growth rate of a wave that those sought must beat; zero where all are sought.
+    /// Growth rate that a pocket must exceed to matter; zero if all pockets matter.
     pub(super) rival: f64,
-    /// How many are looked at again.
+    /// Maximum number of refined pockets.
     pub(super) most: usize,
-    /// How many points between halved steps are looked at, at most.
+    /// Maximum number of points between halved steps.
     pub(super) finer: usize,
 }
 
 impl<const D: usize> Pockets<'_, D> {
-    /// Wave vectors in pockets of complex `omega^2`, foreseen from points of a grid and from finer ones where these do not tell,
-    /// and looked at again from where they are foreseen; the fastest growing first.
+    /// Wave vectors in pockets of complex `omega^2`, fastest growing first.
+    ///
+    /// Pockets are predicted from the given grid points, and from finer points where the model is not reliable. Each prediction is refined at the
+    /// predicted position.
     pub(super) fn around(
         &self,
         points: impl Iterator<Item = SVector<f64, D>>,
@@ -304,12 +314,14 @@ impl<const D: usize> Pockets<'_, D> {
         all.into_iter().map(|own| own.wave_vector).collect()
     }
 
-    /// Pockets that are foreseen from points of the grid; and, where second order changes the difference of branches that may meet
-    /// as much as first order does, from points between them. So it is around `k = 0`, and where soft branches bend much within a step.
+    /// Pockets predicted from the grid points.
+    ///
+    /// Points between the grid points are used where second-order and first-order changes of the difference of branches are comparable. This happens
+    /// around `k = 0`, and where soft branches are strongly curved.
     fn foreseen(&self, points: impl Iterator<Item = SVector<f64, D>>) -> Vec<Candidate<D>> {
         let mut all = Vec::new();
         let (mut points, mut share) = (points.collect::<Vec<_>>(), 1.0);
-        // Of k and -k one is enough.
+        // One of `k` and `-k` suffices.
         let mut between = self.between(&SVector::zeros(), share);
         between.truncate(1 << (D - 1));
         for _ in 0..=HALVINGS {
@@ -333,7 +345,7 @@ impl<const D: usize> Pockets<'_, D> {
         all
     }
 
-    /// The points around a wave vector between which steps are half as long.
+    /// Corners of a cell of half the side around a wave vector.
     fn between(&self, k: &SVector<f64, D>, share: f64) -> Vec<SVector<f64, D>> {
         let at = |corner: usize| {
             let side = grid_coordinates::<D>(corner, 2).each(|n| n as f64 - 0.5);
@@ -342,8 +354,7 @@ impl<const D: usize> Pockets<'_, D> {
         (0..1 << D).map(at).collect()
     }
 
-    /// What the spectrum at a wave vector with its derivatives tells of its neighborhood. `None` where it is not looked at, or its
-    /// eigenvectors are nearly dependent.
+    /// Prediction for the neighborhood of a wave vector; `None` if it is not searched, or if its eigenvectors are nearly dependent.
     fn outlook(&self, k: &SVector<f64, D>, share: f64, order: Order) -> Option<Outlook<D>> {
         let steps = self.steps * share;
         let any = |expansion: &MatrixExpansion<D>| {
@@ -365,8 +376,7 @@ impl<const D: usize> Pockets<'_, D> {
         Some(outlook)
     }
 
-    /// Leaves the fastest growing pockets: one of those that are images of each other, and of those that are foreseen from several
-    /// points.
+    /// Keeps the fastest growing pockets, one of each set of symmetric images and one of several predictions of the same pocket.
     fn leave_fastest(&self, all: &mut Vec<Candidate<D>>, most: usize) {
         sort_by_value(all, |mode| -mode.growth);
         all.dedup_by(|b, a| (a.growth - b.growth).abs() <= SAME * a.growth);
@@ -382,17 +392,17 @@ impl<const D: usize> Pockets<'_, D> {
     }
 }
 
-/// The matrix around a wave vector, of whose eigenvectors it is diagonal there.
+/// Expansion of the matrix around a wave vector, in the basis of its eigenvectors there.
 struct Neighborhood<V, M, const D: usize> {
     values: V,
-    /// How it changes with a step along each axis, to first order.
+    /// First-order change for a step along each axis.
     first: [M; D],
-    /// Its second derivatives by steps, where these are looked at.
+    /// Second derivatives with respect to steps, if requested.
     second: Option<[M; D]>,
 }
 
 impl<const D: usize> Neighborhood<Vec<Complex>, DMatrix<Complex>, D> {
-    /// Of any matrix. `None` where its eigenvectors are nearly dependent.
+    /// Expands any matrix; `None` if its eigenvectors are nearly dependent.
     fn of_any(
         expansion: &MatrixExpansion<D>,
         steps: &SMatrix<f64, D, D>,
@@ -419,8 +429,9 @@ impl<const D: usize> Neighborhood<Vec<Complex>, DMatrix<Complex>, D> {
 }
 
 impl<const D: usize> Neighborhood<[f64; D], SMatrix<f64, D, D>, D> {
-    /// Of a real matrix of three rows whose eigenvalues are real and well apart, with the row and the column of the adjugate of `D - omega^2` through
-    /// its largest entry as eigenvectors.
+    /// Expands a real matrix with three rows and well separated real eigenvalues; otherwise `None`.
+    ///
+    /// The eigenvectors are the row and the column of the adjugate of `D - omega^2` through its largest entry.
     fn of_real(
         expansion: &Expansion<f64, D>,
         steps: &SMatrix<f64, D, D>,
@@ -446,7 +457,7 @@ impl<const D: usize> Neighborhood<[f64; D], SMatrix<f64, D, D>, D> {
                 let [p, q, r, s] = [(i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3];
                 shifted[(p, r)] * shifted[(q, s)] - shifted[(p, s)] * shifted[(q, r)]
             };
-            // The transpose of the cofactors is the adjugate, a multiple of `v w`.
+            // The adjugate, the transpose of the cofactors, is a multiple of `v w`.
             let adjugate = SMatrix::<f64, D, D>::from_fn(|i, j| minor(j, i));
             let (i, j) = adjugate.iamax_full();
             let scale = adjugate.column(j).norm();
@@ -487,8 +498,8 @@ where
     V: AsRef<[S]>,
     M: Index<(usize, usize), Output = S>,
 {
-    /// The fastest pocket that is foreseen, in steps from here, and whether branches that may meet are seen well; of those that may grow faster than
-    /// a rival where there is one.
+    /// Fastest predicted pocket, in steps from the point, and the reliability of the model. With a `rival`, only pairs that may grow faster are
+    /// examined.
     fn outlook(&self, threshold: f64, rival: f64) -> Outlook<D> {
         let (mut fastest, mut unresolved) = ((0.0, [0.0; D]), 0.0_f64);
         let count = self.values.as_ref().len();
@@ -522,7 +533,8 @@ where
         }
     }
 
-    /// Whether one of two branches can grow faster than a rival within reach. Mixed derivatives and other branches may add as much again as is known.
+    /// Returns true if one of two branches can grow faster than `rival` within reach. Mixed derivatives and other branches are allowed for by
+    /// doubling the known changes.
     fn can_beat(&self, rival: f64, (i, j): (usize, usize)) -> bool {
         let values = self.values.as_ref();
         let is_real = |i: usize, j: usize| {
@@ -540,12 +552,12 @@ where
             .iter()
             .all(|n| values[*n].imaginary() == 0.0 && is_real(*n, *n));
         if own {
-            // The mean of a complex pair, and the square of its imaginary part.
+            // Mean of a complex pair, and the square of its imaginary part.
             let mean = 0.5 * (values[i] + values[j]).real();
             let change = 0.5 * within(&|m| (m[(i, i)] + m[(j, j)]).modulus());
             return can_beat(rival, mean - 2.0 * change, 4.0 * coupling);
         }
-        // `(z - a)(z - d) = b c`: one of the factors is no larger than the root of the product.
+        // From `(z - a)(z - d) = b c`, one factor is at most the square root of the product.
         let coupling = coupling.sqrt();
         [i, j].iter().any(|n| {
             let real = coupling + within(&|m| m[(*n, *n)].real().abs());
@@ -565,8 +577,9 @@ where
         }
     }
 
-    /// What second order changes of the difference of two branches within reach, over what first order does, with what other branches push them; zero where
-    /// they cannot meet or second order is small.
+    /// Ratio of second-order to first-order changes of the difference of two branches within reach, including the repulsion by other branches.
+    ///
+    /// Zero if the branches cannot meet, or if the ratio is small.
     fn unresolved(&self, second: &[M; D], (i, j): (usize, usize), others: f64) -> f64 {
         let change = |matrix: &M| {
             let coupling = (matrix[(i, j)] * matrix[(j, i)]).modulus().sqrt();
@@ -583,13 +596,13 @@ where
         }
     }
 
-    /// How far all other branches push one within reach, to second order.
+    /// Shift of a branch by all other branches within reach, to second order.
     fn repulsion(&self, own: usize) -> f64 {
         let others = (0..self.values.as_ref().len()).filter(|m| *m != own);
         others.map(|m| self.push(own, m)).sum()
     }
 
-    /// How far a branch pushes another one; no farther than they are coupled.
+    /// Shift of a branch by one other branch; at most their coupling.
     fn push(&self, own: usize, other: usize) -> f64 {
         let values = self.values.as_ref();
         let apart = (values[own] - values[other]).modulus();
@@ -622,8 +635,8 @@ mod tests {
         }
     }
 
-    /// What is found on the crossing, by functions that are linear there, is what the pair has at that place; and no place of a finer grid over all of what
-    /// is within reach grows much faster where the crossing is the place to look.
+    /// The predicted growth rate on the crossing is that of the pair at that place. No place of a finer grid within reach grows much faster if the
+    /// crossing determines the growth.
     #[test]
     fn growth_on_a_crossing_is_that_of_the_pair() {
         let (mut foreseen, mut told) = (0, 0);

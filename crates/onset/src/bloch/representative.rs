@@ -1,9 +1,11 @@
-//! One wave for all waves of equal measure.
+//! Choice of one wave among all waves of equal measure.
 //!
-//! Symmetric lattices have several wave vectors with the same extreme value, and a search ends at any of them. The mode that is shown follows from a rule that
-//! knows nothing of the search: halves of reciprocal vectors come before other wave vectors, short ones before long ones, and of equally long ones the
-//! first in the order of Cartesian components, the largest first. Of equal frequencies at this wave vector the mode with the largest share along the
-//! wave is shown.
+//! In a symmetric lattice several wave vectors share an extreme value, and a search can end at any of them. The reported mode follows from a rule
+//! that does not depend on the search:
+//!
+//! 1. Halves of reciprocal vectors come before other wave vectors, and short wave vectors before long ones.
+//! 2. Among wave vectors of equal length, the first in the order of Cartesian components is taken, with the largest component first.
+//! 3. Among equal frequencies at this wave vector, the mode with the largest share along the wave is taken.
 
 use super::{Mode, SpectrumSummary, ZoneSearch, growth_rate};
 use crate::algebra::{Complex, Each, MAXIMUM_ITERATIONS, eigenvalues, normalized};
@@ -11,29 +13,29 @@ use crate::continuum::{ROUNDING, Stiffness};
 use crate::lattice::{BrillouinZone, Reduced};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
-/// Relative differences of measures, and of squared frequencies beside the largest, that are rounding.
+/// Rounding error of measures, relative to them, and of squared frequencies, relative to the largest.
 const EQUAL: f64 = 1e-9;
-/// Differences of wave vectors beside a reciprocal vector to which a search finds them.
+/// Accuracy of wave vectors and measures found by a search, relative to a reciprocal vector and to the measure.
 const SAME_PLACE: f64 = 1e-6;
-/// Wave vectors below this fraction of a reciprocal vector may be taken for the limit of long waves.
+/// Largest wave number, as a fraction of a reciprocal vector, of a wave that can represent the long-wave limit.
 const LONG: f64 = 0.02;
-/// Degrees of freedom of a cell above which the images of a wave are not computed: cells as large have no symmetry.
+/// Largest number of degrees of freedom of a cell for which symmetric images are computed; larger cells have no symmetry.
 const LARGE: usize = 48;
-/// The smallest part of a unit vector in the space of equal modes that settles a polarization.
+/// Smallest part of a unit vector in the space of equal modes that determines a polarization.
 const SHARE: f64 = 1e-3;
 
-/// The waves of a state.
+/// Waves of a state, as functions of the wave vector.
 pub(crate) struct StateWave<'a, const D: usize> {
     pub(crate) omega_squared: &'a dyn Fn(&SVector<f64, D>) -> Vec<Complex>,
     pub(crate) matrix: &'a dyn Fn(&SVector<f64, D>) -> DMatrix<Complex>,
     pub(crate) long_waves: &'a dyn Fn() -> Stiffness<D>,
-    /// Degrees of freedom of a cell.
+    /// Number of degrees of freedom of a cell.
     pub(crate) size: usize,
-    /// From reference wave vectors to those in the deformed lattice.
+    /// Map from reference wave vectors to wave vectors of the deformed lattice.
     pub(crate) to_spatial: SMatrix<f64, D, D>,
 }
 
-/// What all waves of equal measure share.
+/// Measure that is equal for all candidates.
 #[derive(Clone, Copy, PartialEq)]
 enum Measure {
     Scaled,
@@ -42,7 +44,7 @@ enum Measure {
 }
 
 impl<const D: usize> ZoneSearch<D> {
-    /// The extremes of a spectrum with the waves that represent all of equal measure.
+    /// Replaces the modes of a summary by the representatives of all modes with the same measure.
     pub(crate) fn represented(
         &self,
         waves: &StateWave<'_, D>,
@@ -60,7 +62,7 @@ impl<const D: usize> ZoneSearch<D> {
             match (mode.is_long_wave, is_scaled) {
                 (true, _) => self.representative_of_long(waves, mode),
                 (false, true) => finite(mode, Measure::Scaled),
-                // Where a mode grows at `k = 0` the softest is the one with the lowest frequency.
+                // If a mode grows at `k = 0`, the softest mode has the lowest frequency.
                 (false, false) => finite(mode, Measure::Lowest),
             }
         };
@@ -81,7 +83,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// Whether the softest wave is so long, and so near the limit of long waves, that it is this limit but for rounding.
+    /// Returns true if the softest wave is long and equals the long-wave limit up to rounding.
     fn is_limit(&self, found: &SpectrumSummary<D>) -> bool {
         let (softest, limit) = (&found.softest, found.long_wave.scaled);
         let is_long = self.reference().fractional(&softest.wave_vector).amax() < LONG;
@@ -127,7 +129,7 @@ impl<const D: usize> ZoneSearch<D> {
             true => {
                 let images = self.reference().holohedry().into_iter();
                 let images = images.map(|map| zone.folded(&(map * mode.wave_vector)));
-                // The wave itself, and of its image those that have its measure.
+                // The wave itself and its images with the same measure.
                 std::iter::once(zone.folded(&mode.wave_vector))
                     .chain(images.filter(is_equal))
                     .collect()
@@ -154,7 +156,7 @@ impl<const D: usize> ZoneSearch<D> {
         self.shown_at(waves, k, mode, measure, fastest)
     }
 
-    /// A mode at an equal wave vector.
+    /// Mode at an equivalent wave vector.
     fn shown_at(
         &self,
         waves: &StateWave<'_, D>,
@@ -166,7 +168,7 @@ impl<const D: usize> ZoneSearch<D> {
         let all = (waves.omega_squared)(&k);
         let apart = |own: &Complex| (own - mode.omega_squared).norm();
         let nearest = match measure {
-            // Opposite waves have conjugate frequencies, of which both can grow.
+            // Opposite waves have conjugate frequencies, and both can grow.
             Measure::Growth => all
                 .iter()
                 .max_by(|a, b| growth_rate(**a).total_cmp(&growth_rate(**b))),
@@ -188,7 +190,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// The representative of equally soft long waves: along short vectors of the lattice before other directions.
+    /// Representative of equally soft long waves: directions along short lattice vectors come first.
     fn representative_of_long(&self, waves: &StateWave<'_, D>, mode: Mode<D>) -> Mode<D> {
         if D == 1 || !mode.scaled.is_finite() {
             return mode;
@@ -244,7 +246,7 @@ impl<const D: usize> ZoneSearch<D> {
     }
 }
 
-/// Whether a wave vector represents equal waves rather than another one.
+/// Returns true if `a` is a better representative than `b`.
 fn is_before<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>, rounding: f64) -> bool {
     let [length, other] = [a, b].each(|k| k.norm());
     if (length - other).abs() > rounding {
@@ -254,8 +256,9 @@ fn is_before<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>, rounding:
     apart.find(|x| x.abs() > rounding).is_some_and(|x| x > 0.0)
 }
 
-/// The polarization of the mode with an eigenvalue that has the largest share along the wave, where several have it; of the particle that moves
-/// most. Eigenvalues are up to `largest`.
+/// Polarization of the mode with the given eigenvalue, of the particle with the largest amplitude.
+///
+/// In an eigenspace, the mode with the largest share along the wave is taken. `largest` is the largest eigenvalue.
 fn polarized<const D: usize>(
     matrix: &DMatrix<Complex>,
     value: Complex,
@@ -277,7 +280,7 @@ fn polarized<const D: usize>(
         let parts = null.iter().map(|own| own * own.dotc(&vector));
         parts.fold(DVector::zeros(size), |sum, part| sum + part)
     };
-    // All particles along the wave, then along each axis, then each component alone.
+    // Starting vectors: all particles along the wave, then along each axis, then each component alone.
     let together = |direction: SVector<f64, D>| {
         let scale = (size as f64 / D as f64).sqrt() * direction.norm();
         DVector::from_fn(size, |i, _| Complex::from(direction[i % D] / scale))

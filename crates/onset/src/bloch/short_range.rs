@@ -10,7 +10,8 @@ use crate::algebra::hermitian_eigen;
 use crate::lattice::{BravaisLattice, Reduced, determinant, inverse_of};
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-/// Largest accepted ratio of the longest basis vector to the longest vector of the reduced basis. Below it the given basis is kept. A heuristic value.
+/// Largest accepted ratio of the longest basis vector to the longest vector of the reduced basis. Below it the given basis is kept. A heuristic
+/// value.
 const LONGEST_VECTOR_RATIO: f64 = 3.0;
 /// Maximum number of basis reductions. Each one removes most of the obliqueness that double precision resolves.
 const MAXIMUM_REDUCTIONS: usize = 8;
@@ -162,7 +163,7 @@ fn isotropic<const D: usize>(
         };
         (0..D).map(along).sum()
     });
-    // The second moment of `u = N^-1/2 c` is that of `c` multiplied by `N^-1/2` from both sides: the identity.
+    // The second moment of `u = N^-1/2 c` is `N^-1/2 N N^-1/2`, the identity.
     let vectors = inverse_of(&root)?;
     let scale = (volume / determinant(&vectors).abs()).powf(1.0 / D as f64);
     (scale.is_finite() && scale > 0.0).then_some((vectors * scale, is_flat))

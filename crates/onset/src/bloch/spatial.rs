@@ -1,8 +1,7 @@
-//! `D(k)` of a three-dimensional lattice with inversion centers, where it is real: its spectrum on a grid over the zone.
+//! Spectrum of a three-dimensional lattice with inversion centers, where `D(k)` is real, on a grid over the zone.
 //!
-//! The sum over lattice vectors `l a_1 + m a_2 + n a_3` factors, `exp(i k.R) = exp(i l t_1) exp(i m t_2) exp(i n t_3)`,
-//! `t_i = k.a_i`: summed over `n`, `m` and `l` in turn it costs a few operations a wave vector and entry. Eigenvalues follow in
-//! closed form.
+//! The sum over lattice vectors `l a_1 + m a_2 + n a_3` factors, because `exp(i k.R) = exp(i l t_1) exp(i m t_2) exp(i n t_3)` with `t_i = k.a_i`.
+//! Summed over `n`, `m` and `l` in this order, it costs a few operations for each wave vector and entry. Eigenvalues follow in closed form.
 
 use super::DynamicalMatrix;
 use super::dynamical_matrix::Term;
@@ -11,27 +10,27 @@ use crate::lattice::{WaveGrid, Wedge};
 use nalgebra::SMatrix;
 use pulp::{Arch, NullaryFnOnce};
 
-/// The entries of a matrix, by rows.
+/// Entries of a matrix, by rows.
 pub(super) type Entries = [f64; 9];
 
-/// The eigenvalues of a real matrix of three rows, as far as their search needs them.
+/// Extreme eigenvalues of a real matrix with three rows, and its complex pair.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SpatialSpectrum {
-    /// The smallest and the largest real part.
+    /// Smallest and largest real part.
     pub(super) lowest: f64,
     pub(super) highest: f64,
-    /// `a^3 - h^2`: negative where two eigenvalues are complex. A polynomial of degree six in the entries.
+    /// Discriminant `a^3 - h^2`, negative if two eigenvalues are complex. A polynomial of degree six in the entries.
     pub(super) discriminant: f64,
-    /// The square of the complex pair's imaginary part; zero where all are real.
+    /// Squared imaginary part of the complex pair; zero if all eigenvalues are real.
     pub(super) imaginary_squared: f64,
-    /// The real part of that pair.
+    /// Real part of the complex pair.
     pub(super) pair: f64,
-    /// The square of the norm of the antisymmetric part, than which no imaginary part is larger (Bendixson).
+    /// Squared norm of the antisymmetric part, which no imaginary part exceeds (Bendixson).
     pub(super) asymmetry: f64,
 }
 
 impl SpatialSpectrum {
-    /// Of a matrix; where eigenvalues are nearly equal, to the square root of rounding.
+    /// Computes the eigenvalues of a matrix. If eigenvalues are nearly equal, the error is of the order of the square root of rounding.
     #[inline(always)]
     pub(super) fn of(entries: &Entries) -> Self {
         let deviator = Deviator::of(entries);
@@ -64,14 +63,14 @@ impl SpatialSpectrum {
     }
 }
 
-/// The force constants `even(R)` of vectors with the same first two lattice coordinates.
+/// Force constants `even(R)` of vectors with the same first two lattice coordinates.
 struct Row {
     l: i32,
     m: i32,
     terms: Vec<(i32, Entries)>,
 }
 
-/// The force constants by rows, and `D(0) - sum even(R)`.
+/// Force constants by rows, and `D(0) - sum even(R)`.
 struct Rows {
     rows: Vec<Row>,
     constant: Entries,
@@ -85,7 +84,7 @@ impl Rows {
             let (l, m, n) = (term.cell[0], term.cell[1], term.cell[2]);
             let even = entries_of(&term.even);
             (0..9).for_each(|e| constant[e] -= even[e]);
-            // Terms come in the order of their cells.
+            // Terms are sorted by their cells.
             match rows.last_mut() {
                 Some(row) if row.l == l && row.m == m => row.terms.push((n, even)),
                 _ => rows.push(Row {
@@ -98,7 +97,7 @@ impl Rows {
         Self { rows, constant }
     }
 
-    /// The sums over `n` and `m` for each distinct `l`: at `[line of t_2][entry, real and imaginary part][t_3]`.
+    /// Sums over `n` and `m` for each distinct `l`, at `[line of t_2][entry, real and imaginary part][t_3]`.
     #[inline(always)]
     fn planes<const D: usize>(&self, grid: &WaveGrid<D>) -> Vec<(i32, Zeros)> {
         let n = grid.resolution();
@@ -138,7 +137,7 @@ impl Rows {
         planes
     }
 
-    /// One spectrum for all points that symmetries map to each other: that of the first one, and of some others.
+    /// Computes one spectrum for each class of symmetric points, at its first point, and at some others.
     #[inline(always)]
     fn on_grid<const D: usize>(&self, grid: &WaveGrid<D>, wedge: &Wedge, found: Found<'_>) {
         let n = grid.resolution();
@@ -169,8 +168,10 @@ impl Rows {
 }
 
 impl<const D: usize> DynamicalMatrix<D> {
-    /// The spectra of a real and periodic matrix in space at those points of a grid with a first index up to `n / 2` that symmetries do not map to
-    /// earlier ones, and at some others; the rest follows from these and from `D(-k) = D(k)`.
+    /// Spectra of a real and periodic matrix in three dimensions on a grid.
+    ///
+    /// They are computed at the points with a first index up to `n / 2` that symmetries do not map to earlier ones, and at some others. The remaining
+    /// spectra follow from these and from `D(-k) = D(k)`.
     pub(super) fn spatial_spectra(&self, grid: &WaveGrid<D>, wedge: &Wedge, found: Found<'_>) {
         let rows = &Rows::new(self.terms(), self.rigid_translation());
         Arch::new().dispatch(OnGrid {
@@ -182,10 +183,10 @@ impl<const D: usize> DynamicalMatrix<D> {
     }
 }
 
-/// Takes the spectrum of a point.
+/// Callback that receives the spectrum of a point.
 type Found<'a> = &'a mut dyn FnMut(usize, SpatialSpectrum);
 
-/// Work for the widest vectors of the machine. (A closure would not be inlined there.)
+/// Vectorized evaluation for the instruction set of the machine. A closure would not be inlined there.
 struct OnGrid<'a, const D: usize> {
     rows: &'a Rows,
     grid: &'a WaveGrid<D>,
@@ -202,7 +203,7 @@ impl<const D: usize> NullaryFnOnce for OnGrid<'_, D> {
     }
 }
 
-/// The entries of a matrix of three rows.
+/// Entries of a matrix with three rows.
 fn entries_of<const D: usize>(matrix: &SMatrix<f64, D, D>) -> Entries {
     array_of(|e| matrix[(e / 3, e % 3)])
 }
@@ -215,7 +216,7 @@ mod tests {
     use crate::lattice::{LatticeKind, Reduced, WaveGrids};
     use nalgebra::{Matrix3, Vector3};
 
-    /// Bonds of a simple cubic lattice, and what costs a translation energy, have the symmetry that both have.
+    /// Bonds of a simple cubic lattice, and a term that costs a translation energy, with their common symmetry.
     #[test]
     fn spectra_that_symmetries_share_are_those_of_each_wave() {
         let lattice = LatticeKind::SimpleCubic
@@ -267,7 +268,7 @@ mod tests {
             assert_eq!(outer[0].len(), grid.half());
             for (point, k) in grid.wave_vectors().take(grid.half()).enumerate() {
                 let exact = eigenvalues(&matrix.at(&k), 1e-16).map(|value| value.re);
-                // Where eigenvalues are equal, to the square root of rounding.
+                // If eigenvalues are equal, the error is of the order of the square root of rounding.
                 for (values, exact) in outer.iter().zip([exact[0], exact[2]]) {
                     assert!((values[point] - exact).abs() < 1e-6, "{symmetries} {k}");
                 }

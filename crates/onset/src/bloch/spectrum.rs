@@ -52,7 +52,7 @@ pub struct SpectrumSummary<const D: usize> {
 /// Kind of stability of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stability {
-    /// No mode grows.
+    /// No mode of the discretization grows.
     Stable,
     /// Some modes oscillate with growing amplitude: `omega^2` is complex, and its real part is nonnegative for all waves.
     Flutter,

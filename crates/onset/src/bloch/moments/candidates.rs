@@ -1,8 +1,8 @@
-//! Few wave vectors among which one lies in the well of the extreme, whatever the tangent.
+//! A small set of wave vectors; for any tangent, at least one lies in the well of the extreme.
 //!
-//! `min lambda(A : H) = min_g min_H w(g) : H` with `w_JL = g_i A_iJkL g_k`: for each polarization `g` a linear function of `H`,
-//! which an extreme point of the set of all `H(k)` minimizes. Of those, each region of the zone keeps so many that one of
-//! them comes near to the extreme in every direction `w`.
+//! With `w_JL = g_i A_iJkL g_k`, `min lambda(A : H) = min_g min_H w(g) : H`. For each polarization `g` this is a linear function of `H`, and an
+//! extreme point of the set of all `H(k)` minimizes it. Each region of the zone keeps enough of these points that one of them lies close to the
+//! extreme for every sampled direction `w`.
 
 use super::sums::{Polynomial, Sums};
 use crate::algebra::Each;
@@ -12,25 +12,28 @@ use pulp::{Arch, NullaryFnOnce};
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
-/// Directions `w`, spread evenly over the sphere.
+/// Number of directions `w`, spread evenly over the sphere.
 const EVEN: usize = 3000;
-/// Directions `n (x) n + r m (x) m`, `m` normal to `n`: of soft modes, where evenly spread ones are too few.
+/// Number of angles of the directions `n (x) n + r m (x) m`, `m` normal to `n`. They belong to soft modes, which evenly spread directions sample too
+/// coarsely.
 const TURNS: usize = 48;
+/// Ratios `r` of the directions of soft modes.
 const RATIOS: [f64; 6] = [0.0, 1e-3, 1e-2, 0.1, -1e-2, -0.1];
-/// A kept point comes this near to the extreme, as a fraction of it,
+/// Largest distance of a kept point from the extreme, as a fraction of the extreme.
 const NEAR: f64 = 3e-4;
-/// and this, as a fraction of the largest moment,
+/// Additional distance of a kept point, as a fraction of the largest moment.
 const FIRM: f64 = 1e-6;
-/// or this in a valley of nearly zero energy, whose depth is no measure of how far points of a grid lie above its bottom:
+/// Additional distance in a valley of nearly zero energy, as a fraction of the largest moment. There, the depth says little about the height of grid
+/// points above the bottom.
 const SOFT: f64 = 2e-4;
-/// one with values below this fraction of the largest moment.
+/// Largest value in a valley, as a fraction of the largest moment.
 const VALLEY: f64 = 1e-5;
-/// Size of a region as a phase: wells usually are wider.
+/// Diameter of a region as a phase; wells are usually wider.
 const REGION: f64 = 0.55;
-/// Values that differ by less, relative to the largest moment, belong to images under a symmetry of the lattice.
+/// Relative difference of symmetric images: smaller differences of values, over the largest moment, are rounding.
 const IMAGE: f64 = 1e-10;
 
-/// How far above the lowest value a point may lie from which a descent leads lower still; `scale` is the largest value.
+/// Largest height of a point above the lowest value at which a descent can still lead lower. `scale` is the largest value.
 pub(super) fn margin(lowest: f64, scale: f64) -> f64 {
     let soft = if lowest.abs() < VALLEY * scale {
         SOFT
@@ -40,32 +43,33 @@ pub(super) fn margin(lowest: f64, scale: f64) -> f64 {
     NEAR * lowest.abs() + soft * scale
 }
 
-/// An upper bound of that margin for all lower values.
+/// Upper bound of the margin for all lower values: fraction of the value, and of the largest moment.
 pub(super) const WIDEST_MARGIN: [f64; 2] = [NEAR, SOFT];
 
-/// Candidates by regions of the zone.
+/// Candidates, sorted by regions of the zone.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Candidates<const D: usize> {
-    /// Wave vectors, region by region.
+    /// Wave vectors, sorted by region.
     pub(super) wave_vectors: Vec<SVector<f64, D>>,
-    /// `H_11`, `H_12`, `H_22` there, scaled.
+    /// Scaled moments `H_11`, `H_12`, `H_22` at the wave vectors.
     pub(super) moments: Vec<[f64; 3]>,
-    /// `k.a_1` and `k.a_2`, from `-pi` to `pi`.
+    /// Phases `k.a_1` and `k.a_2`, from `-pi` to `pi`.
     pub(super) phases: Vec<[f64; 2]>,
-    /// `H` near them, scaled or not: without the lattice Laplacian.
+    /// Expansions of `H` near the wave vectors, without the factor of the lattice Laplacian.
     pub(super) polynomials: Vec<Polynomial>,
-    /// From there to the equivalent wave vectors.
+    /// Differences to the equivalent wave vectors in the zone.
     pub(super) shifts: Vec<SVector<f64, D>>,
-    /// Where the candidates of each region end.
+    /// End index of the candidates of each region.
     pub(super) ends: Vec<usize>,
-    /// The largest moment.
+    /// Largest moment of all points.
     pub(super) scale: f64,
 }
 
 impl<const D: usize> Candidates<D> {
-    /// Of half of a grid with moments that are scaled already, apart from zero. With `mirrored`, of `H_12` only the magnitude
-    /// counts and only directions are asked for in which it lowers the value: those of tangents with the coordinate axes
-    /// as mirror axes, for which the sign of `H_12` does not matter.
+    /// Selects the candidates from the scaled moments at half of a grid, except `k = 0`.
+    ///
+    /// With `mirrored`, only the magnitude of `H_12` and only directions in which it lowers the value are used. This suffices for tangents with the
+    /// coordinate axes as mirror axes, for which the sign of `H_12` does not matter.
     pub(super) fn new(
         lattice: &BravaisLattice<D>,
         grid: &WaveGrid<D>,
@@ -120,7 +124,7 @@ impl<const D: usize> Candidates<D> {
                 }
             }
         }
-        // Each to the nearest center, so that two regions do not share a well.
+        // Each point joins the nearest center, so that no two regions share a well.
         let centers: Vec<usize> = regions.iter().map(|(center, _)| *center).collect();
         let members: Vec<usize> = regions.drain(..).flat_map(|(_, members)| members).collect();
         let mut regions = vec![Vec::new(); centers.len()];
@@ -156,8 +160,8 @@ impl<const D: usize> Candidates<D> {
     }
 }
 
-/// The values of all points in a direction, and those that are no farther above the lowest than the margin, which is returned. Work for the widest
-/// vectors of the machine.
+/// Computes the values of all points in a direction and lists the points within the margin above the lowest value. Returns the margin. Vectorized for
+/// the instruction set of the machine.
 struct Low<'a> {
     w: [f64; 3],
     columns: &'a [Vec<f64>; 3],
@@ -166,7 +170,7 @@ struct Low<'a> {
     low: &'a mut Vec<usize>,
 }
 
-/// Values that are compared at a time.
+/// Number of values that are compared together.
 const ABREAST: usize = 8;
 
 impl NullaryFnOnce for Low<'_> {
@@ -183,7 +187,7 @@ impl NullaryFnOnce for Low<'_> {
         for n in 0..count {
             values[n] = w[0] * first[n] + w[1] * second[n] + w[2] * third[n];
         }
-        // No number is no value.
+        // NaN values are ignored.
         let (whole, rest) = values.as_chunks::<ABREAST>();
         let mut least = [f64::INFINITY; ABREAST];
         for chunk in whole {
@@ -215,8 +219,7 @@ impl NullaryFnOnce for Low<'_> {
     }
 }
 
-/// Whether a point has moments of its own, and not those of a point before, of which it is an image under a symmetry of the
-/// lattice.
+/// Returns true for each point whose moments differ from the moments of all earlier points. Other points are images under a symmetry of the lattice.
 fn own_points(columns: &[Vec<f64>; 3], scale: f64) -> Vec<bool> {
     let mut known = BTreeSet::new();
     (0..columns[0].len())
@@ -227,7 +230,7 @@ fn own_points(columns: &[Vec<f64>; 3], scale: f64) -> Vec<bool> {
         .collect()
 }
 
-/// The points around one in half of a grid.
+/// Neighbors of a point in half of a grid.
 fn neighbors(point: usize, resolution: usize) -> [usize; 8] {
     let n = resolution;
     let (i, j) = (point / n, point % n);
@@ -243,7 +246,7 @@ fn neighbors(point: usize, resolution: usize) -> [usize; 8] {
     ];
     steps.each(|(down, right)| {
         let (i, j) = ((i + down) % n, (j + right) % n);
-        // The other half are the opposite wave vectors.
+        // The other half contains the opposite wave vectors.
         if i > n / 2 {
             (n - i) * n + (n - j) % n
         } else {
@@ -252,7 +255,7 @@ fn neighbors(point: usize, resolution: usize) -> [usize; 8] {
     })
 }
 
-/// The phase between two wave vectors or their opposites, modulo reciprocal vectors.
+/// Phase difference of two wave vectors, modulo sign and reciprocal vectors.
 fn distance(a: &[f64; 2], b: &[f64; 2]) -> f64 {
     let square = |x: f64| (x - TAU * (x / TAU).round()).powi(2);
     let difference = square(a[0] - b[0]) + square(a[1] - b[1]);
@@ -260,10 +263,10 @@ fn distance(a: &[f64; 2], b: &[f64; 2]) -> f64 {
     difference.min(sum).sqrt()
 }
 
-/// Unit directions `w_11`, `w_12`, `w_22`, with `w_12 <= 0` only if mirrored.
+/// Unit directions `w_11`, `w_12`, `w_22`; with `mirrored`, only directions with `w_12 <= 0`.
 fn directions(mirrored: bool) -> impl Iterator<Item = [f64; 3]> {
     let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
-    // Along a spiral around the axis of `w_12`; its half is one side.
+    // A spiral around the axis of `w_12`, so that half of it covers one side.
     let even = move |n: usize| {
         let z = (2.0 * n as f64 + 1.0) / EVEN as f64 - 1.0;
         let (sine, cosine) = (golden * n as f64).sin_cos();

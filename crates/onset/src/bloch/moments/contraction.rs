@@ -1,20 +1,20 @@
-//! `D = A : H` of many tangents at once.
+//! Contraction `D = A : H` for many tangents simultaneously.
 
 use crate::algebra::{Pack, WIDEST};
 use crate::material::PlaneTangent;
 use pulp::Simd;
 
-/// `(D_11 + D_22) / 2`, `(D_11 - D_22) / 2` and `D_12` as linear functions of `H_11`, `H_12`, `H_22`, for many tangents: a
-/// column for each coefficient, padded with zeros to a multiple of [`WIDEST`].
+/// Coefficients of `(D_11 + D_22) / 2`, `(D_11 - D_22) / 2` and `D_12` as linear functions of `H_11`, `H_12`, `H_22`, for many tangents. One column
+/// for each coefficient, padded with zeros to a multiple of [`WIDEST`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Columns {
     coefficients: [[Vec<f64>; 3]; 3],
 }
 
-/// The coefficients of one tangent.
+/// Coefficients of one tangent.
 pub(super) type Coefficients = [[f64; 3]; 3];
 
-/// The coefficients of a tangent times a factor.
+/// Coefficients of a tangent times a factor.
 pub(super) fn coefficients(a: &PlaneTangent, factor: f64) -> Coefficients {
     let entry = |i: usize, k: usize| {
         [
@@ -33,7 +33,7 @@ pub(super) fn coefficients(a: &PlaneTangent, factor: f64) -> Coefficients {
     result
 }
 
-/// Whether the coordinate axes are mirror axes of the tangent: `D` then depends on `H_12` through its square alone.
+/// Returns true if the coordinate axes are mirror axes of the tangent; `D` then depends on `H_12` only through its square.
 pub(super) fn is_mirrored([mean, half, mixed]: &Coefficients) -> bool {
     mean[1] == 0.0 && half[1] == 0.0 && mixed[0] == 0.0 && mixed[2] == 0.0
 }
@@ -52,13 +52,13 @@ impl Columns {
         columns
     }
 
-    /// The length of a column.
+    /// Length of a column.
     pub(super) fn length(&self) -> usize {
         self.coefficients[0][0].len()
     }
 }
 
-/// The coefficients of as many tangents as a register has lanes.
+/// Coefficients of one tangent for each lane of a register.
 #[derive(Clone, Copy)]
 pub(super) struct Contraction<S: Simd, const MIRRORED: bool>([[Pack<S>; 3]; 3]);
 
@@ -74,7 +74,7 @@ impl<S: Simd, const MIRRORED: bool> Contraction<S, MIRRORED> {
         Self(packs)
     }
 
-    /// `(D_11 + D_22) / 2`, `(D_11 - D_22) / 2` and `D_12`.
+    /// Components `(D_11 + D_22) / 2`, `(D_11 - D_22) / 2` and `D_12`.
     #[inline(always)]
     pub(super) fn parts(&self, h: [Pack<S>; 3]) -> [Pack<S>; 3] {
         let [mean, half, mixed] = &self.0;
@@ -93,7 +93,7 @@ impl<S: Simd, const MIRRORED: bool> Contraction<S, MIRRORED> {
         parts
     }
 
-    /// `sign * (D_11 + D_22) / 2 - root`: the smaller eigenvalue, or minus the larger one.
+    /// Smaller eigenvalue, or minus the larger one: `sign * (D_11 + D_22) / 2 - root`.
     #[inline(always)]
     pub(super) fn branch(&self, h: [Pack<S>; 3], sign: Pack<S>) -> Pack<S> {
         let [mean, half, mixed] = self.parts(h);

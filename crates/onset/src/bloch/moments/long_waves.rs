@@ -1,31 +1,31 @@
-//! The limit of long waves: the smallest eigenvalue over all directions.
+//! The long-wave limit: the smallest eigenvalue over all directions, for many tangents.
 
 use super::contraction::{Columns, Contraction};
 use crate::algebra::{Pack, array_of};
 use pulp::{Simd, WithSimd};
 
-/// Directions in which the minimum is first looked for.
+/// Number of directions that are sampled before the descent.
 const RAYS: usize = 16;
-/// Steps of Newton's method.
+/// Number of Newton steps.
 const STEPS: usize = 6;
-/// A second well whose sample is this fraction above the first one is descended too.
+/// Largest relative height of the second well above the first at which it is followed too.
 const RIVAL: f64 = 0.2;
-/// The last step of a descent that is settled.
+/// Largest last step of a converged descent.
 const SETTLED: f64 = 1e-6;
-/// A slope that is this fraction of the value vanishes.
+/// Relative rounding error of a slope, over the value.
 const FLAT: f64 = 1e-13;
 
-/// `H(k) / |k|_h^2` for long waves, `h0 + hc cos t + hs sin t` in the doubled angle `t`, for each entry.
+/// `H(k) / |k|_h^2` for long waves: `h0 + hc cos t + hs sin t` in the doubled angle `t`, for each entry.
 pub(super) type LongMoments = [[f64; 3]; 3];
 
-/// The minima, and the cosine and sine of the doubled angle; settled where the last is zero.
+/// Minima, with the cosine and sine of the doubled angle. Converged if `unsettled` is zero.
 pub(super) struct LongMinima {
     pub(super) values: Vec<f64>,
     pub(super) turns: [Vec<f64>; 2],
     pub(super) unsettled: Vec<f64>,
 }
 
-/// Work for the widest vectors of the machine.
+/// Vectorized search for the instruction set of the machine.
 pub(super) struct LongWaves<'a> {
     pub(super) moments: &'a LongMoments,
     pub(super) columns: &'a Columns,
@@ -74,7 +74,7 @@ impl WithSimd for LongWaves<'_> {
                     best[p] = is_best.select(here[p], best[p]);
                 }
             }
-            // No well where all directions are alike.
+            // No well exists if all directions are equal.
             let is_flat = best[0].is_at_most(samples[0]).not();
             best[0] = is_flat.select(samples[0], best[0]);
             best[1] = is_flat.select(number(1.0), best[1]);
@@ -101,7 +101,7 @@ impl WithSimd for LongWaves<'_> {
     }
 }
 
-/// Cosines and sines of the rays.
+/// Cosines and sines of the sampled directions.
 fn circle() -> [[f64; 2]; RAYS] {
     array_of(|n| {
         let (sine, cosine) = (std::f64::consts::TAU * n as f64 / RAYS as f64).sin_cos();
@@ -109,12 +109,12 @@ fn circle() -> [[f64; 2]; RAYS] {
     })
 }
 
-/// `(D_11 + D_22) / 2`, `(D_11 - D_22) / 2` and `D_12` as polynomials of first order in the doubled angle.
+/// Components `(D_11 + D_22) / 2`, `(D_11 - D_22) / 2` and `D_12` as trigonometric polynomials of first order in the doubled angle.
 struct Ring<S: Simd> {
     parts: [[Pack<S>; 3]; 3],
 }
 
-/// The smaller eigenvalue with its derivatives by the angle.
+/// Smaller eigenvalue with its derivatives with respect to the angle.
 struct OnRing<S: Simd> {
     value: Pack<S>,
     slope: Pack<S>,
@@ -136,7 +136,7 @@ impl<S: Simd> Ring<S> {
         let root = half.times_plus(half, mixed * mixed).sqrt();
         let inverse = cosine.constant(1.0) / root;
         let turn = half.times_plus(slope[1], mixed * slope[2]) * inverse;
-        // The second derivative of what turns is its negative.
+        // The second derivative of a first harmonic is its negative.
         let bend = slope[1].times_plus(slope[1], slope[2] * slope[2])
             - half.times_plus(turning[1], mixed * turning[2]);
         OnRing {
@@ -146,7 +146,7 @@ impl<S: Simd> Ring<S> {
         }
     }
 
-    /// Value, cosine and sine after steps of Newton's method, as long as they lead down; and the square of the last step.
+    /// Value, cosine and sine after Newton steps, taken only downward, and the magnitude of the last step.
     #[inline(always)]
     fn descended(&self, start: [Pack<S>; 3]) -> ([Pack<S>; 3], Pack<S>) {
         let [_, mut cosine, mut sine] = start;
@@ -161,7 +161,7 @@ impl<S: Simd> Ring<S> {
                 .is_at_most(here.value.abs() * zero.constant(FLAT));
             let step = -(here.slope / here.curvature);
             moved = is_convex.select(step.abs(), is_flat.select(zero, zero.constant(1.0)));
-            // Along the tangent and back to the circle, which for short steps is the same as turning.
+            // A step along the tangent, projected back to the circle: for short steps this is a rotation.
             let length = zero.constant(1.0) / step.times_plus(step, zero.constant(1.0)).sqrt();
             let there = [
                 (-step).times_plus(sine, cosine) * length,

@@ -1,10 +1,14 @@
-//! Lagrangian kernels: what of the dynamical matrix no state changes.
+//! Extremes of the spectrum of planar Lagrangian kernels for many states, from gradient moments that do not depend on the state.
 //!
-//! Where all quadrature points carry the same deformation, `D(k) = A : H(k)` with the gradient moments
-//! `H_JL(k) = 1/m sum_q V_q conj(B_qJ) B_qL`, which know neither material nor state. In the plane, and real, they are a
-//! point in three dimensions. The smallest eigenvalue of `A : H` is concave and the largest one convex in `H`, so that
-//! only extreme points of the set of all `H(k)` decide either; few points of a grid remain, and Newton's method leads from
-//! the best of them to the extreme itself.
+//! If all quadrature points have the same deformation, `D(k) = A : H(k)` with the gradient moments `H_JL(k) = 1/m sum_q V_q conj(B_qJ) B_qL`, which
+//! depend neither on the material nor on the state. In the plane and with inversion centers, `H(k)` is real and thus a point in three dimensions. The
+//! smallest eigenvalue of `A : H` is concave and the largest one convex in `H`, so that only extreme points of the set of all `H(k)` matter.
+//!
+//! 1. A few grid points near extreme points are selected once, as candidates for all tangents (`candidates`).
+//! 2. For each tangent, the best candidate of each region of the zone is found (`scan`).
+//! 3. Newton's method on the exact sums leads from there to the extreme (`refine`). For weakly controlled modes, more starts are tried (`valley`).
+//!
+//! The extremes are sampled values; this module computes no bound.
 
 mod candidates;
 mod contraction;
@@ -38,14 +42,14 @@ use valley::Valley;
 
 /// Grid points per period of the fastest phase.
 const DENSITY: usize = 12;
-/// Directions of long waves in which their minimum is first looked for where the first search did not settle.
+/// Number of directions that are sampled for the softest long wave if the vectorized search did not converge.
 const RAYS: usize = 32;
-/// Steps of Newton's method to the minimum over directions.
+/// Maximum number of Newton steps to the minimum over directions.
 const TURNS: usize = 12;
-/// States that are worked on at a time: their columns stay in the cache.
+/// Number of states that are processed together; their columns fit into the cache.
 const BATCH: usize = 1024;
 
-/// The gradient moments of a planar Lagrangian method over the zone.
+/// Gradient moments of a planar Lagrangian method over the zone. They serve all states with one method.
 #[derive(Clone, Debug)]
 pub struct GradientMoments<const D: usize> {
     matrix: DynamicalMatrix<D>,
@@ -53,26 +57,27 @@ pub struct GradientMoments<const D: usize> {
     sums: Sums,
     /// Extreme points of `H(k) / |k|_h^2`.
     scaled: Wells<D>,
-    /// Where the method has weakly controlled modes.
+    /// Wave vectors of weakly controlled modes, if the method has such modes.
     valley: Option<Valley<D>>,
     /// Extreme points of `H(k)`.
     plain: Wells<D>,
-    /// `H(k) / |k|_h^2` for long waves, `h0 + hc cos t + hs sin t` in the doubled angle `t` of `G^1/2 k`.
+    /// `H(k) / |k|_h^2` for long waves: `h0 + hc cos t + hs sin t` in the doubled angle `t` of `G^1/2 k`.
     long: LongMoments,
-    /// Rounding error to expect in the scaled moments of long waves.
+    /// Rounding error of the scaled moments of long waves.
     long_noise: f64,
-    /// Whether a wave of alternating neighbors strains nothing, so that it has no energy at any state.
+    /// True if a wave with alternating neighbors causes no strain, so that it has zero energy at any state.
     misses_alternating: bool,
-    /// The unit of the moments, and that of `D` and `c^2`.
+    /// Unit of the moments.
     moment_unit: f64,
+    /// Unit of `D` and `c^2`.
     unit: f64,
 }
 
-/// Candidates for any tangent, and for tangents with the coordinate axes as mirror axes; made when they are first asked for.
+/// Candidates for any tangent, and for tangents with the coordinate axes as mirror axes. Computed when first needed.
 #[derive(Clone, Debug)]
 struct Wells<const D: usize> {
     grid: Arc<WaveGrid<D>>,
-    /// On half of the grid.
+    /// Moments at half of the grid.
     moments: Vec<[f64; 3]>,
     any: OnceLock<Candidates<D>>,
     mirrored: OnceLock<Candidates<D>>,
@@ -103,31 +108,31 @@ impl<const D: usize> Wells<D> {
     }
 }
 
-/// The extremes of `D(k) = A : H(k)` over the zone.
+/// Extremes of `D(k) = A : H(k)` over the zone, sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MomentExtremes<const D: usize> {
-    /// The smallest `omega^2 / (c^2 |k|_h^2)`, long waves included.
+    /// Smallest `omega^2 / (c^2 |k|_h^2)`, including long waves.
     pub scaled_minimum: f64,
-    /// Its wave vector; the unit direction for long waves.
+    /// Wave vector of the minimum; the unit direction for long waves.
     pub wave_vector: SVector<f64, D>,
-    /// Whether it is the limit of long waves.
+    /// True if the minimum is the long-wave limit.
     pub is_long_wave: bool,
-    /// Whether the softest mode, or a wave of alternating neighbors, is a zero-energy mode at any state.
+    /// True if the softest mode, or a wave with alternating neighbors, is a zero-energy mode at any state.
     pub has_zero_mode: bool,
-    /// The smallest limit of long waves.
+    /// Smallest long-wave limit of the scaled measure.
     pub long_wave_minimum: f64,
-    /// The smallest `omega^2`, zero where none is below. 1/time^2.
+    /// Smallest `omega^2`; zero if no `omega^2` is negative. 1/time^2.
     pub lowest: f64,
-    /// The largest `omega^2`. 1/time^2.
+    /// Largest `omega^2`. 1/time^2.
     pub highest: f64,
     /// Scaled measures of smaller magnitude are zero to rounding.
     pub tolerance: f64,
 }
 
-/// A bottom: the objective and its wave vector.
+/// Value of the objective at a bottom, and its wave vector.
 type Bottom<const D: usize> = (f64, SVector<f64, D>);
 
-/// Whether a wave strains nothing: its gradient moments vanish beside those of long waves.
+/// Returns true if a wave causes no strain: its gradient moments are zero to rounding, relative to long waves.
 fn is_unseen<const D: usize>(
     matrix: &DynamicalMatrix<D>,
     search: &ZoneSearch<D>,
@@ -140,12 +145,13 @@ fn is_unseen<const D: usize>(
 }
 
 impl<const D: usize> GradientMoments<D> {
-    /// The moments of a method; `None` where `D(k)` is no contraction with one tangent, or not planar and real: Eulerian
-    /// kernels, an interpolated background, quadrature points without an inversion center. `speed_squared` is the `c^2`
-    /// of the scaled measure.
+    /// Computes the moments of a method. `speed_squared` is the `c^2` of the scaled measure.
+    ///
+    /// `None` if `D(k)` is no contraction with a single tangent, or not planar and real: for Eulerian kernels, an interpolated background, or
+    /// quadrature points without an inversion center.
     ///
     /// # Errors
-    /// [`MethodError`] when the method cannot be evaluated.
+    /// [`MethodError`] if the method cannot be evaluated.
     pub fn new(method: &Method<D>, speed_squared: f64) -> Result<Option<Self>, MethodError> {
         let discretization = method.choices();
         if D != 2
@@ -178,7 +184,7 @@ impl<const D: usize> GradientMoments<D> {
             .zip(laplacian)
             .map(|(h, laplacian)| h.each(|entry| entry / laplacian))
             .collect();
-        // At zero there is no wave.
+        // No wave exists at `k = 0`.
         scaled[0] = [f64::NAN; 3];
         let valley = Valley::new(lattice, &grid, &scaled);
         let (scaled, plain) = (Wells::new(&grid, scaled), Wells::new(&grid, moments));
@@ -202,7 +208,7 @@ impl<const D: usize> GradientMoments<D> {
         }))
     }
 
-    /// The extremes for materials with the given tangents in the plane.
+    /// Computes the extremes for materials with the given plane tangents.
     pub fn extremes(&self, tangents: &[PlaneTangent]) -> Vec<MomentExtremes<D>> {
         let factor = self.moment_unit / self.unit;
         let in_units = |tangent| coefficients(tangent, factor);
@@ -305,7 +311,7 @@ impl<const D: usize> GradientMoments<D> {
         extremes
     }
 
-    /// The equivalent wave vector in the zone.
+    /// Returns the equivalent wave vector in the zone.
     fn folded(&self, k: SVector<f64, D>) -> SVector<f64, D> {
         if self.search.is_in_zone(&k) {
             k
@@ -314,7 +320,7 @@ impl<const D: usize> GradientMoments<D> {
         }
     }
 
-    /// Replaces a bottom in a valley of nearly zero energy by the lowest one there.
+    /// Replaces a bottom in a valley of weakly controlled modes by the lowest bottom found there.
     fn look_around(&self, row: &Coefficients, bottom: &mut Bottom<D>) {
         let magnitude = magnitude(row);
         if let Some(valley) = self
@@ -329,7 +335,7 @@ impl<const D: usize> GradientMoments<D> {
         }
     }
 
-    /// A descent that takes its time, for the few that need it.
+    /// Descent with the general Newton method, for the few cases in which the vectorized descent fails.
     fn careful(
         &self,
         row: &Coefficients,
@@ -364,7 +370,7 @@ impl<const D: usize> GradientMoments<D> {
         })
     }
 
-    /// The objective, the scaled measure times `c^2`, with full relative accuracy also for long waves.
+    /// Objective (the scaled measure times `c^2`) with full relative accuracy, also for long waves.
     fn exact(&self, row: &Coefficients, objective: Objective, k: &SVector<f64, D>) -> f64 {
         let h = self.matrix.at(k).map(|entry: Complex| entry.re);
         let h = [h[(0, 0)], 0.5 * (h[(0, 1)] + h[(1, 0)]), h[(1, 1)]];
@@ -377,7 +383,7 @@ impl<const D: usize> GradientMoments<D> {
         }
     }
 
-    /// The smallest scaled limit of long waves times `c^2`, and the doubled angle of its direction.
+    /// Smallest long-wave limit of the scaled measure, times `c^2`, and the doubled angle of its direction.
     fn long_wave_minimum(&self, row: &Coefficients) -> (f64, f64) {
         let d = [0, 1, 2].each(|p| {
             let [mean, half, mixed] = parts(row, self.long.each(|h| h[p]));
@@ -390,7 +396,7 @@ impl<const D: usize> GradientMoments<D> {
             let (x, xs) = ([0, 1, 2].map(value), [0, 1, 2].map(slope));
             let (half, half1) = (0.5 * (x[0] - x[2]), 0.5 * (xs[0] - xs[2]));
             let root = (half * half + x[1] * x[1]).sqrt();
-            // Derivatives of h - sqrt(p); each entry obeys f'' = -(f - f0).
+            // Derivatives of `h - sqrt(p)`; each entry satisfies `f'' = -(f - f0)`.
             let half2 = 0.5 * (d[0][0] - d[0][2]) - half;
             let mixed2 = d[0][1] - x[1];
             let trace2 = 0.5 * (d[0][0] + d[0][2]) - 0.5 * (x[0] + x[2]);
@@ -427,7 +433,7 @@ impl<const D: usize> GradientMoments<D> {
     }
 }
 
-/// Tangents that are worked on together.
+/// Tangents that are processed together.
 struct Batch<'a, const D: usize> {
     moments: &'a GradientMoments<D>,
     rows: &'a [Coefficients],
@@ -435,7 +441,7 @@ struct Batch<'a, const D: usize> {
 }
 
 impl<const D: usize> Batch<'_, D> {
-    /// The lowest bottom of each tangent, infinite where it is not below a limit.
+    /// Lowest bottom of each tangent; infinite if it is not below the limit.
     fn bottoms<const MIRRORED: bool>(
         &self,
         objective: Objective,
@@ -466,16 +472,16 @@ impl<const D: usize> Batch<'_, D> {
             scales: &scales,
         });
         let mut bottoms = vec![(f64::INFINITY, SVector::zeros()); self.rows.len()];
-        // From the best first: most rivals are then beaten at once.
+        // The best candidates come first, because they exclude most rivals immediately.
         for mut starts in [best, rivals] {
-            // Descents from one candidate take about equally long.
+            // Descents from one candidate need a similar number of steps.
             starts.sort_unstable_by_key(|(_, candidate)| *candidate);
             self.descend::<MIRRORED>(objective, candidates, &starts, limits, &mut bottoms);
         }
         bottoms
     }
 
-    /// Descends from candidates of some tangents, and keeps what is lower.
+    /// Descends from candidates of the given tangents and keeps lower bottoms.
     fn descend<const MIRRORED: bool>(
         &self,
         objective: Objective,
@@ -525,19 +531,19 @@ impl<const D: usize> Batch<'_, D> {
     }
 }
 
-/// The largest entry of the linear map from `H` to `D`.
+/// Largest entry of the linear map from `H` to `D`.
 fn magnitude([mean, half, mixed]: &Coefficients) -> f64 {
     (0..3)
         .map(|e| f64::max(mean[e].abs() + half[e].abs(), mixed[e].abs()))
         .fold(0.0, f64::max)
 }
 
-/// `(D_11 + D_22) / 2`, `(D_11 - D_22) / 2` and `D_12`.
+/// Components `(D_11 + D_22) / 2`, `(D_11 - D_22) / 2` and `D_12`.
 fn parts(row: &Coefficients, h: [f64; 3]) -> [f64; 3] {
     row.each(|c| c[0] * h[0] + c[1] * h[1] + c[2] * h[2])
 }
 
-/// `D(k)` from `H(k)`.
+/// Computes `D(k) = A : H(k)` with its derivatives.
 fn contracted<const D: usize>(row: &Coefficients, h: &Expansion<f64, D>) -> Expansion<f64, D> {
     let map = |h: &SMatrix<f64, D, D>| {
         let h = [h[(0, 0)], 0.5 * (h[(0, 1)] + h[(1, 0)]), h[(1, 1)]];
@@ -551,7 +557,7 @@ fn contracted<const D: usize>(row: &Coefficients, h: &Expansion<f64, D>) -> Expa
     }
 }
 
-/// `H(k) / |k|_h^2` in the limit of long waves.
+/// Long-wave limit of `H(k) / |k|_h^2`.
 fn long_moments<const D: usize>(method: &Method<D>, matrix: &DynamicalMatrix<D>) -> LongMoments {
     let stiffness = matrix
         .long_wave_stiffness()
@@ -567,9 +573,9 @@ fn long_moments<const D: usize>(method: &Method<D>, matrix: &DynamicalMatrix<D>)
     })
 }
 
-/// The unit vector at half of the angle of which cosine and sine are given.
+/// Unit vector at half of the angle with the given cosine and sine.
 fn half_turned<const D: usize>([cosine, sine]: [f64; 2]) -> SVector<f64, D> {
-    // Of the two forms the one without cancellation.
+    // The form without cancellation.
     let (x, y) = if cosine > 0.0 {
         (1.0 + cosine, sine)
     } else {

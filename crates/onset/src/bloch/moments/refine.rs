@@ -1,4 +1,4 @@
-//! From candidates to the bottoms of their wells, several at once: Newton's method on the exact sums.
+//! Descent from candidates to the bottoms of their wells, several at a time, by Newton's method on the exact sums.
 
 use super::candidates::Candidates;
 use super::contraction::{Columns, Contraction};
@@ -7,46 +7,47 @@ use crate::algebra::{Mask, Pack, WIDEST};
 use pulp::{Simd, WithSimd};
 use std::f64::consts::TAU;
 
-/// Evaluations at most.
+/// Maximum number of evaluations in a descent.
 const STEPS: usize = 24;
-/// Steps on the polynomials of the candidates, which come before them,
+/// Number of Newton steps on the polynomials of the candidates, before the exact sums.
 const APPROACH: usize = 2;
-/// as far as this phase.
+/// Largest phase difference from the candidate in these first steps.
 const NEAR: f64 = 0.15;
-/// The longest step, as a phase.
+/// Longest Newton step, as a phase.
 const LONGEST: f64 = 0.6;
-/// After a step this short and a decrease this small, relative to the value, quadratic convergence leaves less than rounding.
+/// Largest Newton step, as a phase, of a converged descent: quadratic convergence then leaves less than rounding.
 const SHORT: f64 = 1e-4;
+/// Largest decrease, relative to the value, of a converged descent.
 const SMALL: f64 = 1e-8;
-/// Waves longer than this phase are left to their limit.
+/// Phase of the longest wave that is searched; the limit covers longer waves.
 const LONG_WAVE: f64 = 1e-3 * TAU;
-/// Up to this phase the limit of long waves is the nearest bottom if the objective falls towards it.
+/// Largest phase at which a slope towards `k = 0` means that the long-wave limit is the nearest bottom.
 const NEAR_LIMIT: f64 = 0.6;
 
-/// How a descent ended.
+/// The descent ended in a smooth minimum.
 pub(super) const SETTLED: f64 = 0.0;
-/// It cannot reach below its floor.
+/// The descent cannot fall below its floor.
 pub(super) const BEATEN: f64 = 1.0;
-/// It needs more care.
+/// The descent failed and needs the general Newton method.
 pub(super) const HARD: f64 = 2.0;
 
-/// Where descents start and what they are to beat; then where they end. Padded to a multiple of [`WIDEST`].
+/// Starts and floors of descents; after the descent, their ends. Padded to a multiple of [`WIDEST`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Descents {
-    /// `k.a_1` and `k.a_2`.
+    /// Phases `k.a_1` and `k.a_2`.
     pub(super) phases: [Vec<f64>; 2],
-    /// The candidates at which they start.
+    /// Indices of the candidates at which they start.
     pub(super) candidates: Vec<usize>,
-    /// What is to be beaten.
+    /// Values that a descent must fall below.
     pub(super) floors: Vec<f64>,
-    /// The objective at the end.
+    /// Objective at the end.
     pub(super) values: Vec<f64>,
-    /// How it ended.
+    /// Kind of end: [`SETTLED`], [`BEATEN`] or [`HARD`].
     pub(super) ends: Vec<f64>,
 }
 
 impl Descents {
-    /// From candidates, by their numbers, with what is to be beaten.
+    /// Creates descents from the indices and floors of candidates.
     pub(super) fn new<const D: usize>(
         candidates: &Candidates<D>,
         starts: impl ExactSizeIterator<Item = (usize, f64)>,
@@ -55,7 +56,7 @@ impl Descents {
         let mut result = Self {
             phases: [vec![1.0; length], vec![1.0; length]],
             candidates: vec![0; length],
-            // What fills up is beaten at once.
+            // Padding counts as unable to fall below its floor.
             floors: vec![f64::NEG_INFINITY; length],
             values: vec![f64::INFINITY; length],
             ends: vec![BEATEN; length],
@@ -71,14 +72,14 @@ impl Descents {
     }
 }
 
-/// Work for the widest vectors of the machine.
+/// Vectorized descents for the instruction set of the machine.
 pub(super) struct Refine<'a, const D: usize, const MIRRORED: bool> {
     pub(super) sums: &'a Sums,
     pub(super) candidates: &'a Candidates<D>,
     pub(super) columns: &'a Columns,
-    /// One for the smaller eigenvalue, minus one for minus the larger.
+    /// 1 for the smaller eigenvalue, -1 for minus the larger one.
     pub(super) sign: f64,
-    /// Whether it is divided by the lattice Laplacian.
+    /// True if it is divided by the lattice Laplacian.
     pub(super) scaled: bool,
     pub(super) descents: &'a mut Descents,
 }
@@ -123,7 +124,7 @@ struct Objective<'a, S: Simd, const MIRRORED: bool> {
 }
 
 impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
-    /// Near the bottoms of the wells, by the polynomials of the candidates.
+    /// Approaches the bottoms with the polynomials of the candidates.
     #[inline(always)]
     fn approached(&self, near: &Near<S>, start: [Pack<S>; 2]) -> [Pack<S>; 2] {
         let half = Pack::splat(self.simd, 0.5);
@@ -194,7 +195,7 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
                 .and(newton.is_convex)
                 .and(floor.is_below(decrease.times_plus(number(-4.0), local.value)))
                 .or(self.falls_to_the_limit(&local, at, floor).and(lower));
-            // On a crest, or out of the range of the series.
+            // On a crest, or beyond the range of the power series.
             let crest = lower.and(newton.is_convex.not()).and(quiet);
             let far = (base[0] + step[0]).abs().max((base[1] + step[1]).abs());
             let lost = crest
@@ -203,7 +204,7 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
             end = settled.select(number(SETTLED), end);
             end = beaten.select(number(BEATEN), end);
             active = active.and(settled.or(beaten).or(lost).not());
-            // The last step of a settled descent is taken; others that ended stay.
+            // The last step of a converged descent is taken; others stay where they ended.
             for a in 0..2 {
                 base[a] = settled.select(at[a] + step[a], base[a]);
                 step[a] = active.select(step[a], zero);
@@ -226,7 +227,7 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
         end.write(&mut descents.ends, group);
     }
 
-    /// Whether the objective falls towards long waves, whose limit is known to be lower.
+    /// Returns true if the objective falls towards long waves and their limit is known to be lower.
     #[inline(always)]
     fn falls_to_the_limit(
         &self,
@@ -249,7 +250,7 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
             .or(too_long)
     }
 
-    /// The objective with its derivatives.
+    /// Objective with its derivatives.
     #[inline(always)]
     fn local(&self, at: [Pack<S>; 2], workspace: &mut Workspace<S>) -> Local<Pack<S>> {
         let half = Pack::splat(self.simd, 0.5);
@@ -259,7 +260,7 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
         self.branch(&h, &laplacian)
     }
 
-    /// From `H` and the lattice Laplacian with their derivatives.
+    /// Objective from `H` and the lattice Laplacian with their derivatives.
     #[inline(always)]
     fn branch(&self, h: &[Local<Pack<S>>; 3], laplacian: &Local<Pack<S>>) -> Local<Pack<S>> {
         let number = |value: f64| Pack::splat(self.simd, value);
@@ -276,7 +277,7 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
                 self.contraction
                     .parts([h[0].curvature[a], h[1].curvature[a], h[2].curvature[a]]);
         }
-        // sign * mean - root with root^2 = half^2 + mixed^2.
+        // `sign * mean - root` with `root^2 = half^2 + mixed^2`.
         let root = value[1].times_plus(value[1], value[2] * value[2]).sqrt();
         let inverse = number(1.0) / root;
         let mut turn = [root; 2];
@@ -327,12 +328,12 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
 
 struct NewtonStep<S: Simd> {
     step: [Pack<S>; 2],
-    /// The square of its length.
+    /// Squared length of the step before it is shortened.
     square: Pack<S>,
     is_convex: Mask<S>,
 }
 
-/// The step of Newton's method with the magnitudes of the principal curvatures, so that it leads down; at most `LONGEST`.
+/// Newton step with the magnitudes of the principal curvatures, so that it leads down; at most `LONGEST_STEP_PHASE` long.
 #[inline(always)]
 fn newton_step<S: Simd>(local: &Local<Pack<S>>) -> NewtonStep<S> {
     let number = |value: f64| local.value.constant(value);
@@ -344,7 +345,7 @@ fn newton_step<S: Simd>(local: &Local<Pack<S>>) -> NewtonStep<S> {
     let (low, high) = (mean - radius, mean + radius);
     let tiny = low.abs().max(high.abs()) * number(1e-12);
     let (small, large) = (low.abs().max(tiny), high.abs().max(tiny));
-    // |C|^-1 = a + b C on both principal axes; where both curvatures are positive, (tr C - C) / det C.
+    // `|C|^-1 = a + b C` on both principal axes; if both curvatures are positive, this is `(tr C - C) / det C`.
     let is_convex = tiny.is_below(low);
     let product = number(1.0) / (small * large);
     let spread = number(1.0) / (radius + radius);

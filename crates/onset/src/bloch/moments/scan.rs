@@ -1,16 +1,16 @@
-//! Where to descend from: the best candidate of each region of the zone, for many tangents.
+//! Selection of starts: the best candidate of each region of the zone, for many tangents.
 
 use super::candidates::{Candidates, WIDEST_MARGIN, margin};
 use super::contraction::{Columns, Contraction};
 use crate::algebra::{Each, Pack};
 use pulp::{Simd, WithSimd};
 
-/// Where the lowest value is below this fraction of the largest one, wells are narrow beside the spacing of the grid:
+/// Largest ratio of the lowest to the largest value at which wells are narrow compared with the grid spacing.
 const WEAK: f64 = 1e-3;
-/// descents lead further down, and regions are looked into that lie by this fraction of the lowest value above it.
+/// Additional height, as a fraction of the lowest value, of regions that are followed if wells are narrow: descents then lead further down.
 const RIVAL: f64 = 0.05;
 
-/// That part of the margin. It is less than what the threshold of the scan has to spare.
+/// Additional margin for narrow wells. It is smaller than the reserve in the threshold of the scan.
 fn rivalry(lowest: f64, scale: f64) -> f64 {
     if lowest.abs() < WEAK * scale {
         RIVAL * lowest.abs()
@@ -19,25 +19,25 @@ fn rivalry(lowest: f64, scale: f64) -> f64 {
     }
 }
 
-/// A tangent and a candidate, by their numbers.
+/// Index of a tangent and index of a candidate.
 pub(super) type Start = (usize, usize);
 
-/// Starts: the best of each tangent, and those in other regions that may lead lower.
+/// Starts of descents: the best candidate of each tangent, and candidates of other regions that may lead lower.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Starts {
     pub(super) best: Vec<Start>,
     pub(super) rivals: Vec<Start>,
 }
 
-/// Work for the widest vectors of the machine.
+/// Vectorized selection for the instruction set of the machine.
 pub(super) struct Scan<'a, const D: usize, const MIRRORED: bool> {
     pub(super) candidates: &'a Candidates<D>,
     pub(super) columns: &'a Columns,
-    /// One for the smaller eigenvalue, minus one for minus the larger.
+    /// 1 for the smaller eigenvalue, -1 for minus the larger one.
     pub(super) sign: f64,
-    /// For each tangent what is to be beaten.
+    /// Value that each tangent must fall below.
     pub(super) limits: &'a [f64],
-    /// The largest value of each tangent, padded like the columns.
+    /// Largest value of each tangent, padded like the columns.
     pub(super) scales: &'a [f64],
 }
 
@@ -87,7 +87,7 @@ impl<const D: usize, const MIRRORED: bool> WithSimd for Scan<'_, D, MIRRORED> {
                         .select(Pack::splat(simd, n as f64), index);
                     best = best.min(value);
                     overall = overall.min(value);
-                    // More than what is asked for below, whatever is rounded.
+                    // Exceeds the margin below, rounding included.
                     threshold = overall.abs().times_plus(near, overall + soft);
                 }
                 first = *end;

@@ -1,44 +1,45 @@
-//! `H(k)` and its derivatives at several wave vectors at once, by the exact sums.
+//! `H(k)` and its derivatives at several wave vectors simultaneously, from the exact sums.
 
 use crate::algebra::{Each, Pack, WIDEST};
 use crate::bloch::DynamicalMatrix;
 use crate::lattice::BravaisLattice;
 use pulp::Simd;
 
-/// Multiples of a primitive vector whose phases are tabulated.
+/// Largest multiple of a primitive vector in the tables of phases.
 const REACH: usize = 16;
+/// Number of table entries, for multiples of both signs and zero.
 const TABLE: usize = 2 * REACH + 1;
 
-/// The sum over pairs of opposite lattice vectors, `H(k) = H(0) + sum even (cos k.R - 1)`.
+/// Sum over pairs of opposite lattice vectors, `H(k) = H(0) + sum even (cos k.R - 1)`.
 #[derive(Clone, Debug)]
 pub(super) struct Sums {
     terms: Vec<Term>,
     reach: usize,
-    /// `H(0)`.
+    /// `H(0)`: zero if translations are free.
     rigid: [f64; 3],
-    /// `H(0) - sum even`.
+    /// `H(0) - sum even`, the constant part.
     constant: [f64; 3],
-    /// `1 / |a_i|^2` of the lattice Laplacian.
+    /// Weights `1 / |a_i|^2` of the lattice Laplacian.
     laplacian: [f64; 2],
 }
 
-/// The vectors `R = m a_1 + n a_2` and `-R`.
+/// Moments of the vectors `R = m a_1 + n a_2` and `-R`.
 #[derive(Clone, Debug)]
 struct Term {
-    /// Places in the tables of phases.
+    /// Indices in the tables of phases.
     places: [usize; 2],
-    /// `H_11`, `H_12`, `H_22`.
+    /// Moments `H_11`, `H_12`, `H_22`.
     even: [f64; 3],
-    /// Times `m`, `n`.
+    /// Moments times `m` and `n`.
     slopes: [[f64; 3]; 2],
-    /// Times `m^2`, `m n`, `n^2`.
+    /// Moments times `m^2`, `m n` and `n^2`.
     curvatures: [[f64; 3]; 3],
 }
 
-/// `cos` and `sin` of multiples of a phase, from `-REACH`.
+/// Cosine and sine of multiples of a phase, starting at the negative end.
 type Phases<S> = [[Pack<S>; 2]; TABLE];
 
-/// Room for the phases of both primitive vectors.
+/// Workspace for the phases of both primitive vectors.
 pub(super) struct Workspace<S: Simd>([Phases<S>; 2]);
 
 impl<S: Simd> Workspace<S> {
@@ -48,7 +49,7 @@ impl<S: Simd> Workspace<S> {
     }
 }
 
-/// A function of the two phases with its first and its second derivatives, `11`, `12`, `22`.
+/// A function of the two phases with its first and its second derivatives `11`, `12`, `22`.
 #[derive(Clone, Copy)]
 pub(super) struct Local<T> {
     pub(super) value: T,
@@ -56,23 +57,22 @@ pub(super) struct Local<T> {
     pub(super) curvature: [T; 3],
 }
 
-/// The degree of a [`Polynomial`].
+/// Degree of a [`Polynomial`].
 const DEGREE: usize = 4;
-/// Its coefficients.
+/// Number of its coefficients.
 pub(super) const COEFFICIENTS: usize = (DEGREE + 1) * (DEGREE + 2) / 2;
 
-/// `H_11`, `H_12`, `H_22` near some phases to the fourth order in the differences from them: the coefficients of `d_1^m d_2^n`, by `n` and then
-/// by `m`.
+/// Polynomials of fourth order of `H_11`, `H_12`, `H_22` near some phases: coefficients of `d_1^m d_2^n` in the differences, by `n` and then by `m`.
 pub(super) type Polynomial = [[f64; COEFFICIENTS]; 3];
 
-/// The polynomials of several places.
+/// Polynomials at several places.
 pub(super) struct Near<S: Simd> {
     coefficients: [[Pack<S>; COEFFICIENTS]; 3],
     phases: [Pack<S>; 2],
 }
 
 impl<S: Simd> Near<S> {
-    /// Those of as many places as a register has lanes.
+    /// Collects the polynomials of one place for each lane of a register.
     #[inline(always)]
     pub(super) fn of(
         simd: S,
@@ -112,7 +112,7 @@ impl<S: Simd> Near<S> {
         }; 3];
         for e in 0..3 {
             let c = &self.coefficients[e];
-            // By the powers of the first difference: five without the second one, four with it, three with its square.
+            // Five coefficients without the second difference, four with its first power, three with its square.
             local[e] = Local {
                 value: c[0],
                 slope: [c[1], c[DEGREE + 1]],
@@ -122,7 +122,7 @@ impl<S: Simd> Near<S> {
         local
     }
 
-    /// `H_11`, `H_12`, `H_22` with their derivatives at other phases, by the rule of Horner.
+    /// `H_11`, `H_12`, `H_22` with their derivatives at other phases, by Horner's scheme.
     #[inline(always)]
     pub(super) fn local_at(&self, phases: [Pack<S>; 2]) -> [Local<Pack<S>>; 3] {
         let zero = phases[0].constant(0.0);
@@ -163,7 +163,7 @@ impl<S: Simd> Near<S> {
 }
 
 impl Sums {
-    /// The polynomial near some phases.
+    /// Polynomial of fourth order near the given phases.
     pub(super) fn near(&self, phases: [f64; 2]) -> Polynomial {
         let mut polynomial = [[0.0; COEFFICIENTS]; 3];
         for (entry, constant) in polynomial.iter_mut().zip(self.constant) {
@@ -190,13 +190,13 @@ impl Sums {
         polynomial
     }
 
-    /// The lattice Laplacian with its derivatives, at half phases.
+    /// Lattice Laplacian with its derivatives, at half phases.
     #[inline(always)]
     pub(super) fn laplacian_at<S: Simd>(&self, simd: S, half: [Pack<S>; 2]) -> Local<Pack<S>> {
         self.laplacian_of(simd, doubled(sin_cos(half[0])), doubled(sin_cos(half[1])))
     }
 
-    /// From cosine and sine of both phases.
+    /// Lattice Laplacian from cosine and sine of both phases.
     #[inline(always)]
     fn laplacian_of<S: Simd>(
         &self,
@@ -220,8 +220,9 @@ impl Sums {
         }
     }
 
-    /// Of a matrix of moments; `None` where it is not planar and real, where vectors do not end at lattice points, or
-    /// of ranges that no method in use has.
+    /// Sorts the terms of a matrix of moments.
+    ///
+    /// `None` unless it is planar and real, its vectors end at lattice points, and its range fits into the tables.
     pub(super) fn new<const D: usize>(
         matrix: &DynamicalMatrix<D>,
         lattice: &BravaisLattice<D>,
@@ -261,8 +262,7 @@ impl Sums {
         })
     }
 
-    /// `H_11`, `H_12`, `H_22` and the lattice Laplacian at half phases `k.a_i / 2`, with full relative accuracy also for
-    /// long waves.
+    /// `H_11`, `H_12`, `H_22` and the lattice Laplacian at half phases `k.a_i / 2`, with full relative accuracy also for long waves.
     #[inline(always)]
     pub(super) fn at<S: Simd>(
         &self,
@@ -296,7 +296,7 @@ impl Sums {
         (sums, laplacian)
     }
 
-    /// `H_11`, `H_12`, `H_22` and the lattice Laplacian at half phases `k.a_i / 2`, with derivatives by the phases.
+    /// `H_11`, `H_12`, `H_22` and the lattice Laplacian at half phases `k.a_i / 2`, with derivatives with respect to the phases.
     #[inline(always)]
     pub(super) fn local_at<S: Simd>(
         &self,
@@ -338,7 +338,7 @@ impl Sums {
     }
 }
 
-/// `cos` and `sin` of the doubled angle.
+/// Cosine and sine of the doubled angle.
 #[inline(always)]
 fn doubled<S: Simd>([cosine, sine]: [Pack<S>; 2]) -> [Pack<S>; 2] {
     let twice = sine + sine;
@@ -348,7 +348,7 @@ fn doubled<S: Simd>([cosine, sine]: [Pack<S>; 2]) -> [Pack<S>; 2] {
     ]
 }
 
-/// `cos` and `sin` of all multiples up to a reach.
+/// Cosines and sines of all multiples up to `reach`.
 #[inline(always)]
 fn fill<S: Simd>(phases: &mut Phases<S>, [cosine, sine]: [Pack<S>; 2], reach: usize) {
     let (mut c, mut s) = (cosine.constant(1.0), cosine.constant(0.0));
@@ -363,10 +363,10 @@ fn fill<S: Simd>(phases: &mut Phases<S>, [cosine, sine]: [Pack<S>; 2], reach: us
     }
 }
 
-/// Half phases up to this one are admitted.
+/// Largest half phase for the power series of sine and cosine.
 pub(super) const LARGEST: f64 = 2.2;
 
-/// `cos x` and `sin x`, `|x| <= LARGEST`, by their series: the first term that is left out is below rounding.
+/// `cos x` and `sin x` by power series, for `x` up to the largest half phase. The first omitted term is below rounding.
 #[inline(always)]
 fn sin_cos<S: Simd>(x: Pack<S>) -> [Pack<S>; 2] {
     let square = x * x;
@@ -378,11 +378,12 @@ fn sin_cos<S: Simd>(x: Pack<S>) -> [Pack<S>; 2] {
     [cosine, sine * x]
 }
 
+/// Number of terms of the power series.
 const SERIES: usize = 13;
 const COSINE: [f64; SERIES] = series(0);
 const SINE: [f64; SERIES] = series(1);
 
-/// `(-1)^n / (2 n + odd)!`.
+/// Coefficients `(-1)^n / (2 n + odd)!` of the power series.
 const fn series(odd: usize) -> [f64; SERIES] {
     let mut coefficients = [1.0; SERIES];
     let mut n = 1;

@@ -1,6 +1,7 @@
-//! Methods with weakly controlled modes: valleys of nearly zero energy, whatever the state, with several bottoms at one
-//! level. Extreme points do not tell these apart, so the weakest points of a grid are all kept, and those that lie apart
-//! are descended from.
+//! Valleys of nearly zero energy, at any state, of methods with weakly controlled modes.
+//!
+//! They have several bottoms of similar height, which extreme points do not distinguish. Therefore the weakest points of a grid are all kept, and
+//! descents start from well separated points.
 
 use super::contraction::Coefficients;
 use super::parts;
@@ -8,30 +9,29 @@ use crate::algebra::sort_by_value;
 use crate::lattice::{BravaisLattice, BrillouinZone, WaveGrid};
 use nalgebra::SVector;
 
-/// A method has a valley where moments are below this fraction of the largest one; a state, where its minimum is.
+/// Largest ratio of the smallest to the largest moment of a method with a valley, and of the minimum to the largest value of a state in it.
 const WEAK: f64 = 1e-4;
-/// This part of a grid is kept.
+/// Inverse of the fraction of grid points that are kept.
 const PART: usize = 16;
-/// Points this fraction above the best bottom are descended from too.
+/// Largest relative height above the best bottom of points that start a descent.
 const RIVAL: f64 = 0.05;
-/// Descents at most.
+/// Maximum number of descents.
 const DESCENTS: usize = 6;
-/// Points are apart where the lattice Laplacian of the difference, times the square of the spacing, is larger: wells usually
-/// are narrower.
+/// Smallest separation of starts: the lattice Laplacian of the difference of two wave vectors, times the squared spacing. Wells are usually narrower.
 const APART: f64 = 0.3;
 
-/// The weakest points of the zone.
+/// Weakest points of the zone.
 #[derive(Clone, Debug)]
 pub(super) struct Valley<const D: usize> {
     wave_vectors: Vec<SVector<f64, D>>,
     moments: Vec<[f64; 3]>,
     lattice: BravaisLattice<D>,
-    /// The largest moment.
+    /// Largest moment of all points.
     scale: f64,
 }
 
 impl<const D: usize> Valley<D> {
-    /// Of half of a grid with moments that are scaled already, apart from zero; `None` of a method that is stiff throughout.
+    /// Selects the weakest points from the scaled moments at half of a grid, except `k = 0`; `None` if the method has no weakly controlled modes.
     pub(super) fn new(
         lattice: &BravaisLattice<D>,
         grid: &WaveGrid<D>,
@@ -59,12 +59,12 @@ impl<const D: usize> Valley<D> {
         })
     }
 
-    /// Whether a minimum lies in the valley, for a tangent of given magnitude.
+    /// Returns true if a minimum lies in the valley, for a tangent of the given magnitude.
     pub(super) fn holds(&self, minimum: f64, magnitude: f64) -> bool {
         minimum.abs() <= WEAK * self.scale * magnitude
     }
 
-    /// The lowest bottom that a descent reaches from the points that lie apart, each the weakest of its surroundings.
+    /// Lowest bottom of the descents from well separated points, each the weakest point in its surroundings.
     pub(super) fn bottom(
         &self,
         row: &Coefficients,
@@ -78,7 +78,7 @@ impl<const D: usize> Valley<D> {
         while tried.len() < DESCENTS {
             let limit = best.0 + RIVAL * best.0.abs() + soft;
             let is_new = |value: f64, k: &SVector<f64, D>| {
-                // Equal values belong to images under the symmetry of the lattice and the state.
+                // Equal values belong to symmetric images.
                 tried.iter().all(|(other, from)| {
                     (value - other).abs() > 1e-9 * value.abs() && self.are_apart(k, from)
                 })
@@ -98,7 +98,7 @@ impl<const D: usize> Valley<D> {
         best
     }
 
-    /// Whether two wave vectors, and their opposites, are further apart than wells usually are wide.
+    /// Returns true if two wave vectors, also up to sign, are farther apart than the usual width of a well.
     fn are_apart(&self, k: &SVector<f64, D>, other: &SVector<f64, D>) -> bool {
         let lattice = &self.lattice;
         let apart = |difference: SVector<f64, D>| {
@@ -109,7 +109,7 @@ impl<const D: usize> Valley<D> {
     }
 }
 
-/// The smaller eigenvalue.
+/// Smaller eigenvalue of `D`.
 fn smaller(row: &Coefficients, h: [f64; 3]) -> f64 {
     let [mean, half, mixed] = parts(row, h);
     mean - (half * half + mixed * mixed).sqrt()
