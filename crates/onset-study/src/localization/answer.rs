@@ -328,7 +328,7 @@ impl LocalizationAnswer {
                 " The path ends where loading and unloading have the same tangent: the material flows no further.",
             ),
             End::SeveralMechanisms => sentence.push_str(
-                " The path ends where several mechanisms flow at once.",
+                " The path ends where several mechanisms flow together.",
             ),
         }
         sentence.push_str(&self.tell_increments());

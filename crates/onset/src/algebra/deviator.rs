@@ -6,10 +6,10 @@
 use std::f64::consts::TAU;
 
 /// Ratio of the discriminant to `a^3` above this value means that real eigenvalues are well separated.
-const APART: f64 = 1e-2;
+const SEPARATION: f64 = 1e-2;
 /// Ratio of `tr K^2` to the squared norm of `K`, which is one for a symmetric `K`. For smaller ratios the matrix is far from normal, and trace and
 /// determinant cancel.
-const NORMAL: f64 = 0.5;
+const NORMALITY: f64 = 0.5;
 
 /// A third of the trace, and `a` and `h` of the deviator.
 #[derive(Clone, Copy, Debug)]
@@ -64,13 +64,13 @@ impl Deviator {
     /// Returns true if all eigenvalues are real and so well separated that the closed form is accurate to about ten times the rounding error `noise`
     /// of an entry.
     pub(crate) fn is_apart(&self, d: &[f64; 9], noise: f64) -> bool {
-        let told = self.discriminant() > APART * self.a * self.a * self.a;
+        let told = self.discriminant() > SEPARATION * self.a * self.a * self.a;
         let entry = |e: usize| match e {
             0 | 4 | 8 => d[e] - self.mean,
             _ => d[e],
         };
         let squares: f64 = (0..9).map(|e| entry(e) * entry(e)).sum();
-        told && 6.0 * self.a > NORMAL * squares && self.a.sqrt() * APART > noise
+        told && 6.0 * self.a > NORMALITY * squares && self.a.sqrt() * SEPARATION > noise
     }
 }
 

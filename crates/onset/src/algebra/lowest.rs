@@ -3,7 +3,7 @@
 /// Fraction of an interval at which golden section places its point.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 /// Largest number of parabolic and golden-section steps.
-const STEPS: usize = 60;
+const BRENT_STEPS: usize = 60;
 
 /// Returns a local minimum of a function between two arguments, to `tolerance` in the argument.
 ///
@@ -21,7 +21,7 @@ pub(crate) fn lowest_between<E>(
     // Lowest place, second lowest place, and the previous second lowest.
     let (mut best, mut second, mut third) = ((middle, value), (middle, value), (middle, value));
     let (mut step, mut before): (f64, f64) = (0.0, high - low);
-    for _ in 0..STEPS {
+    for _ in 0..BRENT_STEPS {
         let x = best.0;
         if (x - low).max(high - x) <= 2.0 * tolerance {
             break;

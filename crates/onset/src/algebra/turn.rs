@@ -3,7 +3,7 @@
 /// The number `pi / 2` in two parts, the first so short that small multiples of it are exact.
 const QUARTER: [f64; 2] = [1.570_796_326_734_125_6, 6.077_100_506_506_192e-11];
 /// Adding this to a much smaller number leaves the nearest integer in the last digits.
-const ROUNDING: f64 = 6_755_399_441_055_744.0;
+const ROUND_TO_INTEGER: f64 = 6_755_399_441_055_744.0;
 /// Coefficients of `(sin x - x) / x^3` and `(cos x - 1 + x^2 / 2) / x^4` in powers of `x^2`, for `|x| < pi / 4` (approximations of FDLIBM).
 const SINE: [f64; 6] = [
     -1.666_666_666_666_663_2e-1,
@@ -29,8 +29,8 @@ const COSINE: [f64; 6] = [
 pub(crate) fn sines_and_cosines<const N: usize>(angles: &[f64; N]) -> ([f64; N], [f64; N]) {
     let (mut sines, mut cosines) = ([0.0; N], [0.0; N]);
     for l in 0..N {
-        let shifted = angles[l] * std::f64::consts::FRAC_2_PI + ROUNDING;
-        let quarters = shifted - ROUNDING;
+        let shifted = angles[l] * std::f64::consts::FRAC_2_PI + ROUND_TO_INTEGER;
+        let quarters = shifted - ROUND_TO_INTEGER;
         let x = (angles[l] - quarters * QUARTER[0]) - quarters * QUARTER[1];
         let square = x * x;
         let (mut sine, mut cosine) = (SINE[5], COSINE[5]);

@@ -10,11 +10,11 @@ use std::collections::VecDeque;
 /// Number slightly above pi with few binary digits, so that boxes are bisected without rounding.
 const HALF_PERIOD: f64 = 25736.0 / 8192.0;
 /// Number of boxes along the half period in the first cover.
-const FIRST: f64 = 4.0;
+const FIRST_BOXES: f64 = 4.0;
 /// Number of boxes before candidate waves are requested: about the cost of a floating-point search.
 const BEFORE_CANDIDATES: usize = 2_000;
 /// Widest zone, in half periods, of a lattice whose dynamical matrix is not periodic.
-const WIDEST: f64 = 16.0;
+const LARGEST_ZONE: f64 = 16.0;
 
 /// Zone, tolerances and budget of a cover. Measures compare `D` with `L = sum_i (1 - cos theta_i)`.
 pub(super) struct Question<'a> {
@@ -76,7 +76,7 @@ pub(super) fn cover(
         measure: f64::NAN,
         is_growth: false,
     };
-    if !expansion.is_finite() || question.farthest > WIDEST * HALF_PERIOD {
+    if !expansion.is_finite() || question.farthest > LARGEST_ZONE * HALF_PERIOD {
         return open;
     }
     let cover = Cover {
@@ -163,7 +163,7 @@ impl Cover<'_> {
 
     fn samples(&self) -> Vec<Region> {
         let mut samples = self.rays(16, (0.0, 0.0));
-        samples.extend(self.phases(HALF_PERIOD / (2.0 * FIRST)));
+        samples.extend(self.phases(HALF_PERIOD / (2.0 * FIRST_BOXES)));
         samples.retain(|region| !self.is_outside(region));
         samples
     }
@@ -328,7 +328,7 @@ impl Cover<'_> {
 
     /// Tries to prove that the measure is at least `target` everywhere.
     fn attempt(&self, target: f64, budget: usize) -> Attempt {
-        let first = HALF_PERIOD / (2.0 * FIRST);
+        let first = HALF_PERIOD / (2.0 * FIRST_BOXES);
         // Long waves are covered by rays where the remainder of the expansion is small compared with the target.
         let mut inner = 2.0 * first;
         let limit = (0.1 * target / self.expansion.sixth()).sqrt().sqrt();

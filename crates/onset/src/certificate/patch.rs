@@ -4,7 +4,7 @@ use super::waves::Entries;
 use crate::algebra::Each;
 
 /// Rounding error of one operation on patches, in units of the magnitudes of its operands: at most 30 roundings.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+const PATCH_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Enclosure `value + slope . x + x . curvature x + rest`, `x` in `[-1, 1]^2`, `|rest| <= rest`.
 ///
@@ -39,7 +39,7 @@ impl Patch {
             value: mix(self.value, other.value),
             slope: [0, 1].each(|i| mix(self.slope[i], other.slope[i])),
             curvature: [0, 1, 2].each(|i| mix(self.curvature[i], other.curvature[i])),
-            rest: rest + ROUNDING * (a.abs() * self.magnitude() + b.abs() * other.magnitude()),
+            rest: rest + PATCH_ROUNDING * (a.abs() * self.magnitude() + b.abs() * other.magnitude()),
         }
     }
 
@@ -63,7 +63,7 @@ impl Patch {
                     + a.slope[1] * b.slope[0],
                 a.value * b.curvature[2] + b.value * a.curvature[2] + a.slope[1] * b.slope[1],
             ],
-            rest: rest + ROUNDING * (a_size * b_size + rest),
+            rest: rest + PATCH_ROUNDING * (a_size * b_size + rest),
         }
     }
 
@@ -81,7 +81,7 @@ impl Patch {
         let apart = along(self.slope[0], self.curvature[0]).min(0.0)
             + along(self.slope[1], self.curvature[2]).min(0.0)
             - self.curvature[1].abs();
-        self.value - self.rest + apart.max(self.vertex()) - ROUNDING * self.magnitude()
+        self.value - self.rest + apart.max(self.vertex()) - PATCH_ROUNDING * self.magnitude()
     }
 
     /// Minimum of the quadratic part over the whole plane. Where two branches cross in a cone, the discriminant has a minimum that touches zero, and

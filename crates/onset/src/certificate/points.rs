@@ -15,7 +15,7 @@ const PLACE_ULPS: u32 = 4;
 /// Error of Voronoi volumes, in units in the last place.
 const VOLUME_ULPS: u32 = 64;
 /// Places whose lattice coordinates differ by less than this are equal.
-const SAME_PLACE: f64 = 2e-16;
+const PLACE_TOLERANCE: f64 = 2e-16;
 
 /// Distance from the edge of the support, in support radii, within which [`Kernel::weight`](crate::kernel::Kernel::weight) ignores a neighbor.
 const ON_THE_RIM: f64 = 1e-12;
@@ -97,7 +97,7 @@ pub(super) fn points<const D: usize>(
         let image = |other: &crate::quadrature::QuadraturePoint<D>| {
             (0..D).all(|i| {
                 let sum = point.place[i] + other.place[i];
-                (sum - sum.round()).abs() <= SAME_PLACE
+                (sum - sum.round()).abs() <= PLACE_TOLERANCE
             }) && (point.volume - other.volume).abs() <= 1e-14 * point.volume
         };
         let partner = all
@@ -182,8 +182,8 @@ fn enclosed<const D: usize>(
         || discretization.current_lattice == CurrentLattice::Regular;
     let is_centroid = is_regular
         && discretization.lattice == crate::lattice::LatticeKind::Hexagonal
-        && (place[0] - place[1]).abs() <= SAME_PLACE
-        && (3.0 * place[0] - (3.0 * place[0]).round()).abs() <= 3.0 * SAME_PLACE;
+        && (place[0] - place[1]).abs() <= PLACE_TOLERANCE
+        && (3.0 * place[0] - (3.0 * place[0]).round()).abs() <= 3.0 * PLACE_TOLERANCE;
     let neighbors = shape_functions(&terms, basis, raw);
     let deformation = carried(method, f, &terms, &neighbors);
     Some(Point {

@@ -66,7 +66,7 @@ pub const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Stiffness ratio of volume changes to all others; above this ratio the search for the softest wave treats the volumetric part separately.
 const STIFF: f64 = 1e8;
 /// Reduced stiffness ratio of the volumetric part in that search.
-const ENOUGH: f64 = 1e6;
+const REDUCED_STIFFNESS_RATIO: f64 = 1e6;
 
 /// Imaginary parts of acoustic eigenvalues below this fraction of the largest component are rounding, because the error of a double eigenvalue is the
 /// square root of the error of the stiffness.
@@ -355,7 +355,7 @@ impl<const D: usize> Stiffness<D> {
             // The softest wave preserves the volume up to the ratio of the other stiffnesses to the volumetric one. The reduced volumetric stiffness
             // does not change it and leaves all digits to the search.
             let rest = self.and_volume(-stiffness, m);
-            let enough = ENOUGH * rest.magnitude() / m.norm_squared();
+            let enough = REDUCED_STIFFNESS_RATIO * rest.magnitude() / m.norm_squared();
             let found = rest.and_volume(enough, m).minimum_below(level);
             let rounding = ROUNDING * self.1;
             return AcousticMinimum {

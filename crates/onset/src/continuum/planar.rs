@@ -218,7 +218,7 @@ pub(super) fn fluttering_direction<const D: usize>(stiffness: &Stiffness<D>) -> 
 /// Number of doubled angles that are tried as starts of the minimization.
 const RAYS: usize = 64;
 /// Largest number of Newton steps to the minimum.
-const TURNS: usize = 16;
+const NEWTON_STEPS: usize = 16;
 
 /// Direction of the smallest eigenvalue by Newton's method from the lowest of equally spaced directions. Several times faster than the algebraic
 /// method, with equal results unless two minima lie between neighboring directions.
@@ -282,7 +282,7 @@ fn turned(entries: &[[f64; 3]; 4], start: f64) -> (f64, f64) {
     };
     let (mut t, mut here) = (start, at(start));
     let limit = std::f64::consts::TAU / RAYS as f64;
-    for _ in 0..TURNS {
+    for _ in 0..NEWTON_STEPS {
         let [_, slope, curvature] = here;
         let step = (-slope / curvature.abs()).clamp(-limit, limit);
         let next = t + step;

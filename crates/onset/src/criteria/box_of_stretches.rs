@@ -47,25 +47,25 @@ pub enum BoxEnd {
 }
 
 /// Grid points along an edge of a face of the box; a ray from the reference leads through each of them.
-const EDGE: usize = 11;
+const EDGE_POINTS: usize = 11;
 /// States evaluated along a ray.
-const ALONG: usize = 32;
+const STATES_PER_RAY: usize = 32;
 /// Edge points and states per ray for laws that are not isotropic: all faces are searched, and a state costs more.
-const EDGE_OF_ANY: usize = 7;
-const ALONG_OF_ANY: usize = 20;
+const EDGE_POINTS_ANISOTROPIC: usize = 7;
+const STATES_PER_RAY_ANISOTROPIC: usize = 20;
 /// Number of the shortest rays that are improved.
-const IMPROVED: usize = 3;
+const IMPROVED_RAYS: usize = 3;
 /// Rays longer than the shortest one by this factor are not followed.
-const LONGER: f64 = 1.2;
+const FOLLOWED_LENGTH_RATIO: f64 = 1.2;
 /// Rays are turned until their step is below this, in units of the box.
 const SMALLEST_TURN: f64 = 1e-11;
 /// Width of the bracket of a loss of ellipticity along a ray, in units of the box.
 const RESOLUTION: f64 = 1e-14;
 /// Rays extend beyond the range by this factor, because a loss between two rays can be nearer than the losses on them.
-const BEYOND: f64 = 1.25;
+const RAY_END: f64 = 1.25;
 /// Points along an edge of the coarse and the fine grid that check the inside of a box.
-const CHECKS: [usize; 2] = [21, 41];
-const CHECKS_OF_ANY: [usize; 2] = [9, 13];
+const CHECK_GRIDS: [usize; 2] = [21, 41];
+const CHECK_GRIDS_ANISOTROPIC: [usize; 2] = [9, 13];
 /// Largest number of times that a box is shrunk on one grid.
 const SHRINKS: usize = 16;
 /// Number of lowest grid points that start a descent, in addition to all local minima of the grid.
@@ -73,12 +73,12 @@ const LOWEST: usize = 8;
 /// Largest number of descents from a grid.
 const STARTS: usize = 24;
 /// Descents stop at a local minimum whose value exceeds this many times the largest rise to its neighbors.
-const FLAT: f64 = 8.0;
+const STOP_RISE_RATIO: f64 = 8.0;
 /// Descents within a box stop at this step, in units of the box.
 const SMALLEST_STEP: f64 = 1e-7;
 /// Number of skews tried for the widest box; the best one is then refined to the angle below.
 const SKEWS: usize = 17;
-const REFINED: f64 = 1e-6;
+const SKEW_ANGLE_TOLERANCE: f64 = 1e-6;
 /// A stretch within this relative distance of an end of a box counts as lying at the end.
 const AT_END: f64 = 1e-7;
 
@@ -131,7 +131,7 @@ pub fn widest_safe_box(material: &dyn Hyperelastic, range: &Range) -> Option<Saf
     // Refine between the neighbors of the best angle.
     let around = [best.saturating_sub(1), best, best + 1].each(angle);
     let narrowness = |angle: f64| at(angle).map(|width| -width).ok_or(());
-    lowest_between(narrowness, around, -widths[best], REFINED).ok()?;
+    lowest_between(narrowness, around, -widths[best], SKEW_ANGLE_TOLERANCE).ok()?;
     // Try boxes that reach one end of the range or both.
     let (_, found) = widest?;
     let mut at = |angle: f64| {
@@ -210,7 +210,7 @@ impl<'a> Field<'a> {
             .shortest(&shape)
             .filter(|(length, _)| *length < 1.0 + AT_END);
         if checked {
-            for count in self.either(CHECKS, CHECKS_OF_ANY) {
+            for count in self.either(CHECK_GRIDS, CHECK_GRIDS_ANISOTROPIC) {
                 for _ in 0..SHRINKS {
                     let size = best.map_or(1.0, |(length, _)| length.min(1.0));
                     let Some(found) = self.inside(&shape, size, count) else {
@@ -250,14 +250,14 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// Returns the shortest ray to a loss of ellipticity and its length in units of the box. Losses beyond `BEYOND` are ignored.
+    /// Returns the shortest ray to a loss of ellipticity and its length in units of the box. Losses beyond `RAY_END` are ignored.
     fn shortest(&self, shape: &Shape) -> Option<(f64, Point)> {
-        let (edge, along) = self.either((EDGE, ALONG), (EDGE_OF_ANY, ALONG_OF_ANY));
+        let (edge, along) = self.either((EDGE_POINTS, STATES_PER_RAY), (EDGE_POINTS_ANISOTROPIC, STATES_PER_RAY_ANISOTROPIC));
         // Rays that are clearly longer than the shortest one found before are not followed to their end.
-        let mut shortest = BEYOND;
+        let mut shortest = RAY_END;
         let mut rays: Vec<(f64, Point)> = Vec::new();
         for point in shape.surface(edge, self.isotropic) {
-            if let Some(length) = self.loss(shape, &point, along, LONGER * shortest) {
+            if let Some(length) = self.loss(shape, &point, along, FOLLOWED_LENGTH_RATIO * shortest) {
                 shortest = shortest.min(length);
                 rays.push((length, point));
             }
@@ -266,7 +266,7 @@ impl<'a> Field<'a> {
         let mut best: Option<(f64, Point)> = None;
         let mut tried: Vec<Point> = Vec::new();
         for (length, point) in rays {
-            if tried.len() == IMPROVED {
+            if tried.len() == IMPROVED_RAYS {
                 break;
             }
             if tried.iter().any(|other| other.is_beside(&point, edge)) {
@@ -283,7 +283,7 @@ impl<'a> Field<'a> {
 
     /// Returns the locally shortest ray to a loss inside the box, found by descents from the low points of a grid.
     fn inside(&self, shape: &Shape, size: f64, count: usize) -> Option<(f64, Point)> {
-        let (edge, along) = self.either((EDGE, ALONG), (EDGE_OF_ANY, ALONG_OF_ANY));
+        let (edge, along) = self.either((EDGE_POINTS, STATES_PER_RAY), (EDGE_POINTS_ANISOTROPIC, STATES_PER_RAY_ANISOTROPIC));
         let within = Grid::new(count, self.isotropic, |place| {
             self.value(shape.inside(place, size))
         });
@@ -335,7 +335,7 @@ impl<'a> Field<'a> {
                 walk.go(lowest, |trial, least| {
                     Some(value(trial)).filter(|value| *value < least)
                 });
-            } else if step < first && walk.value > FLAT * rise {
+            } else if step < first && walk.value > STOP_RISE_RATIO * rise {
                 // Between neighboring states a smooth measure falls by less than it rises around them.
                 break;
             } else {
@@ -361,7 +361,7 @@ impl<'a> Field<'a> {
         let mut value = |t: f64| Some(self.value(shape.state(point, t)));
         let mut before = (0.0, f64::INFINITY);
         for n in 1..=along {
-            let t = limit.min(BEYOND * n as f64 / along as f64);
+            let t = limit.min(RAY_END * n as f64 / along as f64);
             if t <= before.0 {
                 break;
             }

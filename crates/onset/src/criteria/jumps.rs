@@ -76,25 +76,25 @@ pub struct JumpSearch<'a> {
 }
 
 /// Smaller amplitudes, relative to the stretch, count as infinitesimal: their excess equals the excess of a wave.
-const SMALLEST: f64 = 1e-3;
+const INFINITESIMAL_AMPLITUDE: f64 = 1e-3;
 /// Number of halvings of the longest trial jump.
 const HALVINGS: i32 = 22;
 /// Number of lowest starts that are followed.
-const FOLLOWED: usize = 16;
+const FOLLOWED_STARTS: usize = 16;
 /// Number of jumps to the reach that are followed for each normal.
-const AT_EDGE: usize = 2;
+const EDGE_JUMPS_PER_NORMAL: usize = 2;
 /// Rotation vector of the axes along which jumps to the reach start.
-const TURN: [f64; 3] = [0.11, -0.17, 0.13];
+const AXES_ROTATION: [f64; 3] = [0.11, -0.17, 0.13];
 /// Largest number of iterations of a descent.
-const STEPS: usize = 80;
+const DESCENT_ITERATIONS: usize = 80;
 /// Largest number of times that a descent continues along the reach and leaves it.
 const ROUNDS: usize = 3;
 /// Fraction of a jump to the reach at which a shorter jump is tried.
-const INWARD: f64 = 0.99;
+const INWARD_FRACTION: f64 = 0.99;
 /// Smallest ratio of the volumes after and before a jump.
-const LEAST_VOLUME: f64 = 1e-7;
+const SMALLEST_VOLUME_RATIO: f64 = 1e-7;
 /// Smaller ratios of the volumes after and before a jump count as collapse.
-const COLLAPSED: f64 = 1e-3;
+const COLLAPSE_VOLUME_RATIO: f64 = 1e-3;
 /// Axes of a cube: normals of its faces, its edges and its corners.
 const AXES: [[f64; 3]; 13] = [
     [1.0, 0.0, 0.0],
@@ -147,7 +147,7 @@ impl<'a> JumpSearch<'a> {
     ) -> Option<Jump> {
         let mut starts: Vec<(f64, Vector6<f64>)> = self.starts(state);
         sort_by_value(&mut starts, |item| item.0);
-        starts.truncate(FOLLOWED);
+        starts.truncate(FOLLOWED_STARTS);
         let at_edge = self.starts_at_edge(state).into_iter();
         let along_edge = at_edge.filter_map(|start| self.along_edge(state, start));
         if let Some((n, g)) = wave {
@@ -217,8 +217,8 @@ impl<'a> JumpSearch<'a> {
     /// since the excess is stationary along axes of symmetry.
     fn starts_at_edge(&self, state: &Response) -> Vec<Vector6<f64>> {
         let (left, right) = principal_axes(&state.deformation);
-        let turn = Rotation3::new(Vector3::from(TURN));
-        let mut starts = Vec::with_capacity(AT_EDGE * AXES.len());
+        let turn = Rotation3::new(Vector3::from(AXES_ROTATION));
+        let mut starts = Vec::with_capacity(EDGE_JUMPS_PER_NORMAL * AXES.len());
         for normal in AXES {
             let n = right * (turn * Vector3::from(normal));
             let polarizations = AXES
@@ -231,7 +231,7 @@ impl<'a> JumpSearch<'a> {
                 jumps.filter_map(|jump| Some((self.excess_at_edge(state, &jump)?.0, jump)));
             let mut own: Vec<(f64, Vector6<f64>)> = excesses.collect();
             sort_by_value(&mut own, |item| item.0);
-            starts.extend(own.into_iter().take(AT_EDGE).map(|(_, jump)| jump));
+            starts.extend(own.into_iter().take(EDGE_JUMPS_PER_NORMAL).map(|(_, jump)| jump));
         }
         starts
     }
@@ -385,7 +385,7 @@ impl<'a> JumpSearch<'a> {
         let (length, [by_d, by_n]) = self.length_to_edge(state, &d, &n)?;
         let a = d * length;
         let after = state.deformation.matrix() + a * n.transpose();
-        if after.determinant() <= LEAST_VOLUME * state.deformation.jacobian() {
+        if after.determinant() <= SMALLEST_VOLUME_RATIO * state.deformation.jacobian() {
             return None;
         }
         let (excess, change) = self.energy_at(state, &a, &n)?;
@@ -449,7 +449,7 @@ impl<'a> JumpSearch<'a> {
 
     /// Minimizes the excess from the free variables of a jump, and along the reach if the descent meets it.
     fn descent(&self, state: &Response, mut start: Vector6<f64>) -> Option<Jump> {
-        let is_small = |x: &Vector6<f64>| self.to(state, x).0.norm() < SMALLEST;
+        let is_small = |x: &Vector6<f64>| self.to(state, x).0.norm() < INFINITESIMAL_AMPLITUDE;
         let mut lowest: Option<Jump> = None;
         for _ in 0..ROUNDS {
             let x = downhill(start, |x| self.excess(state, x), is_small)?;
@@ -465,7 +465,7 @@ impl<'a> JumpSearch<'a> {
                 break;
             }
             lowest = Some(found);
-            let (a, n) = (found.amplitude * INWARD, found.direction);
+            let (a, n) = (found.amplitude * INWARD_FRACTION, found.direction);
             let shorter = self.energy_of(state, &a, &n);
             if shorter.is_none_or(|(excess, _)| excess >= found.excess) {
                 break;
@@ -485,7 +485,7 @@ impl<'a> JumpSearch<'a> {
 
     /// Jump with its excess; `None` if it counts as infinitesimal.
     fn jump(&self, state: &Response, a: Vector3<f64>, n: Vector3<f64>) -> Option<Jump> {
-        let is_finite = a.norm() >= SMALLEST;
+        let is_finite = a.norm() >= INFINITESIMAL_AMPLITUDE;
         is_finite.then(|| self.evaluated(state, a, n)).flatten()
     }
 
@@ -497,7 +497,7 @@ impl<'a> JumpSearch<'a> {
             excess: self.energy_at(state, &a, &n)?.0,
             rounding: Self::rounding(state, &a, &n),
             at_edge: largest_square(&after).sqrt() > 0.99 * self.reach,
-            collapses: after.determinant() < COLLAPSED * state.deformation.jacobian(),
+            collapses: after.determinant() < COLLAPSE_VOLUME_RATIO * state.deformation.jacobian(),
         })
     }
 
@@ -533,7 +533,7 @@ fn downhill(
         |gradient: &Vector6<f64>| Matrix6::identity() * (0.1 / gradient.norm().max(1e-300));
     let mut inverse = steepest(&gradient);
     let mut fresh = true;
-    for _ in 0..STEPS {
+    for _ in 0..DESCENT_ITERATIONS {
         let mut step = -(inverse * gradient);
         if step.dot(&gradient) >= 0.0 || !step.norm().is_finite() {
             inverse = steepest(&gradient);
@@ -599,14 +599,14 @@ fn stretch_along(f: Matrix3<f64>, g: &Vector3<f64>) -> f64 {
 }
 
 /// Ratio of the volumes after and before a jump, as a function of a free number, with its derivative: the number itself from 1/2 on, below it an
-/// exponential that tends to [`LEAST_VOLUME`].
+/// exponential that tends to [`SMALLEST_VOLUME_RATIO`].
 fn volume_after(x: f64) -> (f64, f64) {
     if x >= 0.5 {
         return (x, 1.0);
     }
-    let span = 0.5 - LEAST_VOLUME;
+    let span = 0.5 - SMALLEST_VOLUME_RATIO;
     let slope = ((x - 0.5) / span).exp();
-    (LEAST_VOLUME + span * slope, slope)
+    (SMALLEST_VOLUME_RATIO + span * slope, slope)
 }
 
 /// Free number of a volume ratio: the inverse of [`volume_after`].
@@ -614,8 +614,8 @@ fn free_volume(volume: f64) -> f64 {
     if volume >= 0.5 {
         return volume;
     }
-    let span = 0.5 - LEAST_VOLUME;
-    let part = ((volume - LEAST_VOLUME) / span).max(f64::MIN_POSITIVE);
+    let span = 0.5 - SMALLEST_VOLUME_RATIO;
+    let part = ((volume - SMALLEST_VOLUME_RATIO) / span).max(f64::MIN_POSITIVE);
     0.5 + span * part.ln()
 }
 

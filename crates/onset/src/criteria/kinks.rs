@@ -43,16 +43,16 @@ pub struct Kink {
 }
 
 /// Smallest reported jumps of energy, stress and tangent, relative to the tangent.
-const SMALLEST: [f64; 3] = [1e-9, 1e-7, 1e-6];
+const REPORTED_JUMPS: [f64; 3] = [1e-9, 1e-7, 1e-6];
 /// Smoothness test for short intervals: for a smooth quantity the deviation from linearity on half an interval is less than this fraction of that on
 /// the whole.
-const PART: f64 = 0.6;
+const SMOOTH_BEND_RATIO: f64 = 0.6;
 /// Number of halvings after which an interval counts as short.
-const SHORT: usize = 4;
+const HALVINGS_UNTIL_SHORT: usize = 4;
 /// Final width of the interval around a jump, in `ln lambda`.
 const WIDTH: f64 = 1e-12;
 /// Step beyond the end of a path, in `ln lambda`.
-const BEYOND: f64 = 1e-6;
+const STEP_BEYOND_END: f64 = 1e-6;
 
 /// Returns the places along a loading where a law is not smooth, nearest to the reference first.
 ///
@@ -82,7 +82,7 @@ fn found(path: &LoadingPath<'_>) -> Vec<Kink> {
     let compression = path.compression.iter().skip(1).rev();
     let states: Vec<&PathState> = compression.chain(&path.tension).collect();
     let mut found = Vec::new();
-    for order in 0..SMALLEST.len() {
+    for order in 0..REPORTED_JUMPS.len() {
         for n in suspects(&states, order) {
             let ends = [states[n].clone(), states[n + 1].clone()];
             found.extend(narrowed(path, order, ends).and_then(|[low, high]| {
@@ -139,7 +139,7 @@ fn suspects(states: &[&PathState], order: usize) -> Vec<usize> {
     let stands_out = |n: usize| {
         let of = |n: usize| third.get(n).copied().unwrap_or(0.0);
         let beside = if n == 0 { 0.0 } else { of(n - 1) } + of(n + 1);
-        of(n) >= PART * beside && of(n) > SMALLEST[order] * values[n + 1].1
+        of(n) >= SMOOTH_BEND_RATIO * beside && of(n) > REPORTED_JUMPS[order] * values[n + 1].1
     };
     let inner = (0..third.len()).filter(|n| stands_out(*n)).map(|n| n + 1);
     let mut all: Vec<usize> = inner.chain([0, last]).collect();
@@ -173,8 +173,8 @@ fn narrowed(
         };
         let larger = bends[0].max(bends[1]);
         halvings += 1;
-        let is_smooth = halvings > SHORT && larger < PART * whole;
-        if is_smooth || larger <= 0.25 * SMALLEST[order] * quantity(&middle.response, order).1 {
+        let is_smooth = halvings > HALVINGS_UNTIL_SHORT && larger < SMOOTH_BEND_RATIO * whole;
+        if is_smooth || larger <= 0.25 * REPORTED_JUMPS[order] * quantity(&middle.response, order).1 {
             return None;
         }
         whole = larger;
@@ -208,7 +208,7 @@ fn at_end(path: &LoadingPath<'_>, states: &[PathState], end: &PathEnd, sense: f6
         return None;
     }
     let last = states.last()?;
-    let beyond = last.response.deformation.matrix() + last.rate * (BEYOND * sense);
+    let beyond = last.response.deformation.matrix() + last.rate * (STEP_BEYOND_END * sense);
     let mut there = path.respond(&beyond)?;
     // Subtract the smooth change over the step.
     let step = beyond - last.response.deformation.matrix();
@@ -234,7 +234,7 @@ fn between(low: &Response, high: &Response, sides: [f64; 2]) -> Option<Kink> {
         let ((a, scale), (b, other)) = (quantity(low, order), quantity(high, order));
         distance(&a, &b) / scale.max(other)
     });
-    let order = (0..3).find(|order| jumps[*order] > SMALLEST[*order])?;
+    let order = (0..3).find(|order| jumps[*order] > REPORTED_JUMPS[*order])?;
     let middle = 0.5 * (sides[0] + sides[1]);
     let stress = high.cauchy() - low.cauchy();
     Some(Kink {

@@ -410,10 +410,10 @@ pub struct LoadingPath<'a> {
 }
 
 /// Number of steps from the reference to an end of the range.
-const STEPS: usize = 192;
+const PATH_STEPS: usize = 192;
 /// Number of trial steps along one side of a path before it is abandoned. A law with very large powers of its stretches permits only the shortest
 /// steps.
-const TRIALS: usize = 16 * STEPS;
+const TRIALS: usize = 16 * PATH_STEPS;
 /// Number of halvings of a step before the path counts as ended.
 const HALVINGS: i32 = 44;
 /// Cosine of the largest angle between the branch at a state and the chord to the next state.
@@ -772,13 +772,13 @@ fn branch(
     reference: &PathState,
     end: f64,
 ) -> (Vec<PathState>, PathEnd) {
-    let step = end / STEPS as f64;
+    let step = end / PATH_STEPS as f64;
     let mut here = reference.clone();
     here.tangent *= step.signum();
     let mut states = vec![here.clone()];
     let (mut length, mut trials) = (f64::INFINITY, 0);
-    for n in 1..=STEPS {
-        let mut target = if n == STEPS { end } else { step * n as f64 };
+    for n in 1..=PATH_STEPS {
+        let mut target = if n == PATH_STEPS { end } else { step * n as f64 };
         while (target - here.parameter) * step > 0.0 {
             let stretch = here.parameter.exp();
             trials += 1;

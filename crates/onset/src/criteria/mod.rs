@@ -392,7 +392,7 @@ impl Criterion {
 const NEUTRAL: f64 = 3e-14;
 /// Rounding error relative to the largest component of the tangent for equal stretches. Between axes of different stretch it grows with their ratio,
 /// because the small stiffness is computed from numbers of the size of the large one.
-const ROUNDING: f64 = 1e-13;
+const FORM_ROUNDING: f64 = 1e-13;
 
 /// For a larger ratio of the principal stretches the sign of a measure along a loading counts as rounding: the tangent in principal axes has lost too
 /// many digits.
@@ -500,7 +500,7 @@ impl State {
             zero: ZERO * self.form.magnitude(),
             rounding: match ratio_of_stretches(&self.response) {
                 ratio if ratio > LARGEST_RATIO => f64::INFINITY,
-                ratio => ROUNDING * self.form.magnitude() * ratio,
+                ratio => FORM_ROUNDING * self.form.magnitude() * ratio,
             },
             witness,
         }

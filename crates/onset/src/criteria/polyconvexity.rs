@@ -87,7 +87,7 @@ pub fn polyconvexity(law: &str, parameters: &[(&str, f64)]) -> Polyconvexity {
             NEFF,
         ),
         "saint-venant-kirchhoff" => no(
-            "its energy is no polyconvex function, whatever its constants",
+            "its energy is not polyconvex for any constants",
             RAOULT,
         ),
         // W depends on |F|^2, |cof F|^2 and h(J). Under F = diag(a, J/(a s), s) with large a and s, wave speeds vanish where h'' < 0.

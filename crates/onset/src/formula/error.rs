@@ -122,11 +122,11 @@ impl std::fmt::Display for StateError {
             ),
             Trouble::Jump => (
                 ": the energies of its two sides differ",
-                "there is no stress; ask for a state beside this one",
+                "there is no stress; choose a nearby state",
             ),
             Trouble::Kink => (
                 ": the stresses of its two sides differ",
-                "there is no tangent, and a layering of both sides can have less energy; ask for a state beside this one",
+                "there is no tangent, and a layering of both sides can have less energy; choose a nearby state",
             ),
         };
         write!(
@@ -261,10 +261,10 @@ pub enum Problem {
         found: usize,
     },
     /// A condition appears where a number is needed.
-    #[error("a condition stands where a number is needed")]
+    #[error("there is a condition where a number is needed")]
     ConditionAsNumber,
     /// A number appears where a condition is needed.
-    #[error("a number stands where a condition is needed")]
+    #[error("there is a number where a condition is needed")]
     NumberAsCondition,
     /// Comparisons are chained, as in `a < b < c`.
     #[error("a comparison of a comparison")]
@@ -348,7 +348,7 @@ pub enum Problem {
     #[error("principal stretches are multiplied with invariants or components")]
     StretchesMixed,
     /// Principal stretches appear in a term with a condition.
-    #[error("principal stretches stand in a term with a condition, a ramp or an extreme")]
+    #[error("principal stretches appear in a term with a condition, a ramp or an extreme")]
     StretchesBranch,
 }
 
@@ -426,7 +426,7 @@ impl Problem {
                 "within a product write I1 as lambda1^2 + lambda2^2 + lambda3^2; J can be used as it is",
             ),
             Self::StretchesBranch => {
-                fixed("write the condition, in invariants, into a term of its own")
+                fixed("write the condition, in invariants, as a separate term")
             }
         }
     }

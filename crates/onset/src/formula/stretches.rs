@@ -20,7 +20,7 @@ const TRIED: [[f64; 3]; 3] = [[0.9, 1.05, 1.2], [1.3, 0.7, 1.1], [0.8, 1.02, 1.6
 const ORDERS: [[usize; 3]; 5] = [[0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
 
 /// Relative difference of values that counts as rounding.
-const ROUNDING: f64 = 1e-9;
+const SYMMETRY_TOLERANCE: f64 = 1e-9;
 
 impl StretchTape {
     /// Compiles the terms of a graph that need stretches. Returns a problem and its place if they are not admissible.
@@ -44,7 +44,7 @@ impl StretchTape {
             let value = tape.of_stretches(stretches);
             for order in ORDERS {
                 let exchanged = tape.of_stretches(order.each(|n| stretches[n]));
-                if (exchanged - value).abs() > ROUNDING * scale {
+                if (exchanged - value).abs() > SYMMETRY_TOLERANCE * scale {
                     let problem = Problem::NotSymmetric {
                         stretches,
                         value,

@@ -176,12 +176,12 @@ pub const FUNCTIONS: &[FunctionWord] = &[
     ),
     word(
         "min",
-        "smallest of its arguments, all of which must be defined",
+        "smallest argument; all arguments must be defined",
         Arity::TwoOrMore,
     ),
     word(
         "max",
-        "largest of its arguments, all of which must be defined",
+        "largest argument; all arguments must be defined",
         Arity::TwoOrMore,
     ),
     word("pow", "pow(x, y) = x^y", Arity::Two),

@@ -15,11 +15,11 @@ pub(super) struct VoronoiCell<const D: usize> {
 /// Relative lengths and sines of angles below this are rounding. Lengths are relative to a polygon's.
 const NEGLIGIBLE: f64 = 1e-9;
 /// Number of nearest neighbors used for the first estimate of a cell.
-const NEAREST: usize = 32;
+const FIRST_NEIGHBORS: usize = 32;
 
 /// Cell of the origin among neighbors, which must be sorted by distance and extend beyond twice the farthest corner.
 pub(super) fn cell_of_sorted<const D: usize>(neighbors: &[SVector<f64, D>]) -> VoronoiCell<D> {
-    let mut count = NEAREST;
+    let mut count = FIRST_NEIGHBORS;
     loop {
         let nearest = &neighbors[..count.min(neighbors.len())];
         let cell = cell_among(nearest);

@@ -4,7 +4,7 @@ use super::voronoi::voronoi_cells;
 use super::{BravaisLattice, Fractional, LatticeError};
 
 /// Distance of lattice coordinates, from each other or from a simple fraction, that counts as zero.
-const SAME: f64 = 1e-9;
+const PLACE_TOLERANCE: f64 = 1e-9;
 /// Coordinates of symmetric centers are multiples of one divided by this number.
 const DIVISIONS: f64 = 48.0;
 
@@ -38,7 +38,7 @@ pub fn delaunay_centers<const D: usize>(
             let is_known = |known: &Fractional<D>| {
                 (known - center)
                     .iter()
-                    .all(|x| (x - x.round()).abs() < SAME)
+                    .all(|x| (x - x.round()).abs() < PLACE_TOLERANCE)
             };
             if !centers.iter().any(is_known) {
                 centers.push(center);
@@ -56,7 +56,7 @@ pub fn delaunay_centers<const D: usize>(
 /// Coordinate between 0 and 1, exact if it is a simple fraction by symmetry.
 fn folded(x: f64) -> f64 {
     let fraction = (x * DIVISIONS).round() / DIVISIONS;
-    let x = if (x - fraction).abs() < SAME {
+    let x = if (x - fraction).abs() < PLACE_TOLERANCE {
         fraction
     } else {
         x

@@ -98,7 +98,7 @@ pub enum LatticeError {
     },
     /// The cells are too elongated for all methods.
     #[error(
-        "the cells of the lattice are {ratio:.1e} times as long as they are wide; at most {limit} times are admitted"
+        "the cells of the lattice have the aspect ratio {ratio:.1e}; at most {limit} is supported"
     )]
     Elongated {
         /// Ratio of length to width.

@@ -5,7 +5,7 @@ use crate::algebra::array_of;
 use nalgebra::{SMatrix, SVector};
 
 /// Distances below this fraction of the mean particle distance, and relative differences of volumes below it, are rounding.
-const SAME: f64 = 1e-9;
+const PLACE_TOLERANCE: f64 = 1e-9;
 
 /// Particles of a cell with the points that repeat with it, each with its volume.
 #[derive(Clone, Debug)]
@@ -72,9 +72,9 @@ impl<const D: usize> Cell<D> {
                 let is_new =
                     |(other, _): &(Fractional<D>, f64)| cell.apart(&place, other) > rounding;
                 if known.iter().all(is_new) {
-                    let folded = place.map(|x| x - (x + SAME).floor());
+                    let folded = place.map(|x| x - (x + PLACE_TOLERANCE).floor());
                     // A place close to the origin is set to the origin exactly.
-                    let settled = folded.map(|x| if x.abs() < SAME { 0.0 } else { x });
+                    let settled = folded.map(|x| if x.abs() < PLACE_TOLERANCE { 0.0 } else { x });
                     known.push((settled, *volume));
                 }
             }
@@ -95,7 +95,7 @@ impl<const D: usize> Cell<D> {
 
     fn rounding(&self) -> f64 {
         let volume: f64 = self.particles.iter().map(|own| own.1).sum();
-        SAME * (volume / self.particles.len().max(1) as f64).powf(1.0 / D as f64)
+        PLACE_TOLERANCE * (volume / self.particles.len().max(1) as f64).powf(1.0 / D as f64)
     }
 
     fn is_repeated_by(&self, translation: &Fractional<D>) -> bool {
@@ -104,7 +104,7 @@ impl<const D: usize> Cell<D> {
             list.iter().all(|(place, volume)| {
                 let moved = place + translation;
                 list.iter().any(|(other, own)| {
-                    (own - volume).abs() <= SAME * volume.abs()
+                    (own - volume).abs() <= PLACE_TOLERANCE * volume.abs()
                         && self.apart(&moved, other) <= rounding
                 })
             })

@@ -8,9 +8,9 @@ use crate::algebra::{Each, array_of};
 use nalgebra::{Matrix1, Matrix2, Matrix3, SMatrix, SVector};
 
 /// Number of steps after which a basis counts as short enough. Each step shortens a vector, and few are needed.
-const STEPS: usize = 1000;
+const REDUCTION_STEPS: usize = 1000;
 /// Relative difference of lengths and angles that counts as rounding.
-const EQUAL: f64 = 1e-9;
+const LENGTH_TOLERANCE: f64 = 1e-9;
 /// Largest lattice coordinate of a short primitive vector. Beyond it the places of particles lose their digits.
 pub(super) const SHEARED: f64 = 1e5;
 /// Largest ratio of the lengths of short primitive vectors.
@@ -43,7 +43,7 @@ impl<const D: usize> Reduced<D> {
     /// [`LatticeError::Sheared`] if the short vectors are combinations with very large coefficients.
     pub(crate) fn of(vectors: &SMatrix<f64, D, D>) -> Result<Self, LatticeError> {
         let mut reduced = Self::given(vectors);
-        for _ in 0..STEPS {
+        for _ in 0..REDUCTION_STEPS {
             let Some((column, factors)) = shortened(&reduced.vectors) else {
                 break;
             };
@@ -111,7 +111,7 @@ impl<const D: usize> Reduced<D> {
             let own = |n: usize, m: usize| {
                 let (own, named) = (basis.column(n), named.vectors().column(m));
                 let sign = own.dot(&named).signum();
-                ((own * sign - named).norm() <= EQUAL * spacing).then_some((n, sign))
+                ((own * sign - named).norm() <= LENGTH_TOLERANCE * spacing).then_some((n, sign))
             };
             let order: Vec<(usize, f64)> = (0..D)
                 .filter_map(|m| (0..D).find_map(|n| own(n, m)))
@@ -198,7 +198,7 @@ fn chosen<const D: usize>(reduced: &SMatrix<f64, D, D>) -> Option<SMatrix<f64, D
             let rest = directions
                 .iter()
                 .fold(*vector, |rest, axis| rest - axis * axis.dot(&rest));
-            rest.norm() > EQUAL * vector.norm()
+            rest.norm() > LENGTH_TOLERANCE * vector.norm()
         };
         let (coordinates, vector) = candidates.iter().filter(is_free).reduce(|best, other| {
             if precedes(&other.1, &best.1) {
@@ -221,7 +221,7 @@ fn chosen<const D: usize>(reduced: &SMatrix<f64, D, D>) -> Option<SMatrix<f64, D
 fn is_forward<const D: usize>(vector: &SVector<f64, D>) -> bool {
     vector
         .iter()
-        .find(|x| x.abs() > EQUAL * vector.norm())
+        .find(|x| x.abs() > LENGTH_TOLERANCE * vector.norm())
         .is_some_and(|x| *x > 0.0)
 }
 
@@ -230,16 +230,16 @@ fn precedes<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
     // Relative deviation from an axis of the sine of the angle to the plane across the diagonal.
     let inclination = |v: &SVector<f64, D>| (v.sum().abs() / v.norm() - 1.0).abs();
     let (lengths, inclinations) = ([a, b].each(|v| v.norm()), [a, b].map(inclination));
-    if (lengths[0] - lengths[1]).abs() > EQUAL * lengths[0] {
+    if (lengths[0] - lengths[1]).abs() > LENGTH_TOLERANCE * lengths[0] {
         return lengths[0] < lengths[1];
     }
-    if (inclinations[0] - inclinations[1]).abs() > EQUAL {
+    if (inclinations[0] - inclinations[1]).abs() > LENGTH_TOLERANCE {
         return inclinations[0] < inclinations[1];
     }
     let different = a
         .iter()
         .zip(b.iter())
-        .find(|(x, y)| (*x - *y).abs() > EQUAL * lengths[0]);
+        .find(|(x, y)| (*x - *y).abs() > LENGTH_TOLERANCE * lengths[0]);
     different.is_some_and(|(x, y)| x > y)
 }
 

@@ -13,15 +13,15 @@ const ACROSS_SHEET: &[usize] = &[2, 5, 8];
 const ACROSS_BAR: &[usize] = &[1, 4, 2, 5, 8];
 
 /// Largest number of Newton steps at one state.
-const STEPS: usize = 20;
+const NEWTON_STEPS: usize = 20;
 /// Largest relative change of the stretch across by the first step. Farther from a root the iteration may converge to a different one.
-const FARTHEST: f64 = 0.5;
+const LARGEST_FIRST_STEP: f64 = 0.5;
 /// Contraction required of each further step, which shows that the iteration is close to its root.
 const CONTRACTION: f64 = 0.25;
 /// Relative size of a step that is rounding.
-const ROUNDING: f64 = 1e-15;
+const STEP_ROUNDING: f64 = 1e-15;
 /// Relative steps smaller than this count as rounding if they do not contract.
-const CLOSE: f64 = 1e-7;
+const CONTRACTION_FLOOR: f64 = 1e-7;
 /// Smallest step along the branch, as a fraction of the path from the reference to a state. For a stretch of ten thousand it is a small strain.
 const SMALLEST_STRIDE: f64 = 1.0 / (1u32 << 26) as f64;
 /// Stiffness across the sheet, relative to the largest stiffness, that is rounding.
@@ -127,7 +127,7 @@ impl PlaneStress {
         let Some(condensed) = self.condensed(&undeformed) else {
             return Ok(None);
         };
-        if condensed.step(&self.reference, self.across) <= CLOSE * CLOSE {
+        if condensed.step(&self.reference, self.across) <= CONTRACTION_FLOOR * CONTRACTION_FLOOR {
             return Ok(Some(self.reference));
         }
         match self.settled(self.reference) {
@@ -181,7 +181,7 @@ impl PlaneStress {
     /// Solves for zero tractions across by Newton's method from a state. Returns the root with its response.
     fn settled(&self, mut state: [[f64; 3]; 3]) -> Result<Settled, Unsettled> {
         let mut last = f64::INFINITY;
-        for _ in 0..STEPS {
+        for _ in 0..NEWTON_STEPS {
             let f = DeformationGradient::from_components(state);
             if !(f.jacobian() > 0.0 && f.jacobian().is_finite()) {
                 return Err(Unsettled::Lost);
@@ -193,7 +193,7 @@ impl PlaneStress {
             };
             let newton = newton.ok_or(Unsettled::Lost)?;
             let step = newton.step(&state, self.across);
-            if step <= ROUNDING || (last <= CLOSE && step > CONTRACTION * last) {
+            if step <= STEP_ROUNDING || (last <= CONTRACTION_FLOOR && step > CONTRACTION * last) {
                 let condensed = match self.law.is_path_dependent() {
                     true => self.condensed(&response).ok_or(Unsettled::Lost)?,
                     false => newton,
@@ -204,7 +204,7 @@ impl PlaneStress {
                 });
             }
             // The condition also fails for NaN.
-            let admitted = (CONTRACTION * last).min(FARTHEST);
+            let admitted = (CONTRACTION * last).min(LARGEST_FIRST_STEP);
             if step.is_nan() || step > admitted {
                 return Err(Unsettled::Lost);
             }

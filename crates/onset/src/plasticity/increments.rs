@@ -34,17 +34,17 @@ const LARGEST_STRAIN: f64 = 1.0;
 /// Growth factor of trial strains before first yield.
 const GROWTH: f64 = 1.5;
 /// Smallest relative reduction of the elastic tangent that counts as flow.
-const FLOWS: f64 = 1e-3;
+const FLOW_THRESHOLD: f64 = 1e-3;
 /// Size of the probing increments, in units of the strain of first yield.
-const PROBE: f64 = 1e-4;
+const PROBE_SIZE: f64 = 1e-4;
 /// Relative size of tangent components that count as zero: components that violate orthotropy along the axes, and flow by a second mechanism.
 const NEGLIGIBLE: f64 = 1e-4;
 /// Largest number of Newton iterations for the lateral strains.
 const ITERATIONS: usize = 40;
 /// The iteration has converged at smaller corrections of the strains, in units of the strain of first yield.
-const SETTLED: f64 = 1e-11;
+const STRAIN_TOLERANCE: f64 = 1e-11;
 /// Largest admissible lateral stresses, in units of the elastic moduli times the strain of first yield, if the corrections do not converge.
-const BALANCED: f64 = 1e-6;
+const STRESS_TOLERANCE: f64 = 1e-6;
 /// Halvings of the increment in which a criterion is lost.
 const HALVINGS: usize = 36;
 
@@ -217,8 +217,8 @@ impl<'a> Increments<'a> {
             let correction = correction.ok_or(PlasticityError::NoBalance)?;
             let size = correction.amax();
             let scale = self.scale.max(driving.abs());
-            let small = rest.amax() <= BALANCED * answer.normal.amax() * scale;
-            if size <= SETTLED * scale || (size >= 0.5 * last && small) {
+            let small = rest.amax() <= STRESS_TOLERANCE * answer.normal.amax() * scale;
+            if size <= STRAIN_TOLERANCE * scale || (size >= 0.5 * last && small) {
                 return Ok(strain);
             }
             last = size;
@@ -238,7 +238,7 @@ impl<'a> Increments<'a> {
 
     /// Elastic tangent of a state, from a small increment backward.
     fn unloading(&self) -> Result<Answer, PlasticityError> {
-        self.answer(&[self.strain() - self.direction * (PROBE * self.scale)])
+        self.answer(&[self.strain() - self.direction * (PROBE_SIZE * self.scale)])
     }
 
     /// Advances to first yield in one increment, whose length is bisected until the shortest increment with flow is known to rounding.
@@ -249,7 +249,7 @@ impl<'a> Increments<'a> {
             let trial = trial.advanced(driving)?;
             let own = trial.answer(&[])?.normal;
             let elastic = trial.unloading()?.normal;
-            let flows = (elastic - own).amax() > FLOWS * elastic.amax();
+            let flows = (elastic - own).amax() > FLOW_THRESHOLD * elastic.amax();
             Ok::<_, PlasticityError>((trial, flows))
         };
         let (mut low, mut high) = (0.0, SMALLEST_STRAIN);
@@ -283,7 +283,7 @@ impl<'a> Increments<'a> {
 
     /// Tangent of continued flow: the limit of small increments along the path.
     fn flowing(&self) -> Result<Continued, PlasticityError> {
-        let size = PROBE * self.scale;
+        let size = PROBE_SIZE * self.scale;
         // The direction of the path changes abruptly when flow begins.
         let mut ahead = self.clone();
         let strain = ahead.balanced(2.0 * size)?;
@@ -473,7 +473,7 @@ impl Taken {
         let first = order.imax();
         let size = order[first];
         let rest = (0..3).filter(|n| *n != first).map(|n| order[n]);
-        if size <= FLOWS * elastic.amax() {
+        if size <= FLOW_THRESHOLD * elastic.amax() {
             return Err(PlasticityError::Unloads);
         }
         if rest.fold(0.0, f64::max) > NEGLIGIBLE.sqrt() * size {

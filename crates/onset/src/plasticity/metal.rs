@@ -56,14 +56,14 @@ const SATURATION: Parameter = Parameter::new(
     "stress",
     0.2,
     Admitted::Any,
-    "what the flow stress gains beside the slope",
+    "increase of the flow stress by saturation, in addition to the slope",
 );
 const RATE: Parameter = Parameter::new(
     "saturation-rate",
     "1",
     15.0,
     Admitted::NotNegative,
-    "reciprocal of the plastic strain in which it gains all but 1/e of that",
+    "reciprocal of the plastic strain after which 1/e of the saturation stress is left",
 );
 
 pub(super) const J2: Law = Law {
@@ -115,7 +115,7 @@ const fn ratio(name: &'static str, default: f64) -> Parameter {
         "1",
         default,
         Admitted::Positive,
-        "Lankford's ratio of width to thickness strain in tension at so many degrees from the first material axis",
+        "Lankford's ratio of width to thickness strain in tension at the angle in its name (degrees) to the first material axis",
     )
 }
 
@@ -229,7 +229,7 @@ fn metal(p: &[f64], ratios: [f64; 3], degrees: f64) -> Made {
             name: "hardening-modulus",
             value: flow_stress.lowest_slope(),
             expected: format!(
-                "a slope of the flow stress above {least:?}, below which a strain does not determine the stress"
+                "a slope of the flow stress above {least:?}; for smaller slopes a strain does not determine the stress"
             ),
         });
     }
@@ -262,7 +262,7 @@ fn no_path(stop: Stop<()>) -> MaterialError {
                 "on it the metal must flow on with a positive flow stress".to_owned()
             }
             Stop::TooManySteps => {
-                "it has too short steps; a smaller strain or less softening may have none"
+                "too many short steps are needed; try a smaller strain or less softening"
                     .to_owned()
             }
         },

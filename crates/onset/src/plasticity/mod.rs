@@ -121,7 +121,7 @@ pub enum PlasticityError {
     #[error("the stress has no deviator; the directions of flow and yield are undefined there")]
     NoDeviator,
     /// Another face of the yield surface is reached.
-    #[error("the intermediate principal stress meets another one: a corner of the yield surface")]
+    #[error("the intermediate principal stress reaches the largest or the smallest one: a corner of the yield surface")]
     Corner,
     /// The elastic part alone is not strongly elliptic.
     #[error(
@@ -160,7 +160,7 @@ pub enum PlasticityError {
     NotAlongAxes,
     /// The reduction of the elastic tangent by flow is not of rank one.
     #[error(
-        "flow takes a part from the elastic tangent that is not of rank one: several mechanisms flow at once; expected a law with one, away from corners of its \
+        "flow takes a part from the elastic tangent that is not of rank one: several mechanisms flow together; expected a law with one, away from corners of its \
          yield surface"
     )]
     SeveralMechanisms,
@@ -169,7 +169,7 @@ pub enum PlasticityError {
     Unloads,
     /// The law flows from the first increment on.
     #[error(
-        "the law flows from the first small increment on; expected an elastic range, whose tangent tells what flow takes away"
+        "the law flows from the first small increment on; expected an elastic range with a tangent of unloading"
     )]
     NoElasticRange,
     /// The lateral stresses cannot be kept constant.

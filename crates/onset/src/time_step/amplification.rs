@@ -6,13 +6,13 @@ use crate::bloch::{IsEnded, WaveSystem, ZoneSearch};
 use nalgebra::{DMatrix, SVector};
 
 /// Distance outside the unit circle that an eigenvalue can have by rounding.
-const ROUNDING: f64 = 1e-9;
+const MODULUS_TOLERANCE: f64 = 1e-9;
 /// Rounding tolerance for the factors of Runge-Kutta methods, which need no eigenvalues of `G`, and for relative damping.
-const POLYNOMIAL_ROUNDING: f64 = 1e-9;
+const POLYNOMIAL_TOLERANCE: f64 = 1e-9;
 const UNDAMPED: f64 = 1e-10;
 /// Number of steps up to the undamped limit that are evaluated before the first loss is refined. Longer steps grow by the factor `LONGER`, up to
 /// `FARTHEST` times the limit.
-const STEPS: usize = 24;
+const STEPS_TO_BOUND: usize = 24;
 const LONGER: f64 = 1.05;
 const FARTHEST: f64 = 1e4;
 /// Halvings of the interval that contains the loss of stability.
@@ -211,9 +211,9 @@ impl DampedWave {
 
     fn rounding(&self) -> f64 {
         match self.factors {
-            Factors::Polynomial(_) => POLYNOMIAL_ROUNDING,
+            Factors::Polynomial(_) => POLYNOMIAL_TOLERANCE,
             // Near a double eigenvalue rounding shifts both by its square root.
-            Factors::Matrix(..) => ROUNDING.sqrt() * 1e-2,
+            Factors::Matrix(..) => MODULUS_TOLERANCE.sqrt() * 1e-2,
         }
     }
 
@@ -240,7 +240,7 @@ impl DampedWave {
             return f64::INFINITY;
         }
         let stable = |step: f64| self.excess(step) <= 0.0;
-        let below = (1..=STEPS).map(|n| bound * n as f64 / STEPS as f64);
+        let below = (1..=STEPS_TO_BOUND).map(|n| bound * n as f64 / STEPS_TO_BOUND as f64);
         let beyond = std::iter::successors(Some(LONGER * bound), |step| Some(LONGER * step));
         let beyond = beyond.take_while(|step| *step < FARTHEST * bound);
         let mut low = 0.0;

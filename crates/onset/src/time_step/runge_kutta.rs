@@ -3,7 +3,7 @@
 use crate::algebra::Complex;
 
 /// Coefficients of `|P|^2 - 1` below this fraction of their terms are rounding of the coefficients of the method.
-const ROUNDING: f64 = 1e-12;
+const COEFFICIENT_ROUNDING: f64 = 1e-12;
 /// Spacing of the points along a ray at which `|P|` is evaluated before its first excess is refined.
 const RESOLUTION: f64 = 0.02;
 /// Upper limit of the search along a ray. No method in use is stable beyond it.
@@ -229,7 +229,7 @@ pub(super) fn reach(polynomial: &[f64], direction: Complex) -> f64 {
     }
     excess[0] = 0.0;
     for (own, all) in excess.iter_mut().zip(&terms) {
-        if own.abs() <= ROUNDING * all {
+        if own.abs() <= COEFFICIENT_ROUNDING * all {
             *own = 0.0;
         }
     }

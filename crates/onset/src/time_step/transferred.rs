@@ -6,13 +6,13 @@ use crate::lattice::Particle;
 use nalgebra::SVector;
 
 /// Values of `omega^2` below this multiple of their rounding count as zero.
-const ROUNDING: f64 = 64.0;
+const ZERO_FREQUENCY_NOISE_FACTOR: f64 = 64.0;
 /// Amplification factors below this count as zero. A solution that vanishes within a step has no rate.
-const VANISHED: f64 = 1e-12;
+const SMALLEST_FACTOR: f64 = 1e-12;
 /// Growth relative to the frequency that exceeds the rounding of `ln(z)`.
-const OUTSIDE: f64 = 1e-10;
+const GROWTH_TOLERANCE: f64 = 1e-10;
 /// For larger `|omega^2 dt^2|` the larger factor equals `-omega^2 dt^2` to all digits, and squares may overflow.
-const LONG: f64 = 1e40;
+const LARGEST_STEP_SQUARE: f64 = 1e40;
 
 /// Waves of a state in discrete time, for a method that stores velocities at points and accelerates them on a grid.
 ///
@@ -128,7 +128,7 @@ impl<const D: usize> TransferredWaves<D> {
 
     /// All `omega^2` of a wave vector without filter; values within rounding are set to zero. 1/time^2.
     fn omega_squared(&self, k: &SVector<f64, D>) -> Vec<Complex> {
-        let noise = ROUNDING * self.system.noise();
+        let noise = ZERO_FREQUENCY_NOISE_FACTOR * self.system.noise();
         let values = self.system.omega_squared(k).into_iter();
         let told = |value: Complex| match value.norm() <= noise {
             true => Complex::new(0.0, 0.0),
@@ -145,7 +145,7 @@ impl<const D: usize> TransferredWaves<D> {
             let square = omega_squared * (step * step);
             let half = (square + damped) * 0.5;
             let product = square * (1.0 - own);
-            let root = match square.norm() > LONG {
+            let root = match square.norm() > LARGEST_STEP_SQUARE {
                 true => half,
                 false => (half * half - product).sqrt(),
             };
@@ -177,7 +177,7 @@ impl<const D: usize> TransferredWaves<D> {
     /// The imaginary part is the frequency and the real part the growth rate. Solutions that vanish after one step are omitted.
     pub fn rates(&self, k: &SVector<f64, D>, step: f64) -> Vec<Complex> {
         let changes = self.changes(k, step).into_iter().flatten();
-        let lasting = changes.filter(|change| (change + 1.0).norm() > VANISHED);
+        let lasting = changes.filter(|change| (change + 1.0).norm() > SMALLEST_FACTOR);
         lasting.map(|change| logarithm(change) / step).collect()
     }
 
@@ -212,11 +212,11 @@ impl<const D: usize> TransferredWaves<D> {
 
     /// Rate with the largest real part at a wave vector. Growth within the rounding of `omega^2` is set to zero.
     fn fastest_at(&self, k: &SVector<f64, D>, step: f64) -> Complex {
-        let noise = ROUNDING * self.system.noise();
+        let noise = ZERO_FREQUENCY_NOISE_FACTOR * self.system.noise();
         let told = |rate: Complex| {
             // Short steps: `d omega^2 = 2 s ds`. Long steps, whose factor is `omega^2 dt^2`: `ds = d omega^2 / (omega^2 dt)`.
             let change = ((rate * step).exp() - 1.0).norm() / step;
-            let rounding = OUTSIDE * rate.norm() + noise / rate.norm().max(change);
+            let rounding = GROWTH_TOLERANCE * rate.norm() + noise / rate.norm().max(change);
             match rate.re > 0.0 && rate.re <= rounding {
                 true => Complex::new(0.0, rate.im),
                 false => rate,
@@ -245,7 +245,7 @@ impl<const D: usize> TransferredWaves<D> {
 
 /// Logarithm `ln(1 + c)` without cancellation.
 fn logarithm(change: Complex) -> Complex {
-    let modulus = match change.norm() > LONG {
+    let modulus = match change.norm() > LARGEST_STEP_SQUARE {
         true => change.norm().ln(),
         false => 0.5 * (2.0 * change.re + change.norm_sqr()).ln_1p(),
     };

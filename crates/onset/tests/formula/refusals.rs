@@ -97,14 +97,14 @@ fn a_wrong_formula_is_refused_with_its_column_and_a_hint() {
             "if(J, 1, 2)",
             4,
             1,
-            "a number stands where a condition is needed",
+            "there is a number where a condition is needed",
             "if(J < 1, a, b)",
         ),
         (
             "J < 1",
             1,
             5,
-            "a condition stands where a number is needed",
+            "there is a condition where a number is needed",
             "if(condition",
         ),
         (

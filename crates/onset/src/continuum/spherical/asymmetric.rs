@@ -16,15 +16,15 @@ const STARTS: usize = 4;
 /// Number of directions that are followed to the largest imaginary part.
 const FLUTTERING: usize = 4;
 /// Initial step of a descent.
-const WIDE: f64 = 0.1;
+const INITIAL_STEP: f64 = 0.1;
 /// Smallest step until the best directions are known.
-const NEAR: f64 = 1e-3;
+const COARSE_STEP: f64 = 1e-3;
 /// Smallest step of the final descent to a minimum.
-const FINE: f64 = 1e-9;
-/// Largest expected decrease of the real part by steps finer than [`NEAR`], for a stiffness of magnitude one.
-const REST: f64 = 1e-4;
+const FINEST_STEP: f64 = 1e-9;
+/// Largest expected decrease of the real part by steps finer than [`COARSE_STEP`], for a stiffness of magnitude one.
+const FINE_STEP_DECREASE: f64 = 1e-4;
 /// Real parts that differ by less belong to symmetric images of one direction.
-const IMAGE: f64 = 1e-13;
+const IMAGE_TOLERANCE: f64 = 1e-13;
 /// Largest number of triangles of a cover.
 const BUDGET: usize = 6_000;
 /// Largest number of covers that may find a lower value.
@@ -56,7 +56,7 @@ pub(super) fn minimum<const D: usize>(
                 Cover::Above => bound = level,
                 Cover::Fails(direction) => {
                     let n = unit(direction);
-                    let end = descended((real_part(&n), n), &real_part, [WIDE, FINE]);
+                    let end = descended((real_part(&n), n), &real_part, [INITIAL_STEP, FINEST_STEP]);
                     if end.0 >= best.0 {
                         break;
                     }
@@ -80,12 +80,12 @@ fn found(blocks: &Blocks3) -> (f64, Axes<f64>) {
     let near = distinct(starts.collect())
         .into_iter()
         .take(STARTS)
-        .map(|start| descended(start, &real_part, [WIDE, NEAR]));
+        .map(|start| descended(start, &real_part, [INITIAL_STEP, COARSE_STEP]));
     let ends = distinct(near.collect());
     let lowest = ends[0].0;
     ends.into_iter()
-        .take_while(|end| end.0 <= lowest + REST)
-        .map(|end| descended(end, &real_part, [NEAR, FINE]))
+        .take_while(|end| end.0 <= lowest + FINE_STEP_DECREASE)
+        .map(|end| descended(end, &real_part, [COARSE_STEP, FINEST_STEP]))
         .reduce(|best, end| if end.0 < best.0 { end } else { best })
         .unwrap_or((f64::NAN, [1.0, 0.0, 0.0]))
 }
@@ -93,7 +93,7 @@ fn found(blocks: &Blocks3) -> (f64, Axes<f64>) {
 /// Sorts the directions by their value and keeps one of each set of symmetric images.
 fn distinct(mut all: Vec<(f64, Axes<f64>)>) -> Vec<(f64, Axes<f64>)> {
     sort_by_value(&mut all, |item| item.0);
-    all.dedup_by(|b, a| b.0 - a.0 <= IMAGE);
+    all.dedup_by(|b, a| b.0 - a.0 <= IMAGE_TOLERANCE);
     all
 }
 
@@ -113,21 +113,21 @@ pub(in crate::continuum) fn fluttering_direction<const D: usize>(blocks: &Blocks
             .fold(0.0_f64, |most, value| most.max(value.im))
     };
     let ends = spread(false).map(unit).map(|n| {
-        let (value, n) = descended((discriminant(&n), n), &discriminant, [WIDE, NEAR]);
+        let (value, n) = descended((discriminant(&n), n), &discriminant, [INITIAL_STEP, COARSE_STEP]);
         match imaginary(&n) {
             // Directions with real eigenvalues are sorted by the discriminant, lowest first.
             0.0 => (value.max(0.0), n),
-            found => descended((found, n), &imaginary, [WIDE, NEAR]),
+            found => descended((found, n), &imaginary, [INITIAL_STEP, COARSE_STEP]),
         }
     });
     let mut ends: Vec<(f64, Axes<f64>)> = ends.collect();
     sort_by_value(&mut ends, |item| item.0);
     let followed = ends.iter().take(FLUTTERING).map(|end| match end.0 < 0.0 {
-        true => descended(*end, &imaginary, [WIDE, FINE]),
+        true => descended(*end, &imaginary, [INITIAL_STEP, FINEST_STEP]),
         // Complex eigenvalues in a narrow range between real eigenvalues are found only by minimizing the discriminant.
         false => {
-            let (_, n) = descended((discriminant(&end.1), end.1), &discriminant, [WIDE, FINE]);
-            descended((imaginary(&n), n), &imaginary, [WIDE, FINE])
+            let (_, n) = descended((discriminant(&end.1), end.1), &discriminant, [INITIAL_STEP, FINEST_STEP]);
+            descended((imaginary(&n), n), &imaginary, [INITIAL_STEP, FINEST_STEP])
         }
     });
     let best = followed.min_by(|a, b| a.0.total_cmp(&b.0));

@@ -9,9 +9,9 @@ use super::{Axes, dot};
 use crate::algebra::{Each, array_of, symmetric_eigen};
 
 /// Largest number of steps. A few suffice unless the minimum is flat, where steps shrink by no more than a third each.
-const STEPS: usize = 200;
+const DESCENT_STEPS: usize = 200;
 /// Rounding error of a form of magnitude one.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
+const FORM_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Plane wave: unit direction, unit polarization and eigenvalue.
 #[derive(Clone, Copy, Debug)]
@@ -36,23 +36,23 @@ pub(crate) fn slowest(form: &Form<f64>, direction: &Axes<f64>) -> Wave {
 /// Minimizes the eigenvalue from a wave: by Newton's method where it decreases the value, otherwise by alternating steps.
 pub(crate) fn descended(form: &Form<f64>, start: Wave) -> Wave {
     let mut wave = start;
-    for _ in 0..STEPS {
+    for _ in 0..DESCENT_STEPS {
         let by_newton = newton_direction(form, &wave).map(|n| slowest(form, &n));
         let next = match by_newton {
-            Some(next) if next.eigenvalue < wave.eigenvalue - ROUNDING => next,
+            Some(next) if next.eigenvalue < wave.eigenvalue - FORM_ROUNDING => next,
             _ => {
                 let (_, vectors) = symmetric_eigen(&polarized(form, &wave.polarization));
                 slowest(form, &vectors[0])
             }
         };
-        if next.eigenvalue < wave.eigenvalue - ROUNDING {
+        if next.eigenvalue < wave.eigenvalue - FORM_ROUNDING {
             wave = next;
             continue;
         }
         // No further decrease. A final Newton step doubles the accurate digits of the direction; alternating steps would drift if all directions are
         // equivalent.
         return match by_newton {
-            Some(next) if next.eigenvalue <= wave.eigenvalue + ROUNDING => next,
+            Some(next) if next.eigenvalue <= wave.eigenvalue + FORM_ROUNDING => next,
             _ => wave,
         };
     }

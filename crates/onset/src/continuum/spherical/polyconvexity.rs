@@ -10,7 +10,7 @@ use super::form::{Form, MINORS, minor};
 use crate::algebra::{Each, array_of, is_positive_definite, symmetric_eigen};
 
 /// Largest number of Newton steps; about twenty are typical.
-const STEPS: usize = 100;
+const NEWTON_STEPS: usize = 100;
 /// Number of unknowns: the level and the multiples.
 const UNKNOWNS: usize = 1 + MINORS;
 
@@ -28,7 +28,7 @@ pub(crate) struct Bound {
 /// Computes the best level and multiples, or the first level that reaches a finite `target`. The components must be of magnitude one.
 pub(crate) fn bound(form: &Form<f64>, target: f64) -> Bound {
     let mut path = Path::new(form);
-    for _ in 0..STEPS {
+    for _ in 0..NEWTON_STEPS {
         if path.level >= target || !path.advance(target) {
             break;
         }

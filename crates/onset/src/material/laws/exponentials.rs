@@ -3,7 +3,7 @@
 use crate::real::{Real, Side};
 
 /// The series is used for smaller arguments: there ten terms leave less than rounding.
-const SMALL: f64 = 0.1;
+const SERIES_LIMIT: f64 = 0.1;
 const TERMS: u32 = 10;
 
 /// Function `exp(x) - 1 - x`, accurate for small `x` too, where it is `x^2 / 2`.
@@ -20,10 +20,10 @@ pub(super) fn beyond_linear<R: Real>(x: R) -> R {
             .fold(last, |rest, n| rest * x / f64::from(n) + 1.0);
         x * x * bracket * 0.5
     };
-    if x.side(-SMALL) == Some(Side::Below) {
+    if x.side(-SERIES_LIMIT) == Some(Side::Below) {
         return direct();
     }
-    x.switch(-SMALL, direct, || x.switch(SMALL, series, direct))
+    x.switch(-SERIES_LIMIT, direct, || x.switch(SERIES_LIMIT, series, direct))
 }
 
 #[cfg(test)]
