@@ -39,7 +39,8 @@ impl Patch {
             value: mix(self.value, other.value),
             slope: [0, 1].each(|i| mix(self.slope[i], other.slope[i])),
             curvature: [0, 1, 2].each(|i| mix(self.curvature[i], other.curvature[i])),
-            rest: rest + PATCH_ROUNDING * (a.abs() * self.magnitude() + b.abs() * other.magnitude()),
+            rest: rest
+                + PATCH_ROUNDING * (a.abs() * self.magnitude() + b.abs() * other.magnitude()),
         }
     }
 

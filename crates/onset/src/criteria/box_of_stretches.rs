@@ -252,12 +252,16 @@ impl<'a> Field<'a> {
 
     /// Returns the shortest ray to a loss of ellipticity and its length in units of the box. Losses beyond `RAY_END` are ignored.
     fn shortest(&self, shape: &Shape) -> Option<(f64, Point)> {
-        let (edge, along) = self.either((EDGE_POINTS, STATES_PER_RAY), (EDGE_POINTS_ANISOTROPIC, STATES_PER_RAY_ANISOTROPIC));
+        let (edge, along) = self.either(
+            (EDGE_POINTS, STATES_PER_RAY),
+            (EDGE_POINTS_ANISOTROPIC, STATES_PER_RAY_ANISOTROPIC),
+        );
         // Rays that are clearly longer than the shortest one found before are not followed to their end.
         let mut shortest = RAY_END;
         let mut rays: Vec<(f64, Point)> = Vec::new();
         for point in shape.surface(edge, self.isotropic) {
-            if let Some(length) = self.loss(shape, &point, along, FOLLOWED_LENGTH_RATIO * shortest) {
+            if let Some(length) = self.loss(shape, &point, along, FOLLOWED_LENGTH_RATIO * shortest)
+            {
                 shortest = shortest.min(length);
                 rays.push((length, point));
             }
@@ -283,7 +287,10 @@ impl<'a> Field<'a> {
 
     /// Returns the locally shortest ray to a loss inside the box, found by descents from the low points of a grid.
     fn inside(&self, shape: &Shape, size: f64, count: usize) -> Option<(f64, Point)> {
-        let (edge, along) = self.either((EDGE_POINTS, STATES_PER_RAY), (EDGE_POINTS_ANISOTROPIC, STATES_PER_RAY_ANISOTROPIC));
+        let (edge, along) = self.either(
+            (EDGE_POINTS, STATES_PER_RAY),
+            (EDGE_POINTS_ANISOTROPIC, STATES_PER_RAY_ANISOTROPIC),
+        );
         let within = Grid::new(count, self.isotropic, |place| {
             self.value(shape.inside(place, size))
         });

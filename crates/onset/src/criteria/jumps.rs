@@ -231,7 +231,11 @@ impl<'a> JumpSearch<'a> {
                 jumps.filter_map(|jump| Some((self.excess_at_edge(state, &jump)?.0, jump)));
             let mut own: Vec<(f64, Vector6<f64>)> = excesses.collect();
             sort_by_value(&mut own, |item| item.0);
-            starts.extend(own.into_iter().take(EDGE_JUMPS_PER_NORMAL).map(|(_, jump)| jump));
+            starts.extend(
+                own.into_iter()
+                    .take(EDGE_JUMPS_PER_NORMAL)
+                    .map(|(_, jump)| jump),
+            );
         }
         starts
     }

@@ -174,7 +174,8 @@ fn narrowed(
         let larger = bends[0].max(bends[1]);
         halvings += 1;
         let is_smooth = halvings > HALVINGS_UNTIL_SHORT && larger < SMOOTH_BEND_RATIO * whole;
-        if is_smooth || larger <= 0.25 * REPORTED_JUMPS[order] * quantity(&middle.response, order).1 {
+        if is_smooth || larger <= 0.25 * REPORTED_JUMPS[order] * quantity(&middle.response, order).1
+        {
             return None;
         }
         whole = larger;

@@ -778,7 +778,11 @@ fn branch(
     let mut states = vec![here.clone()];
     let (mut length, mut trials) = (f64::INFINITY, 0);
     for n in 1..=PATH_STEPS {
-        let mut target = if n == PATH_STEPS { end } else { step * n as f64 };
+        let mut target = if n == PATH_STEPS {
+            end
+        } else {
+            step * n as f64
+        };
         while (target - here.parameter) * step > 0.0 {
             let stretch = here.parameter.exp();
             trials += 1;

@@ -86,10 +86,7 @@ pub fn polyconvexity(law: &str, parameters: &[(&str, f64)]) -> Polyconvexity {
             "in three dimensions it is not rank-one convex at all states",
             NEFF,
         ),
-        "saint-venant-kirchhoff" => no(
-            "its energy is not polyconvex for any constants",
-            RAOULT,
-        ),
+        "saint-venant-kirchhoff" => no("its energy is not polyconvex for any constants", RAOULT),
         // W depends on |F|^2, |cof F|^2 and h(J). Under F = diag(a, J/(a s), s) with large a and s, wave speeds vanish where h'' < 0.
         "modified-mooney-rivlin" if value("c2") > 0.0 => no(
             "with c2 > 0 its function of J is concave at large J, where ellipticity is lost at large stretches, which polyconvexity excludes",

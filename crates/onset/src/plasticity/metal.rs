@@ -262,8 +262,7 @@ fn no_path(stop: Stop<()>) -> MaterialError {
                 "on it the metal must flow on with a positive flow stress".to_owned()
             }
             Stop::TooManySteps => {
-                "too many short steps are needed; try a smaller strain or less softening"
-                    .to_owned()
+                "too many short steps are needed; try a smaller strain or less softening".to_owned()
             }
         },
     }

@@ -121,7 +121,9 @@ pub enum PlasticityError {
     #[error("the stress has no deviator; the directions of flow and yield are undefined there")]
     NoDeviator,
     /// Another face of the yield surface is reached.
-    #[error("the intermediate principal stress reaches the largest or the smallest one: a corner of the yield surface")]
+    #[error(
+        "the intermediate principal stress reaches the largest or the smallest one: a corner of the yield surface"
+    )]
     Corner,
     /// The elastic part alone is not strongly elliptic.
     #[error(

@@ -56,7 +56,8 @@ pub(super) fn minimum<const D: usize>(
                 Cover::Above => bound = level,
                 Cover::Fails(direction) => {
                     let n = unit(direction);
-                    let end = descended((real_part(&n), n), &real_part, [INITIAL_STEP, FINEST_STEP]);
+                    let end =
+                        descended((real_part(&n), n), &real_part, [INITIAL_STEP, FINEST_STEP]);
                     if end.0 >= best.0 {
                         break;
                     }
@@ -113,7 +114,11 @@ pub(in crate::continuum) fn fluttering_direction<const D: usize>(blocks: &Blocks
             .fold(0.0_f64, |most, value| most.max(value.im))
     };
     let ends = spread(false).map(unit).map(|n| {
-        let (value, n) = descended((discriminant(&n), n), &discriminant, [INITIAL_STEP, COARSE_STEP]);
+        let (value, n) = descended(
+            (discriminant(&n), n),
+            &discriminant,
+            [INITIAL_STEP, COARSE_STEP],
+        );
         match imaginary(&n) {
             // Directions with real eigenvalues are sorted by the discriminant, lowest first.
             0.0 => (value.max(0.0), n),
@@ -126,7 +131,11 @@ pub(in crate::continuum) fn fluttering_direction<const D: usize>(blocks: &Blocks
         true => descended(*end, &imaginary, [INITIAL_STEP, FINEST_STEP]),
         // Complex eigenvalues in a narrow range between real eigenvalues are found only by minimizing the discriminant.
         false => {
-            let (_, n) = descended((discriminant(&end.1), end.1), &discriminant, [INITIAL_STEP, FINEST_STEP]);
+            let (_, n) = descended(
+                (discriminant(&end.1), end.1),
+                &discriminant,
+                [INITIAL_STEP, FINEST_STEP],
+            );
             descended((imaginary(&n), n), &imaginary, [INITIAL_STEP, FINEST_STEP])
         }
     });

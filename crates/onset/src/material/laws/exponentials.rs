@@ -23,7 +23,9 @@ pub(super) fn beyond_linear<R: Real>(x: R) -> R {
     if x.side(-SERIES_LIMIT) == Some(Side::Below) {
         return direct();
     }
-    x.switch(-SERIES_LIMIT, direct, || x.switch(SERIES_LIMIT, series, direct))
+    x.switch(-SERIES_LIMIT, direct, || {
+        x.switch(SERIES_LIMIT, series, direct)
+    })
 }
 
 #[cfg(test)]
