@@ -9,33 +9,33 @@ use onset::material::{Law, Parameter};
 use serde::Serialize;
 use std::sync::LazyLock;
 
-/// A word that can be chosen.
+/// Word that can be chosen, with its description.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Entry {
-    /// The word.
+    /// Word as it is typed.
     pub name: &'static str,
-    /// What it stands for, as a formula or in words.
+    /// Meaning of the word, as a formula or in words.
     pub formula: &'static str,
-    /// Where it is from.
+    /// Source of the formula.
     pub source: &'static str,
-    /// What there is to know about a law, where it is one.
+    /// Details of a law; `None` for other words.
     #[serde(flatten)]
     pub law: Option<LawEntry>,
-    /// What there is to know about a kernel, where it is one.
+    /// Details of a kernel; `None` for other words.
     #[serde(flatten)]
     pub kernel: Option<KernelEntry>,
 }
 
-/// What there is to know about a kernel; numbers in one, two and three dimensions.
+/// Details of a kernel. Arrays are for one, two and three dimensions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct KernelEntry {
     /// The integral of `W` over space for a support radius of one.
     pub integral: [f64; 3],
-    /// The support radius over the smoothing length `h = 2 sigma`.
+    /// The ratio of the support radius to the smoothing length `h = 2 sigma`.
     pub support_over_smoothing_length: [f64; 3],
-    /// The support radius over the smoothing length that its papers and codes give it, the `h` of artificial viscosity.
+    /// The ratio of the support radius to the smoothing length of its papers and codes, the `h` of artificial viscosity.
     pub support_over_nominal_smoothing_length: f64,
-    /// How many derivatives over space are continuous everywhere.
+    /// Number of spatial derivatives that are continuous everywhere.
     pub smoothness: [Option<u32>; 3],
 }
 
@@ -74,34 +74,34 @@ impl From<Kernel> for Entry {
     }
 }
 
-/// What there is to know about a law.
+/// Details of a law.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LawEntry {
-    /// Its parameters.
+    /// Parameters of the law.
     pub parameters: Vec<ParameterEntry>,
-    /// Where it holds.
+    /// Domain in which the law is defined.
     pub domain: &'static str,
-    /// Which rotations of the reference change nothing.
+    /// Rotations of the reference configuration that leave the law unchanged.
     pub symmetry: &'static str,
     /// The moduli at small strains, in words.
     pub small_strains: &'static str,
-    /// Why there is stress in the reference, where there is.
+    /// Reason for the stress in the reference configuration; `None` without stress.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stressed_reference: Option<&'static str>,
 }
 
-/// A parameter of a law.
+/// Parameter of a law.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ParameterEntry {
-    /// Its name.
+    /// Name of the parameter.
     pub name: &'static str,
-    /// Its unit; `1` without dimension.
+    /// Unit or dimension; `1` if dimensionless.
     pub unit: &'static str,
-    /// Its default.
+    /// Default value of the parameter.
     pub default: f64,
-    /// What it may be.
+    /// Admissible values, in words.
     pub expected: String,
-    /// What it means.
+    /// Meaning of the parameter.
     pub meaning: &'static str,
 }
 
@@ -150,32 +150,32 @@ impl From<Model> for Entry {
     }
 }
 
-/// A key, with what it expects and when it is read.
+/// Key with its expected value and its conditions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct KeyEntry {
-    /// Its name.
+    /// Dotted name of the key.
     pub name: &'static str,
-    /// What it means.
+    /// Meaning of the key.
     pub meaning: &'static str,
-    /// What it expects.
+    /// Expected value, in words.
     pub expects: String,
-    /// Its default; empty where it has none.
+    /// Default value; empty without a default.
     pub default: String,
-    /// What must be chosen beside it for it to be read; empty where it is always.
+    /// Conditions under which the key has an effect, in words; empty if it always has.
     pub read_with: String,
 }
 
 /// Keys of studies and of `--set`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct KeyList {
-    /// The method whose keys these are; `None` for the keys of all.
+    /// Method of the list; `None` for the list of all keys.
     pub method: Option<String>,
-    /// The keys.
+    /// Keys in the order of the documentation.
     pub keys: Vec<KeyEntry>,
 }
 
 impl KeyList {
-    /// Every key.
+    /// Lists every key of studies and `--set`.
     pub fn all() -> Self {
         Self {
             method: None,
@@ -183,22 +183,22 @@ impl KeyList {
         }
     }
 
-    /// The keys of the discretization that a method reads, by its own name or one that people type.
+    /// Lists the keys of the discretization that a method uses; the method may also be given by another common name.
     ///
     /// # Errors
-    /// [`SettingError`] when there is no such method.
+    /// [`SettingError`] when the method is unknown.
     pub fn of_method(name: &str) -> Result<Self, SettingError> {
         const METHOD: &str = "discretization.method";
         let mut settings = Settings::default();
         let origin = Origin::CommandLine(format!("onset list method {name}"));
         let set = settings.set(METHOD, &Value::Word(name.to_owned()), origin);
-        // A hint to set a key helps nobody who asks for a list.
+        // The user requested a list, so the hint names this command instead of the key.
         set.map_err(|error| error.with_words_of_hint(&format!("{METHOD}="), "onset list method "))?;
         let entry = |key: &'static Key| {
             let lacking = key.lacking(METHOD, &|name| settings.value(name))?;
             let told: Vec<String> = lacking.iter().map(ToString::to_string).collect();
             Some(KeyEntry {
-                // The value in effect where nothing but the method is set.
+                // Default value with this method and no other settings.
                 default: match settings.value(key.name) {
                     own if own == Settings::default().value(key.name) => key.default_value(),
                     Some(Value::Word(word)) => word,
@@ -220,7 +220,7 @@ impl KeyList {
     }
 }
 
-/// Keys as they are listed: beside the support the smoothing length, by which it can be set.
+/// Keys in lists: the smoothing length follows the support, because it can set the support.
 fn listed(keys: impl Iterator<Item = &'static Key>) -> impl Iterator<Item = &'static Key> {
     keys.flat_map(|key| {
         let sets_support = key.name == "discretization.support";
@@ -230,7 +230,7 @@ fn listed(keys: impl Iterator<Item = &'static Key>) -> impl Iterator<Item = &'st
 }
 
 impl KeyEntry {
-    /// A key as it is listed.
+    /// Describes a key for a list.
     pub(crate) fn of(key: &'static Key) -> Self {
         Self::new(key, key.readers())
     }
@@ -270,18 +270,18 @@ impl std::fmt::Display for KeyList {
     }
 }
 
-/// The words of one key.
+/// Words of one key.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Topic {
     /// The topic, in the plural.
     pub name: &'static str,
-    /// The key that takes these words.
+    /// Key that accepts these words.
     pub key: &'static str,
-    /// The words.
+    /// Words of the key, with their descriptions.
     pub entries: Vec<Entry>,
 }
 
-/// The paper that sources speak of.
+/// The paper that sources refer to.
 pub const PAPER: &str = "Xiao and Belytschko, Adv. Comput. Math. 23 (2005) 171";
 
 /// Topic, key, and the words with formula and source.
@@ -667,7 +667,7 @@ const ROWS: &[Row] = &[
     ),
 ];
 
-/// All topics.
+/// Returns all topics of `onset list`.
 pub fn topics() -> Vec<Topic> {
     let entry = |(name, formula, source): &(&'static str, &'static str, &'static str)| Entry {
         name,
@@ -698,7 +698,7 @@ pub fn topics() -> Vec<Topic> {
         .collect()
 }
 
-/// Words that people type, and what they stand for.
+/// Other common names of words, and their meaning.
 fn typed_words() -> Topic {
     static WORDS: LazyLock<Vec<(&str, &str, String)>> = LazyLock::new(|| aliases().collect());
     let entry = |(key, typed, stands_for): &'static (&'static str, &'static str, String)| Entry {
@@ -715,7 +715,7 @@ fn typed_words() -> Topic {
     }
 }
 
-/// The language of typed laws.
+/// The language of user-defined laws.
 fn language() -> Topic {
     let entry = |name, formula| Entry {
         name,
@@ -754,10 +754,10 @@ fn language() -> Topic {
     }
 }
 
-/// The topics with a name; the known names when there is none.
+/// Returns the topic with a name.
 ///
 /// # Errors
-/// The names of all topics, when none is called so.
+/// The names of all topics if the name is unknown.
 pub fn topic(name: &str) -> Result<Topic, Vec<&'static str>> {
     let name = crate::settings::renamed_topic(name);
     let all = topics();
@@ -854,7 +854,7 @@ mod tests {
     use super::{KeyList, topics};
     use crate::settings::{KEYS, Key, Kind, Settings, Value, aliases};
 
-    /// Whether a key is read by some families of methods only.
+    /// Returns true if only some families of methods use a key.
     fn is_of_family(key: &Key) -> bool {
         let leads_there = |name: &str| {
             let above = KEYS.iter().find(|other| other.name == name);
@@ -891,13 +891,13 @@ mod tests {
         }
     }
 
-    // The words of some families of methods alone are told with their keys, dialects of codes apart.
+    // Words that only some families of methods use are listed with their keys; dialects of codes are listed separately.
     #[test]
     fn the_catalog_has_exactly_the_words_that_the_keys_expect() {
         let mut of_words = 0;
         for topic in topics() {
             let Some(key) = KEYS.iter().find(|key| key.name == topic.key) else {
-                // Words that are taken for those of several keys.
+                // The aliases contain words of several keys.
                 assert_eq!(topic.name, "aliases");
                 continue;
             };

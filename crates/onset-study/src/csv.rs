@@ -1,6 +1,6 @@
-//! Cells of tables.
+//! Cells of CSV tables.
 
-/// A text as a cell, in quotes where it must be. What a spreadsheet would take for a formula begins with an apostrophe.
+/// A text as a cell, quoted if needed. An apostrophe is prepended to texts that a spreadsheet would interpret as a formula.
 pub(crate) fn text(text: &str) -> String {
     let line = text.replace(['\n', '\r'], " ");
     let is_formula = line.trim_start().starts_with([

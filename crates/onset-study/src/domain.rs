@@ -1,4 +1,4 @@
-//! The verdict on every state of a window with two axes.
+//! Verdicts on all states of a map with two axes.
 
 use crate::answers::{Problem, ProblemError};
 use crate::figure::{Color, Regions, palette};
@@ -8,14 +8,14 @@ use onset::bloch::{IsEnded, Stability};
 use onset::verdict::Verdict;
 use rayon::prelude::*;
 
-/// What a state of a map is.
+/// Class of a state in a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
-    /// A verdict.
+    /// Verdict on the state.
     Verdict(Verdict),
-    /// The verdict `numerical` by flutter alone: `Re omega^2` is nowhere negative.
+    /// Verdict `numerical` by flutter alone: `Re omega^2` is nowhere negative.
     Flutter,
-    /// The method cannot be evaluated: its support holds too few particles.
+    /// The method cannot be evaluated, because its support contains too few particles.
     Undefined,
 }
 
@@ -48,7 +48,7 @@ impl Class {
         }
     }
 
-    /// Its color in maps.
+    /// Color of the class in maps.
     pub fn color(self) -> Color {
         match self {
             Self::Flutter => palette::YELLOW,
@@ -56,7 +56,7 @@ impl Class {
         }
     }
 
-    /// Whether the particles are stable there.
+    /// Returns true if the discretization is stable.
     pub fn is_stable_for_particles(self) -> bool {
         matches!(
             self,
@@ -67,7 +67,7 @@ impl Class {
 
 type Wave = SVector<f64, 3>;
 
-/// How often the cells of a map are halved so that it looks smooth.
+/// Number of times that the cells of a map are halved for a smooth picture.
 const HALVINGS: usize = 3;
 
 fn unless(is_ended: IsEnded<'_>) -> Result<(), ProblemError> {
@@ -80,11 +80,12 @@ fn unless(is_ended: IsEnded<'_>) -> Result<(), ProblemError> {
 /// A map of a study: cell-centered states, the first stretch running fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Domain {
-    /// The study.
+    /// Study of the map.
     pub study: Study,
-    /// One class a state.
+    /// Class of each state.
     pub classes: Vec<Class>,
-    /// The wave vector of a wave that grows in a state, where one was found; of a state that was filled in, in that of which it is a part.
+    /// Wave vector of a growing wave in each state, if one was found. A state that was filled in takes the wave vector of the coarser state that
+    /// contains it.
     witnesses: Vec<Option<Wave>>,
 }
 
@@ -98,29 +99,28 @@ impl Domain {
         }
     }
 
-    /// Evaluates a study, on all cores.
+    /// Evaluates a study in parallel.
     ///
     /// # Errors
-    /// [`ProblemError`] when the study itself is not admissible; states at which the support is too small are
-    /// [`Class::Undefined`].
+    /// [`ProblemError`] when the study itself is invalid; states at which the support is too small are [`Class::Undefined`].
     pub fn of(study: &Study) -> Result<Self, ProblemError> {
         Self::of_unless(study, &|| false)
     }
 
-    /// The same, given up as soon as nobody waits for it any more.
+    /// Evaluates a study like [`Domain::of`], with cancellation through `is_ended`.
     ///
     /// # Errors
-    /// As for [`Domain::of`], and [`ProblemError::OutOfTime`] when it is given up.
+    /// Fails like [`Domain::of`], and with [`ProblemError::OutOfTime`] when cancelled.
     pub fn of_unless(study: &Study, is_ended: IsEnded<'_>) -> Result<Self, ProblemError> {
         let problem = Problem::new(study.settings.clone())?;
         evaluated(study, &problem, is_ended)
     }
 
-    /// The same map with eight states in the place of one along each axis, so that its boundaries look smooth: states are computed where
-    /// classes change around them, and are as their surroundings elsewhere.
+    /// Refines the map eightfold along each axis, for smooth boundaries. States are computed where the classes around them differ, and filled in
+    /// elsewhere.
     ///
     /// # Errors
-    /// As for [`Domain::of`].
+    /// Fails like [`Domain::of`].
     pub fn smoothed(&self) -> Result<Self, ProblemError> {
         let problem = Problem::new(self.study.settings.clone())?;
         let mut finer = self.clone();
@@ -130,17 +130,16 @@ impl Domain {
         Ok(finer)
     }
 
-    /// The same map with two states in the place of one along each axis, as [`Domain::smoothed`] has eight; given up as soon as nobody waits
-    /// for it any more.
+    /// Refines the map twofold along each axis, with cancellation through `is_ended`; otherwise like [`Domain::smoothed`].
     ///
     /// # Errors
-    /// As for [`Domain::of_unless`].
+    /// Fails like [`Domain::of_unless`].
     pub fn halved_unless(&self, is_ended: IsEnded<'_>) -> Result<Self, ProblemError> {
         let problem = Problem::new(self.study.settings.clone())?;
         halved(self, &problem, is_ended)
     }
 
-    /// The map as a layer of a figure.
+    /// Returns the map as a layer of a figure.
     pub fn layer(&self) -> Regions {
         let index = |class: &Class| {
             Class::ALL
@@ -159,7 +158,7 @@ impl Domain {
         )
     }
 
-    /// The fraction of the states for which a condition holds that are stable for the particles.
+    /// Returns the fraction of stable states of the discretization among the states that satisfy a condition.
     pub fn stable_fraction(&self, condition: impl Fn([f64; 2], Class) -> bool) -> f64 {
         let (mut all, mut stable) = (0.0, 0.0);
         for (index, class) in self.classes.iter().enumerate() {
@@ -172,7 +171,7 @@ impl Domain {
         stable / all
     }
 
-    /// The map as a table.
+    /// Returns the map as CSV.
     pub fn csv(&self) -> String {
         let names = self
             .study
@@ -188,7 +187,7 @@ impl Domain {
     }
 }
 
-/// All states, on all cores.
+/// Evaluates all states in parallel.
 fn evaluated(
     study: &Study,
     problem: &Problem,
@@ -205,7 +204,7 @@ fn evaluated(
     Ok(Domain::new(study.clone(), found))
 }
 
-/// The map with two states in the place of one along each axis.
+/// Refines the map twofold along each axis.
 fn halved(map: &Domain, problem: &Problem, is_ended: IsEnded<'_>) -> Result<Domain, ProblemError> {
     let [first, second] = map.study.plane();
     let (columns, rows) = (first.count, second.count);
@@ -215,7 +214,7 @@ fn halved(map: &Domain, problem: &Problem, is_ended: IsEnded<'_>) -> Result<Doma
     let of_state = |index: usize| {
         let (column, row) = (index % (2 * columns), index / (2 * columns));
         let whole = row / 2 * columns + column / 2;
-        // The states around it, among them that of which it is a part.
+        // The coarser states around it, including the state that contains it.
         let around = |at: usize, count: usize| {
             let (half, side) = (at / 2, at % 2);
             let next = if side == 0 {
@@ -236,7 +235,7 @@ fn halved(map: &Domain, problem: &Problem, is_ended: IsEnded<'_>) -> Result<Doma
         unless(is_ended)?;
         let beside = neighbors().filter_map(|state| map.witnesses[state]);
         let mut beside: Vec<Wave> = beside.collect();
-        // States at the rim, and those that were filled in, have one together.
+        // At the boundary of the map, and where states were filled in, several neighbors have the same wave vector.
         beside.dedup();
         class(&study, problem, index, Some(&beside))
     };
@@ -247,8 +246,9 @@ fn halved(map: &Domain, problem: &Problem, is_ended: IsEnded<'_>) -> Result<Doma
     Ok(Domain::new(study, found))
 }
 
-/// The class of a state of a study, with a witness if it is unstable and one was found; given those of the states beside it where these are known.
-/// The problem is that of all states where axes vary no setting.
+/// Class of a state, with a growing wave if the state is unstable and a wave was found.
+///
+/// `beside` are the growing waves of neighboring states, or `None` if these are unknown. `problem` belongs to all states, unless axes vary a setting.
 fn class(
     study: &Study,
     problem: &Problem,
@@ -278,7 +278,7 @@ fn class(
 mod tests {
     use super::*;
 
-    /// Refined, a window has the classes that its states have by themselves, wherever they were computed; also where an axis varies a setting.
+    /// In a refined map each state has the class that it has alone, even if it was computed elsewhere or an axis varies a setting.
     #[test]
     fn states_of_a_refined_window_are_what_they_are_alone() {
         let window = |second: &str| {
@@ -307,7 +307,7 @@ mod tests {
                 same += usize::from(is_alike);
                 changed += usize::from(!is_filled_in(index));
             }
-            // Pockets of less than a state are not seen.
+            // Pockets smaller than a state are missed.
             assert!(10 * same > 9 * fine.classes.len(), "{second}: {same}");
             assert!(changed > 5, "{second}: {changed}");
         }

@@ -1,13 +1,13 @@
-//! Pages that need nothing else.
+//! Self-contained HTML pages.
 
-/// A picture as part of a page: without the declaration of a document of its own.
+/// An SVG picture for embedding in a page, without its XML declaration.
 pub(crate) fn embedded(svg: &str) -> String {
     svg.find("<svg")
         .map_or(svg, |start| &svg[start..])
         .to_owned()
 }
 
-/// A text with the characters that pages take for their own replaced.
+/// A text with the special characters of HTML replaced.
 pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")

@@ -1,15 +1,15 @@
-//! Files that a user names: regular, of bounded length, read as text.
+//! Reading of files that a user names: regular files of bounded length, as text.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
-/// Most bytes of a text written by hand, such as a study or a table of particles.
+/// Maximum size of a text written by hand, such as a study or a table of particles, in bytes.
 pub const MOST_TEXT: u64 = 16 << 20;
-/// Most bytes of an output of a simulation.
+/// Maximum size of an output of a simulation, in bytes.
 pub const MOST_OUTPUT: u64 = 4 << 30;
 
-/// Reads a whole file of at most `most` bytes. Devices and pipes are refused without being opened: they may never end.
+/// Reads a whole file of at most `most` bytes. Devices and pipes are refused without being opened, because reading them may never end.
 ///
 /// # Errors
 /// [`io::Error`] if the file cannot be read, is not a regular file, or is too long.
@@ -42,7 +42,7 @@ pub fn bounded(from: impl Read, most: u64) -> io::Result<Vec<u8>> {
 /// Reads a whole text file of at most `most` bytes, without its byte order mark.
 ///
 /// # Errors
-/// [`io::Error`] as for [`bytes`], and for a text that is not UTF-8.
+/// Fails like [`bytes`], and for a text that is not UTF-8.
 pub fn text(path: &Path, most: u64) -> io::Result<String> {
     decoded(bytes(path, most)?)
 }
@@ -50,7 +50,7 @@ pub fn text(path: &Path, most: u64) -> io::Result<String> {
 /// Decodes UTF-8 with or without a byte order mark.
 ///
 /// # Errors
-/// [`io::Error`] with the line of the first byte that is not UTF-8, or with the name of the other encoding.
+/// [`io::Error`] with the line of the first byte that is not UTF-8, or with the name of another encoding.
 pub fn decoded(mut bytes: Vec<u8>) -> io::Result<String> {
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return Err(invalid("it is UTF-16; save it as UTF-8".to_owned()));

@@ -49,7 +49,7 @@ impl Formatter for FullPrecision<'_> {
     }
 }
 
-/// The document of an answer.
+/// Serializes an answer as JSON with full precision.
 ///
 /// # Errors
 /// [`serde_json::Error`] when a value cannot be written as JSON.
@@ -60,7 +60,7 @@ pub fn document<T: Serialize>(answer: &T) -> Result<String, serde_json::Error> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// A document as CSV, a line for each of its values: where it stands (`discretization.wave_vector.0`), and what it is.
+/// Serializes an answer as CSV, with one line for each value: its path in the document (`discretization.wave_vector.0`), and the value.
 ///
 /// # Errors
 /// [`serde_json::Error`] when the value cannot be serialized.

@@ -1,8 +1,7 @@
 //! Studies, answers, figures and reports on top of the `onset` core.
 //!
-//! [`settings`] are what a user sets; an [`answers::Problem`] is made of them; [`answers`] to single questions are
-//! serializable structures; [`compare`] puts methods
-//! side by side; [`reproduce`] runs the paper from end to end; [`figure`] draws.
+//! [`settings`] are the input of the user, from which an [`answers::Problem`] is built. [`answers`] to single questions are serializable structures.
+//! [`compare`] compares methods, [`reproduce`] reproduces the paper from end to end, and [`figure`] draws.
 
 pub mod answers;
 pub mod audit;

@@ -1,4 +1,4 @@
-//! From settings to the choices of a method of any family.
+//! Conversion of settings to the choices of a method of any family.
 
 use crate::settings::{Bonds, Control, Family, Settings, Unknowns, Velocities};
 use onset::analysis::{ReducedCell, reduced_cell};
@@ -16,13 +16,14 @@ use onset::scheme::{
 };
 use std::ops::RangeInclusive;
 
-/// Within these bounds powers of a number, such as the cube of the density in the forces of SPH, are numbers too, whatever the moduli.
+/// Numbers within these bounds have finite powers, such as the cube of the density in the forces of SPH, for any moduli.
 const MODERATE: RangeInclusive<f64> = 1e-30..=1e30;
 
-/// The method that settings describe.
+/// Returns the method that settings describe.
 ///
 /// # Errors
-/// [`MethodError::Setting`] for lengths and, where forces are divided by powers of it, densities that only another unit makes moderate.
+/// [`MethodError::Setting`] for lengths (and for densities, if forces are divided by their powers) that are so large or small that another unit is
+/// needed.
 pub fn method(settings: &Settings) -> Result<MethodChoices, MethodError> {
     require_moderate_units(settings)?;
     require_a_step(settings)?;
@@ -42,12 +43,12 @@ pub fn method(settings: &Settings) -> Result<MethodChoices, MethodError> {
     })
 }
 
-/// Particles of the cell that settings describe and of its primitive cell, if these are fewer.
+/// Numbers of particles of the cell in the settings and of its primitive cell, if that is smaller.
 pub(crate) fn reduced(settings: &Settings) -> Option<ReducedCell> {
     reduced_cell(&method(settings).ok()?)
 }
 
-/// What to do about a method that cannot be evaluated, as it follows the message; empty where the message says it.
+/// Hint for a method that cannot be evaluated, to be appended to the message; empty if the message suffices.
 pub fn hint(error: &MethodError) -> &'static str {
     match error {
         MethodError::SupportTooSmall { .. } | MethodError::SingularMoment { .. } => {
@@ -109,7 +110,7 @@ fn require_moderate_units(settings: &Settings) -> Result<(), MethodError> {
     );
     let is_divided = settings.method.method == Family::UpdatedSph;
     for (name, value, expected) in std::iter::once(spacing).chain(is_divided.then_some(density)) {
-        // What is not positive or not finite is refused by the method.
+        // The method itself refuses numbers that are not positive or not finite.
         if value > 0.0 && value.is_finite() && !MODERATE.contains(&value) {
             return Err(MethodError::Setting {
                 name,
@@ -121,10 +122,10 @@ fn require_moderate_units(settings: &Settings) -> Result<(), MethodError> {
     Ok(())
 }
 
-/// The longest step of which the squares of products with frequencies are numbers.
+/// Longest time step whose products with frequencies have finite squares.
 const LONGEST: f64 = 1e100;
 
-/// That the step of time at which rates are told is one.
+/// Checks that the time step for growth rates is admissible.
 fn require_a_step(settings: &Settings) -> Result<(), MethodError> {
     match settings.method.time_step {
         value if value < 0.0 => Err(MethodError::Setting {

@@ -1,11 +1,11 @@
-//! How numbers are told: six significant digits whatever the size, and rounding as zero.
+//! Printing of numbers: six significant digits for any magnitude, and zero for rounding errors.
 
-/// Significant digits of a number in a text; documents have all 17.
+/// Number of significant digits in texts; JSON has all 17.
 const DIGITS: usize = 6;
-/// What is smaller than this share of what it is made of is rounding.
-const ROUNDING: f64 = 1e-12;
+/// Largest rounding error relative to the numbers in the computation.
+const ROUNDING_FRACTION: f64 = 1e-12;
 
-/// A computed number with six significant digits.
+/// Formats a computed number with six significant digits.
 ///
 /// ```
 /// use onset_study::number::told;
@@ -17,12 +17,12 @@ pub fn told(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return exact(value + 0.0);
     }
-    // Rounded first: 999999.7 has six digits before the point, and seven after rounding.
+    // Rounded first, because 999999.7 has six digits before the point, but seven after rounding.
     let rounded: f64 = format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value);
     exact(rounded)
 }
 
-/// The smallest number with six significant digits that is not below a computed one: the lower end of a range that must not grow in print.
+/// Rounds a computed number up to six significant digits, for the lower end of a range that must not grow in print.
 ///
 /// ```
 /// use onset_study::number::{told_above, told_below};
@@ -41,7 +41,7 @@ pub fn told_above(value: f64) -> String {
     told(value + unit)
 }
 
-/// The largest number with six significant digits that is not above a computed one.
+/// Rounds a computed number down to six significant digits, for the upper end of such a range.
 pub fn told_below(value: f64) -> String {
     match told_above(-value) {
         negated if negated == "0" => negated,
@@ -52,7 +52,7 @@ pub fn told_below(value: f64) -> String {
     }
 }
 
-/// A computed number that is made of others of a size: what is only rounding is zero.
+/// Formats a computed number that results from numbers of magnitude `size`; rounding errors become zero.
 ///
 /// ```
 /// use onset_study::number::told_of;
@@ -60,13 +60,13 @@ pub fn told_below(value: f64) -> String {
 /// assert_eq!(told_of(-3.1e-17, 1e-9), "-3.1e-17");
 /// ```
 pub fn told_of(value: f64, size: f64) -> String {
-    if value.abs() <= ROUNDING * size.abs() {
+    if value.abs() <= ROUNDING_FRACTION * size.abs() {
         return told(0.0);
     }
     told(value)
 }
 
-/// A number with the fewest digits that say exactly which it is; with an exponent where it is large or small.
+/// Formats a number with the fewest digits that identify it, and with an exponent if it is large or small.
 pub fn exact(value: f64) -> String {
     match value.abs() {
         size if size == 0.0 || !size.is_finite() || (1e-4..1e6).contains(&size) => {
@@ -76,7 +76,7 @@ pub fn exact(value: f64) -> String {
     }
 }
 
-/// So many of what has a name: `1 tile`, `4 tiles`.
+/// Formats a count with a noun: `1 tile`, `4 tiles`.
 ///
 /// ```
 /// use onset_study::number::counted;
@@ -89,7 +89,7 @@ pub fn counted(count: usize, name: &str) -> String {
     }
 }
 
-/// A vector; what does not show beside its largest component is zero.
+/// Formats a vector; components within rounding of the largest one become zero.
 pub fn vector(components: &[f64]) -> String {
     let largest = components
         .iter()

@@ -1,8 +1,8 @@
-//! Files that commands write: all of them whole, or none of them.
+//! Output files of commands, which are written all together or not at all.
 //!
-//! They are written into a private folder beside their places, forced to the disk, and renamed when the last is there: whenever a
-//! process ends, and whatever goes wrong, each file is the old one or the new one. Where one cannot be renamed, those before it are
-//! put back. That they can be written is tried before the work. (The tiles of a store are written one by one: see [`store`](crate::store).)
+//! The files are written into a private folder in the target folder, forced to disk, and renamed once the last one is complete. If a process ends or
+//! fails at any time, each file is the old or the new one. If a file cannot be renamed, the previous ones are restored. Whether files can be written
+//! is tested before the computation. (The tiles of a store are written one by one: see [`store`](crate::store).)
 
 use onset_umat::PrivateFolder;
 use std::ffi::{OsStr, OsString};
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use thiserror::Error;
 
-/// How the names of the folders begin in which files wait for each other.
+/// Prefix of the folders in which files wait for each other.
 pub(crate) const STAGE: &str = ".onset-unfinished-";
 
 /// A file that cannot be written, and why.
@@ -21,11 +21,11 @@ pub(crate) const STAGE: &str = ".onset-unfinished-";
 pub struct OutputError {
     /// The file or the folder.
     pub path: PathBuf,
-    /// What the operating system says.
+    /// Error of the operating system.
     pub source: io::Error,
 }
 
-/// What can be done about it.
+/// Hint for an error of the operating system.
 fn hint(error: &io::Error) -> &'static str {
     match error.kind() {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
@@ -41,45 +41,45 @@ fn hint(error: &io::Error) -> &'static str {
     }
 }
 
-/// Files by name, in the order in which they are told.
+/// Files by name, in the order in which they are listed.
 pub type Files = Vec<(OsString, Vec<u8>)>;
 
-/// A text as a file.
+/// Returns a text as a file.
 pub fn text(name: impl AsRef<OsStr>, text: impl Into<Vec<u8>>) -> (OsString, Vec<u8>) {
     (name.as_ref().to_owned(), text.into())
 }
 
-/// Folders that were made for files that are not there yet, the innermost first.
+/// Folders that were created for files that do not exist yet, the innermost first.
 static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn made_for_nothing() -> MutexGuard<'static, Vec<PathBuf>> {
     MADE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes all folders that were made for files that are not there yet. For a process that is about to end where values are not
-/// dropped, as on a signal; it can make none afterwards.
+/// Removes all folders that were created for files that do not exist yet. For a process that ends without dropping values, as on a signal; no folder
+/// can be created afterwards.
 pub fn end_all() {
     let made = made_for_nothing();
     for folder in made.iter() {
-        // It stays where it is not empty.
+        // A folder that is not empty stays.
         let _ = fs::remove_dir(folder);
     }
     std::mem::forget(made);
 }
 
-/// A place for files that belong together.
+/// Target folder for files that belong together.
 #[derive(Debug)]
 pub struct Output {
     folder: PathBuf,
-    /// Folders that were made for it, the innermost first.
+    /// Folders that were created for it, the innermost first.
     made: Vec<PathBuf>,
 }
 
 impl Output {
-    /// Makes a folder where it is missing, and tries whether files of some names can be written there.
+    /// Creates a folder if it is missing, and tests whether files with some names can be written there.
     ///
     /// # Errors
-    /// [`OutputError`] with what is in the way.
+    /// [`OutputError`] with the file or folder that prevents writing.
     pub fn at<S: AsRef<OsStr>>(folder: &Path, names: &[S]) -> Result<Self, OutputError> {
         let output = {
             let mut all = made_for_nothing();
@@ -90,7 +90,7 @@ impl Output {
                 folder: folder.to_owned(),
                 made,
             };
-            // What was made of it is removed, which asks for the list again.
+            // On an error `output` is dropped and removes the new folders, which locks the list.
             drop(all);
             created.map_err(failed(folder))?;
             output
@@ -102,10 +102,10 @@ impl Output {
         Ok(output)
     }
 
-    /// Writes files, replacing those that are there; returns their paths. A link in the place of one is replaced, not followed.
+    /// Writes files, replacing existing ones; returns their paths. An existing link is replaced, not followed.
     ///
     /// # Errors
-    /// [`OutputError`] with the first that cannot be written. The others are then as they were, as far as the file system knows hard
+    /// [`OutputError`] with the first file that cannot be written. The other files are then restored, provided that the file system supports hard
     /// links and does not fail again.
     pub fn write(mut self, files: &Files) -> Result<Vec<PathBuf>, OutputError> {
         let stage = self.stage()?;
@@ -124,7 +124,7 @@ impl Output {
         }
         made_for_nothing().retain(|folder| !self.made.contains(folder));
         self.made.clear();
-        // The names, too, shall outlive a loss of power. Systems that do not know how to are no reason to fail.
+        // The directory entries should survive a loss of power too. Systems without this function are no reason to fail.
         let _ = File::open(&self.folder).and_then(|folder| folder.sync_all());
         Ok(prepared.into_iter().map(|(_, to)| to).collect())
     }
@@ -133,7 +133,7 @@ impl Output {
         PrivateFolder::new(&self.folder, STAGE).map_err(failed(&self.folder))
     }
 
-    /// Writes a file that waits for the others; where it is, and where it belongs.
+    /// Writes a file into the private folder; returns this path and the final one.
     fn prepare(
         &self,
         stage: &PrivateFolder,
@@ -155,7 +155,7 @@ impl Output {
             .and_then(|permissions| {
                 let mut file = File::create_new(&from)?;
                 file.write_all(bytes)?;
-                // Whoever could not read the old file shall not read the new one.
+                // Users without access to the old file get none to the new one.
                 permissions.map_or(Ok(()), |permissions| file.set_permissions(permissions))?;
                 file.sync_all()
             })
@@ -164,18 +164,18 @@ impl Output {
     }
 }
 
-/// What was at the place of a file before it came there.
+/// Previous content at the path of a file.
 enum Before<'a> {
     Nothing(&'a Path),
-    /// A file, which has another name until all are renamed.
+    /// Existing file, kept under another name until all files are renamed.
     Kept(&'a Path, PathBuf),
-    /// A file that can have no other name: on some file systems none can.
+    /// Existing file without a second name, because the file system has no hard links.
     Gone,
 }
 
 impl<'a> Before<'a> {
     fn of(place: &'a Path, stage: &PrivateFolder, number: usize) -> Self {
-        // No file has such a name: theirs have none that begins with a blank.
+        // The name cannot collide with a staged file, because their names do not begin with a blank.
         let kept = stage.path().join(format!(" {number}"));
         match fs::hard_link(place, &kept) {
             Ok(()) => Self::Kept(place, kept),
@@ -184,7 +184,7 @@ impl<'a> Before<'a> {
         }
     }
 
-    /// Nothing more can be done where that fails too.
+    /// Restores the previous content. If this fails as well, nothing more can be done.
     fn put_back(self) {
         let _ = match self {
             Self::Nothing(place) => fs::remove_file(place),
@@ -195,29 +195,29 @@ impl<'a> Before<'a> {
 }
 
 impl Drop for Output {
-    /// Folders that were made for nothing are removed.
+    /// Removes folders that were created but not used.
     fn drop(&mut self) {
         if self.made.is_empty() {
             return;
         }
         let mut all = made_for_nothing();
         for folder in &self.made {
-            // It stays where it is not empty.
+            // A folder that is not empty stays.
             let _ = fs::remove_dir(folder);
         }
         all.retain(|folder| !self.made.contains(folder));
     }
 }
 
-/// Writes files into a folder that is made where it is missing; returns their paths.
+/// Writes files into a folder, which is created if it is missing; returns their paths.
 ///
 /// # Errors
-/// As for [`Output::at`] and [`Output::write`].
+/// Fails like [`Output::at`] and [`Output::write`].
 pub fn write(folder: &Path, files: &Files) -> Result<Vec<PathBuf>, OutputError> {
     Output::at::<&str>(folder, &[])?.write(files)
 }
 
-/// The folders of a path that are not there, the innermost first.
+/// Folders of a path that do not exist, the innermost first.
 fn missing(folder: &Path) -> Vec<PathBuf> {
     let all = folder
         .ancestors()

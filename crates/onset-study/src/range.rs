@@ -1,9 +1,11 @@
 //! Values of a setting over a range.
 
-/// The smallest positive value over the largest, where a range begins at zero.
-const SMALLEST: f64 = 1e-4;
+/// Ratio of the smallest positive value to the largest one, for ranges that begin at zero.
+const SMALLEST_RATIO: f64 = 1e-4;
 
-/// So many values from `low` to `high`: evenly in the logarithm, with zero before them where the range begins there; evenly where it begins below.
+/// Distributes values from `low` to `high`.
+///
+/// The spacing is logarithmic if `low` is positive. If `low` is zero, the logarithmic values follow zero; if it is negative, the spacing is linear.
 ///
 /// ```
 /// use onset_study::range::spread;
@@ -20,17 +22,17 @@ pub fn spread([low, high]: [f64; 2], count: usize) -> Vec<f64> {
     } else if low > 0.0 {
         (0..count).map(powers(low)).collect()
     } else {
-        let positive = (0..count).map(powers(SMALLEST * high));
+        let positive = (0..count).map(powers(SMALLEST_RATIO * high));
         std::iter::once(0.0).chain(positive).collect()
     };
-    // The ends of the range are what was asked for, to the last digit.
+    // The ends of the range are exactly the requested ones.
     if let [first, .., end] = &mut values[..] {
         (*first, *end) = (low, high);
     }
     values
 }
 
-/// The value in the middle: of positive ones that of their logarithms.
+/// Returns the midpoint of two values, geometric if both are positive.
 pub fn middle(low: f64, high: f64) -> f64 {
     match low > 0.0 && high > 0.0 {
         true => low.sqrt() * high.sqrt(),

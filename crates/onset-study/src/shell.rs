@@ -1,9 +1,9 @@
-//! Words of commands that are printed to be typed again.
+//! Quoting of words in commands that are printed for the user.
 
 use std::ffi::OsStr;
 use std::path::Path;
 
-/// A word as a shell (POSIX) needs it to hand over just this.
+/// Quotes a word for a POSIX shell.
 ///
 /// ```
 /// use onset_study::shell::quoted;
@@ -17,7 +17,7 @@ pub fn quoted(word: &OsStr) -> String {
         Some(text) if !text.chars().any(char::is_control) => {
             format!("'{}'", text.replace('\'', r"'\''"))
         }
-        // What is no text, or would command the terminal, is written in numbers.
+        // Words that are not valid text, or contain control characters, are written with escape sequences.
         _ => {
             let byte = |byte: &u8| match byte {
                 b'\'' | b'\\' => format!("\\{}", char::from(*byte)),
@@ -30,7 +30,7 @@ pub fn quoted(word: &OsStr) -> String {
     }
 }
 
-/// A file as an argument, which no program takes for an option.
+/// Quotes a file name so that no program takes it for an option.
 pub fn quoted_file(path: &Path) -> String {
     if path.as_os_str().as_encoded_bytes().starts_with(b"-") {
         quoted(Path::new(".").join(path).as_os_str())
@@ -74,7 +74,7 @@ mod tests {
         .to_vec();
         words.push(OsString::from_vec((1..=255).collect()));
         for word in words {
-            // Words in $'' are read by bash, zsh and those that follow POSIX of 2024.
+            // bash, zsh and other shells that follow POSIX 2024 read words in `$''`.
             let output = Command::new("bash")
                 .args(["-c", &format!("printf %s {}", quoted(&word))])
                 .env("LC_ALL", "C")

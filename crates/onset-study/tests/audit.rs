@@ -1,4 +1,4 @@
-//! `onset_study::audit` on laws whose answers are known.
+//! Tests of `onset_study::audit` on laws with known answers.
 
 use onset::kinematics::DeformationGradient;
 use onset_study::audit::{Audit, Outcome, states};
@@ -52,7 +52,7 @@ fn a_state_without_stress_is_compared_with_the_stiffness() {
         let symmetry = audit.checks.iter().find(|c| c.name == "material symmetry");
         assert_eq!(symmetry.expect("a check").finding, "isotropic");
     }
-    // What depends on the observer is found at a state without stress as well.
+    // Dependence on the observer is also found at a stress-free state.
     let audit = of_energy("(F11-1)^2+(F22-1)^2+(F33-1)^2+F12^2", &undeformed);
     assert_eq!(outcome(&audit, "objectivity"), Outcome::Failed);
     assert_finite(&audit);

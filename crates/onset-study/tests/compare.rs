@@ -1,4 +1,4 @@
-//! Methods side by side: tables, ranking, and the files that come with the program.
+//! Tests of comparisons: tables, ranking, and the comparison files of the program.
 
 use onset::measures::{DispersionError, Extent, Fidelity, Load, OnsetPair, StretchOnset};
 use onset_study::compare::{Measured, PANELS, Row, Table, Thresholds, WAVELENGTHS, recommended};
@@ -6,7 +6,7 @@ use onset_study::modes::{Fit, ModesAnswer, ModesQuestion, ShownMode};
 use onset_study::settings::{CompareSettings, Comparison, Settings};
 use onset_study::tune::TuneQuestion;
 
-/// What a faithful method would be told.
+/// Measures of a faithful method.
 fn good() -> Measured {
     Measured {
         zero_modes: 0,
@@ -83,7 +83,7 @@ fn each_rule_excludes_what_it_says() {
     assert_eq!(with(|m| m.fidelity.false_instability = 0.006), Some(3));
     assert_eq!(with(|m| m.fidelity.suppressed_instability = 0.006), Some(4));
     assert_eq!(with(|m| m.long_wave_error = 0.06), Some(5));
-    // What is outside of the law's domain is not the method's fault.
+    // The method is not at fault if the law is undefined.
     assert_eq!(with(|m| m.fidelity.outside_law = 0.5), None);
 }
 
@@ -193,7 +193,7 @@ fn wave_vectors_are_told_as_fractions_where_they_are() {
         };
         mode.place()
     };
-    // Opposite ones are the same, and so are those that differ by a reciprocal vector.
+    // Opposite wave vectors are equivalent, and so are those that differ by a reciprocal vector.
     assert_eq!(at(&[0.5, -1.0 / 3.0]), "(1/2, 1/3)");
     assert_eq!(at(&[0.0, 1.0, 5.0 / 12.0]), "(0, 1, 5/12)");
     assert_eq!(at(&[0.123456]), "(0.1235)");
@@ -212,7 +212,7 @@ fn the_values_of_a_coefficient_begin_and_end_where_the_range_does() {
         assert_eq!((all[0], all[all.len() - 1]), (low, high));
         assert!(all.windows(2).all(|pair| pair[0] < pair[1]), "{all:?}");
     }
-    // Evenly in the logarithm.
+    // Evenly spaced in the logarithm.
     let all = values(0.0, 1.0);
     assert_eq!(all.len(), 14);
     assert!((all[1] - 1e-4).abs() < 1e-18);
@@ -222,7 +222,7 @@ fn the_values_of_a_coefficient_begin_and_end_where_the_range_does() {
 #[test]
 fn every_method_of_the_comparisons_of_the_program_is_measured() {
     for (dimension, (name, text)) in PANELS.iter().enumerate() {
-        // A few states are enough here.
+        // A few states suffice here.
         let comparison =
             Comparison::parse(name, text, &["compare.states=2"]).expect("a comparison");
         assert_eq!(comparison.dimension(), dimension + 1);
@@ -285,7 +285,7 @@ fn a_mode_is_exported_as_large_as_asked() {
         };
         let size = largest(&mode.displacements);
         assert!((size - 0.05).abs() < 1e-9, "{size}");
-        // At the edges of the zone modes stand.
+        // At the edges of the zone modes are standing waves.
         assert!(largest(&mode.quarter) < 1e-9);
         assert_eq!(mode.csv().lines().count(), 17);
     }

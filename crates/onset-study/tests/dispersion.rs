@@ -1,9 +1,9 @@
-//! Dispersion diagrams show every instability, whatever the lattice, the method and the state.
+//! Dispersion diagrams show every instability, for any lattice, method and state.
 
 use onset_study::answers::{Diagram, Problem, ProblemError, StateAnswer, Strain};
 use onset_study::settings::Settings;
 
-/// Numbers from 0 to 1 (Knuth's linear congruence).
+/// Pseudorandom numbers from 0 to 1 (Knuth's linear congruential generator).
 struct Random(u64);
 
 impl Random {
@@ -28,7 +28,7 @@ fn problem(assignments: &[String]) -> Result<Problem, ProblemError> {
     Problem::new(Settings::from_assignments(assignments)?)
 }
 
-/// Discretizations of several families, with what their instabilities depend on drawn at random.
+/// Discretizations of several families; settings that affect their instabilities are drawn at random.
 fn drawn(random: &mut Random) -> Vec<String> {
     let methods: &[&[&str]] = &[
         &["method=kernel", "frame=lagrangian"],
@@ -73,7 +73,7 @@ fn drawn(random: &mut Random) -> Vec<String> {
     assignments
 }
 
-/// A state with stretches, and a shear now and then.
+/// A state with stretches, and sometimes a shear.
 fn state(random: &mut Random, dimension: usize) -> Result<Strain, ProblemError> {
     let mut stretch = || random.between(0.75, 1.5);
     let stretches = [stretch(), stretch(), stretch()];

@@ -1,4 +1,4 @@
-//! Figures as files: what the SVG says, what the PNG holds, and what neither may contain.
+//! Tests of figure files: the text of the SVG, the pixels of the PNG, and values that must never appear.
 
 use onset_study::figure::{
     Arrows, Axis, Field, Figure, FigureError, Label, LegendEntry, Line, Marker, Panel, Points,
@@ -22,7 +22,7 @@ fn square(values: impl Fn(f64, f64) -> f64, cells: usize) -> Vec<f64> {
     (0..cells * cells).map(cell).collect()
 }
 
-/// The lines of text of a well-formed SVG; fails on XML that is not, and on references that lead nowhere.
+/// The lines of text of a well-formed SVG; fails on malformed XML and on dangling references.
 fn texts(svg: &str) -> Vec<String> {
     let document = roxmltree::Document::parse(svg).expect("well-formed XML");
     let ids: HashSet<_> = document
@@ -78,7 +78,7 @@ fn size_of(svg: &str) -> (f64, f64) {
     (number("width"), number("height"))
 }
 
-/// What must never be written, whatever the data.
+/// Checks that the SVG contains no number that is not finite.
 fn assert_finite(svg: &str) {
     for word in ["NaN", "inf", "Infinity"] {
         assert!(!svg.contains(word), "the SVG contains {word}");
@@ -190,7 +190,7 @@ fn a_nan_breaks_a_line() {
     };
     assert_eq!(moves((0.3, 0.2)), 1);
     assert_eq!(moves((0.3, f64::NAN)), 2);
-    // A detour beyond the panel is cut away.
+    // A detour outside the panel is clipped.
     assert_eq!(moves((0.3, 9.0)), 2);
 }
 
@@ -203,7 +203,7 @@ fn empty_figures_panels_and_layers_can_be_drawn() {
         .with(Points::new(Vec::new()))
         .with(Arrows::new(Vec::new(), Vec::new()))
         .with(Label::new((0.5, 0.5), ""))
-        // Fewer, and more, cells than the grid has.
+        // Fewer and more cells than the grid has.
         .with(Regions::of_words(UNIT, UNIT, (3, 3), ["stable"; 4]))
         .with(Regions::of_words(UNIT, UNIT, (1, 1), ["stable"; 4]))
         .with(Field::new(UNIT, UNIT, (0, 5), vec![1.0; 3], "v"));
@@ -264,7 +264,7 @@ fn a_map_fills_its_share_of_the_panel_without_seams() {
     assert_eq!(legend.len(), 2, "only classes that occur: {legend:?}");
     let image = decode(&figure.to_png().unwrap());
     let count = |word| image.count(palette::verdict(word).unwrap()) as f64;
-    // A panel of 300 pixels at twice the resolution, less its frame, plus two patches in the legend.
+    // The panel has 300 pixels at twice the resolution, less its frame; the legend adds two patches.
     assert!(
         (count("numerical") / (150.0 * 600.0) - 1.0).abs() < 0.02,
         "{}",
@@ -402,7 +402,7 @@ fn a_pdf_holds_the_outlines_of_the_svg() {
         "dashes"
     );
     assert!(!content.contains("NaN") && !content.contains("inf"));
-    // As wide as the SVG, 72 points and 96 pixels an inch.
+    // As wide as the SVG; an inch has 72 points and 96 pixels.
     let svg = figure.to_svg();
     let width = svg
         .split("width=\"")

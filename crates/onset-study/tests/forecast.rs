@@ -1,4 +1,4 @@
-//! What a map is said to cost is what it costs.
+//! The forecast cost of a map is close to its actual cost.
 
 use onset_study::map::{Forecast, Plan, Watch};
 use onset_study::settings::Study;
@@ -23,7 +23,7 @@ fn study(text: &str) -> Study {
     Study::parse("study.toml", text).expect("a study")
 }
 
-/// The states that a map computes.
+/// Number of states that a map computes.
 fn counted(study: &Study, name: &str) -> u64 {
     let plan = Plan::new(study).expect("a plan");
     let path: PathBuf =
@@ -99,7 +99,7 @@ fn the_states_of_an_adaptive_map_are_known_to_within_a_factor_of_one_and_a_half(
             "{name}: {} foretold, {counted} computed",
             forecast.evaluations
         );
-        // Not all of them: otherwise nothing is foretold.
+        // Some states must be filled in, or the forecast would be trivial.
         assert!(
             counted < study.states() as u64 * 9 / 10,
             "{name}: {counted}"

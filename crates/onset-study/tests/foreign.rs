@@ -1,10 +1,10 @@
-//! Blocks of other programs, each against the energy that its manual states, typed here a second time.
+//! Blocks of other programs, compared with the energies in their manuals, which are implemented here independently.
 
 use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
 use onset_study::settings::{MaterialSettings, Program, law_from, law_of};
 
-/// The material of a block, with assignments beside it.
+/// Builds the material of a block with additional assignments.
 fn read(program: Program, block: &str, beside: &[&str]) -> Box<dyn Hyperelastic> {
     let beside: Vec<String> = beside.iter().map(|text| (*text).to_owned()).collect();
     let reading = law_from(program, "a block", block, &beside).expect("a law");
@@ -104,7 +104,7 @@ fn polynomials_of_abaqus() {
     }
 }
 
-/// `sum 2 mu_i/alpha_i^2 (sum lbar^alpha_i - 3)` of Abaqus, `sum mu_i/alpha_i (...)` of ANSYS.
+/// Ogden's law: `sum 2 mu_i/alpha_i^2 (sum lbar^alpha_i - 3)` in Abaqus, `sum mu_i/alpha_i (...)` in ANSYS.
 #[test]
 fn ogden_in_two_conventions() {
     let ogden = |f: &DeformationGradient, terms: &[(f64, f64)]| {
@@ -139,7 +139,7 @@ fn ogden_in_two_conventions() {
     });
 }
 
-/// `2 mu/alpha^2 (sum l^alpha - 3 + (J^(-alpha beta) - 1)/beta)` of Abaqus with Poisson's ratios, `mu/alpha (...)` of ANSYS with `beta`.
+/// Foams: `2 mu/alpha^2 (sum l^alpha - 3 + (J^(-alpha beta) - 1)/beta)` in Abaqus with Poisson's ratios, `mu/alpha (...)` in ANSYS with `beta`.
 #[test]
 fn foams_in_two_conventions() {
     let foam = |f: &DeformationGradient, factor: f64, alpha: f64, beta: f64| {
@@ -165,8 +165,8 @@ fn foams_in_two_conventions() {
     });
 }
 
-/// Kilian's energy as Abaqus has it, `mu (-(lm^2 - 3)(ln(1 - h) + h) - 2/3 a ((I - 3)/2)^(3/2)) + ((J^2 - 1)/2 - ln J)/D`; the shear modulus at rest
-/// is `mu`.
+/// Kilian's energy as in Abaqus, `mu (-(lm^2 - 3)(ln(1 - h) + h) - 2/3 a ((I - 3)/2)^(3/2)) + ((J^2 - 1)/2 - ln J)/D`. The shear modulus in the
+/// reference configuration is `mu`.
 #[test]
 fn van_der_waals_of_abaqus() {
     let law = read(
@@ -186,7 +186,7 @@ fn van_der_waals_of_abaqus() {
     assert!((shear / 0.434 - 1.0).abs() < 1e-6, "{shear}");
 }
 
-/// Gasser, Ogden and Holzapfel, J. R. Soc. Interface 3 (2006) 15: `E = k (I1bar - 3) + (1 - 3 k)(I4bar - 1)`, where it is positive.
+/// Gasser, Ogden and Holzapfel, J. R. Soc. Interface 3 (2006) 15: `E = k (I1bar - 3) + (1 - 3 k)(I4bar - 1)`, if it is positive.
 #[test]
 fn dispersed_fibers_of_abaqus() {
     let block = "*ANISOTROPIC HYPERELASTIC, HOLZAPFEL, LOCAL DIRECTIONS=2\n7.64, 0.02, 996.6, 0.5246, 0.226\n";
@@ -250,7 +250,7 @@ fn tables_of_ansys() {
     );
 }
 
-/// A block is the law, whatever the defaults of the library; what the user sets beside it counts.
+/// A block determines the law for any defaults of the library; additional settings of the user take precedence.
 #[test]
 fn nothing_of_the_defaults_is_left_and_settings_beside_a_block_count() {
     let one = law_from(
@@ -293,8 +293,8 @@ fn nothing_of_the_defaults_is_left_and_settings_beside_a_block_count() {
     );
 }
 
-/// `P11`, `P21`, `P33` at the first state as felupe 11.3.0 and hyperelastic 0.10.2 compute them, `bulk = 50`. Where these take eigenvalues, which they
-/// perturb, the numbers are those of the documented energies with 30 digits, which felupe meets to 6e-7.
+/// `P11`, `P21`, `P33` at the first state as felupe 11.3.0 and hyperelastic 0.10.2 compute them, with `bulk = 50`. These packages perturb
+/// eigenvalues; where they use them, the numbers come from the documented energies with 30 digits, which felupe reproduces to 6e-7.
 #[test]
 fn models_of_python_packages_have_the_stress_that_these_compute() {
     let volume = "fem.Volumetric(bulk=50.0)";
@@ -379,7 +379,7 @@ fn models_of_python_packages_have_the_stress_that_these_compute() {
     }
 }
 
-/// "The sum of the moduli mu_i is equal to the initial shear modulus", says felupe of Ogden's law; Abaqus' convention is the same one.
+/// "The sum of the moduli mu_i is equal to the initial shear modulus", says felupe of Ogden's law; Abaqus uses the same convention.
 #[test]
 fn moduli_of_ogden_in_felupe_add_up_to_the_shear_modulus() {
     let text = "fem.Hyperelastic(fem.ogden, mu=[1.0, 0.2], alpha=[1.7, -1.5])";
@@ -437,14 +437,14 @@ fn what_python_packages_do_not_say_is_refused_with_the_place() {
     }
 }
 
-/// The nominal stress of a test whose second direction is the free one, `P_11 - P_33 F_33/F_11`, at constant volume.
+/// Nominal stress of a test with a traction-free second direction, `P_11 - P_33 F_33/F_11`, at constant volume.
 fn nominal(law: &dyn Hyperelastic, stretches: [f64; 3]) -> f64 {
     let f = DeformationGradient::from_stretches(stretches).expect("stretches");
     let p = law.response(&f).expect("finite").first_piola;
     p[(0, 0)] - p[(2, 2)] * stretches[2] / stretches[0]
 }
 
-/// Marlow's energy meets its table, and between the points of a neo-Hookean table it is neo-Hooke's; its tangent has no jumps.
+/// Marlow's energy reproduces its table. Between the points of a neo-Hookean table it is neo-Hookean, and its tangent is continuous.
 #[test]
 fn a_table_of_abaqus_is_met_by_marlows_energy() {
     let (c10, c20, c30) = (0.2, -2e-3, 5e-5);
@@ -474,7 +474,7 @@ fn a_table_of_abaqus_is_met_by_marlows_energy() {
                 (found / stress(*l) - 1.0).abs() < 1e-9,
                 "{name} {l}: {found}"
             );
-            // Between the points the cubic is near the polynomial of second order.
+            // Between the points the cubic is close to the quadratic polynomial.
             if (3..36).contains(&n) {
                 let between = l + 0.05;
                 let found = nominal(&*law, course(between));
@@ -484,7 +484,7 @@ fn a_table_of_abaqus_is_met_by_marlows_energy() {
                 );
             }
         }
-        // On both sides of a point the tangent is the same.
+        // The tangent is the same on both sides of a point.
         let tangent = |l: f64| {
             let f = DeformationGradient::from_stretches(course(l)).expect("stretches");
             law.response(&f).expect("finite").tangent[(0, 0, 0, 0)]
@@ -507,7 +507,7 @@ fn a_table_of_abaqus_is_met_by_marlows_energy() {
     });
 }
 
-/// A table is as long as a test records; a neo-Hookean one of 1,000 points has its shear modulus.
+/// A table may be as long as a test records; a neo-Hookean table of 1,000 points has the right shear modulus.
 #[test]
 fn a_table_of_many_points_is_a_law_and_its_note_is_short() {
     let rows: String = (1..=1000)
@@ -525,7 +525,7 @@ fn a_table_of_many_points_is_a_law_and_its_note_is_short() {
     assert!((shear / 0.6 - 1.0).abs() < 1e-6, "{shear}");
 }
 
-/// Prony series of 0.3: 1/(1 - 0.3) of long-term moduli, 1 - 0.3 of instantaneous ones.
+/// Prony series with a sum of 0.3: factor `1/(1 - 0.3)` for long-term moduli, `1 - 0.3` for instantaneous moduli.
 #[test]
 fn what_is_not_read_of_a_deck_is_named_with_its_line() {
     let deck = "*MATERIAL, NAME=A\n*HYPERELASTIC, MOONEY-RIVLIN\n0.4, 0.1, 0.02\n*VISCOELASTIC, TIME=PRONY\n0.3, 0., 0.1\n\

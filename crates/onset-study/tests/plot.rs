@@ -1,4 +1,4 @@
-//! Figures of stored maps.
+//! Tests of the figures of stored maps.
 
 use onset_study::figure::{Layer, Panel, Symbol};
 use onset_study::map::{Part, Plan, Watch};
@@ -31,7 +31,7 @@ impl Place {
         Self(place)
     }
 
-    /// The store of a study, of which the first tiles are computed.
+    /// Creates the store of a study with its first tiles computed.
     fn store(&self, name: &str, text: &str, tiles: usize) -> PathBuf {
         let study = Study::parse("study.toml", text).expect("a study");
         let plan = Plan::new(&study).expect("a plan");
@@ -240,7 +240,7 @@ fn what_is_rounding_is_drawn_as_zero() {
         let Layer::Field(field) = &figure.panels[0].layers[0] else {
             panic!("no field");
         };
-        // Where the material is elliptic, the minimum is that of a zero-energy mode.
+        // Where the material is elliptic, the minimum belongs to a zero-energy mode.
         assert!(field.values.contains(&0.0), "{name}");
         let is_noise = |value: &&f64| **value != 0.0 && value.abs() < 1e-11;
         assert_eq!(field.values.iter().filter(is_noise).count(), 0, "{name}");
@@ -294,7 +294,7 @@ fn several_discretizations_are_overlaid_on_the_domain_of_their_material() {
         .map(|entry| entry.symbol)
         .collect();
     assert_ne!(lines[0], lines[1]);
-    // What they have in common is said once.
+    // Shared settings are printed once.
     let caption = &figure.caption;
     assert_eq!(
         caption.matches("Material: modified-mooney-rivlin").count(),
@@ -324,7 +324,7 @@ fn several_discretizations_are_overlaid_on_the_domain_of_their_material() {
     );
 }
 
-/// Counts the states that are asked.
+/// Counts the states that are evaluated.
 #[derive(Default)]
 struct Asked(std::sync::atomic::AtomicU64);
 
@@ -360,7 +360,7 @@ fn the_boundaries_of_a_map_that_varies_the_method_are_taken_from_its_cells() {
             .iter()
             .any(|name| name == "boundary of the discretization")
     );
-    // Those of a method at stretches are traced.
+    // The boundaries of one method over stretches are traced.
     let store = place.store("b", &study("one", ""), 100);
     let (figure, asked) = drawn_best(store.clone());
     assert!(asked > 1000);
@@ -413,7 +413,7 @@ fn a_figure_looks_as_it_is_asked_to() {
         (field.range, field.map),
         (Some((-1.0, 0.25)), ColorMap::Cividis)
     );
-    // Equibiaxial stretches are as high as they are wide, and no higher than asked.
+    // With equibiaxial stretches the panel is as high as wide, and not higher than requested.
     let svg = figure.to_svg();
     let usual = onset_study::figure::Figure {
         panel_size: None,

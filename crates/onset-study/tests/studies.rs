@@ -1,4 +1,4 @@
-//! The studies that are kept in `studies/`, and the schema beside them.
+//! Tests of the studies in `studies/`, and of the schema next to them.
 
 use onset_study::settings::{
     BODY_KEYS, COMPARISON_KEYS, GRIP_KEYS, Key, Quantity, Study, schema, study_keys,
@@ -11,7 +11,7 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies")
 }
 
-/// Every kept study: its name and its text.
+/// Name and text of every study in the folder.
 fn kept() -> Vec<(String, String)> {
     let entries = std::fs::read_dir(folder()).expect("studies/");
     let mut studies: Vec<(String, String)> = entries
@@ -30,8 +30,8 @@ fn kept() -> Vec<(String, String)> {
     studies
 }
 
-/// What an editor complains about in each document, by an independent implementation of JSON Schema in Python, which also checks
-/// that the schema is one; nothing where there is no interpreter.
+/// Errors that an editor would show in each document, from an independent implementation of JSON Schema in Python, which also validates the schema
+/// itself; `None` without an interpreter.
 fn complaints(documents: &[&str]) -> Option<Vec<Vec<String>>> {
     let Some(python) = std::env::var_os("ONSET_PYTHON") else {
         eprintln!(
@@ -143,7 +143,7 @@ fn what_the_schema_refuses_is_refused_by_the_program_too() {
 fn the_book_has_every_key_of_a_study() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../book/src/how-to/study.md");
     let page = std::fs::read_to_string(page).expect("the page on studies");
-    // The page on materials has the parameters of the laws.
+    // The page on materials lists the parameters of the laws.
     let keys_of_page = || study_keys().filter(|key| !key.is_parameter());
     for key in keys_of_page() {
         let expects = match key.name {
@@ -238,13 +238,13 @@ fn the_book_has_every_law_as_the_library_describes_it() {
     assert_eq!(of_page.count(), rows, "the page has a row too many");
 }
 
-/// Folders of what is built, and of tools.
+/// Folders with build products or tools.
 fn is_left_out(name: &str) -> bool {
     let is_hidden = name.starts_with('.') && ![".github", ".ci", ".cargo"].contains(&name);
     name == "target" || is_hidden
 }
 
-/// Links are lost where files are copied, and are texts on Windows.
+/// Links are lost when files are copied, and are plain text on Windows.
 #[test]
 fn no_file_of_the_repository_is_a_link() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
@@ -267,7 +267,7 @@ fn no_file_of_the_repository_is_a_link() {
     assert!(files > 500, "{files} files");
 }
 
-/// What is compiled in, and what each package needs of its own, is what stands in the folders that a reader looks into.
+/// Files that are compiled in, or that a package needs, are copies of the files in the folders of the repository.
 #[test]
 fn copies_are_the_same_as_their_originals() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
@@ -358,7 +358,7 @@ fn every_key_that_the_book_names_exists() {
         let lines: Vec<&str> = text.lines().collect();
         for (n, line) in lines.iter().enumerate() {
             is_code ^= line.starts_with("```");
-            // The table of earlier names has them.
+            // The table of earlier names contains them.
             if is_code || (page.ends_with("words.md") && line.starts_with('|')) {
                 continue;
             }
@@ -380,7 +380,7 @@ fn every_key_that_the_book_names_exists() {
                     looked_at += 1;
                 }
             }
-            // A table of the words of a key has the key in its heading.
+            // A table of the words of a key names the key in its heading.
             let is_heading = lines
                 .get(n + 1)
                 .is_some_and(|next| next.starts_with("|---"));

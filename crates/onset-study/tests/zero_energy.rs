@@ -1,4 +1,4 @@
-//! Zero-energy modes are a verdict, whatever the method, the frame and the stress.
+//! Zero-energy modes are a verdict for any method, frame and stress.
 
 use onset::verdict::Verdict;
 use onset_study::answers::{Problem, StateAnswer, Strain};
@@ -61,7 +61,7 @@ fn a_softest_wave_without_strain_is_no_stability() {
     }
 }
 
-/// A stable state whose softest mode strains no point is not called stable.
+/// Checks that a stable state is not called stable if its softest mode has no strain at any quadrature point.
 fn assert_not_stable_without_gradient(answer: &StateAnswer, what: &str) {
     let d = &answer.discretization;
     let is_finite = d.minimum_scaled_wave_vector.iter().any(|x| *x != 0.0);

@@ -1,23 +1,23 @@
-//! Names that people type, and what they are called here: taken where they are unambiguous, and told where they are not.
+//! Common other names of keys and words: accepted if they are unambiguous, explained if not.
 
 use super::error::nearest;
 use super::{Key, Kind, Origin, SettingError, Value};
 use std::borrow::Cow;
 
-/// What a word that is often typed stands for.
+/// Meaning of a common other name for a word.
 #[derive(Clone, Copy, Debug)]
 enum Meaning {
-    /// A word of the same key.
+    /// One word of the key.
     Is(&'static str),
-    /// A word of the same key, with words of other keys unless these are set.
+    /// One word of the key, with words of other keys unless the user sets these.
     With(&'static str, &'static [(&'static str, &'static str)]),
-    /// One of several words, of which the user chooses: with what each of them is.
+    /// Several words with explanations, for the user to choose from.
     OneOf(&'static [(&'static str, &'static str)]),
 }
 
 use Meaning::{Is, OneOf, With};
 
-/// A key, a word that is often typed for one of its values, and what it stands for.
+/// Key, other name for one of its words, and the meaning.
 const WORDS: &[(&str, &str, Meaning)] = &[
     (
         "discretization.method",
@@ -162,7 +162,7 @@ const WORDS: &[(&str, &str, Meaning)] = &[
     ("material.model", "hgo", Is("holzapfel-gasser-ogden")),
 ];
 
-/// A key that is often typed, and the one that it stands for.
+/// Other names of keys, with the key.
 const KEYS: &[(&str, &str)] = &[
     ("discretization.dx", "discretization.spacing"),
     ("discretization.dp", "discretization.spacing"),
@@ -170,7 +170,7 @@ const KEYS: &[(&str, &str)] = &[
     ("discretization.rho0", "discretization.density"),
 ];
 
-/// A key that is often typed and not taken, and what to say.
+/// Names that are not accepted as keys, with a hint.
 const HINTS: &[(&str, &str)] = &[
     (
         "h",
@@ -195,14 +195,16 @@ const HINTS: &[(&str, &str)] = &[
     ),
 ];
 
-/// The smoothing length over the spacing, by which the support can be set: `support = smoothing-length * R0/h` with the support radius
-/// `R0` over the smoothing length `h` of the kernel, 2 for the cubic spline.
+/// Key of the smoothing length over the spacing, another way to set the support.
+///
+/// `support = smoothing-length * R0/h` with the ratio of support radius
+/// `R0` to smoothing length `h` of the kernel, 2 for the cubic spline.
 pub(super) const SMOOTHING_LENGTH: &str = "discretization.smoothing-length";
 
-/// What a word that is typed for a key stands for, as the key spells it: `FCC` is `face-centered-cubic`, `neo_hooke` is `neo-hooke`.
+/// Replaces a word by the spelling of the key: `FCC` by `face-centered-cubic`, `neo_hooke` by `neo-hooke`.
 ///
 /// # Errors
-/// [`SettingError`] that names what a word may stand for where it is more than one.
+/// [`SettingError`] with the possible meanings if the word is ambiguous.
 pub(super) fn meant<'v>(
     key: &Key,
     value: &'v Value,
@@ -233,7 +235,7 @@ pub(super) fn meant<'v>(
     }
 }
 
-/// What else a word says: words of other keys, that hold unless these are set.
+/// Words of other keys that an alias implies, unless the user sets these keys.
 pub(super) fn companions(key: &Key, value: &Value) -> &'static [(&'static str, &'static str)] {
     match value {
         Value::Word(typed) => match known(key, typed) {
@@ -256,7 +258,7 @@ fn plain(word: &str) -> String {
     word.trim().to_ascii_lowercase().replace(['_', ' '], "-")
 }
 
-/// The names that a wrong word is compared with: those of the key, and those that people type.
+/// Word of the key that is most similar to a wrong word; other names are compared too.
 pub(super) fn nearest_word(key: &str, typed: &str, words: &[&'static str]) -> Option<&'static str> {
     let typed = plain(typed);
     let mut names: Vec<(&str, &'static str)> = words.iter().map(|word| (*word, *word)).collect();
@@ -275,7 +277,7 @@ pub(super) fn nearest_word(key: &str, typed: &str, words: &[&'static str]) -> Op
         .map(|(_, own)| *own)
 }
 
-/// The key that a name stands for.
+/// The key with this name or other name.
 pub(super) fn of_key(name: &str) -> &str {
     let mut known = KEYS.iter();
     known
@@ -283,7 +285,7 @@ pub(super) fn of_key(name: &str) -> &str {
         .map_or(name, |(_, own)| own)
 }
 
-/// The key by which a method sets what another key sets for other methods.
+/// Key of a method for the quantity that another key sets for other methods.
 pub(super) fn counterpart(key: &str, method: &str) -> Option<&'static str> {
     match (key, method) {
         ("discretization.support", "peridynamics") => Some("discretization.horizon"),
@@ -294,14 +296,14 @@ pub(super) fn counterpart(key: &str, method: &str) -> Option<&'static str> {
     }
 }
 
-/// What to say about a key that is often typed.
+/// Hint for a name that is not accepted.
 pub(super) fn hint(name: &str) -> Option<&'static str> {
     let own = name.rsplit('.').next()?;
     let mut known = HINTS.iter();
     Some(known.find(|(typed, _)| *typed == own)?.1)
 }
 
-/// Every word that is taken beside a key's own, with what it stands for; ambiguous ones are left out.
+/// All unambiguous other names of words: key, other name, and meaning.
 pub(crate) fn all() -> impl Iterator<Item = (&'static str, &'static str, String)> {
     WORDS.iter().filter_map(|(key, typed, meaning)| {
         let stands_for = match meaning {

@@ -2,16 +2,16 @@
 
 use super::{KEYS, Key, Kind, Units, units};
 
-/// What an axis varies.
+/// Quantity that an axis varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// A stretch by its number, 1 to 3: along the axes of the plane, and out of it.
     Stretch(usize),
     /// The amount of shear.
     Shear,
-    /// The angle of the lattice against the load; radians.
+    /// Angle of the lattice relative to the load; radians.
     Rotation,
-    /// A key that takes a number.
+    /// A key with a numeric value.
     Setting(&'static Key),
 }
 
@@ -33,7 +33,7 @@ impl Quantity {
             .chain(settings.map(Self::Setting))
     }
 
-    /// The quantity with a name.
+    /// Returns the quantity with this name, or `None`.
     pub fn of_name(name: &str) -> Option<Self> {
         let setting = || Key::named(name).filter(|key| key.is_varied());
         Self::OF_STATE
@@ -42,7 +42,7 @@ impl Quantity {
             .or_else(|| setting().map(Self::Setting))
     }
 
-    /// Its name in a study.
+    /// Name of the quantity in a study.
     pub fn name(self) -> &'static str {
         match self {
             Self::Stretch(1) => "stretch-1",
@@ -54,7 +54,7 @@ impl Quantity {
         }
     }
 
-    /// The key that sets it where no axis varies it.
+    /// Key that sets the quantity if no axis varies it.
     pub fn key_name(self) -> String {
         match self {
             Self::Setting(key) => key.name.to_owned(),
@@ -62,7 +62,7 @@ impl Quantity {
         }
     }
 
-    /// Its unit; `1` without dimension.
+    /// Unit or dimension of the quantity; `1` if dimensionless.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Rotation => "rad",
@@ -71,7 +71,7 @@ impl Quantity {
         }
     }
 
-    /// What its values must be, in words.
+    /// Description of the admissible values.
     pub fn expects(self) -> String {
         match self {
             Self::Rotation => "an angle from -2 pi to 2 pi (rad)".to_owned(),
@@ -81,7 +81,7 @@ impl Quantity {
         }
     }
 
-    /// Whether it can have a value.
+    /// Returns true if the quantity can have this value.
     pub fn admits(self, value: f64) -> bool {
         value.is_finite()
             && match self {
@@ -99,21 +99,21 @@ impl Quantity {
 /// An axis of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
-    /// What it varies.
+    /// Quantity that the axis varies.
     pub quantity: Quantity,
-    /// Its ends; the states lie in the middle of equal cells between them.
+    /// Ends of the axis; the states lie in the middle of equal cells between them.
     pub range: (f64, f64),
-    /// Number of states.
+    /// Number of states along the axis.
     pub count: usize,
 }
 
 impl Axis {
-    /// Its name in a study, for example `stretch-1` or `discretization.support`.
+    /// Name of the quantity in a study, for example `stretch-1` or `discretization.support`.
     pub fn name(&self) -> &'static str {
         self.quantity.name()
     }
 
-    /// What it varies as a figure says it, without the unit.
+    /// Title of the axis in a figure, without the unit.
     pub fn title(&self) -> &'static str {
         match self.quantity {
             Quantity::Stretch(1) => "stretch λ₁",
@@ -125,22 +125,22 @@ impl Axis {
         }
     }
 
-    /// Its label in a figure of a study in these units.
+    /// Label of the axis in a figure, with the unit.
     pub fn label(&self, units: Units) -> String {
         units.label(self.title(), self.unit())
     }
 
-    /// Its unit; `1` without dimension.
+    /// Unit or dimension of the axis; `1` if dimensionless.
     pub fn unit(&self) -> &'static str {
         self.quantity.unit()
     }
 
-    /// Its unit in SI; `None` where it has no dimension.
+    /// SI unit of the axis; `None` if dimensionless.
     pub fn si_unit(&self) -> Option<&'static str> {
         units::si(self.unit())
     }
 
-    /// The value of the state with a number: the middle of its cell.
+    /// Value of state `i`: the middle of its cell.
     pub fn coordinate(&self, i: usize) -> f64 {
         let (low, high) = self.range;
         low + (high - low) * (i as f64 + 0.5) / self.count as f64

@@ -1,4 +1,4 @@
-//! Which settings an error of a method or law is about.
+//! Attribution of errors of a method or law to settings.
 
 use super::{MaterialSettings, Origin, SettingError, Settings};
 use crate::methods::{hint, method};
@@ -8,7 +8,7 @@ use onset::material::{MaterialError, library};
 use onset::method::MethodError;
 use onset::quadrature::QuadratureError;
 
-/// The keys that an error is about, the first one that was set being to blame; none for what several settings make together.
+/// Keys that can cause an error, in order of precedence; empty if only a combination of settings causes it.
 fn keys_of(error: &MethodError) -> Vec<String> {
     let keys = |names: &[&str]| {
         let full = names.iter().map(|name| format!("discretization.{name}"));
@@ -21,7 +21,7 @@ fn keys_of(error: &MethodError) -> Vec<String> {
         }
         MethodError::Quadrature(error) => keys(of_quadrature(error)),
         MethodError::Material(error) => of_material(error),
-        // How many neighbors there are is made by the support, and how they lie by the lattice.
+        // The support determines the number of neighbors, and the lattice their positions.
         MethodError::SupportTooSmall { .. }
         | MethodError::SupportTooLarge { .. }
         | MethodError::SingularMoment { .. } => {
@@ -68,12 +68,12 @@ fn of_material(error: &MaterialError) -> Vec<String> {
     let key = |name: &str| format!("material.{name}");
     match error {
         MaterialError::NoPlaneStress { .. } => vec![key("plane")],
-        // What is wrong with moduli begins with one of them.
+        // Messages about moduli begin with the key of one of them.
         MaterialError::External { message } if message.starts_with("material.") => {
             message.split(' ').take(1).map(str::to_owned).collect()
         }
         MaterialError::External { .. } => vec![key("energy"), key("model")],
-        // A condition on several parameters is named by a formula of theirs.
+        // Conditions on several parameters contain the names of these parameters.
         MaterialError::Parameter { name, .. } => {
             let is_apart = |c: char| !c.is_alphanumeric() && c != '_';
             let words = name.split(is_apart).filter(|word| !word.is_empty());
@@ -84,7 +84,7 @@ fn of_material(error: &MaterialError) -> Vec<String> {
     }
 }
 
-/// The keys of a parameter in a formula, in which `mu_p` stands for `mu1`, `mu2`, ...
+/// Keys of a parameter in a formula, where `mu_p` means `mu1`, `mu2`, ...
 fn parameters(word: &str) -> Vec<String> {
     let Some(series) = word.strip_suffix("_p") else {
         return vec![format!("material.{word}")];
@@ -103,14 +103,14 @@ fn parameters(word: &str) -> Vec<String> {
     terms
 }
 
-/// An error with the place of the setting that it is about; `None` where it is about none that was made. `origin` is where a key was set.
+/// Attributes an error to the setting that causes it; `None` if no setting does. `origin` returns the place at which a key was set.
 pub(super) fn blamed<'o>(
     error: &MethodError,
     origin: impl Fn(&str) -> Option<&'o Origin>,
 ) -> Option<SettingError> {
     let keys = keys_of(error);
     let origins = || keys.iter().filter_map(|key| origin(key));
-    // What is varied has been set by nobody, and others are not to blame for it.
+    // Varied settings are not set by the user, and other settings are not at fault for them.
     if origins().any(|origin| *origin == Origin::Combination) {
         return None;
     }
@@ -119,12 +119,12 @@ pub(super) fn blamed<'o>(
 }
 
 impl Settings {
-    /// An error of the method or law with the place of the setting that it is about; `None` where it is about none that was made.
+    /// Attributes an error of the method or law to the setting that causes it; `None` if no setting does.
     pub(crate) fn blamed(&self, error: &MethodError) -> Option<SettingError> {
         blamed(error, |key| self.origin(key))
     }
 
-    /// That no value that was set is one that no method admits. A support that is too small for this one is none of these.
+    /// Refuses values that no method admits. A support that is too small only for this method is not checked here.
     pub(super) fn check_admitted(&self) -> Result<(), SettingError> {
         let checked = method(self).and_then(|method| check_method(&method));
         let error = checked.err().filter(|error| {
@@ -139,10 +139,10 @@ impl Settings {
 }
 
 impl MaterialSettings {
-    /// That the law has no parameter that it does not admit. What is loaded is not loaded for that.
+    /// Refuses parameters that the law does not admit. Libraries are not loaded for this check.
     ///
     /// # Errors
-    /// [`SettingError`] with the place of the setting that is to blame.
+    /// [`SettingError`] with the place of the setting that causes the error.
     pub fn check_parameters(&self) -> Result<(), SettingError> {
         if self.is_library() {
             return Ok(());

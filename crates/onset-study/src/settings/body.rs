@@ -1,4 +1,4 @@
-//! A body and its grips, from TOML: what `onset simulate` runs instead of a periodic patch.
+//! Bodies with grips, read from TOML, which `onset simulate` runs instead of a periodic patch.
 
 use super::key::key;
 use super::needs::is;
@@ -16,7 +16,7 @@ const BLOCKS: &[&str] = &["bar", "block", "plate"];
 const ROUND: &[&str] = &["disk", "ring"];
 const CUT: &[&str] = &["bar", "block", "plate", "disk", "ring"];
 
-/// The keys of a body. Lengths are in units of discretization.spacing.
+/// The keys of a body. Lengths are in units of `discretization.spacing`.
 pub const BODY_KEYS: &[Key] = &[
     key(
         "body.shape",
@@ -78,10 +78,10 @@ pub const BODY_KEYS: &[Key] = &[
     .only_with(&[&[is("body.shape", &["file"])]]),
 ];
 
-/// How far beyond its corners a grip holds, in spacings: places of particles carry rounding.
+/// Extension of a grip beyond its corners, in spacings, which allows for rounding errors of particle positions.
 const RIM: f64 = 1e-9;
 
-/// The keys of a grip, of which a study can have several.
+/// The keys of a grip. A study can have several grips.
 pub const GRIP_KEYS: &[Key] = &[
     key(
         "grips.from",
@@ -110,26 +110,26 @@ pub const GRIP_KEYS: &[Key] = &[
     ),
 ];
 
-/// What keys were set to, with where.
+/// Values of keys, with the place at which each was set.
 type Values = BTreeMap<&'static str, (Value, Origin)>;
 
-/// The first key that has a unit, with where it is.
+/// First key with a unit, with its place.
 type Measured = Option<(&'static str, Origin)>;
 
-/// A body with its grips, as a study has it.
+/// Body with its grips, as a study describes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodySettings {
     values: Values,
     grips: Vec<(Values, Origin)>,
-    /// What was given with a unit, first.
+    /// First key with a unit.
     measured: Measured,
-    /// Where the body is.
+    /// Place of the body in the file.
     origin: Origin,
-    /// Files are looked for beside the study.
+    /// Folder of the study, in which files are searched.
     folder: PathBuf,
 }
 
-/// The keys of a table, each of its kind.
+/// Reads the keys of a table, each with its kind of value.
 fn read(
     file: &File<'_>,
     section: &str,
@@ -199,16 +199,16 @@ fn missing(name: &str, whole: &Origin) -> SettingError {
 }
 
 impl BodySettings {
-    /// The body of a study, where it has one; files are looked for beside `name`.
+    /// Reads the body of a study, if it has one. Files are relative to the folder of the study `name`.
     ///
     /// # Errors
-    /// [`SettingError`] with file, line and column of what is wrong.
+    /// [`SettingError`] with file, line and column of the error.
     pub fn of_file(name: &str, text: &str) -> Result<Option<Self>, SettingError> {
         let file = File::new(name, text);
         Self::of_table(&file, file.table()?.get_ref())
     }
 
-    /// The body of a study that has been read as a table.
+    /// Reads the body from a table.
     pub(super) fn of_table(
         file: &File<'_>,
         table: &DeTable<'_>,
@@ -297,7 +297,6 @@ impl BodySettings {
         self.value(name).and_then(Value::number)
     }
 
-    /// The word of the shape.
     fn shape(&self) -> Result<&str, SettingError> {
         match self.value("body.shape") {
             Some(Value::Word(word)) => Ok(word),
@@ -305,10 +304,10 @@ impl BodySettings {
         }
     }
 
-    /// The particles, in lengths, for a lattice with a spacing in so many dimensions.
+    /// Places the particles of the body, in lengths, for a lattice of the given dimension and spacing.
     ///
     /// # Errors
-    /// [`SettingError`] for a key that is missing or has another number of numbers, and for a file that cannot be read.
+    /// [`SettingError`] when a key is missing or has a wrong number of components, or a file cannot be read.
     pub fn particles(&self, dimension: usize, spacing: f64) -> Result<BodyParticles, SettingError> {
         if self.shape()? == "file" {
             return self.placed(dimension).map(BodyParticles::Given);
@@ -333,10 +332,10 @@ impl BodySettings {
         }))
     }
 
-    /// That no value has a unit where those of the problem have none.
+    /// Refuses values with units in a problem without units.
     ///
     /// # Errors
-    /// [`SettingError`] where one has.
+    /// [`SettingError`] when a value has a unit.
     pub fn check_units(&self, units: Units) -> Result<(), SettingError> {
         match &self.measured {
             Some((name, origin)) if !units.are_si() => Err(SettingError::new(
@@ -348,13 +347,13 @@ impl BodySettings {
         }
     }
 
-    /// The contact between its pieces, where there is one.
+    /// Returns the contact between pieces of the body, if there is contact.
     pub fn contact(&self) -> Option<Contact> {
         self.number("body.contact")
             .map(|stiffness| Contact { stiffness })
     }
 
-    /// What is cut out of the lattice.
+    /// Shape that is cut out of the lattice.
     fn cut(&self, dimension: usize, spacing: f64) -> Result<Shape, SettingError> {
         let length = |name: &str| self.number(name).map(|own| own * spacing);
         let needed = |name: &str| length(name).ok_or_else(|| missing(name, &self.origin));
@@ -420,14 +419,14 @@ impl BodySettings {
         .hint("choose bar, or a lattice of more dimensions")
     }
 
-    /// The grips, in lengths.
+    /// Returns the grips, in lengths.
     ///
     /// # Errors
-    /// [`SettingError`] for a key that is missing or has another number of numbers.
+    /// [`SettingError`] when a key is missing or has a wrong number of components.
     pub fn grips(&self, dimension: usize, spacing: f64) -> Result<Vec<Grip>, SettingError> {
         let grip = |(values, whole): &(Values, Origin)| {
             let list = |name: &str| numbers(values, name, dimension, whole).map(<[f64]>::to_vec);
-            // Faces are held whatever rounding makes of the place of a particle on them.
+            // Particles on a face are held despite rounding errors of their positions.
             let scaled = |own: Vec<f64>, beyond: f64| {
                 own.into_iter().map(|x| (x + beyond) * spacing).collect()
             };
@@ -465,7 +464,7 @@ impl BodySettings {
         self.grips.iter().map(grip).collect()
     }
 
-    /// The particles of the file.
+    /// Reads the particles from the file.
     fn placed(&self, dimension: usize) -> Result<Vec<PlacedParticle>, SettingError> {
         let Some((Value::Word(name), origin)) = self.values.get("body.file") else {
             return Err(missing("body.file", &self.origin));
@@ -522,7 +521,7 @@ impl BodySettings {
     }
 }
 
-/// The columns of a file of particles.
+/// Header of a file of particles.
 fn header(dimension: usize) -> String {
     let axes = ["x", "y", "z"].into_iter().take(dimension);
     axes.chain(["volume"]).collect::<Vec<_>>().join(",")
@@ -568,7 +567,7 @@ mod tests {
         assert!(matches!(*shape, Shape::Block { .. }));
         let grips = body.grips(2, 0.5).expect("grips");
         assert_eq!(grips[0].ramp, 2.0);
-        // Faces are held, whatever rounding makes of a place on them.
+        // Faces are held despite rounding errors of positions on them.
         for (place, is_held) in [
             ([1.0, 3.0], true),
             ([1.0 + 1e-15, 0.0], true),

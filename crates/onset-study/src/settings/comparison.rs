@@ -1,4 +1,4 @@
-//! A comparison: several methods for one material, from TOML.
+//! Comparisons of several methods for one material, from TOML.
 
 use super::key::key;
 use super::renamed;
@@ -13,7 +13,7 @@ use onset::time_step::Integrator;
 use serde::Serialize;
 use toml::de::{DeArray, DeTable, DeValue};
 
-/// The keys of a comparison for what is asked of every method.
+/// The keys of a comparison that apply to every method.
 pub const COMPARISON_KEYS: &[Key] = &[
     key(
         "compare.stretches",
@@ -47,21 +47,21 @@ pub const COMPARISON_KEYS: &[Key] = &[
     ),
 ];
 
-/// What is asked of every method.
+/// Options of a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct CompareSettings {
     /// Smallest and largest stretch of the window of states.
     pub stretches: [f64; 2],
-    /// States along each axis of the window.
+    /// Number of states along each axis of the window.
     pub states: usize,
     /// Largest stretch in tension.
     pub tension: f64,
     /// Smallest stretch in compression.
     pub compression: f64,
-    /// Relative frequency below which waves are weak.
+    /// Largest relative frequency of weak waves.
     pub weak: f64,
-    /// The integrator.
+    /// Time integrator for the critical time step.
     pub integrator: Integrator,
 }
 
@@ -81,30 +81,30 @@ impl Default for CompareSettings {
 /// A method of a comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
-    /// How it is called in tables and figures.
+    /// Name in tables and figures.
     pub name: String,
-    /// Material and discretization.
+    /// Settings of material and discretization.
     pub settings: Settings,
-    /// Where it is described.
+    /// Place in the file.
     pub origin: Origin,
 }
 
 /// Several methods for one material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// What it shows.
+    /// Title of the comparison.
     pub title: String,
-    /// What is asked.
+    /// Options that apply to every method.
     pub options: CompareSettings,
-    /// What the methods have in common: material and discretization.
+    /// Settings that all methods share: material and discretization.
     pub common: Settings,
-    /// The methods.
+    /// Methods that are compared.
     pub candidates: Vec<Candidate>,
-    /// The file's text.
+    /// Text of the file.
     pub text: String,
 }
 
-/// Keys, without their section, that say of a body what every method of it has in common: the particles, and their weights.
+/// Keys, without their section, that describe the particles and their weights, which all methods of a body share.
 const SHARED: &[&str] = &[
     "lattice",
     "aspect",
@@ -119,16 +119,15 @@ const SHARED: &[&str] = &[
     "support",
 ];
 
-/// Methods as one would write them, to copy.
+/// Example of methods for messages.
 const EXAMPLE: &str = "for example\n\n    [[methods]]\n    name = \"SPH\"\n    frame = \"eulerian\"\n    quadrature = \"nodal\"\n\n    \
                        [[methods]]\n    name = \"total-Lagrangian SPH\"\n    quadrature = \"nodal\"\n";
 
 impl Comparison {
-    /// Reads a comparison, with what its methods have in common changed by assignments such as `material.model=blatz-ko` or
-    /// `compare.states=24`.
+    /// Reads a comparison, and applies assignments such as `material.model=blatz-ko` or `compare.states=24` to the shared settings.
     ///
     /// # Errors
-    /// [`SettingError`] with file, line and column of what is wrong.
+    /// [`SettingError`] with file, line and column of the error.
     pub fn parse<S: AsRef<str>>(
         name: &str,
         text: &str,
@@ -137,7 +136,7 @@ impl Comparison {
         Self::read(name, text, assignments, true)
     }
 
-    /// Reads `[compare]` and `[[methods]]` of a study of which maps are asked: what its axes vary may stay open.
+    /// Checks `[compare]` and `[[methods]]` of a study that is mapped; settings that its axes vary may be missing.
     pub(super) fn check(name: &str, text: &str) -> Result<(), SettingError> {
         Self::read::<&str>(name, text, &[], false).map(drop)
     }
@@ -170,7 +169,7 @@ impl Comparison {
                     })?;
                 }
                 ("compare", DeValue::Table(inner)) => comparison.read_options(&file, inner)?,
-                // A study may be compared too: what it says about maps is checked, and no more.
+                // A study can also be compared; its sections for maps are checked but not used.
                 ("state" | "axes" | "map" | "body" | "grips", _) => is_study = true,
                 (section @ ("material" | "discretization" | "compare" | "methods"), other) => {
                     let message = format!("`{section}` cannot be {}", described(other));
@@ -240,7 +239,7 @@ impl Comparison {
         Ok(comparison)
     }
 
-    /// The method of a study beside those that the program knows, with the study's material and particles.
+    /// Adds the built-in methods to the method of the study, with the study's material and particles.
     fn with_known_methods(&mut self) -> Result<(), SettingError> {
         self.common.check(&[])?;
         self.common.check_admitted()?;
@@ -266,7 +265,7 @@ impl Comparison {
         self.check_dimensions()
     }
 
-    /// That some method reads what all have in common.
+    /// Refuses shared keys without effect on any method.
     fn check_common_is_read(&self) -> Result<(), SettingError> {
         for (key, origin) in self.common.set_keys() {
             let unmet = |candidate: &Candidate| candidate.settings.unmet(key);
@@ -281,7 +280,7 @@ impl Comparison {
         Ok(())
     }
 
-    /// The same methods for another material.
+    /// Replaces the material of all methods.
     pub fn of_material(mut self, material: &MaterialSettings) -> Self {
         self.common.material.take(material);
         for candidate in &mut self.candidates {
@@ -290,7 +289,7 @@ impl Comparison {
         self
     }
 
-    /// The comparison, of which a library may be loaded if the user allows it.
+    /// Applies the user's permissions for libraries to all methods.
     pub fn allowing(mut self, trust: &Trust) -> Self {
         let candidates = self.candidates.iter_mut();
         let all = candidates.map(|candidate| &mut candidate.settings);
@@ -322,7 +321,7 @@ impl Comparison {
         Err(SettingError::new(origin, message).hint(expected(known)))
     }
 
-    /// The number of space dimensions of all methods.
+    /// Returns the number of space dimensions of all methods.
     pub fn dimension(&self) -> usize {
         let first = self.candidates.first();
         first.map_or(2, |candidate| candidate.settings.dimension())
@@ -417,7 +416,7 @@ impl Comparison {
     }
 }
 
-/// What an option expects, and what it means.
+/// Expected value and meaning of an option.
 fn expected(key: &Key) -> String {
     let expects = match key.name {
         "compare.stretches" => "two positive numbers, the smaller one first".to_owned(),
@@ -426,7 +425,7 @@ fn expected(key: &Key) -> String {
     format!("expected {expects} ({})", key.meaning)
 }
 
-/// A value as told in a message, lists with their numbers.
+/// A value as a message shows it, with the numbers of a list.
 fn described_value(value: &DeValue<'_>) -> String {
     match (scalar(value), list(value)) {
         (Some(value), _) => value.to_string(),
@@ -436,7 +435,7 @@ fn described_value(value: &DeValue<'_>) -> String {
 }
 
 impl CompareSettings {
-    /// Sets an option; false when the value is not what it expects.
+    /// Sets an option; returns false if it does not accept the value.
     fn set(&mut self, name: &str, value: &Value) -> bool {
         let number = value.number();
         match (name, value, number) {

@@ -1,17 +1,17 @@
-//! What is in effect: every choice that material and method read, with its value, and whether that is the default.
+//! Settings in effect: every setting that material and method use, with its value, and whether it is the default.
 
 use super::{KEYS, Key, Settings, Study, Units, Value, Velocities, units};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-/// A choice that is in effect.
+/// Setting that is in effect.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Choice {
-    /// Its value.
+    /// Value that is in effect.
     pub value: Value,
-    /// Whether it is what holds unless something is set.
+    /// Whether the value is the default.
     pub default: bool,
-    /// Its unit, where values have units.
+    /// SI unit, if values have units.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<&'static str>,
 }
@@ -40,7 +40,7 @@ impl Serialize for Effective {
 }
 
 impl Settings {
-    /// Every choice that is in effect.
+    /// Returns every setting that is in effect.
     pub fn effective(&self) -> Effective {
         let of_material = self.material.entries().into_iter().map(|(name, value)| {
             let parameters = self.material.model.parameters().iter();
@@ -64,7 +64,7 @@ impl Settings {
         let keys = KEYS
             .iter()
             .filter(|key| key.parts().0 == "discretization" && self.unmet(key).is_none());
-        // The method goes first: it says which of the others there are.
+        // The method goes first, because it determines which other settings exist.
         let (method, others): (Vec<_>, Vec<_>) = keys
             .filter_map(|key| self.choice(key))
             .partition(|(name, _)| *name == "discretization.method");
@@ -77,7 +77,7 @@ impl Settings {
         )
     }
 
-    /// Every choice in effect beside one that is varied. Where it is a modulus, the moduli that were set, in the place of the parameters that follow from them.
+    /// Settings in effect except a varied one. If it is a modulus, the moduli that were set replace the parameters that follow from them.
     pub(crate) fn effective_beside(&self, varied: &str) -> Effective {
         let mut effective = self.effective();
         let (moduli, follows) = self.moduli();
@@ -121,7 +121,7 @@ impl Settings {
         ))
     }
 
-    /// The unit of a key's value, where values have units.
+    /// SI unit of a key's value, if values have units.
     pub(crate) fn unit(&self, key: &Key) -> Option<&'static str> {
         let unit = key.unit().and_then(units::si)?;
         self.units().are_si().then_some(unit)
@@ -129,7 +129,7 @@ impl Settings {
 }
 
 impl Study {
-    /// Every choice that is in effect at all states: without those that an axis varies.
+    /// Returns the settings in effect at all states, except the varied ones.
     pub fn effective(&self) -> Effective {
         let mut effective = self.settings.effective();
         let varied = |name: &str| {
@@ -147,19 +147,19 @@ impl Study {
 }
 
 impl Effective {
-    /// The same without a key.
+    /// Removes the setting of a key.
     pub fn without(mut self, name: &str) -> Self {
         self.0.retain(|(known, _)| *known != name);
         self
     }
 
-    /// The choices under some keys.
+    /// Keeps only the settings whose keys satisfy a condition.
     pub fn only(mut self, is_meant: &dyn Fn(&str) -> bool) -> Self {
         self.0.retain(|(name, _)| is_meant(name));
         self
     }
 
-    /// The choices one after the other, with their names.
+    /// Lists the settings with their names, in a line.
     pub fn told(&self) -> String {
         let choices = self.0.iter().map(|(name, choice)| {
             let name = name.split_once('.').map_or(*name, |(_, own)| own);
@@ -168,23 +168,23 @@ impl Effective {
         choices.collect::<Vec<_>>().join(", ")
     }
 
-    /// The choice under a key.
+    /// Returns the setting of a key, or `None`.
     pub fn get(&self, name: &str) -> Option<&Choice> {
         let mut choices = self.0.iter();
         Some(&choices.find(|(known, _)| *known == name)?.1)
     }
 
-    /// Every choice.
+    /// Returns every setting with its key.
     pub fn choices(&self) -> impl Iterator<Item = (&'static str, &Choice)> {
         self.0.iter().map(|(name, choice)| (*name, choice))
     }
 
-    /// What is not a default.
+    /// Returns the settings that are not defaults.
     pub fn chosen(&self) -> impl Iterator<Item = (&'static str, &Choice)> {
         self.choices().filter(|(_, choice)| !choice.default)
     }
 
-    /// The units of the answer's numbers.
+    /// Returns the units of the answer's numbers.
     pub fn units(&self) -> Units {
         match self.0.iter().any(|(_, choice)| choice.unit.is_some()) {
             true => Units::Si,
@@ -192,14 +192,14 @@ impl Effective {
         }
     }
 
-    /// The choices of a section in two lines: the model or method with what was chosen, and what holds by default.
+    /// Two lines for a section: the model or method with the settings that are not defaults, and the defaults.
     fn lines(&self, section: &str, head: &str) -> (String, String) {
         let (mut first, mut chosen, mut defaults) = (String::new(), Vec::new(), Vec::new());
         for (name, choice) in &self.0 {
             let Some((_, name)) = name.split_once('.').filter(|(own, _)| *own == section) else {
                 continue;
             };
-            // A list without numbers says nothing.
+            // An empty list carries no information.
             if matches!(&choice.value, Value::Numbers(numbers) if numbers.is_empty()) {
                 continue;
             }
@@ -216,27 +216,27 @@ impl Effective {
         (first, defaults.join(", "))
     }
 
-    /// The material: its model with what was chosen, and what holds by default.
+    /// Returns the model with the parameters that are not defaults, and the defaults.
     pub fn material(&self) -> (String, String) {
         self.lines("material", "model")
     }
 
-    /// The discretization: its method with what was chosen, and what holds by default.
+    /// Returns the method with the settings that are not defaults, and the defaults.
     pub fn discretization(&self) -> (String, String) {
         self.lines("discretization", "method")
     }
 
-    /// The material in one line.
+    /// Describes the material in one line.
     pub fn law(&self) -> String {
         joined(self.material())
     }
 
-    /// The discretization in one line.
+    /// Describes the discretization in one line.
     pub fn method(&self) -> String {
         joined(self.discretization())
     }
 
-    /// The lines below an answer about waves in continuous time, with what is left out where velocities go through the grid once a step.
+    /// Lines below an answer in continuous time. For methods with a velocity transfer they mention the effects that are left out.
     pub(crate) fn in_continuous_time(&self) -> String {
         let transfer = self.get("discretization.transfer");
         let left_out = match transfer.map(|choice| &choice.value) {
@@ -249,7 +249,7 @@ impl Effective {
         format!("{self}{left_out}")
     }
 
-    /// Everything as a sentence below a figure.
+    /// Describes all settings in a sentence for the caption of a figure.
     pub fn caption(&self) -> String {
         let (material, method) = (self.law(), self.method());
         let text = format!("Material: {material}. Method: {method}.");
@@ -258,7 +258,7 @@ impl Effective {
 }
 
 impl Choice {
-    /// It with its name, as in a list of choices.
+    /// Setting with its name, as in a list.
     fn told(&self, name: &str) -> String {
         match &self.value {
             Value::Word(word) => format!("{name} {word}"),
@@ -275,7 +275,7 @@ impl Choice {
     }
 }
 
-/// A number as it was set; one with more digits than one types, as it follows from others, with six.
+/// Formats a number as it was set. A number with more digits than a user would type follows from others, and gets six digits.
 fn as_set(number: f64) -> String {
     let exact = crate::number::exact(number);
     let digits = exact.split('e').next().unwrap_or_default();

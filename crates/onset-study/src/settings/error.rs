@@ -1,36 +1,36 @@
-//! Errors of settings: where, what, and what to do.
+//! Errors of settings, with their place, their cause and a hint.
 
 use super::{Key, Unmet, Value, aliases};
 use crate::localization;
 use thiserror::Error;
 
-/// Where a setting was made.
+/// Place at which a setting was made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// On the command line: the argument as typed.
+    /// Argument on the command line, as typed.
     CommandLine(String),
-    /// In a study file.
+    /// Position in a study file.
     File {
-        /// Its name.
+        /// Name of the file.
         name: String,
         /// Line, counted from 1.
         line: usize,
         /// Column, counted from 1.
         column: usize,
     },
-    /// In a question that a page has asked, which can be that of a link.
+    /// Request of the browser page, possibly through a link from another person.
     Question,
-    /// Nowhere in particular: a default or a combination.
+    /// No particular place: a default or a combination of settings.
     Combination,
 }
 
 impl Origin {
-    /// Whether somebody else than the user can have made the setting.
+    /// Returns true if another person may have made the setting.
     pub(super) fn can_be_a_strangers(&self) -> bool {
         matches!(self, Self::File { .. } | Self::Question)
     }
 
-    /// The place as part of a sentence.
+    /// Place as part of a sentence.
     pub(super) fn place(&self) -> String {
         match self {
             Self::CommandLine(argument) => argument.clone(),
@@ -50,14 +50,14 @@ impl std::fmt::Display for Origin {
     }
 }
 
-/// A setting that cannot be accepted.
+/// Setting that cannot be accepted.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub struct SettingError {
-    /// Where it was made.
+    /// Place of the setting.
     pub origin: Origin,
-    /// What is wrong.
+    /// Description of the error.
     pub message: String,
-    /// What to do.
+    /// Suggestion for the user.
     pub hint: Option<String>,
 }
 
@@ -72,7 +72,7 @@ impl std::fmt::Display for SettingError {
 }
 
 impl SettingError {
-    /// An error without a hint.
+    /// Creates an error without a hint.
     pub fn new(origin: Origin, message: impl Into<String>) -> Self {
         Self {
             origin,
@@ -81,7 +81,7 @@ impl SettingError {
         }
     }
 
-    /// The error for a key that nothing reads.
+    /// Error for a key that has no effect.
     pub(super) fn unread(key: &Key, unmet: &Unmet, origin: Origin) -> Self {
         let value = match &unmet.value {
             Value::Word(word) => word.clone(),
@@ -100,19 +100,19 @@ impl SettingError {
         ))
     }
 
-    /// The same with a hint.
+    /// Adds a hint to the error.
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self
     }
 
-    /// With other words in the hint.
+    /// Replaces words in the hint.
     pub(crate) fn with_words_of_hint(mut self, words: &str, others: &str) -> Self {
         self.hint = self.hint.map(|hint| hint.replace(words, others));
         self
     }
 
-    /// Names the word nearest to the one typed, where words are expected.
+    /// Adds the most similar word to the message, if words are expected.
     pub(crate) fn nearest_word(mut self, key: &str, value: &Value, words: &[&'static str]) -> Self {
         if let Value::Word(word) = value
             && key == "material.model"
@@ -132,7 +132,7 @@ impl SettingError {
     }
 }
 
-/// The end of a sentence that lists names: which of them may have been meant, where one is similar to what was typed.
+/// Suffix for a message with the most similar name, or an empty string.
 ///
 /// ```
 /// use onset_study::settings::did_you_mean;
@@ -145,7 +145,7 @@ pub fn did_you_mean<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -
         .map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"))
 }
 
-/// The most similar of some names, if any is similar.
+/// The most similar name, or `None` without a similar one.
 pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     known
         .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))

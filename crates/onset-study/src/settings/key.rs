@@ -1,4 +1,4 @@
-//! The keys of studies and of the command line, each defined once: what it expects, what it means, what it needs.
+//! The keys of studies and of the command line, each defined once: kind of value, meaning, and conditions.
 
 use super::method::{
     APPROXIMATED, CRYSTAL, KERNEL_METHOD, LATTICE, METHOD_KEYS, MethodSettings, WEIGHTED,
@@ -13,12 +13,12 @@ use onset::time_step::Integrator;
 use std::collections::BTreeMap;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-/// What a key expects.
+/// Kind of value that a key accepts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// One of some words.
+    /// One word of a list.
     Words(&'static [&'static str]),
-    /// One of some words, or a text that is something else.
+    /// One word of a list, or a text of another kind.
     WordsOr(&'static [&'static str], &'static str),
     /// A finite number, in a unit.
     Number(&'static str),
@@ -28,9 +28,9 @@ pub enum Kind {
     Whole(u32, u32),
     /// A power of two between two limits.
     PowerOfTwo(u32, u32),
-    /// `true` or `false`.
+    /// A Boolean, `true` or `false`.
     Switch,
-    /// A text.
+    /// An arbitrary text, such as a formula.
     Text,
     /// A list of finite numbers.
     Numbers,
@@ -39,7 +39,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// What is expected, in words.
+    /// Description of the expected value.
     pub fn expects(self) -> String {
         let with_unit = |what: &str, unit: &str| match unit {
             "1" => what.to_owned(),
@@ -59,7 +59,7 @@ impl Kind {
         }
     }
 
-    /// What is typed where no word is chosen: `number`, `whole`, `switch` or `text`; `None` where there are words alone.
+    /// Kind of the value other than a word: `number`, `whole`, `switch` or `text`; `None` if only words are accepted.
     pub fn takes(self) -> Option<&'static str> {
         match self {
             Self::Words(_) => None,
@@ -70,7 +70,7 @@ impl Kind {
         }
     }
 
-    /// The least and the largest number, where they are whole.
+    /// Smallest and largest value of a whole number.
     pub fn limits(self) -> Option<[u32; 2]> {
         match self {
             Self::Whole(least, most) | Self::PowerOfTwo(least, most) => Some([least, most]),
@@ -78,12 +78,12 @@ impl Kind {
         }
     }
 
-    /// Whether numbers must be positive.
+    /// Returns true if numbers must be positive.
     pub fn is_positive(self) -> bool {
         matches!(self, Self::Positive(_))
     }
 
-    /// Whether a value is what is expected.
+    /// Returns true if the value is of this kind.
     pub fn accepts(self, value: &Value) -> bool {
         let whole = |number: f64, least: u32, most: u32| {
             number.fract() == 0.0 && (f64::from(least)..=f64::from(most)).contains(&number)
@@ -118,16 +118,16 @@ impl Kind {
     }
 }
 
-/// A key that can be set.
+/// Definition of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key {
-    /// Its dotted name.
+    /// Dotted name of the key.
     pub name: &'static str,
-    /// What it expects.
+    /// Kind of value that it accepts.
     pub kind: Kind,
-    /// What it means.
+    /// Meaning of the key, as documentation and schema show it.
     pub meaning: &'static str,
-    /// Under which other choices it is read.
+    /// Conditions under which the key has an effect.
     pub read_with: Cases,
 }
 
@@ -141,7 +141,7 @@ pub(super) const fn key(name: &'static str, kind: Kind, meaning: &'static str) -
 }
 
 const EULERIAN: Cases = &[&[is("discretization.frame", &["eulerian"])]];
-/// Kernel methods of current coordinates with one particle in a cell.
+/// Kernel methods in current coordinates with one particle per cell.
 const EULERIAN_ALONE: Cases = &[&[
     is("discretization.frame", &["eulerian"]),
     is_not(
@@ -157,8 +157,7 @@ const SUPPORT_SIZE: Cases = &[
     &[is("discretization.method", &["updated-sph"])],
 ];
 
-/// Every key of material and discretization, in the order of the documentation. Those of materials follow from the
-/// library of laws.
+/// All keys of material and discretization, in the order of the documentation. The keys of materials follow from the library of laws.
 pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
     let models: Vec<&'static str> = Model::all().map(Model::name).collect();
     let mut keys = vec![
@@ -176,7 +175,7 @@ pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
     keys
 });
 
-/// One key for each name that a parameter of some law has.
+/// One key for each parameter name of any law.
 fn parameter_keys() -> Vec<Key> {
     let mut keys: Vec<Key> = Vec::new();
     for parameter in Model::all().flat_map(Model::parameters) {
@@ -190,7 +189,7 @@ fn parameter_keys() -> Vec<Key> {
                 Some((model, own.find(|own| own.name == parameter.name)?))
             })
         };
-        // What a number must be is told by the law: a user-defined model may use the name for something else.
+        // The law itself restricts the number, because a user-defined model may use the name for another parameter.
         let kind = Kind::Number(parameter.unit);
         keys.push(key(name.leak(), kind, meaning(of_name()).leak()));
     }
@@ -201,7 +200,7 @@ fn parameter_keys() -> Vec<Key> {
     keys
 }
 
-/// The key by which the support can be set in smoothing lengths; what is effective is the support.
+/// Key that sets the support in smoothing lengths; the support is the setting in effect.
 static SMOOTHING_LENGTH: Key = key(
     aliases::SMOOTHING_LENGTH,
     Kind::Positive("1"),
@@ -210,7 +209,7 @@ static SMOOTHING_LENGTH: Key = key(
 )
 .only_with(WEIGHTED);
 
-/// What a parameter means in the laws that have it: laws in which it means the same are told together.
+/// Meaning of a parameter; laws with the same meaning are listed together.
 fn meaning(of_name: impl Iterator<Item = (Model, &'static Parameter)>) -> String {
     let mut meanings: Vec<(&str, Vec<&str>)> = Vec::new();
     for (model, parameter) in of_name {
@@ -243,7 +242,6 @@ const KERNELS: &[&str] = &[
     "laguerre-gauss",
 ];
 
-/// The keys of the discretization.
 const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.lattice",
@@ -406,7 +404,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     .only_with(EULERIAN),
 ];
 
-/// The keys of a study for what no axis varies.
+/// The keys of a study for the deformation that no axis varies.
 pub const STATE_KEYS: &[Key] = &[
     key(
         "state.stretch-1",
@@ -435,7 +433,7 @@ pub const STATE_KEYS: &[Key] = &[
     ),
 ];
 
-/// The keys of a study for how its map is made.
+/// The keys of a study for its map.
 pub const MAP_KEYS: &[Key] = &[
     key(
         "map.adaptive",
@@ -476,17 +474,17 @@ pub const MAP_KEYS: &[Key] = &[
     ),
 ];
 
-/// The key of the smoothing length, which is in no table: what is effective is the support.
+/// Key of the smoothing length, which is not in the tables because the support is the setting in effect.
 pub(super) fn smoothing_length() -> &'static Key {
     &SMOOTHING_LENGTH
 }
 
-/// Every key that a study can set, in the order of the documentation; axes and title apart.
+/// Every key that a study can set, in the order of the documentation, except axes and title.
 pub fn study_keys() -> impl Iterator<Item = &'static Key> + Clone {
     KEYS.iter().chain(STATE_KEYS).chain(MAP_KEYS)
 }
 
-/// A key for a parameter that no law has, as a user-defined model may have it; the same for the same name.
+/// Key for a parameter that no law has, but a user-defined model may have. Returns the same key for the same name.
 fn free_parameter(name: &str) -> &'static Key {
     static KNOWN: Mutex<BTreeMap<String, &'static Key>> = Mutex::new(BTreeMap::new());
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -498,8 +496,8 @@ fn free_parameter(name: &str) -> &'static Key {
 }
 
 impl Key {
-    /// The key with a name: one of [`study_keys`], or `material.` with a name that a user-defined model may give to a
-    /// parameter: letters, digits and `_`, a letter first.
+    /// Returns the key with a name: one of [`study_keys`], or `material.` with a parameter name of a user-defined model (letters, digits and `_`, a
+    /// letter first).
     pub fn named(name: &str) -> Option<&'static Self> {
         let name = aliases::of_key(name);
         if name == SMOOTHING_LENGTH.name {
@@ -517,28 +515,28 @@ impl Key {
         })
     }
 
-    /// The key with a name that is about to be set: a name that no table has is user-defined only for a number.
+    /// Returns the key with a name that is about to be set. An unknown name is a user-defined parameter only if its value is a number.
     pub(super) fn for_setting(name: &str, is_number: bool) -> Option<&'static Self> {
         let name = renamed::key(name);
         Self::named(name).filter(|key| is_number || !key.is_free())
     }
 
-    /// Whether no table has it: a user-defined parameter.
+    /// Returns true for a user-defined parameter, which is not in the tables.
     pub(super) fn is_free(&self) -> bool {
         self.parts().0 == "material" && study_keys().all(|known| known.name != self.name)
     }
 
-    /// Whether it sets a number of material or discretization that an axis can vary.
+    /// Returns true for a number of material or discretization that an axis can vary.
     pub fn is_varied(&self) -> bool {
         self.unit().is_some() && matches!(self.parts().0, "material" | "discretization")
     }
 
-    /// Whether it is a modulus that can be set instead of parameters of a law.
+    /// Returns true for a modulus that can be set instead of parameters of a law.
     pub(super) fn is_modulus(&self) -> bool {
         self.parts().0 == "material" && is_modulus(self.parts().1)
     }
 
-    /// Whether it is a parameter of a law.
+    /// Returns true for a parameter of a law.
     pub fn is_parameter(&self) -> bool {
         self.parts().0 == "material" && self.unit().is_some()
     }
@@ -548,12 +546,12 @@ impl Key {
         self
     }
 
-    /// What it expects, in words.
+    /// Description of the expected value.
     pub fn expects(&self) -> String {
         self.kind.expects()
     }
 
-    /// The words that it takes; none when it takes a number.
+    /// Words that the key accepts; empty if it accepts a number.
     pub fn words(&self) -> &'static [&'static str] {
         match self.kind {
             Kind::Words(words) | Kind::WordsOr(words, _) => words,
@@ -561,12 +559,12 @@ impl Key {
         }
     }
 
-    /// Section and name within the section.
+    /// Section, and name within the section.
     pub fn parts(&self) -> (&'static str, &'static str) {
         self.name.split_once('.').unwrap_or(("", self.name))
     }
 
-    /// Its unit, when it takes a number with one; `1` without dimension.
+    /// Unit or dimension of a number; `1` if dimensionless.
     pub fn unit(&self) -> Option<&'static str> {
         match self.kind {
             Kind::Number(unit) | Kind::Positive(unit) => Some(unit),
@@ -574,7 +572,7 @@ impl Key {
         }
     }
 
-    /// Its default; for a parameter of laws that of the laws, `null` where they do not have the same.
+    /// Default value; for a parameter of several laws, `null` unless their defaults agree.
     pub fn default_json(&self) -> serde_json::Value {
         let field = |value: Result<serde_json::Value, serde_json::Error>, name: &str| {
             value.map_or(serde_json::Value::Null, |defaults| defaults[name].clone())
@@ -605,7 +603,7 @@ impl Key {
         }
     }
 
-    /// Its default value as one would write it on the command line.
+    /// Default value as it would be typed on the command line.
     pub fn default_value(&self) -> String {
         match self.default_json() {
             serde_json::Value::String(word) => word,

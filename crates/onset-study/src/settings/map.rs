@@ -1,10 +1,10 @@
-//! How a map is made.
+//! Settings of a map.
 
 use super::Value;
 use onset::time_step::Integrator;
 use serde::{Serialize, Serializer};
 
-/// The numbers of a state that a map can hold, by their names in the store.
+/// Numbers of a state that a map can store, by their names in the store.
 pub const OUTPUTS: &[&str] = &[
     "acoustic_minimum",
     "acoustic_direction",
@@ -15,12 +15,12 @@ pub const OUTPUTS: &[&str] = &[
     "critical_time_step",
 ];
 
-/// Some of [`OUTPUTS`].
+/// Set of [`OUTPUTS`] that a map stores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Outputs([bool; OUTPUTS.len()]);
 
 impl Outputs {
-    /// Those with the given names; `None` when there is none with one of them.
+    /// Set with the given names; `None` if a name is unknown.
     fn of<S: AsRef<str>>(names: &[S]) -> Option<Self> {
         let mut chosen = [false; OUTPUTS.len()];
         for name in names {
@@ -30,13 +30,12 @@ impl Outputs {
         Some(Self(chosen))
     }
 
-    /// Their names.
     fn names(self) -> impl Iterator<Item = &'static str> {
         let chosen = OUTPUTS.iter().zip(self.0).filter(|(_, chosen)| *chosen);
         chosen.map(|(name, _)| *name)
     }
 
-    /// Whether a field is stored: the flag that belongs to the wave vector with it, what is no output always.
+    /// Returns true if a field is stored. The flag `long_wave` is stored with the wave vector; fields that are no outputs are always stored.
     pub fn hold(self, field: &str) -> bool {
         let name = if field == "long_wave" {
             "wave_vector"
@@ -53,23 +52,23 @@ impl Serialize for Outputs {
     }
 }
 
-/// How a map is made.
+/// Settings of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct MapSettings {
-    /// Refine only where the verdict changes.
+    /// Whether states are refined only where the verdict changes.
     pub adaptive: bool,
     /// Coarsest stride of the refinement, in states; a power of two, at most `tile`.
     pub refine_from: usize,
-    /// Prove what is stable and what is not.
+    /// Whether stability and instability are proved.
     pub certify: bool,
-    /// How far from the boundary a certified state may stay undecided; in the dimensionless measure of stability.
+    /// Largest distance from the boundary of a certified state that may stay undecided, in the dimensionless measure of stability.
     pub tolerance: f64,
-    /// States along an edge of a tile.
+    /// Number of states along an edge of a tile.
     pub tile: usize,
     /// The integrator whose critical time step is stored.
     pub integrator: Integrator,
-    /// The numbers that are stored, beside verdict and stability.
+    /// Numbers that are stored in addition to verdict and stability.
     pub outputs: Outputs,
 }
 
@@ -88,7 +87,7 @@ impl Default for MapSettings {
 }
 
 impl MapSettings {
-    /// Sets the value under a name; tells whether there is one that takes such a value.
+    /// Sets the value under a name; returns false if the name is unknown or the value is of a wrong kind.
     pub fn set(&mut self, name: &str, value: &Value) -> bool {
         match (name, value) {
             ("adaptive", Value::Switch(on)) => self.adaptive = *on,

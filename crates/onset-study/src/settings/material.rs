@@ -1,4 +1,4 @@
-//! The material as set: a model, and what it needs by name.
+//! The material as set: a model with its parameters.
 
 use super::error::{Origin, SettingError, nearest};
 use super::model::{LIBRARY, sum};
@@ -13,43 +13,43 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The key, without its section, of what a body of one or two dimensions has beyond them.
+/// Key, without its section, for the condition on the directions beyond the dimensions of the body.
 pub(super) const PLANE: &str = "plane";
 
-/// What a body of one or two dimensions has beyond them.
+/// Condition on the directions beyond the dimensions of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Plane {
-    /// Strain that is given: plane strain, in one dimension uniaxial strain.
+    /// Prescribed strain: plane strain, in one dimension uniaxial strain.
     #[default]
     Strain,
-    /// No traction on its faces: plane stress of a sheet, in one dimension uniaxial stress of a bar.
+    /// Traction-free faces: plane stress of a sheet, in one dimension uniaxial stress of a bar.
     Stress,
-    /// A law of the plane itself, as of cloth: increments stay in it, and typed invariants are those of the two-by-two tensor.
+    /// Two-dimensional law, as for cloth. Increments stay in the plane, and formulas use the invariants of the 2x2 tensor.
     Membrane,
 }
 
 /// A material as set.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MaterialSettings {
-    /// The model.
+    /// Model of the material.
     pub model: Model,
-    /// What a body of one or two dimensions has beyond them, where it was set.
+    /// Condition on the directions beyond the dimensions of the body, if it was set.
     plane: Option<(Plane, Origin)>,
-    /// What was set, without the section, with where.
+    /// Values by key without section, with the place at which each was set.
     set: BTreeMap<&'static str, (Value, Origin)>,
-    /// The SHA-256 that the library of a user material must have.
+    /// Required SHA-256 of the library of a user material.
     fingerprint: Option<String>,
     /// Keys, without the section, whose values have units.
     with_units: BTreeSet<&'static str>,
-    /// Where the library is that the user allows a file to load.
+    /// Resolved path of the library that the user allows a file to load.
     allowed: Option<PathBuf>,
-    /// The law, where the calling program has one of its own.
+    /// Law that the calling program defines.
     pub(super) handed: Option<HandedLaw>,
 }
 
 impl MaterialSettings {
-    /// A model with user-defined parameters; those that no key has a name for are left out.
+    /// Creates a model with user-defined parameters; names that are not valid keys are skipped.
     pub fn new(model: Model, parameters: &[(&str, f64)]) -> Self {
         let set = |(name, value): &(&str, f64)| {
             let key = Key::named(&format!("material.{name}"))?;
@@ -66,24 +66,24 @@ impl MaterialSettings {
         }
     }
 
-    /// Whether the law is one of the calling program, which no file or command can name.
+    /// Returns true for a law of the calling program, which no file or command can name.
     pub(crate) fn is_handed(&self) -> bool {
         self.handed.is_some()
     }
 
-    /// That the value of a key has a unit.
+    /// Marks the value of a key as having a unit.
     pub(super) fn measure(&mut self, key: &'static Key) {
         self.with_units.insert(key.parts().1);
     }
 
-    /// That the value of a key has none.
+    /// Marks the value of a key as having no unit.
     pub(super) fn measure_not(&mut self, key: &Key) {
         if key.parts().0 == "material" {
             self.with_units.remove(key.parts().1);
         }
     }
 
-    /// The units of the values.
+    /// Returns the units of the values.
     pub fn units(&self) -> Units {
         match self.with_units.is_empty() {
             true => Units::Own,
@@ -91,18 +91,18 @@ impl MaterialSettings {
         }
     }
 
-    /// The unit of a parameter, named without its section, where values have units.
+    /// Returns the unit of a parameter, named without its section, if values have units.
     pub fn unit(&self, name: &str) -> Option<&'static str> {
         let key = Key::named(&format!("material.{name}"))?;
         let unit = key.unit().and_then(units::si)?;
         self.units().are_si().then_some(unit)
     }
 
-    /// Values of a law with dimensions, each with whether it has a unit, and where it was set. Numbers of a user-defined model have the
-    /// dimensions that the model gives them.
+    /// Values of a law with dimensions: key, value, whether it has a unit, and the place at which it was set. In a user-defined model the formula
+    /// determines the dimensions of numbers.
     pub(super) fn measures(&self) -> impl Iterator<Item = (Key, f64, bool, Option<&Origin>)> {
         let is_law = matches!(self.model, Model::Law(_));
-        // What follows from moduli has their units.
+        // Parameters that follow from moduli have their units.
         let of_moduli: Vec<&str> = self.of_moduli().collect();
         let moduli = self
             .set
@@ -135,17 +135,17 @@ impl MaterialSettings {
         })
     }
 
-    /// Whether a modulus, named without its section, determines parameters of the law.
+    /// Returns true if a modulus, named without its section, determines parameters of the law.
     pub(crate) fn reads_modulus(&self, name: &str) -> bool {
         moduli::is_modulus(name) && matches!(self.model, Model::Law(_)) && !self.model.takes(name)
     }
 
-    /// What a modulus, named without its section, was set to where it determines parameters.
+    /// Value of a modulus, named without its section, if it determines parameters.
     pub(super) fn modulus(&self, name: &str) -> Option<&Value> {
         self.given(name).filter(|_| self.reads_modulus(name))
     }
 
-    /// The moduli that were set instead of parameters.
+    /// Moduli that were set instead of parameters.
     fn moduli(&self) -> Vec<(&'static str, f64)> {
         let given = self.set.iter().filter(|(name, _)| self.reads_modulus(name));
         given
@@ -168,14 +168,13 @@ impl MaterialSettings {
         moduli::parameters(law, &own.collect::<Vec<_>>(), &given)
     }
 
-    /// The names of the parameters that follow from moduli.
+    /// Names of the parameters that follow from moduli.
     pub(super) fn of_moduli(&self) -> impl Iterator<Item = &'static str> {
         let derived = self.derived().unwrap_or_default();
         derived.into_iter().map(|(name, _)| name)
     }
 
-    /// Sets a key of the material other than its model; tells whether it takes such a value. Whether a number is admitted
-    /// by the law is told by the law.
+    /// Sets a key of the material other than its model; returns false if the value is of a wrong kind. The law itself checks numbers.
     pub(super) fn set(&mut self, key: &'static Key, value: &Value, origin: Origin) -> bool {
         let takes = match key.kind {
             Kind::Number(_) | Kind::Positive(_) => value.number().is_some(),
@@ -196,9 +195,9 @@ impl MaterialSettings {
         takes
     }
 
-    /// Whether all that was set belongs to the model, and the model has what it needs.
+    /// Checks that every key that was set belongs to the model, and that the model has all required keys.
     ///
-    /// Moduli that are `open` are about to be varied: the parameters that follow from them are checked there.
+    /// Moduli that are `open` will be varied: the parameters that follow from them are checked later.
     pub(super) fn check(&self, open: &[&str]) -> Result<(), SettingError> {
         for (name, (_, origin)) in &self.set {
             self.check_taken(name, origin)?;
@@ -210,7 +209,7 @@ impl MaterialSettings {
         if let (Err(told), false) = (self.derived(), is_open) {
             let set = self.set.iter();
             let moduli: Vec<_> = set.filter(|(name, _)| self.reads_modulus(name)).collect();
-            // The one that the message begins with, where it blames one.
+            // The modulus at the beginning of the message, if any.
             let blamed = moduli
                 .iter()
                 .find(|(name, _)| told.starts_with(&format!("material.{name} is ")));
@@ -226,7 +225,7 @@ impl MaterialSettings {
         }
     }
 
-    /// That the model has a parameter, or follows from a modulus.
+    /// Checks that the model has a parameter, or that it is a modulus of the law.
     pub(super) fn check_taken(&self, name: &str, origin: &Origin) -> Result<(), SettingError> {
         match self.model.takes(name) || self.reads_modulus(name) {
             true => Ok(()),
@@ -234,7 +233,7 @@ impl MaterialSettings {
         }
     }
 
-    /// The error for a key that the model does not have.
+    /// Error for a key that the model does not have.
     fn stray(&self, name: &str, origin: Origin) -> SettingError {
         let is_known = Model::all().any(|model| model.names().any(|known| known == name));
         if is_known {
@@ -253,7 +252,7 @@ impl MaterialSettings {
         }
     }
 
-    /// What a key of the model was set to, with where; an error that asks for it when it was not set.
+    /// Returns the value of a key of the model, with its place.
     ///
     /// # Errors
     /// [`SettingError`] when the key, named without its section, was not set.
@@ -271,7 +270,7 @@ impl MaterialSettings {
         }
     }
 
-    /// Where a key, named without its section, was set.
+    /// Place at which a key, named without its section, was set.
     pub(super) fn origin(&self, name: &str) -> Option<&Origin> {
         match (name, &self.plane) {
             (PLANE, plane) => plane.as_ref().map(|(_, origin)| origin),
@@ -279,43 +278,43 @@ impl MaterialSettings {
         }
     }
 
-    /// What a key, named without its section, was set to.
+    /// Returns the value of a key, named without its section, if it was set.
     pub fn given(&self, name: &str) -> Option<&Value> {
         self.set.get(name).map(|(value, _)| value)
     }
 
-    /// What a body of one or two dimensions has beyond them.
+    /// Returns the condition on the directions beyond the dimensions of the body.
     pub fn plane(&self) -> Plane {
         self.plane
             .as_ref()
             .map_or_else(Plane::default, |(plane, _)| *plane)
     }
 
-    /// Takes the law of others over, beyond the dimensions of a body what was set here.
+    /// Replaces the law, but keeps the condition on the directions beyond the dimensions of the body.
     pub fn take(&mut self, law: &Self) {
         let plane = self.plane.take();
         self.clone_from(law);
         self.plane = plane.or_else(|| law.plane.clone());
     }
 
-    /// The same law as a body in three dimensions has it.
+    /// Returns the law for a body in three dimensions.
     pub(crate) fn in_space(mut self) -> Self {
         self.plane = None;
         self
     }
 
-    /// Returns true for a law of the plane itself.
+    /// Returns true for a two-dimensional law.
     pub fn is_membrane(&self) -> bool {
         self.plane() == Plane::Membrane
     }
 
-    /// Whether faces of a body of one or two dimensions have no traction.
+    /// Returns true if the faces of a body of one or two dimensions are traction-free.
     pub fn is_plane_stress(&self) -> bool {
         self.plane() == Plane::Stress
     }
 
-    /// Everything that the model is made of, by name without the section: parameters with their defaults, and what was
-    /// set; plane stress or a membrane last.
+    /// Returns all entries of the model, by name without the section: parameters with their defaults, other keys that were set, and last the
+    /// condition on the other directions.
     pub fn entries(&self) -> Vec<(&'static str, Value)> {
         let derived = self.derived().unwrap_or_default();
         let parameters = self.model.parameters().iter().map(|parameter| {
@@ -342,13 +341,13 @@ impl MaterialSettings {
         parameters.chain(own).chain(free).chain(plane).collect()
     }
 
-    /// All parameters that are numbers, with their values.
+    /// Returns all numeric parameters with their values.
     pub fn values(&self) -> Vec<(&'static str, f64)> {
         let number = |(name, value): (&'static str, Value)| Some((name, value.number()?));
         self.entries().into_iter().filter_map(number).collect()
     }
 
-    /// Marks the files that a question of the page names as named by somebody else than the user.
+    /// Marks the files that a request of the browser page names as possibly not chosen by the user.
     pub(crate) fn of_question(&mut self) {
         for file in [LIBRARY, "table"] {
             if let Some((_, origin)) = self.set.get_mut(file) {
@@ -357,7 +356,7 @@ impl MaterialSettings {
         }
     }
 
-    /// Lets a library that a file or a question names be loaded, if the user allows it.
+    /// Permits the library that a file or a request names, if the user allows it.
     pub fn allow(&mut self, trust: &Trust) {
         if let Some((Value::Word(library), origin)) = self.set.get_mut(LIBRARY)
             && origin.can_be_a_strangers()
@@ -368,10 +367,10 @@ impl MaterialSettings {
         }
     }
 
-    /// Refuses a library that a file or a question names and the user has not allowed.
+    /// Refuses a library that a file or a request names unless the user allows it.
     ///
     /// # Errors
-    /// [`SettingError`] with how to allow it.
+    /// [`SettingError`] with instructions to allow the library.
     pub fn permitted(&self) -> Result<(), SettingError> {
         let Some((Value::Word(library), origin)) = self.set.get(LIBRARY) else {
             return Ok(());
@@ -393,17 +392,17 @@ impl MaterialSettings {
         )))
     }
 
-    /// Where the library is that the user allows a file to load, without links.
+    /// Path of the library that the user allows a file to load, with links resolved.
     pub(super) fn allowed(&self) -> Option<&Path> {
         self.allowed.as_deref()
     }
 
-    /// Whether the material is a program in a shared library, which building it loads.
+    /// Returns true if the material is a program in a shared library, which is loaded to build it.
     pub fn is_library(&self) -> bool {
         self.umat().is_some()
     }
 
-    /// Ties a user material to its library as it is now: with another one it cannot be built. Nothing is loaded.
+    /// Ties a user material to the current contents of its library; with other contents it cannot be built. Nothing is loaded.
     ///
     /// # Errors
     /// [`MaterialError`] when the library is not permitted, or cannot be read.
@@ -412,18 +411,18 @@ impl MaterialSettings {
         Ok(())
     }
 
-    /// Ties a user material to the library that a store was computed with.
+    /// Ties a user material to the library that computed a store.
     pub(crate) fn fingerprint_is(&mut self, stored: Option<&serde_json::Value>) {
         let stored = stored.and_then(serde_json::Value::as_str);
         self.fingerprint = stored.filter(|_| self.is_library()).map(str::to_owned);
     }
 
-    /// The SHA-256 of the library that the material is tied to.
+    /// Returns the required SHA-256 of the library of the material.
     pub fn fingerprint(&self) -> Option<&str> {
         self.fingerprint.as_deref()
     }
 
-    /// That faces without traction are nothing that body or law can have.
+    /// Refuses traction-free faces for bodies or laws that cannot have them.
     pub(super) fn check_plane(&self, dimension: usize) -> Result<(), SettingError> {
         let Some((plane @ (Plane::Stress | Plane::Membrane), origin)) = &self.plane else {
             return Ok(());
@@ -461,7 +460,7 @@ impl MaterialSettings {
         Ok(())
     }
 
-    /// That the law is not asked as that of a sheet where it is asked in three dimensions.
+    /// Refuses plane stress for questions about the law in three dimensions.
     pub(super) fn check_in_space(&self) -> Result<(), SettingError> {
         match &self.plane {
             Some((Plane::Stress, origin)) => Err(SettingError::new(
@@ -476,10 +475,10 @@ impl MaterialSettings {
         }
     }
 
-    /// The law as a body of so many dimensions has it: of space, of a sheet or bar in plane stress, or of the plane.
+    /// Builds the law for a body of the given dimension: three-dimensional, in plane or uniaxial stress, or two-dimensional.
     ///
     /// # Errors
-    /// [`MaterialError`] when a parameter is not admitted, or the law has no plane stress.
+    /// [`MaterialError`] when a parameter is invalid, or the law has no plane stress.
     pub(crate) fn law_in(&self, dimension: usize) -> Result<Arc<dyn Hyperelastic>, MaterialError> {
         let law = Arc::from(self.build()?);
         match self.plane() {
@@ -489,13 +488,13 @@ impl MaterialSettings {
         }
     }
 
-    /// The law of space.
+    /// Builds the three-dimensional law.
     ///
     /// # Errors
-    /// [`MaterialError`] when a parameter is not admitted.
+    /// [`MaterialError`] when a parameter is invalid.
     pub fn build(&self) -> Result<Box<dyn Hyperelastic>, MaterialError> {
         match self.model {
-            // Moduli that an axis varies may not be possible everywhere.
+            // Moduli that an axis varies may be inadmissible at some states.
             Model::Law(law) => match self.derived() {
                 Ok(_) => law.build(&self.values()),
                 Err(message) => Err(MaterialError::External { message }),
@@ -506,10 +505,10 @@ impl MaterialSettings {
 }
 
 impl Settings {
-    /// The law as the discretization has it: of space, or of a sheet or bar in plane stress.
+    /// Builds the law for the dimension of the discretization: three-dimensional, or in plane or uniaxial stress.
     ///
     /// # Errors
-    /// [`MaterialError`] when a parameter is not admitted, or the law has no plane stress.
+    /// [`MaterialError`] when a parameter is invalid, or the law has no plane stress.
     pub fn law(&self) -> Result<Arc<dyn Hyperelastic>, MaterialError> {
         self.material.law_in(self.dimension())
     }

@@ -1,4 +1,4 @@
-//! Which family of methods, and the choices of those beside the kernel methods.
+//! Families of methods, and the settings of all families except the kernel methods.
 
 use super::Value;
 use super::key::{Key, Kind, key};
@@ -13,23 +13,23 @@ use onset::scheme::{
 };
 use serde::{Deserialize, Serialize};
 
-/// A family of methods.
+/// Family of discretization methods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Family {
-    /// Shape functions of particles, forces integrated at points.
+    /// Kernel methods: shape functions of particles, with forces integrated at points.
     Kernel,
     /// Smoothed particle hydrodynamics with kernels of material coordinates.
     TotalLagrangianSph,
     /// Smoothed particle hydrodynamics with kernels of current coordinates.
     UpdatedSph,
-    /// Finite elements.
+    /// Finite elements on a periodic mesh.
     FiniteElements,
     /// Stabilized conforming nodal integration.
     Conforming,
-    /// Bonds, or families of them.
+    /// Bond-based and correspondence peridynamics.
     Peridynamics,
-    /// Material points on a grid.
+    /// Material point methods with a background grid.
     MaterialPoints,
 }
 
@@ -46,25 +46,25 @@ impl Family {
     ];
 }
 
-/// The law of the bonds of a peridynamic body.
+/// Constitutive model of the bonds of a peridynamic body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Bonds {
-    /// Springs.
+/// Linear springs between particles.
     BondBased,
-    /// The deformation gradient of the family.
+    /// Stress at the deformation gradient of the family.
     Correspondence,
 }
 
-/// What controls the zero-energy modes of correspondence peridynamics.
+/// Control of the zero-energy modes of correspondence peridynamics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Control {
-    /// Nothing.
+    /// No control of zero-energy modes.
     None,
     /// Springs against the nonuniform deformation.
     Penalty,
-    /// Forces along bonds.
+    /// Hourglass forces along bonds.
     Hourglass,
 }
 
@@ -72,25 +72,25 @@ pub enum Control {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Unknowns {
-    /// Nodes of a grid in the reference state.
+    /// Displacements of the nodes of a grid in the reference configuration.
     TotalLagrangian,
-    /// Nodes of the current grid, for one step: the method as it was proposed.
+    /// Displacements of the nodes of the current grid, for one step: the original method.
     Updated,
-    /// The points.
+    /// Displacements of the material points.
     Particles,
 }
 
-/// How the velocities of material points go through the grid.
+/// Transfer of the velocities of material points through the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Velocities {
-    /// In continuous time.
+    /// No transfer: continuous time.
     Continuous,
-    /// Points keep their own and take the change of those of the grid.
+    /// FLIP: points keep their velocities and add the change of the grid velocities.
     Flip,
-    /// Points take those of the grid.
+    /// PIC: points take the grid velocities.
     Pic,
-    /// The same with affine fields.
+    /// APIC: points take the grid velocities with affine fields.
     Apic,
 }
 
@@ -106,16 +106,16 @@ impl Velocities {
     }
 }
 
-/// The family, and the choices of those that are no kernel methods. Lattice, spacing, density, kernel, support,
-/// approximation and support size are those of the discretization.
+/// Family of methods, and the settings of families other than kernel methods. Lattice, spacing, density, kernel, support, approximation and support
+/// size are settings of the discretization.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct MethodSettings {
-    /// The family.
+    /// Family that the method belongs to.
     pub method: Family,
-    /// SPH: gradients exact for linear fields.
+    /// SPH: whether gradients are exact for linear fields.
     pub corrected: bool,
-    /// Of corrected velocity gradients.
+    /// SPH with corrected gradients: whether the forces use them too.
     pub corrected_forces: bool,
     /// Updated SPH: form of the forces.
     pub momentum: MomentumForm,
@@ -123,19 +123,19 @@ pub struct MethodSettings {
     pub density_evolution: DensityEvolution,
     /// Total-Lagrangian SPH: coefficient of the zero-energy-mode penalty.
     pub penalty: f64,
-    /// Total-Lagrangian SPH: how the penalty is written.
+    /// Total-Lagrangian SPH: form of the penalty.
     pub penalty_form: PenaltyForm,
-    /// SPH: linear coefficient of artificial viscosity; zero without.
+    /// SPH: linear coefficient of artificial viscosity, or zero.
     pub viscosity: f64,
-    /// SPH: when artificial viscosity acts, and with which lengths.
+    /// SPH: condition and lengths of artificial viscosity.
     pub viscosity_switch: ViscositySwitch,
-    /// Updated SPH: coefficient of artificial stress; zero without.
+    /// Updated SPH: coefficient of artificial stress, or zero.
     pub artificial_stress: f64,
     /// Updated SPH: exponent of artificial stress.
     pub artificial_stress_exponent: f64,
-    /// SPH: coefficient of XSPH.
+    /// SPH: coefficient of XSPH velocity smoothing.
     pub velocity_smoothing: f64,
-    /// Updated SPH: what follows the smoothed velocities.
+    /// Updated SPH: fields that follow the smoothed velocities.
     pub smoothed_motion: SmoothedMotion,
     /// Finite elements: the mesh.
     pub mesh: ElementMesh,
@@ -145,11 +145,11 @@ pub struct MethodSettings {
     pub hourglass_stiffness: f64,
     /// Finite elements: coefficient of hourglass viscosity.
     pub hourglass_viscosity: f64,
-    /// Finite elements: what both are multiplied with.
+    /// Finite elements: scale of both hourglass coefficients.
     pub hourglass_scale: HourglassScale,
-    /// Finite elements: masses.
+    /// Finite elements: mass matrix.
     pub mass: ElementMass,
-    /// Conforming nodal integration: regions of averaging.
+    /// Conforming nodal integration: domains of strain smoothing.
     pub smoothing_domain: SmoothingDomain,
     /// Conforming nodal integration: coefficient of the modification.
     pub modification: f64,
@@ -157,37 +157,37 @@ pub struct MethodSettings {
     pub horizon: f64,
     /// Peridynamics: weights of the bonds.
     pub influence: Influence,
-    /// Peridynamics: volumes at the horizon.
+    /// Peridynamics: treatment of volumes at the horizon.
     pub partial_volumes: PartialVolumes,
     /// Peridynamics: the force between particles.
     pub bonds: Bonds,
-    /// Bond-based peridynamics: from what the micromodulus is computed.
+    /// Bond-based peridynamics: calibration of the micromodulus.
     pub calibration: Calibration,
     /// Correspondence peridynamics: control of zero-energy modes.
     pub control: Control,
-    /// Correspondence peridynamics: its coefficient.
+    /// Correspondence peridynamics: coefficient of this control.
     pub control_coefficient: f64,
-    /// Material points: along each side of a cell.
+    /// Material points: number of points along each side of a cell.
     pub points_per_side: u32,
-    /// Material points: where they are in their cell.
+    /// Material points: positions of the points in their cell.
     pub layout: PointLayout,
-    /// Material points: a shift of all of them along each axis, in spacings.
+    /// Material points: shift of all points along each axis, in spacings.
     pub offset: f64,
-    /// Material points: functions of the grid.
+    /// Material points: shape functions of the grid.
     pub grid_functions: GridFunctions,
-    /// Material points: what forces have for the gradients of the functions.
+    /// Material points: gradients in forces and velocity gradients.
     pub grid_gradients: GridGradients,
-    /// Material points: what is displaced.
+    /// Material points: unknowns of the method.
     pub unknowns: Unknowns,
-    /// Material points: how velocities go through the grid.
+    /// Material points: transfer of velocities through the grid.
     pub transfer: Velocities,
-    /// Material points: the share of its own velocity that a point keeps in a step.
+    /// Material points: fraction of its velocity that a point keeps in a step (FLIP).
     pub flip_share: f64,
-    /// Material points: the step of time at which rates are told; zero for half of the largest stable one.
+    /// Material points: time step for growth rates; zero selects half of the largest stable step.
     pub time_step: f64,
     /// Material points: masses of the nodes.
     pub grid_mass: GridMass,
-    /// Material points: where grid and points are at a state.
+    /// Material points: configuration of grid and points at a state.
     pub grid: CurrentLattice,
 }
 
@@ -237,11 +237,11 @@ impl Default for MethodSettings {
     }
 }
 
-/// The key of the time step at which rates are told, and runs are stepped that say no other, on which nothing else depends.
+/// Key of the time step for growth rates, which is also the default step of simulations. It affects nothing else.
 pub(crate) const STEP_OF_RATES: &str = "discretization.time-step";
 
 impl MethodSettings {
-    /// The step of time at which rates are told, of material points with a transfer: the one that is set, or half of the largest stable one.
+    /// Time step for growth rates of material points with a transfer: as set, or half of the largest stable step.
     pub fn step_of_rates(&self, largest: Option<f64>) -> Option<f64> {
         match self.time_step {
             0.0 => largest.map(|step| 0.5 * step),
@@ -249,7 +249,7 @@ impl MethodSettings {
         }
     }
 
-    /// Sets a choice by its name; false when there is none with that name, or it takes no such value.
+    /// Sets a value by its name; returns false if the name is unknown or the value is of a wrong kind.
     pub(super) fn set(&mut self, name: &str, value: &Value) -> bool {
         let Ok(serde_json::Value::Object(mut fields)) = serde_json::to_value(&*self) else {
             return false;
@@ -280,7 +280,7 @@ pub(super) const KERNEL_METHOD: Cases = &[&[is(METHOD, &["kernel"])]];
 pub(super) const CRYSTAL: Cases = &[&[is_not(METHOD, &["finite-elements", "material-points"])]];
 /// Particles on a lattice, or points in the cells of a grid.
 pub(super) const LATTICE: Cases = &[&[is_not(METHOD, &["finite-elements"])]];
-/// Methods with weights of a finite support.
+/// Methods with weight functions of finite support.
 pub(super) const WEIGHTED: Cases = &[&[is(
     METHOD,
     &[
@@ -302,10 +302,10 @@ const SMOOTHED: Cases = &[&[
     is_not("discretization.velocity-smoothing", &["0"]),
 ]];
 const ELEMENTS: Cases = &[&[is(METHOD, &["finite-elements"])]];
-/// Elements in which the gradient varies.
+/// Elements with a varying gradient.
 const MULTILINEAR: Cases = &[&[is("discretization.mesh", &["quadrilaterals", "bricks"])]];
 const ONE_POINT: Cases = &[&[is("discretization.integration", &["one-point"])]];
-/// Elements whose hourglass modes are controlled.
+/// Elements with hourglass control.
 const HOURGLASS: Cases = &[
     &[is_not("discretization.hourglass-stiffness", &["0"])],
     &[is_not("discretization.hourglass-viscosity", &["0"])],
@@ -330,7 +330,7 @@ const FLIP: Cases = &[&[is("discretization.transfer", &["flip"])]];
 const TRANSFERRED: Cases = &[&[is("discretization.transfer", &["flip", "pic", "apic"])]];
 const CURRENT: Cases = &[&[is("discretization.unknowns", &["updated", "particles"])]];
 
-/// The keys of families of methods, in the order of the documentation.
+/// Keys of the families of methods, in the order of the documentation.
 pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.method",

@@ -1,7 +1,7 @@
-//! What a user sets: material and discretization by dotted keys, from the command line or a study file, and the study itself.
+//! Settings of a user: material and discretization by dotted keys, from the command line or a study file, and the study itself.
 //!
-//! Every key is defined once, in the tables [`KEYS`], [`STATE_KEYS`] and [`MAP_KEYS`]; parsing, suggestions, the schema and
-//! documentation follow from them.
+//! Every key is defined once, in the tables [`KEYS`], [`STATE_KEYS`] and [`MAP_KEYS`]. Parsing, suggestions, the schema and documentation follow from
+//! them.
 
 mod aliases;
 mod axis;
@@ -70,27 +70,27 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Material and discretization, as set.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settings {
-    /// The material.
+    /// Settings of the material.
     pub material: MaterialSettings,
-    /// The discretization: lattice, kernel, and the choices of kernel methods.
+    /// Lattice, kernel, and the settings of kernel methods.
     pub discretization: KernelMethodChoices,
-    /// The family of methods, with the choices of other families.
+    /// Family of methods, and the settings of the other families.
     pub method: MethodSettings,
-    /// The body of the study.
+    /// Body of the study, if it has one.
     pub body: Option<BodySettings>,
-    /// Where keys of the discretization were set.
+    /// Place at which each key of the discretization was set.
     origins: BTreeMap<&'static str, Origin>,
     /// Keys of the discretization whose values have units.
     with_units: BTreeSet<&'static str>,
-    /// The smoothing length over the spacing, where it sets the support.
+    /// Smoothing length over the spacing, if it sets the support, with its place.
     smoothing_length: Option<(f64, Origin)>,
 }
 
 impl Settings {
-    /// The defaults, changed by assignments such as `discretization.support=1.6`, in order.
+    /// Applies assignments such as `discretization.support=1.6` to the defaults, in order.
     ///
     /// # Errors
-    /// [`SettingError`] for an unknown key, a value of the wrong kind, and as for [`Settings::check`].
+    /// [`SettingError`] for an unknown key, a value of a wrong kind, and the errors of [`Settings::check`].
     pub fn from_assignments<S: AsRef<str>>(assignments: &[S]) -> Result<Self, SettingError> {
         let mut settings = Self::default();
         for assignment in assignments {
@@ -100,10 +100,10 @@ impl Settings {
         Ok(settings)
     }
 
-    /// That everything that was set is read; `open` are keys that are about to be varied.
+    /// Checks that every key that was set has an effect; `open` are keys that will be varied.
     ///
     /// # Errors
-    /// [`SettingError`] for a parameter that the model does not have, and a key that the method does not read.
+    /// [`SettingError`] for a parameter that the model does not have, and a key that the method does not use.
     pub fn check(&self, open: &[&str]) -> Result<(), SettingError> {
         self.material.check(open)?;
         self.material.check_plane(self.dimension())?;
@@ -120,7 +120,7 @@ impl Settings {
         self.check_values(open)
     }
 
-    /// That all values with dimensions have units, or none.
+    /// Checks that either all values with dimensions have units, or none.
     pub(super) fn check_units(&self) -> Result<(), SettingError> {
         let keys = KEYS.iter().filter(|key| {
             key.parts().0 == "discretization" && key.unit().and_then(units::si).is_some()
@@ -135,7 +135,7 @@ impl Settings {
         units::check(self.material.measures().chain(of_discretization)).map(drop)
     }
 
-    /// The units of answers.
+    /// Returns the units of answers.
     pub fn units(&self) -> Units {
         match self.with_units.is_empty() && !self.material.units().are_si() {
             true => Units::Own,
@@ -143,7 +143,7 @@ impl Settings {
         }
     }
 
-    /// That the value of a key of the discretization has a unit, though it is not here: that of an axis.
+    /// Marks the value of a key as having a unit, for values of an axis that are set later.
     pub(super) fn measure(&mut self, key: &'static Key) {
         match key.parts().0 {
             "material" => self.material.measure(key),
@@ -151,7 +151,7 @@ impl Settings {
         }
     }
 
-    /// The support that a smoothing length and the kernel make.
+    /// Sets the support that follows from the smoothing length and the kernel.
     fn follow_smoothing_length(&mut self) {
         if let Some((length, _)) = self.smoothing_length {
             let per_length = self
@@ -163,7 +163,7 @@ impl Settings {
         }
     }
 
-    /// The two ways to set a support do not go together.
+    /// Refuses a support that is set both directly and by the smoothing length.
     fn check_support_is_set_once(&self, name: &str, origin: &Origin) -> Result<(), SettingError> {
         let other = match name {
             "discretization.support" => self.smoothing_length.as_ref().map(|(_, other)| other),
@@ -185,20 +185,20 @@ impl Settings {
         }
     }
 
-    /// The settings as those of which a part is set otherwise: what was set of the support gives way to either way to set it.
+    /// Forgets how the support was set, so that other settings can set it in either way.
     pub(super) fn with_other_support(mut self) -> Self {
         self.smoothing_length = None;
         self.origins.remove("discretization.support");
         self
     }
 
-    /// The keys of the discretization that were set, with where, in the order of the table.
+    /// Returns the keys of the discretization that were set, with their places, in the order of the table.
     pub(crate) fn set_keys(&self) -> impl Iterator<Item = (&'static Key, &Origin)> {
         KEYS.iter()
             .filter_map(|key| Some((key, self.origins.get(key.name)?)))
     }
 
-    /// Where a key was set; `None` where it was not.
+    /// Returns the place at which a key was set, or `None`.
     pub(crate) fn origin(&self, name: &str) -> Option<&Origin> {
         match name.strip_prefix("material.") {
             Some(own) if own != "model" => self.material.origin(own),
@@ -211,10 +211,10 @@ impl Settings {
         }
     }
 
-    /// That what was set is what the method can have; `open` are keys that are about to be varied.
+    /// Checks that the method admits the values that were set; `open` are keys that will be varied.
     ///
     /// # Errors
-    /// [`SettingError`] for a lattice that is not that of a grid, and a control of strength zero.
+    /// [`SettingError`] for a lattice that does not fit the grid, and a control with zero coefficient.
     pub(crate) fn check_values(&self, open: &[&str]) -> Result<(), SettingError> {
         self.check_grid()?;
         let (control, coefficient) = (
@@ -236,7 +236,7 @@ impl Settings {
         }
     }
 
-    /// Material points have a grid, whose lattice follows from the number of dimensions.
+    /// Checks the grid of material points, whose lattice follows from the number of dimensions.
     fn check_grid(&self) -> Result<(), SettingError> {
         let set = self.discretization.lattice;
         let grid = self.zone();
@@ -256,7 +256,7 @@ impl Settings {
         }
     }
 
-    /// The number of space dimensions of the discretization.
+    /// Returns the number of space dimensions of the discretization.
     pub fn dimension(&self) -> usize {
         match self.method.method {
             Family::FiniteElements => self.method.mesh.dimension(),
@@ -264,7 +264,7 @@ impl Settings {
         }
     }
 
-    /// The lattice whose zone the waves have: that of the nodes with finite elements and material points.
+    /// Returns the lattice whose zone contains the wave vectors; for finite elements and material points it is the lattice of the nodes.
     pub fn zone(&self) -> LatticeKind {
         match (self.method.method, self.dimension()) {
             (Family::MaterialPoints, 1) => LatticeKind::Chain,
@@ -282,7 +282,7 @@ impl Settings {
         }
     }
 
-    /// The zone by the name of the grid or mesh of methods that have one. Zones of particles follow from the particles.
+    /// Returns the zone of methods with a grid or mesh. The zone of particles follows from the particles.
     pub(crate) fn named_zone(&self) -> Option<LatticeKind> {
         let has_grid = matches!(
             self.method.method,
@@ -294,7 +294,7 @@ impl Settings {
     /// Applies one assignment `key=value`.
     ///
     /// # Errors
-    /// As [`Settings::from_assignments`]; whether parameters fit the model is checked at the end only.
+    /// Fails like [`Settings::from_assignments`]; whether parameters fit the model is checked only at the end.
     pub fn assign(&mut self, assignment: &str) -> Result<(), SettingError> {
         let origin = Origin::CommandLine(format!("--set {assignment}"));
         let Some((name, text)) = assignment.split_once('=') else {
@@ -311,7 +311,7 @@ impl Settings {
     /// Sets one key.
     ///
     /// # Errors
-    /// [`SettingError`] for an unknown key or a value of the wrong kind.
+    /// [`SettingError`] for an unknown key or a value of a wrong kind.
     pub fn set(&mut self, name: &str, value: &Value, origin: Origin) -> Result<(), SettingError> {
         let of_problem = |key: &&Key| matches!(key.parts().0, "material" | "discretization");
         let key = Key::for_setting(name, value.is_measure());
@@ -373,7 +373,7 @@ impl Settings {
                 assign(&mut discretization.lattice, value.word::<LatticeKind>())
             }
             "discretization.kernel" => match kernel(value) {
-                // What is wrong with a formula, and where, is told by the formula.
+                // The formula itself reports its errors with their position.
                 Some(Err(error)) if !matches!(error, KernelError::UnknownName { .. }) => {
                     return Err(SettingError::new(origin, format!("`{name}`: {error}")));
                 }
@@ -445,7 +445,7 @@ impl Settings {
             return Err(wrong(origin));
         }
         self.follow_smoothing_length();
-        // What varies a setting says no unit again.
+        // A combination carries no unit; the unit of the value that it replaces stays.
         if has_unit {
             self.measure(key);
         } else if origin != Origin::Combination {
@@ -467,15 +467,15 @@ impl Settings {
 }
 
 impl Settings {
-    /// Why a key of the discretization is not read; `None` where it is.
+    /// Returns the reason why a key of the discretization has no effect, or `None`.
     pub fn unmet(&self, key: &Key) -> Option<Unmet> {
         key.unmet(&|name| self.value(name))
     }
 
-    /// Refuses a key that the method with its other choices does not read; `open` are keys that are about to be varied.
+    /// Refuses a key that has no effect with the method and its other settings; `open` are keys that will be varied.
     ///
     /// # Errors
-    /// [`SettingError`] with what the key needs.
+    /// [`SettingError`] with the settings under which the key is used.
     pub fn check_read(&self, key: &Key, origin: Origin, open: &[&str]) -> Result<(), SettingError> {
         if let ("material", name) = key.parts()
             && key.is_parameter()
@@ -489,10 +489,10 @@ impl Settings {
         }
     }
 
-    /// What a key of the discretization is unless it is set.
+    /// Default value of a key of the discretization.
     fn default_of(&self, key: &Key) -> Option<Value> {
         match key.name {
-            // A grid has no other lattice.
+            // A grid has only one lattice.
             "discretization.lattice" if self.method.method == Family::MaterialPoints => {
                 let plane = self.dimension() == 2;
                 plane.then(|| Value::Word(self.zone().name().to_owned()))
@@ -502,7 +502,7 @@ impl Settings {
         }
     }
 
-    /// The value of a key; `None` when there is no such key, or for a constant of another material.
+    /// Returns the value of a key; `None` if the key does not exist, or is a parameter of another material.
     pub fn value(&self, name: &str) -> Option<Value> {
         match name.split_once('.')? {
             ("material", "model") => Some(Value::Word(self.material.model.name().to_owned())),
@@ -535,7 +535,7 @@ impl Settings {
     }
 }
 
-/// The kernel that a text names or describes.
+/// The kernel with a name or formula.
 fn kernel(value: &Value) -> Option<Result<Kernel, KernelError>> {
     match value {
         Value::Word(text) => Some(text.parse()),
@@ -543,7 +543,7 @@ fn kernel(value: &Value) -> Option<Result<Kernel, KernelError>> {
     }
 }
 
-/// Assigns what could be read; tells whether it could.
+/// Assigns a value if there is one, and returns whether there was.
 fn assign<T>(target: &mut T, read: Option<T>) -> bool {
     let done = read.is_some();
     if let Some(value) = read {
@@ -556,11 +556,11 @@ fn assign<T>(target: &mut T, read: Option<T>) -> bool {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Value {
-    /// A number.
+    /// A number without a unit.
     Number(f64),
-    /// A word or a text.
+    /// A word, a text, or a number with a unit.
     Word(String),
-    /// `true` or `false`.
+    /// A Boolean, `true` or `false`.
     Switch(bool),
     /// A list of numbers.
     Numbers(Vec<f64>),
@@ -569,7 +569,7 @@ pub enum Value {
 }
 
 impl Value {
-    /// The value that a text on the command line stands for, where a kind of values is expected.
+    /// Interprets a text of the command line, given the expected kind of value.
     pub(crate) fn typed(text: &str, expected: Option<Kind>) -> Self {
         let word = || Self::Word(text.trim_matches('"').to_owned());
         match (expected, text, text.parse()) {
@@ -583,7 +583,7 @@ impl Value {
         }
     }
 
-    /// Whether it is a number, with a unit or without.
+    /// Returns true for a number with or without a unit.
     pub(crate) fn is_measure(&self) -> bool {
         match self {
             Self::Word(text) => units::split(text).is_some(),
@@ -605,7 +605,7 @@ impl Value {
         }
     }
 
-    /// The named choice, by the one name that serialization uses too.
+    /// Interprets the value as a named option; the name is the one used in serialization.
     pub(crate) fn word<T: DeserializeOwned>(&self) -> Option<T> {
         match self {
             Self::Word(word) => T::deserialize(StrDeserializer::<ValueError>::new(word)).ok(),
@@ -639,7 +639,7 @@ fn words(text: &str) -> Vec<String> {
 impl std::fmt::Display for Value {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            // Not three hundred digits.
+            // An exponent avoids hundreds of digits.
             Self::Number(number) if number.abs() >= 1e16 => write!(formatter, "{number:e}"),
             Self::Number(number) => write!(formatter, "{number}"),
             Self::Word(word) => write!(formatter, "\"{word}\""),
@@ -650,7 +650,7 @@ impl std::fmt::Display for Value {
     }
 }
 
-/// The error for a key that does not exist, with the nearest one that does.
+/// Error for an unknown key, with the most similar known key.
 pub(crate) fn unknown_key<'a>(
     name: &str,
     known: impl Iterator<Item = &'a str> + Clone,
@@ -660,11 +660,11 @@ pub(crate) fn unknown_key<'a>(
     if let Some(told) = aliases::hint(name) {
         return error.hint(told);
     }
-    // A key without its section names the section's key.
+    // A key typed without its section is completed.
     let completed = known
         .clone()
         .find(|key| key.rsplit('.').next() == Some(name));
-    // So may a mistyped one.
+    // A mistyped key without its section is completed too.
     let own = |key: &'a str| key.rsplit('.').next().unwrap_or(key);
     let mistyped = || {
         let nearest = error::nearest(name, known.clone().map(own))?;
@@ -677,7 +677,7 @@ pub(crate) fn unknown_key<'a>(
     }
 }
 
-/// Names for a hint; the parameters of all laws are told as one.
+/// Names for a hint; the parameters of all laws are summarized.
 fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let is_parameter = |name: &str| {
         KEYS.iter()
@@ -693,7 +693,7 @@ fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     listed.join(", ")
 }
 
-/// The name under which a choice is written.
+/// Name of an option, as it is written.
 pub fn word_of<T: serde::Serialize>(choice: &T) -> String {
     match serde_json::to_value(choice) {
         Ok(serde_json::Value::String(word)) => word,

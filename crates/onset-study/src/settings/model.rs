@@ -1,4 +1,4 @@
-//! What `material.model` can be: a law of the library, or a user-defined model that is more than numbers.
+//! Possible values of `material.model`: a law of the library, or a user-defined model that needs more than numbers.
 
 mod formula;
 mod function;
@@ -15,54 +15,54 @@ use onset::material::{Hyperelastic, Law, MaterialError, Parameter, Symmetry, lib
 use onset::plasticity;
 use serde::{Serialize, Serializer};
 
-/// A user-defined model: the keys that it needs, and how it is made from them.
+/// User-defined model: the keys that it needs, and how it is built from them.
 #[derive(Debug)]
 pub struct OwnModel {
-    /// The word that chooses it.
+    /// Word that selects the model.
     pub name: &'static str,
-    /// What it is, as a formula or in words.
+    /// Formula or description of the model.
     pub formula: &'static str,
-    /// Where to read on.
+    /// Reference for further reading.
     pub source: &'static str,
-    /// Its keys, parameters apart.
+    /// Keys of the model, without parameters.
     pub keys: &'static [Key],
-    /// Names of the keys, without their section, that must be set.
+    /// Names of the required keys, without their section.
     pub required: &'static [&'static str],
     /// Whether numbers under any other name are its parameters.
     pub takes_any_parameter: bool,
-    /// What is wrong with what was set, with the place.
+    /// Check of the settings, which returns an error with its place.
     pub check: fn(&MaterialSettings) -> Result<(), SettingError>,
-    /// The material.
+    /// Construction of the material.
     pub build: fn(&MaterialSettings) -> Result<Box<dyn Hyperelastic>, MaterialError>,
 }
 
 /// The user-defined models.
 const OWN: &[OwnModel] = &[formula::MODEL, table::MODEL, umat::MODEL];
 
-/// A model.
+/// Model of a material.
 #[derive(Clone, Copy, Debug)]
 pub enum Model {
-    /// A law of the library, hyperelastic or in rate form.
+    /// Law of the library, hyperelastic or in rate form.
     Law(&'static Law),
-    /// A user-defined one.
+/// Model that the user defines.
     Own(&'static OwnModel),
 }
 
-/// Models are told apart by their names.
+/// Models are identified by their names.
 impl PartialEq for Model {
     fn eq(&self, other: &Self) -> bool {
         self.name() == other.name()
     }
 }
 
-/// The first law of the library.
+/// The default is the first law of the library.
 impl Default for Model {
     fn default() -> Self {
         Self::Law(&library()[0])
     }
 }
 
-/// By its name.
+/// Models are serialized as their names.
 impl Serialize for Model {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.name())
@@ -76,12 +76,12 @@ impl Model {
         laws.map(Self::Law).chain(OWN.iter().map(Self::Own))
     }
 
-    /// The model with a name.
+    /// Returns the model with this name, or `None`.
     pub fn named(name: &str) -> Option<Self> {
         Self::all().find(|model| model.name() == name)
     }
 
-    /// Its name.
+    /// Name of the model.
     pub fn name(self) -> &'static str {
         match self {
             Self::Law(law) => law.name,
@@ -89,22 +89,22 @@ impl Model {
         }
     }
 
-    /// Whether it is one of the laws in rate form, whose tangent is that of what goes on from the end of a path.
+    /// Returns true for laws in rate form, whose tangent describes continued deformation from the end of the path.
     pub fn is_in_rate_form(self) -> bool {
         matches!(self, Self::Law(law) if plasticity::library().contains(law))
     }
 
-    /// Whether it is one of those that flow.
+    /// Returns true for laws with plastic flow.
     pub fn is_elastic_plastic(self) -> bool {
         matches!(self, Self::Law(law) if self.is_in_rate_form() && law.parameter("yield-stress").is_some())
     }
 
-    /// Whether it is a law of the library without axes of its own, whatever its parameters.
+    /// Returns true for isotropic laws of the library, for any parameters.
     pub fn is_isotropic(self) -> bool {
         matches!(self, Self::Law(law) if law.symmetry == Symmetry::Isotropic)
     }
 
-    /// Its parameters; none of a model that names them itself.
+    /// Parameters of the model; empty if the model has named parameters of the user.
     pub fn parameters(self) -> &'static [Parameter] {
         match self {
             Self::Law(law) => law.parameters,
@@ -112,7 +112,7 @@ impl Model {
         }
     }
 
-    /// Its keys that are no parameters.
+    /// Keys of the model that are not parameters.
     pub fn keys(self) -> &'static [Key] {
         match self {
             Self::Law(_) => &[],
@@ -120,18 +120,18 @@ impl Model {
         }
     }
 
-    /// The names of its keys without their section, parameters first.
+    /// Names of the keys without their section, parameters first.
     pub fn names(self) -> impl Iterator<Item = &'static str> + Clone {
         let parameters = self.parameters().iter().map(|parameter| parameter.name);
         parameters.chain(self.keys().iter().map(|key| key.parts().1))
     }
 
-    /// Whether numbers under any name are its parameters.
+    /// Returns true if numbers under any name are parameters of the model.
     pub fn takes_any_parameter(self) -> bool {
         matches!(self, Self::Own(model) if model.takes_any_parameter)
     }
 
-    /// Whether a key of a name, without its section, is one of the model's.
+    /// Returns true if the model accepts a key, given without its section.
     pub fn takes(self, name: &str) -> bool {
         let is_of_another = || {
             Self::all()
@@ -142,7 +142,7 @@ impl Model {
             || (self.takes_any_parameter() && name != PLANE && !is_of_another())
     }
 
-    /// What it takes, as a hint.
+    /// Hint that lists the keys of the model.
     pub(super) fn hint(self) -> String {
         let names: Vec<&str> = self.names().collect();
         match self.parameters() {

@@ -1,9 +1,7 @@
-//! Moduli by which a law can be set instead of its own parameters: two of Young's modulus, Poisson's ratio, the bulk and the shear
-//! modulus, for every isotropic law.
+//! Moduli that can replace the parameters of any isotropic law: two of Young's modulus, Poisson's ratio, bulk and shear modulus.
 //!
-//! The stiffness of a law at small strains is linear in its parameters with the dimension of a stress. Those that make up the shear
-//! modulus are multiplied by one factor, so that they keep the ratios that they have by default; those that are left for the bulk
-//! modulus by another one.
+//! The stiffness of a law at small strains is linear in its parameters with the dimension of a stress. The parameters in the shear modulus are
+//! multiplied by one factor, so that they keep their default ratios. The remaining parameters in the bulk modulus are multiplied by another factor.
 
 use onset::material::{Law, Symmetry};
 
@@ -31,20 +29,20 @@ pub(super) const MODULI: [(&str, &str, &str); 4] = [
     ),
 ];
 
-/// Whether a key of the material, without its section, is one of the moduli.
+/// Returns true if a key of the material, without its section, is one of the moduli.
 pub(super) fn is_modulus(name: &str) -> bool {
     MODULI.iter().any(|(modulus, ..)| *modulus == name)
 }
 
-/// Shares of a modulus below this are rounding.
-const ROUNDING: f64 = 1e-12;
-/// Moduli that a law cannot have otherwise agree to this.
+/// Contributions to a modulus below this fraction are rounding errors.
+const CONTRIBUTION_ROUNDING: f64 = 1e-12;
+/// Relative tolerance for moduli that a law prescribes.
 const AGREEMENT: f64 = 1e-9;
 
 /// Shear and bulk modulus from two of the moduli, `mu = E / (2 (1 + nu))`, `K = E / (3 (1 - 2 nu))`.
 ///
 /// # Errors
-/// What is wrong with them, in words.
+/// Description of the error, in words.
 fn shear_and_bulk(given: &[(&str, f64)]) -> Result<(f64, f64), String> {
     let of = |name: &str| {
         given
@@ -94,11 +92,10 @@ fn shear_and_bulk(given: &[(&str, f64)]) -> Result<(f64, f64), String> {
     }
 }
 
-/// Parameters of a law that follow from moduli, by name; `set` are the law's own parameters that were set beside them.
+/// Parameters of a law that follow from moduli, by name; `set` are the parameters of the law that the user set as well.
 ///
-/// # Errors
-/// What is wrong, in words: moduli that do not determine the law, a law that is not isotropic or has no such moduli, and a parameter
-/// that both determine.
+/// Description of the error: moduli that do not determine the law, a law that is anisotropic or has no such moduli, or a parameter that both
+/// determine.
 pub(super) fn parameters(
     law: &Law,
     set: &[(&'static str, f64)],
@@ -138,7 +135,7 @@ pub(super) fn parameters(
         })
         .collect();
     let (mu_now, kappa_now) = moduli(&start)?;
-    // What each parameter with the dimension of a stress adds to the moduli.
+    // Contribution to the moduli of each parameter with the dimension of a stress.
     let mut shares = Vec::new();
     for (n, parameter) in law.parameters.iter().enumerate() {
         if parameter.unit != "stress" || start[n].1 == 0.0 {
@@ -149,8 +146,8 @@ pub(super) fn parameters(
         let (mu_then, kappa_then) = moduli(&doubled)?;
         shares.push((n, mu_then - mu_now, kappa_then - kappa_now));
     }
-    let is_of_shear = |share: f64| share.abs() > ROUNDING * mu_now.abs();
-    let is_of_bulk = |share: f64| share.abs() > ROUNDING * kappa_now.abs();
+    let is_of_shear = |share: f64| share.abs() > CONTRIBUTION_ROUNDING * mu_now.abs();
+    let is_of_bulk = |share: f64| share.abs() > CONTRIBUTION_ROUNDING * kappa_now.abs();
     let factor = mu / mu_now;
     let (of_shear, rest): (Vec<_>, Vec<_>) = shares
         .into_iter()
@@ -176,7 +173,7 @@ pub(super) fn parameters(
     let mut found = Vec::new();
     let mut add = |n: usize, factor: f64| found.push((start[n].0, start[n].1 * factor));
     of_shear.iter().for_each(|(n, ..)| add(*n, factor));
-    // Constants of higher powers follow the shear modulus, unless they are set.
+    // Constants of higher powers are scaled with the shear modulus, unless they are set.
     let follows = |n: &usize| !was_set(start[*n].0);
     others
         .iter()
@@ -209,7 +206,7 @@ pub(super) fn parameters(
     }
 }
 
-/// Parameters without dimension that stand for Poisson's ratio, where the bulk modulus has no parameter of its own.
+/// Dimensionless parameters that are determined by Poisson's ratio, if no parameter determines the bulk modulus separately.
 fn of_ratio(law: &Law, mu: f64, kappa: f64) -> Vec<(&'static str, f64)> {
     let ratio = (3.0 * kappa - 2.0 * mu) / (2.0 * (3.0 * kappa + mu));
     let of = |name: &'static str, value: f64| law.parameter(name).map(|_| (name, value));
@@ -238,7 +235,7 @@ mod tests {
             .chain(onset::plasticity::library())
             .filter(|law| law.symmetry == Symmetry::Isotropic)
         {
-            // Blatz and Ko's foam has Poisson's ratio 1/4, whatever is asked for.
+            // The foam of Blatz and Ko always has Poisson's ratio 1/4.
             if law.name == "blatz-ko" {
                 assert!(parameters(law, &[], &STEEL).is_err());
                 continue;

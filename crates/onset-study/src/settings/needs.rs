@@ -1,25 +1,25 @@
-//! Under which other choices a key is read.
+//! Conditions under which a key has an effect.
 //!
-//! A key has cases; it is read where all needs of one of them are met, and always where it has none. A need is about another key,
-//! which must itself be read. So a method is a choice with keys of its own, and each key says in one place who reads it.
+//! A key has cases. It has an effect if all needs of one case are met, or if it has no cases. A need refers to another key, which must itself have an
+//! effect. A method is thus a choice that enables its keys, and each key states its conditions in one place.
 
 use super::{Key, Value};
 
-/// What a key needs of another one.
+/// Condition on the value of another key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Need {
-    /// The other key.
+    /// Name of the other key.
     pub key: &'static str,
-    /// The values that are meant, as they are written.
+    /// Values in the condition, as they are written.
     pub values: &'static [&'static str],
-    /// Whether the value must be one of them; otherwise none of them.
+    /// Whether the value must be one of these; otherwise it must differ from all of them.
     pub one_of: bool,
 }
 
-/// Alternatives, each with all its needs; none for a key that is always read.
+/// Alternative conditions, each with all its needs; empty for a key that always has an effect.
 pub type Cases = &'static [&'static [Need]];
 
-/// That another key is one of some values.
+/// Condition that another key has one of some values.
 pub(super) const fn is(key: &'static str, values: &'static [&'static str]) -> Need {
     Need {
         key,
@@ -28,7 +28,7 @@ pub(super) const fn is(key: &'static str, values: &'static [&'static str]) -> Ne
     }
 }
 
-/// That another key is none of some values.
+/// Condition that another key differs from some values.
 pub(super) const fn is_not(key: &'static str, values: &'static [&'static str]) -> Need {
     Need {
         key,
@@ -37,12 +37,12 @@ pub(super) const fn is_not(key: &'static str, values: &'static [&'static str]) -
     }
 }
 
-/// A need that is not met.
+/// Need that is not met.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unmet {
-    /// What is needed.
+    /// Condition that is violated.
     pub need: Need,
-    /// What is set.
+    /// Value of the other key.
     pub value: Value,
 }
 
@@ -68,8 +68,8 @@ impl std::fmt::Display for Need {
 }
 
 impl Key {
-    /// Why the key is not read; `None` where it is. `value` tells what other keys are; one that it does not tell is open, as on an
-    /// axis, and meets every need.
+    /// Returns a condition that the key violates, or `None` if it has an effect. `value` returns the values of other keys; `None` is an open value,
+    /// as on an axis, and meets every need.
     pub fn unmet(&self, value: &impl Fn(&str) -> Option<Value>) -> Option<Unmet> {
         let of_need = |need: &Need| {
             let deeper = Self::named(need.key).and_then(|key| key.unmet(value));
@@ -78,14 +78,14 @@ impl Key {
                 (!need.is_met(&value)).then_some(Unmet { need: *need, value })
             })
         };
-        // What is told is what the nearest case lacks.
+        // The nearest case is the one with the fewest violated needs.
         let lacks = |case: &&'static [Need]| case.iter().filter_map(of_need).collect::<Vec<_>>();
         let nearest = self.read_with.iter().map(lacks);
         nearest.min_by_key(Vec::len)?.into_iter().next()
     }
 
-    /// What must be chosen otherwise for the key to be read while another key, `held`, stays as it is: nothing where it is read, `None`
-    /// where that alone forbids it.
+    /// Conditions that must still be met for the key to have an effect, while another key, `held`, keeps its value. Empty if it has an effect, `None`
+    /// if the value of `held` rules it out.
     pub fn lacking(&self, held: &str, value: &impl Fn(&str) -> Option<Value>) -> Option<Vec<Need>> {
         let cases = self.all_needs();
         if cases.is_empty() {
@@ -102,13 +102,13 @@ impl Key {
             .min_by_key(Vec::len)
     }
 
-    /// Who reads the key, in words; empty where it is always read.
+    /// Conditions of the key, in words; empty if it always has an effect.
     pub fn readers(&self) -> String {
         let cases: Vec<String> = self.all_needs().iter().map(|case| told(case)).collect();
         cases.join(", or ")
     }
 
-    /// The cases with the needs of the keys that they name.
+    /// Cases of the key, including the needs of the keys that they refer to.
     pub(super) fn all_needs(&self) -> Vec<Vec<Need>> {
         let whole = |case: &&'static [Need]| {
             case.iter().fold(vec![Vec::new()], |found, need| {

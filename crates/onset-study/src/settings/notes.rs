@@ -1,11 +1,11 @@
-//! What is to be told about settings that are accepted.
+//! Notes on accepted settings.
 
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
 static NOTES: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
 
-/// What is to be told of the settings that have been read since this was asked last, each once: earlier names, and what the question does not read.
+/// Returns the notes on settings that were read since the last call, each once: renamed keys, and keys that the question does not use.
 pub fn notes_on_settings() -> Vec<String> {
     let mut notes = NOTES.lock().unwrap_or_else(PoisonError::into_inner);
     std::mem::take(&mut *notes).into_iter().collect()

@@ -1,10 +1,10 @@
-//! For every method and every key: it changes an answer, or it is refused; and what is refused would have changed nothing.
+//! Checks of every key for every method: it changes an answer, or it is refused, and refused keys would not change anything.
 
 use super::{KEYS, Key, Kind, Origin, Settings, Value};
 use crate::answers::Problem;
 use onset::kinematics::DeformationGradient;
 
-/// Methods by their families, each with choices under which more of its keys are read.
+/// Methods by their families, each with settings under which more of its keys have an effect.
 const METHODS: &[(&str, &[&[&str]])] = &[
     (
         "kernel",
@@ -96,7 +96,7 @@ const METHODS: &[(&str, &[&[&str]])] = &[
     ),
 ];
 
-/// Other values of a key than its default and the one that a method has.
+/// Values of a key other than its default and the value of a method.
 fn values(key: &Key) -> Vec<String> {
     let numbers: &[&str] = match key.kind {
         Kind::Words(words) | Kind::WordsOr(words, _) => words,
@@ -117,7 +117,7 @@ fn values(key: &Key) -> Vec<String> {
     numbers.iter().map(|value| (*value).to_owned()).collect()
 }
 
-/// Frequencies of some waves at some states, without and with damping, and rates in steps of time.
+/// Frequencies of some waves at some states, without and with damping, and rates in discrete time.
 fn answers(settings: &Settings) -> Result<Vec<f64>, String> {
     let told = |error: &dyn std::fmt::Display| error.to_string();
     let problem = Problem::new(settings.clone()).map_err(|error| told(&error))?;
@@ -162,7 +162,7 @@ fn every_key_changes_an_answer_of_a_method_or_is_refused_by_it() {
                 (all, answers(&settings).expect("answers"))
             })
             .collect();
-        // Cells without disorder are reduced to one: they set what patches count in.
+        // Cells without disorder are reduced to one cell, which affects only the size of patches.
         let others = ["discretization.method", "discretization.cells"];
         for key in keys().filter(|key| !others.contains(&key.name)) {
             for value in values(key) {
@@ -175,7 +175,7 @@ fn every_key_changes_an_answer_of_a_method_or_is_refused_by_it() {
                     let all: Vec<String> =
                         base.iter().cloned().chain([assignment.clone()]).collect();
                     let asked = Settings::from_assignments(&all);
-                    // What the table says against it is not asked by the method.
+                    // Without the check of the table, to find out whether the method would use the key.
                     let mut forced = Settings::default();
                     for own in &all {
                         forced.assign(own).expect("known keys");
@@ -193,7 +193,7 @@ fn every_key_changes_an_answer_of_a_method_or_is_refused_by_it() {
                         Err(error) if error.message.contains("has no effect") => {
                             let hint = error.hint.as_deref().unwrap_or_default();
                             assert!(hint.contains("it is read with"), "{error}");
-                            // A choice that another one needs is not what is set here.
+                            // An error about another key is not the result of this assignment.
                             let is_about_key = error.message.contains(key.name);
                             let own = matches!(&error.origin, Origin::CommandLine(text) if text.ends_with(&assignment));
                             if let (true, true, Ok(found)) = (is_about_key, own, &found) {
@@ -251,7 +251,7 @@ fn what_is_in_effect_is_what_the_method_reads() {
             }
         }
     }
-    // Nothing of kernel methods on others, and a square grid where there is one.
+    // Other methods show no settings of kernel methods, and methods with a grid show a square lattice.
     let points = Settings::from_assignments(&["discretization.method=material-points"]);
     let effective = points.expect("material points").effective();
     assert_eq!(effective.get("discretization.quadrature"), None);

@@ -1,22 +1,22 @@
-//! Names that keys, values, commands and topics had in earlier versions: still read, with a note that names the new one.
+//! Earlier names of keys, words, commands and topics. They are still read, with a note on the new name.
 
 use super::notes::note;
 use super::{Key, Value};
 
-/// Keys with their earlier names first.
+/// Keys: earlier name, present name.
 const KEYS: &[(&str, &str)] = &[("discretization.arrangement", "discretization.lattice")];
 
-/// Words of a key whose earlier name is that of another key now: `lattice` was where the particles are in the current configuration.
+/// Words of a key whose earlier name now belongs to another key: `lattice` used to set the particle positions in the current configuration.
 const WORDS: &[(&str, &[&str], &str)] = &[(
     "discretization.lattice",
     &["convected", "regular"],
     "discretization.current-lattice",
 )];
 
-/// Commands with their earlier names first.
+/// Commands: earlier name, present name.
 const COMMANDS: &[(&str, &str)] = &[("notions", "criteria")];
 
-/// Verdicts with their earlier names first.
+/// Verdicts: earlier name, present name.
 const VERDICTS: &[(&str, &str)] = &[
     ("material", "physical"),
     ("kernel", "numerical"),
@@ -24,10 +24,10 @@ const VERDICTS: &[(&str, &str)] = &[
     ("missed", "suppressed"),
 ];
 
-/// Topics of `onset list` with their earlier names first.
+/// Topics of `onset list`: earlier name, present name.
 const TOPICS: &[(&str, &str)] = &[("arrangements", "lattices")];
 
-/// The name that a key has now.
+/// Present name of a key.
 pub(super) fn key(name: &str) -> &str {
     match KEYS.iter().find(|(earlier, _)| *earlier == name) {
         Some((_, now)) => {
@@ -38,7 +38,7 @@ pub(super) fn key(name: &str) -> &str {
     }
 }
 
-/// The key whose word a value is: another one where an earlier key of the same name took this word.
+/// Key for a word; a different key if an earlier key of the same name accepted the word.
 pub(super) fn of_word(key: &'static Key, value: &Value) -> &'static Key {
     let Value::Word(word) = value else {
         return key;
@@ -59,7 +59,7 @@ pub(super) fn of_word(key: &'static Key, value: &Value) -> &'static Key {
     }
 }
 
-/// The name that a verdict has now.
+/// Returns the present name of a verdict.
 pub fn verdict(name: &str) -> &str {
     match VERDICTS.iter().find(|(earlier, _)| *earlier == name) {
         Some((_, now)) => {
@@ -70,14 +70,14 @@ pub fn verdict(name: &str) -> &str {
     }
 }
 
-/// The name that a command has now; `None` where it is not an earlier one.
+/// Returns the present name of a command, or `None` if the name is not an earlier one.
 pub fn renamed_command(name: &str) -> Option<&'static str> {
     let (_, now) = COMMANDS.iter().find(|(earlier, _)| *earlier == name)?;
     note(format!("`onset {name}` is now called `onset {now}`"));
     Some(now)
 }
 
-/// The name that a topic of `onset list` has now.
+/// Present name of a topic of `onset list`.
 pub(crate) fn topic(name: &str) -> &str {
     match TOPICS.iter().find(|(earlier, _)| *earlier == name) {
         Some((_, now)) => {

@@ -1,4 +1,4 @@
-//! The JSON Schema of a study, from the tables of keys.
+//! JSON Schema of a study, from the tables of keys.
 
 use super::key::smoothing_length;
 use super::moduli::MODULI;
@@ -9,9 +9,10 @@ use super::{
 use onset::material::{Admitted, Parameter};
 use serde_json::{Map, Value, json};
 
-/// The JSON Schema (draft 2020-12) of a study. What concerns several parts at once (a key that is also an axis, a
-/// rotation that turns nothing) it cannot say; [`super::Study::parse`] does. Words have their own names only: what people type beside
-/// them is taken, and not listed.
+/// Returns the JSON Schema (draft 2020-12) of a study.
+///
+/// It cannot express conditions on several parts together (a key that is also an axis, a rotation without effect); [`super::Study::parse`] checks
+/// these. Other names of words are accepted in studies but not listed in the schema.
 pub fn schema() -> Value {
     let mut sections = Map::new();
     for section in ["material", "discretization", "state", "map"] {
@@ -43,7 +44,7 @@ pub fn schema() -> Value {
     })
 }
 
-/// A section of keys.
+/// Schema of a section of keys.
 fn table(section: &str) -> Value {
     let keys = || {
         study_keys()
@@ -63,14 +64,14 @@ fn table(section: &str) -> Value {
         table["allOf"] = conditions.into();
     }
     if section == "material" {
-        // A user-defined model names its parameters itself.
+        // The user names the parameters of a user-defined model.
         table["additionalProperties"] = json!({ "anyOf": [{ "type": "number" }, measure()] });
         table["allOf"] = Model::all().map(keys_of).collect();
     }
     table
 }
 
-/// That a key stands only where it is read. What an axis may vary is not known here, and not demanded.
+/// Condition under which a key is allowed. Keys that an axis may vary are unknown here, and not required.
 fn readers(key: &Key) -> Option<Value> {
     let cases: Vec<Value> = key
         .all_needs()
@@ -80,13 +81,13 @@ fn readers(key: &Key) -> Option<Value> {
             json!({ "allOf": needs })
         })
         .collect();
-    // A case without demands is always met.
+    // A case without conditions is always met.
     let is_open = cases.iter().any(|case| case["allOf"] == json!([]));
     let condition = json!({ "required": [key.parts().1] });
     (!cases.is_empty() && !is_open).then(|| json!({ "if": condition, "then": { "anyOf": cases } }))
 }
 
-/// What a need demands of the section.
+/// Condition on the section that a need expresses.
 fn demand(need: &Need) -> Option<Value> {
     let key = Key::named(need.key).filter(|key| !key.is_varied())?;
     let value = |written: &&str| serde_json::from_str(written).unwrap_or_else(|_| json!(written));
@@ -103,10 +104,10 @@ fn demand(need: &Need) -> Option<Value> {
     Some(demand)
 }
 
-/// That a material has its own keys only, and which numbers its law admits.
+/// Restricts a material to the keys of its model, and numbers to the values that its law admits.
 fn keys_of(model: Model) -> Value {
     let mut condition = json!({ "properties": { "model": { "const": model.name() } } });
-    // Where no model is given the default holds.
+    // Without a model the default applies.
     if model != Model::default() {
         condition["required"] = json!(["model"]);
     }
@@ -135,7 +136,7 @@ fn keys_of(model: Model) -> Value {
     json!({ "if": condition, "then": consequence })
 }
 
-/// What a parameter of a law takes.
+/// Schema of a parameter of a law.
 fn number(parameter: &Parameter) -> Value {
     let mut number = match parameter.admitted {
         Admitted::Any => json!({}),
@@ -151,7 +152,7 @@ fn number(parameter: &Parameter) -> Value {
     number
 }
 
-/// A meaning with its unit.
+/// Description with its unit.
 fn described(meaning: &str, unit: Option<&str>) -> Value {
     match unit {
         None | Some("1") => meaning.into(),
@@ -159,12 +160,12 @@ fn described(meaning: &str, unit: Option<&str>) -> Value {
     }
 }
 
-/// A number with a unit.
+/// Schema of a number with a unit.
 fn measure() -> Value {
     json!({ "type": "string", "pattern": "^[-+]?[0-9.]+([eE][-+]?[0-9]+)? *[A-Za-zµ°].*$" })
 }
 
-/// What a key takes.
+/// Schema of the value of a key.
 fn property(key: &Key) -> Value {
     let mut property = match key.kind {
         Kind::Number(unit) if unit != "1" => json!({ "anyOf": [{ "type": "number" }, measure()] }),
@@ -199,7 +200,7 @@ fn property(key: &Key) -> Value {
     property
 }
 
-/// A table of keys that no other command reads.
+/// Schema of a table whose keys are used by a single command.
 fn table_of(keys: &[Key]) -> Value {
     let properties: Map<String, Value> = keys
         .iter()
@@ -208,7 +209,7 @@ fn table_of(keys: &[Key]) -> Value {
     json!({ "type": "object", "properties": properties, "additionalProperties": false })
 }
 
-/// Methods that are compared: keys of the discretization under a name.
+/// Schema of methods for comparison: keys of the discretization with a name.
 fn methods() -> Value {
     let own = KEYS.iter().chain([smoothing_length()]);
     let own = own.filter(|key| key.parts().0 == "discretization");

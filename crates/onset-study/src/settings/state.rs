@@ -1,18 +1,18 @@
-//! The deformation of a state: stretches, shear, and the angle of the lattice against the load.
+//! Deformation of a state: stretches, shear, and the angle of the lattice relative to the load.
 
 use super::Value;
 use onset::kinematics::{DeformationGradient, KinematicsError};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-/// A deformation by its stretches, shear and rotation.
+/// Deformation given by stretches, shear and rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StateSettings {
     /// Stretches along the two axes of the plane, and out of it.
     pub stretches: [f64; 3],
-    /// Amount of shear.
+    /// Amount of shear in the plane.
     pub shear: f64,
-    /// Angle by which the lattice is turned against the load; radians.
+    /// Angle of the lattice relative to the load; radians.
     pub rotation: f64,
 }
 
@@ -26,7 +26,7 @@ impl Default for StateSettings {
     }
 }
 
-/// Under the names of the keys.
+/// Serializes the values under the names of the keys.
 impl Serialize for StateSettings {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(5))?;
@@ -49,13 +49,13 @@ impl StateSettings {
         }
     }
 
-    /// The value under a name; `None` when there is no such name.
+    /// Returns the value under a name; `None` if the name is unknown.
     pub fn value(&self, name: &str) -> Option<f64> {
         let mut copy = *self;
         copy.target(name).copied()
     }
 
-    /// Sets the value under a name; tells whether there is one that takes such a value.
+    /// Sets the value under a name; returns false if the name is unknown or the value is not a number.
     pub fn set(&mut self, name: &str, value: &Value) -> bool {
         match (self.target(name), value) {
             (Some(target), Value::Number(number)) => {
@@ -66,14 +66,16 @@ impl StateSettings {
         }
     }
 
-    /// The deformation gradient `F = R^T U R` with `U = [[1, shear], [0, 1]] diag(stretch-1, stretch-2)` in the plane,
-    /// `stretch-3` out of it, and `R` the rotation by the angle of the lattice against the load. Dimensionless.
+    /// Returns the deformation gradient `F = R^T U R`. Dimensionless.
+    ///
+    /// In the plane `U = [[1, shear], [0, 1]] diag(stretch-1, stretch-2)`, out of it `stretch-3`. `R` is the rotation by the angle of the lattice
+    /// relative to the load.
     ///
     /// # Errors
     /// [`KinematicsError`] when a stretch is not positive, or the deformation is too extreme.
     pub fn deformation(&self) -> Result<DeformationGradient, KinematicsError> {
         let [first, second, third] = self.stretches;
-        // Checks the stretches one by one; exact where nothing else is asked for.
+        // Checks the stretches one by one; exact without shear and rotation.
         let stretched = DeformationGradient::from_stretches(self.stretches)?;
         if self.shear == 0.0 && self.rotation == 0.0 {
             return Ok(stretched);
@@ -136,7 +138,7 @@ mod tests {
         for (a, b) in a.principal_stretches().iter().zip(b.principal_stretches()) {
             assert!((a - b).abs() < 1e-14);
         }
-        // R^T U R: a load along the first axis of the lattice turned by the angle.
+        // `R^T U R`: a load along the first axis of the lattice, rotated by the angle.
         let pulled = StateSettings {
             stretches: [2.0, 1.0, 1.0],
             rotation: FRAC_PI_3,

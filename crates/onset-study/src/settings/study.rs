@@ -1,4 +1,4 @@
-//! A study: material, discretization, what is held fixed, what is varied, and how the map is made.
+//! Study: material, discretization, fixed and varied quantities, and the settings of the map.
 
 mod check;
 mod file;
@@ -16,7 +16,7 @@ use super::{
 use onset::kinematics::{DeformationGradient, KinematicsError};
 use std::collections::BTreeMap;
 
-/// A study as read, valid as far as can be told without computing.
+/// Study as read; all checks that need no computation have passed.
 ///
 /// ```
 /// use onset_study::settings::Study;
@@ -29,35 +29,35 @@ use std::collections::BTreeMap;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Study {
-    /// What it shows.
+    /// Title of the study.
     pub title: String,
-    /// Material and discretization, where no axis varies them.
+    /// Material and discretization, for settings that no axis varies.
     pub settings: Settings,
-    /// The deformation, where no axis varies it.
+    /// Deformation, for components that no axis varies.
     pub state: StateSettings,
-    /// What is varied: two or three axes, the first running fastest.
+    /// Two or three axes, the first running fastest.
     pub axes: Vec<Axis>,
-    /// How the map is made.
+    /// Settings of the map.
     pub map: MapSettings,
-    /// The file as read; after an override the study written out in full.
+    /// Text of the file; after an override, the new study written out in full.
     pub text: String,
-    /// Whether the file asks for a comparison too.
+    /// Whether the file also describes a comparison.
     has_methods: bool,
     origins: Origins,
 }
 
-/// Where the parts of a study were made.
+/// Places at which the parts of a study were set.
 #[derive(Clone, Debug, PartialEq)]
 struct Origins {
-    /// The beginning of the file.
+    /// Beginning of the file.
     file: Origin,
-    /// Of every key of `[state]` and `[map]` that was set; the others know where they were set.
+    /// Places of the keys of `[state]` and `[map]`; other settings store their places themselves.
     keys: BTreeMap<&'static str, Origin>,
-    /// Of the axes, in their order.
+    /// Places of the axes, in their order.
     axes: Vec<AxisOrigin>,
 }
 
-/// Where an axis was made.
+/// Places of the parts of an axis.
 #[derive(Clone, Debug, PartialEq)]
 struct AxisOrigin {
     quantity: Origin,
@@ -65,10 +65,10 @@ struct AxisOrigin {
 }
 
 impl Study {
-    /// Reads a study; `name` is that of the file, for messages.
+    /// Reads a study; `name` is the name of the file, for messages.
     ///
     /// # Errors
-    /// [`SettingError`] with line and column of what cannot be accepted, what is expected, and a hint.
+    /// [`SettingError`] with line and column of the error, the expected value, and a hint.
     pub fn parse(name: &str, text: &str) -> Result<Self, SettingError> {
         let study = file::read(name, text)?;
         study.require_axes()?;
@@ -79,10 +79,10 @@ impl Study {
         Ok(study)
     }
 
-    /// Reads a study as [`Study::parse`] does, or one that has a body and no axes.
+    /// Reads a study like [`Study::parse`], but also accepts a study with a body and no axes.
     ///
     /// # Errors
-    /// As for [`Study::parse`].
+    /// Fails like [`Study::parse`].
     pub fn parse_any(name: &str, text: &str) -> Result<Self, SettingError> {
         let study = file::read(name, text)?;
         match study.settings.body.is_some() && study.axes.is_empty() {
@@ -91,10 +91,10 @@ impl Study {
         }
     }
 
-    /// Reads a study and overrides some keys at once, as [`Study::override_with`] does: the text alone need not be valid.
+    /// Reads a study and overrides some keys, like [`Study::override_with`]. The text alone need not be valid.
     ///
     /// # Errors
-    /// As for [`Study::parse`] and [`Study::override_with`].
+    /// Fails like [`Study::parse`] and [`Study::override_with`].
     pub fn parse_with<S: AsRef<str>>(
         name: &str,
         text: &str,
@@ -108,23 +108,23 @@ impl Study {
         }
     }
 
-    /// The study, of which a library may be loaded if the user allows it.
+    /// Applies the user's permissions for libraries to the study.
     pub fn allowing(mut self, trust: &Trust) -> Self {
         self.settings.material.allow(trust);
         self
     }
 
-    /// Numbers of states along the axes, slowest first: the counts in reverse.
+    /// Returns the numbers of states along the axes, slowest first: the counts in reverse.
     pub fn shape(&self) -> Vec<usize> {
         self.axes.iter().rev().map(|axis| axis.count).collect()
     }
 
-    /// The number of states.
+    /// Returns the total number of states.
     pub fn states(&self) -> usize {
         self.axes.iter().map(|axis| axis.count).product()
     }
 
-    /// The coordinates of a state, in the order of the axes; the first axis runs fastest.
+    /// Returns the coordinates of a state, in the order of the axes; the first axis runs fastest.
     pub fn coordinates(&self, index: usize) -> Vec<f64> {
         let mut rest = index;
         let coordinate = |axis: &Axis| {
@@ -135,10 +135,10 @@ impl Study {
         self.axes.iter().map(coordinate).collect()
     }
 
-    /// Material and discretization at coordinates in the order of the axes.
+    /// Returns the settings at coordinates in the order of the axes.
     ///
     /// # Errors
-    /// [`SettingError`] when a key does not take its coordinate.
+    /// [`SettingError`] when a key does not accept its coordinate.
     pub fn settings_at(&self, coordinates: &[f64]) -> Result<Settings, SettingError> {
         let mut settings = self.settings.clone();
         for (axis, value) in self.axes.iter().zip(coordinates) {
@@ -149,10 +149,10 @@ impl Study {
         Ok(settings)
     }
 
-    /// The deformation at coordinates in the order of the axes, see [`StateSettings::deformation`].
+    /// Returns the deformation at coordinates in the order of the axes, like [`StateSettings::deformation`].
     ///
     /// # Errors
-    /// [`KinematicsError`] when it is not admissible.
+    /// [`KinematicsError`] when the deformation is inadmissible.
     pub fn deformation_at(
         &self,
         coordinates: &[f64],
@@ -169,23 +169,23 @@ impl Study {
         state.deformation()
     }
 
-    /// Whether material or discretization differ from state to state.
+    /// Returns true if material or discretization differ from state to state.
     pub fn varies_settings(&self) -> bool {
         let is_setting = |axis: &Axis| matches!(axis.quantity, Quantity::Setting(_));
         self.axes.iter().any(is_setting)
     }
 
-    /// The axes of a section through the map: the first two.
+    /// Returns the axes of a section through the map: the first two.
     pub fn plane(&self) -> [Axis; 2] {
         [self.axes[0], self.axes[1]]
     }
 
-    /// The axis that varies a quantity, if there is one.
+    /// Returns the axis that varies a quantity, or `None`.
     pub fn axis_of(&self, quantity: Quantity) -> Option<&Axis> {
         self.axes.iter().find(|axis| axis.quantity == quantity)
     }
 
-    /// The same study with other ranges of its axes, in their order.
+    /// Replaces the ranges of the axes, in their order.
     pub fn with_ranges(mut self, ranges: &[(f64, f64)]) -> Self {
         for (axis, range) in self.axes.iter_mut().zip(ranges) {
             axis.range = *range;
@@ -193,16 +193,16 @@ impl Study {
         self
     }
 
-    /// Why a key is not read; `None` where it is at some state.
+    /// Returns a condition that a key violates; `None` if it has an effect at some state.
     fn unmet(&self, key: &Key) -> Option<Unmet> {
         key.unmet(&|name| self.value(name).filter(|_| !self.is_varied(name)))
     }
 
-    /// Whether a key is in effect at some state.
+    /// Returns true if a key is in effect at some state.
     fn is_read(&self, key: &Key) -> bool {
         match key.parts() {
             ("material", "model") => true,
-            // Plane strain is what holds where nothing is said.
+            // Plane strain is the default.
             ("material", PLANE) => self.settings.material.plane() != Plane::Strain,
             ("material", name) => {
                 self.settings.material.model.takes(name)
@@ -212,13 +212,13 @@ impl Study {
         }
     }
 
-    /// Whether an axis varies what a key sets.
+    /// Returns true if an axis varies this key.
     fn is_varied(&self, name: &str) -> bool {
         let mut axes = self.axes.iter();
         axes.any(|axis| axis.quantity.key_name() == name)
     }
 
-    /// Where a key was set; `None` where it was not.
+    /// Place at which a key was set, or `None`.
     fn origin(&self, name: &str) -> Option<&Origin> {
         self.origins
             .keys
@@ -226,7 +226,7 @@ impl Study {
             .or_else(|| self.settings.origin(name))
     }
 
-    /// The value of a key, where no axis varies it; `None` for a constant of another material.
+    /// Returns the value of a key that no axis varies; `None` for a parameter of another material.
     pub fn value(&self, name: &str) -> Option<Value> {
         let of_json = |value: &serde_json::Value| match value {
             serde_json::Value::String(word) => Some(Value::Word(word.clone())),

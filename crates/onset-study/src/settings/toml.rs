@@ -1,4 +1,4 @@
-//! Values of TOML files, with their places.
+//! Values of TOML files, with their positions.
 
 use super::{Key, Kind, Origin, SettingError, Value, unknown_key};
 use std::borrow::Cow;
@@ -7,13 +7,13 @@ use toml::de::{DeTable, DeValue};
 
 pub(super) type Entry<'a, 'i> = (&'a Spanned<Cow<'i, str>>, &'a Spanned<DeValue<'i>>);
 
-/// A file with its name: places in it are origins.
+/// File with its name; positions in it are origins of settings.
 pub(super) struct File<'t> {
     pub(super) name: &'t str,
     text: &'t str,
-    /// Where each line but the first begins.
+    /// Offset of each line except the first.
     line_starts: Vec<usize>,
-    /// The bytes that begin no character.
+    /// Offsets of the bytes that do not begin a character.
     continuations: Vec<usize>,
 }
 
@@ -36,10 +36,10 @@ impl<'t> File<'t> {
         }
     }
 
-    /// The whole file as a table.
+    /// Parses the whole file as a table.
     ///
     /// # Errors
-    /// [`SettingError`] where it is no TOML.
+    /// [`SettingError`] when the file is not valid TOML.
     pub(super) fn table(&self) -> Result<Spanned<DeTable<'t>>, SettingError> {
         DeTable::parse(self.text).map_err(|error| {
             let offset = error.span().map_or(0, |span| span.start);
@@ -73,18 +73,17 @@ impl<'t> File<'t> {
     }
 }
 
-/// The entries of a table in the order of the file, so that the first mistake is told first.
+/// Returns the entries of a table in the order of the file, so that the first error is reported first.
 pub(super) fn in_order<'a, 'i>(table: &'a DeTable<'i>) -> Vec<Entry<'a, 'i>> {
     let mut entries: Vec<_> = table.iter().collect();
     entries.sort_by_key(|(key, _)| key.span().start);
     entries
 }
 
-/// Reads the keys of a section in the order of the file, and puts each where it belongs; `names` are those that a wrong one is
-/// compared with.
+/// Reads the keys of a section in the order of the file, and passes each to `put`. `names` are the known names, for suggestions.
 ///
 /// # Errors
-/// [`SettingError`] for an unknown key, a value of the wrong kind, and what `put` refuses.
+/// [`SettingError`] for an unknown key, a value of a wrong kind, and any error of `put`.
 pub(super) fn read_keys<'n>(
     file: &File<'_>,
     section: &str,
@@ -103,10 +102,10 @@ pub(super) fn read_keys<'n>(
     Ok(())
 }
 
-/// The value of a key as what the key expects.
+/// Converts a value to the kind that the key expects.
 ///
 /// # Errors
-/// [`SettingError`] for dates, tables, and lists where none is expected.
+/// [`SettingError`] for dates, tables, and unexpected lists.
 pub(super) fn typed(
     known: &Key,
     value: &Spanned<DeValue<'_>>,
@@ -124,7 +123,7 @@ pub(super) fn typed(
     })
 }
 
-/// A value that a key can take; `None` for dates, lists and tables.
+/// A value that a key can accept; `None` for dates, lists and tables.
 pub(super) fn scalar(value: &DeValue<'_>) -> Option<Value> {
     match value {
         DeValue::String(word) => Some(Value::Word(word.to_string())),
@@ -160,7 +159,7 @@ pub(super) fn words(value: &DeValue<'_>) -> Option<Vec<String>> {
     items.iter().map(word).collect()
 }
 
-/// A value as told in a message.
+/// A value as a message shows it.
 pub(super) fn described(value: &DeValue<'_>) -> String {
     match value {
         DeValue::Datetime(date) => format!("the date {date}"),

@@ -1,12 +1,13 @@
-//! Which programs a file may have run.
+//! Permissions of files to run programs.
 
 use std::path::{Path, PathBuf};
 
-/// The variable with libraries, or folders of them, that files may always load; separated as in `PATH`.
+/// Environment variable with libraries, or folders of libraries, that files may always load; separated as in `PATH`.
 pub const TRUST_VARIABLE: &str = "ONSET_ALLOW_LIBRARY";
 
-/// The shared libraries that the user allows files to load. A library is a program, which a file that came from somebody else must
-/// not start; one that is named on the command line itself is the user's own word.
+/// Shared libraries that the user allows files to load.
+///
+/// A library is a program, which a file from another person must not start. A library that is named on the command line is the user's decision.
 ///
 /// ```
 /// use onset_study::settings::Trust;
@@ -20,14 +21,14 @@ pub struct Trust {
 }
 
 impl Trust {
-    /// Some libraries, and all in some folders.
+    /// Allows some libraries, and all libraries in some folders.
     pub fn of(places: impl IntoIterator<Item = PathBuf>) -> Self {
         Self {
             places: places.into_iter().map(|place| resolved(&place)).collect(),
         }
     }
 
-    /// What the variable [`TRUST_VARIABLE`] names, and some more.
+    /// Allows the libraries of the variable [`TRUST_VARIABLE`], and some more.
     pub fn of_user(named: &[PathBuf]) -> Self {
         let always = std::env::var_os(TRUST_VARIABLE).unwrap_or_default();
         let always: Vec<PathBuf> = std::env::split_paths(&always)
@@ -36,14 +37,14 @@ impl Trust {
         Self::of(always.into_iter().chain(named.iter().cloned()))
     }
 
-    /// Whether a library may be loaded. Links count as what they lead to.
+    /// Returns true if a library may be loaded. Links are resolved.
     pub fn covers(&self, library: &Path) -> bool {
         self.admitted(library).is_some()
     }
 
-    /// The place without links of a library that may be loaded: to be loaded from there, wherever links lead by then.
+    /// Resolved path of a library that may be loaded. Loading from this path is safe even if links change afterwards.
     pub(crate) fn admitted(&self, library: &Path) -> Option<PathBuf> {
-        // Without anything allowed no file is asked for.
+        // If nothing is allowed, the file system is not accessed.
         if self.places.is_empty() {
             return None;
         }
@@ -53,7 +54,7 @@ impl Trust {
     }
 }
 
-/// A path without links; where nothing is, without `.` at least.
+/// A path with links resolved, or at least without `.` if the file does not exist.
 fn resolved(path: &Path) -> PathBuf {
     let absolute = || std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     std::fs::canonicalize(path).unwrap_or_else(|_| absolute())

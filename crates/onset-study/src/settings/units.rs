@@ -1,11 +1,11 @@
 //! Units in values: `80 GPa`, `1 mm`, `7850 kg/m^3`.
 //!
-//! A problem has units in all of its values or in none. Without units its numbers are in units of its own, of which only the ratios
-//! matter; with them every value is turned into SI as it is read, and answers are in Pa, m, s and kg.
+//! Either all values of a problem have units, or none. Without units the numbers are in any consistent units. With units every value is converted to
+//! SI when it is read, and answers are in Pa, m, s and kg.
 
 use super::{Key, Origin, SettingError, Value, error::nearest};
 
-/// Units by the dimension that keys name, with what one of them is in SI (angles: in the unit of the key, degrees or radians).
+/// Units of the dimensions that keys name, with their values in SI (angles: in the unit of the key, degrees or radians).
 const UNITS: &[(&str, &[(&str, f64)])] = &[
     (
         "stress",
@@ -76,7 +76,7 @@ const UNITS: &[(&str, &[(&str, f64)])] = &[
     ),
 ];
 
-/// The unit in SI of what has a dimension; `None` of what has none, and of angles, which say their unit themselves.
+/// SI unit of a dimension; `None` for dimensionless quantities, and for angles, whose keys name the unit.
 pub(crate) fn si(dimension: &str) -> Option<&'static str> {
     match dimension {
         "stress" => Some("Pa"),
@@ -90,7 +90,7 @@ pub(crate) fn si(dimension: &str) -> Option<&'static str> {
     }
 }
 
-/// A number followed by letters as typed: `80GPa`, `7850 kg/m^3`.
+/// Splits a number followed by letters, as typed: `80GPa`, `7850 kg/m^3`.
 pub(super) fn split(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
     let (number, unit) = text.split_at(number_length(text.as_bytes()));
@@ -99,7 +99,7 @@ pub(super) fn split(text: &str) -> Option<(f64, &str)> {
     (number.is_finite() && is_unit).then_some((number, unit))
 }
 
-/// Length of the longest beginning that is a decimal number: of `1e3m` three, a thousand meters.
+/// Length of the longest prefix that is a decimal number: three characters of `1e3m`, a thousand meters.
 fn number_length(text: &[u8]) -> usize {
     let digits = |from: usize| {
         text[from..]
@@ -123,15 +123,15 @@ fn number_length(text: &[u8]) -> usize {
     end
 }
 
-/// How a unit is compared: `kg/m3` and `kg/m³` are `kg/m^3`.
+/// Canonical form of a unit for comparison: `kg/m3` and `kg/m³` are `kg/m^3`.
 fn plain(unit: &str) -> String {
     unit.replace('³', "3").replace('²', "2").replace('^', "")
 }
 
-/// The value of a key whose text has a unit, in SI; `None` where the text has none.
+/// Converts a value with a unit to SI; `None` if the text has no unit.
 ///
 /// # Errors
-/// [`SettingError`] for a unit that is not known, or is one of another quantity.
+/// [`SettingError`] for an unknown unit, or a unit of another quantity.
 pub(crate) fn converted(
     key: &Key,
     value: &Value,
@@ -147,7 +147,7 @@ pub(crate) fn converted(
         |message: String, hint: String| Err(SettingError::new(origin.clone(), message).hint(hint));
     let of = |dimension: &str| UNITS.iter().find(|(name, _)| *name == dimension);
     let is = |known: &str| plain(known) == plain(unit);
-    // A parameter of a formula has the dimension that its formula gives it.
+    // A parameter of a formula has the dimension that the formula implies.
     let dimensions: Vec<_> = match key.is_free() {
         true => UNITS.iter().collect(),
         false => of(dimension).into_iter().collect(),
@@ -194,7 +194,7 @@ pub(crate) fn converted(
     }
 }
 
-/// A number times a power of ten to the last digit: `1 mm` is 0.001 m as one would type it.
+/// A number times a power of ten, rounded as a decimal number: `1 mm` is 0.001 m as a user would type it.
 fn scaled(number: f64, factor: f64) -> f64 {
     if factor < 1.0 && factor.recip().fract() == 0.0 {
         return number / factor.recip();
@@ -213,10 +213,10 @@ fn named(dimension: &str) -> &str {
     }
 }
 
-/// Values with dimensions, each with whether a unit was given: none of them has one, or all have.
+/// Checks that either all values with dimensions have a unit, or none.
 ///
 /// # Errors
-/// [`SettingError`] that names those without.
+/// [`SettingError`] that names the values without a unit.
 pub(crate) fn check<'a>(
     values: impl Iterator<Item = (Key, f64, bool, Option<&'a Origin>)>,
 ) -> Result<bool, SettingError> {
@@ -224,7 +224,7 @@ pub(crate) fn check<'a>(
     let Some((first, ..)) = with.first() else {
         return Ok(false);
     };
-    // Nothing is nothing in any unit.
+    // Zero needs no unit.
     let without: Vec<_> = without
         .into_iter()
         .filter(|(_, value, ..)| *value != 0.0)
@@ -260,20 +260,20 @@ pub(crate) fn check<'a>(
     Err(SettingError::new(origin, message).hint(format!("for example {}", example.join(" "))))
 }
 
-/// The units in which the numbers of an answer are told.
+/// The units of the numbers of an answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub enum Units {
-    /// Those of the problem itself, whatever they are.
+    /// Any consistent units of the problem.
     #[default]
     #[serde(rename = "own")]
     Own,
-    /// SI.
+    /// Units of the International System.
     #[serde(rename = "SI")]
     Si,
 }
 
 impl Units {
-    /// A number as told, followed by its unit in SI, such as `Pa`, where that is in use.
+    /// A printed number, followed by its SI unit, such as `Pa`, if SI is in use.
     pub fn of(self, number: impl std::fmt::Display, unit: &str) -> String {
         match self {
             Self::Own => number.to_string(),
@@ -281,7 +281,7 @@ impl Units {
         }
     }
 
-    /// The unit of what has a dimension; the dimension itself where values have no units.
+    /// Unit of a dimension; the dimension itself if values have no units.
     ///
     /// ```
     /// use onset_study::settings::Units;
@@ -295,7 +295,7 @@ impl Units {
         }
     }
 
-    /// What is measured with its unit, as on the axis of a figure.
+    /// Quantity with its unit, as on the axis of a figure.
     ///
     /// ```
     /// use onset_study::settings::Units;
@@ -311,7 +311,7 @@ impl Units {
         format!("{what} ({unit})")
     }
 
-    /// Whether values have units.
+    /// Returns true if values have units.
     pub fn are_si(&self) -> bool {
         *self == Self::Si
     }

@@ -1,21 +1,24 @@
-//! `*HYPERELASTIC`, `*HYPERFOAM` and `*ANISOTROPIC HYPERELASTIC` with their data lines.
+//! Reader for `*HYPERELASTIC`, `*HYPERFOAM` and `*ANISOTROPIC HYPERELASTIC` with their data lines.
 //!
-//! Energies as the Abaqus Theory Guide has them: polynomials of `I1bar - 3` and `I2bar - 3` with `(J - 1)^(2i)/D_i`; Ogden and foams with
-//! `2 mu_i/alpha_i^2`; Arruda-Boyce, Van der Waals and Holzapfel-Gasser-Ogden with `((J^2 - 1)/2 - ln J)/D`.
+//! The energies follow the Abaqus Theory Guide:
+//!
+//! - polynomials of `I1bar - 3` and `I2bar - 3` with `(J - 1)^(2i)/D_i`,
+//! - Ogden and foams with `2 mu_i/alpha_i^2`,
+//! - Arruda-Boyce, Van der Waals and Holzapfel-Gasser-Ogden with `((J^2 - 1)/2 - ln J)/D`.
 
 use super::law::{Energy, ForeignLaw, LOGARITHM_OF_VOLUME};
 use super::marlow::{self, Test};
 use super::unread::{Relaxation, Unread};
 use super::{Trouble, number};
 
-/// Constants on a data line.
+/// Number of constants on a data line.
 const A_LINE: usize = 8;
 
-/// A keyword line with what follows it.
+/// Keyword line with its data lines.
 struct Block<'t> {
     line: usize,
     keyword: String,
-    /// The keyword as it is written.
+    /// Keyword in the spelling of the file.
     title: String,
     /// Parameters after the keyword, in capitals, with their values.
     parameters: Vec<(String, Option<String>)>,
@@ -28,7 +31,7 @@ fn is_law(block: &Block<'_>) -> bool {
     LAWS.contains(&block.keyword.as_str())
 }
 
-/// Materials of a text, each with its blocks; what stands before the first one is one without a name.
+/// Splits the blocks into materials. Blocks before the first `*MATERIAL` form a material without a name.
 fn materials<'b, 't>(blocks: &'b [Block<'t>]) -> Vec<(String, &'b [Block<'t>])> {
     let starts = (0..blocks.len()).filter(|at| *at == 0 || blocks[*at].keyword == "MATERIAL");
     let starts: Vec<usize> = starts.collect();
@@ -40,7 +43,7 @@ fn materials<'b, 't>(blocks: &'b [Block<'t>]) -> Vec<(String, &'b [Block<'t>])> 
     parts.collect()
 }
 
-/// The law of a material, the first one that has a law unless one is named.
+/// Reads the law of the named material, or of the first material with a law.
 pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Trouble> {
     let blocks = blocks(text);
     let mut with_law = materials(&blocks);
@@ -77,7 +80,7 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
     Ok(law)
 }
 
-/// The first law with Marlow's form in a text.
+/// Reads the first law with Marlow's form in a text.
 pub(super) fn marlow_of(text: &str) -> Result<ForeignLaw, Trouble> {
     let blocks = blocks(text);
     let all = materials(&blocks);
@@ -95,7 +98,7 @@ pub(super) fn marlow_of(text: &str) -> Result<ForeignLaw, Trouble> {
     )
 }
 
-/// What the blocks of a material have beside its law, the first one.
+/// Keywords of a material that are not read, apart from its first law.
 fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
     let first = blocks.iter().find(|block| is_law(block));
     let line = first.map_or(0, |block| block.line);
@@ -151,7 +154,7 @@ fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
     Ok(unread)
 }
 
-/// The law of the blocks of a material.
+/// Reads the law from the blocks of a material.
 fn law(blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble> {
     let block = blocks
         .iter()
@@ -174,7 +177,7 @@ fn law(blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble> {
     }
 }
 
-/// The keywords of a text; comments begin with two stars, and a comma at the end of a keyword line goes on on the next one.
+/// Splits a text into blocks. Comments begin with two stars, and a keyword line that ends with a comma continues on the next line.
 fn blocks(text: &str) -> Vec<Block<'_>> {
     let mut blocks: Vec<Block<'_>> = Vec::new();
     let mut goes_on = false;
@@ -218,7 +221,7 @@ fn blocks(text: &str) -> Vec<Block<'_>> {
     blocks
 }
 
-/// A word in capitals without spaces, in which Abaqus does not tell words apart.
+/// A word in capitals without spaces; Abaqus ignores case and spaces.
 fn word(text: &str) -> String {
     let letters = text.chars().filter(|letter| !letter.is_whitespace());
     letters.collect::<String>().to_ascii_uppercase()
@@ -229,13 +232,12 @@ impl Block<'_> {
         self.parameters.iter().any(|(name, _)| name == parameter)
     }
 
-    /// The value of a parameter in words.
     fn value(&self, parameter: &str) -> Option<&str> {
         let found = self.parameters.iter().find(|(name, _)| name == parameter);
         found?.1.as_deref()
     }
 
-    /// The value of a parameter that is a small integer, 1 where it is not given.
+    /// Value of a parameter that is a small integer; 1 if it is missing.
     fn count(&self, parameter: &str, most: usize) -> Result<usize, Trouble> {
         let found = self.parameters.iter().find(|(name, _)| name == parameter);
         let Some((name, value)) = found else {
@@ -252,7 +254,7 @@ impl Block<'_> {
         })
     }
 
-    /// The constants of one temperature; fields that are missing at the end of a line are zero.
+    /// Constants of one temperature; missing fields at the end of a line are zero.
     fn constants(&self, count: usize) -> Result<Vec<f64>, Trouble> {
         let lines = count.div_ceil(A_LINE);
         if self.data.len() < lines {
@@ -297,7 +299,7 @@ impl Block<'_> {
     }
 }
 
-/// The name of a constant with the number of its term.
+/// Appends the number of the term to the name of a constant.
 fn named(constants: &[(&str, f64)]) -> Vec<(String, f64)> {
     let named = constants
         .iter()
@@ -360,7 +362,7 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         }
         "POLYNOMIAL" => {
             let n = block.count("N", 6)?;
-            // By the sum of the powers, those of I1 first.
+            // Ordered by the sum of the powers, the highest power of `I1` first.
             let powers: Vec<(usize, usize)> = (1..=n)
                 .flat_map(|sum| (0..=sum).map(move |j| (sum - j, j)))
                 .collect();
@@ -381,7 +383,7 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
                 if pair[1] == 0.0 {
                     return Err(exponent(block));
                 }
-                // 2 mu/alpha^2 here is mu/alpha there.
+                // `2 mu/alpha^2` in Abaqus corresponds to `mu/alpha` in the library.
                 terms.push((2.0 * pair[0] / pair[1], pair[1]));
             }
             Ok(ForeignLaw::ogden(line, title(n), &terms, &c[2 * n..]))
@@ -402,7 +404,7 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     }
 }
 
-/// Marlow's form with the table of one test that follows it.
+/// Reads Marlow's form with the table of the one test that follows it.
 fn marlow(block: &Block<'_>, blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble> {
     let tests: Vec<(Test, &Block<'_>)> = blocks
         .iter()
@@ -448,7 +450,8 @@ fn exponent(block: &Block<'_>) -> Trouble {
     )
 }
 
-/// `mu (-(lm^2 - 3) (ln(1 - h) + h) - 2/3 a ((I - 3)/2)^(3/2))`, `h^2 = (I - 3)/(lm^2 - 3)`, `I = (1 - beta) I1bar + beta I2bar`.
+/// Van der Waals energy `mu (-(lm^2 - 3) (ln(1 - h) + h) - 2/3 a ((I - 3)/2)^(3/2))` with `h^2 = (I - 3)/(lm^2 - 3)` and `I = (1 - beta) I1bar + beta
+/// I2bar`.
 fn van_der_waals(block: &Block<'_>, title: &str) -> Result<ForeignLaw, Trouble> {
     let c = block.constants(5)?;
     if c[1] * c[1] <= 3.0 {
@@ -461,7 +464,7 @@ fn van_der_waals(block: &Block<'_>, title: &str) -> Result<ForeignLaw, Trouble> 
             "the constants are mu, lambda_m, a, beta, D",
         ));
     }
-    // Near I = 3 the powers 3/2 have no number's derivative; what they add there is less than rounding.
+    // At `I = 3` the powers 3/2 have no finite derivative; nearby, their contribution is below rounding and is dropped.
     let energy = format!(
         "let x = (1 - beta)*I1bar + beta*I2bar - 3; let m = locking^2 - 3; \
          mu*if(x < 1e-14, x/2, -m*(ln(1 - sqrt(x/m)) + sqrt(x/m)) - 2/3*a*(x/2)^1.5) + {}",
@@ -477,7 +480,7 @@ fn van_der_waals(block: &Block<'_>, title: &str) -> Result<ForeignLaw, Trouble> 
     ))
 }
 
-/// `2 mu_i/alpha_i^2 (sum lambda^alpha_i - 3 + (J^(-alpha_i beta_i) - 1)/beta_i)`, `beta_i = nu_i/(1 - 2 nu_i)`.
+/// Foam energy `2 mu_i/alpha_i^2 (sum lambda^alpha_i - 3 + (J^(-alpha_i beta_i) - 1)/beta_i)` with `beta_i = nu_i/(1 - 2 nu_i)`.
 fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     let n = block.count("N", 3)?;
     let c = block.constants(3 * n)?;
@@ -518,8 +521,8 @@ fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     })
 }
 
-/// Holzapfel, Gasser and Ogden with dispersion: `c10 (I1bar - 3) + k1/(2 k2) sum (exp(k2 <E>^2) - 1) + ((J^2 - 1)/2 - ln J)/D`,
-/// `E = k (I1bar - 3) + (1 - 3 k) (I4bar - 1)`.
+/// Holzapfel, Gasser and Ogden with dispersion: `c10 (I1bar - 3) + k1/(2 k2) sum (exp(k2 <E>^2) - 1) + ((J^2 - 1)/2 - ln J)/D` with `E = k (I1bar -
+/// 3) + (1 - 3 k) (I4bar - 1)`.
 fn fibers(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     if !block.has("HOLZAPFEL") {
         return Err(Trouble::new(

@@ -1,22 +1,22 @@
-//! `TB,HYPER` with `TBDATA`.
+//! Reader for `TB,HYPER` with `TBDATA`.
 //!
-//! Energies as the Mechanical APDL Theory Reference has them: `d = 2/K`, with `(J - 1)^(2i)/d_i` but for Arruda-Boyce and Gent, whose part is
-//! `((J^2 - 1)/2 - ln J)/d`; Ogden's moduli with `mu/alpha`.
+//! The energies follow the Mechanical APDL Theory Reference. With `d = 2/K` the volumetric part is `(J - 1)^(2i)/d_i`, except for Arruda-Boyce and
+//! Gent with `((J^2 - 1)/2 - ln J)/d`. Ogden's moduli enter as `mu/alpha`.
 
 use super::law::{Energy, ForeignLaw, extended_tube};
 use super::unread::{Relaxation, Unread};
 use super::{Trouble, number};
 
-/// A table of constants.
+/// Table of constants with its form.
 struct Table {
     line: usize,
     form: String,
-    /// `NPTS`; `None` where it is left out.
+    /// `NPTS`; `None` if it is missing.
     terms: Option<usize>,
     constants: Vec<f64>,
 }
 
-/// The first law of a text.
+/// Reads the first law of a text.
 pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Trouble> {
     let (table, unread) = table(text, material)?;
     let mut law = law(&table)?;
@@ -86,14 +86,14 @@ fn law(table: &Table) -> Result<ForeignLaw, Trouble> {
     }
 }
 
-/// The table of a law, of the first material that has one unless a material is named, and what else the text has.
+/// Finds the table of the named material, or of the first material with a law, and the commands that are not read.
 fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble> {
     let mut found: Option<Table> = None;
     let mut unread = Unread::default();
     let mut own_material = String::new();
     let mut others: Vec<String> = Vec::new();
     let mut is_open = false;
-    // Of a table of relaxation, the parts of shear stand at odd places.
+    // In a table of relaxation the shear parts have odd positions.
     let mut relaxing: Option<f64> = None;
     for (n, line) in text.lines().enumerate() {
         let own = line.split('!').next().unwrap_or_default();
@@ -204,7 +204,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
 }
 
 impl Table {
-    /// `NPTS`, 1 where it is left out.
+    /// `NPTS`, or 1 if it is missing.
     fn count(&self, most: usize) -> Result<usize, Trouble> {
         let n = self.terms.unwrap_or(1);
         match (1..=most).contains(&n) {
@@ -217,7 +217,7 @@ impl Table {
         }
     }
 
-    /// The constants; those that are missing are zero, as the program has it.
+    /// Constants; missing ones are zero, as in ANSYS.
     fn constants(&self, count: usize) -> Result<Vec<f64>, Trouble> {
         if self.constants.len() > count || self.constants.is_empty() {
             return Err(Trouble::new(
@@ -297,7 +297,7 @@ fn of_powers(
     ))
 }
 
-/// `sum mu_i/alpha_i (sum lambda^alpha_i - 3) + mu_i/(alpha_i beta_i) (J^(-alpha_i beta_i) - 1)`.
+/// Energy of ANSYS for foams: `sum mu_i/alpha_i (sum lambda^alpha_i - 3) + mu_i/(alpha_i beta_i) (J^(-alpha_i beta_i) - 1)`.
 fn foam(table: &Table, title: String) -> Result<ForeignLaw, Trouble> {
     let n = table.count(3)?;
     let c = table.constants(3 * n)?;

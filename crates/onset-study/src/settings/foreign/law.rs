@@ -1,49 +1,49 @@
-//! Laws with the constants that other programs have, and the settings of the same energies.
+//! Laws with the constants of other programs, and the settings for the same energies.
 
 use super::marlow::Table;
 use super::{Reading, Trouble, Unread};
 
-/// A law that was read from a block.
+/// Law that was read from a block.
 #[derive(Debug)]
 pub(super) struct ForeignLaw {
-    /// The line of the block.
+    /// Line of the block.
     pub line: usize,
-    /// How the program calls it.
+    /// Name of the law in the program.
     pub title: String,
-    /// The model of this program, or an energy.
+    /// Model of the library, or a user-defined energy.
     pub energy: Energy,
-    /// Constants by the keys of this program.
+    /// Constants by the keys of the library.
     pub constants: Vec<(String, f64)>,
-    /// No compressibility is given, or it is zero: the program takes the material as incompressible.
+    /// Whether the program takes the material as incompressible, because compressibility is missing or zero.
     pub incompressible: bool,
-    /// Keys that the user must give.
+    /// Keys that the user must set.
     pub needed: Vec<&'static str>,
-    /// What else there is to know.
+    /// Remarks for the reader.
     pub notes: Vec<String>,
-    /// What the law is called where its energy is a table's.
+    /// Name of a law whose energy is a table.
     pub name: Option<String>,
-    /// The shear modulus without strain, where it follows from the constants here.
+    /// Shear modulus at zero strain, if it follows from the constants.
     pub shear: Option<f64>,
-    /// What else the text has.
+    /// Parts of the text that are not read.
     pub unread: Unread,
 }
 
-/// What the constants belong to.
+/// Energy that uses the constants.
 #[derive(Debug)]
 pub(super) enum Energy {
-    /// A law of the library.
+    /// Law of the library.
     Model(&'static str),
-    /// A typed energy.
+    /// User-defined energy as a formula.
     Formula(String),
-    /// The table of a test.
+    /// Table of a test, for Marlow's form.
     Table(Table),
 }
 
-/// The bulk modulus of a material that the program takes as incompressible, in shear moduli.
-const NEARLY: f64 = 1000.0;
+/// Ratio of bulk to shear modulus for materials that the program takes as incompressible.
+const INCOMPRESSIBLE_BULK_RATIO: f64 = 1000.0;
 
 impl ForeignLaw {
-    /// A law with a bulk modulus `2/D_1`, for compressibilities `D_i`; `shear` is its shear modulus.
+    /// Creates a law with the bulk modulus `2/D_1` for compressibilities `D_i`; `shear` is its shear modulus.
     pub fn new(
         line: usize,
         title: impl Into<String>,
@@ -66,7 +66,7 @@ impl ForeignLaw {
         let first = compressibilities.first().copied().unwrap_or(0.0);
         law.incompressible = compressibilities.iter().all(|d| *d == 0.0);
         let bulk = match law.incompressible {
-            true => NEARLY * shear.abs(),
+            true => INCOMPRESSIBLE_BULK_RATIO * shear.abs(),
             false if first == 0.0 => 0.0,
             false => 2.0 / first,
         };
@@ -79,7 +79,8 @@ impl ForeignLaw {
         law
     }
 
-    /// Constants `c_ij` of `sum c_ij (I1bar - 3)^i (I2bar - 3)^j`: a law of the library where it has them, a typed energy elsewhere.
+    /// Creates a law from constants `c_ij` of `sum c_ij (I1bar - 3)^i (I2bar - 3)^j`: a law of the library if it has these terms, otherwise a
+    /// user-defined energy.
     pub fn polynomial(
         line: usize,
         title: impl Into<String>,
@@ -160,7 +161,7 @@ impl ForeignLaw {
         let plain = compressibilities.iter().skip(1).all(|d| *d == 0.0);
         let volume = (shear, compressibilities);
         if plain {
-            // Terms that are not set have moduli of their own by default.
+            // Terms that are not set would otherwise keep their default moduli.
             for n in terms.len()..3 {
                 constants.push((format!("mu{}", n + 1), 0.0));
             }
@@ -180,7 +181,8 @@ impl ForeignLaw {
         Self::new(line, title, Energy::Formula(energy), constants, volume)
     }
 
-    /// The settings, without those that the user makes; a table is that of the file `place`, or of `text` where there is no such file.
+    /// Converts the law to settings, except keys that the user sets. A table is read from the file `place`, or is `text` itself if there is no such
+    /// file.
     pub fn reading(self, set: &[String], place: &str, text: &str) -> Reading {
         let key_of = |assignment: &str| {
             assignment
@@ -212,7 +214,7 @@ impl ForeignLaw {
                 if !is_file {
                     save = " with the block in FILE";
                 }
-                // A last line break tells the text from a name.
+                // The final line break distinguishes a text from a file name.
                 assignments.push(format!(
                     "material.table={table}{}",
                     if is_file { "" } else { "\n" }
@@ -248,7 +250,7 @@ impl ForeignLaw {
         )];
         if self.incompressible && !is_set("material.kappa") {
             notes.push(format!(
-                "without a compressibility (D = 0, no bulk modulus) the material is incompressible; here the bulk modulus is {NEARLY} shear moduli, and --incompressible asks the incompressible response"
+                "without a compressibility (D = 0, no bulk modulus) the material is incompressible; here the bulk modulus is {INCOMPRESSIBLE_BULK_RATIO} shear moduli, and --incompressible asks the incompressible response"
             ));
         }
         notes.extend(self.unread.notes(self.shear));
@@ -261,8 +263,8 @@ impl ForeignLaw {
     }
 }
 
-/// Kaliske and Heinrich: `gc/2 ((1 - delta^2) x/(1 - delta^2 x) + ln(1 - delta^2 x)) + 2 ge/beta^2 (sum lbar^-beta - 3) + (J - 1)^2/d`,
-/// `x = I1bar - 3`.
+/// Extended tube model of Kaliske and Heinrich: `gc/2 ((1 - delta^2) x/(1 - delta^2 x) + ln(1 - delta^2 x)) + 2 ge/beta^2 (sum lbar^-beta - 3) + (J -
+/// 1)^2/d` with `x = I1bar - 3`.
 pub(super) fn extended_tube(
     line: usize,
     title: impl Into<String>,
@@ -295,7 +297,7 @@ pub(super) fn extended_tube(
     ))
 }
 
-/// `sum_i (J - 1)^(2 i) / D_i` with `kappa = 2/D_1` and `vol<i> = 1/D_i`.
+/// Volumetric part `sum_i (J - 1)^(2 i) / D_i` with `kappa = 2/D_1` and `vol<i> = 1/D_i`.
 pub(super) fn powers_of_volume(compressibilities: &[f64]) -> String {
     let higher = compressibilities.iter().enumerate().skip(1);
     let higher = higher
@@ -304,5 +306,5 @@ pub(super) fn powers_of_volume(compressibilities: &[f64]) -> String {
     format!("kappa/2*(J - 1)^2{}", higher.collect::<String>())
 }
 
-/// `((J^2 - 1)/2 - ln J) / D` with `kappa = 2/D`.
+/// Volumetric part `((J^2 - 1)/2 - ln J) / D` with `kappa = 2/D`.
 pub(super) const LOGARITHM_OF_VOLUME: &str = "kappa/2*((J^2 - 1)/2 - ln(J))";

@@ -1,10 +1,12 @@
-//! Marlow's form: an energy of the first invariant alone that follows a table of one test.
+//! Marlow's form: an energy of the first invariant that interpolates the table of one test.
 //!
-//! R. S. Marlow, in *Constitutive Models for Rubber III* (2003) 157. With `x = I1bar - 3` the nominal stress of a test at the stretch `lambda` is
-//! `T = 2 w(x) (lambda - lambda^-k)`, `w = dW/dx`, where `k` is 2 in uniaxial, 5 in equibiaxial and 3 in planar tension. The table gives `w` at its points,
-//! and between them a cubic that is monotone where the points are (F. N. Fritsch and J. Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984) 300): the energy
-//! has two continuous derivatives, and the test is met exactly at its points. Below the first point and behind the last one `w` goes on along
-//! its tangent.
+//! R. S. Marlow, in *Constitutive Models for Rubber III* (2003) 157. With `x = I1bar - 3` the nominal stress of a test at the stretch `lambda` is `T
+//! = 2 w(x) (lambda - lambda^-k)`, `w = dW/dx`, where `k` is 2 in uniaxial, 5 in equibiaxial and 3 in planar tension. The table gives `w` at its
+//! points.
+//!
+//! Between the points `w` is a cubic that is monotone where the points are (F. N. Fritsch and J. Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984) 300).
+//! The energy has two continuous derivatives, and meets the test exactly at the points. Before the first point and after the last one `w` is
+//! extrapolated along its tangent.
 
 use super::law::{Energy, ForeignLaw};
 use super::{Trouble, number};
@@ -22,7 +24,7 @@ pub(super) enum Test {
 }
 
 impl Test {
-    /// The test of a keyword of Abaqus.
+    /// Returns the test of an Abaqus keyword.
     pub fn of_keyword(keyword: &str) -> Option<Self> {
         match keyword {
             "UNIAXIALTESTDATA" => Some(Self::Uniaxial),
@@ -59,8 +61,7 @@ struct Knot {
     slope: f64,
 }
 
-/// The law of a table with nominal stress and nominal strain on each line; `line` is that of the block, `poisson` Poisson's ratio at small
-/// strains.
+/// Law for a table with nominal stress and nominal strain on each line. `line` is the line of the block, `poisson` Poisson's ratio at small strains.
 pub(super) fn law(
     line: usize,
     test: Test,
@@ -137,7 +138,7 @@ fn knots(line: usize, test: Test, data: &[(usize, &str)]) -> Result<Vec<Knot>, T
             "write nominal stress, nominal strain on the lines below *UNIAXIAL TEST DATA",
         ));
     }
-    // Toward no strain along the first chord, as far as that leaves the material stiff.
+    // Extrapolation to zero strain along the first chord, limited to keep the material stiff.
     let chord = (points[1].1 - points[0].1) / (points[1].0 - points[0].0);
     let first = points[0].1 - chord * points[0].0;
     let first = first.clamp(0.5 * points[0].1, 2.0 * points[0].1);
@@ -145,7 +146,7 @@ fn knots(line: usize, test: Test, data: &[(usize, &str)]) -> Result<Vec<Knot>, T
     Ok(with_slopes(&points))
 }
 
-/// Slopes of a monotone cubic: inside the weighted harmonic mean of the chords, nothing where they turn, at the ends the chord itself.
+/// Slopes of a monotone cubic: inside the weighted harmonic mean of the chords, zero at turning points, at the ends the chord itself.
 fn with_slopes(points: &[(f64, f64)]) -> Vec<Knot> {
     let chord = |n: usize| (points[n + 1].1 - points[n].1) / (points[n + 1].0 - points[n].0);
     let width = |n: usize| points[n + 1].0 - points[n].0;
@@ -155,7 +156,7 @@ fn with_slopes(points: &[(f64, f64)]) -> Vec<Knot> {
             return chord(0);
         }
         if n == last {
-            // Behind the last point a falling slope would take all stiffness away.
+            // After the last point a falling slope would eventually remove all stiffness.
             return chord(last - 1).max(0.0);
         }
         let (before, behind) = (chord(n - 1), chord(n));
@@ -175,7 +176,7 @@ fn with_slopes(points: &[(f64, f64)]) -> Vec<Knot> {
         .collect()
 }
 
-/// A piece of the energy from `start` on: its value there and the coefficients of the powers of `x - start` from the first to the fourth.
+/// Piece of the energy from `start` on: its value there, and the coefficients of the powers of `x - start` from the first to the fourth.
 #[derive(Debug)]
 struct Piece {
     start: f64,
@@ -183,7 +184,7 @@ struct Piece {
     powers: [f64; 4],
 }
 
-/// The energy between the points, the integral of the cubics.
+/// Energy between the points, the integral of the cubics.
 fn pieces_of(knots: &[Knot]) -> Vec<Piece> {
     let mut energy = 0.0;
     let mut pieces = Vec::with_capacity(knots.len());
@@ -210,18 +211,18 @@ fn pieces_of(knots: &[Knot]) -> Vec<Piece> {
     pieces
 }
 
-/// The energy of a table as a function of `x = I1bar - 3`.
+/// Energy of a table as a function of `x = I1bar - 3`.
 #[derive(Debug)]
 pub(in crate::settings) struct Table(Vec<Piece>);
 
 impl Table {
-    /// With a bulk modulus.
+    /// Adds a volumetric part with a bulk modulus.
     pub(in crate::settings) fn with_bulk(self, bulk: f64) -> TableLaw {
         TableLaw { table: self, bulk }
     }
 }
 
-/// `W = w(I1bar - 3) + kappa/2 (J - 1)^2`, `w` from a table.
+/// Energy `W = w(I1bar - 3) + kappa/2 (J - 1)^2` with `w` from a table.
 pub(in crate::settings) struct TableLaw {
     table: Table,
     bulk: f64,
@@ -236,7 +237,7 @@ impl StrainEnergy for TableLaw {
     }
 }
 
-/// The piece that holds a number, by halves; of an interval, the hull of its pieces.
+/// Evaluates the piece that contains a number, found by bisection; for an interval, the hull of its pieces.
 fn within<R: Real>(pieces: &[Piece], x: R) -> R {
     if let [piece] = pieces {
         let off = x - piece.start;

@@ -1,7 +1,8 @@
-//! Constants of laws as other programs write them: blocks of Abaqus and ANSYS, models of felupe and hyperelastic, read into settings of the same energy.
+//! Constants of laws from other programs: blocks of Abaqus and ANSYS, and models of felupe and hyperelastic, converted to settings of the same
+//! energy.
 //!
-//! Programs write the same law with other constants: Ogden's moduli with `mu/alpha` or `2 mu/alpha^2`, compressibility as `D = 2/K`, foams by
-//! Poisson's ratio. A block is read with the meaning that its program gives it; a form that the library does not have becomes a typed energy.
+//! Programs write the same law with different constants: Ogden's moduli with `mu/alpha` or `2 mu/alpha^2`, compressibility as `D = 2/K`, foams with
+//! Poisson's ratio. A block is read with the meaning of its program. A form that is missing in the library becomes a user-defined energy.
 
 mod abaqus;
 mod ansys;
@@ -19,13 +20,13 @@ use std::str::FromStr;
 /// A program whose blocks can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Program {
-    /// `*HYPERELASTIC`, `*HYPERFOAM` and `*ANISOTROPIC HYPERELASTIC` with their data lines.
+    /// Abaqus: `*HYPERELASTIC`, `*HYPERFOAM` and `*ANISOTROPIC HYPERELASTIC` with their data lines.
     Abaqus,
-    /// `TB,HYPER` with `TBDATA`.
+    /// ANSYS: `TB,HYPER` with `TBDATA`.
     Ansys,
-    /// Models of the Python package felupe with their arguments, `fem.Hyperelastic(fem.ogden, mu=[...], alpha=[...])`.
+    /// Python package felupe: models with their arguments, `fem.Hyperelastic(fem.ogden, mu=[...], alpha=[...])`.
     Felupe,
-    /// Models of the Python package hyperelastic, `ThirdOrderDeformation(C10=...)`, `Ogden(mu=[...], alpha=[...])`.
+    /// Python package hyperelastic: `ThirdOrderDeformation(C10=...)`, `Ogden(mu=[...], alpha=[...])`.
     Hyperelastic,
 }
 
@@ -47,7 +48,7 @@ impl FromStr for Program {
 }
 
 impl Program {
-    /// Its name, as it is typed.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Abaqus => "abaqus",
@@ -57,7 +58,7 @@ impl Program {
         }
     }
 
-    /// The program that a text is written for, by what its blocks of hyperelastic laws begin with; nothing of a text that has none.
+    /// Recognizes the program by the keywords of hyperelastic laws in a text; `None` without such a keyword.
     pub fn of_text(text: &str) -> Option<Self> {
         let plain: String = text
             .chars()
@@ -86,16 +87,15 @@ impl Program {
 /// A law that was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
-    /// Its settings, `material.key=value`.
+    /// Settings of the law as assignments `material.key=value`.
     pub assignments: Vec<String>,
-    /// What a reader of an answer must know.
+    /// Remarks for the reader.
     pub notes: Vec<String>,
-    /// What the law is called where its energy is too long to be: a table that has become one.
+    /// Name of a law whose energy is a table, too long to print.
     pub name: Option<String>,
 }
 
-/// Reads the first block of a hyperelastic law in a text; `set` are assignments that the user makes beside it, which override those of the
-/// block.
+/// Reads the first block of a hyperelastic law in a text. The user's assignments `set` override the block.
 ///
 /// ```
 /// use onset_study::settings::{Program, law_from};
@@ -108,7 +108,7 @@ pub struct Reading {
 /// ```
 ///
 /// # Errors
-/// [`SettingError`] with the line where the text is no such block, or is one that determines no law.
+/// [`SettingError`] with the line if the text is no such block, or does not determine a law.
 pub fn law_from(
     program: Program,
     name: &str,
@@ -118,10 +118,10 @@ pub fn law_from(
     law_of(program, name, text, None, set)
 }
 
-/// As [`law_from`], of one of several materials by its name in Abaqus, its number in ANSYS.
+/// Reads a block like [`law_from`], for a material given by its name in Abaqus or its number in ANSYS.
 ///
 /// # Errors
-/// As [`law_from`]; also where no material has this name.
+/// Fails like [`law_from`], and when no material has this name.
 pub fn law_of(
     program: Program,
     name: &str,
@@ -157,7 +157,7 @@ pub fn law_of(
     Ok(law.reading(set, name, text))
 }
 
-/// The table of a text with Marlow's form, and its bulk modulus; that of the first material.
+/// Reads the table and the bulk modulus of the first material with Marlow's form.
 pub(in crate::settings) fn table_from(
     name: &str,
     text: &str,
@@ -182,7 +182,7 @@ fn place(name: &str, line: usize) -> Origin {
     }
 }
 
-/// What is wrong with a block, and where.
+/// Error in a block, with its line.
 #[derive(Debug)]
 struct Trouble {
     line: usize,
@@ -204,7 +204,7 @@ impl Trouble {
     }
 }
 
-/// A number as Fortran programs write them, `1.5`, `2E-3` or `2D-3`; an empty field is zero.
+/// Reads a number as Fortran programs write it, `1.5`, `2E-3` or `2D-3`; an empty field is zero.
 fn number(field: &str, line: usize) -> Result<f64, Trouble> {
     let text = field.trim();
     if text.is_empty() {

@@ -1,12 +1,13 @@
-//! Models of the Python packages `felupe` and `hyperelastic` with their keyword arguments, as a script or a fit prints them.
+//! Reader for models of the Python packages `felupe` and `hyperelastic` with their keyword arguments, as in a script or in the output of a fit.
 //!
-//! Energies as their documentation has them (felupe 11.3, hyperelastic 0.10): Ogden's moduli with `2 mu/alpha^2`, so that they add up to the
-//! shear modulus; polynomials of `I1bar - 3` and `I2bar - 3`; `bulk (J - 1)^2/2`. What is written here is read as text: no Python runs.
+//! The energies follow the documentation (felupe 11.3, hyperelastic 0.10). Ogden's moduli enter as `2 mu/alpha^2`, so that they add up to the shear
+//! modulus. Polynomials are of `I1bar - 3` and `I2bar - 3`, and the volumetric part is `bulk (J - 1)^2/2`. The script is read as text: no Python
+//! runs.
 
 use super::law::{Energy, ForeignLaw, extended_tube, powers_of_volume};
 use super::{Program, Trouble};
 
-/// The model of a package that has a name, and how its arguments make a law.
+/// Name of a model, and the conversion of its arguments to a law.
 type Model = (&'static str, fn(&Call) -> Result<ForeignLaw, Trouble>);
 
 const FELUPE: &[Model] = &[
@@ -28,11 +29,11 @@ struct Call {
     line: usize,
     title: String,
     arguments: Vec<(String, Vec<f64>)>,
-    /// The bulk modulus, of whatever part of the script states one.
+    /// Bulk modulus, from any part of the script.
     bulk: Option<f64>,
 }
 
-/// The first model of a text.
+/// Reads the first model of a text.
 pub(super) fn read(program: Program, text: &str) -> Result<ForeignLaw, Trouble> {
     let text = without_comments(text);
     let (package, models) = match program {
@@ -68,7 +69,7 @@ pub(super) fn read(program: Program, text: &str) -> Result<ForeignLaw, Trouble> 
     })
 }
 
-/// What there is instead of a model.
+/// Error for a text without a known model.
 fn no_model(package: &'static str, models: &[Model], words: &[(usize, &str)]) -> Trouble {
     let names: Vec<&str> = models.iter().map(|(name, _)| *name).collect();
     let is_gent = words
@@ -95,7 +96,7 @@ fn no_model(package: &'static str, models: &[Model], words: &[(usize, &str)]) ->
     }
 }
 
-/// The text with comments blanked, so that places stay.
+/// Blanks out the comments of a text, so that positions stay valid.
 fn without_comments(text: &str) -> String {
     let mut is_comment = false;
     text.chars()
@@ -109,7 +110,7 @@ fn without_comments(text: &str) -> String {
         .collect()
 }
 
-/// The names in a text with their places.
+/// Names in a text with their positions.
 fn words(text: &str) -> Vec<(usize, &str)> {
     let is_part = |letter: char| letter.is_alphanumeric() || letter == '_';
     let mut words = Vec::new();
@@ -131,7 +132,7 @@ fn line_of(text: &str, place: usize) -> usize {
     text[..place].matches('\n').count() + 1
 }
 
-/// The arguments by name that follow a model: in its own parentheses, or in those in which it is named itself.
+/// Named arguments of a model, from the parentheses after it or around it.
 fn arguments(text: &str, end: usize, line: usize) -> Result<Vec<(String, Vec<f64>)>, Trouble> {
     let rest = text[end..].trim_start();
     let inside = rest.strip_prefix('(').unwrap_or(rest);
@@ -163,18 +164,18 @@ fn arguments(text: &str, end: usize, line: usize) -> Result<Vec<(String, Vec<f64
             )),
         })
         .filter(|argument| {
-            // What is no number of the law: other options of a material.
+            // Other options of a material are not part of the law.
             !matches!(argument, Ok((name, _)) if ["parallel", "nstatevars"].contains(&name.as_str()))
         })
         .collect()
 }
 
-/// A number, or a list of them.
+/// Reads a number or a list of numbers.
 fn numbers(value: &str, name: &str, line: usize) -> Result<Vec<f64>, Trouble> {
     if ["True", "False"].contains(&value.trim()) {
         return Ok(Vec::new());
     }
-    // np.array([...]) is a list with a name before it.
+    // `np.array([...])` is a list with a name before it.
     let list = value
         .find(['[', '('])
         .map_or(value, |open| &value[open..])
@@ -201,7 +202,7 @@ fn numbers(value: &str, name: &str, line: usize) -> Result<Vec<f64>, Trouble> {
         .collect()
 }
 
-/// `bulk=` of any part of the text, as `Volumetric(bulk=...)` and solid bodies have it.
+/// Reads `bulk=` from any part of the text, as in `Volumetric(bulk=...)` and solid bodies.
 fn bulk(text: &str, line: usize) -> Result<Option<f64>, Trouble> {
     let stated = words(text).into_iter().find_map(|(place, word)| {
         let value = text[place + word.len()..].trim_start().strip_prefix('=')?;
@@ -247,7 +248,7 @@ impl Call {
         }
     }
 
-    /// Lists of one length, exponents without zeros.
+    /// Lists of equal length, with nonzero exponents.
     fn terms<const N: usize>(&self, names: [&str; N]) -> Result<Vec<[f64; N]>, Trouble> {
         let mut lists = Vec::new();
         for name in names {
@@ -277,7 +278,7 @@ impl Call {
         }
     }
 
-    /// `D_1 = 2/K`, or 0 where the script states no bulk modulus.
+    /// `D_1 = 2/K`, or 0 if the script gives no bulk modulus.
     fn compressibility(&self) -> Result<[f64; 1], Trouble> {
         match self.bulk {
             Some(bulk) if bulk > 0.0 => Ok([2.0 / bulk]),
@@ -290,7 +291,7 @@ impl Call {
         }
     }
 
-    /// Refuses arguments that a model does not have.
+    /// Refuses arguments that the model does not have.
     fn only(&self, names: &[&str]) -> Result<(), Trouble> {
         let known = |name: &str| names.contains(&name) || name == "bulk";
         match self.arguments.iter().find(|(name, _)| !known(name)) {
@@ -307,7 +308,7 @@ impl Call {
         }
     }
 
-    /// The polynomial with constants by the powers of both invariants, and the volumetric part of the call.
+    /// Polynomial with constants by the powers of both invariants, and the volumetric part of the call.
     fn polynomial(&self, constants: &[((usize, usize), f64)]) -> Result<ForeignLaw, Trouble> {
         let volume = self.compressibility()?;
         Ok(ForeignLaw::polynomial(
@@ -325,7 +326,7 @@ fn neo_hooke(call: &Call) -> Result<ForeignLaw, Trouble> {
     call.polynomial(&constants)
 }
 
-/// `C10`, `C01`, ...: constants that are left out are zero in both packages, or not of the model.
+/// Reads `C10`, `C01`, ...; missing constants are zero in both packages, or not part of the model.
 fn polynomial(call: &Call) -> Result<ForeignLaw, Trouble> {
     const POWERS: [(&str, (usize, usize)); 5] = [
         ("C10", (1, 0)),
@@ -339,7 +340,7 @@ fn polynomial(call: &Call) -> Result<ForeignLaw, Trouble> {
         Some("yeoh") => &["C10", "C20", "C30"],
         _ => &["C10", "C01", "C11", "C20", "C30"],
     };
-    // `strain=False` counts invariants from 3, as everywhere.
+    // `strain=False` measures invariants from 3, which is the usual convention.
     call.only(&[taken, &["strain"]].concat())?;
     let mut constants = Vec::new();
     for (name, powers) in POWERS {
@@ -357,7 +358,7 @@ fn polynomial(call: &Call) -> Result<ForeignLaw, Trouble> {
     call.polynomial(&constants)
 }
 
-/// `sum 2 mu_i/alpha_i^2 (sum lbar^alpha_i - 3)` there is `mu_i/alpha_i` here.
+/// `2 mu_i/alpha_i^2` in `sum 2 mu_i/alpha_i^2 (sum lbar^alpha_i - 3)` corresponds to `mu_i/alpha_i` in the library.
 fn ogden(call: &Call) -> Result<ForeignLaw, Trouble> {
     call.only(&["mu", "alpha"])?;
     let terms = call.terms(["mu", "alpha"])?;
@@ -369,7 +370,7 @@ fn ogden(call: &Call) -> Result<ForeignLaw, Trouble> {
     Ok(ForeignLaw::ogden(call.line, &call.title, &terms, &volume))
 }
 
-/// Five terms of the chain's series, with `C1` as the modulus and `limit` as the locking stretch.
+/// Five terms of the series of the chain, with `C1` as the modulus and `limit` as the locking stretch.
 fn arruda_boyce(call: &Call) -> Result<ForeignLaw, Trouble> {
     call.only(&["C1", "limit"])?;
     let (modulus, locking) = (call.one("C1")?, call.one("limit")?);
@@ -398,7 +399,7 @@ fn tube(call: &Call) -> Result<ForeignLaw, Trouble> {
     extended_tube(call.line, &call.title, constants, &call.compressibility()?)
 }
 
-/// `sum 2 mu/alpha^2 (sum l^alpha - 3 + (J^(-alpha beta) - 1)/beta)`.
+/// Energy of felupe for foams: `sum 2 mu/alpha^2 (sum l^alpha - 3 + (J^(-alpha beta) - 1)/beta)`.
 fn storakers(call: &Call) -> Result<ForeignLaw, Trouble> {
     call.only(&["mu", "alpha", "beta"])?;
     let terms = call.terms(["mu", "alpha", "beta"])?;

@@ -1,31 +1,31 @@
-//! What a text has beside the law that is read of it.
+//! Parts of a text that are not read, apart from the law.
 
 use crate::number::told;
 
-/// What is left out of a text.
+/// Parts of a text that are not read.
 #[derive(Debug, Default)]
 pub(super) struct Unread {
     /// Keywords and parameters with their lines.
     pub parts: Vec<(String, usize)>,
-    /// The material that is read, and the names of the others with a law.
+    /// Material that is read, and the names of the others with a law.
     pub materials: Option<(String, Vec<String>)>,
-    /// The part of the instantaneous shear modulus that relaxes.
+    /// Relaxing fraction of the instantaneous shear modulus.
     pub relaxation: Option<Relaxation>,
 }
 
-/// Viscoelasticity beside a law.
+/// Viscoelasticity that belongs to a law.
 #[derive(Debug)]
 pub(super) struct Relaxation {
-    /// The sum of the relaxing parts of the shear modulus, where it is given.
+    /// Sum of the relaxing fractions of the shear modulus, if it is given.
     pub part: Option<f64>,
-    /// Whether the constants are moduli of slow loading.
+    /// Whether the constants are long-term moduli.
     pub is_long_term: bool,
-    /// The words that say so, or the default.
+    /// Option that determines this, or the default.
     pub by: &'static str,
 }
 
 impl Unread {
-    /// What is left out, as notes; `shear` is the shear modulus that is read.
+    /// Notes on the parts that are not read; `shear` is the shear modulus of the law.
     pub fn notes(&self, shear: Option<f64>) -> Vec<String> {
         let mut notes = Vec::new();
         if let Some((own, others)) = self

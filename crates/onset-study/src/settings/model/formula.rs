@@ -1,4 +1,4 @@
-//! `model = "formula"`: a user-defined energy, written out.
+//! `model = "formula"`: an energy that the user writes as a formula.
 
 use super::super::error::SettingError;
 use super::super::key::key;
@@ -22,7 +22,7 @@ pub(super) const MODEL: OwnModel = OwnModel {
     build,
 };
 
-/// Reads the formula. Whether every parameter has a value is told when the law is made: an axis may give it.
+/// Reads the formula. A missing parameter is reported when the law is built, because an axis may set it.
 fn check(settings: &MaterialSettings) -> Result<(), SettingError> {
     let (text, origin) = settings.require("energy")?;
     let Err(error) = law(settings, text) else {
@@ -50,7 +50,7 @@ fn law(settings: &MaterialSettings, text: &Value) -> Result<FormulaLaw, FormulaE
     formula?.with(&settings.values())
 }
 
-/// The error with the place of the setting before the place within the formula.
+/// Error with the place of the setting, followed by the position within the formula.
 fn told(error: &FormulaError, origin: &Origin) -> SettingError {
     let message = match &error.place {
         Some(place) => format!("energy, {place}: {}\n{}", error.problem, place.marked()),

@@ -1,4 +1,4 @@
-//! A law that the calling program hands over: a function of Python, for example. No file and no assignment can name it.
+//! Law defined by the calling program, for example a Python function. No file and no assignment can name it.
 
 use super::{Model, OwnModel};
 use crate::settings::MaterialSettings;
@@ -6,16 +6,16 @@ use onset::material::{Hyperelastic, MaterialError};
 use std::fmt;
 use std::sync::Arc;
 
-/// Makes the law with values of its parameters.
+/// Builds the law from values of its parameters.
 type Make =
     dyn Fn(&[(&'static str, f64)]) -> Result<Box<dyn Hyperelastic>, MaterialError> + Send + Sync;
 
-/// A law of the calling program.
+/// Law of the calling program.
 #[derive(Clone)]
 pub struct HandedLaw(Arc<Make>);
 
 impl HandedLaw {
-    /// From what makes the law with values of its parameters.
+    /// Creates the law from a function that builds it from values of its parameters.
     pub fn new(
         make: impl Fn(&[(&'static str, f64)]) -> Result<Box<dyn Hyperelastic>, MaterialError>
         + Send
@@ -32,14 +32,14 @@ impl fmt::Debug for HandedLaw {
     }
 }
 
-/// Functions are the same only where they are one.
+/// Functions are equal only if they are the same object.
 impl PartialEq for HandedLaw {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }
 }
 
-/// Not among the models that are chosen by their names.
+/// This model is not in the list of models that can be selected by name.
 static MODEL: OwnModel = OwnModel {
     name: "function",
     formula: "energy, stress and tangent of a function of the calling program",
@@ -52,7 +52,7 @@ static MODEL: OwnModel = OwnModel {
 };
 
 impl MaterialSettings {
-    /// A law of the calling program with its parameters; those whose names no key can have are left out.
+    /// Creates settings for a law of the calling program with its parameters; names that are not valid keys are skipped.
     ///
     /// ```
     /// use onset::material::library;

@@ -1,4 +1,4 @@
-//! `model = "marlow"`: an energy of the first invariant that follows the table of one test.
+//! `model = "marlow"`: an energy of the first invariant that interpolates the table of one test.
 
 use super::super::error::SettingError;
 use super::super::foreign::table_from;
@@ -39,7 +39,7 @@ fn check(settings: &MaterialSettings) -> Result<(), SettingError> {
     settings.require("table").map(|_| ())
 }
 
-/// The table, or the file that holds it, as set.
+/// Builds the law from the table, or from the file that contains it.
 fn law(settings: &MaterialSettings) -> Result<Box<dyn Hyperelastic>, SettingError> {
     let (value, origin) = settings.require("table")?;
     let Value::Word(place) = value else {

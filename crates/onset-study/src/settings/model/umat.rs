@@ -1,4 +1,4 @@
-//! `model = "umat"`: a user-defined material in a shared library with Abaqus's interface.
+//! `model = "umat"`: a user-defined material in a shared library with the Abaqus interface.
 
 use super::super::error::SettingError;
 use super::super::key::key;
@@ -9,7 +9,7 @@ use onset_umat::{Umat, UmatError, UmatSettings, fingerprint};
 use std::path::Path;
 use std::time::Duration;
 
-/// The key of the library, without its section.
+/// Key of the library, without its section.
 pub(in crate::settings) const LIBRARY: &str = "library";
 
 pub(super) const MODEL: OwnModel = OwnModel {
@@ -55,7 +55,7 @@ fn check(settings: &MaterialSettings) -> Result<(), SettingError> {
 }
 
 impl MaterialSettings {
-    /// What the user material is made of, when the model is one.
+    /// Returns the settings of the user material, if the model is one.
     pub fn umat(&self) -> Option<UmatSettings> {
         let (Model::Own(model), Some(Value::Word(library))) = (self.model, self.given(LIBRARY))
         else {
@@ -86,10 +86,10 @@ impl MaterialSettings {
         Some(umat)
     }
 
-    /// The same, when its library may be loaded.
+    /// Returns the settings of the user material, if its library may be loaded.
     ///
     /// # Errors
-    /// [`MaterialError`] when it may not.
+    /// [`MaterialError`] when the library is not permitted.
     pub fn umat_permitted(&self) -> Result<Option<UmatSettings>, MaterialError> {
         let refused = |error: SettingError| MaterialError::External {
             message: error.to_string(),
@@ -99,7 +99,7 @@ impl MaterialSettings {
     }
 }
 
-/// The SHA-256 of the library of a user material.
+/// SHA-256 of the library of a user material.
 pub(in crate::settings) fn sum(umat: UmatSettings) -> Result<String, MaterialError> {
     if !umat.library.is_file() {
         return Err(UmatError::NoLibrary { path: umat.library }.into());
@@ -132,7 +132,7 @@ mod tests {
         use std::os::unix::fs::symlink;
         let place = onset_umat::PrivateFolder::new(&std::env::temp_dir(), "onset-allowed-");
         let place = place.expect("a folder");
-        // The folder for temporary files may be a link itself.
+        // The folder for temporary files may itself be a link.
         let root = fs::canonicalize(place.path()).expect("a folder");
         let at = |name: &str| root.join(name);
         fs::create_dir(at("trusted")).expect("a folder");

@@ -1,4 +1,4 @@
-//! Whether the parts of a study fit together: what one key alone cannot tell.
+//! Checks that the parts of a study fit together, which concern several keys.
 
 use super::super::blame::blamed;
 use super::super::{
@@ -34,7 +34,7 @@ impl Study {
             .try_for_each(|corner| self.check_corner(corner))
     }
 
-    /// That every key of `[state]` and `[map]` that was set is read.
+    /// Checks that every key of `[state]` and `[map]` that was set has an effect.
     pub(super) fn check_keys_are_read(&self) -> Result<(), SettingError> {
         let set = STATE_KEYS.iter().chain(MAP_KEYS);
         let set = set.filter_map(|key| Some((key, self.origins.keys.get(key.name)?)));
@@ -46,7 +46,7 @@ impl Study {
             .map_or(Ok(()), Err)
     }
 
-    /// That nothing else sets what an axis varies.
+    /// Checks that no key is both fixed and varied by an axis.
     fn check_axis_is_alone(&self, number: usize) -> Result<(), SettingError> {
         let quantity = self.axes[number].quantity;
         let refused = |message: String| {
@@ -81,7 +81,7 @@ impl Study {
         }
     }
 
-    /// That an axis changes something.
+    /// Checks that an axis changes something.
     fn check_axis_has_effect(&self, number: usize) -> Result<(), SettingError> {
         let quantity = self.axes[number].quantity;
         let refused = |message: String, hint: String| {
@@ -120,7 +120,7 @@ impl Study {
         }
     }
 
-    /// Whether all states are the same in all directions of the plane in which the lattice is turned.
+    /// Returns true if all states are isotropic in the plane in which the lattice is rotated.
     fn is_isotropic(&self) -> bool {
         let is_varied = [Quantity::Stretch(1), Quantity::Stretch(2), Quantity::Shear]
             .into_iter()
@@ -129,7 +129,7 @@ impl Study {
         !is_varied && first == second && self.state.shear == 0.0
     }
 
-    /// That a study of a chain asks for what exists in one dimension.
+    /// Checks that a study of a chain uses only quantities that exist in one dimension.
     fn check_dimension(&self) -> Result<(), SettingError> {
         if self.settings.dimension() > 1 {
             return Ok(());
@@ -164,7 +164,7 @@ impl Study {
         Ok(())
     }
 
-    /// That no stretch is given which a sheet in plane stress, or a bar in uniaxial stress, finds itself.
+    /// Refuses stretches that follow from equilibrium, in plane stress or uniaxial stress.
     pub(super) fn check_given(&self, settings: &Settings) -> Result<(), SettingError> {
         let why = match settings.material.plane() {
             Plane::Strain => return Ok(()),
@@ -207,7 +207,7 @@ impl Study {
         Ok(())
     }
 
-    /// The corners of the window, at the ends of the ranges.
+    /// Corners of the map, at the ends of the ranges.
     fn corners(&self) -> Vec<Vec<f64>> {
         let corner = |bits: usize| {
             let end = |(number, (low, high)): (usize, (f64, f64))| {
@@ -223,7 +223,7 @@ impl Study {
         (0..1 << self.axes.len()).map(corner).collect()
     }
 
-    /// That material, method and deformation exist at a corner of the window.
+    /// Checks that material, method and deformation are admissible at a corner of the map.
     fn check_corner(&self, corner: &[f64]) -> Result<(), SettingError> {
         let settings = self.settings_at(corner)?;
         built(&settings).map_err(|error| {
@@ -239,7 +239,7 @@ impl Study {
     }
 
     fn kinematics_error(&self, corner: &[f64], error: &KinematicsError) -> SettingError {
-        // To blame is the axis without which the state would be admissible.
+        // The axis is at fault without which the state would be admissible.
         let is_to_blame = |number: &usize| {
             let name = self.axes[*number].name();
             let undeformed = StateSettings::default().value(name);
@@ -270,20 +270,20 @@ impl Study {
         .hint("narrow the ranges, or change [state]")
     }
 
-    /// Where a key was set or varied.
+    /// Place at which a key was set or varied.
     fn made(&self, name: &str) -> Option<&Origin> {
         let mut axes = self.axes.iter().zip(&self.origins.axes);
         let axis = axes.find(|(axis, _)| axis.quantity.key_name() == name);
         self.origin(name).or(axis.map(|(_, origin)| &origin.range))
     }
 
-    /// The same; the beginning of the file when nowhere.
+    /// Place at which a key was set or varied, or the beginning of the file.
     fn origin_of(&self, name: &str) -> Origin {
         self.made(name).unwrap_or(&self.origins.file).clone()
     }
 }
 
-/// Builds material and method; a library is not loaded to see whether a study is valid.
+/// Builds material and method. A library is not loaded for this check.
 fn built(settings: &Settings) -> Result<(), MethodError> {
     if !settings.material.is_library() {
         settings.law()?;

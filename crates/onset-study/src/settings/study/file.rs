@@ -1,4 +1,4 @@
-//! Reading a study from TOML.
+//! Reading of studies from TOML.
 
 use super::super::toml::{File, described, in_order, list, read_keys, scalar};
 use super::super::{
@@ -12,21 +12,19 @@ use std::collections::BTreeMap;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// The sections of a study.
 const SECTIONS: [&str; 5] = ["material", "discretization", "state", "axes", "map"];
 
-/// The keys of an axis.
 const AXIS_KEYS: [&str; 3] = ["axes.quantity", "axes.range", "axes.states"];
 
-/// States that an axis may have.
+/// Admissible numbers of states of an axis.
 pub(in crate::settings) const STATES: (u32, u32) = (2, 65536);
 
-/// Axes as one would write them, to copy.
+/// Example of axes for messages.
 const EXAMPLE: &str = "for example\n\n    [[axes]]\n    quantity = \"stretch-1\"\n    range = [0.5, 2.0]\n    states = 64\n\n    \
                        [[axes]]\n    quantity = \"stretch-2\"\n    range = [0.5, 2.0]\n    states = 64\n";
 
-/// Reads a study; that it has axes, and that its parts fit together, is not checked yet. Methods to compare, which a study may
-/// have too, are read by [`Comparison`](super::super::Comparison).
+/// Reads a study without checking that it has axes and that its parts fit together. Methods to compare, which a study may also have, are read by
+/// [`Comparison`](super::super::Comparison).
 pub(in crate::settings) fn read(name: &str, text: &str) -> Result<Study, SettingError> {
     let file = File::new(name, text);
     let table = file.table()?;
@@ -65,7 +63,7 @@ pub(in crate::settings) fn read(name: &str, text: &str) -> Result<Study, Setting
                 return Err(SettingError::new(file.of(key), message)
                     .hint(format!("expected a table: [{section}] with its keys below")));
             }
-            // Read as a whole below.
+            // These sections are read as a whole below.
             ("body", DeValue::Table(_)) | ("grips", DeValue::Array(_)) => {}
             ("compare", DeValue::Table(_)) | ("methods", DeValue::Array(_)) => {
                 study.has_methods = true;
@@ -83,7 +81,7 @@ pub(in crate::settings) fn read(name: &str, text: &str) -> Result<Study, Setting
 }
 
 impl Study {
-    /// That the study has axes, as maps need them.
+    /// Checks that the study has axes, which maps need.
     pub(super) fn require_axes(&self) -> Result<(), SettingError> {
         match self.axes.is_empty() {
             true => Err(SettingError::new(
@@ -229,7 +227,7 @@ fn quantity(value: &DeValue<'_>, origin: Origin) -> Result<Quantity, SettingErro
     })
 }
 
-/// The ends of a range, and whether they have units.
+/// Ends of a range, and whether they have units.
 fn range(
     quantity: Quantity,
     file: &File<'_>,

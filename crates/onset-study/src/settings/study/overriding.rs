@@ -1,4 +1,4 @@
-//! Changing a study from the command line, and writing it out in full.
+//! Overriding of a study from the command line, and writing it out in full.
 
 use super::super::renamed;
 use super::super::{
@@ -8,11 +8,11 @@ use super::super::{
 use super::Study;
 
 impl Study {
-    /// The study with some keys overridden by assignments such as `discretization.support=1.6` or
-    /// `map.tile=128`, in order. Its text is the new study written out in full.
+    /// Overrides keys by assignments such as `discretization.support=1.6` or `map.tile=128`, in order. The text of the result is the new study
+    /// written out in full.
     ///
     /// # Errors
-    /// [`SettingError`] as for [`Study::parse`], and when an assignment sets what an axis varies.
+    /// Fails like [`Study::parse`], and when an assignment sets a key that an axis varies.
     pub fn override_with<S: AsRef<str>>(&self, assignments: &[S]) -> Result<Self, SettingError> {
         let mut study = self.clone();
         if assignments.is_empty() {
@@ -27,7 +27,8 @@ impl Study {
         Ok(study)
     }
 
-    /// The title of the study; where material, method or state are not those of the `original`, the law and the method that are, with what else differs.
+    /// Title of the study. If material, method or state differ from the `original`, the title names the law and the method, with the other
+    /// differences.
     fn title_beside(&self, original: &Self) -> String {
         let (own, before) = (self.effective(), original.effective());
         let differs = |name: &str| match (own.get(name), before.get(name)) {
@@ -93,10 +94,10 @@ impl Study {
         self.put(key, &Value::typed(text, Some(key.kind)), origin)
     }
 
-    /// Sets a key to what it expects.
+    /// Sets a key to a value of the expected kind.
     ///
     /// # Errors
-    /// [`SettingError`] when the value is something else.
+    /// [`SettingError`] when the value is of another kind.
     pub(super) fn put(
         &mut self,
         key: &'static Key,
@@ -137,7 +138,7 @@ impl Study {
         Ok(())
     }
 
-    /// The keys of parameters that follow from moduli which an axis varies.
+    /// Keys of the parameters that follow from moduli which an axis varies.
     pub(in crate::settings) fn follows(&self) -> Vec<String> {
         let is_modulus =
             |axis: &Axis| matches!(axis.quantity, Quantity::Setting(key) if key.is_modulus());
@@ -151,8 +152,8 @@ impl Study {
         names.map(|name| format!("material.{name}")).collect()
     }
 
-    /// The study as a file in which every key that has an effect is written out. Studies that ask for the same are
-    /// written the same, whatever was left to defaults, and whatever was commented.
+    /// Writes the study as a file with every key that has an effect. Equivalent studies are written identically, independent of defaults that were
+    /// left out and of comments.
     pub fn document(&self) -> String {
         let mut text = format!("title = {}\n", toml::Value::from(self.title.as_str()));
         let mut varied: Vec<String> = self
@@ -160,7 +161,7 @@ impl Study {
             .iter()
             .map(|axis| axis.quantity.key_name())
             .collect();
-        // With the smoothing length the support varies, with moduli the parameters that follow from them.
+        // The smoothing length determines the support, and moduli determine parameters, so these vary too.
         if varied.iter().any(|name| name == aliases::SMOOTHING_LENGTH) {
             varied.push("discretization.support".to_owned());
         }
@@ -169,7 +170,7 @@ impl Study {
         varied.extend(follows);
         let (of_material, of_discretization): (Vec<&Key>, Vec<&Key>) =
             KEYS.iter().partition(|key| key.parts().0 == "material");
-        // User-defined parameters are in no table.
+        // User-defined parameters are not in the tables.
         let entries = self.settings.material.entries();
         let own = entries.iter().filter_map(|(name, _)| {
             let key = Key::named(&format!("material.{name}"))?;

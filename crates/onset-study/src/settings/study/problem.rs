@@ -1,4 +1,4 @@
-//! One material and one discretization out of a study, for questions about single states.
+//! One material and one discretization of a study, for questions about single states.
 
 use super::super::notes::note;
 use super::super::{
@@ -7,11 +7,11 @@ use super::super::{
 use super::{Study, file};
 
 impl Settings {
-    /// Material and discretization of a study file, changed by assignments; `open` are keys that are about to be varied. What an
-    /// axis of the study varies must be assigned, or be open.
+    /// Reads material and discretization of a study file, and applies assignments; `open` are keys that will be varied. A setting that an axis of the
+    /// study varies must be assigned or open.
     ///
     /// # Errors
-    /// [`SettingError`] as for [`Study::parse`] and [`Settings::check`], and when an axis leaves a setting open.
+    /// [`SettingError`] like [`Study::parse`] and [`Settings::check`], and when an axis leaves a setting open.
     pub fn of_file<S: AsRef<str>>(
         name: &str,
         text: &str,
@@ -34,7 +34,7 @@ impl Settings {
 }
 
 impl Study {
-    /// Tells that the state of a study is that of its maps, where the question has a state of its own.
+    /// Notes that the state of the study applies only to its maps, because the question defines the state.
     pub(in crate::settings) fn note_unread_state(&self) {
         let keys = self.origins.keys.iter();
         for (name, origin) in keys.filter(|(name, _)| name.starts_with("state.")) {
@@ -46,11 +46,12 @@ impl Study {
 }
 
 impl Settings {
-    /// Material, discretization and state of a study file, changed by assignments, for a code that computes in one way: `dialect` are the
-    /// keys that this settles with their values. Who sets one of them must set the same.
+    /// Reads material, discretization and state of a study file, with assignments, for a simulation code with fixed formulations.
+    ///
+    /// `dialect` are the keys that the code determines, with their values; other values of these keys are refused.
     ///
     /// # Errors
-    /// [`SettingError`] as for [`Settings::of_file`], and for a key of the dialect that is set to something else.
+    /// [`SettingError`] like [`Settings::of_file`], and for a key of the dialect with another value.
     pub fn of_dialect<S: AsRef<str>>(
         name: &str,
         text: &str,
@@ -71,7 +72,7 @@ impl Settings {
         Ok((settings, study.state))
     }
 
-    /// Sets a key of a dialect where it is read and not set yet.
+    /// Sets a key of a dialect if it has an effect and is not set yet.
     fn follow(&mut self, name: &'static str, word: &str) -> Result<(), SettingError> {
         let Some(key) = Key::named(name).filter(|key| self.unmet(key).is_none()) else {
             return Ok(());
@@ -101,11 +102,11 @@ impl Settings {
 }
 
 impl MaterialSettings {
-    /// The material of a study file, changed by assignments, for questions about the law alone: keys of a discretization cannot be
-    /// assigned, and those of the file are for other questions.
+    /// Reads the material of a study file, and applies assignments, for questions about the law alone. Keys of a discretization cannot be assigned,
+    /// and those of the file are ignored.
     ///
     /// # Errors
-    /// [`SettingError`] as for [`Settings::of_file`], for an assignment of something else than the material, and for plane stress, which a body has.
+    /// [`SettingError`] like [`Settings::of_file`], for an assignment outside the material, and for plane stress, which needs a body.
     pub fn of_file<S: AsRef<str>>(
         name: &str,
         text: &str,
@@ -138,7 +139,7 @@ impl MaterialSettings {
 }
 
 impl Study {
-    /// That each key that an axis varies is settled by something else.
+    /// Checks that another setting determines each key that an axis varies.
     pub(in crate::settings) fn check_nothing_is_left_open(
         &self,
         is_settled: impl Fn(&Key) -> bool,

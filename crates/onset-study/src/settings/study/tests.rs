@@ -18,7 +18,7 @@ fn error(text: &str) -> String {
     }
 }
 
-/// The study with two axes, of which the second varies another quantity.
+/// Study with two axes; the second one varies the given quantity.
 fn with_axis(before: &str, quantity: &str, range: &str) -> String {
     format!(
         "{before}[[axes]]\nquantity = \"stretch-1\"\nrange = [0.5, 2]\nstates = 4\n\
@@ -88,7 +88,7 @@ fn errors_name_file_line_column_and_a_hint() {
     );
     assert!(error("[material\n").starts_with("s.toml:1:"));
     assert!(error(&format!("[stat]\nx=1\n{PLANE}")).contains("did you mean `state`?"));
-    // The first mistake of the file is told, not the first of the alphabet.
+    // The first error of the file is reported, not the first in alphabetical order.
     let two = format!("[map]\ntile = 1\n[discretization]\nsupport = 0\n{PLANE}");
     assert!(
         error(&two).starts_with("s.toml:2:8: `map.tile` cannot be 1"),
@@ -113,7 +113,7 @@ fn a_study_without_axes_shows_how_to_write_them() {
     let one = &PLANE[..PLANE.rfind("[[axes]]").expect("two axes")];
     assert_refused(one, &["1 axis", "two or three"]);
     assert_refused(&format!("{PLANE}{PLANE}"), &["4 axes", "two or three"]);
-    // The example is a study.
+    // The example is a valid study.
     let told = error("");
     let example = told.split_once("for example").expect("an example").1;
     study(example);
@@ -348,7 +348,7 @@ fn the_stride_of_refinement_fits_into_a_tile() {
         &format!("map.tile = 16\nmap.refine-from = 32\nmap.adaptive = true\n{PLANE}"),
         &["s.toml:2:19: ", "more than the 16 states"],
     );
-    // Unless given, it is made to fit.
+    // Unless it is set, it adapts to the tile.
     assert_eq!(study(&format!("map.tile = 9\n{PLANE}")).map.refine_from, 8);
     assert_eq!(
         study(&format!(
@@ -373,7 +373,7 @@ fn keys_that_have_no_effect_are_refused_with_their_place_and_their_readers() {
         &format!("title = \"\"\nmap.tolerance = 1\n{PLANE}"),
         &["s.toml:2:17: `map.tolerance` has no effect: map.certify is false"],
     );
-    // What an axis varies is not left at its default.
+    // A quantity that an axis varies does not have its default value.
     let viscous =
         "discretization.method = \"updated-sph\"\ndiscretization.viscosity-switch = \"always\"\n";
     study(&with_axis(viscous, "discretization.viscosity", "[0, 1]"));
@@ -407,7 +407,7 @@ fn one_material_and_one_method_are_taken_out_of_a_study() {
         told.contains("`discretization.penalty` has no effect"),
         "{told}"
     );
-    // The law alone needs no support, and takes no keys of methods.
+    // The law alone needs no support, and accepts no keys of methods.
     let law = |assignments: &[&str]| MaterialSettings::of_file("s.toml", &text, assignments);
     assert_eq!(law(&[]).expect("a law").model.name(), "blatz-ko");
     let told = law(&["discretization.support=1.7"]).expect_err("no key of a law");
@@ -516,7 +516,7 @@ fn a_study_written_out_in_full_is_the_same_study() {
     assert!(overridden.text.contains("tile = 8"));
 }
 
-/// The model that has a key, and a value of the key.
+/// Model that has a key, and a value of the key.
 fn setting(key: &Key) -> (String, serde_json::Value) {
     let owner = Model::all().find(|model| model.takes(key.parts().1));
     let model = match (key.parts(), owner) {
@@ -537,14 +537,14 @@ fn setting(key: &Key) -> (String, serde_json::Value) {
         Kind::Numbers => vec![1.5, -2.0].into(),
         Kind::Whole(least, _) if key.parts().0 == "material" => least.into(),
         _ if key.is_parameter() => default_of(key).into(),
-        // A number that is not given is computed.
+        // A number without a default is computed.
         _ if key.default_json().is_null() => 0.5.into(),
         _ => key.default_json(),
     };
     (model, value)
 }
 
-/// The lines without which a key has no effect.
+/// Lines that a key needs to have an effect.
 fn needed(key: &Key) -> String {
     if key.name == "discretization.perturbation" {
         return "discretization.cells = 2\n".to_owned();
@@ -577,7 +577,7 @@ fn needed(key: &Key) -> String {
         "discretization.vectors" => "",
         _ => "discretization.vectors = [1, 0, 0, 1]\n",
     };
-    // Of several needs of one key the first, which is the narrower one.
+    // Of several needs for one key only the first is used, which is the narrower one.
     let mut keys = std::collections::BTreeSet::new();
     let needs = cases.first().into_iter().flatten();
     let needs = needs.filter(|need| keys.insert(need.key));
@@ -588,7 +588,7 @@ fn needed(key: &Key) -> String {
     lines
 }
 
-/// The default that a parameter has in the first law that has it.
+/// Default of a parameter in the first law that has it.
 fn default_of(key: &Key) -> f64 {
     Model::all()
         .flat_map(Model::parameters)
@@ -596,7 +596,7 @@ fn default_of(key: &Key) -> f64 {
         .map_or(f64::NAN, |parameter| parameter.default)
 }
 
-/// Whether a key is one of the moduli of which two are needed; these have tests of their own.
+/// Returns true for moduli, which are set in pairs and have separate tests.
 fn is_modulus(name: &str) -> bool {
     let moduli = ["young", "poisson", "bulk", "shear"];
     let own = name.strip_prefix("material.");
@@ -619,7 +619,7 @@ fn every_key_can_be_set_in_a_file_and_is_read_back() {
                 "stretch-1"
             },
         );
-        // A subroutine has no study without its library, a table none without its file.
+        // A user material needs its library, and a table its file.
         let is_of_subroutine = model.contains("umat") || model.contains("marlow");
         if key.name == "discretization.density" || is_of_subroutine || is_modulus(key.name) {
             continue;
@@ -663,7 +663,7 @@ fn every_quantity_can_be_an_axis() {
                 (setting(key).0, "stretch-1", range(default_of(key)))
             }
             Quantity::Setting(key) => {
-                // A share is at most one.
+                // A fraction is at most one.
                 let is_admitted = |value: &f64| *value > 0.0 && !key.name.ends_with("share");
                 let default = key.default_json().as_f64().filter(is_admitted);
                 (needed(key), "stretch-1", range(default.unwrap_or(0.1)))
