@@ -50,7 +50,7 @@ impl Family {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Bonds {
-/// Linear springs between particles.
+    /// Linear springs between particles.
     BondBased,
     /// Stress at the deformation gradient of the family.
     Correspondence,

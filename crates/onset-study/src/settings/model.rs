@@ -44,7 +44,7 @@ const OWN: &[OwnModel] = &[formula::MODEL, table::MODEL, umat::MODEL];
 pub enum Model {
     /// Law of the library, hyperelastic or in rate form.
     Law(&'static Law),
-/// Model that the user defines.
+    /// Model that the user defines.
     Own(&'static OwnModel),
 }
 
