@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 /// Randomized test that reads `ONSET_SEED` and `ONSET_CASES`.
 struct Subject {
     name: &'static str,
-    /// Tested property.
+    /// Tested property, as a sentence.
     claim: &'static str,
     package: &'static str,
     /// Test program, and name of the test.
@@ -51,7 +51,7 @@ const SUBJECTS: &[Subject] = &[
     },
     Subject {
         name: "ellipticity-agrees",
-        claim: "word and number of ellipticity are those of sixty digits",
+        claim: "word and number of ellipticity agree with a computation in sixty digits",
         package: "onset",
         program: "formula",
         test: "the_word_on_ellipticity_is_that_of_sixty_digits",
@@ -107,7 +107,7 @@ const SUBJECTS: &[Subject] = &[
     },
     Subject {
         name: "killed-runs",
-        claim: "a simulation that is killed at any time goes on to the same bytes",
+        claim: "a simulation that is killed at any time is resumed to the same bytes",
         package: "onset-cli",
         program: "verify",
         test: "a_killed_run_is_resumed_to_the_same_bytes",
@@ -115,7 +115,7 @@ const SUBJECTS: &[Subject] = &[
     },
     Subject {
         name: "damaged-stores",
-        claim: "a damaged store is refused, or gives what was stored",
+        claim: "a damaged store is refused, or returns the stored values",
         package: "onset-cli",
         program: "command",
         test: "damaged_stores_are_refused_or_return_the_stored_values",

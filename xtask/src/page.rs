@@ -46,7 +46,7 @@ pub fn test() -> Result<(), String> {
         let read = |folder: &Path| std::fs::read(folder.join(&name)).unwrap_or_default();
         if read(&place) != read(&built) {
             return Err(format!(
-                "{}/{} is not what the sources build: cargo xtask page",
+                "{}/{} differs from the build of its sources: cargo xtask page",
                 built.display(),
                 name.to_string_lossy()
             ));

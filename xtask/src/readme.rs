@@ -6,13 +6,13 @@
 use std::path::Path;
 use std::process::Command;
 
-/// Pages with consoles.
+/// Pages whose consoles are updated.
 const PAGES: [&str; 2] = ["README.md", "book/src/how-to/fits.md"];
 
 const BEGIN: &str = "```console\n";
 const END: &str = "\n```";
 
-/// Updates the consoles.
+/// Updates the consoles of all pages.
 ///
 /// # Errors
 /// Description of the failure.

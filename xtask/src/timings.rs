@@ -4,12 +4,12 @@ use std::fs::File;
 use std::process::{Command, Stdio};
 use std::time::{Instant, SystemTime};
 
-/// File of a law, on which every module above the materials depends.
+/// File of a law; every module above the materials depends on it.
 const LAW: &str = "crates/onset/src/material/laws/gent.rs";
 /// Root of the crate that reads studies.
 const STUDY: &str = "crates/onset-study/src/lib.rs";
 
-/// Timed build.
+/// Build whose duration is measured.
 struct Build {
     /// Name of the build.
     name: &'static str,
@@ -50,7 +50,7 @@ const BUILDS: &[Build] = &[
         arguments: TESTS,
     },
     Build {
-        name: "`onset-study` for tests, after a change of its own",
+        name: "`onset-study` for tests, after a change in it",
         touched: Some(STUDY),
         arguments: LIBRARY,
     },

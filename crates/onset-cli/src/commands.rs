@@ -77,7 +77,7 @@ impl From<ProblemError> for Failure {
     }
 }
 
-/// Runs a command.
+/// Runs the command of the arguments.
 pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     if let Some(doing) = waiting_for(&arguments.command).filter(|_| !printing::is_quiet()) {
         patience::begin(doing);

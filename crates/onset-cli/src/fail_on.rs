@@ -70,7 +70,7 @@ impl FailOn {
         self.0.contains(&UNDEFINED)
     }
 
-    /// Exit code for the given verdicts with their numbers of states; a missing name stands for an undefined state.
+    /// Exit code for the given verdicts with their numbers of states; states without a name are undefined.
     pub fn code<'v>(&self, found: impl IntoIterator<Item = (Option<&'v str>, u64)>) -> ExitCode {
         let mut counts: Vec<(&str, u64)> = Vec::new();
         for (name, states) in found {

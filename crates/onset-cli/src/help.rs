@@ -77,7 +77,7 @@ pub fn command(is_long: bool) -> Command {
         false => (
             "\n",
             format!(
-                "{EXAMPLES}\n\n`onset COMMAND -h` explains a command, `onset --help` tells the options of all."
+                "{EXAMPLES}\n\n`onset COMMAND -h` explains a command, `onset --help` lists the options of all commands."
             ),
         ),
     };

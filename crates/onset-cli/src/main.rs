@@ -1,8 +1,13 @@
 //! The `onset` command: stability of a material and its particle discretization.
 //!
-//! It converts arguments to a problem and prints the answer. Exit codes: 0 done; 1 a claim of the paper differs from its record, a strict audit has
-//! findings, a particle code or a motion differs, a motion breaks down or a file cannot be written; 2 the input is wrong; 3 a verdict is one of
-//! `--fail-on`, or the agreement of a particle code or a motion is undecided; 130 interrupted.
+//! It converts arguments to a problem and prints the answer. Exit codes:
+//!
+//! - 0: done.
+//! - 1: a claim of the paper differs from its record, a strict audit has findings, a particle code or a motion differs, a motion breaks down, or
+//!   a file cannot be written.
+//! - 2: the input is wrong.
+//! - 3: a verdict is one of `--fail-on`, or the agreement of a particle code or a motion is undecided.
+//! - 130: interrupted.
 
 mod arguments;
 mod commands;

@@ -53,7 +53,7 @@ pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
         .clone()
         .unwrap_or_else(|| default_place(&arguments.file));
     let again = format!("interrupted; resume with\n  {}", resuming(arguments, &path));
-    let told = "ending: tiles that have begun are given a second, those that are stored stay; interrupt again to end at once";
+    let told = "ending: tiles that have begun are given a second, and stored tiles are kept; interrupt again to end immediately";
     let answer = interrupt::Answer {
         told: (!is_quiet()).then_some(told),
         at_end: Some(again.clone()),

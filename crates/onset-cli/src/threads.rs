@@ -1,4 +1,4 @@
-//! Number of threads.
+//! Limits on the number of threads.
 
 use crate::commands::Failure;
 use std::thread::available_parallelism;

@@ -10,18 +10,18 @@ use onset_umat::message;
 use pyo3::prelude::*;
 use std::fmt::Display;
 
-/// Reason why there is no answer. Messages and hints are identical to those of the command.
+/// Reason why there is no answer. Messages and hints agree with the command.
 #[derive(Debug)]
 pub enum Failure {
-    /// Invalid setting: `onset.SettingError`.
+    /// Invalid setting, raised as `onset.SettingError`.
     Setting(Box<SettingError>),
-    /// Other invalid input: `onset.InputError`.
+    /// Other invalid input, raised as `onset.InputError`.
     Input(String),
-    /// Failure of the machine, or a motion that breaks down: `onset.MachineError`.
+    /// Failure of the machine, or a motion that breaks down, raised as `onset.MachineError`.
     Machine(String),
-    /// Defect of the program: `onset.OnsetError`.
+    /// Defect of the program, raised as `onset.OnsetError`.
     Defect(String),
-    /// Cancelled question.
+    /// Question that was cancelled by the user.
     Ended,
 }
 

@@ -128,7 +128,7 @@ impl FunctionLaw {
         Ok(numbers.iter().copied().map(f64::from_ne_bytes).collect())
     }
 
-    /// Responses of states, each with its own error.
+    /// Response or error for each state.
     fn responses(&self, states: &[DeformationGradient]) -> Vec<Result<Response, MaterialError>> {
         match self.numbers(states) {
             Ok(numbers) => states
@@ -188,7 +188,7 @@ fn response(f: &DeformationGradient, numbers: &[f64]) -> Result<Response, Materi
     })
 }
 
-/// In-plane part of a tangent.
+/// Part of a tangent with in-plane indices.
 fn in_plane(tangent: &FourthOrder) -> PlaneTangent {
     std::array::from_fn(|a| std::array::from_fn(|b| tangent[(a / 2, a % 2, b / 2, b % 2)]))
 }

@@ -84,7 +84,7 @@ pub fn ending<T: Send + 'static>(
     until(py, Some(GRACE), work)
 }
 
-/// Runs a computation that saves its progress when asked to end; it has ended when this function returns.
+/// Runs a computation that saves its progress after a request to end; it has ended when this function returns.
 pub fn finishing<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(Interrupt) -> Result<T, Failure> + Send + 'static,
@@ -118,7 +118,7 @@ fn until<T: Send + 'static>(
     }
 }
 
-/// Starts a computation.
+/// Starts a computation in a separate thread.
 fn begun<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, Failure> + Send + 'static,
 ) -> Result<Receiver<Result<T, Failure>>, Failure> {
@@ -157,8 +157,8 @@ fn told(why: &(dyn Any + Send)) -> Failure {
         .downcast_ref::<String>()
         .map(String::as_str)
         .or_else(|| why.downcast_ref::<&str>().copied())
-        .unwrap_or("for a reason that was not told");
+        .unwrap_or("for an unknown reason");
     Failure::Defect(format!(
-        "this question cannot be answered because of a defect: {text}\n  hint: please report it with what was asked"
+        "this question cannot be answered because of a defect: {text}\n  hint: please report it with the question"
     ))
 }

@@ -1,6 +1,6 @@
 //! Thread pools for parallel computations.
 //!
-//! A forked process has none of its parent's threads and would wait for them forever, so that it creates a new pool. While a Python law is being
+//! A forked process does not inherit the threads of its parent and would wait for them forever, so that it creates a new pool. While a Python law is being
 //! evaluated, all threads of the shared pool may be waiting for it; a computation started by such a law therefore gets a separate thread.
 
 use crate::failure::Failure;

@@ -27,7 +27,7 @@ use std::sync::Arc;
 
 /// Number of states in a batch, as in a map.
 const BATCH_STATES: usize = 512;
-/// Number of states above which a more expensive preparation pays off.
+/// Smallest number of states that justifies a more expensive preparation.
 const MANY_STATES: usize = 64;
 /// Largest number of values in an array answer.
 const MAX_VALUES: usize = 1 << 28;
@@ -511,7 +511,7 @@ impl Problem {
             let count = states.len().checked_mul(vectors * width);
             if count.is_none_or(|count| count > MAX_VALUES) {
                 return Err(Failure::Input(format!(
-                    "{} states and {vectors} wave vectors are too many at once\n  hint: ask for parts",
+                    "{} states and {vectors} wave vectors are too many for one call\n  hint: split them into several calls",
                     states.len()
                 )));
             }

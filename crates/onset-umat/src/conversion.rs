@@ -16,7 +16,7 @@ pub struct Delivered {
     pub sse: f64,
 }
 
-/// Kronecker delta `delta_ij`.
+/// Kronecker delta `delta_ij` as a number.
 fn delta(i: usize, j: usize) -> f64 {
     f64::from(u8::from(i == j))
 }
@@ -31,10 +31,11 @@ fn symmetric_product(sigma: &Matrix3<f64>, i: usize, j: usize, k: usize, l: usiz
 
 /// Tangent `A_iJkL = dP_iJ/dF_kL` from `c_ijkl`, the Jaumann rate of the Kirchhoff stress over `J`.
 ///
-/// `tau = J sigma` satisfies `tau' - W tau + tau W = J c : D`. Its convected rate `tau' - L tau - tau L^T` is smaller than the Jaumann rate by `D tau
-/// + tau D`. Therefore `c^T_ijkl = c_ijkl - (delta_ik sigma_lj + delta_il sigma_kj + sigma_ik delta_lj + sigma_il delta_kj) / 2` is the Truesdell
-/// tangent, `a_ijkl = c^T_ijkl + delta_ik sigma_jl` is the spatial tangent, and `A_iJkL = J F^-1_Jj F^-1_Ll a_ijkl`. Major symmetry is neither
-/// required nor enforced. Units of stress.
+/// `tau = J sigma` satisfies `tau' - W tau + tau W = J c : D`. Its convected rate is `tau' - L tau - tau L^T`, smaller than the Jaumann rate by
+/// `D tau + tau D`. The Truesdell tangent is therefore
+/// `c^T_ijkl = c_ijkl - (delta_ik sigma_lj + delta_il sigma_kj + sigma_ik delta_lj + sigma_il delta_kj) / 2`, the spatial tangent is
+/// `a_ijkl = c^T_ijkl + delta_ik sigma_jl`, and `A_iJkL = J F^-1_Jj F^-1_Ll a_ijkl`. Major symmetry is neither required nor enforced.
+/// Units of stress.
 pub fn tangent_from_jaumann_kirchhoff(
     f: &DeformationGradient,
     cauchy: &Matrix3<f64>,
@@ -83,7 +84,7 @@ impl Delivered {
         f.jacobian() * self.sse
     }
 
-    /// Energy, `P = J sigma F^-T` and `A` at the state `f` (see [`tangent_from_jaumann_kirchhoff`]).
+    /// Energy, `P = J sigma F^-T`, and `A` from [`tangent_from_jaumann_kirchhoff`], at the state `f`.
     pub fn response(&self, f: &DeformationGradient) -> Response {
         let cauchy = self.cauchy();
         let c = tensor_of_voigt(&self.ddsdde);

@@ -8,9 +8,9 @@ use thiserror::Error;
 /// Error of a user material or its process.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum UmatError {
-    /// Missing library.
+    /// Library that does not exist.
     #[error(
-        "there is no library {path}\n  hint: make one with: gfortran -shared -fPIC -O2 -o umat.so umat.f",
+        "there is no library {path}\n  hint: compile it with: gfortran -shared -fPIC -O2 -o umat.so umat.f",
         path = path.display()
     )]
     NoLibrary {
@@ -27,7 +27,7 @@ pub enum UmatError {
     },
     /// Library without a UMAT.
     #[error(
-        "{path} has no routine umat_; expected SUBROUTINE UMAT compiled as Fortran (or umat_ in C)\n  hint: see its names \
+        "{path} has no routine umat_; expected SUBROUTINE UMAT compiled as Fortran (or umat_ in C)\n  hint: list its names \
          with: nm -D {path}",
         path = path.display()
     )]
@@ -72,7 +72,7 @@ pub enum UmatError {
         said(output)
     )]
     Silent {
-        /// Time limit; seconds.
+        /// Time limit of a call; seconds.
         seconds: f64,
         /// Deformation gradient of the call; `None` during loading.
         state: Option<Box<Matrix3<f64>>>,
@@ -136,7 +136,7 @@ pub enum UmatError {
         factor: f64,
         /// Number of the increment, from 1.
         increment: u32,
-        /// Number of increments.
+        /// Number of increments on the path.
         increments: u32,
         /// Deformation gradient of the call.
         state: Box<Matrix3<f64>>,
@@ -184,7 +184,7 @@ fn memory_hint(output: &str) -> &'static str {
         .iter()
         .any(|words| output.contains(words))
     {
-        "\n  hint: it may use as much memory as material.memory-limit says, in MiB"
+        "\n  hint: material.memory-limit sets its memory, in MiB"
     } else {
         ""
     }
@@ -204,7 +204,7 @@ fn load_hint(path: &Path, message: &str) -> &'static str {
         "\n  hint: a copy of it is loaded from the folder for temporary files, which may be closed to programs (noexec): let the variable \
          TMPDIR name another one"
     } else if mentions(&["No such file", "ELF", "architecture", "mach-o", "too short"]) {
-        "\n  hint: a shared library of this machine's architecture is needed; make it here with: gfortran -shared -fPIC -O2 \
+        "\n  hint: a shared library of this machine's architecture is needed; compile it here with: gfortran -shared -fPIC -O2 \
          -o umat.so umat.f"
     } else {
         ""

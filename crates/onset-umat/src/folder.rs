@@ -59,7 +59,7 @@ impl PrivateFolder {
                 });
             }
         }
-        Err(io::Error::other("its folders are removed by somebody else"))
+        Err(io::Error::other("another process removes its folders"))
     }
 
     /// Path of the folder.

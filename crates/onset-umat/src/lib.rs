@@ -7,8 +7,11 @@
 //! The routine runs in a separate process, so that a crash, `STOP` or an endless loop results in an error message. The process runs the current
 //! program itself, if its `main` begins with [`serve_if_asked`].
 //!
-//! Conventions are those of Abaqus/Standard in three dimensions: components in the order 11, 22, 33, 12, 13, 23; engineering shear strains; `DDSDDE`
-//! as the Jaumann rate of the Kirchhoff stress over `J` per rate of deformation; stress and strain rotated by `DROT` before the call.
+//! Conventions follow Abaqus/Standard in three dimensions:
+//!
+//! - Components have the order 11, 22, 33, 12, 13, 23, and shear strains are engineering strains.
+//! - `DDSDDE` is the Jaumann rate of the Kirchhoff stress over `J` per rate of deformation.
+//! - Stress and strain are rotated by `DROT` before the call.
 
 mod arguments;
 mod conversion;

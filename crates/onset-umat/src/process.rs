@@ -49,7 +49,7 @@ pub const FOLDER: &str = "onset-umat-";
 /// Name of the copied library in this folder.
 const COPY: &str = "library.so";
 
-/// Copies the library and returns the checksum of the copy; an error if another one was expected.
+/// Copies the library and returns the checksum of the copy; an error if another library was expected.
 fn checked_copy(settings: &UmatSettings, copy: &Path) -> Result<String, UmatError> {
     let path = &settings.library;
     let found = copied(path, copy, settings.memory_limit).map_err(|error| UmatError::Load {
@@ -318,7 +318,7 @@ fn in_words(status: ExitStatus) -> String {
         }
         Some(9) => Some("signal 9, it was killed; was memory short?".to_owned()),
         Some(7 | 10 | 11) => Some(format!(
-            "signal {}, it used memory that is not its own; is an index out of bounds?",
+            "signal {}, it accessed memory outside its bounds; is an index out of range?",
             status.signal().unwrap_or_default()
         )),
         other => other.map(|signal| format!("signal {signal}")),

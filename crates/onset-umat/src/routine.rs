@@ -92,7 +92,7 @@ struct Point {
     stress: [f64; 6],
     variables: Vec<f64>,
     ddsdde: [f64; 36],
-    /// `SSE`, `SPD`, `SCD`.
+    /// Energies `SSE`, `SPD`, `SCD` per volume.
     energies: [f64; 3],
     strain: [f64; 6],
     factor: f64,
@@ -107,7 +107,7 @@ struct Step {
 }
 
 impl Routine {
-    /// Loads a library.
+    /// Loads a library and finds its routines.
     #[allow(unsafe_code)]
     pub fn load(path: &Path, properties: &[f64], variables: usize) -> Result<Self, LoadError> {
         // All routines that the library needs must be resolved now, and not during a call.

@@ -30,7 +30,7 @@ pub struct UmatSettings {
     pub time_limit: Duration,
     /// Memory limit for the process of the routine, in bytes of address space, including loaded libraries.
     pub memory_limit: u64,
-    /// Required SHA-256 sum of the library (see [`fingerprint`](crate::fingerprint())); `None` for the library present at the start.
+    /// Required SHA-256 sum of the library, as from [`fingerprint`](crate::fingerprint()); `None` for the library present at the start.
     pub fingerprint: Option<String>,
     /// Program whose `main` begins with [`serve_if_asked`](crate::serve_if_asked), in which the routine runs.
     ///
@@ -67,7 +67,7 @@ pub struct Outcome {
     pub state_variables: Vec<f64>,
 }
 
-/// User material.
+/// User material in a shared library.
 ///
 /// Concurrent threads use separate processes, since a routine may store data in variables that threads would share.
 pub struct Umat {
@@ -81,7 +81,7 @@ pub struct Umat {
 const BATCH_PATHS: usize = 64;
 
 impl Umat {
-    /// Loads a library.
+    /// Loads the library of a user material.
     ///
     /// # Errors
     /// [`UmatError`] if the library does not exist, cannot be loaded, or contains no UMAT.
@@ -289,8 +289,8 @@ fn place(at: usize) -> String {
 impl Hyperelastic for Umat {
     /// A user material counts as path-dependent.
     ///
-    /// `DDSDDE` is the tangent of the last increment, for continued flow or an algorithmic step. It is not the derivative of the stress with respect
-    /// to the end of the path, on which the stress of a plastic routine depends.
+    /// `DDSDDE` is the tangent of the last increment, for continued flow or an algorithmic step. The stress of a plastic routine depends on the whole
+    /// path, so that this is not the derivative with respect to its end.
     fn is_path_dependent(&self) -> bool {
         true
     }

@@ -105,7 +105,7 @@ fn summary(
         .map_err(|error| Mistake::new(&name, format!("{name}: {error}")))
 }
 
-/// Prints the schema.
+/// Prints the JSON schema of studies.
 pub fn schema() -> Result<ExitCode, Failure> {
     only_text("a JSON Schema")?;
     print_text(&format!("{:#}", schema_of_studies()))

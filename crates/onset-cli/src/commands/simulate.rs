@@ -135,7 +135,7 @@ fn body_question(
     ];
     if let Some((option, _)) = idle.iter().find(|(_, is_given)| *is_given) {
         return Err(Failure::input(format!(
-            "{option} has no effect on a body, which moves by central differences and has no waves of its own\n  hint: leave it out, or [body] of the study"
+            "{option} has no effect on a body, which moves by central differences and is not compared with waves\n  hint: leave it out, or [body] of the study"
         )));
     }
     let amplitude = arguments.amplitude.unwrap_or(0.0);
@@ -154,11 +154,11 @@ fn body_question(
 /// Progress of a run that ends after an interrupt.
 fn watched(is_kept: bool) -> Result<Progress, Failure> {
     let told = match is_kept {
-        true => "writing a checkpoint; interrupt again to end at once",
-        false => "ending; interrupt again to end at once",
+        true => "writing a checkpoint; interrupt again to end immediately",
+        false => "ending; interrupt again to end immediately",
     };
     let at_end = match is_kept {
-        true => "interrupted; the same command with --resume goes on from the last checkpoint",
+        true => "interrupted; the same command with --resume continues from the last checkpoint",
         false => "interrupted; nothing was kept: give --out",
     };
     let answer = interrupt::Answer {
@@ -172,7 +172,7 @@ fn watched(is_kept: bool) -> Result<Progress, Failure> {
 
 fn interrupted(steps: u64, is_kept: bool) -> ExitCode {
     let how = match is_kept {
-        true => "the same command with --resume goes on",
+        true => "the same command with --resume continues",
         false => "nothing was kept: give --out",
     };
     tell(format_args!("interrupted after {steps} steps; {how}"));

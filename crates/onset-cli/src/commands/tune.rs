@@ -7,7 +7,7 @@ use onset_study::output::Output;
 use onset_study::tune::{TuneAnswer, TuneQuestion};
 use std::process::ExitCode;
 
-/// Tunes a coefficient.
+/// Finds the smallest sufficient coefficient.
 pub fn tune(arguments: &TuneArguments) -> Result<ExitCode, Failure> {
     let question = TuneQuestion::new(&arguments.key, arguments.range, arguments.stretches)
         .map_err(Failure::input)?

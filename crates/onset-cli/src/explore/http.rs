@@ -72,7 +72,7 @@ impl Reply {
 
 /// Headers of every reply.
 ///
-/// The page runs only its own scripts and connects only to this server. Inline styles are allowed, because the plotting library inserts them into
+/// They restrict the page to scripts and connections of this server. Inline styles are allowed, because the plotting library inserts them into
 /// figures.
 const HEADERS_OF_ALL_REPLIES: &str = "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
      connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n\

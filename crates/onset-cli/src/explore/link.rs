@@ -9,7 +9,7 @@ pub enum Link {
     Question(Box<Question>),
     /// Map opened by the user.
     Stored,
-    /// Default content.
+    /// Default question of the page.
     Nothing,
 }
 
@@ -73,13 +73,13 @@ fn read(asked: &str) -> Result<Link, String> {
             }
             "map" => {
                 return Err(
-                    "the address is that of a stored map, which is not in it\n  hint: onset explore MAP.zarr"
+                    "the address is of a stored map, which it does not contain\n  hint: onset explore MAP.zarr"
                         .to_owned(),
                 );
             }
             _ => {
                 return Err(format!(
-                    "`{part}` of the address means nothing\n  hint: expected what the page gives with Copy link, http://...#set=...&stretch=..."
+                    "`{part}` of the address is unknown\n  hint: expected an address copied with Copy link on the page, http://...#set=...&stretch=..."
                 ));
             }
         }

@@ -8,7 +8,7 @@ use std::time::Instant;
 /// Largest number of connections; a browser opens six.
 const MAX_CONNECTIONS: usize = 64;
 
-/// All open connections.
+/// All open connections of the server.
 #[derive(Default)]
 pub struct Connections(Mutex<Vec<Entry>>);
 

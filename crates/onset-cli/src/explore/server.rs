@@ -18,7 +18,7 @@ const RETRY_PAUSE: Duration = Duration::from_millis(20);
 /// Header with the token of the page. Pages of other servers cannot send it without a permission that this server never grants.
 const TOKEN_HEADER: &str = "onset-token";
 /// Refusal of a request without a valid token.
-const NO_TOKEN: &str = "this page is for the user who has started it: the token of the running program is missing, or another one\n  hint: open the address \
+const NO_TOKEN: &str = "this page is for the user who started it: the token of the running program is missing or wrong\n  hint: open the address \
      that `onset explore` has printed; in the same browser links without a token are answered then";
 
 /// Server of the page and of its questions.
@@ -26,7 +26,7 @@ pub struct Server {
     explorer: Explorer,
     /// Token that the page sends with every question.
     token: Token,
-    /// One-time ticket in the address given to the browser at the start, since all users of a machine can see the arguments of a program.
+    /// One-time ticket in the address given to the browser at the start, because the arguments of a program are visible to all users of a machine.
     ticket: Mutex<Option<Token>>,
     /// Accepted `Host` headers, with the port.
     hosts: [String; 2],
@@ -123,23 +123,21 @@ impl Server {
         }
     }
 
-    /// Reason to refuse a request that does not come from this page, including requests of other servers whose name resolves to this machine.
+    /// Reason to refuse a request from outside this page, including requests of other servers whose name resolves to this machine.
     fn stranger(&self, request: &Request) -> Option<&'static str> {
         let is_own = |host: &str| self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host));
         if !request.header("host").is_some_and(is_own) {
-            return Some(
-                "this page is for the browser on its own machine: the Host is another one",
-            );
+            return Some("this page serves browsers on this machine only: the Host header differs");
         }
         let is_own_origin = |origin: &str| origin.strip_prefix("http://").is_some_and(is_own);
         if request.has("origin") && !request.header("origin").is_some_and(is_own_origin) {
-            return Some("this page answers itself alone: the Origin is another one");
+            return Some("this server answers its page only: the Origin header differs");
         }
         let site = request.header("sec-fetch-site");
         let is_navigation = request.method == "GET" && request.path == "/";
         match site {
             Some("cross-site" | "same-site") if !is_navigation => {
-                Some("this page answers itself alone: another site asks")
+                Some("this server answers its page only: the request comes from another site")
             }
             _ => None,
         }

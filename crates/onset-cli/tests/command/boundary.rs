@@ -51,8 +51,8 @@ fn a_window_without_boundaries_reports_its_phases() {
     let (answer, _folder) = traced(&wide, &[lost]);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     for line in [
-        "material       no boundary seen: unstable throughout the window",
-        "discretization no boundary seen: undefined throughout the window",
+        "material       no boundary found: unstable throughout the window",
+        "discretization no boundary found: undefined throughout the window",
     ] {
         assert!(answer.stdout.contains(line), "{}", answer.stdout);
     }

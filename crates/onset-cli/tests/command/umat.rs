@@ -316,9 +316,9 @@ fn a_map_is_not_resumed_with_another_library() {
         let answer = map(more);
         assert_eq!(answer.code, Some(2), "{}", answer.stderr);
         for fact in [
-            "library of its material is another one",
+            "library of its material has another",
             "SHA-256",
-            "compiled anew",
+            "recompiled",
         ] {
             assert!(answer.stderr.contains(fact), "{}", answer.stderr);
         }

@@ -19,7 +19,7 @@ pub(super) fn word(end: End) -> &'static str {
 
 /// Boundaries as a FeatureCollection in the coordinates of the two axes.
 ///
-/// Open curves are LineStrings, closed curves are Polygons with one ring. The more stable side is to the left of a ring.
+/// Open curves are LineStrings, closed curves are Polygons with one ring. A ring has its more stable side on the left.
 pub fn geojson(boundaries: &Boundaries) -> Value {
     let study = &boundaries.study;
     let feature = |(of, curve): (Owner, &Curve)| {

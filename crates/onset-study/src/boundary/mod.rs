@@ -34,7 +34,7 @@ pub enum BoundaryError {
         "the study has {axes} axes; a boundary is traced in a plane of two\n  hint: hold one of {names} fixed under [state], [material] or [discretization] and remove its axis"
     )]
     NotAPlane {
-        /// Number of axes.
+        /// Number of axes in the study.
         axes: usize,
         /// Names of the axes.
         names: String,
@@ -55,7 +55,7 @@ pub enum Owner {
 }
 
 impl Owner {
-    /// Name in files.
+    /// Name of the owner in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Material => "material",
@@ -323,7 +323,7 @@ pub struct CurveSummary {
     pub ends: Option<[&'static str; 2]>,
     /// Arc length in the coordinates of the axes.
     pub length: f64,
-    /// Number of vertices.
+    /// Number of vertices on the curve.
     pub vertices: usize,
     /// Points where smooth branches meet.
     pub corners: Vec<[f64; 2]>,
@@ -387,7 +387,7 @@ impl std::fmt::Display for Summary {
                 let (of, phase) = (of.name(), phase.name());
                 writeln!(
                     formatter,
-                    "{of:<14} no boundary seen: {phase} throughout the window"
+                    "{of:<14} no boundary found: {phase} throughout the window"
                 )?;
             }
         }

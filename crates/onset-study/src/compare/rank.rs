@@ -12,23 +12,23 @@ pub fn rules(limits: &Thresholds) -> [String; 6] {
     let (wrong, weak) = (percent(limits.wrong), percent(limits.weak));
     [
         format!(
-            "1. A method that cannot be evaluated in the reference state, or is unstable there, is not recommended; nor one that is not \
+            "1. A method that cannot be evaluated in the reference state, or is unstable there, is not recommended; nor a method that is not \
              defined on more than {wrong} of the window of states, for want of neighbors."
         ),
         format!(
-            "2. Nor is one with zero-energy modes, which the slightest disturbance excites, or with waves slower than {weak} of the \
+            "2. Nor is a method with zero-energy modes, which the slightest disturbance excites, or with waves slower than {weak} of the \
              material's slowest wave, which are nearly such."
         ),
         format!(
-            "3. Nor one that is unstable where the material is elliptic, on more than {wrong} of the window of states: a \
+            "3. Nor a method that is unstable where the material is elliptic, on more than {wrong} of the window of states: a \
              numerical instability."
         ),
         format!(
-            "4. Nor one that is stable where the material is not elliptic, on more than {wrong} of the window: it suppresses a physical \
+            "4. Nor a method that is stable where the material is not elliptic, on more than {wrong} of the window: it suppresses a physical \
              instability."
         ),
         format!(
-            "5. Nor one whose long-wavelength moduli are wrong by more than {}: it is not consistent, and does not converge to the material.",
+            "5. Nor a method whose long-wavelength moduli are wrong by more than {}: it is not consistent, and does not converge to the material.",
             percent(limits.long_waves)
         ),
         format!(
@@ -76,9 +76,9 @@ pub struct Dependence {
     pub value: f64,
     /// Best method with the changed limit.
     pub best: Option<String>,
-    /// Additional recommended methods.
+    /// Methods that would become recommended.
     pub more: Vec<String>,
-    /// Methods that are no longer recommended.
+    /// Methods that would no longer be recommended.
     pub less: Vec<String>,
 }
 
@@ -92,12 +92,12 @@ impl Ranked {
     }
 }
 
-/// Criterion by which recommended methods are sorted.
+/// Heading of the recommended methods, with their order.
 fn recommended_by(good: &[&Ranked]) -> &'static str {
     match good.iter().all(|ranked| ranked.score.is_infinite()) {
         true => {
-            "recommended, cheapest first: the material has waves without a frequency, as the transverse ones of a fluid, so that errors of frequencies (rule 6) have \
-             no size"
+            "recommended, cheapest first: the material has waves without a frequency, such as transverse waves of a fluid, so that errors of frequencies (rule 6) are \
+             undefined"
         }
         false => "recommended, best first",
     }
@@ -139,7 +139,7 @@ impl Recommendation {
         }
     }
 
-    /// Ranking as CSV.
+    /// Ranking as a CSV table.
     pub fn csv(&self) -> String {
         let mut text = String::from("place,method,score,rule,why\n");
         for (n, ranked) in self.ranking.iter().enumerate() {

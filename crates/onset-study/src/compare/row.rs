@@ -53,7 +53,7 @@ pub struct Measured {
     ///
     /// 0 with zero-energy modes, 1 if no wave is slower than in the material, NaN if nothing can be compared.
     pub weakest: f64,
-    /// Errors of frequencies.
+    /// Errors of frequencies for each wavelength.
     pub dispersion: Vec<DispersionError>,
     /// Largest error of a component of the long-wavelength moduli.
     pub long_wave_error: f64,
@@ -63,7 +63,7 @@ pub struct Measured {
     pub fidelity: Fidelity,
     /// Critical time step; time.
     pub critical_time_step: f64,
-    /// Body to which the critical time step applies: infinite lattice or finite body.
+    /// Range of validity of the critical time step: the infinite lattice.
     pub critical_time_step_of: &'static str,
     /// Critical time step of the body in the study, in the reference state; omitted for methods without bodies.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -22,7 +22,7 @@ pub struct Table {
     pub dimension: usize,
     /// Options of the comparison.
     pub options: CompareSettings,
-    /// Limits by which methods are recommended.
+    /// Limits of the recommendation.
     pub thresholds: Thresholds,
     /// Evidence for verdicts and onsets: `searched`.
     pub evidence: Evidence,

@@ -5,7 +5,7 @@ use serde::Serialize;
 /// Limits between acceptable and wrong results.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Thresholds {
-    /// Ratio of a wave's frequency to that of the slowest material wave, below which the wave is weakly controlled.
+    /// Smallest acceptable ratio of a wave's frequency to the frequency of the slowest material wave; slower waves are weakly controlled.
     pub weak: f64,
     /// Largest share of the window of states with wrong verdicts.
     pub wrong: f64,
@@ -57,7 +57,7 @@ impl Thresholds {
     }
 }
 
-/// Formats a fraction in percent, with as few digits as needed.
+/// Formats a fraction in percent, with the shortest exact digits.
 pub(crate) fn percent(share: f64) -> String {
     format!("{} %", crate::number::told(100.0 * share))
 }

@@ -14,7 +14,7 @@ pub(super) struct Form {
     dimension: usize,
     /// Keys that law and method read, in the order of the documentation.
     fields: Vec<Field>,
-    /// Assignments, without those that are no longer read.
+    /// Assignments that law and method read.
     set: Vec<String>,
     /// Parameters of a user-defined energy that have no value yet.
     missing: Vec<String>,
@@ -39,7 +39,7 @@ struct Field {
 
 /// Form of a question.
 ///
-/// A page keeps its assignments when another law or method is chosen; those that are no longer read are omitted.
+/// A page keeps its assignments when another law or method is chosen; assignments without effect are omitted.
 pub(super) fn form(question: &Question, trust: &Trust) -> Result<Form, Refusal> {
     let set = read(question)?;
     let own = Question {

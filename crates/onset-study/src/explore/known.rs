@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// Number of cached states.
 const CACHED_STATES: usize = 8;
 
-/// Assessed state.
+/// Assessment of a state, with its problem.
 pub(super) struct Known {
     pub(super) problem: Arc<Problem>,
     pub(super) strain: Strain,

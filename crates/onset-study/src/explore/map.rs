@@ -7,7 +7,7 @@ use onset::bloch::IsEnded;
 use serde::Serialize;
 use std::sync::{Mutex, PoisonError};
 
-/// Number of states along an axis of the coarsest map, by dimension. A state in 3D takes a hundred times as long as a state in 2D.
+/// Number of states along an axis of the coarsest map, by dimension. A state in 3D is a hundred times slower than a state in 2D.
 const COARSEST_STATES: [usize; 3] = [12, 12, 6];
 /// Largest number of refinements.
 pub(super) const LEVELS: u32 = 3;
@@ -25,7 +25,7 @@ pub(super) struct ShownMap {
     pub(super) axes: [ShownAxis; 2],
     /// Class of each state as an index into the catalog, the first axis running fastest; `null` for states that are not stored.
     pub(super) classes: Vec<Option<u8>>,
-    /// Number of refinements.
+    /// Number of refinements from the coarsest level.
     pub(super) level: u32,
     /// Whether this is the finest level.
     pub(super) is_finest: bool,

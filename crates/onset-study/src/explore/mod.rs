@@ -1,7 +1,7 @@
 //! Questions of a page and their answers: the documents of the command, computed while the user moves a slider.
 //!
 //! A [`Question`] contains the arguments of a command (`--set`, `--stretch`) and a window of states. An [`Explorer`] returns the documents of `onset
-//! ... --json`, built by the same functions. Questions are not trusted, since a link may come from a stranger: they read no files, and start a
+//! ... --json`, built by the same functions. Questions are not trusted, since a stranger may have written a link: they read no files, and start a
 //! library only if the user allows it.
 //!
 //! ```
@@ -53,7 +53,7 @@ pub enum Refusal {
     #[error("{0}")]
     Input(String),
     /// Request that was cancelled, or exceeded the time limit.
-    #[error("given up: it took too long, or something else was asked")]
+    #[error("cancelled: it took too long, or another question replaced it")]
     GivenUp,
 }
 

@@ -70,7 +70,7 @@ impl Question {
         let unknowns = problem.dimension() * problem.analysis.sites();
         if unknowns > MAX_UNKNOWNS {
             return Err(Refusal::Input(format!(
-                "the cell has {unknowns} displacements; a page answers for at most {MAX_UNKNOWNS}\n  hint: choose fewer discretization.cells here, or ask the command"
+                "the cell has {unknowns} displacements; a page supports at most {MAX_UNKNOWNS}\n  hint: choose fewer discretization.cells here, or use the command"
             )));
         }
         Ok(problem)

@@ -8,14 +8,14 @@ use serde::{Deserialize, Serialize};
 pub struct Entry {
     /// Title of the report.
     pub title: String,
-    /// Reported behavior.
+    /// Behavior described in the report.
     pub seen: String,
     /// Source of the report.
     #[serde(rename = "where")]
     pub place: String,
     /// Assumptions where the report gives no details.
     pub assumed: String,
-    /// Question for `onset state`.
+    /// Question that reproduces the report with `onset state`.
     pub question: Question,
     /// Known remedy, if any.
     pub remedy: Option<String>,

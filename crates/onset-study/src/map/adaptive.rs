@@ -1,9 +1,9 @@
 //! Adaptive refinement: states are computed near boundaries of the finding, and filled in elsewhere.
 //!
-//! States on a coarse stride are the corners of cells. A cell is halved in three cases: if the findings at its corners differ; if the signed measures
-//! indicate that a boundary may pass between corners with the same finding; or if a state computed for a neighboring cell contradicts its corners. In
-//! the end all states of a cell are corners, or all have one finding. A pocket smaller than a cell of the coarse stride can be missed if no measure
-//! indicates it.
+//! States on a coarse stride are the corners of cells. A cell is halved if the findings at its corners differ, or if the signed measures indicate
+//! that a boundary may pass between corners with the same finding. It is also halved if a state computed for a neighboring cell contradicts its
+//! corners. In the end all states of a cell are corners, or all have one finding. A pocket smaller than a cell of the coarse stride can be missed if
+//! no measure indicates it.
 
 use super::record::{Finding, Outcomes, Record};
 use crate::store::{ravel, unravel};

@@ -19,7 +19,7 @@ pub struct Evaluator {
     analysis: Option<Box<dyn Analysis>>,
     /// `rho c^2`, the scale of acoustic eigenvalues; stress.
     stiffness: f64,
-    /// Magnitude above which an undecided measure is not near zero; `None` if no proofs are requested.
+    /// Largest magnitude of a measure near zero; `None` if no proofs are requested.
     tolerance: Option<f64>,
     /// Integrator whose critical time step is stored.
     integrator: Integrator,

@@ -106,7 +106,7 @@ impl Forecast {
 struct Work {
     /// Number of states along each dimension, slowest first.
     shape: Vec<usize>,
-    /// Numbers of the states that will be computed, as far as known; empty for all states.
+    /// Numbers of the states that will be computed, if known; empty for all states.
     states: Vec<usize>,
     /// Number of states that will be computed.
     evaluations: u64,
@@ -305,7 +305,7 @@ fn sampled<'a>(
     let start = Instant::now();
     let mut sample = Sample::of(study, tiling, shared, GRID_POINTS[0])?;
     for count in &GRID_POINTS[1..] {
-        // A grid twice as fine has 2^d times as many states.
+        // Halving the grid spacing multiplies the number of states by 2^d.
         let growth = 2_u32.pow(tiling.shape.len() as u32);
         if sample.is_all() || start.elapsed() + growth * sample.time > patience {
             break;

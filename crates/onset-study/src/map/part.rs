@@ -15,7 +15,7 @@ pub enum Part {
     Share {
         /// Number of the share, from 1.
         number: usize,
-        /// Number of shares.
+        /// Number of shares in the map.
         of: usize,
     },
 }
@@ -45,7 +45,7 @@ impl FromStr for Part {
                 Ok(Self::Share { number, of })
             }
             _ => Err(
-                "expected the first tile and the one after the last, for example 0..64, or a share and how many there are, for example 1/8"
+                "expected a range of tiles without its end, for example 0..64, or the number of a share and the number of shares, for example 1/8"
                     .to_owned(),
             ),
         }

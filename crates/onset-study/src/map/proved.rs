@@ -127,7 +127,7 @@ impl fmt::Display for Proved {
         if self.corrected > 0 {
             writeln!(
                 formatter,
-                "  the proof has corrected what the search says of {}",
+                "  the proof has corrected the result of the search at {}",
                 counted(self.corrected as usize, "state")
             )?;
         }

@@ -125,7 +125,7 @@ fn bound(proved: &certificate::Certainty<3>) -> f64 {
 /// All results at a state. Numbers that do not exist there are NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record {
-    /// Verdict and stability.
+    /// Verdict and stability of the state.
     pub finding: Finding,
     /// Smallest acoustic eigenvalue of the continuum; stress.
     pub acoustic_minimum: f64,

@@ -24,16 +24,16 @@ pub enum MapError {
     State {
         /// Coordinates of the state, as text.
         place: String,
-        /// Underlying error.
+        /// Error of the evaluation at this state.
         source: Box<ProblemError>,
     },
     /// Selection of tiles that the map does not have.
     #[error(
-        "the map has {}, numbered from 0; {asked} are none of them\n  hint: --tiles 0..{tiles} are all",
+        "the map has {}, numbered from 0; {asked} is outside\n  hint: --tiles 0..{tiles} selects all of them",
         counted(*tiles, "tile")
     )]
     Tiles {
-        /// Requested selection.
+        /// Selection that was requested.
         asked: Part,
         /// Number of tiles in the map.
         tiles: usize,
@@ -70,7 +70,7 @@ pub trait Watch: Sync {
     }
 }
 
-/// Number of tiles per core below which states are distributed instead of tiles.
+/// Smallest number of tiles per core for distributing tiles; with fewer tiles, states are distributed.
 const TILES_PER_CORE: usize = 4;
 /// Largest number of states in tiles computed simultaneously.
 ///
@@ -84,7 +84,7 @@ impl Plan {
     /// Numbers of the existing tiles in a part, or of all tiles without a part. The end of a range may exceed the last tile.
     ///
     /// # Errors
-    /// [`MapError::Tiles`] if none of the tiles exists.
+    /// [`MapError::Tiles`] if the map has no tile in the part.
     pub fn tiles(&self, asked: Option<Part>) -> Result<Vec<usize>, MapError> {
         let tiles = self.tiling.tiles();
         let Some(asked) = asked else {

@@ -88,7 +88,7 @@ impl Add for Tally {
 /// Number and share of the states with one verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// Number of states.
+    /// Number of states with this verdict.
     pub states: u64,
     /// Fraction of all states of the run.
     pub share: f64,

@@ -39,7 +39,7 @@ pub(super) struct Work<'a> {
 }
 
 impl Plan {
-    /// Prepares a study.
+    /// Prepares a study for the computation of its map.
     ///
     /// # Errors
     /// [`MapError`] if its material or discretization is not admissible.

@@ -71,7 +71,7 @@ pub struct Claim {
     pub place: &'static str,
     /// Statement of the paper.
     pub paper: &'static str,
-    /// Computed result.
+    /// Result of the computation, as a sentence.
     pub computed: String,
     /// Choices of the computation.
     pub choices: &'static str,
@@ -80,7 +80,7 @@ pub struct Claim {
     pub verdict: ClaimVerdict,
     /// Number that decides the verdict.
     pub number: f64,
-    /// Recorded verdict.
+    /// Name of the recorded verdict.
     pub recorded: &'static str,
 }
 

@@ -24,7 +24,7 @@ use std::sync::Arc;
 pub struct Plate {
     /// Drawing of the figure.
     pub figure: Figure,
-    /// Tables by name.
+    /// Data of the figure, as tables by name.
     pub tables: Vec<(String, String)>,
 }
 
@@ -32,7 +32,7 @@ pub struct Plate {
 pub struct Recipe {
     /// File name without extension.
     pub name: &'static str,
-    /// Computes the figure.
+    /// Function that computes the figure.
     pub make: fn() -> Result<Plate, ReproduceError>,
 }
 

@@ -19,7 +19,7 @@ use thiserror::Error;
 /// Reason why the paper cannot be reproduced.
 #[derive(Debug, Error)]
 pub enum ReproduceError {
-    /// Failed computation.
+    /// Error in a computation of the paper.
     #[error(transparent)]
     Problem(#[from] ProblemError),
     /// Invalid study file of the paper.

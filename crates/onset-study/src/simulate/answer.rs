@@ -43,7 +43,7 @@ pub struct SimulateAnswer {
     pub mode: &'static str,
     /// Number of cells along each primitive vector.
     pub cells: Vec<usize>,
-    /// Number of particles.
+    /// Number of particles in the patch.
     pub particles: usize,
     /// Deformation gradient of the homogeneous state.
     pub deformation_gradient: [[f64; 3]; 3],
@@ -158,7 +158,7 @@ impl SimulateAnswer {
     }
 }
 
-/// Displacement in particle spacings beyond which the linearized equations do not apply.
+/// Largest displacement in the range of the linearized equations, in particle spacings.
 const SMALL_DISPLACEMENT_SPACINGS: f64 = 0.01;
 /// Largest relative difference from the predicted rate of a measured rate in noise, where other waves change it.
 const NOISE_RATE_TOLERANCE: f64 = 0.01;
@@ -218,11 +218,11 @@ fn moving(plan: &Plan, progress: &Progress) -> Verdict {
     let rates = plan.rates();
     let samples: Vec<(f64, f64)> = progress.samples.iter().map(|[t, y]| (*t, *y)).collect();
     if (samples.len() as u64) < plan.course.samples {
-        return undecided("the run has not come to the end of the record".to_owned());
+        return undecided("the run ended before the end of the record".to_owned());
     }
     if samples.len() < MIN_SAMPLES {
         return undecided(format!(
-            "the record has {}, too few to tell a rate: run more steps, or smaller ones",
+            "the record has {}, too few to fit a rate: run more steps, or smaller steps",
             counted(samples.len(), "sample")
         ));
     }
@@ -269,7 +269,7 @@ fn standing(plan: &Plan, patch: &dyn PatchMotion, progress: &Progress) -> Verdic
         right += row(*t) * (y / first);
     }
     let Some(inverse) = normal.try_inverse() else {
-        return undecided("the record does not tell a rate".to_owned());
+        return undecided("the record does not determine a rate".to_owned());
     };
     let found = inverse * right;
     let left = samples

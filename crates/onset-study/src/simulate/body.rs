@@ -38,7 +38,7 @@ const COLUMNS: &[&str] = &[
 /// Body to be run, with its start and duration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyQuestion {
-    /// Body and grips.
+    /// Body and grips of the study.
     pub body: BodySettings,
     /// Homogeneous deformation at the start; `None` for the reference configuration.
     pub f: Option<DeformationGradient>,
@@ -61,7 +61,7 @@ impl BodyQuestion {
 pub struct BodyAnswer {
     /// Whether the run was interrupted.
     pub interrupted: bool,
-    /// Number of particles.
+    /// Number of particles in the body.
     pub particles: usize,
     /// Memory of the engine per particle; bytes.
     pub bytes_per_particle: f64,
@@ -181,8 +181,8 @@ fn course(
         Duration::Time(time) => checked((time / step).round(), step)?,
         Duration::Natural => {
             return Err(refused(
-                "how long the body is to be run is not told",
-                "give --steps or --time",
+                "the body needs a duration",
+                "set --steps or --time",
             ));
         }
     };

@@ -21,12 +21,12 @@ pub(super) struct Progress {
     pub(super) history: Vec<f64>,
     /// Times and amplitudes of the record.
     pub(super) samples: Vec<[f64; 2]>,
-    /// Displacements of the fields so far, concatenated; kept for small patches only.
+    /// Displacements of the fields written until now, concatenated; kept for small patches only.
     pub(super) fields: Vec<f64>,
 }
 
 impl Progress {
-    /// Encodes a checkpoint.
+    /// Encodes the progress as a checkpoint.
     pub(super) fn bytes(&self, mark: &str) -> Vec<u8> {
         let mut bytes = FORMAT.to_vec();
         bytes.extend(mark.as_bytes());

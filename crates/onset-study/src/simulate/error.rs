@@ -58,7 +58,7 @@ pub enum SimulateError {
     /// File that cannot be written.
     #[error("{source}{}", kept(checkpoint))]
     Output {
-        /// Underlying error.
+        /// Error of the output.
         source: OutputError,
         /// Path and step of the last checkpoint.
         checkpoint: Option<(PathBuf, u64)>,

@@ -29,9 +29,9 @@ pub enum Seeded {
 pub enum Duration {
     /// Duration that suits the wave: about a period, or four e-folding times.
     Natural,
-    /// Number of steps.
+    /// Number of time steps.
     Steps(u64),
-    /// Simulated time.
+    /// Simulated time, rounded to whole steps.
     Time(f64),
 }
 
@@ -59,7 +59,7 @@ pub struct Question {
     pub f: DeformationGradient,
     /// Number of cells along each primitive vector, or one number for all.
     pub cells: Vec<usize>,
-    /// Initial perturbation.
+    /// Initial perturbation of the patch.
     pub seeded: Seeded,
     /// Branch of the wave, counted from 1 by increasing `omega^2`.
     pub branch: usize,
@@ -69,7 +69,7 @@ pub struct Question {
     pub seed: u64,
     /// Duration, step size and output of the run.
     pub pace: Pace,
-    /// Time integration; `None` for velocity Verlet. A transfer of material points defines its own step.
+    /// Time integration; `None` for velocity Verlet. A transfer of material points replaces it.
     pub stepper: Option<Stepper>,
     /// Relative difference of rates that counts as agreement.
     pub tolerance: f64,
@@ -329,7 +329,7 @@ fn chosen(
     }
     if found.is_some_and(|wave| !patch.sees(wave)) {
         return Err(refused(
-            "no material point sees this wave: it moves nodes alone, and neither displaces nor strains a point",
+            "this wave has no effect on material points: it moves nodes, but neither displaces nor strains a point",
             "choose another --wave-vector, or more points in a cell (discretization.points-per-side)",
         ));
     }
@@ -405,7 +405,7 @@ fn stepped(
     match question.stepper {
         None => Ok((stepper, transfer)),
         Some(_) => Err(refused(
-            format!("--integrator has no effect: the {transfer} transfer has a step of its own"),
+            format!("--integrator has no effect: the {transfer} transfer defines the step"),
             "leave it out; or discretization.transfer=continuous, for equations that integrators step",
         )),
     }

@@ -41,7 +41,7 @@ pub trait Watch {
 pub(super) struct Course {
     /// Identifier in the checkpoints of the run.
     pub(super) mark: String,
-    /// Time step; time.
+    /// Time step of the run; time.
     pub(super) step: f64,
     /// Largest stable time step; time.
     pub(super) critical: f64,

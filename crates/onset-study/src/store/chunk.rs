@@ -71,7 +71,7 @@ pub(super) fn decode(
     let size = bytes.len().checked_sub(CHECKSUM_BYTES);
     let (body, sum) = bytes.split_at(size.ok_or("it is cut short: it has no checksum")?);
     if sum != crc32c::crc32c(body).to_le_bytes() {
-        return Err("its checksum is not that of what it holds".to_owned());
+        return Err("its checksum does not match its content".to_owned());
     }
     let expected = if is_flags { count } else { 8 * count };
     let mut gzip = GzDecoder::new(body);

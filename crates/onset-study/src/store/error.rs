@@ -18,7 +18,7 @@ pub enum StoreError {
         path: PathBuf,
     },
     /// Path that does not exist.
-    #[error("there is no store at {}\n  hint: `onset map FILE --out {}` makes one", path.display(), quoted_file(path))]
+    #[error("there is no store at {}\n  hint: `onset map FILE --out {}` creates a store", path.display(), quoted_file(path))]
     Missing {
         /// Path of the store.
         path: PathBuf,
@@ -66,7 +66,7 @@ pub enum StoreError {
     },
     /// Store locked exclusively by another process.
     #[error(
-        "{} is kept by another process, which holds a lock on its zarr.json\n  hint: let it end; `lsof {}` tells which it is",
+        "{} is kept by another process, which holds a lock on its zarr.json\n  hint: let it end; `lsof {}` shows the process",
         path.display(),
         quoted_file(&path.join("zarr.json"))
     )]
@@ -197,7 +197,7 @@ fn hint(error: &io::Error) -> &'static str {
 
 /// Remedy for a damaged file.
 ///
-/// A chunk of results can be computed anew. Metadata and coordinates are written only with the store; coordinate chunks are the only ones with one
+/// A chunk of results can be computed anew. Metadata and coordinates are written only with the store; only coordinate chunks have a single
 /// dimension (`c/0`).
 fn damage_hint(path: &Path) -> &'static str {
     let is_coordinate = path.parent().is_some_and(|folder| folder.ends_with("c"));

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 pub struct Dimension {
     /// Name of the dimension, and of its coordinate array.
     pub name: String,
-    /// Descriptive name.
+    /// Descriptive name for plots and tables.
     pub long_name: String,
     /// Unit of the coordinates.
     pub unit: String,
@@ -30,7 +30,7 @@ pub enum Kind {
 pub struct Field {
     /// Name of the array.
     pub name: &'static str,
-    /// Descriptive name.
+    /// Descriptive name for plots and tables.
     pub long_name: &'static str,
     /// Type of the values.
     pub kind: Kind,
@@ -55,7 +55,7 @@ pub struct Layout {
     pub attributes: Map<String, Value>,
     /// Identity of the map, recorded in each chunk so that a chunk of another map is detected.
     pub identity: String,
-    /// Dimensions, slowest first.
+    /// Dimensions of the map, slowest first.
     pub dimensions: Vec<Dimension>,
     /// Number of states of a tile along each dimension.
     pub tile: Vec<usize>,
@@ -76,7 +76,7 @@ pub(super) const IDENTITY: &str = "onset_identity";
 pub(super) const MEANINGS: [(&str, &str); 4] = [
     (
         LIBRARY,
-        "the library of its material is another one, by its SHA-256; was it compiled anew?",
+        "the library of its material has another SHA-256 sum; was it recompiled?",
     ),
     ("onset_version", "it was begun by another version of onset"),
     (

@@ -90,7 +90,7 @@ impl Taken {
 impl Drop for Taken {
     /// Removes the lock file.
     ///
-    /// A process may lock the removed file while another one creates it again: both then compute the tile, unless it is finished.
+    /// A process may lock the removed file while another process creates it again: both then compute the tile, unless it is finished.
     fn drop(&mut self) {
         // A failure is ignored. Leftover lock files, also of killed processes, are removed when the last writer closes the store.
         let _ = fs::remove_file(&self.lock);

@@ -44,7 +44,7 @@ impl Contents {
 #[derive(Clone, Copy)]
 enum Rule {
     File,
-    /// Files in progress.
+    /// Unfinished files of the folder `.partial`.
     Partial,
     /// Array with the given number of dimensions.
     Array(usize),

@@ -106,7 +106,7 @@ pub struct ZarrStore {
 }
 
 impl ZarrStore {
-    /// Creates a store.
+    /// Creates a store without tiles.
     ///
     /// # Errors
     /// [`StoreError`] if the path exists or the store cannot be written.
@@ -248,7 +248,7 @@ impl ZarrStore {
             }
         };
         if is_other {
-            let reason = "its arrays are not those of its study".to_owned();
+            let reason = "its arrays do not match its study".to_owned();
             return Err(self.damaged(METADATA, reason));
         }
         self.check_coordinates(layout)
@@ -295,7 +295,7 @@ impl ZarrStore {
         Ok(())
     }
 
-    /// Checks the coordinates.
+    /// Checks the coordinates along every dimension.
     fn check_coordinates(&self, layout: &Layout) -> Result<(), StoreError> {
         let arrays = layout.arrays();
         for (name, values) in layout.coordinates() {
@@ -334,18 +334,17 @@ impl ZarrStore {
         let arrays = group
             .pointer("/consolidated_metadata/metadata")
             .and_then(Value::as_object)
-            .ok_or_else(|| damaged("it does not tell of the arrays".to_owned()))?;
+            .ok_or_else(|| damaged("it does not list the arrays".to_owned()))?;
         let mut fields = Vec::new();
         for (name, metadata) in arrays {
-            let array = Array::of(name, metadata).ok_or_else(|| {
-                damaged("it tells of arrays that onset does not write".to_owned())
-            })?;
+            let array = Array::of(name, metadata)
+                .ok_or_else(|| damaged("it lists arrays that onset does not write".to_owned()))?;
             if !array.is_coordinate {
                 fields.push(array);
             }
         }
         let tiling =
-            tiling(&fields).ok_or_else(|| damaged("it does not tell of tiles".to_owned()))?;
+            tiling(&fields).ok_or_else(|| damaged("it does not define tiles".to_owned()))?;
         let attributes = group["attributes"].as_object().cloned().unwrap_or_default();
         let identity = attributes.get(IDENTITY).and_then(Value::as_str);
         Ok(Self {

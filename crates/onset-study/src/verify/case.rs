@@ -57,7 +57,7 @@ pub struct Case {
     pub wave_vector: Vec<f64>,
     /// Reference density; mass/volume.
     pub density: f64,
-    /// Block of particles.
+    /// Block of particles in the deck.
     pub block: Block,
     /// Whether the block is periodic; otherwise its rim is held.
     pub is_periodic: bool,
@@ -108,8 +108,8 @@ impl Case {
         let f = DeformationGradient::from_stretches(question.stretches)?;
         if problem.analysis.is_transferred() {
             return Err(VerifyError::Wave {
-                what: "discretization.transfer: waves of nodes are predicted, and particles would be placed".to_owned(),
-                hint: "leave it out, or see what onset state says of it".to_owned(),
+                what: "discretization.transfer: predictions are for waves of the nodes, and decks would place particles".to_owned(),
+                hint: "leave it out, or evaluate the method with `onset state`".to_owned(),
             });
         }
         let dimension = problem.dimension();
@@ -466,7 +466,7 @@ fn periodic(
     Ok((block, fitted))
 }
 
-/// Block whose rim is so far from its core that no signal arrives during the run.
+/// Block with a rim that no signal leaves fast enough to reach the core during the run.
 fn held(sides: &[f64], apart: f64, reach: f64) -> Block {
     let mut block = Block {
         counts: Vec::new(),

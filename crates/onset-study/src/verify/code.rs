@@ -46,15 +46,15 @@ pub struct Program {
     pub name: &'static str,
     /// Command-line arguments, relative to the folder of the deck.
     pub arguments: &'static [&'static str],
-    /// Installation instructions.
+    /// Instructions for installing the program.
     pub install: &'static str,
 }
 
-/// Case with the problem and the state from which its deck is written.
+/// Case, problem and state, the input of a deck.
 pub struct Deck<'a> {
     /// Case whose deck is written.
     pub case: &'a Case,
-    /// Material and method.
+    /// Material and method of the case.
     pub problem: &'a Problem,
     /// Deformation gradient of the homogeneous state.
     pub f: &'a DeformationGradient,
@@ -76,7 +76,7 @@ pub trait Code: Sync {
 
     /// Returns true if blocks are periodic.
     ///
-    /// Otherwise the rim of a block is held, and its core is measured before waves from the rim arrive.
+    /// If not, the rim of a block is held, and its core is measured before waves from the rim arrive.
     fn is_periodic(&self) -> bool;
 
     /// Width of the rim of a block, in units of the interaction range at the state; `None` for a periodic block.

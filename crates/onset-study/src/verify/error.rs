@@ -32,7 +32,7 @@ pub enum VerifyError {
         /// Names of the known codes.
         known: Vec<&'static str>,
     },
-    /// Unsuitable wave.
+    /// Wave that cannot be measured, or does not fit the block.
     #[error("{what}\n  hint: {hint}")]
     Wave {
         /// Error in the wave, as a sentence.
@@ -128,7 +128,7 @@ fn line_number(line: usize) -> String {
 fn hint_of_reading(path: &Path) -> &'static str {
     match path.ends_with(super::CASE_FILE) {
         true => {
-            "\n  hint: an output is read beside the case.json of its deck; name another place with --case"
+            "\n  hint: an output is read together with the case.json in its folder; name another case with --case"
         }
         false => "",
     }

@@ -43,7 +43,7 @@ pub enum FitError {
     },
     /// Times that do not increase.
     #[error(
-        "time {time:e} follows {before:e}: times must increase\n  hint: write the frames of one run, one after the other"
+        "time {time:e} follows {before:e}: times must increase\n  hint: write the frames of a single run in order"
     )]
     Order {
         /// Time of the earlier frame.
@@ -51,7 +51,7 @@ pub enum FitError {
         /// Time of the frame that should be later.
         time: f64,
     },
-    /// Record without motion.
+    /// Record in which no particle moves.
     #[error("no particle moves\n  hint: were the velocities of the deck set?")]
     Still,
 }
@@ -68,7 +68,7 @@ const UNCERTAINTY_DEVIATIONS: f64 = 4.0;
 const PARTIAL_RECORD_FRACTION: f64 = 0.7;
 /// Largest fraction of a record that counts as a trace of other branches.
 const MAX_TRACE_FRACTION: f64 = 1e-2;
-/// Phase (or growth) relative to the wave, over the record, by which another branch can be separated well, or at all.
+/// Smallest phase (or growth) of another branch relative to the wave, over the record, for a reliable separation and for any separation.
 const SEPARABLE_PHASES: [f64; 2] = [3.0, 0.3];
 
 /// Fits the rates of a record.

@@ -61,7 +61,7 @@ pub struct Judgment {
     pub omega_squared: f64,
     /// `omega^2` of the measured rate, corrected for the effect of the time step; 1/time^2.
     pub measured_omega_squared: f64,
-    /// Time step; time.
+    /// Time step of the run; time.
     pub time_step: f64,
     /// Predicted rate in discrete time; 1/time.
     pub predicted: Rate,
@@ -88,7 +88,7 @@ const UNDECIDED_UNCERTAINTY_FACTOR: f64 = 4.0;
 
 /// Reads an output and compares it with the prediction.
 ///
-/// `path` is the output, or the folder of the deck. The case file is read from the same folder unless `case` names another one.
+/// `path` is the output, or the folder of the deck. The case file is read from the same folder unless `case` names another file.
 ///
 /// # Errors
 /// [`VerifyError`] for a file that cannot be read, or does not belong to the case.
@@ -215,8 +215,7 @@ pub(crate) fn compared(
         true => (Outcome::Agrees, String::new()),
         false => (
             Outcome::Undecided,
-            "the difference is beyond the tolerance, and within four times what is uncertain"
-                .to_owned(),
+            "the difference exceeds the tolerance, but not four times the uncertainty".to_owned(),
         ),
     }
 }

@@ -34,7 +34,7 @@ impl Isotropic {
         Ok((is_isotropic && is_free).then_some(own))
     }
 
-    /// Bulk modulus; stress.
+    /// Bulk modulus of the isotropic law; stress.
     pub(super) fn bulk(&self) -> f64 {
         self.lambda + self.mu / 1.5
     }
@@ -44,7 +44,7 @@ impl Isotropic {
         self.mu * (3.0 * self.lambda + 2.0 * self.mu) / (self.lambda + self.mu)
     }
 
-    /// Poisson's ratio.
+    /// Poisson's ratio of the isotropic law.
     pub(super) fn poisson(&self) -> f64 {
         0.5 * self.lambda / (self.lambda + self.mu)
     }
@@ -83,9 +83,9 @@ pub(super) fn is_in_rate_form(
 /// Pressure of a law `W(J)` at a state, and its derivative with respect to the density ratio `rho/rho0 = 1/J`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Volumetric {
-    /// `p = -W'(J)`; stress.
+    /// Pressure `p = -W'(J)`; stress.
     pub(super) pressure: f64,
-    /// `dp/d(1/J) = J^2 W''(J)`; stress.
+    /// Slope `dp/d(1/J) = J^2 W''(J)`; stress.
     pub(super) slope: f64,
 }
 
@@ -128,7 +128,7 @@ impl Volumetric {
 pub(super) struct JaumannRates {
     /// Pressure and its slope, as for a law of the volume alone.
     pub(super) volumetric: Volumetric,
-    /// Shear modulus; stress.
+    /// Shear modulus of the rate; stress.
     pub(super) shear: f64,
     /// Principal values of the deviator of the Cauchy stress; stress.
     pub(super) deviator: [f64; 3],

@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 /// Rate `s` of a solution `exp(s t)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Rate {
-    /// `Re s`; 1/time.
+    /// Growth rate `Re s`; 1/time.
     pub growth: f64,
-    /// `Im s`; 1/time.
+    /// Angular frequency `Im s`; 1/time.
     pub frequency: f64,
 }
 
@@ -46,7 +46,7 @@ pub struct Prediction {
     pub omega_squared: f64,
     /// Direction of the displacements, a unit vector `g`.
     pub polarization: Vec<f64>,
-    /// Vector `l` with `l . g = 1` on which displacements are projected, orthogonal to all other branches. It equals `g` if `D` is symmetric.
+    /// Projection vector `l` of the displacements, with `l . g = 1`, orthogonal to all other branches. It equals `g` if `D` is symmetric.
     pub projection: Vec<f64>,
     /// Rates in discrete time; first the growing one, or the one with positive frequency.
     pub rates: [Rate; 2],
@@ -61,7 +61,7 @@ pub struct Prediction {
 
 /// Rounding error of `D(k)`, relative to the largest `omega^2` of all waves: for imaginary parts of real entries, and `omega^2` of neutral modes.
 const MATRIX_TOLERANCE: f64 = 1e-10;
-/// Decay per step beyond which a solution belongs to the integrator and not to the wave.
+/// Largest decay per step of a solution that belongs to the wave; faster decay is an artifact of the integrator.
 const MAX_DECAY_PER_STEP: f64 = 0.5;
 /// Largest relative difference between the discrete rate and the rate in continuous time.
 const MAX_RATE_DIFFERENCE: f64 = 0.3;

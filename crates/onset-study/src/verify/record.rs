@@ -70,10 +70,10 @@ impl<'a> Projector<'a> {
             Some(_) => Err(self.wrong(
                 line,
                 format!(
-                    "this is the output of another case; the case beside it is {}",
+                    "this is the output of another case; the case in its folder is {}",
                     self.case.id
                 ),
-                "read it with the case.json of its own deck, --case FILE",
+                "name the case.json of its deck with --case FILE",
             )),
             None => Err(self.wrong(
                 line,
@@ -81,7 +81,7 @@ impl<'a> Projector<'a> {
                     "the output does not say that it is of case {}",
                     self.case.id
                 ),
-                "run the deck as it was written; the page `verify` of the book tells the formats",
+                "run the deck as it was written; the page `verify` of the book describes the formats",
             )),
         }
     }

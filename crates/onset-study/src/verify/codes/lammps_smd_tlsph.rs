@@ -187,7 +187,7 @@ fn particles(deck: &Deck<'_>) -> String {
     data
 }
 
-/// Support radius; length.
+/// Support radius of the kernel; length.
 fn support(deck: &Deck<'_>) -> f64 {
     let choices = &deck.problem.settings.discretization;
     choices.support * choices.spacing
@@ -267,7 +267,7 @@ impl Code for TotalSmd {
     fn remarks(&self) -> &'static [&'static str] {
         &[
             "stress is integrated from extrapolated velocities, which damps waves at the rate omega^2 dt/4; every `run` adds one increment with the velocities before it",
-            "smd/adjust_dt does not see the stiffness of the hourglass forces",
+            "smd/adjust_dt ignores the stiffness of the hourglass forces",
             "particles at a periodic boundary do not move: decks have a held rim",
         ]
     }

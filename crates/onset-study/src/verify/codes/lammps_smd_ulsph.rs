@@ -219,7 +219,7 @@ const fn dialect(is_corrected: bool) -> [Settled; 11] {
     let (value, deviation) = match is_corrected {
         true => (
             "true",
-            "*GRADIENT_CORRECTION multiplies the stress by the correction as well as the velocity gradient",
+            "*GRADIENT_CORRECTION multiplies both the stress and the velocity gradient by the correction",
         ),
         false => ("false", ""),
     };

@@ -11,7 +11,7 @@ use super::{Code, Settled, VerifyError};
 use serde::Serialize;
 use std::fmt;
 
-/// All known codes.
+/// All codes that can be verified.
 pub const CODES: [&dyn Code; 6] = [
     &lammps_smd_tlsph::TotalSmd,
     &lammps_smd_ulsph::PLAIN,

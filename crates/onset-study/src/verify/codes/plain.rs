@@ -14,7 +14,7 @@ use std::path::Path;
 
 pub(super) struct Plain;
 
-const HINT: &str = "the page `verify` of the book tells the formats";
+const HINT: &str = "the page `verify` of the book describes the formats";
 
 /// Table of the particles of a deck, one line each.
 pub(super) fn particles(deck: &Deck<'_>) -> String {
@@ -149,7 +149,7 @@ fn header(
     Ok(columns)
 }
 
-/// Reads extended XYZ.
+/// Reads positions in extended XYZ.
 fn read_xyz(text: &str, mut projector: Projector<'_>) -> Result<Record, VerifyError> {
     let lines: Vec<&str> = text.lines().collect();
     let whole = lines.len() - usize::from(!text.ends_with('\n') && !lines.is_empty());
@@ -231,7 +231,7 @@ impl Code for Plain {
 
     fn remarks(&self) -> &'static [&'static str] {
         &[
-            "method and choices are those of the study; how the code takes a time step is told by --stepping",
+            "method and choices are taken from the study; --stepping gives the time integration of the code",
         ]
     }
 
