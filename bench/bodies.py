@@ -1,11 +1,11 @@
-"""Steps of a body here and in LAMMPS, in turns: particle-steps per CPU second, and memory.
+"""Time steps of a body in this program and in LAMMPS, in turns: particle-steps per CPU second, and memory.
 
 `python bench/bodies.py --onset PROGRAM --lammps lmp --out bench/bodies.md [--quick]`; `cargo xtask bench` does it.
 
 Both run a free cube of particles on a simple cubic lattice with a support of 2.01 spacings: total-Lagrangian SPH with hourglass control (LAMMPS: smd/tlsph), and
-updated SPH with densities by continuity and without corrected gradients (LAMMPS: smd/ulsph), which finds neighbors again; they do not move far enough for that here.
-Each turn runs a program twice, with few and with many steps; the difference of user and system time over that of the steps is the cost of a step, so that
-setting up is not counted. Memory is the largest resident size over the particles, of the larger cube that only this program runs too.
+updated SPH with densities by continuity and without corrected gradients (LAMMPS: smd/ulsph), which updates its neighbors; here the particles do not move far enough for an update.
+Each turn runs a program twice, with few and with many steps; the difference of user and system time over the difference of steps is the cost of a step, without
+the set-up. Memory is the largest resident size per particle, for this program in the larger cube.
 """
 
 import argparse
@@ -42,7 +42,7 @@ thermo 1000000
 run {steps}
 """
 
-# What each method is in LAMMPS.
+# Commands of LAMMPS for each method.
 PAIRS = {
     "tlsph": """pair_style smd/tlsph
 pair_coeff 1 1 *COMMON 1 1.0 0.3 0.06 0.0 10.0 1.0 *STRENGTH_LINEAR *EOS_LINEAR *END
@@ -54,7 +54,7 @@ fix move ulsph smd/integrate_ulsph""",
 
 
 def measured(command, folder):
-    """User and system seconds, the largest resident size in bytes, and what was printed."""
+    """User and system seconds, the largest resident size in bytes, and the output."""
     with open(Path(folder) / "out", "w+") as out:
         child = subprocess.Popen(command, stdout=out, cwd=folder)
         _, status, usage = os.wait4(child.pid, 0)
@@ -90,11 +90,11 @@ def rate(run, side, steps, folder):
 
 
 def bandwidth(program, folder):
-    """Bytes a second that the memory delivers to all cores."""
+    """Memory bandwidth of all cores; bytes per second."""
     return json.loads(measured([program, "bandwidth"], folder)[2])["bytes_per_second"]
 
 
-# What a step in space writes of a particle: deformation gradient, stress, displacement, velocity.
+# Bytes that a step in 3D writes per particle: deformation gradient, stress, displacement, velocity.
 WRITTEN = 8 * (9 + 9 + 3 + 3)
 
 
@@ -120,7 +120,7 @@ def main():
     lines = [
         "# Steps of a body",
         "",
-        "Written by `cargo xtask bench`; do not edit. What is measured, and how: `bench/bodies.py`.",
+        "Written by `cargo xtask bench`; do not edit. `bench/bodies.py` describes the measurements.",
         "",
         f"Machine: {processor()}, {os.cpu_count()} cores, shared. {rounds} rounds in turns; median (least - most).",
         "",

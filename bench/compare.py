@@ -1,4 +1,4 @@
-"""Runs the map of states and its peers in turns and writes what comes out to a README.
+"""Runs the map of states and its peers in turns and writes the results to a README.
 
 `python bench/compare.py --out bench/README.md [--quick]` from the root of the repository; `cargo xtask bench` does it.
 """
@@ -36,7 +36,7 @@ ROUNDING = 1e-12
 
 
 class Onset:
-    """This program: its own benchmark measures itself."""
+    """This program, timed by its own benchmark."""
 
     name = "onset"
 
@@ -68,7 +68,7 @@ class Peer:
 
 
 def contestants(frame, quick):
-    """This program first, then the peers, each with the number of states below which it does not show what it can."""
+    """This program first, then the peers, each with the number of states for full speed."""
     if frame == "lagrangian":
         return [
             (Onset(frame), 262144),
@@ -91,10 +91,10 @@ def contestants(frame, quick):
 
 
 def timed(frame, rounds, seconds, quick):
-    """States per second of each contestant in each round; all of them take their turn in a round."""
+    """States per second of each program in each round; every program runs once per round."""
     field = []
     for contestant, least in contestants(frame, quick):
-        # The first call compiles; the second tells how many states fill a turn.
+        # The first call compiles; the second determines the number of states in a turn.
         contestant.rate(least)
         field.append((contestant, max(least, int(contestant.rate(least) * seconds))))
         print(f"{frame}: {contestant.name}: {field[-1][1]} states a turn", file=sys.stderr)
@@ -106,7 +106,7 @@ def timed(frame, rounds, seconds, quick):
 
 
 def table(rates):
-    """Rows: states per second, and how many times that of each peer this program's is, round by round."""
+    """Rows of the table: states per second, and the speed of this program relative to each peer, for each round."""
     own = rates["onset"]
     lines = ["| | states/s: median | min - max | onset is faster by: median | min - max |", "| --- | ---: | ---: | ---: | ---: |"]
     for name, values in rates.items():
@@ -120,7 +120,7 @@ def table(rates):
 
 
 def minima(frame, count, resolution, folder, quick):
-    """What the minima of this program are against those of the peer on its own, finer grid."""
+    """Minima of this program compared with the minima of the peer on a finer grid."""
     path = folder / f"minima-{frame}.txt"
     Onset(frame).run(count, COMPARED, path)
     ours = np.loadtxt(path)[:, 0]
@@ -144,7 +144,7 @@ def minima(frame, count, resolution, folder, quick):
 
 
 def machine():
-    """The processor and the versions of what ran."""
+    """Processor and versions of the software."""
     processor = platform.processor() or platform.machine()
     information = Path("/proc/cpuinfo")
     if information.exists():
@@ -152,52 +152,51 @@ def machine():
         processor = names[0] if names else processor
     rustc = subprocess.run(["rustc", "--version"], stdout=subprocess.PIPE, text=True).stdout.split()
     return (
-        f"{CORES} cores ({processor}), all used by everyone; {platform.system()}; Python {platform.python_version()}, "
+        f"{CORES} cores ({processor}), used by all programs; {platform.system()}; Python {platform.python_version()}, "
         f"NumPy {np.__version__}, JAX {jax.__version__} (CPU, double precision), Rust {rustc[1] if len(rustc) > 1 else '?'}."
     )
 
 
-TEXT = """# The same work by what a user would write
+TEXT = """# The same work in user-level Python
 
 Written by `cargo xtask bench`; do not edit.
 
 **The work.** A map of states: at each state, two stretches drawn at random from [0.5, 2.5]^2 in plane strain, the softest mode
 of the particles (min Re omega^2 / (c^2 |k|_h^2) over the zone, and its wave vector), the largest omega^2 (for the critical time
 step) and the largest growth rate. Hexagonal lattice with stress points, Shepard functions with the quartic spline,
-D_mx = 2, the law of equation (5). The Lagrangian kernel, and the Eulerian one on the convected lattice with fixed support in
-its exact linearization. States at which a point has lost its neighbors count as states.
+D_mx = 2, the law of equation (5). Two kernels: the Lagrangian kernel, and the Eulerian kernel on the convected lattice with fixed
+support in its exact linearization. States at which a point has lost its neighbors count too.
 
-**The peers** (`bench/peers/`) evaluate a grid of 48 x 48 wave vectors; the peers keep the best point of that grid. onset
-seeks the minimum over the continuous zone, follows the wells to their bottom, takes the limit of long waves, and assesses the
-material besides.
+**The peers** (`bench/peers/`) evaluate a grid of 48 x 48 wave vectors and keep its best point. onset minimizes over the continuous
+zone, refines every local minimum, includes the long-wave limit, and assesses the material in addition.
 
-**How honest.** What does not depend on the state is computed once and not timed: H(k) of the Lagrangian kernel, neighbors and
-cosines of the Eulerian one. One of k and -k is evaluated (a line each tells what mirror symmetry, which holds only for
-stretches along the axes of the lattice, would save, and what all points cost). Eigenvalues are in closed form. Eulerian force
-constants are built in real space once a state, with lists of neighbors for bins of stretches, and multiplied by cosines.
-States come in batches of the size that was fastest, one thread a core; only results come back. Compilation is not timed. The
-batching and the order of loops were chosen by measurement; "plain arrays" leaves the loops to the compiler; "as first written" is
-what one writes at first for the Eulerian kernel, compiled and vectorized over states with `vmap`: Fourier sums over a fixed list of
-neighbors with complex exponentials. `peers/check.py`
+**Fairness.** Quantities that do not depend on the state are computed once and not timed: H(k) of the Lagrangian kernel, neighbors
+and cosines of the Eulerian kernel. Only one of k and -k is evaluated. Separate rows show the savings from mirror symmetry, which
+holds only for stretches along the axes of the lattice, and the cost of all points. Eigenvalues are in closed form. Eulerian force
+constants are built in real space once per state, with lists of neighbors for bins of stretches, and multiplied by cosines.
+States are computed in batches of the fastest size, with one thread per core; only results are returned. Compilation is not timed.
+Batching and loop order were chosen by measurement. "Plain arrays" leaves the loops to the compiler. "As first written" is
+a straightforward version for the Eulerian kernel, compiled and vectorized over states with `vmap`: Fourier sums over a fixed list
+of neighbors with complex exponentials. `peers/check.py`
 compares the peers with the command at random states and wave vectors (differences below 1e-9); it passed before this run.
 
 **Machine.** {machine}
 
-**The run.** {rounds} rounds, in each of which everyone takes a turn of about {seconds:g} s; ratios are taken round by round.
+**The run.** {rounds} rounds; in each of them every program runs for about {seconds:g} s; ratios are computed for each round.
 
 {tables}
 
 ## Minima
 
-{minima_states:,} random states; the minimum of onset against that of the peer on its own {resolution} x {resolution} grid. A
-difference counts beyond {rounding:g}, relative to the larger of one and the minimum (the stiff waves of the reference configuration
+{minima_states:,} random states; the minimum of onset compared with the minimum of the peer on a {resolution} x {resolution} grid. A
+difference counts if it exceeds {rounding:g}, relative to the larger of one and the minimum (the stiff waves of the reference configuration
 have the measure one).
 
 | | compared | onset above the grid | largest excess | onset below | largest improvement | median |
 | --- | ---: | ---: | ---: | ---: | ---: | ---: |
 {minima}
 
-"Compared" leaves out the states at which the support is lost; on {disagreed} states the two disagree about that.
+"Compared" omits the states at which the support is lost; on {disagreed} states the two disagree on the loss.
 """
 
 

@@ -1,9 +1,9 @@
-"""How long people wait: the commands of the README, maps that are refined, maps in space, one map by several processes.
+"""Waiting times: the commands of the README, refined maps, maps in 3D, and one map by several processes.
 
 `python bench/waiting.py --onset PROGRAM --out bench/waiting.md [--quick]`; `cargo xtask bench` does it.
 
-Run from the root of the repository. Commands of the README are read from it: those of its consoles, and the first of each row of its table of questions, but for pages that
-stay open, placeholders, and programs of others. Every command runs in turns, as often as there are rounds, on all cores, in a folder of its own with the studies and
+Run from the root of the repository. Commands are read from the README: all commands of its consoles, and the first one of each row of its table of questions, except pages that
+stay open, placeholders, and other programs. Every command runs once per round, on all cores, in a separate folder with the studies and
 comparisons; seconds are medians.
 """
 
@@ -20,12 +20,12 @@ import tempfile
 import time
 from pathlib import Path
 
-# Commands of the README that others must be there for, or that stay open.
+# Commands of the README that need other programs, or that stay open.
 ELSEWHERE = ("explore", "verify", "audit", "plot")
-# What a command of the README may take that is not a large study or a simulation.
+# Longest time of a command of the README, except large studies and simulations; seconds.
 BAR = 2.0
 
-# The part of a study on discretization, for refined maps: a kernel method as it stands in the study, and two others.
+# Section on the discretization in a study, for refined maps: the kernel method of the study, and two others.
 METHODS = {
     "Eulerian kernel": None,
     "updated SPH": 'method = "updated-sph"\nlattice = "hexagonal"\nartificial-stress = 0.2\n',
@@ -59,7 +59,7 @@ class Program:
         self.path, self.folder = path, folder
 
     def run(self, arguments, threads=None):
-        """Wall and processor seconds, and what is printed."""
+        """Wall and processor seconds, and the output."""
         environment = dict(os.environ)
         if threads:
             environment["RAYON_NUM_THREADS"] = str(threads)
@@ -68,14 +68,14 @@ class Program:
             [self.path, *arguments], cwd=self.folder, env=environment, capture_output=True, text=True
         )
         wall, after = time.perf_counter() - begin, os.times()
-        # 3: a verdict that was asked to be a failure.
+        # Exit code 3: a verdict in --fail-on.
         if done.returncode not in (0, 3):
             raise SystemExit(f"onset {shlex.join(arguments)}: exit code {done.returncode}\n{done.stderr}")
         used = after.children_user + after.children_system - before.children_user - before.children_system
         return wall, used, done.stdout
 
     def map(self, study, *more, threads=None):
-        """Wall and processor seconds of a map, its states, and how many of them were computed."""
+        """Wall and processor seconds of a map, its number of states, and the number of computed states."""
         out = self.folder / "map.zarr"
         shutil.rmtree(out, ignore_errors=True)
         (self.folder / "study.toml").write_text(study)
@@ -104,7 +104,7 @@ def of_readme(program, readme, rounds):
         if wall > BAR and command[0] != "simulate":
             slow.append(f"`{short(command)}`")
     told = ", ".join(slow) if slow else "none"
-    return lines + ["", f"More than {BAR:g} s, but for simulations: {told}."]
+    return lines + ["", f"More than {BAR:g} s, except simulations: {told}."]
 
 
 def larger(program, root, rounds):
@@ -129,14 +129,14 @@ def larger(program, root, rounds):
 
 
 def exponent(points):
-    """Of the power law through points, by least squares of logarithms."""
+    """Exponent of the power law through points, by least squares of logarithms."""
     xs, ys = zip(*((math.log(x), math.log(y)) for x, y in points))
     mx, my = statistics.mean(xs), statistics.mean(ys)
     return sum((x - mx) * (y - my) for x, y in zip(xs, ys)) / sum((x - mx) ** 2 for x in xs)
 
 
 def refined(program, root, sizes):
-    """Maps of one window, ever finer, the coarsest cells a 32nd of its edges."""
+    """Maps of one window at increasing resolution; the edge of the coarsest cells is 1/32 of the window's edge."""
     adaptive = (root / "studies/adaptive.toml").read_text()
     before, rest = adaptive.split("[discretization]\n")
     kernel, axes = rest.split("\n[[axes]]", 1)
@@ -209,19 +209,19 @@ def main():
         program = Program(str(Path(choices.onset).resolve()), folder)
         readme = (root / "README.md").read_text()
         parts = [
-            "# How long people wait",
-            "Written by `cargo xtask bench`; do not edit. What is measured, and how: `bench/waiting.py`.",
+            "# Waiting times",
+            "Written by `cargo xtask bench`; do not edit. `bench/waiting.py` describes the measurements.",
             f"Machine: {platform.processor() or platform.machine()}, {len(os.sched_getaffinity(0))} cores, shared. {rounds} rounds; medians.",
             "## Commands of the README",
             "\n".join(of_readme(program, readme, rounds)),
             "## Larger work",
             "\n".join(larger(program, root, 1 if choices.quick else 2)),
-            "## Maps that are refined along their boundaries",
-            "States that are computed, and seconds, of the window of `studies/adaptive.toml` at more and more states; the coarsest cells are a 32nd of its edges "
-            "(`map.refine-from`). Boundaries grow with the first power. All states are stored, also those that are not computed.",
+            "## Maps refined along their boundaries",
+            "Computed states, and seconds, for the window of `studies/adaptive.toml` at increasing resolution; the edge of the coarsest cells is 1/32 of the window's edge "
+            "(`map.refine-from`). Boundaries grow with the first power. All states are stored, whether computed or filled in.",
             "\n".join(refined(program, root, sizes)),
             "## One map by several processes",
-            "`onset map studies/three-axes.toml --resume` so many times at once, into one store.",
+            "Simultaneous runs of `onset map studies/three-axes.toml --resume` into one store.",
             "\n".join(shared(program, root, rounds)),
         ]
     Path(choices.out).write_text("\n\n".join(parts) + "\n")

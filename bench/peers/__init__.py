@@ -1,1 +1,1 @@
-"""What a user would write instead: the same maps in NumPy and in JAX."""
+"""The same maps in NumPy and in JAX, as a user would write them."""

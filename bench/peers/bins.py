@@ -7,12 +7,12 @@ from .states import HIGH, LOW
 
 
 class Bins:
-    """`count` by `count` bins of the domain of stretches; without those in which every state has lost its neighbors."""
+    """`count` by `count` bins of the domain of stretches; without bins in which every state has lost its neighbors."""
 
     def __init__(self, count):
         self.count = count
         self.neighborhoods = {}
-        # Those with most neighbors, which take longest, come first.
+        # The slowest bins, with the most neighbors, come first.
         for number in range(count * count):
             smallest = LOW + (HIGH - LOW) * np.array(divmod(number, count)) / count
             if not eulerian.is_lost(smallest):

@@ -16,7 +16,7 @@ from . import eulerian, lagrangian, lattice, material, with_jax, with_numpy
 from .states import LOW, states
 
 TOLERANCE = 1e-9
-# The growth rate of a complex pair is a square root of what cancels where branches meet.
+# The growth rate of a complex pair is the square root of a difference that cancels where branches meet.
 TOLERANCE_OF_GROWTH = 1e-6
 FRAMES = ("lagrangian", "eulerian")
 
@@ -49,7 +49,7 @@ def matrix(frame, state, fractions):
 
 
 def difference(a, b):
-    """The largest difference relative to the larger magnitude, where both are numbers; infinite where one is none."""
+    """The largest difference relative to the larger magnitude, if both are numbers; infinite if only one is a number."""
     if a is None or b is None:
         return 0.0 if a is None and b is None else np.inf
     a, b = np.asarray(a), np.asarray(b)

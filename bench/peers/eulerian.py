@@ -22,16 +22,16 @@ class Point:
     """A quadrature point of a neighborhood."""
 
     is_node: bool
-    # How many points of the cell are like it.
+    # Number of equivalent points in the cell.
     multiplicity: float
-    # X_K - X_q of the neighbors [N, 2], and where they lie in the window.
+    # X_K - X_q of the neighbors [N, 2], and their indices in the window.
     offsets: np.ndarray
     places: np.ndarray
-    # Neighbors I that are summed over, how often each counts, and where their windows begin in the dense array.
+    # Neighbors I of the sum, their multiplicities, and the first indices of their windows in the dense array.
     own: np.ndarray
     weights: np.ndarray
     corners: np.ndarray
-    # Where R = -I lies in the dense array, for each I summed over.
+    # Index of R = -I in the dense array, for each I of the sum.
     homes: np.ndarray
 
 
@@ -42,7 +42,7 @@ class Neighborhood:
     points: list
     # The extent of a window in lattice coordinates; R goes from 1 - window to window - 1.
     window: tuple
-    # One of R and -R each, in lattice coordinates; and where both lie in the flattened dense array.
+    # One of each pair R, -R in lattice coordinates, and the indices of both in the flattened dense array.
     vectors: np.ndarray
     forward: np.ndarray
     backward: np.ndarray
@@ -88,7 +88,7 @@ def neighborhood(smallest_stretches):
                 (last - cells[own]) @ np.array([2 * window[1] - 1, 1]),
             )
         )
-    # What R = 0 gets cancels: a translation is free.
+    # The contribution to R = 0 cancels, because a translation requires no force.
     vectors = np.array(sorted(vectors), dtype=np.int64).reshape(-1, 2)
     flat = np.array([2 * window[1] - 1, 1])
     return Neighborhood(points, window, vectors, (vectors + last) @ flat, (last - vectors) @ flat)

@@ -7,13 +7,13 @@ VECTORS = np.array([[1.0, 0.0], [0.5, 0.5 * np.sqrt(3.0)]])
 RECIPROCAL = 2.0 * np.pi * np.linalg.inv(VECTORS).T
 # D_mx.
 SUPPORT = 2.0
-# The particle, and the centroid of one of the two triangles, in lattice coordinates. The other one is its mirror
+# The particle, and the centroid of one of the two triangles, in lattice coordinates. The other centroid is its mirror
 # image about the particle: it contributes the complex conjugate.
 NODE = np.zeros(2)
 TRIANGLE = np.full(2, 1.0 / 3.0)
 # The three points of a cell form a hexagonal lattice of spacing 1/sqrt(3): their Voronoi cells are equal.
 VOLUME_FRACTION = 1.0 / 3.0
-# A particle on the rim of the support, whose weight vanishes, is no neighbor; a point needs three of them.
+# A particle on the rim of the support has zero weight and is no neighbor; a point needs three neighbors.
 RIM = 1.0 - 1e-12
 NEEDED = 3
 

@@ -19,7 +19,7 @@ from .zone import Zone, finished
 
 jax.config.update("jax_enable_x64", True)
 
-# Wave vectors a step of the loop: more of them leave the registers.
+# Number of wave vectors per step of the loop; more would not fit into the registers.
 STEP = 4
 
 
@@ -148,7 +148,7 @@ def eulerian_matrices_plain(points, k, s):
         of_i, of_k, alone, enough = eulerian.factors(jnp, point, f, sigma, a, lattice.VOLUME_FRACTION * jacobian)
         of_i, of_k = of_i[..., 0], of_k[..., 0]
         phases = jnp.exp(1j * (k @ point.offsets.T))
-        # A translation is free: D(0) = 0.
+        # A translation requires no force: D(0) = 0.
         for waves, sign in ((phases, 1.0), (jnp.ones((1, len(point.offsets))), -1.0)):
             left, right = waves.conj() @ of_i, waves @ of_k
             part = left[:, 12:13] * right[:, 3:7]

@@ -12,7 +12,7 @@ class Zone:
         fractions = lattice.zone_grid(resolution, symmetry)
         padding = -len(fractions) % multiple
         self.fractions = np.concatenate([fractions, np.repeat(fractions[-1:], padding, axis=0)])
-        # What makes omega^2 the scaled measure: 1 / (c^2 |k|_h^2).
+        # Factor from omega^2 to the scaled measure: 1 / (c^2 |k|_h^2).
         self.scale = 1.0 / (material.speed_squared() * lattice.laplacian(self.fractions))
 
 
