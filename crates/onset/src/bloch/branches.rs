@@ -9,7 +9,7 @@ use nalgebra::{SMatrix, SVector};
 use std::ops::{Add, Div, Mul, Sub};
 
 /// Relative tolerance of a double eigenvalue: product of its distances from the two others, over the square of the largest entry.
-const DOUBLE: f64 = 1e-9;
+const DOUBLE_EIGENVALUE_TOLERANCE: f64 = 1e-9;
 
 /// Real or complex numbers.
 pub trait Number:
@@ -195,7 +195,7 @@ impl<T: Number + nalgebra::Scalar, const D: usize> Expansion<T, D> {
             .fold(0.0, f64::max);
         // Product of the distances to the other two eigenvalues.
         let mut product = minors.value;
-        if product.magnitude() <= DOUBLE * largest * largest {
+        if product.magnitude() <= DOUBLE_EIGENVALUE_TOLERANCE * largest * largest {
             product = product * 0.0;
         }
         let slope = determinant.gradient.each(|x| x / product);

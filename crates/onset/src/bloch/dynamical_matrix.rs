@@ -129,9 +129,11 @@ pub(super) struct ForceConstants<const D: usize> {
 }
 
 /// Largest sum of force constants that vanishes except for rounding, relative to the sum of their magnitudes.
-const ZERO: f64 = 1e-10;
+const VANISHING_SUM_RATIO: f64 = 1e-10;
+/// Largest part of the second derivatives of `D(k)` that the effective range neglects. A heuristic value; it sets the density of grids.
+pub(super) const NEGLECTED_CURVATURE: f64 = 0.02;
 /// Largest difference of force constants that are symmetric images, as a multiple of the rounding error of the matrix.
-const EQUAL: f64 = 64.0;
+const IMAGE_ROUNDING_FACTOR: f64 = 64.0;
 /// Inverse of the distance at which lattice coordinates of loose vectors are distinguished.
 const LOOSE_RESOLUTION: f64 = 1e6;
 
@@ -328,7 +330,7 @@ impl<const D: usize> PairSum<D> {
             ..
         } = self;
         // Symmetry makes sums vanish up to the rounding error of the shape functions, which can be much larger than the rounding error of the sums.
-        let zero = ZERO * magnitude;
+        let zero = VANISHING_SUM_RATIO * magnitude;
         if largest(&rigid) <= zero {
             rigid.fill(0.0);
         }
@@ -544,7 +546,7 @@ impl<const D: usize> DynamicalMatrix<D> {
             .map(|(term, sign)| (term.cell.each(|n| sign * n), &term.even))
             .collect();
         known.sort_unstable_by_key(|(cell, _)| *cell);
-        let equal = EQUAL * self.noise;
+        let equal = IMAGE_ROUNDING_FACTOR * self.noise;
         let has = |symmetry: &Symmetry<D>| {
             let turned =
                 |block: &SMatrix<f64, D, D>| symmetry.map * block * symmetry.map.transpose();
@@ -668,7 +670,7 @@ impl<const D: usize> DynamicalMatrix<D> {
             by_reach[reach.unwrap_or(0) as usize] +=
                 (term.even.amax() + term.odd.amax()) * term.vector.norm_squared();
         }
-        let allowed = 0.02 * by_reach.iter().sum::<f64>();
+        let allowed = NEGLECTED_CURVATURE * by_reach.iter().sum::<f64>();
         let mut beyond = 0.0;
         while let Some(last) = by_reach.pop() {
             beyond += last;

@@ -4,7 +4,7 @@
 //! lattice. Then `D_11` and `D_22` are sums of `cos i u cos j v`, and `D_12` and `D_21` are sums of `sin i u sin j v`, in the phases `u`, `v` along
 //! the lines. The symmetry is tested on the force constants themselves, not inferred from lattice, state and material.
 
-use super::dynamical_matrix::Term;
+use super::dynamical_matrix::{NEGLECTED_CURVATURE, Term};
 use crate::algebra::{Pack, WIDEST};
 use crate::lattice::{FILL, Group, HARMONICS, Mirror};
 use pulp::Simd;
@@ -12,7 +12,7 @@ use pulp::Simd;
 /// Maximum number of wave vectors that are evaluated simultaneously.
 pub(super) const LANES: usize = WIDEST;
 /// Rounding error of force constants, relative to the sum of their magnitudes.
-const ROUNDING: f64 = 1e-12;
+const FORCE_ROUNDING: f64 = 1e-12;
 
 /// Sums of a matrix with a mirror line.
 #[derive(Clone, Debug)]
@@ -73,7 +73,7 @@ impl MirrorSums {
                 rest[index][e] += if is_diagonal { sign * even } else { even };
             }
         }
-        let is_rest = |x: &f64| x.abs() <= ROUNDING * magnitude;
+        let is_rest = |x: &f64| x.abs() <= FORCE_ROUNDING * magnitude;
         let is_symmetric = rest.as_flattened().iter().all(is_rest);
         if !is_symmetric || !is_rest(&total[1]) || !is_rest(&total[2]) {
             return None;
@@ -115,7 +115,7 @@ impl MirrorSums {
             weights[1][j] += size * (j * j) as f64;
         }
         weights.map(|weights| {
-            let mut allowed = 0.02 * weights.iter().sum::<f64>();
+            let mut allowed = NEGLECTED_CURVATURE * weights.iter().sum::<f64>();
             let last = weights.iter().rposition(|weight| {
                 allowed -= weight;
                 allowed < 0.0

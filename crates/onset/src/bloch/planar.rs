@@ -36,7 +36,7 @@ struct Row {
 }
 
 /// Number of multiples of a phase that are tabulated on the stack; longer-ranged matrices are summed without rows.
-const REACH: usize = 32;
+const TABULATED_MULTIPLES: usize = 32;
 
 impl PlanarRows {
     /// Sorts the terms of a planar, real matrix; `None` for other matrices, and for ranges beyond the tables.
@@ -70,7 +70,7 @@ impl PlanarRows {
             rows[row].terms.push((n, entries_of(&term.even)));
         }
         let reach = reach as usize;
-        (reach < REACH).then(|| Self {
+        (reach < TABULATED_MULTIPLES).then(|| Self {
             rows,
             constant: entries_of(&constant),
             reach,
@@ -128,7 +128,7 @@ impl PlanarRows {
         let [a, b] = self.vectors;
         let t = [a, b].each(|vector| vector[0] * k[0] + vector[1] * k[1]);
         let (first, second) = (turns(t[0], self.reach), turns(t[1], self.reach));
-        let turn = |turns: &[[f64; 2]; REACH], n: i32| {
+        let turn = |turns: &[[f64; 2]; TABULATED_MULTIPLES], n: i32| {
             let [cosine, sine] = turns[n.unsigned_abs() as usize];
             (cosine, if n < 0 { -sine } else { sine })
         };
@@ -263,9 +263,9 @@ impl<const D: usize> NullaryFnOnce for ExpansionAt<'_, D> {
 
 /// Table of `cos n t` and `sin n t` for `n` up to the reach.
 #[inline(always)]
-fn turns(t: f64, reach: usize) -> [[f64; 2]; REACH] {
+fn turns(t: f64, reach: usize) -> [[f64; 2]; TABULATED_MULTIPLES] {
     let (sine, cosine) = t.sin_cos();
-    let mut turns = [[1.0, 0.0]; REACH];
+    let mut turns = [[1.0, 0.0]; TABULATED_MULTIPLES];
     for n in 1..=reach {
         let [c, s] = turns[n - 1];
         turns[n] = [c * cosine - s * sine, c * sine + s * cosine];

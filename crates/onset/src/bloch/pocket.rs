@@ -3,7 +3,7 @@
 //! Where two real branches of a matrix that is not Hermitian cross, their coupling can make `omega^2` complex in a region that is smaller than a grid
 //! step. Each grid point yields a linear model of every pair of branches, in the eigenvectors at that point. The model predicts where the growth rate
 //! is largest within reach. Each prediction is refined a few times at the predicted position. All results are samples: a pocket without a predicting
-//! grid point can be missed.
+//! grid point can be missed. Constants without a stated derivation are heuristic; the tests `hunt` compare random states with a dense search.
 
 use super::system::MatrixExpansion;
 use super::{Expansion, growth_rate};
@@ -15,27 +15,27 @@ use std::collections::HashSet;
 use std::ops::Index;
 
 /// Range of a model around its point, in steps: slightly more than half of the distance of two points.
-const REACH: f64 = 0.6;
+const MODEL_RANGE_STEPS: f64 = 0.6;
 /// Number of places along each axis at which the crossing of two branches is sampled.
-const PLACES: usize = 7;
+const PLACES_PER_AXIS: usize = 7;
 /// Number of refinements of a predicted pocket.
-const CLOSER: usize = 3;
+const REFINEMENTS: usize = 3;
 /// Factor between the steps of successive refinements.
-const NEARER: f64 = 0.3;
+const REFINEMENT_RATIO: f64 = 0.3;
 /// Number of times that steps are halved around points at which the first-order model is not reliable.
-const HALVINGS: usize = 4;
+const STEP_HALVINGS: usize = 4;
 /// Largest ratio of the second-order to the first-order change of a difference of branches for which the first-order model is reliable.
-const RESOLVED: f64 = 0.5;
+const RESOLVED_CURVATURE_RATIO: f64 = 0.5;
 /// Maximum number of points between halved steps.
-pub(super) const FINER: usize = 256;
+pub(super) const HALVED_STEP_POINTS: usize = 256;
 /// Relative difference of growth rates of symmetric images of one pocket.
-const SAME: f64 = 1e-9;
+const IMAGE_GROWTH_TOLERANCE: f64 = 1e-9;
 /// Distance, in steps, of wave vectors within one pocket.
-const APART: f64 = 0.25;
+const POCKET_SEPARATION_STEPS: f64 = 0.25;
 /// Largest product of the norms of the left and right eigenvectors. Beyond it the vectors are nearly dependent and the model is useless.
-const DEPENDENT: f64 = 1e6;
+const EIGENVECTOR_CONDITION_LIMIT: f64 = 1e6;
 /// Smallest difference of real eigenvalues, relative to the largest entry, for which adjugates give accurate eigenvectors.
-const CLOSE: f64 = 1e-5;
+const EIGENVALUE_SEPARATION: f64 = 1e-5;
 
 /// Entries of a matrix: real or complex numbers.
 trait Scalar: ComplexField<RealField = f64> + Copy {}
@@ -142,23 +142,23 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
         let is_real = crossing.is_real();
         let mut look_at = |mut u: [f64; D]| {
             let height = crossing.height.at(&u);
-            u[crossing.axis] = height.clamp(-REACH, REACH);
+            u[crossing.axis] = height.clamp(-MODEL_RANGE_STEPS, MODEL_RANGE_STEPS);
             if height == u[crossing.axis] {
                 // Most places: two real branches that repel each other.
                 if !is_real || crossing.product(&u).real() < 0.0 {
                     look(crossing.growth(&u), u);
                 }
-            } else if height.abs() <= 2.0 * REACH {
+            } else if height.abs() <= 2.0 * MODEL_RANGE_STEPS {
                 look(self.growth(&u), u);
             }
         };
-        let place = |n: usize| REACH * (2.0 * n as f64 / (PLACES - 1) as f64 - 1.0);
+        let place = |n: usize| MODEL_RANGE_STEPS * (2.0 * n as f64 / (PLACES_PER_AXIS - 1) as f64 - 1.0);
         let others = || (0..D).filter(|a| *a != crossing.axis);
-        for number in 0..PLACES.pow(D as u32 - 1) {
+        for number in 0..PLACES_PER_AXIS.pow(D as u32 - 1) {
             let (mut places, mut rest) = ([0; D], number);
             for a in others() {
-                places[a] = rest % PLACES;
-                rest /= PLACES;
+                places[a] = rest % PLACES_PER_AXIS;
+                rest /= PLACES_PER_AXIS;
             }
             let mut u = places.each(place);
             look_at(u);
@@ -187,8 +187,8 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
             }
         });
         let others = (0..D).filter(|a| *a != axis);
-        let closed: f64 = others.map(|a| REACH * closing[a].abs()).sum();
-        if distance.abs() > closed + 2.0 * REACH * closing[axis].abs() {
+        let closed: f64 = others.map(|a| MODEL_RANGE_STEPS * closing[a].abs()).sum();
+        if distance.abs() > closed + 2.0 * MODEL_RANGE_STEPS * closing[axis].abs() {
             return None;
         }
         let height = Affine {
@@ -267,7 +267,7 @@ impl<S: Scalar, const D: usize> Crossing<S, D> {
             (b * c_slope + c * b_slope).real(),
             2.0 * (b_slope * c_slope).real(),
         );
-        (curvature > 0.0).then(|| (-slope / curvature).clamp(-REACH, REACH))
+        (curvature > 0.0).then(|| (-slope / curvature).clamp(-MODEL_RANGE_STEPS, MODEL_RANGE_STEPS))
     }
 }
 
@@ -300,11 +300,11 @@ impl<const D: usize> Pockets<'_, D> {
     ) -> Vec<SVector<f64, D>> {
         let mut all = self.foreseen(points);
         let mut most = self.most;
-        for _ in 0..CLOSER {
+        for _ in 0..REFINEMENTS {
             self.leave_fastest(&mut all, most);
             most /= 2;
             let again = |own: Candidate<D>| {
-                self.outlook(&own.wave_vector, NEARER * own.share, Order::First)?
+                self.outlook(&own.wave_vector, REFINEMENT_RATIO * own.share, Order::First)?
                     .foreseen
             };
             let foreseen = of_each_long(self.is_large, all, again);
@@ -324,7 +324,7 @@ impl<const D: usize> Pockets<'_, D> {
         // One of `k` and `-k` suffices.
         let mut between = self.between(&SVector::zeros(), share);
         between.truncate(1 << (D - 1));
-        for _ in 0..=HALVINGS {
+        for _ in 0..=STEP_HALVINGS {
             let mut unresolved = Vec::new();
             let outlook = |k| Some((self.outlook(&k, share, Order::Second)?, k));
             let outlooks = of_each_long(self.is_large, points, outlook);
@@ -379,13 +379,13 @@ impl<const D: usize> Pockets<'_, D> {
     /// Keeps the fastest growing pockets, one of each set of symmetric images and one of several predictions of the same pocket.
     fn leave_fastest(&self, all: &mut Vec<Candidate<D>>, most: usize) {
         sort_by_value(all, |mode| -mode.growth);
-        all.dedup_by(|b, a| (a.growth - b.growth).abs() <= SAME * a.growth);
+        all.dedup_by(|b, a| (a.growth - b.growth).abs() <= IMAGE_GROWTH_TOLERANCE * a.growth);
         let Some(to_steps) = self.steps.try_inverse() else {
             return;
         };
         let mut taken = HashSet::new();
         all.retain(|own| {
-            let place = to_steps * own.wave_vector / (APART * own.share);
+            let place = to_steps * own.wave_vector / (POCKET_SEPARATION_STEPS * own.share);
             taken.insert((place.map(|x| x.round() as i64), own.share.to_bits()))
         });
         all.truncate(most);
@@ -410,7 +410,7 @@ impl<const D: usize> Neighborhood<Vec<Complex>, DMatrix<Complex>, D> {
     ) -> Option<Self> {
         let all = Decomposition::new(expansion.value.clone())?;
         let [right, left] = all.vectors();
-        if left.norm() * right.norm() > DEPENDENT {
+        if left.norm() * right.norm() > EIGENVECTOR_CONDITION_LIMIT {
             return None;
         }
         let [right, left] = [right, left].map(Parts::of);
@@ -443,7 +443,7 @@ impl<const D: usize> Neighborhood<[f64; D], SMatrix<f64, D, D>, D> {
         let matrix = &expansion.value;
         let deviator = Deviator::of(&array_of(|e| matrix[(e / 3, e % 3)]));
         let ordered = deviator.all();
-        let apart = CLOSE * matrix.amax();
+        let apart = EIGENVALUE_SEPARATION * matrix.amax();
         let is_apart = |pair: &[f64]| pair[1] - pair[0] > apart;
         if deviator.discriminant() <= 0.0 || !ordered.windows(2).all(is_apart) {
             return None;
@@ -466,7 +466,7 @@ impl<const D: usize> Neighborhood<[f64; D], SMatrix<f64, D, D>, D> {
             left.set_row(n, &(own / (own * right.column(n))[(0, 0)]));
         }
         let dependent = left.norm() * right.norm();
-        if dependent.is_nan() || dependent > DEPENDENT {
+        if dependent.is_nan() || dependent > EIGENVECTOR_CONDITION_LIMIT {
             return None;
         }
         let first = |a: usize| {
@@ -542,9 +542,9 @@ where
             all.all(|x| x.imaginary() == 0.0)
         };
         let within = |of: &dyn Fn(&M) -> f64| {
-            let first = self.first.iter().map(|m| REACH * of(m));
+            let first = self.first.iter().map(|m| MODEL_RANGE_STEPS * of(m));
             let second = self.second.iter().flatten();
-            let second = second.map(|m| 0.5 * REACH * REACH * of(m));
+            let second = second.map(|m| 0.5 * MODEL_RANGE_STEPS * MODEL_RANGE_STEPS * of(m));
             first.sum::<f64>() + second.sum::<f64>()
         };
         let coupling = within(&|m| m[(i, j)].modulus()) * within(&|m| m[(j, i)].modulus());
@@ -585,12 +585,12 @@ where
             let coupling = (matrix[(i, j)] * matrix[(j, i)]).modulus().sqrt();
             (matrix[(i, i)] - matrix[(j, j)]).modulus() + 2.0 * coupling
         };
-        let first: f64 = self.first.iter().map(|m| REACH * change(m)).sum();
-        let bent: f64 = second.iter().map(|m| 0.5 * REACH * REACH * change(m)).sum();
+        let first: f64 = self.first.iter().map(|m| MODEL_RANGE_STEPS * change(m)).sum();
+        let bent: f64 = second.iter().map(|m| 0.5 * MODEL_RANGE_STEPS * MODEL_RANGE_STEPS * change(m)).sum();
         let second = bent + others.max(0.0);
         let values = self.values.as_ref();
         let may_meet = (values[i] - values[j]).modulus() <= first + second;
-        match may_meet && second > RESOLVED * first {
+        match may_meet && second > RESOLVED_CURVATURE_RATIO * first {
             true => second / first,
             false => 0.0,
         }
@@ -607,7 +607,7 @@ where
         let values = self.values.as_ref();
         let apart = (values[own] - values[other]).modulus();
         let coupling = |matrix: &M| {
-            let coupling = REACH
+            let coupling = MODEL_RANGE_STEPS
                 * (matrix[(own, other)] * matrix[(other, own)])
                     .modulus()
                     .sqrt();
@@ -619,7 +619,7 @@ where
 
 #[cfg(test)]
 mod tests {
-    use super::{PLACES, Pair, REACH, can_beat, growth_rate};
+    use super::{PLACES_PER_AXIS, Pair, MODEL_RANGE_STEPS, can_beat, growth_rate};
     use crate::algebra::{Complex, array_of, uniform};
 
     #[test]
@@ -650,9 +650,9 @@ mod tests {
             };
             let (growth, place) = pair.fastest();
             assert!((growth - pair.growth(&place)).abs() < 1e-9, "{seed}");
-            assert!(place.iter().all(|x| x.abs() <= REACH));
-            let steps = 4 * PLACES;
-            let at = |n: usize| REACH * (2.0 * n as f64 / steps as f64 - 1.0);
+            assert!(place.iter().all(|x| x.abs() <= MODEL_RANGE_STEPS));
+            let steps = 4 * PLACES_PER_AXIS;
+            let at = |n: usize| MODEL_RANGE_STEPS * (2.0 * n as f64 / steps as f64 - 1.0);
             let mut fastest = 0.0_f64;
             for number in 0..(steps + 1).pow(3) {
                 let n = [

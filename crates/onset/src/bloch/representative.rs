@@ -14,15 +14,15 @@ use crate::lattice::{BrillouinZone, Reduced};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 /// Rounding error of measures, relative to them, and of squared frequencies, relative to the largest.
-const EQUAL: f64 = 1e-9;
+const MEASURE_ROUNDING: f64 = 1e-9;
 /// Accuracy of wave vectors and measures found by a search, relative to a reciprocal vector and to the measure.
-const SAME_PLACE: f64 = 1e-6;
+const SEARCH_ACCURACY: f64 = 1e-6;
 /// Largest wave number, as a fraction of a reciprocal vector, of a wave that can represent the long-wave limit.
-const LONG: f64 = 0.02;
+const LIMIT_WAVE_FRACTION: f64 = 0.02;
 /// Largest number of degrees of freedom of a cell for which symmetric images are computed; larger cells have no symmetry.
-const LARGE: usize = 48;
+const IMAGED_CELL_SIZE: usize = 48;
 /// Smallest part of a unit vector in the space of equal modes that determines a polarization.
-const SHARE: f64 = 1e-3;
+const POLARIZATION_SHARE: f64 = 1e-3;
 
 /// Waves of a state, as functions of the wave vector.
 pub(crate) struct StateWave<'a, const D: usize> {
@@ -58,7 +58,7 @@ impl<const D: usize> ZoneSearch<D> {
         let shown = |mode: Mode<D>| {
             let over = self.speed_squared() * self.reference().laplacian(&mode.wave_vector);
             let is_scaled = (mode.omega_squared.re / over - mode.scaled).abs()
-                <= SAME_PLACE * mode.scaled.abs() + found.tolerance;
+                <= SEARCH_ACCURACY * mode.scaled.abs() + found.tolerance;
             match (mode.is_long_wave, is_scaled) {
                 (true, _) => self.representative_of_long(waves, mode),
                 (false, true) => finite(mode, Measure::Scaled),
@@ -86,9 +86,9 @@ impl<const D: usize> ZoneSearch<D> {
     /// Returns true if the softest wave is long and equals the long-wave limit up to rounding.
     fn is_limit(&self, found: &SpectrumSummary<D>) -> bool {
         let (softest, limit) = (&found.softest, found.long_wave.scaled);
-        let is_long = self.reference().fractional(&softest.wave_vector).amax() < LONG;
+        let is_long = self.reference().fractional(&softest.wave_vector).amax() < LIMIT_WAVE_FRACTION;
         let apart = (softest.scaled - limit).abs();
-        !softest.is_long_wave && is_long && apart <= SAME_PLACE * limit.abs() + found.tolerance
+        !softest.is_long_wave && is_long && apart <= SEARCH_ACCURACY * limit.abs() + found.tolerance
     }
 
     fn representative(
@@ -99,7 +99,7 @@ impl<const D: usize> ZoneSearch<D> {
         fastest: f64,
         tolerance: f64,
     ) -> Mode<D> {
-        if !self.is_periodic() || waves.size > LARGE {
+        if !self.is_periodic() || waves.size > IMAGED_CELL_SIZE {
             return mode;
         }
         let zone = BrillouinZone::new(*self.reference());
@@ -114,12 +114,12 @@ impl<const D: usize> ZoneSearch<D> {
         };
         let own = value(&mode.wave_vector);
         let rounding = match measure {
-            Measure::Scaled => EQUAL * own.abs() + tolerance,
+            Measure::Scaled => MEASURE_ROUNDING * own.abs() + tolerance,
             Measure::Lowest => {
                 let noise = ROUNDING * fastest;
-                (EQUAL * fastest).min(noise.max(SAME_PLACE * own.abs()))
+                (MEASURE_ROUNDING * fastest).min(noise.max(SEARCH_ACCURACY * own.abs()))
             }
-            Measure::Growth => (EQUAL * fastest.sqrt()).min(SAME_PLACE * own.abs()),
+            Measure::Growth => (MEASURE_ROUNDING * fastest.sqrt()).min(SEARCH_ACCURACY * own.abs()),
         };
         let is_equal = |k: &SVector<f64, D>| value(k) <= own + rounding;
         let halves = self.reference().alternating().map(|k| zone.folded(&k));
@@ -142,14 +142,14 @@ impl<const D: usize> ZoneSearch<D> {
         });
         let first =
             candidates.reduce(
-                |best, other| match is_before(&other, &best, SAME_PLACE * size) {
+                |best, other| match is_before(&other, &best, SEARCH_ACCURACY * size) {
                     true => other,
                     false => best,
                 },
             );
         let k = first
             .unwrap_or(mode.wave_vector)
-            .map(|x| match x.abs() > EQUAL * size {
+            .map(|x| match x.abs() > MEASURE_ROUNDING * size {
                 true => x,
                 false => 0.0,
             });
@@ -210,7 +210,7 @@ impl<const D: usize> ZoneSearch<D> {
         };
         let own = value(&mode.wave_vector);
         let size = stiffness.maximum_eigenvalue() / self.speed_squared();
-        let is_equal = |n: &SVector<f64, D>| value(n) <= own + EQUAL * size;
+        let is_equal = |n: &SVector<f64, D>| value(n) <= own + MEASURE_ROUNDING * size;
         let maps = self.reference().holohedry();
         let images = |n: SVector<f64, D>| {
             let of = maps.iter().map(move |map| (map * n).normalize());
@@ -227,12 +227,12 @@ impl<const D: usize> ZoneSearch<D> {
             true => images(mode.wave_vector),
         };
         let both = equal.into_iter().flat_map(|n| [n, -n]);
-        let first = both.reduce(|best, other| match is_before(&other, &best, SAME_PLACE) {
+        let first = both.reduce(|best, other| match is_before(&other, &best, SEARCH_ACCURACY) {
             true => other,
             false => best,
         });
         let n = first.unwrap_or(mode.wave_vector);
-        let n = n.map(|x| if x.abs() > EQUAL { x } else { 0.0 });
+        let n = n.map(|x| if x.abs() > MEASURE_ROUNDING { x } else { 0.0 });
         let matrix = tensor(&n);
         let matrix = DMatrix::from_fn(D, D, |i, j| matrix[(i, j)]);
         let along = waves.to_spatial * n;
@@ -269,7 +269,7 @@ fn polarized<const D: usize>(
     let shifted = matrix - DMatrix::identity(size, size) * value;
     let svd = shifted.try_svd(false, true, f64::EPSILON, MAXIMUM_ITERATIONS * size)?;
     let rows = svd.v_t?;
-    let rounding = EQUAL * largest;
+    let rounding = MEASURE_ROUNDING * largest;
     let least = svd.singular_values.min();
     let is_null = |n: &usize| svd.singular_values[*n] <= rounding.max(least);
     let null: Vec<DVector<Complex>> = (0..size)
@@ -296,11 +296,11 @@ fn polarized<const D: usize>(
         _ => starts
             .chain(alone)
             .map(projected)
-            .find(|mode| mode.norm() > SHARE)?,
+            .find(|mode| mode.norm() > POLARIZATION_SHARE)?,
     };
     let particles = (0..size / D).map(|n| SVector::from_fn(|i, _| mode[D * n + i]));
     let most = particles.reduce(|best: SVector<Complex, D>, own| {
-        match own.norm() > best.norm() * (1.0 + EQUAL) {
+        match own.norm() > best.norm() * (1.0 + MEASURE_ROUNDING) {
             true => own,
             false => best,
         }

@@ -7,9 +7,9 @@ use nalgebra::{SMatrix, SVector};
 
 /// Side lengths of the region of long waves, in reciprocal vectors, where the scaled measure is a quotient of small numbers. In cones the remainders
 /// of the polynomials are larger, but narrow cones start with more boxes in the rest of the zone.
-const LONG: [f64; 2] = [0.125, 0.25];
+const CONE_LENGTHS: [f64; 2] = [0.125, 0.25];
 /// Largest share of the box budget for the initial boxes.
-const BEGINNING: f64 = 0.05;
+const INITIAL_BOX_SHARE: f64 = 0.05;
 
 /// Coordinates of a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,8 +32,8 @@ impl<const D: usize> Cell<D> {
     /// Initial boxes of half of the zone, for a budget of `most` boxes; the other half has the same spectrum. With `has_cones`, long waves lie in
     /// cones.
     pub(super) fn half_zone(has_cones: bool, most: usize) -> Vec<Self> {
-        let is_affordable = 0.5 / LONG[0].powi(D as i32) < BEGINNING * most as f64;
-        let long = LONG[usize::from(!(has_cones && is_affordable))];
+        let is_affordable = 0.5 / CONE_LENGTHS[0].powi(D as i32) < INITIAL_BOX_SHARE * most as f64;
+        let long = CONE_LENGTHS[usize::from(!(has_cones && is_affordable))];
         let side = |a: usize| if a == 0 { 0.5 } else { 1.0 } / long;
         let counts: [usize; D] = array_of(|a| side(a) as usize);
         let boxes = (0..counts.iter().product()).map(|number: usize| {

@@ -11,17 +11,17 @@ use std::collections::VecDeque;
 use std::iter;
 
 /// Half side of the smallest box that is still divided, in reciprocal vectors.
-const SMALLEST: f64 = 1e-9;
+const SMALLEST_HALF_SIDE: f64 = 1e-9;
 /// Minimum number of affordable boxes in one, two and three dimensions. A smaller budget gives no useful bound.
-const FEWEST: [usize; 3] = [64, 256, 2048];
+const MINIMUM_BOXES: [usize; 3] = [64, 256, 2048];
 /// Factor between the gaps that are tried for a remaining box.
-const WIDER: f64 = 4.0;
+const GAP_FACTOR: f64 = 4.0;
 /// Work between two comparisons with the smallest known value, in units of [`Pencil::cost`].
-const AT_ONCE: usize = 40_000;
+const BATCH_WORK: usize = 40_000;
 /// Minimum and maximum number of boxes between two comparisons with the smallest known value.
-const BOXES_AT_ONCE: [usize; 2] = [16, 256];
+const BATCH_BOXES: [usize; 2] = [16, 256];
 /// Work that is worth distributing over the cores, in units of [`Pencil::cost`]: about a millisecond.
-const DISTRIBUTED: usize = 15_000;
+const PARALLEL_WORK: usize = 15_000;
 
 /// Result of a cover of the zone.
 #[derive(Clone, Copy, Debug)]
@@ -63,7 +63,7 @@ pub(super) fn cover<const D: usize>(
     question: &Question<'_, D>,
 ) -> Option<Covered<D>> {
     let most = question.budget / pencil.cost();
-    if most < FEWEST[D - 1] {
+    if most < MINIMUM_BOXES[D - 1] {
         return None;
     }
     let images = pencil.images();
@@ -96,7 +96,7 @@ pub(super) fn cover<const D: usize>(
                 Sign::Lost => 1,
                 Sign::Open { divisions } => divisions,
             };
-            if cell.half.iter().all(|half| *half < SMALLEST) {
+            if cell.half.iter().all(|half| *half < SMALLEST_HALF_SIDE) {
                 left.push(cell);
                 continue;
             }
@@ -179,8 +179,8 @@ impl<const D: usize> Covered<D> {
 
 /// Number of boxes that are compared with the same value.
 fn at_once<const D: usize>(pencil: &Pencil<D>) -> usize {
-    let [least, most] = BOXES_AT_ONCE;
-    (AT_ONCE / pencil.cost()).clamp(least, most)
+    let [least, most] = BATCH_BOXES;
+    (BATCH_WORK / pencil.cost()).clamp(least, most)
 }
 
 /// Applies `work` to several boxes, on all cores if it takes longer than their distribution.
@@ -189,7 +189,7 @@ fn on_cores<const D: usize, R: Send>(
     cells: Vec<Cell<D>>,
     work: impl Fn(Cell<D>) -> R + Sync,
 ) -> Vec<R> {
-    of_each_long(cells.len() * pencil.cost() > DISTRIBUTED, cells, work)
+    of_each_long(cells.len() * pencil.cost() > PARALLEL_WORK, cells, work)
 }
 
 /// Smallest long-wave limit found by descent from a direction.
@@ -247,7 +247,7 @@ fn below<const D: usize>(
         if (question.is_ended)() {
             return f64::NEG_INFINITY;
         }
-        let wider = iter::successors(Some(gap), |gap| Some(gap * WIDER));
+        let wider = iter::successors(Some(gap), |gap| Some(gap * GAP_FACTOR));
         let gaps: Vec<f64> = wider.take_while(|gap| *gap <= question.widest).collect();
         let needed = |cell: Cell<D>| {
             let local = pencil.on(&cell);

@@ -9,9 +9,9 @@ use crate::lattice::{Fractional, Symmetry};
 /// They are powers of the reciprocal plastic number, which no integers relate, so that only the identity leaves all sums unchanged.
 const WEIGHTS: [f64; 3] = [1.0, 0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 /// Rounding error of components.
-const EQUAL: f64 = 1e-12;
+const COMPONENT_ROUNDING: f64 = 1e-12;
 /// Largest distance of equal sites, in lattice coordinates.
-const SAME_PLACE: f64 = 1e-9;
+const SITE_TOLERANCE: f64 = 1e-9;
 
 /// Maps of wave vectors, in components along the reciprocal vectors, that leave the spectrum unchanged.
 #[derive(Clone, Debug)]
@@ -54,7 +54,7 @@ pub(super) fn exchanges<const D: usize>(
             let moved = symmetry.of_place(&(place - places[0])) + first;
             places.iter().position(|other| {
                 let apart = other - moved;
-                (apart - apart.map(f64::round)).amax() < SAME_PLACE
+                (apart - apart.map(f64::round)).amax() < SITE_TOLERANCE
             })
         };
         places.iter().map(image).collect()
@@ -83,13 +83,13 @@ fn is_before_in_zone<const D: usize>(map: &[[f64; D]; D], cell: &Cell<D>) -> boo
         // Reciprocal vectors move the image back into the zone.
         let shift = -middle.round();
         let least = if i == 0 { 0.0 } else { -0.5 };
-        if middle + shift - spread < least - EQUAL || middle + shift + spread > 0.5 + EQUAL {
+        if middle + shift - spread < least - COMPONENT_ROUNDING || middle + shift + spread > 0.5 + COMPONENT_ROUNDING {
             return false;
         }
         moved += WEIGHTS[i] * shift;
     }
     let [middle, spread] = range(&increase(map), &cell.middle, &cell.half);
-    moved + middle + spread <= EQUAL
+    moved + middle + spread <= COMPONENT_ROUNDING
 }
 
 /// The image of `t (e_a + s)` is `t` times the image of `e_a + s`, and no reciprocal vector is subtracted.
@@ -108,13 +108,13 @@ fn is_before_in_cone<const D: usize>(map: &[[f64; D]; D], cell: &Cell<D>, cone: 
     let farthest = cell.middle[0] + cell.half[0];
     for (i, row) in map.iter().enumerate() {
         let [image, spread] = range(row, &middle, &half);
-        let is_in_half = i > 0 || image - spread >= -EQUAL;
-        if !is_in_half || farthest * (image.abs() + spread) > 0.5 + EQUAL {
+        let is_in_half = i > 0 || image - spread >= -COMPONENT_ROUNDING;
+        if !is_in_half || farthest * (image.abs() + spread) > 0.5 + COMPONENT_ROUNDING {
             return false;
         }
     }
     let [image, spread] = range(&increase(map), &middle, &half);
-    image + spread <= EQUAL
+    image + spread <= COMPONENT_ROUNDING
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use std::ops::{Add, Mul};
 
 /// Number of coefficients of a polynomial of third order in three variables. The order is: value, slopes, second derivatives by `a` and `b <= a`,
 /// third derivatives by `a`, `b <= a` and `c <= b`.
-const MOST: usize = 20;
+const CUBIC_PARTS: usize = 20;
 
 /// Number of derivatives up to the fourth order in three variables, filled up to a multiple of a vector register.
 pub(super) const FILLED: usize = 40;
@@ -139,14 +139,14 @@ pub(super) fn monomials<const D: usize>(half: &[f64; D]) -> [f64; FILLED] {
 /// A real function on a box.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Jet<const D: usize> {
-    pub(super) parts: [f64; MOST],
+    pub(super) parts: [f64; CUBIC_PARTS],
     /// Bound of the difference from the polynomial.
     pub(super) rest: f64,
 }
 
 impl<const D: usize> Jet<D> {
     pub(super) const ZERO: Self = Self {
-        parts: [0.0; MOST],
+        parts: [0.0; CUBIC_PARTS],
         rest: 0.0,
     };
 
@@ -198,11 +198,11 @@ fn rest_of_product(x: Sizes, y: Sizes) -> f64 {
 }
 
 /// Product of two polynomials up to third order.
-fn product<T, const D: usize>(x: &[f64], y: &[T]) -> [T; MOST]
+fn product<T, const D: usize>(x: &[f64], y: &[T]) -> [T; CUBIC_PARTS]
 where
     T: Copy + Default + Add<Output = T> + Mul<f64, Output = T>,
 {
-    let mut product = [T::default(); MOST];
+    let mut product = [T::default(); CUBIC_PARTS];
     product[0] = y[0] * x[0];
     for a in 0..D {
         product[slope(a)] = y[slope(a)] * x[0] + y[0] * x[slope(a)];
@@ -338,7 +338,7 @@ impl<const D: usize> MatrixJet<D> {
         let mut result = Self::zeros(rows, columns);
         result.rest = rest_of_product(own, other);
         for entry in 0..rows * columns {
-            let mut own = [Complex::default(); MOST];
+            let mut own = [Complex::default(); CUBIC_PARTS];
             for n in 0..parts::<D>() {
                 own[n] = self.parts.entries(n)[entry];
             }

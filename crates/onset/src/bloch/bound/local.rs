@@ -29,7 +29,7 @@ pub(super) enum Sign {
 }
 
 /// Maximum number of halvings before the next test.
-const MOST_DIVISIONS: usize = 3;
+const MAXIMUM_DIVISIONS: usize = 3;
 
 impl<const D: usize> Local<D> {
     /// Tests `P - mu Q` on the box, in variables scaled with its half sides.
@@ -54,9 +54,9 @@ impl<const D: usize> Local<D> {
                 let share = 0.5_f64.powf((4 * divisions) as f64 / D as f64);
                 factorize(&mut without_rest(share))
             };
-            let divisions = (1..MOST_DIVISIONS).find(is_enough);
+            let divisions = (1..MAXIMUM_DIVISIONS).find(is_enough);
             return Sign::Open {
-                divisions: divisions.unwrap_or(MOST_DIVISIONS),
+                divisions: divisions.unwrap_or(MAXIMUM_DIVISIONS),
             };
         }
         let (rows, columns) = self.numerator.shape();

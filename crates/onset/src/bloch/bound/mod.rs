@@ -34,16 +34,16 @@ use pencil::Pencil;
 /// Accepted difference between the bound and the minimum of a measure, over the scale of the measure. It is well above rounding.
 pub(super) const GAP: f64 = 4e-7;
 /// Largest useful difference between the bound and the minimum, over the scale of the measure; a lower bound is discarded.
-pub(super) const WIDEST: f64 = 0.1;
+pub(super) const WIDEST_GAP: f64 = 0.1;
 /// Maximum work for the bound of the scaled measure, in units of [`Pencil::cost`]: about two seconds of one core.
 pub(super) const BUDGET: usize = 25_000_000;
 
 /// Divisor of the budget if only the Hermitian part is bounded, whose bound may lie far below the measure.
-const PART_SHARE: usize = 4;
+const PART_BUDGET_DIVISOR: usize = 4;
 /// Accepted relative difference if only the Hermitian part is bounded, because more digits would be useless.
 const PART_GAP: f64 = 1e-4;
 /// First steps of descents, as a fraction of the reciprocal vectors.
-const STEP: f64 = 0.02;
+const DESCENT_STEP: f64 = 0.02;
 
 /// Covers the zone of a system; `None` if its equations allow no bound.
 pub(super) fn cover_system<const D: usize>(
@@ -86,14 +86,14 @@ fn by_hermitian_part<const D: usize>(
 ) -> Option<Covered<D>> {
     let value = |k: &SVector<f64, D>| pencil.at(k);
     let scale = question.known.abs().max(1.0);
-    let steps = pencil.reciprocal() * STEP;
+    let steps = pencil.reciprocal() * DESCENT_STEP;
     let part = cover::cover(
         pencil,
         &Question {
             known: question.known,
             gap: PART_GAP * scale + question.gap,
-            widest: WIDEST * scale,
-            budget: question.budget / PART_SHARE,
+            widest: WIDEST_GAP * scale,
+            budget: question.budget / PART_BUDGET_DIVISOR,
             value: &value,
             descended: &|start| settled(&value, start, &steps),
             is_ended: question.is_ended,

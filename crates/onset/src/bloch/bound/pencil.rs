@@ -12,10 +12,10 @@ use nalgebra::{DMatrix, DMatrixView, SMatrix, SVector};
 use std::f64::consts::TAU;
 
 /// Largest sum that vanishes except for rounding, over the sizes of its terms.
-const ZERO: f64 = 1e-9;
+const VANISHING_SUM_RATIO: f64 = 1e-9;
 
 /// Additional cost of a phase in a cone, in units of [`Pencil::cost`].
-const CONE: usize = 3;
+const CONE_COST: usize = 3;
 
 /// Measure that is bounded from below.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -169,7 +169,7 @@ impl<const D: usize> Pencil<D> {
         let sums = if self.basis.free.is_some() { 3 } else { 1 };
         match cell.chart {
             Chart::Zone => self.cost(),
-            Chart::Cone(_) => self.cost() + CONE * sums * self.blocks() * (D + 1) / 4,
+            Chart::Cone(_) => self.cost() + CONE_COST * sums * self.blocks() * (D + 1) / 4,
         }
     }
 
@@ -283,7 +283,7 @@ impl Basis {
             .iter()
             .zip(eigen.eigenvectors.column_iter())
         {
-            let own = if value.abs() <= ZERO * size {
+            let own = if value.abs() <= VANISHING_SUM_RATIO * size {
                 &mut free
             } else {
                 &mut others
@@ -305,7 +305,7 @@ impl Basis {
         let are_free = (others.transpose() * translations).amax() <= 1e-6;
         let has_limit = moments
             .iter()
-            .all(|moment| (free.transpose() * moment * &free).amax() <= ZERO * extent);
+            .all(|moment| (free.transpose() * moment * &free).amax() <= VANISHING_SUM_RATIO * extent);
         let complex = |m: &DMatrix<f64>| m.map(|x| Complex::new(x, 0.0));
         (are_free && has_limit).then(|| Self {
             free: (others.ncols() > 0).then(|| complex(&free)),

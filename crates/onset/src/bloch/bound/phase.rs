@@ -7,27 +7,27 @@
 use crate::algebra::Complex;
 
 /// Highest order of the computed derivatives: third-order polynomials, and the fourth order for their remainder.
-pub(super) const TOLD: usize = 4;
+pub(super) const HIGHEST_DERIVATIVE: usize = 4;
 
 /// Largest `|x|` for the power series of the moments; the recursion would cancel there.
-const SMALL: f64 = 1.5;
+const SERIES_ARGUMENT: f64 = 1.5;
 /// Number of terms of the power series; the last one is below rounding.
-const TERMS: usize = 18;
+const SERIES_TERMS: usize = 18;
 
 /// Moments `int_0^1 u^n exp(i u x) du` of a phase.
-fn moments(x: f64) -> [Complex; TOLD + 2] {
-    const LAST: usize = TOLD + 1;
+fn moments(x: f64) -> [Complex; HIGHEST_DERIVATIVE + 2] {
+    const LAST_MOMENT: usize = HIGHEST_DERIVATIVE + 1;
     let (sine, cosine) = x.sin_cos();
-    let mut moments = [Complex::default(); LAST + 1];
-    if x.abs() < SMALL {
+    let mut moments = [Complex::default(); LAST_MOMENT + 1];
+    if x.abs() < SERIES_ARGUMENT {
         // The terms `(i x)^j / j! / (j + n + 1)` alternate between real and imaginary.
         let (mut power, mut sums) = (1.0, [0.0; 4]);
-        for j in 0..TERMS {
-            sums[j % 4] += power * (1.0 / (j + LAST + 1) as f64);
+        for j in 0..SERIES_TERMS {
+            sums[j % 4] += power * (1.0 / (j + LAST_MOMENT + 1) as f64);
             power *= x * (1.0 / (j + 1) as f64);
         }
-        moments[LAST] = Complex::new(sums[0] - sums[2], sums[1] - sums[3]);
-        for n in (1..=LAST).rev() {
+        moments[LAST_MOMENT] = Complex::new(sums[0] - sums[2], sums[1] - sums[3]);
+        for n in (1..=LAST_MOMENT).rev() {
             let (after, share) = (moments[n], 1.0 / n as f64);
             let own = Complex::new(cosine + x * after.im, sine - x * after.re);
             moments[n - 1] = own * share;
@@ -35,7 +35,7 @@ fn moments(x: f64) -> [Complex; TOLD + 2] {
     } else {
         let over = x.recip();
         moments[0] = Complex::new(sine * over, (1.0 - cosine) * over);
-        for n in 1..=LAST {
+        for n in 1..=LAST_MOMENT {
             let before = moments[n - 1] * n as f64;
             moments[n] = Complex::new((sine - before.im) * over, (before.re - cosine) * over);
         }
@@ -44,8 +44,8 @@ fn moments(x: f64) -> [Complex; TOLD + 2] {
 }
 
 /// Powers `1, x, x^2, ...` of a number.
-fn powers(x: f64) -> [f64; TOLD + 3] {
-    let mut powers = [1.0; TOLD + 3];
+fn powers(x: f64) -> [f64; HIGHEST_DERIVATIVE + 3] {
+    let mut powers = [1.0; HIGHEST_DERIVATIVE + 3];
     for n in 1..powers.len() {
         powers[n] = powers[n - 1] * x;
     }
@@ -53,11 +53,11 @@ fn powers(x: f64) -> [f64; TOLD + 3] {
 }
 
 /// Coefficients `(b over j) (m + a)! / (m + a - j)!` for each `m`, `a`, `b` and `j`.
-const COUNTS: [[[[f64; TOLD + 1]; TOLD + 1]; TOLD + 1]; 3] = {
-    let mut counts = [[[[0.0; TOLD + 1]; TOLD + 1]; TOLD + 1]; 3];
+const COUNTS: [[[[f64; HIGHEST_DERIVATIVE + 1]; HIGHEST_DERIVATIVE + 1]; HIGHEST_DERIVATIVE + 1]; 3] = {
+    let mut counts = [[[[0.0; HIGHEST_DERIVATIVE + 1]; HIGHEST_DERIVATIVE + 1]; HIGHEST_DERIVATIVE + 1]; 3];
     let mut number = 0;
-    while number < 3 * (TOLD + 1) * (TOLD + 1) {
-        let (m, a, b) = (number % 3, number / 3 % (TOLD + 1), number / 3 / (TOLD + 1));
+    while number < 3 * (HIGHEST_DERIVATIVE + 1) * (HIGHEST_DERIVATIVE + 1) {
+        let (m, a, b) = (number % 3, number / 3 % (HIGHEST_DERIVATIVE + 1), number / 3 / (HIGHEST_DERIVATIVE + 1));
         let (mut count, mut j) = (1, 0);
         while j <= b && j <= m + a {
             counts[m][a][b][j] = count as f64;
@@ -70,7 +70,7 @@ const COUNTS: [[[[f64; TOLD + 1]; TOLD + 1]; TOLD + 1]; 3] = {
 };
 
 /// Derivatives of a function of `t` and `p`, with the order in each as index.
-pub(super) type Derivatives = [[Complex; TOLD + 1]; TOLD + 1];
+pub(super) type Derivatives = [[Complex; HIGHEST_DERIVATIVE + 1]; HIGHEST_DERIVATIVE + 1];
 
 /// Derivatives of `f_m` of order `a` in `t` and `b` in `p`.
 ///
@@ -78,9 +78,9 @@ pub(super) type Derivatives = [[Complex; TOLD + 1]; TOLD + 1];
 pub(super) fn derivatives(m: usize, t: f64, p: f64) -> Derivatives {
     let (x, i) = (t * p, Complex::i());
     let moments = moments(x);
-    let mut phi = [Complex::default(); TOLD + 1];
+    let mut phi = [Complex::default(); HIGHEST_DERIVATIVE + 1];
     let mut turn = [Complex::new(1.0, 0.0), i, -Complex::new(1.0, 0.0)][m];
-    for n in 0..=TOLD {
+    for n in 0..=HIGHEST_DERIVATIVE {
         let moment = match m {
             // The function is `exp(i x)` itself.
             0 => i * x * moments[0] + 1.0,
@@ -91,9 +91,9 @@ pub(super) fn derivatives(m: usize, t: f64, p: f64) -> Derivatives {
         turn *= i;
     }
     let (t, p) = (powers(t), powers(p));
-    let mut derivatives = [[Complex::default(); TOLD + 1]; TOLD + 1];
-    for a in 0..=TOLD {
-        for b in 0..=TOLD - a {
+    let mut derivatives = [[Complex::default(); HIGHEST_DERIVATIVE + 1]; HIGHEST_DERIVATIVE + 1];
+    for a in 0..=HIGHEST_DERIVATIVE {
+        for b in 0..=HIGHEST_DERIVATIVE - a {
             for j in 0..=b.min(m + a) {
                 let factor = COUNTS[m][a][b][j] * p[m + a - j] * t[b - j];
                 derivatives[a][b] += phi[a + b - j] * factor;
@@ -145,7 +145,7 @@ pub(super) fn bends(m: usize, t: f64, p: f64) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::{Derivatives, TOLD, bends, beyond, derivatives};
+    use super::{Derivatives, HIGHEST_DERIVATIVE, bends, beyond, derivatives};
     use crate::algebra::Complex;
 
     /// `f_m` from its definition, for arguments without cancellation.
@@ -172,7 +172,7 @@ mod tests {
                 };
                 let by_t = [h, -h].map(|h| derivatives(m, t + h, p));
                 let by_p = [h, -h].map(|h| derivatives(m, t, p + h));
-                for (a, b) in (0..TOLD).flat_map(|a| (0..TOLD - a).map(move |b| (a, b))) {
+                for (a, b) in (0..HIGHEST_DERIVATIVE).flat_map(|a| (0..HIGHEST_DERIVATIVE - a).map(move |b| (a, b))) {
                     let tolerance = 1e-5 * (1.0 + p.abs()).powi((m + a + 3) as i32);
                     let close = |x: Complex, y: Complex| {
                         assert!((x - y).norm() < tolerance, "{m} {a} {b}: {x} {y}")
@@ -205,7 +205,7 @@ mod tests {
                 let (h, g) = (0.04 * (1.0 - 0.01 * n as f64), 0.4 * (n as f64).sin());
                 let own = derivatives(m, t, p);
                 let mut sum = Complex::default();
-                for (a, b) in (0..=TOLD).flat_map(|a| (0..=TOLD - a).map(move |b| (a, b))) {
+                for (a, b) in (0..=HIGHEST_DERIVATIVE).flat_map(|a| (0..=HIGHEST_DERIVATIVE - a).map(move |b| (a, b))) {
                     let monomial = h.powi(a as i32) * g.powi(b as i32);
                     sum += own[a][b] * (monomial / (factorial(a) * factorial(b)));
                 }

@@ -32,7 +32,7 @@ const fn most_entries<const D: usize>() -> usize {
 }
 
 /// Rounding error of the blocks, over the sum of their norms. Smaller violations of a symmetry are ignored.
-const ROUNDING: f64 = 1e-13;
+const BLOCK_ROUNDING: f64 = 1e-13;
 
 impl<const D: usize> Bond<D> {
     fn times(&self, factor: f64) -> Self {
@@ -184,7 +184,7 @@ impl<const D: usize> PhaseSum<D> {
         let norms: Vec<f64> = bonds.iter().map(|bond| bond.block.norm()).collect();
         let of_one_site = || bonds.iter().filter(|bond| bond.is_of_one_site());
         let skew: f64 = of_one_site().flat_map(Bond::skew).map(f64::abs).sum();
-        let entries_of_one_site = match skew <= ROUNDING * norms.iter().sum::<f64>() {
+        let entries_of_one_site = match skew <= BLOCK_ROUNDING * norms.iter().sum::<f64>() {
             true => D * (D + 1) / 2,
             false => D * D,
         };
@@ -225,7 +225,7 @@ impl<const D: usize> PhaseSum<D> {
         places: &[Fractional<D>],
         exchanged: &[usize],
     ) -> bool {
-        let equal = ROUNDING * self.norms.iter().sum::<f64>();
+        let equal = BLOCK_ROUNDING * self.norms.iter().sum::<f64>();
         self.bonds.iter().zip(&self.norms).all(|(bond, norm)| {
             let [from, to] = [bond.from, bond.to].each(|site| exchanged[site]);
             let vector = symmetry.of_place(&(SVector::from(bond.along) / TAU));
@@ -457,7 +457,7 @@ impl<const D: usize> Laplacian<D> {
             self.0.iter().any(|(other, own)| {
                 let other = SVector::from(*other);
                 let apart = (moved - other).amax().min((moved + other).amax());
-                apart <= ROUNDING * other.amax() && (own - weight).abs() <= ROUNDING * weight
+                apart <= BLOCK_ROUNDING * other.amax() && (own - weight).abs() <= BLOCK_ROUNDING * weight
             })
         })
     }

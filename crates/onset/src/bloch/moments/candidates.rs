@@ -13,38 +13,38 @@ use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 /// Number of directions `w`, spread evenly over the sphere.
-const EVEN: usize = 3000;
+const EVEN_DIRECTIONS: usize = 3000;
 /// Number of angles of the directions `n (x) n + r m (x) m`, `m` normal to `n`. They belong to soft modes, which evenly spread directions sample too
 /// coarsely.
-const TURNS: usize = 48;
+const SOFT_ANGLES: usize = 48;
 /// Ratios `r` of the directions of soft modes.
-const RATIOS: [f64; 6] = [0.0, 1e-3, 1e-2, 0.1, -1e-2, -0.1];
+const SOFT_RATIOS: [f64; 6] = [0.0, 1e-3, 1e-2, 0.1, -1e-2, -0.1];
 /// Largest distance of a kept point from the extreme, as a fraction of the extreme.
-const NEAR: f64 = 3e-4;
+const EXTREME_TOLERANCE: f64 = 3e-4;
 /// Additional distance of a kept point, as a fraction of the largest moment.
-const FIRM: f64 = 1e-6;
+const MOMENT_TOLERANCE: f64 = 1e-6;
 /// Additional distance in a valley of nearly zero energy, as a fraction of the largest moment. There, the depth says little about the height of grid
 /// points above the bottom.
-const SOFT: f64 = 2e-4;
+const VALLEY_MOMENT_TOLERANCE: f64 = 2e-4;
 /// Largest value in a valley, as a fraction of the largest moment.
-const VALLEY: f64 = 1e-5;
+const VALLEY_VALUE_RATIO: f64 = 1e-5;
 /// Diameter of a region as a phase; wells are usually wider.
-const REGION: f64 = 0.55;
+const REGION_PHASE: f64 = 0.55;
 /// Relative difference of symmetric images: smaller differences of values, over the largest moment, are rounding.
-const IMAGE: f64 = 1e-10;
+const IMAGE_TOLERANCE: f64 = 1e-10;
 
 /// Largest height of a point above the lowest value at which a descent can still lead lower. `scale` is the largest value.
 pub(super) fn margin(lowest: f64, scale: f64) -> f64 {
-    let soft = if lowest.abs() < VALLEY * scale {
-        SOFT
+    let soft = if lowest.abs() < VALLEY_VALUE_RATIO * scale {
+        VALLEY_MOMENT_TOLERANCE
     } else {
-        FIRM
+        MOMENT_TOLERANCE
     };
-    NEAR * lowest.abs() + soft * scale
+    EXTREME_TOLERANCE * lowest.abs() + soft * scale
 }
 
 /// Upper bound of the margin for all lower values: fraction of the value, and of the largest moment.
-pub(super) const WIDEST_MARGIN: [f64; 2] = [NEAR, SOFT];
+pub(super) const WIDEST_MARGIN: [f64; 2] = [EXTREME_TOLERANCE, VALLEY_MOMENT_TOLERANCE];
 
 /// Candidates, sorted by regions of the zone.
 #[derive(Clone, Debug, Default)]
@@ -112,8 +112,8 @@ impl<const D: usize> Candidates<D> {
             for n in low.iter().copied() {
                 let value = values[n];
                 let is_well =
-                    is_own[n] && !around[n].iter().any(|m| values[*m] < value - IMAGE * scale);
-                let is_near = |m: &usize| distance(&phases[n], &phases[*m]) < REGION;
+                    is_own[n] && !around[n].iter().any(|m| values[*m] < value - IMAGE_TOLERANCE * scale);
+                let is_near = |m: &usize| distance(&phases[n], &phases[*m]) < REGION_PHASE;
                 let mut kept = regions.iter().flat_map(|(_, members)| members);
                 if !is_well || kept.any(|m| values[*m] <= value + margin && is_near(m)) {
                     continue;
@@ -171,7 +171,7 @@ struct Low<'a> {
 }
 
 /// Number of values that are compared together.
-const ABREAST: usize = 8;
+const COMPARED_VALUES: usize = 8;
 
 impl NullaryFnOnce for Low<'_> {
     type Output = f64;
@@ -188,10 +188,10 @@ impl NullaryFnOnce for Low<'_> {
             values[n] = w[0] * first[n] + w[1] * second[n] + w[2] * third[n];
         }
         // NaN values are ignored.
-        let (whole, rest) = values.as_chunks::<ABREAST>();
-        let mut least = [f64::INFINITY; ABREAST];
+        let (whole, rest) = values.as_chunks::<COMPARED_VALUES>();
+        let mut least = [f64::INFINITY; COMPARED_VALUES];
         for chunk in whole {
-            for lane in 0..ABREAST {
+            for lane in 0..COMPARED_VALUES {
                 least[lane] = match chunk[lane] < least[lane] {
                     true => chunk[lane],
                     false => least[lane],
@@ -206,13 +206,13 @@ impl NullaryFnOnce for Low<'_> {
         let margin = margin(lowest, self.scale);
         let bound = lowest + margin;
         self.low.clear();
-        for (number, chunk) in values.chunks(ABREAST).enumerate() {
+        for (number, chunk) in values.chunks(COMPARED_VALUES).enumerate() {
             if chunk
                 .iter()
                 .fold(false, |any, value| any | (*value <= bound))
             {
                 let own = (0..chunk.len()).filter(|lane| chunk[*lane] <= bound);
-                self.low.extend(own.map(|lane| ABREAST * number + lane));
+                self.low.extend(own.map(|lane| COMPARED_VALUES * number + lane));
             }
         }
         margin
@@ -224,7 +224,7 @@ fn own_points(columns: &[Vec<f64>; 3], scale: f64) -> Vec<bool> {
     let mut known = BTreeSet::new();
     (0..columns[0].len())
         .map(|n| {
-            let key = [0, 1, 2].each(|e| columns[e][n] / (IMAGE * scale));
+            let key = [0, 1, 2].each(|e| columns[e][n] / (IMAGE_TOLERANCE * scale));
             key.iter().all(|x| x.is_finite()) && known.insert(key.each(|x| x.round() as i64))
         })
         .collect()
@@ -268,13 +268,13 @@ fn directions(mirrored: bool) -> impl Iterator<Item = [f64; 3]> {
     let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
     // A spiral around the axis of `w_12`, so that half of it covers one side.
     let even = move |n: usize| {
-        let z = (2.0 * n as f64 + 1.0) / EVEN as f64 - 1.0;
+        let z = (2.0 * n as f64 + 1.0) / EVEN_DIRECTIONS as f64 - 1.0;
         let (sine, cosine) = (golden * n as f64).sin_cos();
         let radius = (1.0 - z * z).sqrt();
         [radius * cosine, z, radius * sine]
     };
     let soft = |turn: usize, ratio: f64| {
-        let (sine, cosine) = (std::f64::consts::PI * turn as f64 / TURNS as f64).sin_cos();
+        let (sine, cosine) = (std::f64::consts::PI * turn as f64 / SOFT_ANGLES as f64).sin_cos();
         [
             cosine * cosine + ratio * sine * sine,
             2.0 * (1.0 - ratio) * sine * cosine,
@@ -282,8 +282,8 @@ fn directions(mirrored: bool) -> impl Iterator<Item = [f64; 3]> {
         ]
     };
     let special =
-        (0..TURNS).flat_map(move |turn| RATIOS.into_iter().map(move |ratio| soft(turn, ratio)));
+        (0..SOFT_ANGLES).flat_map(move |turn| SOFT_RATIOS.into_iter().map(move |ratio| soft(turn, ratio)));
     special
-        .chain((0..EVEN).map(even))
+        .chain((0..EVEN_DIRECTIONS).map(even))
         .filter(move |w| !mirrored || w[1] <= 1e-12)
 }

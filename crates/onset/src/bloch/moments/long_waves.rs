@@ -5,15 +5,15 @@ use crate::algebra::{Pack, array_of};
 use pulp::{Simd, WithSimd};
 
 /// Number of directions that are sampled before the descent.
-const RAYS: usize = 16;
+const SAMPLED_DIRECTIONS: usize = 16;
 /// Number of Newton steps.
-const STEPS: usize = 6;
+const NEWTON_STEPS: usize = 6;
 /// Largest relative height of the second well above the first at which it is followed too.
-const RIVAL: f64 = 0.2;
+const RIVAL_WELL_HEIGHT: f64 = 0.2;
 /// Largest last step of a converged descent.
-const SETTLED: f64 = 1e-6;
+const STEP_TOLERANCE: f64 = 1e-6;
 /// Relative rounding error of a slope, over the value.
-const FLAT: f64 = 1e-13;
+const SLOPE_ROUNDING: f64 = 1e-13;
 
 /// `H(k) / |k|_h^2` for long waves: `h0 + hc cos t + hs sin t` in the doubled angle `t`, for each entry.
 pub(super) type LongMoments = [[f64; 3]; 3];
@@ -56,14 +56,14 @@ impl WithSimd for LongWaves<'_> {
                 ]);
             }
             let ring = Ring { parts };
-            let mut samples = [zero; RAYS];
-            for n in 0..RAYS {
+            let mut samples = [zero; SAMPLED_DIRECTIONS];
+            for n in 0..SAMPLED_DIRECTIONS {
                 samples[n] = ring.at(number(circle[n][0]), number(circle[n][1])).value;
             }
             let infinite = number(f64::INFINITY);
             let (mut best, mut second) = ([infinite, zero, zero], [infinite, zero, zero]);
-            for n in 0..RAYS {
-                let (left, right) = (samples[(n + RAYS - 1) % RAYS], samples[(n + 1) % RAYS]);
+            for n in 0..SAMPLED_DIRECTIONS {
+                let (left, right) = (samples[(n + SAMPLED_DIRECTIONS - 1) % SAMPLED_DIRECTIONS], samples[(n + 1) % SAMPLED_DIRECTIONS]);
                 let value = samples[n];
                 let is_well = value.is_below(left).and(value.is_at_most(right));
                 let is_best = is_well.and(value.is_below(best[0]));
@@ -78,7 +78,7 @@ impl WithSimd for LongWaves<'_> {
             let is_flat = best[0].is_at_most(samples[0]).not();
             best[0] = is_flat.select(samples[0], best[0]);
             best[1] = is_flat.select(number(1.0), best[1]);
-            let rival = best[0].abs().times_plus(number(RIVAL), best[0]);
+            let rival = best[0].abs().times_plus(number(RIVAL_WELL_HEIGHT), best[0]);
             let (mut found, mut moved) = ring.descended(best);
             let has_rival = second[0].is_at_most(rival);
             if has_rival.any() {
@@ -92,7 +92,7 @@ impl WithSimd for LongWaves<'_> {
             found[0].write(&mut minima.values, group);
             found[1].write(&mut minima.turns[0], group);
             found[2].write(&mut minima.turns[1], group);
-            let unsettled = moved.is_at_most(number(SETTLED)).not();
+            let unsettled = moved.is_at_most(number(STEP_TOLERANCE)).not();
             unsettled
                 .select(number(1.0), zero)
                 .write(&mut minima.unsettled, group);
@@ -102,9 +102,9 @@ impl WithSimd for LongWaves<'_> {
 }
 
 /// Cosines and sines of the sampled directions.
-fn circle() -> [[f64; 2]; RAYS] {
+fn circle() -> [[f64; 2]; SAMPLED_DIRECTIONS] {
     array_of(|n| {
-        let (sine, cosine) = (std::f64::consts::TAU * n as f64 / RAYS as f64).sin_cos();
+        let (sine, cosine) = (std::f64::consts::TAU * n as f64 / SAMPLED_DIRECTIONS as f64).sin_cos();
         [cosine, sine]
     })
 }
@@ -153,12 +153,12 @@ impl<S: Simd> Ring<S> {
         let zero = cosine.constant(0.0);
         let mut here = self.at(cosine, sine);
         let mut moved = zero;
-        for _ in 0..STEPS {
+        for _ in 0..NEWTON_STEPS {
             let is_convex = zero.is_below(here.curvature);
             let is_flat = here
                 .slope
                 .abs()
-                .is_at_most(here.value.abs() * zero.constant(FLAT));
+                .is_at_most(here.value.abs() * zero.constant(SLOPE_ROUNDING));
             let step = -(here.slope / here.curvature);
             moved = is_convex.select(step.abs(), is_flat.select(zero, zero.constant(1.0)));
             // A step along the tangent, projected back to the circle: for short steps this is a rotation.

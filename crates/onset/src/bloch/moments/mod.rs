@@ -33,7 +33,7 @@ use contraction::{Coefficients, Columns, coefficients, is_mirrored};
 use long_waves::{LongMoments, LongWaves};
 use nalgebra::{SMatrix, SVector};
 use pulp::Arch;
-use refine::{BEATEN, Descents, HARD, Refine};
+use refine::{END_BEATEN, Descents, END_FAILED, Refine};
 use scan::{Scan, Start, Starts};
 use std::f64::consts::TAU;
 use std::sync::{Arc, OnceLock};
@@ -41,13 +41,13 @@ use sums::Sums;
 use valley::Valley;
 
 /// Grid points per period of the fastest phase.
-const DENSITY: usize = 12;
+const POINTS_PER_PERIOD: usize = 12;
 /// Number of directions that are sampled for the softest long wave if the vectorized search did not converge.
-const RAYS: usize = 32;
+const SAMPLED_DIRECTIONS: usize = 32;
 /// Maximum number of Newton steps to the minimum over directions.
-const TURNS: usize = 12;
+const NEWTON_STEPS: usize = 12;
 /// Number of states that are processed together; their columns fit into the cache.
-const BATCH: usize = 1024;
+const BATCH_STATES: usize = 1024;
 
 /// Gradient moments of a planar Lagrangian method over the zone. They serve all states with one method.
 #[derive(Clone, Debug)]
@@ -170,7 +170,7 @@ impl<const D: usize> GradientMoments<D> {
         let lattice = search.reference();
         let grid = method
             .wave_grids()
-            .grid((DENSITY * matrix.effective_reach().clamp(4, 16)).next_multiple_of(6));
+            .grid((POINTS_PER_PERIOD * matrix.effective_reach().clamp(4, 16)).next_multiple_of(6));
         let (Some(sums), Some(entries)) =
             (Sums::new(&matrix, lattice), matrix.planar_entries(&grid))
         else {
@@ -217,7 +217,7 @@ impl<const D: usize> GradientMoments<D> {
             (0..rows.len()).partition(|n| is_mirrored(&rows[*n]));
         let mut found = vec![None; rows.len()];
         for (numbers, is_mirrored) in [(mirrored, true), (others, false)] {
-            for numbers in numbers.chunks(BATCH) {
+            for numbers in numbers.chunks(BATCH_STATES) {
                 let rows: Vec<Coefficients> = numbers.iter().map(|n| rows[*n]).collect();
                 let extremes = if is_mirrored {
                     self.of_batch::<true>(&rows)
@@ -406,17 +406,17 @@ impl<const D: usize> GradientMoments<D> {
             let second = trace2 - p2 / root + p1 * p1 / (root * root * root);
             (0.5 * (x[0] + x[2]) - root, first, second)
         };
-        let step = std::f64::consts::TAU / RAYS as f64;
-        let sampled: [f64; RAYS] = array_of(|n| at(n as f64 * step).0);
+        let step = std::f64::consts::TAU / SAMPLED_DIRECTIONS as f64;
+        let sampled: [f64; SAMPLED_DIRECTIONS] = array_of(|n| at(n as f64 * step).0);
         let mut best = (0.0, f64::INFINITY);
-        for n in 0..RAYS {
-            let (left, right) = (sampled[(n + RAYS - 1) % RAYS], sampled[(n + 1) % RAYS]);
+        for n in 0..SAMPLED_DIRECTIONS {
+            let (left, right) = (sampled[(n + SAMPLED_DIRECTIONS - 1) % SAMPLED_DIRECTIONS], sampled[(n + 1) % SAMPLED_DIRECTIONS]);
             if sampled[n] > left || sampled[n] > right {
                 continue;
             }
             let mut t = n as f64 * step;
             let mut value = sampled[n];
-            for _ in 0..TURNS {
+            for _ in 0..NEWTON_STEPS {
                 let (_, first, second) = at(t);
                 let next = t - first / second;
                 let there = at(next).0;
@@ -510,10 +510,10 @@ impl<const D: usize> Batch<'_, D> {
         });
         for (place, (n, candidate)) in starts.iter().enumerate() {
             let end = descents.ends[place];
-            if end == BEATEN {
+            if end == END_BEATEN {
                 continue;
             }
-            let (value, k) = if end == HARD {
+            let (value, k) = if end == END_FAILED {
                 let start = &candidates.wave_vectors[*candidate];
                 self.moments.careful(&rows[place], objective, start)
             } else {

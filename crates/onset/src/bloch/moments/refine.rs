@@ -2,34 +2,35 @@
 
 use super::candidates::Candidates;
 use super::contraction::{Columns, Contraction};
-use super::sums::{LARGEST, Local, Near, Sums, Workspace};
+use super::sums::{LARGEST_HALF_PHASE, Local, Near, Sums, Workspace};
 use crate::algebra::{Mask, Pack, WIDEST};
+use crate::bloch::search::LONG_WAVE_FRACTION;
 use pulp::{Simd, WithSimd};
 use std::f64::consts::TAU;
 
 /// Maximum number of evaluations in a descent.
-const STEPS: usize = 24;
+const EVALUATIONS: usize = 24;
 /// Number of Newton steps on the polynomials of the candidates, before the exact sums.
-const APPROACH: usize = 2;
+const APPROACH_STEPS: usize = 2;
 /// Largest phase difference from the candidate in these first steps.
-const NEAR: f64 = 0.15;
+const APPROACH_PHASE: f64 = 0.15;
 /// Longest Newton step, as a phase.
-const LONGEST: f64 = 0.6;
+const LONGEST_STEP_PHASE: f64 = 0.6;
 /// Largest Newton step, as a phase, of a converged descent: quadratic convergence then leaves less than rounding.
-const SHORT: f64 = 1e-4;
+const STEP_TOLERANCE_PHASE: f64 = 1e-4;
 /// Largest decrease, relative to the value, of a converged descent.
-const SMALL: f64 = 1e-8;
+const DECREASE_TOLERANCE: f64 = 1e-8;
 /// Phase of the longest wave that is searched; the limit covers longer waves.
-const LONG_WAVE: f64 = 1e-3 * TAU;
+const LONG_WAVE_PHASE: f64 = LONG_WAVE_FRACTION * TAU;
 /// Largest phase at which a slope towards `k = 0` means that the long-wave limit is the nearest bottom.
-const NEAR_LIMIT: f64 = 0.6;
+const LIMIT_BASIN_PHASE: f64 = 0.6;
 
 /// The descent ended in a smooth minimum.
-pub(super) const SETTLED: f64 = 0.0;
+pub(super) const END_SETTLED: f64 = 0.0;
 /// The descent cannot fall below its floor.
-pub(super) const BEATEN: f64 = 1.0;
+pub(super) const END_BEATEN: f64 = 1.0;
 /// The descent failed and needs the general Newton method.
-pub(super) const HARD: f64 = 2.0;
+pub(super) const END_FAILED: f64 = 2.0;
 
 /// Starts and floors of descents; after the descent, their ends. Padded to a multiple of [`WIDEST`].
 #[derive(Clone, Debug, Default)]
@@ -42,7 +43,7 @@ pub(super) struct Descents {
     pub(super) floors: Vec<f64>,
     /// Objective at the end.
     pub(super) values: Vec<f64>,
-    /// Kind of end: [`SETTLED`], [`BEATEN`] or [`HARD`].
+    /// Kind of end: [`END_SETTLED`], [`END_BEATEN`] or [`END_FAILED`].
     pub(super) ends: Vec<f64>,
 }
 
@@ -59,7 +60,7 @@ impl Descents {
             // Padding counts as unable to fall below its floor.
             floors: vec![f64::NEG_INFINITY; length],
             values: vec![f64::INFINITY; length],
-            ends: vec![BEATEN; length],
+            ends: vec![END_BEATEN; length],
         };
         for (n, (candidate, floor)) in starts.enumerate() {
             let phases = candidates.phases[candidate];
@@ -128,9 +129,9 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
     #[inline(always)]
     fn approached(&self, near: &Near<S>, start: [Pack<S>; 2]) -> [Pack<S>; 2] {
         let half = Pack::splat(self.simd, 0.5);
-        let farthest = Pack::splat(self.simd, NEAR * NEAR);
+        let farthest = Pack::splat(self.simd, APPROACH_PHASE * APPROACH_PHASE);
         let mut at = start;
-        for turn in 0..APPROACH {
+        for turn in 0..APPROACH_STEPS {
             let laplacian = self
                 .sums
                 .laplacian_at(self.simd, [at[0] * half, at[1] * half]);
@@ -164,16 +165,16 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
         let mut base = start;
         let mut step = [zero; 2];
         let mut last = number(f64::INFINITY);
-        let mut end = number(HARD);
+        let mut end = number(END_FAILED);
         let mut active = zero.is_at_most(zero);
-        for _ in 0..STEPS {
+        for _ in 0..EVALUATIONS {
             let at = [base[0] + step[0], base[1] + step[1]];
             let local = self.local(at, workspace);
             let lower = local.value.is_at_most(last).and(active);
             let short = step[0].times_plus(step[0], step[1] * step[1]);
             let stuck = active
                 .and(lower.not())
-                .and(short.is_below(number(1e-8 * LONGEST * LONGEST)));
+                .and(short.is_below(number(1e-8 * LONGEST_STEP_PHASE * LONGEST_STEP_PHASE)));
             for a in 0..2 {
                 base[a] = lower.select(at[a], base[a]);
             }
@@ -187,8 +188,8 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
             let size = local.value.abs();
             let quiet = newton
                 .square
-                .is_at_most(number(SHORT * SHORT))
-                .and(decrease.is_at_most(size * number(SMALL)))
+                .is_at_most(number(STEP_TOLERANCE_PHASE * STEP_TOLERANCE_PHASE))
+                .and(decrease.is_at_most(size * number(DECREASE_TOLERANCE)))
                 .or(decrease.is_at_most(size * number(1e-15)));
             let settled = lower.and(newton.is_convex).and(quiet);
             let beaten = lower
@@ -200,9 +201,9 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
             let far = (base[0] + step[0]).abs().max((base[1] + step[1]).abs());
             let lost = crest
                 .or(stuck)
-                .or(active.and(far.is_at_most(number(2.0 * LARGEST)).not()));
-            end = settled.select(number(SETTLED), end);
-            end = beaten.select(number(BEATEN), end);
+                .or(active.and(far.is_at_most(number(2.0 * LARGEST_HALF_PHASE)).not()));
+            end = settled.select(number(END_SETTLED), end);
+            end = beaten.select(number(END_BEATEN), end);
             active = active.and(settled.or(beaten).or(lost).not());
             // The last step of a converged descent is taken; others stay where they ended.
             for a in 0..2 {
@@ -238,10 +239,10 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
         let number = |value: f64| Pack::splat(self.simd, value);
         let square = at[0].times_plus(at[0], at[1] * at[1]);
         let radial = at[0].times_plus(local.slope[0], at[1] * local.slope[1]);
-        let reach = if self.scaled { NEAR_LIMIT } else { 0.0 };
+        let reach = if self.scaled { LIMIT_BASIN_PHASE } else { 0.0 };
         let near = square.is_below(number(reach * reach));
         let too_long = square.is_below(number(if self.scaled {
-            LONG_WAVE * LONG_WAVE
+            LONG_WAVE_PHASE * LONG_WAVE_PHASE
         } else {
             0.0
         }));
@@ -356,7 +357,7 @@ fn newton_step<S: Simd>(local: &Local<Pack<S>>) -> NewtonStep<S> {
         -(a * y + b * xy.times_plus(x, yy * y)),
     ];
     let square = step[0].times_plus(step[0], step[1] * step[1]);
-    let limit = number(LONGEST);
+    let limit = number(LONGEST_STEP_PHASE);
     let factor = number(1.0).min(limit / square.sqrt());
     NewtonStep {
         step: [step[0] * factor, step[1] * factor],

@@ -6,14 +6,14 @@ use crate::algebra::{Each, Pack};
 use pulp::{Simd, WithSimd};
 
 /// Largest ratio of the lowest to the largest value at which wells are narrow compared with the grid spacing.
-const WEAK: f64 = 1e-3;
+const NARROW_WELL_RATIO: f64 = 1e-3;
 /// Additional height, as a fraction of the lowest value, of regions that are followed if wells are narrow: descents then lead further down.
-const RIVAL: f64 = 0.05;
+const NARROW_WELL_MARGIN: f64 = 0.05;
 
 /// Additional margin for narrow wells. It is smaller than the reserve in the threshold of the scan.
 fn rivalry(lowest: f64, scale: f64) -> f64 {
-    if lowest.abs() < WEAK * scale {
-        RIVAL * lowest.abs()
+    if lowest.abs() < NARROW_WELL_RATIO * scale {
+        NARROW_WELL_MARGIN * lowest.abs()
     } else {
         0.0
     }

@@ -6,9 +6,9 @@ use crate::lattice::BravaisLattice;
 use pulp::Simd;
 
 /// Largest multiple of a primitive vector in the tables of phases.
-const REACH: usize = 16;
+const TABULATED_REACH: usize = 16;
 /// Number of table entries, for multiples of both signs and zero.
-const TABLE: usize = 2 * REACH + 1;
+const TABLE_ENTRIES: usize = 2 * TABULATED_REACH + 1;
 
 /// Sum over pairs of opposite lattice vectors, `H(k) = H(0) + sum even (cos k.R - 1)`.
 #[derive(Clone, Debug)]
@@ -37,7 +37,7 @@ struct Term {
 }
 
 /// Cosine and sine of multiples of a phase, starting at the negative end.
-type Phases<S> = [[Pack<S>; 2]; TABLE];
+type Phases<S> = [[Pack<S>; 2]; TABLE_ENTRIES];
 
 /// Workspace for the phases of both primitive vectors.
 pub(super) struct Workspace<S: Simd>([Phases<S>; 2]);
@@ -45,7 +45,7 @@ pub(super) struct Workspace<S: Simd>([Phases<S>; 2]);
 impl<S: Simd> Workspace<S> {
     #[inline(always)]
     pub(super) fn new(simd: S) -> Self {
-        Self([[[Pack::splat(simd, 0.0); 2]; TABLE]; 2])
+        Self([[[Pack::splat(simd, 0.0); 2]; TABLE_ENTRIES]; 2])
     }
 }
 
@@ -170,7 +170,7 @@ impl Sums {
             entry[0] = constant;
         }
         for term in &self.terms {
-            let [m, n] = term.places.each(|place| place as f64 - REACH as f64);
+            let [m, n] = term.places.each(|place| place as f64 - TABULATED_REACH as f64);
             let (sine, cosine) = (m * phases[0] + n * phases[1]).sin_cos();
             let mut place = 0;
             let mut along_second = 1.0;
@@ -230,7 +230,7 @@ impl Sums {
         if D != 2
             || !matrix.is_centrosymmetric()
             || matrix.sites().len() > 1
-            || matrix.reach() > REACH
+            || matrix.reach() > TABULATED_REACH
         {
             return None;
         }
@@ -247,7 +247,7 @@ impl Sums {
                 constant[e] -= even[e];
             }
             terms.push(Term {
-                places: cell.each(|n| (n + REACH as i32) as usize),
+                places: cell.each(|n| (n + TABULATED_REACH as i32) as usize),
                 even,
                 slopes: [m, n].each(|x| even.each(|value| x * value)),
                 curvatures: [m * m, m * n, n * n].each(|x| even.each(|value| x * value)),
@@ -352,26 +352,26 @@ fn doubled<S: Simd>([cosine, sine]: [Pack<S>; 2]) -> [Pack<S>; 2] {
 #[inline(always)]
 fn fill<S: Simd>(phases: &mut Phases<S>, [cosine, sine]: [Pack<S>; 2], reach: usize) {
     let (mut c, mut s) = (cosine.constant(1.0), cosine.constant(0.0));
-    phases[REACH] = [c, s];
+    phases[TABULATED_REACH] = [c, s];
     for n in 1..=reach {
         (c, s) = (
             c.times_plus(cosine, -(s * sine)),
             s.times_plus(cosine, c * sine),
         );
-        phases[REACH + n] = [c, s];
-        phases[REACH - n] = [c, -s];
+        phases[TABULATED_REACH + n] = [c, s];
+        phases[TABULATED_REACH - n] = [c, -s];
     }
 }
 
 /// Largest half phase for the power series of sine and cosine.
-pub(super) const LARGEST: f64 = 2.2;
+pub(super) const LARGEST_HALF_PHASE: f64 = 2.2;
 
 /// `cos x` and `sin x` by power series, for `x` up to the largest half phase. The first omitted term is below rounding.
 #[inline(always)]
 fn sin_cos<S: Simd>(x: Pack<S>) -> [Pack<S>; 2] {
     let square = x * x;
     let (mut cosine, mut sine) = (x.constant(0.0), x.constant(0.0));
-    for n in (0..SERIES).rev() {
+    for n in (0..SERIES_TERMS).rev() {
         cosine = cosine.times_plus(square, x.constant(COSINE[n]));
         sine = sine.times_plus(square, x.constant(SINE[n]));
     }
@@ -379,15 +379,15 @@ fn sin_cos<S: Simd>(x: Pack<S>) -> [Pack<S>; 2] {
 }
 
 /// Number of terms of the power series.
-const SERIES: usize = 13;
-const COSINE: [f64; SERIES] = series(0);
-const SINE: [f64; SERIES] = series(1);
+const SERIES_TERMS: usize = 13;
+const COSINE: [f64; SERIES_TERMS] = series(0);
+const SINE: [f64; SERIES_TERMS] = series(1);
 
 /// Coefficients `(-1)^n / (2 n + odd)!` of the power series.
-const fn series(odd: usize) -> [f64; SERIES] {
-    let mut coefficients = [1.0; SERIES];
+const fn series(odd: usize) -> [f64; SERIES_TERMS] {
+    let mut coefficients = [1.0; SERIES_TERMS];
     let mut n = 1;
-    while n < SERIES {
+    while n < SERIES_TERMS {
         let last = 2 * n + odd;
         coefficients[n] = -coefficients[n - 1] / ((last * (last - 1)) as f64);
         n += 1;

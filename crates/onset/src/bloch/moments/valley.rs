@@ -10,15 +10,15 @@ use crate::lattice::{BravaisLattice, BrillouinZone, WaveGrid};
 use nalgebra::SVector;
 
 /// Largest ratio of the smallest to the largest moment of a method with a valley, and of the minimum to the largest value of a state in it.
-const WEAK: f64 = 1e-4;
+const VALLEY_RATIO: f64 = 1e-4;
 /// Inverse of the fraction of grid points that are kept.
-const PART: usize = 16;
+const KEPT_PART_DIVISOR: usize = 16;
 /// Largest relative height above the best bottom of points that start a descent.
-const RIVAL: f64 = 0.05;
+const RIVAL_HEIGHT: f64 = 0.05;
 /// Maximum number of descents.
-const DESCENTS: usize = 6;
+const MAXIMUM_DESCENTS: usize = 6;
 /// Smallest separation of starts: the lattice Laplacian of the difference of two wave vectors, times the squared spacing. Wells are usually narrower.
-const APART: f64 = 0.3;
+const START_SEPARATION: f64 = 0.3;
 
 /// Weakest points of the zone.
 #[derive(Clone, Debug)]
@@ -43,11 +43,11 @@ impl<const D: usize> Valley<D> {
             .collect();
         sort_by_value(&mut points, trace);
         let (weakest, strongest) = (points.first().map(trace)?, points.last().map(trace)?);
-        if weakest > WEAK * strongest {
+        if weakest > VALLEY_RATIO * strongest {
             return None;
         }
         let zone = BrillouinZone::new(*lattice);
-        points.truncate(moments.len() / PART);
+        points.truncate(moments.len() / KEPT_PART_DIVISOR);
         Some(Self {
             wave_vectors: points
                 .iter()
@@ -61,7 +61,7 @@ impl<const D: usize> Valley<D> {
 
     /// Returns true if a minimum lies in the valley, for a tangent of the given magnitude.
     pub(super) fn holds(&self, minimum: f64, magnitude: f64) -> bool {
-        minimum.abs() <= WEAK * self.scale * magnitude
+        minimum.abs() <= VALLEY_RATIO * self.scale * magnitude
     }
 
     /// Lowest bottom of the descents from well separated points, each the weakest point in its surroundings.
@@ -72,11 +72,11 @@ impl<const D: usize> Valley<D> {
         descent: impl Fn(&SVector<f64, D>) -> (f64, SVector<f64, D>),
     ) -> (f64, SVector<f64, D>) {
         let values: Vec<f64> = self.moments.iter().map(|h| smaller(row, *h)).collect();
-        let soft = WEAK * self.scale * magnitude;
+        let soft = VALLEY_RATIO * self.scale * magnitude;
         let mut best = (f64::INFINITY, SVector::zeros());
-        let mut tried: Vec<(f64, SVector<f64, D>)> = Vec::with_capacity(DESCENTS);
-        while tried.len() < DESCENTS {
-            let limit = best.0 + RIVAL * best.0.abs() + soft;
+        let mut tried: Vec<(f64, SVector<f64, D>)> = Vec::with_capacity(MAXIMUM_DESCENTS);
+        while tried.len() < MAXIMUM_DESCENTS {
+            let limit = best.0 + RIVAL_HEIGHT * best.0.abs() + soft;
             let is_new = |value: f64, k: &SVector<f64, D>| {
                 // Equal values belong to symmetric images.
                 tried.iter().all(|(other, from)| {
@@ -103,7 +103,7 @@ impl<const D: usize> Valley<D> {
         let lattice = &self.lattice;
         let apart = |difference: SVector<f64, D>| {
             // The lattice Laplacian is periodic.
-            lattice.laplacian(&difference) * lattice.vectors().column(0).norm_squared() > APART
+            lattice.laplacian(&difference) * lattice.vectors().column(0).norm_squared() > START_SEPARATION
         };
         apart(k - other) && apart(k + other)
     }

@@ -1,7 +1,7 @@
 //! Descent from the wells of the grid to their bottoms.
 
 use super::grid::Grid;
-use super::{Candidate, Objective, RAY, Seen, ZoneSearch};
+use super::{Candidate, LONG_WAVE_FRACTION, Objective, RAY_STEPS, Seen, ZoneSearch};
 use crate::algebra::{Complex, Each, array_of, eigenvalues, lowest_between, symmetric_eigen};
 use crate::bloch::branches::Taylor;
 use crate::bloch::{DynamicalMatrix, growth_rate};
@@ -10,19 +10,19 @@ use nalgebra::{SMatrix, SVector, Vector2};
 use std::convert::Infallible;
 
 /// Maximum number of grid wells that are followed to their bottoms, deepest first.
-const WELLS: usize = 16;
-/// Wave number of the longest wave that is sampled, as a fraction of the longest reciprocal vector; the limit covers longer waves.
-const LONG_WAVE: f64 = 1e-3;
+const FOLLOWED_WELLS: usize = 16;
 /// Maximum number of Newton steps to the bottom of a well.
-const STEPS: usize = 40;
+const NEWTON_STEPS: usize = 40;
 /// Largest ratio of the smallest to the largest curvature of a valley. A heuristic value.
-const SHALLOW: f64 = 0.1;
+const VALLEY_CURVATURE_RATIO: f64 = 0.1;
 /// Intervals along an edge of a zone that is not periodic; minima along the edge are bracketed by them.
-const SAMPLES: usize = 24;
+const EDGE_INTERVALS: usize = 24;
 /// Tolerance of a minimum along an edge, in intervals.
-const ALONG_EDGES: f64 = 1e-6;
+const EDGE_TOLERANCE: f64 = 1e-6;
 /// Length of a converged Newton step, relative to the longest reciprocal vector.
-const CONVERGED: f64 = 1e-9;
+const STEP_TOLERANCE: f64 = 1e-9;
+/// Smallest determinant of a clearly positive planar curvature, over the square of its trace; a heuristic value.
+pub(super) const CONVEXITY_RATIO: f64 = 1e-6;
 
 impl<const D: usize> ZoneSearch<D> {
     /// Bottom of the deepest well. The descent in a well that will not reach below `floor` ends early.
@@ -44,7 +44,7 @@ impl<const D: usize> ZoneSearch<D> {
         // Without a smooth discriminant, the growth rate is informative only inside pockets.
         let is_growth = objective == Objective::Discriminant && !matrix.is_centrosymmetric();
         let below = if is_growth { 0.0 } else { f64::INFINITY };
-        for well in grid.wells(objective, below).iter().take(WELLS) {
+        for well in grid.wells(objective, below).iter().take(FOLLOWED_WELLS) {
             let to_beat = best.map_or(floor, |best| floor.min(best.0));
             // Near the boundary, neighbors on the folded grid are not the actual neighbors.
             if well.start.0 - well.relief <= to_beat || self.is_near_boundary(&well.start.1) {
@@ -99,7 +99,7 @@ impl<const D: usize> ZoneSearch<D> {
             (self.value_at(matrix, objective, &k), k)
         };
         // A dip on the ray. The grid covers branches that fall beyond it.
-        let ray = RAY.map(at);
+        let ray = RAY_STEPS.map(at);
         let is_dip = |n: &usize| {
             let nearer = *n == 0 || ray[n - 1].0 >= ray[*n].0;
             nearer && ray[n + 1].0 >= ray[*n].0
@@ -140,14 +140,14 @@ impl<const D: usize> ZoneSearch<D> {
         for edge in edges {
             let values: Vec<f64> = edge.iter().map(value).collect();
             let is_dip = |n: &usize| values[*n] <= values[n - 1] && values[*n] <= values[n + 1];
-            dips.extend((1..SAMPLES).filter(is_dip).map(|n| (values[n], edge, n)));
+            dips.extend((1..EDGE_INTERVALS).filter(is_dip).map(|n| (values[n], edge, n)));
         }
         for (value, edge, n) in dips {
-            let (from, to) = (edge[0].wave_vector, edge[SAMPLES].wave_vector);
-            let along = |t: f64| from + (to - from) * (t / SAMPLES as f64);
+            let (from, to) = (edge[0].wave_vector, edge[EDGE_INTERVALS].wave_vector);
+            let along = |t: f64| from + (to - from) * (t / EDGE_INTERVALS as f64);
             let at = |t: f64| Ok::<f64, Infallible>(self.value_at(matrix, objective, &along(t)));
             let around = [-1.0, 0.0, 1.0].map(|step| n as f64 + step);
-            let Ok((t, value)) = lowest_between(at, around, value, ALONG_EDGES);
+            let Ok((t, value)) = lowest_between(at, around, value, EDGE_TOLERANCE);
             minima.push((value, along(t)));
         }
         minima
@@ -162,8 +162,8 @@ impl<const D: usize> ZoneSearch<D> {
         let count = corners.len();
         let edge = |n: usize| {
             let [from, to] = [n, (n + 1) % count].map(|n| self.to_reference * corners[n]);
-            let along = |n: usize| from + (to - from) * (n as f64 / SAMPLES as f64);
-            (0..=SAMPLES).map(|n| Seen::of(matrix, along(n))).collect()
+            let along = |n: usize| from + (to - from) * (n as f64 / EDGE_INTERVALS as f64);
+            (0..=EDGE_INTERVALS).map(|n| Seen::of(matrix, along(n))).collect()
         };
         (0..count.div_ceil(2)).map(edge).collect()
     }
@@ -226,7 +226,7 @@ impl<const D: usize> ZoneSearch<D> {
         let order = |a: &usize, b: &usize| values[*a].abs().total_cmp(&values[*b].abs());
         let softest = (0..D).min_by(order)?;
         let stiffest = (0..D).max_by(order)?;
-        if D == 1 || values[softest].abs() > SHALLOW * values[stiffest].abs() {
+        if D == 1 || values[softest].abs() > VALLEY_CURVATURE_RATIO * values[stiffest].abs() {
             return None;
         }
         let step = 0.08 * self.longest();
@@ -253,7 +253,7 @@ impl<const D: usize> ZoneSearch<D> {
     /// Returns true if the objective is evaluated at a wave vector. Long waves are represented by their limit, and a zone that is not periodic is not
     /// left.
     pub(in crate::bloch) fn is_sought(&self, objective: Objective, k: &SVector<f64, D>) -> bool {
-        let too_long = objective == Objective::Scaled && k.norm() < LONG_WAVE * self.longest();
+        let too_long = objective == Objective::Scaled && k.norm() < LONG_WAVE_FRACTION * self.longest();
         !too_long && self.is_admissible(k)
     }
 
@@ -279,7 +279,7 @@ impl<const D: usize> ZoneSearch<D> {
         let Some(mut local) = expansion(&k) else {
             return (start, false);
         };
-        for _ in 0..STEPS {
+        for _ in 0..NEWTON_STEPS {
             let (slope, curvature) = (local.slope(), local.curvature());
             let smooth = slope.iter().chain(curvature.iter()).all(|x| x.is_finite());
             if !smooth {
@@ -288,7 +288,7 @@ impl<const D: usize> ZoneSearch<D> {
             let (step, is_convex) = newton_step(&slope, &curvature, longest);
             let decrease = -slope.dot(&step);
             // Quadratic convergence: the next step gains less than rounding.
-            if is_convex && (step.norm() < CONVERGED * longest || decrease <= 1e-13 * value.abs()) {
+            if is_convex && (step.norm() < STEP_TOLERANCE * longest || decrease <= 1e-13 * value.abs()) {
                 return ((value, k), true);
             }
             // A quadratic well falls by half of the linear decrease; eight times this amount is a safe limit.
@@ -463,7 +463,7 @@ fn planar_step<const D: usize>(
     }
     let [a, b, c] = [curvature[(0, 0)], curvature[(0, 1)], curvature[(1, 1)]];
     let (trace, determinant) = (a + c, a * c - b * b);
-    let is_certain = trace > 0.0 && determinant > 1e-6 * trace * trace;
+    let is_certain = trace > 0.0 && determinant > CONVEXITY_RATIO * trace * trace;
     if !is_certain {
         return None;
     }

@@ -17,9 +17,9 @@ use std::sync::{Arc, OnceLock};
 ///
 /// The discriminant is quadratic in the distance of two branches. If they cross within 0.6 grid steps along each axis, the ratio is `(0.6/1.6)^2 =
 /// 0.14`.
-const NEAR: f64 = 0.15;
+const NEAR_CROSSING_RATIO: f64 = 0.15;
 /// Maximum number of grid points along an axis that predict pockets in three dimensions without a discriminant.
-const SPARSE: usize = 24;
+const POCKET_POINTS_PER_AXIS: usize = 24;
 
 /// Objectives on a periodic grid over the zone.
 pub(super) struct Grid<const D: usize> {
@@ -391,12 +391,12 @@ impl<const D: usize> Grid<D> {
     ) -> (Vec<SVector<f64, D>>, usize) {
         let n = self.waves.resolution();
         let known = self.spectrum.relative_discriminants::<D>();
-        let largest = NEAR * known.iter().copied().fold(0.0, f64::max);
+        let largest = NEAR_CROSSING_RATIO * known.iter().copied().fold(0.0, f64::max);
         let lowest = self.spectrum.known(Objective::Lowest);
         let asymmetry: &[f64] = &self.spectrum.asymmetry;
         let stride = match has_discriminant || D < 3 {
             true => 1,
-            false => n.div_ceil(SPARSE),
+            false => n.div_ceil(POCKET_POINTS_PER_AXIS),
         };
         let wedge = self.wedge.as_ref();
         let is_near = |index: &usize| {
@@ -413,7 +413,7 @@ impl<const D: usize> Grid<D> {
                 return false;
             }
             let around = || neighbors::<D>(*index, n, known.len()).chain([*index]);
-            if !around().any(|other| known[*index] <= NEAR * known[other]) {
+            if !around().any(|other| known[*index] <= NEAR_CROSSING_RATIO * known[other]) {
                 return false;
             }
             if !self.has_asymmetry() {

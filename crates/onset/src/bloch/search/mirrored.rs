@@ -6,7 +6,7 @@
 
 use super::descent::{newton_step, principal};
 use super::steps::{Places, Stepper, Steps};
-use super::{Objective, RAY};
+use super::{Objective, RAY_STEPS};
 use crate::algebra::{Each, Pack, WIDEST, sort_by_value};
 use crate::bloch::mirror::{LANES, MirrorSums};
 use crate::lattice::{BravaisLattice, FILL, Group, MirrorWaves};
@@ -15,27 +15,27 @@ use pulp::{Arch, Simd, WithSimd};
 use std::sync::Arc;
 
 /// Grid points per period of the fastest phase.
-const DENSITY: usize = 12;
+const POINTS_PER_PERIOD: usize = 12;
 /// Smallest number of multiples of the phases along the mirror lines for which the grid is designed; the lattice Laplacian itself varies with the
 /// phases.
-const LEAST_REACH: usize = 3;
+const MINIMUM_REACH: usize = 3;
 /// Maximum number of wells that are followed to their bottoms, deepest first.
-const WELLS: usize = 12;
+const FOLLOWED_WELLS: usize = 12;
 /// Maximum number of Newton steps.
-const STEPS: usize = 24;
+const NEWTON_STEPS: usize = 24;
 /// Phase of a converged Newton step, in the fastest multiple of a phase: the remaining error of the value is below rounding.
-const SHORT: f64 = 2e-4;
+const STEP_TOLERANCE_PHASE: f64 = 2e-4;
 /// Largest ratio of the smallest to the largest curvature of a valley. A heuristic value.
-const SHALLOW: f64 = 0.3;
+const VALLEY_CURVATURE_RATIO: f64 = 0.3;
 /// Distance along a valley, as a phase, at which other bottoms are searched.
-const ALONG_VALLEY: f64 = 0.4;
+const VALLEY_OFFSET_PHASE: f64 = 0.4;
 /// Distance from the origin, in grid steps, within which a descent towards the origin is abandoned.
-const NEAR: f64 = 1.5;
+const ORIGIN_RANGE_STEPS: f64 = 1.5;
 /// Phase difference from a known bottom within which a descent from its neighborhood is abandoned.
-const SAME: f64 = 0.03;
+const KNOWN_BOTTOM_PHASE: f64 = 0.03;
 
 /// Objectives on the grid in their order in memory, and whether they belong to the mirror image.
-const SOUGHT: [(Objective, bool); 5] = [
+const OBJECTIVES: [(Objective, bool); 5] = [
     (Objective::Scaled, false),
     (Objective::Scaled, true),
     (Objective::Lowest, false),
@@ -47,10 +47,10 @@ const SOUGHT: [(Objective, bool); 5] = [
 const LOWEST: usize = 2;
 /// Index of the highest real branch among the objectives.
 const HIGHEST: usize = 3;
-const _: () = assert!(matches!(SOUGHT[LOWEST], (Objective::Lowest, false)));
-const _: () = assert!(matches!(SOUGHT[HIGHEST], (Objective::Highest, false)));
+const _: () = assert!(matches!(OBJECTIVES[LOWEST], (Objective::Lowest, false)));
+const _: () = assert!(matches!(OBJECTIVES[HIGHEST], (Objective::Highest, false)));
 /// Both objectives of the lowest branch are evaluated together along the ray of soft long waves.
-const _: () = assert!(2 * RAY.len() <= LANES);
+const _: () = assert!(2 * RAY_STEPS.len() <= LANES);
 
 /// Search for one objective, with the floor that its minimum must reach to matter. The scaled measure lacks the factor `1 / c^2`.
 #[derive(Clone, Copy)]
@@ -98,10 +98,10 @@ enum State {
 
 /// Numbers of grid intervals along the mirror lines, fine enough for the range of the force constants.
 pub(super) fn intervals(sums: &MirrorSums) -> [usize; 2] {
-    let [u, v] = sums.effective_reach().each(|reach| reach.max(LEAST_REACH));
+    let [u, v] = sums.effective_reach().each(|reach| reach.max(MINIMUM_REACH));
     // Half of the period of `u`; a quarter for a centered rectangle.
     let part = if sums.mirror.is_centered() { 4 } else { 2 };
-    [(DENSITY * u).div_ceil(part), (DENSITY * v).div_ceil(2)]
+    [(POINTS_PER_PERIOD * u).div_ceil(part), (POINTS_PER_PERIOD * v).div_ceil(2)]
 }
 
 /// Search for one matrix.
@@ -140,7 +140,7 @@ impl Mirrored {
         let mut sweep = Sweep {
             sums: &sums,
             waves: &waves,
-            floors: SOUGHT.each(|(objective, _)| floor(objective)),
+            floors: OBJECTIVES.each(|(objective, _)| floor(objective)),
             wells: Vec::with_capacity(16),
             lowest: 0.0,
         };
@@ -261,8 +261,8 @@ impl Mirrored {
             start([-i * u, -j * v]);
         }
         if let State::Settled(Some(along)) = best.state {
-            start(along.each(|x| ALONG_VALLEY * x));
-            start(along.each(|x| -ALONG_VALLEY * x));
+            start(along.each(|x| VALLEY_OFFSET_PHASE * x));
+            start(along.each(|x| -VALLEY_OFFSET_PHASE * x));
         }
     }
 
@@ -278,7 +278,7 @@ impl Mirrored {
         let best = own()
             .next()
             .map_or(request.floor, |well| request.floor.min(well.value));
-        for well in own().filter(|well| well.bound <= best).take(WELLS) {
+        for well in own().filter(|well| well.bound <= best).take(FOLLOWED_WELLS) {
             descents.push(Descent::from(request.objective, well.place));
         }
     }
@@ -290,17 +290,17 @@ impl Mirrored {
         let objectives = requests.iter().map(|request| request.objective);
         let objectives: Vec<Objective> =
             objectives.filter(|own| is_of_lowest_branch(*own)).collect();
-        let place = |n: usize| self.soft.each(|x| x * RAY[n]);
-        let places = || (0..RAY.len()).map(place);
+        let place = |n: usize| self.soft.each(|x| x * RAY_STEPS[n]);
+        let places = || (0..RAY_STEPS.len()).map(place);
         let all = objectives
             .iter()
             .flat_map(|own| places().map(|place| (*own, place)));
         let steps = self.stepper.at(&self.sums, &Places::new(all));
         for (number, objective) in objectives.iter().enumerate() {
-            let value = |n: usize| steps.value(number * RAY.len() + n);
+            let value = |n: usize| steps.value(number * RAY_STEPS.len() + n);
             let is_dip =
                 |n: &usize| (*n == 0 || value(*n - 1) >= value(*n)) && value(*n + 1) >= value(*n);
-            if let Some(n) = (0..RAY.len() - 1).find(is_dip) {
+            if let Some(n) = (0..RAY_STEPS.len() - 1).find(is_dip) {
                 descents.push(Descent::from(*objective, place(n)));
             }
         }
@@ -311,7 +311,7 @@ impl Mirrored {
     fn descend(&self, descents: &mut [Descent], requests: &[Request]) {
         let mut floors = Floors::new(requests, descents);
         let mut running = Vec::with_capacity(descents.len());
-        for _ in 0..STEPS {
+        for _ in 0..NEWTON_STEPS {
             running.clear();
             running.extend((0..descents.len()).filter(|n| descents[*n].state == State::Running));
             if running.is_empty() {
@@ -409,13 +409,13 @@ impl Descent {
         let length =
             |step: [f64; 2]| (step[0].abs() * reach[0] as f64).max(step[1].abs() * reach[1] as f64);
         let value = here.value(lane);
-        if value == f64::INFINITY && search.steps_from_origin(self.last) < NEAR {
+        if value == f64::INFINITY && search.steps_from_origin(self.last) < ORIGIN_RANGE_STEPS {
             self.state = State::Left;
             return;
         }
         if value.is_nan() || value >= self.value {
             self.step = [0.25 * self.step[0], 0.25 * self.step[1]];
-            if length(self.step) < SHORT {
+            if length(self.step) < STEP_TOLERANCE_PHASE {
                 // The value belongs to the last place.
                 self.place = self.last;
                 self.state = State::Lost;
@@ -448,10 +448,10 @@ impl Descent {
         if !is_convex {
             return;
         }
-        let is_near = |bottom: [f64; 2]| (0..2).all(|n| (bottom[n] - self.place[n]).abs() < SAME);
+        let is_near = |bottom: [f64; 2]| (0..2).all(|n| (bottom[n] - self.place[n]).abs() < KNOWN_BOTTOM_PHASE);
         let is_known = self.bottom.is_some_and(is_near);
         let is_too_high = self.value - 4.0 * decrease > floor;
-        if length(self.step) < SHORT || decrease <= 1e-14 * self.value.abs() {
+        if length(self.step) < STEP_TOLERANCE_PHASE || decrease <= 1e-14 * self.value.abs() {
             self.value -= 0.5 * decrease;
             let valley = valley(&here.curvature(lane));
             self.state = State::Settled(valley);
@@ -465,7 +465,7 @@ impl Descent {
 /// Direction of a valley, if the curvatures differ by a large factor.
 fn valley(curvature: &Matrix2<f64>) -> Option<[f64; 2]> {
     let ([high, low], [_, along]) = principal(curvature);
-    (low.abs() < SHALLOW * high.abs()).then_some([along[0], along[1]])
+    (low.abs() < VALLEY_CURVATURE_RATIO * high.abs()).then_some([along[0], along[1]])
 }
 
 /// One pass over the grid.
@@ -497,7 +497,7 @@ impl Sweep<'_> {
         let [cosines, sines] = &self.waves.along;
         self.sums.rows(simd, [cosines, sines], &mut rows);
         // Values of the objectives on the last three lines.
-        let size = SOUGHT.len() * groups;
+        let size = OBJECTIVES.len() * groups;
         // Values beyond the last column are not used.
         let mut ring = vec![[0.0; FILL]; 3 * size + 1];
         for line in 0..self.waves.lines() {
@@ -541,14 +541,14 @@ impl Sweep<'_> {
                     -(mean + root),
                     p,
                 ];
-                for number in 0..SOUGHT.len() {
+                for number in 0..OBJECTIVES.len() {
                     sought[number].write(&mut values[number * groups + group], part);
                 }
             }
         }
         if line == 1 {
             // Long waves are represented by their limit.
-            for number in 0..SOUGHT.len() {
+            for number in 0..OBJECTIVES.len() {
                 values[number * groups][1] = f64::INFINITY;
             }
         }
@@ -558,10 +558,10 @@ impl Sweep<'_> {
     #[inline(always)]
     fn find<S: Simd>(&mut self, simd: S, line: usize, ring: &[f64]) {
         let width = self.waves.width;
-        let size = SOUGHT.len() * width;
+        let size = OBJECTIVES.len() * width;
         let [last_column, last_line] = self.waves.intervals.each(|n| n + 1);
-        for number in 0..SOUGHT.len() {
-            let (objective, is_image) = SOUGHT[number];
+        for number in 0..OBJECTIVES.len() {
+            let (objective, is_image) = OBJECTIVES[number];
             // On the mirror lines wave and image coincide.
             if is_image && (line == 1 || line == last_line) {
                 continue;
@@ -595,10 +595,10 @@ impl Sweep<'_> {
     fn record(&mut self, number: usize, at: [usize; 2], ring: &[f64]) {
         let around = |number: usize| {
             let lines = [at[1] + 2, at[1], at[1] + 1];
-            let start = |line: usize| (line % 3 * SOUGHT.len() + number) * self.waves.width;
+            let start = |line: usize| (line % 3 * OBJECTIVES.len() + number) * self.waves.width;
             lines.each(|line| [0, 1, 2].each(|n| ring[start(line) + at[0] - 1 + n]))
         };
-        let (objective, is_image) = SOUGHT[number];
+        let (objective, is_image) = OBJECTIVES[number];
         let [a, b, c] = around(number);
         let value = b[1];
         let (_, highest) = range([a, b, c].as_flattened());

@@ -8,7 +8,8 @@
 //! 3. Pockets of complex `omega^2` between the grid points are predicted from derivatives (`bloch::pocket`).
 //!
 //! Long waves are not sampled but represented by the limit `k -> 0`. The extremes are sampled values. Only the `bounded` variants add a guaranteed
-//! lower bound of the scaled measure, for periodic matrices, by branch and bound (`bloch::bound`).
+//! lower bound of the scaled measure, for periodic matrices, by branch and bound (`bloch::bound`). Constants without a stated derivation are
+//! heuristic; the tests `hunt` compare random states with a dense search.
 
 mod descent;
 mod grid;
@@ -16,7 +17,7 @@ mod mirrored;
 mod steps;
 
 use super::bound::{self, Measure, Question};
-use super::pocket::{Around, FINER, Order, Pockets};
+use super::pocket::{Around, HALVED_STEP_POINTS, Order, Pockets};
 use super::short_range::ShortRange;
 use super::spectrum::{Judgment, Mode, SpectrumSummary, Stability};
 use super::{DynamicalMatrix, IsEnded, growth_rate, is_shown_reversed};
@@ -33,33 +34,35 @@ use nalgebra::{SMatrix, SVector};
 use std::sync::{Arc, OnceLock};
 
 /// Tolerance for zero of scaled measures, as a multiple of the rounding error of the long-wave stiffness.
-const ROUNDING: f64 = 4.0;
+const ROUNDING_FACTOR: f64 = 4.0;
 /// Largest scaled measure of a nearly unstable state. Wells that may reach below it are followed to their bottoms, so that the measure is accurate
 /// along a path that approaches instability.
-const ACCURATE: f64 = 1e-3;
+const SOFT_MEASURE: f64 = 1e-3;
 /// Growth rate of the slowest flutter that counts, as a fraction of sound speed over particle spacing. Slower growth is rounding of complex
 /// eigenvalues.
-const FLUTTER: f64 = 1e-7;
+const FLUTTER_TOLERANCE: f64 = 1e-7;
 /// Largest growth rate of slow divergence, as a fraction of sound speed over particle spacing. All flutter is searched in states that diverge slowly;
 /// otherwise only faster flutter matters.
-const RIVAL: f64 = 0.05;
+const SLOW_DIVERGENCE: f64 = 0.05;
 /// Smallest tolerance of scaled measures: a few times `f64::EPSILON`, the rounding error of `c^2` itself.
-const LEAST: f64 = 1e-15;
+const MINIMUM_TOLERANCE: f64 = 1e-15;
 /// Largest squared wave speed over `c^2` that is zero to rounding, where no sum of force constants gives a better estimate.
-const ZERO: f64 = 1e-13;
+const ZERO_SPEED_SQUARED: f64 = 1e-13;
+/// Largest wave number of a long wave, as a fraction of a reciprocal vector. The limit `k -> 0` represents such waves.
+pub(in crate::bloch) const LONG_WAVE_FRACTION: f64 = 1e-3;
 /// Maximum number of predicted pockets of complex `omega^2` that are refined.
-const POCKETS: usize = 1 << 14;
+const REFINED_POCKETS: usize = 1 << 14;
 /// Number of refined pockets that start a maximization of growth, fastest first.
-const FOLLOWED: usize = 16;
+const FOLLOWED_POCKETS: usize = 16;
 /// Distances from `k = 0` of starts along the softest or fastest growing long waves, in grid steps. The grid can miss wells that open there, because
 /// they are narrow in angle.
-const RAY: [f64; 4] = [0.15, 0.35, 0.7, 1.2];
+const RAY_STEPS: [f64; 4] = [0.15, 0.35, 0.7, 1.2];
 /// Distances of [`RAY_STEPS`] with a shorter one, for softness that needs the relaxation of the particles of a cell and is lost at shorter waves.
-pub(in crate::bloch) const RELAXED_RAY: [f64; 5] = [0.05, RAY[0], RAY[1], RAY[2], RAY[3]];
+pub(in crate::bloch) const RELAXED_RAY_STEPS: [f64; 5] = [0.05, RAY_STEPS[0], RAY_STEPS[1], RAY_STEPS[2], RAY_STEPS[3]];
 /// Grid points per period of the fastest phase, to find a witness of instability.
-const COARSE: usize = 6;
+const COARSE_POINTS_PER_PERIOD: usize = 6;
 /// Grid points per period of the fastest phase, to find all wells.
-const FINE: usize = 9;
+const FINE_POINTS_PER_PERIOD: usize = 9;
 
 /// Search over the Brillouin zone of one lattice, with the speed `c` of the scaled measure `omega^2 / (c^2 |k|_h^2)`.
 #[derive(Clone, Debug)]
@@ -285,7 +288,7 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// Growth rate of divergence as the rate that flutter must exceed; zero if the divergence is slow.
     pub(in crate::bloch) fn as_rival(&self, growth: f64, sites: usize) -> f64 {
-        match growth > RIVAL * self.speed_over_spacing(sites) {
+        match growth > SLOW_DIVERGENCE * self.speed_over_spacing(sites) {
             true => growth,
             false => 0.0,
         }
@@ -312,7 +315,7 @@ impl<const D: usize> ZoneSearch<D> {
         let rest = self.rest(matrix, long_wave.scaled);
         let tolerance = self.tolerance(matrix);
         let followed = [Objective::Scaled, Objective::Lowest, Objective::Highest];
-        let mut wells = self.wells(matrix, FINE, &followed, &long_wave, &rest);
+        let mut wells = self.wells(matrix, FINE_POINTS_PER_PERIOD, &followed, &long_wave, &rest);
         let bottom = wells.bottom(self, matrix, Objective::Scaled, long_wave.scaled);
         let softest = self.softest(matrix, bottom, long_wave);
         let (softest, bound) = match is_bounded.filter(|_| self.is_periodic) {
@@ -366,7 +369,7 @@ impl<const D: usize> ZoneSearch<D> {
         let question = Question {
             known: known.scaled,
             gap: bound::GAP * scale + self.tolerance(matrix),
-            widest: bound::WIDEST * scale,
+            widest: bound::WIDEST_GAP * scale,
             budget: bound::BUDGET,
             value: &|k| self.value_at(matrix, Objective::Scaled, k),
             descended: &|(value, k)| {
@@ -466,7 +469,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
         // The wells of a Hermitian matrix are followed from the coarse grid too.
         let is_coarse = matrix.is_hermitian() || beside.is_none();
-        let points_per_period = if is_coarse { COARSE } else { FINE };
+        let points_per_period = if is_coarse { COARSE_POINTS_PER_PERIOD } else { FINE_POINTS_PER_PERIOD };
         let followed = [Objective::Scaled];
         let mut wells = self.wells(matrix, points_per_period, &followed, &long_wave, &rest);
         if let Wells::Grid(grid) = &wells {
@@ -476,12 +479,12 @@ impl<const D: usize> ZoneSearch<D> {
             }
             // Branches of a matrix that is not Hermitian can be complex in small pockets.
             if is_coarse && !matrix.is_hermitian() {
-                wells = Wells::Grid(Box::new(self.grid(matrix, FINE, long_wave.wave_vector)));
+                wells = Wells::Grid(Box::new(self.grid(matrix, FINE_POINTS_PER_PERIOD, long_wave.wave_vector)));
             }
         }
         let lowest = |wells: &Wells<D>, floor| wells.bottom(self, matrix, Objective::Scaled, floor);
         let is_soft = least.0 <= soft;
-        let floor = if is_soft { long_wave.scaled } else { ACCURATE };
+        let floor = if is_soft { long_wave.scaled } else { SOFT_MEASURE };
         let mut bottom = lowest(&wells, floor);
         if let Some(bottom) = bottom {
             least = lower(least, bottom);
@@ -598,7 +601,7 @@ impl<const D: usize> ZoneSearch<D> {
         let metric = self.reference().long_wave_metric();
         let value = plain.eigenvalue.re / self.speed_squared;
         let witness = value / plain.direction.dot(&(metric * plain.direction));
-        if value >= -ZERO {
+        if value >= -ZERO_SPEED_SQUARED {
             let least = value.max(0.0) / metric.trace();
             return mode(&mapped, map * mapped.direction, softest.max(least));
         }
@@ -627,18 +630,18 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// Tolerance of scaled measures; smaller magnitudes are zero to rounding.
     pub fn tolerance(&self, matrix: &DynamicalMatrix<D>) -> f64 {
-        self.told(ROUNDING * matrix.long_wave_noise())
+        self.told(ROUNDING_FACTOR * matrix.long_wave_noise())
     }
 
     /// Scaled measure of a rounding error of a squared wave speed. It is at least the rounding error of `c^2`, because the force constants of weakly
     /// coupled particles are sums of that magnitude.
     pub(in crate::bloch) fn told(&self, noise: f64) -> f64 {
-        (noise / self.speed_squared).max(LEAST)
+        (noise / self.speed_squared).max(MINIMUM_TOLERANCE)
     }
 
     /// Smallest growth rate of complex `omega^2` that counts as flutter. 1/time.
     pub(in crate::bloch) fn flutter_threshold(&self, sites: usize) -> f64 {
-        FLUTTER * self.speed_over_spacing(sites)
+        FLUTTER_TOLERANCE * self.speed_over_spacing(sites)
     }
 
     /// Sound speed over particle spacing, for cells of `sites` particles. 1/time.
@@ -680,7 +683,7 @@ impl<const D: usize> ZoneSearch<D> {
         let direction = map * fastest.direction;
         let reciprocal = self.reference().reciprocal().column(0).norm();
         let along = |steps: f64| direction * (steps * step * reciprocal / direction.norm());
-        RELAXED_RAY.map(along).to_vec()
+        RELAXED_RAY_STEPS.map(along).to_vec()
     }
 
     /// Points of high symmetry, moved into the searched zone if `D` is not periodic.
@@ -901,8 +904,8 @@ impl<const D: usize> ZoneSearch<D> {
             steps: self.reference().reciprocal() * (stride as f64 / grid.waves.resolution() as f64),
             threshold: self.flutter_threshold(1).max(rival),
             rival,
-            most: POCKETS,
-            finer: FINER,
+            most: REFINED_POCKETS,
+            finer: HALVED_STEP_POINTS,
         };
         pockets.around(points.into_iter())
     }
@@ -979,7 +982,7 @@ impl<const D: usize> ZoneSearch<D> {
                     self.pockets(matrix, grid, rival)
                         .iter()
                         .copied()
-                        .take(FOLLOWED),
+                        .take(FOLLOWED_POCKETS),
                 )
                 .map(|k| self.settled(matrix, Objective::Growth, k, floor))
                 .collect(),

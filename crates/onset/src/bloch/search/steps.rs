@@ -1,6 +1,7 @@
 //! Objectives with derivatives, and Newton steps, at several wave vectors of a matrix with a mirror line simultaneously.
 
 use super::Objective;
+use super::descent::CONVEXITY_RATIO;
 use crate::algebra::{Each, Mask, Pack, sines_and_cosines};
 use crate::bloch::mirror::{LANES, Lanes, MirrorSums, Multiples};
 use crate::lattice::{BravaisLattice, HARMONICS, Mirror, MirrorWaves};
@@ -8,13 +9,11 @@ use nalgebra::{Matrix2, Vector2};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Phase of the longest wave that is sampled; the limit covers longer waves.
-const LONG_WAVE: f64 = 5e-3;
+const LONG_WAVE_PHASE: f64 = 5e-3;
 /// Distance from the origin, in grid steps, within which the discriminant is not searched; it vanishes there with the fourth power of `k`.
-const FLAT: f64 = 0.5;
-/// Smallest determinant of a clearly positive curvature, over the square of the trace; the same value as in `newton_step` for a single wave vector.
-const DOUBT: f64 = 1e-6;
+const ORIGIN_RANGE_STEPS: f64 = 0.5;
 /// Distance, in grid steps, within which branches that nearly cross count as crossing.
-const CROSSING: f64 = 2.0;
+const CROSSING_RANGE_STEPS: f64 = 2.0;
 
 /// Lattice Laplacian `|k|_h^2` as a function of the phases along the mirror lines.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +35,7 @@ impl Laplacian {
 
     /// Evaluates it from sines and cosines of multiples of half the phases.
     #[inline(always)]
-    fn at<S: Simd>(&self, [u, v]: [&Multiples<S, HALVES>; 2]) -> Jet<S> {
+    fn at<S: Simd>(&self, [u, v]: [&Multiples<S, HALF_PHASE_MULTIPLES>; 2]) -> Jet<S> {
         let zero = u.sines[0];
         let mut sum = Jet([zero; 6]);
         for n in 0..2 {
@@ -62,7 +61,7 @@ impl Laplacian {
 }
 
 /// Number of multiples of half a phase: up to the largest coordinate of a primitive vector.
-const HALVES: usize = Mirror::REACH as usize + 1;
+const HALF_PHASE_MULTIPLES: usize = Mirror::REACH as usize + 1;
 
 /// Function of `u` and `v`: value, and derivatives with respect to `u`, `v`, `uu`, `uv`, `vv`.
 #[derive(Clone, Copy)]
@@ -89,7 +88,7 @@ impl<S: Simd> Jet<S> {
                 sum.0[n] = x[n].times_plus(y[0], sum.0[n]);
             }
         }
-        for (n, i, j) in SECOND {
+        for (n, i, j) in SECOND_DERIVATIVES {
             sum.0[n] = x[i].times_plus(y[j], sum.0[n]);
             sum.0[n] = x[j].times_plus(y[i], sum.0[n]);
         }
@@ -109,7 +108,7 @@ impl<S: Simd> Jet<S> {
         for n in 1..6 {
             composed.0[n] = own[n] * first;
         }
-        for (n, i, j) in SECOND {
+        for (n, i, j) in SECOND_DERIVATIVES {
             composed.0[n] = (own[i] * own[j]).times_plus(second, composed.0[n]);
         }
         composed
@@ -128,7 +127,7 @@ impl<S: Simd> Jet<S> {
         for n in 1..3 {
             own[n] = own[n] * inverse;
         }
-        for (n, i, j) in SECOND {
+        for (n, i, j) in SECOND_DERIVATIVES {
             own[n] = (own[n] - own[i] * scale[j] - own[j] * scale[i]) * inverse;
         }
         quotient
@@ -155,7 +154,7 @@ impl<S: Simd> Jet<S> {
 }
 
 /// Indices of the second derivatives, each with the indices of its two first derivatives.
-const SECOND: [(usize, usize, usize); 3] = [(3, 1, 1), (4, 1, 2), (5, 2, 2)];
+const SECOND_DERIVATIVES: [(usize, usize, usize); 3] = [(3, 1, 1), (4, 1, 2), (5, 2, 2)];
 
 /// Evaluation of the objectives on a lattice and its grid.
 #[derive(Clone, Copy, Debug)]
@@ -172,7 +171,7 @@ pub(super) struct Steps {
     /// Step to the bottom of the paraboloid, and the decrease of the tangent plane along it; the decrease is infinite if there may be no minimum.
     step: [Lanes; 2],
     decrease: Lanes,
-    /// Negative where branches may cross within [`CROSSING`] grid steps.
+    /// Negative where branches may cross within [`CROSSING_RANGE_STEPS`] grid steps.
     distance: Lanes,
 }
 
@@ -268,7 +267,7 @@ impl Stepper {
         let mut objective = mean.times_plus(sign, &branch);
         let is_scaled = is(sought, Objective::Scaled);
         if is_scaled.any() {
-            let least = u.constant(LONG_WAVE * LONG_WAVE * self.laplacian.vectors[0].0);
+            let least = u.constant(LONG_WAVE_PHASE * LONG_WAVE_PHASE * self.laplacian.vectors[0].0);
             let is_long = is_scaled.and(laplacian.0[0].is_below(least));
             objective = objective.or(is_scaled, &objective.over(laplacian));
             objective.0[0] = is_long.select(infinite, objective.0[0]);
@@ -276,8 +275,8 @@ impl Stepper {
         let is_discriminant = is(sought, Objective::Discriminant);
         if is_discriminant.any() {
             let [width, height] = self.grid;
-            let is_beside = u.abs().is_below(u.constant(FLAT * width));
-            let is_near = is_beside.and(v.abs().is_below(v.constant(FLAT * height)));
+            let is_beside = u.abs().is_below(u.constant(ORIGIN_RANGE_STEPS * width));
+            let is_near = is_beside.and(v.abs().is_below(v.constant(ORIGIN_RANGE_STEPS * height)));
             objective = objective.or(is_discriminant, p);
             objective.0[0] = is_discriminant
                 .and(is_near)
@@ -341,8 +340,8 @@ impl StepsAt<'_> {
         };
         let (half_u, half_v) = (halves(u), halves(v));
         for group in 0..count.div_ceil(S::F64_LANES) {
-            let half_u = Multiples::<S, HALVES>::of_group(simd, &half_u, group, HALVES - 1);
-            let half_v = Multiples::<S, HALVES>::of_group(simd, &half_v, group, HALVES - 1);
+            let half_u = Multiples::<S, HALF_PHASE_MULTIPLES>::of_group(simd, &half_u, group, HALF_PHASE_MULTIPLES - 1);
+            let half_v = Multiples::<S, HALF_PHASE_MULTIPLES>::of_group(simd, &half_v, group, HALF_PHASE_MULTIPLES - 1);
             let ((su, cu), (sv, cv)) = (half_u.turn(2), half_v.turn(2));
             let [reach, other] = self.sums.reach;
             let first = Multiples::<S, COUNT>::of(su, cu, reach);
@@ -400,7 +399,7 @@ impl Steps {
         let determinant = own[3] * own[5] - own[4] * own[4];
         let is_certain = zero
             .is_below(trace)
-            .and((trace * trace * zero.constant(DOUBT)).is_below(determinant));
+            .and((trace * trace * zero.constant(CONVEXITY_RATIO)).is_below(determinant));
         let inverse = one / determinant;
         let mut u = (own[4] * own[2] - own[5] * own[1]) * inverse;
         let mut v = (own[4] * own[1] - own[3] * own[2]) * inverse;
@@ -421,7 +420,7 @@ impl Steps {
             .write(&mut self.decrease, group);
         let mut distance = p[0];
         for axis in 0..2 {
-            let step = CROSSING * stepper.grid[axis];
+            let step = CROSSING_RANGE_STEPS * stepper.grid[axis];
             distance = distance - p[1 + axis].abs() * zero.constant(step);
             distance = distance - p[3 + 2 * axis].abs() * zero.constant(0.5 * step * step);
         }

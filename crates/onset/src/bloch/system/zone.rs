@@ -10,16 +10,17 @@
 //! 3. If the forces do not derive from an energy, pockets of complex `omega^2` are predicted from the derivatives at grid points (`bloch::pocket`).
 //! 4. On request, branch and bound computes a lower bound (`bloch::bound`).
 //!
-//! Only the bound is guaranteed. The extremes themselves are sampled values.
+//! Only the bound is guaranteed. The extremes themselves are sampled values. Constants without a stated derivation are heuristic; the tests `hunt`
+//! compare random states with a dense search.
 
 use super::WaveSystem;
 use crate::algebra::{
     Complex, Decomposition, Each, is_well, lowest_between, neighbors, settled, sort_by_value,
 };
-use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, WIDEST, cover_system};
+use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, WIDEST_GAP, cover_system};
 use crate::bloch::branches::Taylor;
-use crate::bloch::pocket::{Around, FINER, Pockets};
-use crate::bloch::search::{Flutter, RELAXED_RAY};
+use crate::bloch::pocket::{Around, HALVED_STEP_POINTS, Pockets};
+use crate::bloch::search::{Flutter, LONG_WAVE_FRACTION, RELAXED_RAY_STEPS};
 use crate::bloch::short_range::ShortRange;
 use crate::bloch::{IsEnded, Judgment, Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
 use crate::continuum::{AcousticMinimum, Stiffness};
@@ -33,46 +34,43 @@ use std::sync::{Arc, OnceLock};
 const POINTS_PER_PERIOD: usize = 10;
 /// Tolerance for zero, as a multiple of the rounding error of lattice sums. Force constants also carry the rounding error of their shape functions,
 /// which is several times larger.
-const ROUNDING: f64 = 16.0;
+const ROUNDING_FACTOR: f64 = 16.0;
 /// Noise factor: at the smallest wave number tested for growth, the long-wave limit predicts this multiple of the rounding error.
-const TOLD: f64 = 8.0;
+const LONG_WAVE_NOISE_FACTOR: f64 = 8.0;
 /// Number of wave numbers tested for growth, two octaves apart.
-const FOLLOWED: i32 = 5;
+const TESTED_WAVE_NUMBERS: i32 = 5;
 /// Tolerance, in octaves, of the wave number of the fastest growing long wave.
-const NARROWED: f64 = 1e-5;
+const PEAK_TOLERANCE_OCTAVES: f64 = 1e-5;
 /// Accepted gap between an extreme squared frequency and its bound, relative to the largest squared frequency of a wave at speed `c`.
 const FREQUENCY_GAP: f64 = 1e-6;
-/// Divisor of the box budget for the bounds of the largest and the smallest squared frequency, which are less important than the bound of the scaled
-/// measure.
-const FREQUENCY_SHARE: usize = 4;
+/// Divisor of the box budget for the bounds of the largest and the smallest squared frequency.
+const FREQUENCY_BUDGET_DIVISOR: usize = 4;
 /// Maximum gap between a bound and the smallest value, relative to this value. Beyond it the wells of the grid are followed too.
-const LOOSE: f64 = 1e-3;
+const LOOSE_BOUND_RATIO: f64 = 1e-3;
 /// Minimum fraction of the largest known growth rate at which a wave is followed further although Newton's method has not converged. A heuristic
 /// value.
-const PROMISING: f64 = 0.7;
+const FOLLOWED_GROWTH_RATIO: f64 = 0.7;
 /// Relative tolerance of squared frequencies: a wave that is no lower than the wave at `k = 0` is replaced by it.
-const ALIKE: f64 = 1e-9;
+const EQUAL_FREQUENCY_TOLERANCE: f64 = 1e-9;
 /// Distance from a known bottom, in grid steps, within which a descent that ends no lower has reached the same bottom.
-const AT_BOTTOM: f64 = 0.02;
+const KNOWN_BOTTOM_STEPS: f64 = 0.02;
 /// Number of times that boxes are halved.
-const DIVISIONS: usize = 2;
+const BOX_DIVISIONS: usize = 2;
 /// Number of lowest branches that are checked for wells between the grid points.
-const BRANCHES: usize = 3;
+const TRACKED_BRANCHES: usize = 3;
 /// Minimum number of degrees of freedom of a large cell. Each eigenvalue problem then uses a separate core, and fewer descents start.
-const LARGE: usize = 24;
+const LARGE_CELL_SIZE: usize = 24;
 /// Minimum number of degrees of freedom of a huge cell. Its zone is so small that a few grid points resolve it.
-const HUGE: usize = 96;
-/// Change of a branch within half a grid step, as a fraction of its change within a whole step. It exceeds one half as a margin for curvature.
-const HALF: f64 = 0.6;
+const HUGE_CELL_SIZE: usize = 96;
+/// Change of a branch within half a grid step, as a fraction of its change within a whole step. It exceeds one half because branches curve.
+const HALF_STEP_CHANGE: f64 = 0.6;
 /// Grid points along a reciprocal vector with damping, where each value takes the eigenvalues of many time steps. The extreme time steps belong to
 /// short waves, which vary slowly over the zone.
-const DAMPED_GRID: usize = 12;
+const DAMPED_GRID_POINTS: usize = 12;
 /// Wells followed to their bottoms with damping.
 const DAMPED_WELLS: usize = 4;
 /// Half the side of the cube of points around `k = 0`, in grid steps: the largest shell of long waves.
-const SHELL: usize = 4;
-/// Largest wave number of a long wave, as a fraction of the shortest reciprocal vector. The long-wave limit represents such waves.
-const LONG: f64 = 1e-3;
+const SHELL_STEPS: usize = 4;
 
 /// Value of the objective, and its wave vector.
 type Candidate<const D: usize> = (f64, SVector<f64, D>);
@@ -119,7 +117,7 @@ impl<const D: usize> ZoneSearch<D> {
         let mut sweep = Sweep::new(self, system, Some(is_ended));
         sweep.function = Some(function);
         if system.damping().is_some() {
-            sweep.waves = self.grid_of(DAMPED_GRID);
+            sweep.waves = self.grid_of(DAMPED_GRID_POINTS);
             sweep.effort.wells = sweep.effort.wells.min(DAMPED_WELLS);
             sweep.effort.boxes = sweep.effort.boxes.min(DAMPED_WELLS);
             sweep.effort.leaves = sweep.effort.leaves.min(DAMPED_WELLS);
@@ -382,12 +380,12 @@ impl Effort {
             boxes,
             leaves,
             pockets,
-            finer: if system.size() < HUGE {
-                FINER
+            finer: if system.size() < HUGE_CELL_SIZE {
+                HALVED_STEP_POINTS
             } else {
-                FINER / 8
+                HALVED_STEP_POINTS / 8
             },
-            is_large: system.size() >= LARGE,
+            is_large: system.size() >= LARGE_CELL_SIZE,
         }
     }
 }
@@ -413,7 +411,7 @@ struct Fall {
 impl<const D: usize> Region<D> {
     /// Creates a box from the estimated fall of each branch.
     fn new(center: SVector<f64, D>, branches: Vec<f64>, falls: impl Fn(usize) -> Fall) -> Self {
-        let lowest = branches.iter().take(BRANCHES).enumerate();
+        let lowest = branches.iter().take(TRACKED_BRANCHES).enumerate();
         let bounds = lowest.map(|(n, value)| (n, value - falls(n).most, value - falls(n).expected));
         let (branch, bound, expected) =
             bounds
@@ -445,13 +443,13 @@ impl Fall {
     fn between(ahead: f64, behind: f64) -> Self {
         let steepest = ahead.abs().max(behind.abs());
         let (slope, curvature) = (0.5 * (ahead - behind).abs(), ahead + behind);
-        let expected = if slope < HALF * curvature {
+        let expected = if slope < HALF_STEP_CHANGE * curvature {
             0.5 * slope * slope / curvature
         } else {
-            HALF * steepest
+            HALF_STEP_CHANGE * steepest
         };
         Self {
-            most: HALF * steepest,
+            most: HALF_STEP_CHANGE * steepest,
             expected,
         }
     }
@@ -578,7 +576,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         }
         let lowest = spectrum.iter().map(|z| z.re).fold(f64::INFINITY, f64::min);
         let measure = self.scaled(&k, lowest);
-        let is_told = measure < -long.tolerance && lowest < -ROUNDING * self.system.noise();
+        let is_told = measure < -long.tolerance && lowest < -ROUNDING_FACTOR * self.system.noise();
         is_told.then_some((measure, k))
     }
 
@@ -587,7 +585,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let at_rest = self.at_rest.iter().map(|value| value.re);
         let least = at_rest.fold(f64::INFINITY, f64::min);
         let strains = self.system.rigid_translation().amax() > 0.0;
-        if strains && least >= -ROUNDING * self.system.noise() {
+        if strains && least >= -ROUNDING_FACTOR * self.system.noise() {
             // A translation that costs energy excludes long waves of vanishing frequency. Free modes near it are found at finite wave vectors.
             mode.scaled = f64::INFINITY;
         }
@@ -607,7 +605,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// function of octaves above this wave number.
     fn longest_told(&self, limit: &Mode<D>) -> (f64, impl Fn(f64) -> f64) {
         let stiffness = -limit.scaled * self.search.speed_squared();
-        let longest = (TOLD * ROUNDING * self.system.noise() / stiffness).sqrt();
+        let longest = (LONG_WAVE_NOISE_FACTOR * ROUNDING_FACTOR * self.system.noise() / stiffness).sqrt();
         let direction = limit.wave_vector.normalize();
         let lowest = move |octaves: f64| {
             let k = direction * (longest * octaves.exp2());
@@ -620,8 +618,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Returns true if finite waves grow along a direction of negative long-wave stiffness.
     fn is_followed(&self, limit: &Mode<D>) -> bool {
         let (_, lowest) = self.longest_told(limit);
-        let noise = ROUNDING * self.system.noise();
-        (0..FOLLOWED).any(|n| lowest(f64::from(2 * n)) < -noise)
+        let noise = ROUNDING_FACTOR * self.system.noise();
+        (0..TESTED_WAVE_NUMBERS).any(|n| lowest(f64::from(2 * n)) < -noise)
     }
 
     /// Fastest growing wave along a direction of negative long-wave stiffness, among waves longer than the grid resolves. Particles of a cell that
@@ -633,10 +631,10 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let values = (0..=octaves as usize).map(|n| (lowest(n as f64), n as f64));
         let (value, best) = values.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let at = |octaves: f64| Ok::<f64, Infallible>(lowest(octaves));
-        let Ok((octaves, _)) = lowest_between(at, [best - 1.0, best, best + 1.0], value, NARROWED);
+        let Ok((octaves, _)) = lowest_between(at, [best - 1.0, best, best + 1.0], value, PEAK_TOLERANCE_OCTAVES);
         let k = limit.wave_vector.normalize() * (longest * octaves.exp2());
         let mode = self.mode(&k);
-        (mode.omega_squared.re < -ROUNDING * self.system.noise()).then_some(mode)
+        (mode.omega_squared.re < -ROUNDING_FACTOR * self.system.noise()).then_some(mode)
     }
 
     fn softest(&self, long: &LongWaves<D>) -> Softest<D> {
@@ -665,7 +663,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .then(|| self.lowest(Objective::Lowest, rest.omega_squared.re, &softest))
             .flatten()
             .map(|(_, k)| self.mode(&k))
-            .filter(|mode| mode.omega_squared.re < rest.omega_squared.re * (1.0 + ALIKE))
+            .filter(|mode| mode.omega_squared.re < rest.omega_squared.re * (1.0 + EQUAL_FREQUENCY_TOLERANCE))
             .or_else(|| {
                 let is_limit = softest.is_long_wave && softest.scaled < -long.of_limit;
                 (is_limit && !grows_at_rest)
@@ -679,7 +677,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             false => self.rounding_at(&softest),
         };
         let is_rounding = softest.scaled >= -rounding
-            && lowest.omega_squared.re >= -ROUNDING * self.system.noise();
+            && lowest.omega_squared.re >= -ROUNDING_FACTOR * self.system.noise();
         Softest {
             softest,
             lowest: if is_rounding { rest } else { lowest },
@@ -708,7 +706,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let distance = |n: &usize| (all.values[*n] - mode.omega_squared).norm();
         let nearest = (0..all.values.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let condition = nearest.map_or(1.0, |n| all.left(n).norm() * all.right(n).norm());
-        let noise = ROUNDING * self.system.noise() * condition;
+        let noise = ROUNDING_FACTOR * self.system.noise() * condition;
         noise / (self.search.speed_squared() * self.search.reference().laplacian(&k))
     }
 
@@ -816,20 +814,20 @@ impl<'a, const D: usize> Sweep<'a, D> {
                     .abs()
                     .max(speed_squared * self.search.largest_laplacian()),
                 FREQUENCY_GAP,
-                BUDGET / FREQUENCY_SHARE,
+                BUDGET / FREQUENCY_BUDGET_DIVISOR,
             ),
         };
         let question = Question {
             known,
             gap: gap * scale + self.margin(objective),
-            widest: WIDEST * scale,
+            widest: WIDEST_GAP * scale,
             budget,
             value: &|k| self.value(objective, k),
             descended: &|start| self.followed(objective, 0, start, f64::INFINITY, &[]),
             is_ended: self.is_ended,
         };
         let mut covered = cover_system(self.system, measure, self.search.reference(), &question)?;
-        let is_loose = covered.bound < covered.lowest - LOOSE * covered.lowest.abs();
+        let is_loose = covered.bound < covered.lowest - LOOSE_BOUND_RATIO * covered.lowest.abs();
         if is_loose || !is_hermitian {
             // If the bound does not determine the value, the wells of the grid are searched too.
             let lower = self.bottom(objective, covered.lowest);
@@ -944,7 +942,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Rounding of `omega^2`, which does not decrease with the wave vector, counts as zero. Otherwise zero-energy modes would seem to grow for long
     /// waves.
     fn scaled(&self, k: &SVector<f64, D>, omega_squared: f64) -> f64 {
-        if omega_squared.abs() <= ROUNDING * self.system.noise() {
+        if omega_squared.abs() <= ROUNDING_FACTOR * self.system.noise() {
             return 0.0;
         }
         omega_squared / (self.search.speed_squared() * self.search.reference().laplacian(k))
@@ -955,7 +953,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let lattice = self.search.reference();
         let smallest = lattice.reciprocal().column_iter().map(|b| b.norm());
         let smallest = smallest.fold(f64::INFINITY, f64::min);
-        lattice.laplacian(k) < (LONG * smallest).powi(2)
+        lattice.laplacian(k) < (LONG_WAVE_FRACTION * smallest).powi(2)
     }
 
     /// Smallest bottom that a descent finds.
@@ -1064,7 +1062,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Starts of descents along a ray, given one grid step along it. In large cells only the lowest of them.
     fn along_ray(&self, objective: Objective, step: &SVector<f64, D>) -> Vec<Candidate<D>> {
         let start = |steps: f64| (self.value(objective, &(step * steps)), step * steps);
-        let mut starts = RELAXED_RAY.each(start).to_vec();
+        let mut starts = RELAXED_RAY_STEPS.each(start).to_vec();
         if self.effort.is_large {
             sort_by_value(&mut starts, |start| start.0);
             starts.truncate(1);
@@ -1084,13 +1082,13 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// step. In higher dimensions their number would be comparable to the size of the grid.
     fn beside(&self, k: &SVector<f64, D>) -> impl Iterator<Item = SVector<f64, D>> {
         let step = self.search.reference().reciprocal().column(0) / self.waves.resolution() as f64;
-        let near = RELAXED_RAY.each(|share| [k - step * share, k + step * share]);
+        let near = RELAXED_RAY_STEPS.each(|share| [k - step * share, k + step * share]);
         near.into_iter().flatten().filter(|_| D == 1)
     }
 
     /// Differences of an objective that are rounding. Zero-energy modes have many wells of rounding.
     fn margin(&self, objective: Objective) -> f64 {
-        let noise = ROUNDING * self.system.noise();
+        let noise = ROUNDING_FACTOR * self.system.noise();
         let scale = self.search.speed_squared() * self.search.largest_laplacian();
         match objective {
             Objective::Scaled => noise / scale,
@@ -1164,7 +1162,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         });
         let mut step = self.search.reference().reciprocal() / n as f64;
         let mut side = 1.0;
-        for _ in 0..DIVISIONS {
+        for _ in 0..BOX_DIVISIONS {
             regions.retain(|region| !self.is_known(region, known, side));
             chosen(&mut regions, below, self.effort.boxes);
             let divided = |region| self.divided(objective, &region, &step);
@@ -1208,7 +1206,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             let changes = values().map(|value| (value - middle).abs());
             changes.filter(|x| x.is_finite()).fold(0.0, f64::max)
         };
-        let falls: Vec<Fall> = (0..BRANCHES).map(fall).map(Fall::of).collect();
+        let falls: Vec<Fall> = (0..TRACKED_BRANCHES).map(fall).map(Fall::of).collect();
         let part = |(k, branches)| Region::new(k, branches, |branch| falls[branch]);
         parts.into_iter().map(part).collect()
     }
@@ -1242,7 +1240,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let taylor = |k: &SVector<f64, D>| self.taylor(objective, branch, k);
         // At the edge of a pocket the growth rate is a square root, so that no parabola predicts its minimum.
         let (to_beat, floor) = match objective {
-            Objective::Growth => (f64::INFINITY, PROMISING * floor),
+            Objective::Growth => (f64::INFINITY, FOLLOWED_GROWTH_RATIO * floor),
             _ => (floor, floor),
         };
         let (bottom, is_settled) = self.search.newton(&taylor, start, to_beat);
@@ -1252,7 +1250,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let is_known = |known: &Candidate<D>| {
             self.effort.is_large
                 && known.0 <= end.0 + margin
-                && self.steps_between(&known.1, &end.1) < AT_BOTTOM
+                && self.steps_between(&known.1, &end.1) < KNOWN_BOTTOM_STEPS
         };
         if (is_settled && branch == 0) || end.0 >= floor || known.iter().any(is_known) {
             return end;
@@ -1325,7 +1323,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let lowest = self.at_rest.iter().map(|value| value.re);
         let lowest = lowest.fold(f64::INFINITY, f64::min);
         let threshold = self.search.flutter_threshold(self.system.sites()).powi(2);
-        if lowest < -threshold.max(ROUNDING * self.system.noise()) {
+        if lowest < -threshold.max(ROUNDING_FACTOR * self.system.noise()) {
             return self
                 .search
                 .over_largest_laplacian(self.mode(&SVector::zeros()));
@@ -1364,7 +1362,7 @@ fn resolution<const D: usize>(system: &WaveSystem<D>) -> usize {
         (2, 0..16) => (30, 60),
         (3, 0..8) => (18, 18),
         (2, 16..64) => (18, 24),
-        (3, 16..) | (_, HUGE..) => (6, 6),
+        (3, 16..) | (_, HUGE_CELL_SIZE..) => (6, 6),
         _ => (12, 12),
     };
     let points = POINTS_PER_PERIOD * reach;
@@ -1379,10 +1377,10 @@ fn least_of_all<const D: usize>(ends: Vec<Candidate<D>>) -> Candidate<D> {
 
 /// Points on the surface of a cube around zero, in grid steps; one of each pair of opposite points.
 fn shell<const D: usize>() -> impl Iterator<Item = SVector<f64, D>> {
-    let side = 2 * SHELL + 1;
+    let side = 2 * SHELL_STEPS + 1;
     let places = (0..side.pow(D as u32) / 2).map(move |n| grid_coordinates::<D>(n, side));
-    let centered = places.map(|place| SVector::from(place.each(|c| c as f64 - SHELL as f64)));
-    centered.filter(|place| place.amax() == SHELL as f64)
+    let centered = places.map(|place| SVector::from(place.each(|c| c as f64 - SHELL_STEPS as f64)));
+    centered.filter(|place| place.amax() == SHELL_STEPS as f64)
 }
 
 /// Half of the wave vectors of a grid; `-k` has the complex conjugate spectrum.
