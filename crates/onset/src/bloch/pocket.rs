@@ -152,7 +152,8 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
                 look(self.growth(&u), u);
             }
         };
-        let place = |n: usize| MODEL_RANGE_STEPS * (2.0 * n as f64 / (PLACES_PER_AXIS - 1) as f64 - 1.0);
+        let place =
+            |n: usize| MODEL_RANGE_STEPS * (2.0 * n as f64 / (PLACES_PER_AXIS - 1) as f64 - 1.0);
         let others = || (0..D).filter(|a| *a != crossing.axis);
         for number in 0..PLACES_PER_AXIS.pow(D as u32 - 1) {
             let (mut places, mut rest) = ([0; D], number);
@@ -585,8 +586,15 @@ where
             let coupling = (matrix[(i, j)] * matrix[(j, i)]).modulus().sqrt();
             (matrix[(i, i)] - matrix[(j, j)]).modulus() + 2.0 * coupling
         };
-        let first: f64 = self.first.iter().map(|m| MODEL_RANGE_STEPS * change(m)).sum();
-        let bent: f64 = second.iter().map(|m| 0.5 * MODEL_RANGE_STEPS * MODEL_RANGE_STEPS * change(m)).sum();
+        let first: f64 = self
+            .first
+            .iter()
+            .map(|m| MODEL_RANGE_STEPS * change(m))
+            .sum();
+        let bent: f64 = second
+            .iter()
+            .map(|m| 0.5 * MODEL_RANGE_STEPS * MODEL_RANGE_STEPS * change(m))
+            .sum();
         let second = bent + others.max(0.0);
         let values = self.values.as_ref();
         let may_meet = (values[i] - values[j]).modulus() <= first + second;
@@ -619,7 +627,7 @@ where
 
 #[cfg(test)]
 mod tests {
-    use super::{PLACES_PER_AXIS, Pair, MODEL_RANGE_STEPS, can_beat, growth_rate};
+    use super::{MODEL_RANGE_STEPS, PLACES_PER_AXIS, Pair, can_beat, growth_rate};
     use crate::algebra::{Complex, array_of, uniform};
 
     #[test]

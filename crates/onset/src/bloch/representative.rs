@@ -86,7 +86,8 @@ impl<const D: usize> ZoneSearch<D> {
     /// Returns true if the softest wave is long and equals the long-wave limit up to rounding.
     fn is_limit(&self, found: &SpectrumSummary<D>) -> bool {
         let (softest, limit) = (&found.softest, found.long_wave.scaled);
-        let is_long = self.reference().fractional(&softest.wave_vector).amax() < LIMIT_WAVE_FRACTION;
+        let is_long =
+            self.reference().fractional(&softest.wave_vector).amax() < LIMIT_WAVE_FRACTION;
         let apart = (softest.scaled - limit).abs();
         !softest.is_long_wave && is_long && apart <= SEARCH_ACCURACY * limit.abs() + found.tolerance
     }
@@ -140,19 +141,19 @@ impl<const D: usize> ZoneSearch<D> {
             let shortest = zone.as_short(k);
             shortest.into_iter().flat_map(|k| [k, -k])
         });
-        let first =
-            candidates.reduce(
-                |best, other| match is_before(&other, &best, SEARCH_ACCURACY * size) {
-                    true => other,
-                    false => best,
-                },
-            );
-        let k = first
-            .unwrap_or(mode.wave_vector)
-            .map(|x| match x.abs() > MEASURE_ROUNDING * size {
-                true => x,
-                false => 0.0,
-            });
+        let first = candidates.reduce(|best, other| {
+            match is_before(&other, &best, SEARCH_ACCURACY * size) {
+                true => other,
+                false => best,
+            }
+        });
+        let k =
+            first
+                .unwrap_or(mode.wave_vector)
+                .map(|x| match x.abs() > MEASURE_ROUNDING * size {
+                    true => x,
+                    false => 0.0,
+                });
         self.shown_at(waves, k, mode, measure, fastest)
     }
 
@@ -227,10 +228,12 @@ impl<const D: usize> ZoneSearch<D> {
             true => images(mode.wave_vector),
         };
         let both = equal.into_iter().flat_map(|n| [n, -n]);
-        let first = both.reduce(|best, other| match is_before(&other, &best, SEARCH_ACCURACY) {
-            true => other,
-            false => best,
-        });
+        let first = both.reduce(
+            |best, other| match is_before(&other, &best, SEARCH_ACCURACY) {
+                true => other,
+                false => best,
+            },
+        );
         let n = first.unwrap_or(mode.wave_vector);
         let n = n.map(|x| if x.abs() > MEASURE_ROUNDING { x } else { 0.0 });
         let matrix = tensor(&n);

@@ -83,7 +83,9 @@ fn is_before_in_zone<const D: usize>(map: &[[f64; D]; D], cell: &Cell<D>) -> boo
         // Reciprocal vectors move the image back into the zone.
         let shift = -middle.round();
         let least = if i == 0 { 0.0 } else { -0.5 };
-        if middle + shift - spread < least - COMPONENT_ROUNDING || middle + shift + spread > 0.5 + COMPONENT_ROUNDING {
+        if middle + shift - spread < least - COMPONENT_ROUNDING
+            || middle + shift + spread > 0.5 + COMPONENT_ROUNDING
+        {
             return false;
         }
         moved += WEIGHTS[i] * shift;

@@ -303,9 +303,9 @@ impl Basis {
             }
         });
         let are_free = (others.transpose() * translations).amax() <= 1e-6;
-        let has_limit = moments
-            .iter()
-            .all(|moment| (free.transpose() * moment * &free).amax() <= VANISHING_SUM_RATIO * extent);
+        let has_limit = moments.iter().all(|moment| {
+            (free.transpose() * moment * &free).amax() <= VANISHING_SUM_RATIO * extent
+        });
         let complex = |m: &DMatrix<f64>| m.map(|x| Complex::new(x, 0.0));
         (are_free && has_limit).then(|| Self {
             free: (others.ncols() > 0).then(|| complex(&free)),

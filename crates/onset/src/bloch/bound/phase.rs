@@ -53,11 +53,17 @@ fn powers(x: f64) -> [f64; HIGHEST_DERIVATIVE + 3] {
 }
 
 /// Coefficients `(b over j) (m + a)! / (m + a - j)!` for each `m`, `a`, `b` and `j`.
-const COUNTS: [[[[f64; HIGHEST_DERIVATIVE + 1]; HIGHEST_DERIVATIVE + 1]; HIGHEST_DERIVATIVE + 1]; 3] = {
-    let mut counts = [[[[0.0; HIGHEST_DERIVATIVE + 1]; HIGHEST_DERIVATIVE + 1]; HIGHEST_DERIVATIVE + 1]; 3];
+const COUNTS: [[[[f64; HIGHEST_DERIVATIVE + 1]; HIGHEST_DERIVATIVE + 1]; HIGHEST_DERIVATIVE + 1];
+    3] = {
+    let mut counts =
+        [[[[0.0; HIGHEST_DERIVATIVE + 1]; HIGHEST_DERIVATIVE + 1]; HIGHEST_DERIVATIVE + 1]; 3];
     let mut number = 0;
     while number < 3 * (HIGHEST_DERIVATIVE + 1) * (HIGHEST_DERIVATIVE + 1) {
-        let (m, a, b) = (number % 3, number / 3 % (HIGHEST_DERIVATIVE + 1), number / 3 / (HIGHEST_DERIVATIVE + 1));
+        let (m, a, b) = (
+            number % 3,
+            number / 3 % (HIGHEST_DERIVATIVE + 1),
+            number / 3 / (HIGHEST_DERIVATIVE + 1),
+        );
         let (mut count, mut j) = (1, 0);
         while j <= b && j <= m + a {
             counts[m][a][b][j] = count as f64;
@@ -172,7 +178,9 @@ mod tests {
                 };
                 let by_t = [h, -h].map(|h| derivatives(m, t + h, p));
                 let by_p = [h, -h].map(|h| derivatives(m, t, p + h));
-                for (a, b) in (0..HIGHEST_DERIVATIVE).flat_map(|a| (0..HIGHEST_DERIVATIVE - a).map(move |b| (a, b))) {
+                for (a, b) in (0..HIGHEST_DERIVATIVE)
+                    .flat_map(|a| (0..HIGHEST_DERIVATIVE - a).map(move |b| (a, b)))
+                {
                     let tolerance = 1e-5 * (1.0 + p.abs()).powi((m + a + 3) as i32);
                     let close = |x: Complex, y: Complex| {
                         assert!((x - y).norm() < tolerance, "{m} {a} {b}: {x} {y}")
@@ -205,7 +213,9 @@ mod tests {
                 let (h, g) = (0.04 * (1.0 - 0.01 * n as f64), 0.4 * (n as f64).sin());
                 let own = derivatives(m, t, p);
                 let mut sum = Complex::default();
-                for (a, b) in (0..=HIGHEST_DERIVATIVE).flat_map(|a| (0..=HIGHEST_DERIVATIVE - a).map(move |b| (a, b))) {
+                for (a, b) in (0..=HIGHEST_DERIVATIVE)
+                    .flat_map(|a| (0..=HIGHEST_DERIVATIVE - a).map(move |b| (a, b)))
+                {
                     let monomial = h.powi(a as i32) * g.powi(b as i32);
                     sum += own[a][b] * (monomial / (factorial(a) * factorial(b)));
                 }

@@ -457,7 +457,8 @@ impl<const D: usize> Laplacian<D> {
             self.0.iter().any(|(other, own)| {
                 let other = SVector::from(*other);
                 let apart = (moved - other).amax().min((moved + other).amax());
-                apart <= BLOCK_ROUNDING * other.amax() && (own - weight).abs() <= BLOCK_ROUNDING * weight
+                apart <= BLOCK_ROUNDING * other.amax()
+                    && (own - weight).abs() <= BLOCK_ROUNDING * weight
             })
         })
     }

@@ -111,8 +111,10 @@ impl<const D: usize> Candidates<D> {
             });
             for n in low.iter().copied() {
                 let value = values[n];
-                let is_well =
-                    is_own[n] && !around[n].iter().any(|m| values[*m] < value - IMAGE_TOLERANCE * scale);
+                let is_well = is_own[n]
+                    && !around[n]
+                        .iter()
+                        .any(|m| values[*m] < value - IMAGE_TOLERANCE * scale);
                 let is_near = |m: &usize| distance(&phases[n], &phases[*m]) < REGION_PHASE;
                 let mut kept = regions.iter().flat_map(|(_, members)| members);
                 if !is_well || kept.any(|m| values[*m] <= value + margin && is_near(m)) {
@@ -212,7 +214,8 @@ impl NullaryFnOnce for Low<'_> {
                 .fold(false, |any, value| any | (*value <= bound))
             {
                 let own = (0..chunk.len()).filter(|lane| chunk[*lane] <= bound);
-                self.low.extend(own.map(|lane| COMPARED_VALUES * number + lane));
+                self.low
+                    .extend(own.map(|lane| COMPARED_VALUES * number + lane));
             }
         }
         margin
@@ -281,8 +284,8 @@ fn directions(mirrored: bool) -> impl Iterator<Item = [f64; 3]> {
             sine * sine + ratio * cosine * cosine,
         ]
     };
-    let special =
-        (0..SOFT_ANGLES).flat_map(move |turn| SOFT_RATIOS.into_iter().map(move |ratio| soft(turn, ratio)));
+    let special = (0..SOFT_ANGLES)
+        .flat_map(move |turn| SOFT_RATIOS.into_iter().map(move |ratio| soft(turn, ratio)));
     special
         .chain((0..EVEN_DIRECTIONS).map(even))
         .filter(move |w| !mirrored || w[1] <= 1e-12)

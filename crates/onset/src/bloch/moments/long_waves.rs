@@ -63,7 +63,10 @@ impl WithSimd for LongWaves<'_> {
             let infinite = number(f64::INFINITY);
             let (mut best, mut second) = ([infinite, zero, zero], [infinite, zero, zero]);
             for n in 0..SAMPLED_DIRECTIONS {
-                let (left, right) = (samples[(n + SAMPLED_DIRECTIONS - 1) % SAMPLED_DIRECTIONS], samples[(n + 1) % SAMPLED_DIRECTIONS]);
+                let (left, right) = (
+                    samples[(n + SAMPLED_DIRECTIONS - 1) % SAMPLED_DIRECTIONS],
+                    samples[(n + 1) % SAMPLED_DIRECTIONS],
+                );
                 let value = samples[n];
                 let is_well = value.is_below(left).and(value.is_at_most(right));
                 let is_best = is_well.and(value.is_below(best[0]));
@@ -104,7 +107,8 @@ impl WithSimd for LongWaves<'_> {
 /// Cosines and sines of the sampled directions.
 fn circle() -> [[f64; 2]; SAMPLED_DIRECTIONS] {
     array_of(|n| {
-        let (sine, cosine) = (std::f64::consts::TAU * n as f64 / SAMPLED_DIRECTIONS as f64).sin_cos();
+        let (sine, cosine) =
+            (std::f64::consts::TAU * n as f64 / SAMPLED_DIRECTIONS as f64).sin_cos();
         [cosine, sine]
     })
 }

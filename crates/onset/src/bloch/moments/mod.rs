@@ -33,7 +33,7 @@ use contraction::{Coefficients, Columns, coefficients, is_mirrored};
 use long_waves::{LongMoments, LongWaves};
 use nalgebra::{SMatrix, SVector};
 use pulp::Arch;
-use refine::{END_BEATEN, Descents, END_FAILED, Refine};
+use refine::{Descents, END_BEATEN, END_FAILED, Refine};
 use scan::{Scan, Start, Starts};
 use std::f64::consts::TAU;
 use std::sync::{Arc, OnceLock};
@@ -410,7 +410,10 @@ impl<const D: usize> GradientMoments<D> {
         let sampled: [f64; SAMPLED_DIRECTIONS] = array_of(|n| at(n as f64 * step).0);
         let mut best = (0.0, f64::INFINITY);
         for n in 0..SAMPLED_DIRECTIONS {
-            let (left, right) = (sampled[(n + SAMPLED_DIRECTIONS - 1) % SAMPLED_DIRECTIONS], sampled[(n + 1) % SAMPLED_DIRECTIONS]);
+            let (left, right) = (
+                sampled[(n + SAMPLED_DIRECTIONS - 1) % SAMPLED_DIRECTIONS],
+                sampled[(n + 1) % SAMPLED_DIRECTIONS],
+            );
             if sampled[n] > left || sampled[n] > right {
                 continue;
             }

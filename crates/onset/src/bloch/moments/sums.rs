@@ -170,7 +170,9 @@ impl Sums {
             entry[0] = constant;
         }
         for term in &self.terms {
-            let [m, n] = term.places.each(|place| place as f64 - TABULATED_REACH as f64);
+            let [m, n] = term
+                .places
+                .each(|place| place as f64 - TABULATED_REACH as f64);
             let (sine, cosine) = (m * phases[0] + n * phases[1]).sin_cos();
             let mut place = 0;
             let mut along_second = 1.0;

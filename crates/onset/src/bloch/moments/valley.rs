@@ -103,7 +103,8 @@ impl<const D: usize> Valley<D> {
         let lattice = &self.lattice;
         let apart = |difference: SVector<f64, D>| {
             // The lattice Laplacian is periodic.
-            lattice.laplacian(&difference) * lattice.vectors().column(0).norm_squared() > START_SEPARATION
+            lattice.laplacian(&difference) * lattice.vectors().column(0).norm_squared()
+                > START_SEPARATION
         };
         apart(k - other) && apart(k + other)
     }

@@ -140,7 +140,11 @@ impl<const D: usize> ZoneSearch<D> {
         for edge in edges {
             let values: Vec<f64> = edge.iter().map(value).collect();
             let is_dip = |n: &usize| values[*n] <= values[n - 1] && values[*n] <= values[n + 1];
-            dips.extend((1..EDGE_INTERVALS).filter(is_dip).map(|n| (values[n], edge, n)));
+            dips.extend(
+                (1..EDGE_INTERVALS)
+                    .filter(is_dip)
+                    .map(|n| (values[n], edge, n)),
+            );
         }
         for (value, edge, n) in dips {
             let (from, to) = (edge[0].wave_vector, edge[EDGE_INTERVALS].wave_vector);
@@ -163,7 +167,9 @@ impl<const D: usize> ZoneSearch<D> {
         let edge = |n: usize| {
             let [from, to] = [n, (n + 1) % count].map(|n| self.to_reference * corners[n]);
             let along = |n: usize| from + (to - from) * (n as f64 / EDGE_INTERVALS as f64);
-            (0..=EDGE_INTERVALS).map(|n| Seen::of(matrix, along(n))).collect()
+            (0..=EDGE_INTERVALS)
+                .map(|n| Seen::of(matrix, along(n)))
+                .collect()
         };
         (0..count.div_ceil(2)).map(edge).collect()
     }
@@ -253,7 +259,8 @@ impl<const D: usize> ZoneSearch<D> {
     /// Returns true if the objective is evaluated at a wave vector. Long waves are represented by their limit, and a zone that is not periodic is not
     /// left.
     pub(in crate::bloch) fn is_sought(&self, objective: Objective, k: &SVector<f64, D>) -> bool {
-        let too_long = objective == Objective::Scaled && k.norm() < LONG_WAVE_FRACTION * self.longest();
+        let too_long =
+            objective == Objective::Scaled && k.norm() < LONG_WAVE_FRACTION * self.longest();
         !too_long && self.is_admissible(k)
     }
 
@@ -288,7 +295,9 @@ impl<const D: usize> ZoneSearch<D> {
             let (step, is_convex) = newton_step(&slope, &curvature, longest);
             let decrease = -slope.dot(&step);
             // Quadratic convergence: the next step gains less than rounding.
-            if is_convex && (step.norm() < STEP_TOLERANCE * longest || decrease <= 1e-13 * value.abs()) {
+            if is_convex
+                && (step.norm() < STEP_TOLERANCE * longest || decrease <= 1e-13 * value.abs())
+            {
                 return ((value, k), true);
             }
             // A quadratic well falls by half of the linear decrease; eight times this amount is a safe limit.

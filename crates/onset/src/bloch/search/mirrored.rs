@@ -98,10 +98,15 @@ enum State {
 
 /// Numbers of grid intervals along the mirror lines, fine enough for the range of the force constants.
 pub(super) fn intervals(sums: &MirrorSums) -> [usize; 2] {
-    let [u, v] = sums.effective_reach().each(|reach| reach.max(MINIMUM_REACH));
+    let [u, v] = sums
+        .effective_reach()
+        .each(|reach| reach.max(MINIMUM_REACH));
     // Half of the period of `u`; a quarter for a centered rectangle.
     let part = if sums.mirror.is_centered() { 4 } else { 2 };
-    [(POINTS_PER_PERIOD * u).div_ceil(part), (POINTS_PER_PERIOD * v).div_ceil(2)]
+    [
+        (POINTS_PER_PERIOD * u).div_ceil(part),
+        (POINTS_PER_PERIOD * v).div_ceil(2),
+    ]
 }
 
 /// Search for one matrix.
@@ -448,7 +453,9 @@ impl Descent {
         if !is_convex {
             return;
         }
-        let is_near = |bottom: [f64; 2]| (0..2).all(|n| (bottom[n] - self.place[n]).abs() < KNOWN_BOTTOM_PHASE);
+        let is_near = |bottom: [f64; 2]| {
+            (0..2).all(|n| (bottom[n] - self.place[n]).abs() < KNOWN_BOTTOM_PHASE)
+        };
         let is_known = self.bottom.is_some_and(is_near);
         let is_too_high = self.value - 4.0 * decrease > floor;
         if length(self.step) < STEP_TOLERANCE_PHASE || decrease <= 1e-14 * self.value.abs() {

@@ -58,7 +58,8 @@ const FOLLOWED_POCKETS: usize = 16;
 /// they are narrow in angle.
 const RAY_STEPS: [f64; 4] = [0.15, 0.35, 0.7, 1.2];
 /// Distances of [`RAY_STEPS`] with a shorter one, for softness that needs the relaxation of the particles of a cell and is lost at shorter waves.
-pub(in crate::bloch) const RELAXED_RAY_STEPS: [f64; 5] = [0.05, RAY_STEPS[0], RAY_STEPS[1], RAY_STEPS[2], RAY_STEPS[3]];
+pub(in crate::bloch) const RELAXED_RAY_STEPS: [f64; 5] =
+    [0.05, RAY_STEPS[0], RAY_STEPS[1], RAY_STEPS[2], RAY_STEPS[3]];
 /// Grid points per period of the fastest phase, to find a witness of instability.
 const COARSE_POINTS_PER_PERIOD: usize = 6;
 /// Grid points per period of the fastest phase, to find all wells.
@@ -469,7 +470,11 @@ impl<const D: usize> ZoneSearch<D> {
         }
         // The wells of a Hermitian matrix are followed from the coarse grid too.
         let is_coarse = matrix.is_hermitian() || beside.is_none();
-        let points_per_period = if is_coarse { COARSE_POINTS_PER_PERIOD } else { FINE_POINTS_PER_PERIOD };
+        let points_per_period = if is_coarse {
+            COARSE_POINTS_PER_PERIOD
+        } else {
+            FINE_POINTS_PER_PERIOD
+        };
         let followed = [Objective::Scaled];
         let mut wells = self.wells(matrix, points_per_period, &followed, &long_wave, &rest);
         if let Wells::Grid(grid) = &wells {
@@ -479,12 +484,20 @@ impl<const D: usize> ZoneSearch<D> {
             }
             // Branches of a matrix that is not Hermitian can be complex in small pockets.
             if is_coarse && !matrix.is_hermitian() {
-                wells = Wells::Grid(Box::new(self.grid(matrix, FINE_POINTS_PER_PERIOD, long_wave.wave_vector)));
+                wells = Wells::Grid(Box::new(self.grid(
+                    matrix,
+                    FINE_POINTS_PER_PERIOD,
+                    long_wave.wave_vector,
+                )));
             }
         }
         let lowest = |wells: &Wells<D>, floor| wells.bottom(self, matrix, Objective::Scaled, floor);
         let is_soft = least.0 <= soft;
-        let floor = if is_soft { long_wave.scaled } else { SOFT_MEASURE };
+        let floor = if is_soft {
+            long_wave.scaled
+        } else {
+            SOFT_MEASURE
+        };
         let mut bottom = lowest(&wells, floor);
         if let Some(bottom) = bottom {
             least = lower(least, bottom);

@@ -340,8 +340,18 @@ impl StepsAt<'_> {
         };
         let (half_u, half_v) = (halves(u), halves(v));
         for group in 0..count.div_ceil(S::F64_LANES) {
-            let half_u = Multiples::<S, HALF_PHASE_MULTIPLES>::of_group(simd, &half_u, group, HALF_PHASE_MULTIPLES - 1);
-            let half_v = Multiples::<S, HALF_PHASE_MULTIPLES>::of_group(simd, &half_v, group, HALF_PHASE_MULTIPLES - 1);
+            let half_u = Multiples::<S, HALF_PHASE_MULTIPLES>::of_group(
+                simd,
+                &half_u,
+                group,
+                HALF_PHASE_MULTIPLES - 1,
+            );
+            let half_v = Multiples::<S, HALF_PHASE_MULTIPLES>::of_group(
+                simd,
+                &half_v,
+                group,
+                HALF_PHASE_MULTIPLES - 1,
+            );
             let ((su, cu), (sv, cv)) = (half_u.turn(2), half_v.turn(2));
             let [reach, other] = self.sums.reach;
             let first = Multiples::<S, COUNT>::of(su, cu, reach);

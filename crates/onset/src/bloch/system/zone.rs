@@ -605,7 +605,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// function of octaves above this wave number.
     fn longest_told(&self, limit: &Mode<D>) -> (f64, impl Fn(f64) -> f64) {
         let stiffness = -limit.scaled * self.search.speed_squared();
-        let longest = (LONG_WAVE_NOISE_FACTOR * ROUNDING_FACTOR * self.system.noise() / stiffness).sqrt();
+        let longest =
+            (LONG_WAVE_NOISE_FACTOR * ROUNDING_FACTOR * self.system.noise() / stiffness).sqrt();
         let direction = limit.wave_vector.normalize();
         let lowest = move |octaves: f64| {
             let k = direction * (longest * octaves.exp2());
@@ -631,7 +632,12 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let values = (0..=octaves as usize).map(|n| (lowest(n as f64), n as f64));
         let (value, best) = values.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let at = |octaves: f64| Ok::<f64, Infallible>(lowest(octaves));
-        let Ok((octaves, _)) = lowest_between(at, [best - 1.0, best, best + 1.0], value, PEAK_TOLERANCE_OCTAVES);
+        let Ok((octaves, _)) = lowest_between(
+            at,
+            [best - 1.0, best, best + 1.0],
+            value,
+            PEAK_TOLERANCE_OCTAVES,
+        );
         let k = limit.wave_vector.normalize() * (longest * octaves.exp2());
         let mode = self.mode(&k);
         (mode.omega_squared.re < -ROUNDING_FACTOR * self.system.noise()).then_some(mode)
@@ -663,7 +669,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .then(|| self.lowest(Objective::Lowest, rest.omega_squared.re, &softest))
             .flatten()
             .map(|(_, k)| self.mode(&k))
-            .filter(|mode| mode.omega_squared.re < rest.omega_squared.re * (1.0 + EQUAL_FREQUENCY_TOLERANCE))
+            .filter(|mode| {
+                mode.omega_squared.re < rest.omega_squared.re * (1.0 + EQUAL_FREQUENCY_TOLERANCE)
+            })
             .or_else(|| {
                 let is_limit = softest.is_long_wave && softest.scaled < -long.of_limit;
                 (is_limit && !grows_at_rest)
