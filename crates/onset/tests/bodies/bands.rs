@@ -1,4 +1,4 @@
-//! Shear bands out of noise, in methods that have little in common: they lie as the material's loss of ellipticity says.
+//! Shear bands that grow from noise have the direction of lost ellipticity, in methods with little in common.
 
 use super::choices;
 use onset::analysis::{Analysis, analysis};
@@ -13,7 +13,7 @@ use onset::scheme::stabilization::PenaltyForm;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Cells of the patch, which is compressed along the first axis.
+/// Number of cells of the patch, which is compressed along the first axis.
 const CELLS: [usize; 2] = [100, 36];
 const STRETCH: f64 = 0.25;
 
@@ -39,10 +39,10 @@ fn methods() -> Vec<(&'static str, MethodChoices)> {
     ]
 }
 
-/// The angle between the first axis and current wave vectors, each wave of the displacements with its energy, in degrees.
+/// Angle between the first axis and the current wave vectors, averaged over all waves of the displacements with their energies as weights; degrees.
 fn angle(places: &[[f64; 3]], state: &PatchState) -> f64 {
     let mut sum = [0.0; 2];
-    // One of `k` and `-k` is enough.
+    // One of `k` and `-k` is sufficient.
     for n in 0..=CELLS[0] / 2 {
         for m in 0..CELLS[1] {
             let m = m as f64
@@ -69,7 +69,7 @@ fn angle(places: &[[f64; 3]], state: &PatchState) -> f64 {
 }
 
 #[test]
-fn waves_grow_out_of_noise_in_the_direction_in_which_ellipticity_is_lost_in_three_methods() {
+fn waves_grow_from_noise_in_the_direction_of_lost_ellipticity_in_three_methods() {
     let law = Law::named("blatz-ko").expect("a law");
     let material: Arc<dyn Hyperelastic> = Arc::from(law.build(&[]).expect("a material"));
     let f = DeformationGradient::from_stretches([STRETCH, 1.0, 1.0]).expect("stretches");

@@ -1,4 +1,4 @@
-//! Contact of bodies that do not see each other.
+//! Contact of pieces whose particles are not neighbors of each other.
 
 use super::{at_rest, block, choices, law, method, twice};
 use onset::algebra::uniform;
@@ -24,10 +24,10 @@ fn touching<T>(
     Ok(answer.expect("a body"))
 }
 
-/// Accelerations with a contact less those without, and the energy with it less that without.
+/// Compares accelerations and energy with and without contact: the differences must equal sums over all pairs.
 fn assert_forces_are_those_of_all_pairs<const D: usize>(kind: LatticeKind) {
     let size = [5.0; D];
-    // Wide apart in the reference state; moved together.
+    // The blocks are far apart in the reference configuration and are moved together.
     let particles = twice(&size, 30.0);
     let evaluated = |contact: Option<Contact>| {
         let of = |body: &mut dyn BodyMotion| {
@@ -69,7 +69,7 @@ fn assert_forces_are_those_of_all_pairs<const D: usize>(kind: LatticeKind) {
                 count += 1;
                 potential += 0.5 * 0.7 * modulus * (1.0 - distance).powi(2) / 2.0;
                 for i in 0..D {
-                    // The spacing and the volume are one, the density 1.3.
+                    // The spacing and the volume are one, the density is 1.3.
                     expected[a * D + i] +=
                         0.7 * modulus * (1.0 - distance) * (x[i] - y[i]) / distance / 1.3;
                 }
@@ -91,7 +91,7 @@ fn assert_forces_are_those_of_all_pairs<const D: usize>(kind: LatticeKind) {
 }
 
 #[test]
-fn forces_and_energy_of_a_contact_are_those_of_all_pairs_of_two_pieces() {
+fn contact_forces_and_energy_equal_sums_over_all_pairs_of_two_pieces() {
     assert_forces_are_those_of_all_pairs::<1>(LatticeKind::Chain);
     assert_forces_are_those_of_all_pairs::<2>(LatticeKind::Square);
     assert_forces_are_those_of_all_pairs::<3>(LatticeKind::SimpleCubic);
@@ -105,7 +105,7 @@ fn undeformed() -> Start {
     }
 }
 
-/// Something done with two blocks that are thrown at each other.
+/// Calls a function with two blocks that move towards each other.
 fn thrown<T>(speed: f64, contact: Option<Contact>, work: impl Fn(&mut dyn BodyMotion) -> T) -> T {
     let grip = |low: f64, high: f64, speed: f64| Grip {
         low: vec![low, -1.0],
@@ -119,7 +119,7 @@ fn thrown<T>(speed: f64, contact: Option<Contact>, work: impl Fn(&mut dyn BodyMo
     touching(LatticeKind::Square, &blocks, &grips, contact, work).expect("a body")
 }
 
-/// Two blocks thrown at each other: the largest change of the energy, and velocity of the first at the end.
+/// Collision of two blocks: the largest change of the energy, and the final velocity of the first block.
 fn collision(fraction: f64, contact: Option<Contact>) -> (f64, f64, [f64; 2]) {
     let run = |body: &mut dyn BodyMotion| {
         let start = undeformed();
@@ -157,13 +157,13 @@ fn collision(fraction: f64, contact: Option<Contact>) -> (f64, f64, [f64; 2]) {
 }
 
 #[test]
-fn blocks_that_collide_bounce_and_keep_energy_and_momentum() {
+fn colliding_blocks_rebound_and_conserve_energy_and_momentum() {
     let (coarse, turned, after) = collision(0.4, HARD);
     let (fine, _, _) = collision(0.2, HARD);
     assert!(turned < 1e-13, "{turned}");
-    // The force is bent where the contact begins: the error falls a little slower than with the square of the step.
+    // The force has a kink at the onset of contact: the error decreases slightly more slowly than with the square of the step.
     assert!(coarse < 0.02 && fine < 0.35 * coarse, "{coarse} {fine}");
-    // Part of the energy is sound.
+    // Part of the energy becomes sound.
     assert!(after[0] < -0.02 && after[1] > 0.02, "{after:?}");
     let (_, _, through) = collision(0.4, None);
     assert!(through[0] > 0.049 && through[1] < -0.049, "{through:?}");

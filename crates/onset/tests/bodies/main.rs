@@ -1,4 +1,4 @@
-//! Bodies: the engine against the general way, against the continuum, and what mechanics conserves.
+//! Bodies: the engine against the forces of the method, the continuum, and the conservation laws of mechanics.
 
 mod bands;
 mod contact;
@@ -75,7 +75,7 @@ fn block(size: &[f64]) -> BodyParticles {
     })
 }
 
-/// A block that is there again, so far away along the first axis.
+/// Two copies of a block with an offset along the first axis.
 fn twice(size: &[f64], offset: f64) -> BodyParticles {
     let BodyParticles::Cut(shape) = block(size) else {
         unreachable!("blocks are cut")
@@ -96,7 +96,7 @@ fn at_rest(displacements: Vec<f64>) -> PatchState {
     }
 }
 
-/// The forces of a body by the general way: a crystal whose cell holds the body and nothing else, with room about it.
+/// Forces of a body by the general method: a crystal whose cell contains only the body, surrounded by empty space.
 fn general<const D: usize>(
     positions: &[[f64; 3]],
     volumes: Vec<f64>,
@@ -130,7 +130,7 @@ fn assert_forces_are_general<const D: usize>(
     let crystal: Crystal<D> = Crystal::of(lattice, 1.0).expect("a crystal");
     let volume = |n: usize| match particles {
         BodyParticles::Given(given) => given[n].volume,
-        // All lattices of these tests have particles of one volume.
+        // All lattices of these tests have particles of equal volume.
         BodyParticles::Cut(_) => crystal.volumes()[0],
     };
     with(&*method, particles, &[], |body| {
@@ -176,7 +176,7 @@ fn notched() -> BodyParticles {
 }
 
 #[test]
-fn the_forces_of_bodies_with_free_surfaces_are_those_of_the_general_way() {
+fn forces_of_bodies_with_free_surfaces_equal_the_forces_of_the_method() {
     let ring = BodyParticles::Cut(Shape::Ring {
         radius: 6.0,
         inner: 2.5,
@@ -205,7 +205,7 @@ fn the_forces_of_bodies_with_free_surfaces_are_those_of_the_general_way() {
     assert_forces_are_general::<2>(LatticeKind::Square, &notched(), &uncorrected);
 }
 
-/// Particles off a lattice, of different volumes.
+/// Particles off a lattice, with different volumes.
 fn scattered() -> BodyParticles {
     let mut random = Random::new(3);
     let mut given = Vec::new();
@@ -222,7 +222,7 @@ fn scattered() -> BodyParticles {
 }
 
 #[test]
-fn the_forces_of_given_particles_are_those_of_the_general_way() {
+fn forces_of_given_particles_equal_the_forces_of_the_method() {
     for penalty in [0.0, 0.7] {
         let choices = choices(2.4, penalty, PenaltyForm::Smd);
         assert_forces_are_general::<2>(LatticeKind::Square, &scattered(), &choices);
@@ -230,7 +230,7 @@ fn the_forces_of_given_particles_are_those_of_the_general_way() {
 }
 
 #[test]
-fn a_uniform_deformation_leaves_no_force_inside() {
+fn a_uniform_deformation_causes_no_force_inside() {
     let method = method(
         LatticeKind::SimpleCubic,
         &choices(2.01, 0.5, PenaltyForm::Published),
@@ -258,7 +258,7 @@ fn a_uniform_deformation_leaves_no_force_inside() {
         for (x, a) in body.positions().iter().zip(accelerations.chunks_exact(3)) {
             let largest = a.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
             let sides = [12.0, 11.0, 10.0];
-            // Corrected particles are within one support of the surface, and act one further.
+            // The correction differs for particles within one support of the surface, and these act on particles within another support.
             match (0..3).all(|i| (4.1..sides[i] - 4.1).contains(&x[i])) {
                 true => {
                     inside += 1;
@@ -284,7 +284,7 @@ fn moving(body: &mut dyn BodyMotion, step: f64, steps: usize) -> Vec<BodyQuantit
 }
 
 #[test]
-fn without_grips_momentum_and_angular_momentum_stay() {
+fn without_grips_momentum_and_angular_momentum_are_conserved() {
     let method = method(
         LatticeKind::Square,
         &choices(2.4, 0.5, PenaltyForm::Published),
@@ -309,7 +309,7 @@ fn without_grips_momentum_and_angular_momentum_stay() {
     .expect("a body");
 }
 
-/// How far the energy of a run goes from what it was at the start, as a share of that.
+/// Largest change of the energy in a run, relative to its initial value.
 fn energy_error(history: &[BodyQuantities]) -> f64 {
     let energy = |own: &BodyQuantities| own.kinetic + own.strain;
     let first = energy(&history[0]);
@@ -319,7 +319,7 @@ fn energy_error(history: &[BodyQuantities]) -> f64 {
     errors.fold(0.0, f64::max)
 }
 
-/// Errors with a step and with half of it.
+/// Checks that the error with half of the step is a quarter.
 fn assert_second_order(coarse: f64, fine: f64) {
     let order = (coarse / fine).log2();
     assert!(coarse < 0.02, "{coarse}");
@@ -330,7 +330,7 @@ fn assert_second_order(coarse: f64, fine: f64) {
 }
 
 #[test]
-fn the_energy_error_of_the_leapfrog_falls_with_the_square_of_the_step() {
+fn the_energy_error_of_the_leapfrog_scales_with_the_square_of_the_step() {
     let method = method(
         LatticeKind::Square,
         &choices(2.4, 0.0, PenaltyForm::Published),
@@ -354,7 +354,7 @@ fn the_energy_error_of_the_leapfrog_falls_with_the_square_of_the_step() {
 }
 
 #[test]
-fn grips_do_the_work_that_the_body_gains() {
+fn the_work_of_grips_equals_the_energy_gain_of_the_body() {
     let method = method(
         LatticeKind::Square,
         &choices(2.4, 0.0, PenaltyForm::Published),
@@ -391,7 +391,7 @@ fn grips_do_the_work_that_the_body_gains() {
     assert!(coarse < 0.02 && fine < 0.4 * coarse, "{coarse} {fine}");
 }
 
-/// Half the period of the first longitudinal vibration of a free bar in one dimension.
+/// Frequency of the first longitudinal vibration of a free bar in one dimension, from a quarter of its period.
 fn measured_frequency(particles: usize) -> (f64, f64) {
     let method = method(
         LatticeKind::Chain,
@@ -412,14 +412,14 @@ fn measured_frequency(particles: usize) -> (f64, f64) {
             let u = body.state().displacements;
             u.iter().zip(&shape).map(|(u, own)| u * own).sum::<f64>()
         };
-        // Until the amplitude passes zero: a quarter of a period.
+        // Runs until the amplitude passes zero, for a quarter of a period.
         let (mut before, mut time) = (amplitude(body), 0.0);
         loop {
             body.advance(step).expect("a step");
             time += step;
             let now = amplitude(body);
             if now <= 0.0 {
-                // The velocities of the start are those half a step before.
+                // The initial velocities belong to the time half a step before.
                 let quarter = time - step * now / (now - before) + 0.5 * step;
                 let stiffness =
                     law().response(&identity).expect("a response").tangent[(0, 0, 0, 0)];
@@ -433,7 +433,7 @@ fn measured_frequency(particles: usize) -> (f64, f64) {
 }
 
 #[test]
-fn the_first_frequency_of_a_bar_tends_to_that_of_the_continuum() {
+fn the_first_frequency_of_a_bar_converges_to_the_continuum_frequency() {
     let error = |particles| {
         let (measured, exact) = measured_frequency(particles);
         (measured / exact - 1.0).abs()
@@ -444,7 +444,7 @@ fn the_first_frequency_of_a_bar_tends_to_that_of_the_continuum() {
 }
 
 #[test]
-fn the_critical_step_bounds_and_its_double_does_not() {
+fn motion_is_bounded_at_the_critical_step_and_unbounded_at_twice_the_step() {
     let method = method(
         LatticeKind::Square,
         &choices(2.4, 0.4, PenaltyForm::Published),
@@ -470,7 +470,7 @@ fn the_critical_step_bounds_and_its_double_does_not() {
     };
     assert!(largest(1.0) < 1e-6);
     assert!(largest(1.3) > 1e-3);
-    // Free surfaces do not make it much smaller than that of the waves.
+    // Free surfaces do not reduce the step far below the step of the waves.
     let waves = method
         .critical_time_step(
             &DeformationGradient::identity(),
@@ -485,7 +485,7 @@ fn the_critical_step_bounds_and_its_double_does_not() {
 }
 
 #[test]
-fn a_run_taken_up_goes_on_to_the_same_bits() {
+fn a_resumed_run_is_bitwise_identical() {
     let method = method(
         LatticeKind::SimpleCubic,
         &choices(2.01, 0.5, PenaltyForm::Smd),
@@ -514,7 +514,7 @@ fn a_run_taken_up_goes_on_to_the_same_bits() {
     assert_eq!(ends(17), ends(30));
 }
 
-/// Asserts that a run on one core and runs on several end with the same bits.
+/// Checks that runs on one core and on several end with bitwise equal results.
 #[cfg(feature = "rayon")]
 fn assert_same_on_any_cores(run: impl Fn() -> PatchState + Sync) {
     let on = |threads| {
@@ -529,7 +529,7 @@ fn assert_same_on_any_cores(run: impl Fn() -> PatchState + Sync) {
 
 #[cfg(feature = "rayon")]
 #[test]
-fn a_run_on_any_number_of_cores_has_the_same_bits() {
+fn runs_on_any_number_of_cores_are_bitwise_identical() {
     assert_same_on_any_cores(|| {
         let choices = choices(2.01, 0.5, PenaltyForm::Smd);
         let method = method(LatticeKind::SimpleCubic, &choices);
@@ -548,14 +548,14 @@ fn a_run_on_any_number_of_cores_has_the_same_bits() {
 }
 
 #[test]
-fn particles_that_invert_and_numbers_that_overflow_are_told() {
+fn inverted_particles_and_overflow_are_reported() {
     let method = method(
         LatticeKind::Square,
         &choices(2.4, 0.0, PenaltyForm::Published),
     );
     with(&*method, &block(&[8.0, 8.0]), &[], |body| {
         let mut state = at_rest(vec![0.0; 2 * body.positions().len()]);
-        // One row over the next.
+        // One row of particles is moved beyond the next.
         for (n, x) in body.positions().iter().enumerate() {
             state.displacements[2 * n] = if x[0] > 4.0 { -3.0 } else { 0.0 };
         }
@@ -572,7 +572,7 @@ fn particles_that_invert_and_numbers_that_overflow_are_told() {
 }
 
 #[test]
-fn bodies_that_cannot_be_are_told() {
+fn invalid_bodies_are_rejected_with_the_reason() {
     let method = method(
         LatticeKind::Square,
         &choices(2.4, 0.0, PenaltyForm::Published),
@@ -626,7 +626,7 @@ fn bodies_that_cannot_be_are_told() {
             ..
         }
     ));
-    // Places that no cell has a number for, and particles of a file there, end in words too.
+    // Positions beyond the numbers of cells, and particles at such positions in a file, also lead to error messages.
     for far in [-1e10, 1e10, 1e300] {
         assert!(matches!(
             refused(&twice(&[8.0, 8.0], far), &[]),
@@ -650,8 +650,8 @@ fn bodies_that_cannot_be_are_told() {
 }
 
 #[test]
-fn shear_bands_have_the_direction_in_which_ellipticity_is_lost() {
-    // Of all waves those grow that the acoustic tensor says: `delta F = g (x) N`, with both signs of one component of `N` by symmetry.
+fn shear_bands_have_the_direction_of_lost_ellipticity() {
+    // Waves grow for which the acoustic tensor has a negative eigenvalue: `delta F = g (x) N`, with both signs of one component of `N` by symmetry.
     let material: Arc<dyn Hyperelastic> = Arc::from(
         Law::named("blatz-ko")
             .expect("a law")
@@ -668,7 +668,7 @@ fn shear_bands_have_the_direction_in_which_ellipticity_is_lost() {
     let f = DeformationGradient::from_stretches([0.25, 1.0, 1.0]).expect("stretches");
     let predicted = method.acoustic_minimum(&f).expect("a minimum");
     assert!(predicted.eigenvalue.re < 0.0);
-    // Rims that stay: the free surface would move first.
+    // The edges are held, because the free surface would become unstable first.
     let (length, height) = (72.0, 20.0);
     let rim = |low: [f64; 2], high: [f64; 2]| Grip {
         low: low.to_vec(),
@@ -712,7 +712,7 @@ fn shear_bands_have_the_direction_in_which_ellipticity_is_lost() {
     .expect("a body");
     let angle = |x: f64, y: f64| (y.abs() / x.abs()).atan().to_degrees();
     let direction = predicted.direction;
-    // In the current state, F^-T N.
+    // The current normal is F^-T N.
     let seen = angle(normal[0] / 0.25, normal[1]);
     let told = angle(direction[0] / 0.25, direction[1]);
     assert!(
@@ -722,7 +722,7 @@ fn shear_bands_have_the_direction_in_which_ellipticity_is_lost() {
 }
 
 #[test]
-fn pieces_far_apart_are_counted_by_themselves_and_overlaps_once() {
+fn separated_pieces_count_separately_and_overlaps_once() {
     let method = method(
         LatticeKind::Square,
         &choices(2.4, 0.0, PenaltyForm::Published),

@@ -1,4 +1,4 @@
-//! Critical time steps of bodies, against those of `validation/bodies.json`, which NumPy and SciPy have computed on their own.
+//! Critical time steps of bodies against `validation/bodies.json`, computed independently with NumPy and SciPy.
 
 use super::{block, with};
 use onset::analysis::{Analysis, FiniteBodyGround, analysis};
@@ -17,7 +17,7 @@ use onset::time_step::Integrator;
 use serde_json::Value;
 use std::sync::Arc;
 
-/// Bodies whose method is one, with their critical steps.
+/// Bodies of one method with their critical steps.
 fn cases(of: &str) -> Vec<(Value, f64)> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../validation/bodies.json");
     let text = std::fs::read_to_string(path).expect("the reference");
@@ -75,7 +75,7 @@ fn sph(case: &Value) -> Box<dyn Analysis> {
     )
 }
 
-/// The step that is told for finite bodies, and why it suffices.
+/// Stable step for finite bodies, and the reason why it is sufficient.
 fn finite(method: &dyn Analysis) -> (f64, FiniteBodyGround) {
     let rest = DeformationGradient::identity();
     let lattice = method.critical_time_step(&rest, Integrator::CentralDifferences);
@@ -85,7 +85,7 @@ fn finite(method: &dyn Analysis) -> (f64, FiniteBodyGround) {
 }
 
 #[test]
-fn the_critical_step_of_a_body_is_that_of_its_largest_eigenvalue() {
+fn the_critical_step_of_a_body_follows_from_its_largest_eigenvalue() {
     for (case, step) in cases("sph") {
         let method = sph(&case);
         let size = numbers(&case, "size").expect("sides");
@@ -126,7 +126,7 @@ fn the_critical_step_of_a_body_is_that_of_its_largest_eigenvalue() {
 }
 
 #[test]
-fn a_grip_that_opens_leaves_its_particles_free() {
+fn an_opened_grip_releases_its_particles() {
     let (case, step) = cases("sph").swap_remove(0);
     let method = sph(&case);
     let size = numbers(&case, "size").expect("sides");
@@ -144,7 +144,7 @@ fn a_grip_that_opens_leaves_its_particles_free() {
 }
 
 #[test]
-fn single_elements_bound_the_steps_of_all_bodies_of_them() {
+fn single_elements_bound_the_steps_of_all_bodies() {
     for (case, step) in cases("finite-elements") {
         let mut meshes = ElementMesh::ALL.into_iter();
         let mesh = meshes.find(|own| case["mesh"] == own.name());
@@ -156,7 +156,7 @@ fn single_elements_bound_the_steps_of_all_bodies_of_them() {
         };
         let (bound, ground) = finite(&*made(&case, &MethodChoices::FiniteElements(choices)));
         assert_eq!(ground, FiniteBodyGround::Parts);
-        // Nearly incompressible elements in space are stiffer alone than among others.
+        // Nearly incompressible elements in 3D are stiffer alone than in a mesh.
         let share = if sides.len() == 3 { 0.66 } else { 0.75 };
         assert!(
             (share * step..=step * (1.0 + 1e-9)).contains(&bound),
@@ -173,7 +173,7 @@ fn single_elements_bound_the_steps_of_all_bodies_of_them() {
 }
 
 #[test]
-fn bonds_of_a_body_are_fewer_than_those_of_the_lattice() {
+fn the_step_of_the_lattice_bounds_the_steps_of_peridynamic_bodies() {
     for (case, step) in cases("peridynamics") {
         let choices = PeridynamicsChoices {
             horizon: number(&case, "horizon"),
@@ -192,7 +192,7 @@ fn bonds_of_a_body_are_fewer_than_those_of_the_lattice() {
 }
 
 #[test]
-fn single_material_points_bound_the_steps_of_all_bodies_of_them() {
+fn single_material_points_bound_the_steps_of_all_bodies() {
     for (case, step) in cases("material-points") {
         let choices = MaterialPointChoices {
             per_side: 2,
@@ -210,7 +210,7 @@ fn single_material_points_bound_the_steps_of_all_bodies_of_them() {
             &MethodChoices::MaterialPoints(particles(&case), choices),
         ));
         assert_eq!(ground, FiniteBodyGround::Parts);
-        // A single point attains it; in filled cells points share their nodes.
+        // A single point attains the bound. In filled cells points share their nodes.
         assert!(
             (0.67 * step..=step).contains(&bound),
             "{bound} for {step}: {case}"

@@ -1,4 +1,4 @@
-//! Bodies whose neighbors are found again: against sums over all pairs, the forces of the method, free motion, and its waves.
+//! Bodies of updated SPH against sums over all pairs, the forces of the method, free motion, and the waves of the method.
 
 use super::random::Random;
 use super::{assert_second_order, at_rest, block, energy_error, law, moving, twice, with};
@@ -48,7 +48,7 @@ fn dynamic<const D: usize>(matrix: &SMatrix<f64, D, D>) -> DMatrix<f64> {
     DMatrix::from_fn(D, D, |a, b| matrix[(a, b)])
 }
 
-/// The equations by sums over all particles, with the quartic spline and its integral written out.
+/// Equations of motion as sums over all particles, with the quartic spline and its integral written out.
 struct Sums<'a, const D: usize> {
     choices: &'a UpdatedSphChoices,
     x: Vec<SVector<f64, D>>,
@@ -58,7 +58,7 @@ struct Sums<'a, const D: usize> {
 }
 
 impl<const D: usize> Sums<'_, D> {
-    /// `W` and `dW/dr`.
+    /// Values of `W` and `dW/dr`.
     fn weight(&self, distance: f64) -> [f64; 2] {
         let radius = self.choices.radius;
         let (q, size) = (distance / radius, radius.powi(D as i32));
@@ -76,7 +76,7 @@ impl<const D: usize> Sums<'_, D> {
         }
     }
 
-    /// `grad W_IJ` with respect to `x_I`.
+    /// Gradient `grad W_IJ` with respect to `x_I`.
     fn gradient(&self, i: usize, j: usize) -> SVector<f64, D> {
         let apart = self.x[i] - self.x[j];
         match apart.norm() {
@@ -112,7 +112,7 @@ impl<const D: usize> Sums<'_, D> {
         piola * self.f[i].transpose() / dynamic(&self.f[i]).determinant()
     }
 
-    /// The stress along corrected gradients, where forces are corrected, less the artificial one of a pair.
+    /// Stress along corrected gradients, if forces are corrected, minus the artificial stress of a pair.
     fn lessened(&self, i: usize, j: usize) -> SMatrix<f64, D, D> {
         let stress = self.stress(i);
         let along = match self.choices.corrected_forces {
@@ -183,7 +183,7 @@ impl<const D: usize> Sums<'_, D> {
         all.iter().flat_map(|a| a.iter().copied()).collect()
     }
 
-    /// `sum_J V_J (w_J - w_I) (x) grad W_IJ K_I^-1`.
+    /// Velocity gradient `sum_J V_J (w_J - w_I) (x) grad W_IJ K_I^-1`.
     fn gradient_of(&self, i: usize, w: &[SVector<f64, D>]) -> SMatrix<f64, D, D> {
         let mut sum = SMatrix::zeros();
         for j in 0..self.x.len() {
@@ -196,7 +196,7 @@ impl<const D: usize> Sums<'_, D> {
         }
     }
 
-    /// `K_I^-1`.
+    /// Correction matrix `K_I^-1`.
     fn correction(&self, i: usize) -> SMatrix<f64, D, D> {
         let mut moment = SMatrix::<f64, D, D>::zeros();
         for j in 0..self.x.len() {
@@ -207,7 +207,7 @@ impl<const D: usize> Sums<'_, D> {
         SMatrix::<f64, D, D>::from_fn(|a, b| inverse[(a, b)])
     }
 
-    /// As a body takes it up, with places in the reference state.
+    /// State for a body, from positions in the reference configuration.
     fn state(&self, positions: &[[f64; 3]]) -> PatchState {
         let places = self.x.iter().zip(positions);
         PatchState {
@@ -225,7 +225,8 @@ impl<const D: usize> Sums<'_, D> {
     }
 }
 
-/// Disordered particles of different volumes, all of them moved, strained and in motion: no neighborhood is that of the reference state.
+/// Disordered particles of different volumes with displacements, strains and velocities, so that all neighborhoods differ from the reference
+/// configuration.
 fn disordered<const D: usize>(
     choices: &UpdatedSphChoices,
     count: usize,
@@ -241,7 +242,7 @@ fn disordered<const D: usize>(
         });
     }
     let mut vector = |size: f64| SVector::<f64, D>::from_fn(|_, _| size * random.number());
-    // Far enough that particles have come from beyond the support.
+    // The displacements are large enough to move particles into the support from outside.
     let places = given.iter().map(|own| {
         let x = SVector::<f64, D>::from_fn(|i, _| own.position[i]);
         x * 0.9 + vector(0.45)
@@ -272,7 +273,7 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
     both.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs())) / size
 }
 
-/// All that can be chosen.
+/// All combinations of choices.
 fn all_choices(radius: f64) -> Vec<UpdatedSphChoices> {
     let plain = choices(radius);
     let mut all = Vec::new();
@@ -342,7 +343,7 @@ fn assert_sums<const D: usize>(lattice: LatticeKind, count: usize, radius: f64) 
             let own = body.accelerations().expect("forces");
             let far = apart(&own, &sums.accelerations());
             assert!(far < 1e-12, "{D} dimensions, {choices:?}: {far:e}");
-            // A step so short that it is a derivative.
+            // The step is short enough to give a derivative.
             let step = 1e-7;
             let velocities: Vec<f64> = state
                 .velocities
@@ -369,13 +370,13 @@ fn assert_sums<const D: usize>(lattice: LatticeKind, count: usize, radius: f64) 
 }
 
 #[test]
-fn forces_and_rates_are_those_of_sums_over_all_pairs_wherever_particles_have_come() {
+fn forces_and_rates_equal_sums_over_all_pairs_at_any_positions() {
     assert_sums::<1>(LatticeKind::Chain, 30, 2.6);
     assert_sums::<2>(LatticeKind::Square, 49, 2.4);
     assert_sums::<3>(LatticeKind::SimpleCubic, 64, 2.1);
 }
 
-/// The body alone in a large cell of a lattice, near a homogeneous state: the forces of the method itself.
+/// Compares a single body in a large cell of a lattice, near a homogeneous state, with the forces of the method.
 fn assert_general<const D: usize>(lattice: LatticeKind, size: &[f64], radius: f64) {
     let mut f = DeformationGradient::from_stretches([1.04, 0.98, 1.0]).expect("stretches");
     if D > 1 {
@@ -400,7 +401,7 @@ fn assert_general<const D: usize>(lattice: LatticeKind, size: &[f64], radius: f6
             let scheme = UpdatedSph::new(crystal, choices.clone()).expect("a scheme");
             let patch = PeriodicPatch::new(scheme.crystal(), [1; D]);
             let mut random = Random::new(5);
-            // The forces of a patch hold densities under the viscosity: it is looked at where particles move about the state itself.
+            // The forces of a patch hold densities in the viscosity. Viscosity is therefore tested with velocities in the homogeneous state itself.
             let shifted = if choices.viscosity.is_some() {
                 0.0
             } else {
@@ -415,7 +416,7 @@ fn assert_general<const D: usize>(lattice: LatticeKind, size: &[f64], radius: f6
                     forces = own.at(&u, &v).expect("forces");
                 })
                 .expect("forces");
-            // What particles carry at the displacements, by the gradients of the homogeneous state.
+            // Deformation of the particles at the displacements, by the gradients of the homogeneous state.
             let mut sums = Sums {
                 choices: &choices,
                 x: positions
@@ -445,15 +446,15 @@ fn assert_general<const D: usize>(lattice: LatticeKind, size: &[f64], radius: f6
 }
 
 #[test]
-fn with_the_neighbors_of_a_homogeneous_state_forces_are_those_of_the_method() {
-    // No neighbor comes in or goes.
+fn forces_near_a_homogeneous_state_equal_the_forces_of_the_method() {
+    // No neighbor enters or leaves the support.
     assert_general::<1>(LatticeKind::Chain, &[20.0], 2.5);
     assert_general::<2>(LatticeKind::Square, &[7.0, 5.0], 1.75);
     assert_general::<3>(LatticeKind::SimpleCubic, &[4.0, 4.0, 3.0], 1.6);
 }
 
 #[test]
-fn a_turned_body_has_turned_forces() {
+fn forces_rotate_with_the_body() {
     let choices = UpdatedSphChoices {
         artificial_stress: Some(ArtificialStress::default()),
         ..choices(2.4)
@@ -492,8 +493,8 @@ fn a_turned_body_has_turned_forces() {
 }
 
 #[test]
-fn free_particles_carry_the_gradient_of_their_motion_through_all_changes_of_neighbors() {
-    // A law so soft that particles fly on: x = (1 + A t) X.
+fn free_particles_keep_the_gradient_of_their_motion_through_changes_of_neighbors() {
+    // The law is so soft that the particles move freely: x = (1 + A t) X.
     let soft = Law::named("neo-hooke").expect("a law");
     let soft = soft
         .build(&[("mu", 1e-30), ("lambda", 1e-30)])
@@ -536,8 +537,8 @@ fn free_particles_carry_the_gradient_of_their_motion_through_all_changes_of_neig
     .expect("a body");
 }
 
-/// `omega^2` of a wave in the middle of a large body, from three moments of the leapfrog, `a(t + dt) + a(t - dt) = (2 - omega^2 dt^2) a(t)`, while the
-/// surface is out of reach; with the prediction.
+/// Predicted and measured `omega^2` of a wave in the middle of a large body, from three leapfrog amplitudes, `a(t + dt) + a(t - dt) = (2 - omega^2
+/// dt^2) a(t)`, before the surface has an effect.
 fn growth(
     lattice: LatticeKind,
     size: &[f64],
@@ -590,7 +591,7 @@ fn growth(
 }
 
 #[test]
-fn tension_is_unstable_inside_of_a_body_as_the_linearized_equations_say() {
+fn tensile_instability_in_a_body_grows_at_the_predicted_rate() {
     let mut grown = 0;
     for choices in [
         choices(2.2),
@@ -629,7 +630,7 @@ fn tension_is_unstable_inside_of_a_body_as_the_linearized_equations_say() {
     assert!(grown > 3, "{grown}");
 }
 
-/// Two blocks that meet: their kernels touch, and nothing else does.
+/// Two blocks that approach each other and interact only through their kernels.
 fn meeting() -> [Grip; 2] {
     [(0.0, 6.9, 0.15), (7.1, 15.0, -0.15)].map(|(low, high, speed)| Grip {
         low: vec![low, -1.0],
@@ -641,7 +642,7 @@ fn meeting() -> [Grip; 2] {
 }
 
 #[test]
-fn bodies_that_meet_act_on_each_other_and_keep_their_momentum() {
+fn bodies_in_collision_interact_and_conserve_momentum() {
     for momentum in [MomentumForm::Symmetric, MomentumForm::Mean] {
         let choices = UpdatedSphChoices {
             momentum,
@@ -656,7 +657,7 @@ fn bodies_that_meet_act_on_each_other_and_keep_their_momentum() {
             body.start(&start, step).expect("forces");
             let history = moving(body, step, (30.0 / step) as usize);
             let (first, last) = (history[0], history[history.len() - 1]);
-            // The two start as told, and have turned back in the end.
+            // Initial kinetic energy of the two blocks, which have reversed their motion at the end.
             let kinetic = 0.5 * DENSITY * 60.0 * (0.15 * 0.15 + 0.02 * 0.02);
             assert!((first.kinetic - kinetic).abs() < 1e-12);
             assert_eq!(first.work, 0.0);
@@ -678,7 +679,7 @@ fn bodies_that_meet_act_on_each_other_and_keep_their_momentum() {
 }
 
 #[test]
-fn the_mean_form_with_continuity_has_an_energy() {
+fn the_mean_form_with_continuity_conserves_energy() {
     let choices = UpdatedSphChoices {
         momentum: MomentumForm::Mean,
         ..choices(2.2)
@@ -698,7 +699,7 @@ fn the_mean_form_with_continuity_has_an_energy() {
 }
 
 #[test]
-fn grips_do_the_work_that_a_body_with_an_energy_gains() {
+fn the_work_of_grips_equals_the_energy_gain_of_a_conservative_body() {
     let choices = UpdatedSphChoices {
         momentum: MomentumForm::Mean,
         ..choices(2.2)
@@ -718,7 +719,7 @@ fn grips_do_the_work_that_a_body_with_an_energy_gains() {
             let history = moving(body, step, (8.0 / step) as usize);
             let last = history[history.len() - 1];
             assert!(last.work > 0.01 && last.strain > 0.001, "{last:?}");
-            // Nothing is done after the grips have let go.
+            // The grips do no work after their release.
             let after = history[(5.5 / step) as usize];
             assert!((after.work - last.work).abs() < 1e-14);
             (last.kinetic + last.strain - last.work).abs() / last.work
@@ -730,7 +731,7 @@ fn grips_do_the_work_that_a_body_with_an_energy_gains() {
 }
 
 #[test]
-fn a_run_taken_up_goes_on_to_the_same_bits_whenever_neighbors_were_found() {
+fn a_resumed_run_is_bitwise_identical_for_any_time_of_the_neighbor_search() {
     let choices = UpdatedSphChoices {
         viscosity: Some(ArtificialViscosity::default()),
         artificial_stress: Some(ArtificialStress::default()),
@@ -763,7 +764,7 @@ fn a_run_taken_up_goes_on_to_the_same_bits_whenever_neighbors_were_found() {
 
 #[cfg(feature = "rayon")]
 #[test]
-fn a_run_on_any_number_of_cores_has_the_same_bits() {
+fn runs_on_any_number_of_cores_are_bitwise_identical() {
     for corrected in [false, true] {
         super::assert_same_on_any_cores(|| {
             let choices = UpdatedSphChoices {
@@ -786,7 +787,7 @@ fn a_run_on_any_number_of_cores_has_the_same_bits() {
 }
 
 #[test]
-fn the_critical_step_bounds_and_a_longer_one_does_not() {
+fn motion_is_bounded_at_the_critical_step_and_unbounded_at_a_longer_step() {
     for viscosity in [0.0, 1.5] {
         let choices = UpdatedSphChoices {
             viscosity: Some(ArtificialViscosity {
@@ -819,7 +820,7 @@ fn the_critical_step_bounds_and_a_longer_one_does_not() {
 }
 
 #[test]
-fn faults_are_told_with_particle_and_state() {
+fn faults_are_reported_with_particle_and_state() {
     let corrected = UpdatedSphChoices {
         corrected: true,
         ..choices(2.2)
@@ -841,7 +842,7 @@ fn faults_are_told_with_particle_and_state() {
     assert_eq!(inverted.deformation, [-0.5, 0.0, 0.0, 1.0]);
     let lost = fault(&choices(2.2), &|state| state.displacements[31] = f64::NAN);
     assert_eq!((lost.ground, lost.particle), (Ground::NotFinite, 15));
-    // Far from all others there is no velocity gradient to be corrected.
+    // A particle far from all others has no velocity gradient to correct.
     let alone = fault(&corrected, &|state| state.displacements[40] = 100.0);
     assert!(matches!(alone.ground, Ground::Method(_)), "{alone}");
     assert_eq!(alone.particle, 20);

@@ -1,4 +1,4 @@
-//! Nothing depends on which basis describes a lattice, nor on the units.
+//! Results are independent of the lattice basis and of the units.
 
 use crate::hunt::hunted;
 use crate::random::Random;
@@ -14,7 +14,7 @@ use onset::scheme::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
 use onset::scheme::sph::{UpdatedSph, UpdatedSphChoices};
 use onset::verdict::{Assessment, Survey, Verdict, assess, judge};
 
-/// Integers of determinant one, and their inverse: a product of shears.
+/// Integer matrix of determinant one and its inverse: a product of shears.
 fn unimodular<const D: usize>(random: &mut Random) -> [SMatrix<f64, D, D>; 2] {
     let mut integer = |bound: f64| (random.number() * (bound + 0.5)).round();
     let (mut product, mut inverse) = (SMatrix::identity(), SMatrix::identity());
@@ -49,7 +49,7 @@ fn assert_same_spectrum<const D: usize>(
         close(lowest[0], lowest[1], fastest.powi(2)),
         "{context} {lowest:?}"
     );
-    // A rate is the root of a small number.
+    // A growth rate is the root of a small number.
     let rates = [a, b].map(|s| s.growth_rate().powi(2));
     assert!(
         close(rates[0], rates[1], fastest.powi(2)),
@@ -86,7 +86,7 @@ fn described<const D: usize>(
 }
 
 #[test]
-fn a_lattice_has_the_same_answers_in_every_basis() {
+fn results_do_not_depend_on_the_basis_of_a_planar_lattice() {
     let (seed, cases) = hunted(60);
     let mut random = Random::new(seed);
     let law = ModifiedMooneyRivlin::default();
@@ -126,7 +126,7 @@ fn a_lattice_has_the_same_answers_in_every_basis() {
 }
 
 #[test]
-fn a_lattice_in_space_with_two_particles_in_a_cell_has_the_same_answers_in_every_basis() {
+fn results_do_not_depend_on_the_basis_of_a_lattice_in_3d_with_two_particles_per_cell() {
     let mut random = Random::new(4);
     let law = ModifiedMooneyRivlin::default();
     let vectors = Matrix3::new(1.0, 0.2, 0.1, 0.0, 1.1, 0.3, 0.0, 0.0, 0.95);
@@ -160,7 +160,7 @@ fn a_lattice_in_space_with_two_particles_in_a_cell_has_the_same_answers_in_every
     }
 }
 
-/// A law of bodies that have been deformed by `given` before: `W(F given^-1)`.
+/// Law of a body that was deformed by `given` before: `W(F given^-1)`.
 struct Before<'a> {
     law: &'a dyn Hyperelastic,
     inverse: Matrix3<f64>,
@@ -186,8 +186,7 @@ impl Hyperelastic for Before<'_> {
     }
 }
 
-/// The state, and the law that answers it as another one answers the state without a shear that maps the square lattice onto
-/// itself.
+/// State and law after a shear that maps the square lattice onto itself. The law gives the same response as the original law in the original state.
 fn sheared<'a>(
     law: &'a dyn Hyperelastic,
     small: [[f64; 2]; 2],
@@ -202,7 +201,7 @@ fn sheared<'a>(
 }
 
 #[test]
-fn a_shear_that_maps_the_lattice_onto_itself_changes_no_wave_of_particles_with_current_kernels() {
+fn waves_with_eulerian_kernels_are_invariant_to_shears_that_map_the_lattice_onto_itself() {
     let law = ModifiedMooneyRivlin::default();
     let square = KernelMethodChoices {
         lattice: LatticeKind::Square,
@@ -245,7 +244,7 @@ fn a_shear_that_maps_the_lattice_onto_itself_changes_no_wave_of_particles_with_c
             let found = Survey::new(&sph, &law)
                 .and_then(|s| s.assess(&f))
                 .expect("an answer");
-            // Which modes have no energy is told in the state F = 1, which is another one of the sheared law.
+            // Zero-energy modes are determined in the state F = 1, which is a different state for the sheared law.
             if of_sph.verdict != Verdict::ZeroEnergy {
                 assert_eq!(found.verdict, of_sph.verdict, "{context}");
             }
@@ -257,7 +256,7 @@ fn a_shear_that_maps_the_lattice_onto_itself_changes_no_wave_of_particles_with_c
 }
 
 #[test]
-fn a_shear_that_double_precision_does_not_tell_is_refused() {
+fn shears_beyond_double_precision_are_rejected() {
     let law = ModifiedMooneyRivlin::default();
     for support_size in [SupportSize::Fixed, SupportSize::Scaled] {
         let method = Method::<2>::new(KernelMethodChoices {
@@ -278,7 +277,7 @@ fn a_shear_that_double_precision_does_not_tell_is_refused() {
 }
 
 #[test]
-fn long_cells_are_refused_before_anything_is_made_of_them() {
+fn long_cells_are_rejected_before_any_computation() {
     for vectors in [
         [6986.29, 1e5, 3.0, 1e100],
         [1e5, -2.0, 2.0, 1.5],
@@ -300,7 +299,7 @@ fn long_cells_are_refused_before_anything_is_made_of_them() {
     ));
 }
 
-/// Factors of stress, density and length: powers of four, so that all roots and quotients are exact.
+/// Exponents of the units of stress, density and length: powers of four, so that all roots and quotients are exact.
 const UNITS: [[i32; 3]; 9] = [
     [200, 0, 0],
     [-200, 0, 0],
@@ -350,7 +349,7 @@ fn assert_scaled<const D: usize>(
     assert_eq!(minimum[0] * stress, minimum[1], "{context}");
 }
 
-/// The same law with stresses in another unit.
+/// Law with stresses in another unit.
 struct Times<'a>(&'a dyn Hyperelastic, f64);
 
 impl Hyperelastic for Times<'_> {
@@ -366,9 +365,9 @@ impl Hyperelastic for Times<'_> {
 }
 
 #[test]
-fn results_of_kernel_methods_are_the_same_to_the_last_digit_in_all_units() {
+fn results_of_kernel_methods_are_bitwise_identical_in_all_units() {
     let law = ModifiedMooneyRivlin::default();
-    // The response as such, so that the parts of it are computed alike in all units.
+    // Only the response is forwarded, so that all its parts are computed identically in all units.
     let plain = Times(&law, 1.0);
     let f = DeformationGradient::from_stretches([1.15, 0.93, 1.0]).expect("a state");
     let mut choices = Vec::new();
@@ -420,7 +419,7 @@ fn results_of_kernel_methods_are_the_same_to_the_last_digit_in_all_units() {
 }
 
 #[test]
-fn maps_of_lagrangian_kernels_are_the_same_to_the_last_digit_in_all_units() {
+fn maps_of_lagrangian_kernels_are_bitwise_identical_in_all_units() {
     let surveyed = |[stress, density, length]: [f64; 3], f: &DeformationGradient| {
         let method = Method::<2>::new(KernelMethodChoices {
             density,
@@ -465,7 +464,7 @@ fn maps_of_lagrangian_kernels_are_the_same_to_the_last_digit_in_all_units() {
 }
 
 #[test]
-fn results_of_particles_that_move_with_their_kernels_are_the_same_in_all_units() {
+fn results_of_updated_sph_do_not_depend_on_the_units() {
     let law = ModifiedMooneyRivlin::default();
     let f = DeformationGradient::from_stretches([1.1, 0.95, 1.0]).expect("a state");
     for cells in [1, 2] {
@@ -493,7 +492,7 @@ fn results_of_particles_that_move_with_their_kernels_are_the_same_in_all_units()
         for exponents in UNITS {
             let units = exponents.map(|exponent| 4_f64.powi(exponent));
             let [stress, density] = [units[0].log10(), units[1].log10()];
-            // Its cube can over- or underflow, or a stress over its cube: then it is told that there is no answer, or the answer is right.
+            // The cube of the density, or a stress over this cube, can overflow or underflow. Then the result is an error or is correct.
             let is_extreme = density.abs() > 90.0 || (stress - 3.0 * density).abs() > 290.0;
             let found = match answer(units) {
                 Ok(found) => found,

@@ -1,4 +1,4 @@
-//! Lattices in three dimensions: their kinds, Voronoi cells, the centers of Delaunay cells, zones.
+//! Lattices in three dimensions: their types, Voronoi cells, centers of Delaunay cells, and Brillouin zones.
 
 use crate::choices::config;
 use nalgebra::{Matrix3, Vector3};
@@ -28,7 +28,7 @@ fn points_around(lattice: &BravaisLattice<3>) -> Vec<Vector3<f64>> {
 }
 
 #[test]
-fn cubic_lattices_have_their_neighbors_at_the_spacing_and_their_volumes() {
+fn cubic_lattices_have_known_neighbors_and_volumes() {
     let h: f64 = 1.3;
     for (kind, neighbors, volume) in [
         (CUBIC[0], 6, 1.0),
@@ -43,7 +43,7 @@ fn cubic_lattices_have_their_neighbors_at_the_spacing_and_their_volumes() {
         let count = distances.iter().filter(|r| **r < h * (1.0 + 1e-12)).count();
         assert_eq!(count, neighbors, "{kind:?}");
         assert!((lattice.cell_volume() - volume * h.powi(3)).abs() < 1e-13);
-        // The cubes stand along the axes: turning by a quarter changes nothing.
+        // The cubes are aligned with the axes: a quarter turn changes nothing.
         let turned = lattice.mapped(&Matrix3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0));
         let cycles = lattice.reciprocal().transpose() * turned.expect("a lattice").vectors();
         let cycles = cycles / std::f64::consts::TAU;
@@ -52,16 +52,16 @@ fn cubic_lattices_have_their_neighbors_at_the_spacing_and_their_volumes() {
 }
 
 #[test]
-fn holes_of_cubic_lattices_are_where_crystallography_has_them() {
-    // Places in units of the cube's edge, one period; the distance to the nearest particles in edges.
+fn holes_of_cubic_lattices_have_the_crystallographic_positions() {
+    // Positions in units of the cube edge within one period, and the distance to the nearest particles in edges.
     let centers = |kind| delaunay_centers(&lattice(kind), &[Vector3::zeros()]).expect("centers");
     let edge = [1.3, 1.3 * 2.0 / 3.0_f64.sqrt(), 1.3 * 2.0_f64.sqrt()];
     for (n, expected) in [
-        // The cube's center.
+        // The center of the cube.
         vec![(3.0_f64.sqrt() / 2.0, 8)],
-        // Six tetrahedral holes, at (1/2, 1/4, 0) and its like.
+        // Six tetrahedral holes, (1/2, 1/4, 0) and its equivalents.
         vec![(5.0_f64.sqrt() / 4.0, 4); 6],
-        // Two tetrahedral holes and one octahedral.
+        // Two tetrahedral holes and one octahedral hole.
         vec![
             (3.0_f64.sqrt() / 4.0, 4),
             (0.5, 6),
@@ -94,7 +94,7 @@ fn holes_of_cubic_lattices_are_where_crystallography_has_them() {
 }
 
 #[test]
-fn volumes_of_symmetric_sets_are_their_closed_forms() {
+fn voronoi_volumes_of_symmetric_sets_agree_with_closed_forms() {
     let [simple, body, face] = CUBIC.map(lattice);
     let at = Vector3::repeat;
     let shares = |lattice: &BravaisLattice<3>, points: &[Vector3<f64>]| -> Vec<f64> {
@@ -111,18 +111,18 @@ fn volumes_of_symmetric_sets_are_their_closed_forms() {
     for lattice in [&simple, &body, &face] {
         equal(shares(lattice, &[Vector3::zeros()]));
     }
-    // Diamond, rock salt, and all holes of the closest packing together, which make a body-centered lattice.
+    // Diamond, rock salt, and all holes of the closest packing together, which form a body-centered lattice.
     equal(shares(&face, &[at(0.0), at(0.25)]));
     equal(shares(&face, &[at(0.0), at(0.5)]));
     equal(shares(&face, &[at(0.0), at(0.25), at(0.5), at(0.75)]));
-    // Layers at any heights: slabs between the middles.
+    // Layers at any heights: slabs between the midplanes.
     let heights = [0.0, 0.2, 0.5];
     let slabs = shares(&simple, &heights.map(|z| Vector3::new(0.3, 0.1, z)));
     for (slab, expected) in slabs.iter().zip([0.35, 0.25, 0.4]) {
         assert!((slab - expected).abs() < 1e-14);
     }
-    // Fluorite, edges one: from the cube of edge 1/2 around a tetrahedral hole the bisectors towards its four particles, at four
-    // of the corners, cut off tetrahedra with legs of 3/8.
+    // Fluorite with unit edges: the bisectors towards the four particles around a tetrahedral hole cut tetrahedra with legs of 3/8 from four corners
+    // of the cube of edge 1/2 around the hole.
     let hole = 4.0 * (1.0 / 8.0 - 4.0 * (3.0_f64 / 8.0).powi(3) / 6.0);
     let fluorite = shares(&face, &[at(0.0), at(0.25), at(0.75)]);
     for (share, expected) in fluorite.iter().zip([1.0 - 2.0 * hole, hole, hole]) {
@@ -153,7 +153,7 @@ fn vectors() -> impl Strategy<Value = Matrix3<f64>> {
 proptest! {
     #![proptest_config(config(40))]
     #[test]
-    fn volumes_fill_the_cell_whatever_the_basis_and_the_origin(
+    fn voronoi_volumes_fill_the_cell_for_any_basis_and_origin(
         vectors in vectors(),
         basis in bases(),
         points in prop::collection::vec(prop::array::uniform3(0.0..1.0_f64), 1..6),
@@ -174,7 +174,7 @@ proptest! {
     }
 
     #[test]
-    fn centers_have_four_nearest_points_and_none_nearer(
+    fn delaunay_centers_have_four_nearest_points_and_none_closer(
         vectors in vectors(),
         points in prop::collection::vec(prop::array::uniform3(0.0..1.0_f64), 1..4),
     ) {
@@ -182,7 +182,7 @@ proptest! {
         let points: Vec<Vector3<f64>> = points.into_iter().map(Vector3::from).collect();
         let centers = delaunay_centers(&lattice, &points).expect("centers");
         let around = points_around(&lattice);
-        // Simplices fill space: in general position there are more than five tetrahedra a point.
+        // Simplices fill space: in general position there are more than five tetrahedra per point.
         prop_assert!(centers.len() >= 6 * points.len() || points.len() == 1);
         for center in &centers {
             let place = lattice.vectors() * center;
@@ -198,7 +198,7 @@ proptest! {
 }
 
 #[test]
-fn volumes_are_what_is_nearest_on_a_fine_grid() {
+fn voronoi_volumes_agree_with_nearest_points_on_a_fine_grid() {
     let lattice = lattice(LatticeKind::BodyCenteredCubic);
     let points = [[0.1, 0.2, 0.3], [0.7, 0.3, 0.9], [0.4, 0.9, 0.5]].map(Vector3::from);
     let volumes = voronoi_volumes(&lattice, &points).expect("distinct points");
@@ -241,7 +241,7 @@ fn corners_of_cubic_zones_and_the_named_points_lie_on_their_boundaries() {
                 distinct.push(corner);
             }
         }
-        // A cube, a rhombic dodecahedron, a truncated octahedron.
+        // The zones are a cube, a rhombic dodecahedron and a truncated octahedron.
         assert_eq!(distinct.len(), corners, "{kind:?}");
         for (name, fractional) in kind.zone_path::<3>() {
             let k = zone.wave_vector(&fractional);
@@ -263,7 +263,7 @@ fn corners_of_cubic_zones_and_the_named_points_lie_on_their_boundaries() {
 }
 
 #[test]
-fn lattices_from_vectors_are_those_with_names() {
+fn lattices_from_vectors_equal_named_lattices() {
     let hexagonal = LatticeKind::Hexagonal.lattice::<2>(0.7).expect("a lattice");
     let oblique =
         LatticeKind::Oblique.lattice_with::<2>(0.7, 1.0, &[1.0, 0.0, 0.5, 0.75_f64.sqrt()]);
@@ -299,7 +299,7 @@ fn lattices_from_vectors_are_those_with_names() {
 }
 
 #[test]
-fn vectors_that_are_too_few_or_dependent_and_sides_without_length_are_refused() {
+fn missing_or_dependent_vectors_and_zero_sides_are_rejected() {
     let refused = |kind: LatticeKind, aspect: f64, vectors: &[f64]| {
         kind.lattice_with::<2>(1.0, aspect, vectors)
             .expect_err("no lattice")

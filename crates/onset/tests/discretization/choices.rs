@@ -1,4 +1,4 @@
-//! Random methods, states and waves for `proptest`, the same in every run.
+//! Random methods, states and waves for `proptest`, reproducible in every run.
 
 use nalgebra::Vector2;
 use onset::approximation::Approximation;
@@ -21,7 +21,7 @@ pub fn config(cases: u32) -> ProptestConfig {
     }
 }
 
-/// Everything that a dynamical matrix in the plane depends on.
+/// All inputs of a dynamical matrix in the plane.
 #[derive(Clone, Debug)]
 pub struct Case {
     pub discretization: KernelMethodChoices,
@@ -43,7 +43,7 @@ impl Case {
     }
 }
 
-/// A moderately deformed state in plane strain.
+/// Moderately deformed state in plane strain.
 pub fn planar_state() -> impl Strategy<Value = DeformationGradient> {
     (0.75..1.4_f64, 0.75..1.4_f64, -0.3..0.3_f64, -3.2..3.2_f64).prop_map(
         |(l1, l2, shear, angle)| {

@@ -1,4 +1,4 @@
-//! What cannot be evaluated is an error that says why; no state and no setting panics.
+//! Invalid input gives errors with a reason; no state and no setting causes a panic.
 
 use nalgebra::{SMatrix, SVector, Vector2};
 use onset::approximation::{Approximation, Order};
@@ -59,11 +59,11 @@ fn a_support_that_holds_thousands_of_particles_is_too_large() {
         panic!("a support of 500 spacings is admitted");
     };
     assert_eq!((radius, limit), (500.0, onset::method::MAXIMUM_NEIGHBORS));
-    // pi R0^2 / V0.
+    // The expected number is pi R0^2 / V0.
     assert!(
         (neighbors - std::f64::consts::PI * 250_000.0 / 0.75_f64.sqrt()).abs() < 1e-6 * neighbors
     );
-    // Crushed to a line, any support holds too many.
+    // If the lattice is compressed to a line, any support holds too many particles.
     let crushed = DeformationGradient::from_stretches([1e-6, 1.0, 1.0]).expect("a state");
     let eulerian = KernelMethodChoices {
         frame: Frame::Eulerian,
@@ -77,7 +77,7 @@ fn a_support_that_holds_thousands_of_particles_is_too_large() {
 
 #[test]
 fn neighbors_in_a_line_do_not_determine_a_linear_basis() {
-    // Stretched across, only the particles of one row remain within the fixed support.
+    // After a stretch across the rows only the particles of one row remain within the fixed support.
     let apart = DeformationGradient::from_stretches([1.0, 3.0, 1.0]).expect("a state");
     let discretization = KernelMethodChoices {
         lattice: LatticeKind::Square,
@@ -99,7 +99,7 @@ fn neighbors_in_a_line_do_not_determine_a_linear_basis() {
         ),
         "{error:?}"
     );
-    // The same at the shape functions themselves.
+    // The same error from the shape functions directly.
     let positions: Vec<Vector2<f64>> = (-1..=1).map(|n| Vector2::new(f64::from(n), 0.0)).collect();
     let weights: Vec<_> = positions
         .iter()
@@ -119,7 +119,7 @@ fn neighbors_in_a_line_do_not_determine_a_linear_basis() {
 }
 
 #[test]
-fn settings_that_are_not_positive_are_refused_by_name() {
+fn settings_that_are_not_positive_are_rejected_by_name() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         for (setting, discretization) in [
             (
@@ -161,7 +161,7 @@ fn settings_that_are_not_positive_are_refused_by_name() {
 }
 
 #[test]
-fn a_lattice_has_one_dimension_only() {
+fn lattices_are_rejected_in_other_dimensions() {
     let chain = KernelMethodChoices {
         lattice: LatticeKind::Chain,
         ..KernelMethodChoices::default()
@@ -181,7 +181,7 @@ fn a_lattice_has_one_dimension_only() {
 }
 
 #[test]
-fn states_that_leave_the_plane_are_refused() {
+fn states_that_couple_the_plane_to_its_normal_are_rejected() {
     let sheared = DeformationGradient::new([[1.0, 0.0, 0.2], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
         .expect("a state");
     assert_eq!(
@@ -202,9 +202,9 @@ fn states_that_leave_the_plane_are_refused() {
     ));
 }
 
-/// Nothing here is asserted but that every call returns, and that what it returns is finite.
+/// Checks only that every call returns a finite result or an error.
 #[test]
-fn no_magnitude_of_stretches_panics_with_any_method() {
+fn no_method_panics_for_stretches_of_any_magnitude() {
     let current = [
         (
             CurrentLattice::Convected,
@@ -229,7 +229,7 @@ fn no_magnitude_of_stretches_panics_with_any_method() {
             support: 1.6,
             ..KernelMethodChoices::default()
         };
-        // The other choices are read by Eulerian kernels alone.
+        // The other choices apply only to Eulerian kernels.
         for support_size in sizes {
             for (current_lattice, background, linearization) in current {
                 let eulerian = KernelMethodChoices {
@@ -253,7 +253,7 @@ fn no_magnitude_of_stretches_panics_with_any_method() {
     );
 }
 
-/// The number of states of all magnitudes that a method can be assessed at.
+/// Number of states of all magnitudes in which a method can be assessed.
 fn evaluated_at_all_magnitudes(choices: KernelMethodChoices) -> usize {
     let materials: [Box<dyn Hyperelastic>; 2] = [
         Box::new(ModifiedMooneyRivlin::default()),

@@ -7,7 +7,7 @@ use onset::quadrature::{CellRule, Quadrature};
 use proptest::prelude::*;
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 
-/// The Voronoi areas of the points of the middle cell among many periodic images.
+/// Voronoi areas of the points in the central cell among many periodic images, computed by the crate spade.
 fn areas_by_spade(lattice: &BravaisLattice<2>, points: &[Vector2<f64>]) -> Vec<f64> {
     let reach = 7;
     let mut triangulation = DelaunayTriangulation::<Point2<f64>>::new();
@@ -46,7 +46,7 @@ fn areas_by_spade(lattice: &BravaisLattice<2>, points: &[Vector2<f64>]) -> Vec<f
 proptest! {
     #![proptest_config(config(60))]
     #[test]
-    fn voronoi_volumes_of_any_point_set_are_those_of_spade(
+    fn voronoi_volumes_of_any_point_set_agree_with_spade(
         lengths in prop::array::uniform2(0.6..1.6_f64),
         shear in -0.9..0.9_f64,
         points in prop::collection::vec(prop::array::uniform2(0.0..1.0_f64), 1..5),
@@ -81,7 +81,7 @@ proptest! {
                 prop_assert!((folded + g).norm() >= folded.norm() * (1.0 - 1e-11));
             }
         }
-        // The corners are as far from zero as from two reciprocal vectors, and enclose the volume of the zone.
+        // The corners are equally far from zero and from two reciprocal vectors, and enclose the volume of the zone.
         let corners = zone.corners();
         let area: f64 = (0..corners.len())
             .map(|n| corners[n].perp(&corners[(n + 1) % corners.len()]) * 0.5)
@@ -92,7 +92,7 @@ proptest! {
 }
 
 #[test]
-fn nodes_and_stress_points_share_the_cell_equally() {
+fn particles_and_stress_points_share_the_cell_equally() {
     let rule = CellRule::default();
     for (kind, quadrature, parts) in [
         (LatticeKind::Square, Quadrature::Nodal, 1),
@@ -113,7 +113,7 @@ fn nodes_and_stress_points_share_the_cell_equally() {
                 "{kind:?}, {quadrature:?}"
             );
         }
-        // Affine images of a Bravais lattice of points keep equal shares; the honeycomb does by inversion.
+        // Affine images of a Bravais lattice of points keep equal shares; the honeycomb keeps them by inversion.
         let sheared = lattice
             .mapped(&Matrix2::new(1.2, 0.4, -0.1, 0.8))
             .expect("a lattice");
@@ -131,7 +131,7 @@ fn nodes_and_stress_points_share_the_cell_equally() {
 }
 
 #[test]
-fn points_that_coincide_or_lie_beyond_space_have_no_voronoi_volumes() {
+fn coincident_or_nonfinite_points_have_no_voronoi_volumes() {
     let lattice = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
     let twice = [
         Vector2::new(0.25, 0.5),

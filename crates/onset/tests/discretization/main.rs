@@ -1,4 +1,4 @@
-//! Lattices, shape functions and dynamical matrices by their properties, on any admissible input.
+//! Properties of lattices, shape functions and dynamical matrices for any admissible input.
 
 mod bases;
 mod cells;

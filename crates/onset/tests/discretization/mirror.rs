@@ -1,4 +1,4 @@
-//! States with a mirror line: the search of a quarter of the zone against that of the whole and against dense grids.
+//! States with a mirror line: the search over a quarter of the zone against the search over the whole zone and dense grids.
 
 use crate::choices::{Case, case, config};
 use nalgebra::Vector2;
@@ -18,7 +18,7 @@ fn summary(case: &Case) -> Result<SpectrumSummary<2>, MethodError> {
     Ok(search.ok_or(MethodError::NotFinite)?.summary(&d))
 }
 
-/// The state seen in axes of space turned by an angle.
+/// State in axes of space rotated by an angle.
 fn turned(state: &DeformationGradient, angle: f64) -> DeformationGradient {
     let (sine, cosine) = angle.sin_cos();
     let f = state.components();
@@ -40,9 +40,9 @@ proptest! {
     #![proptest_config(config(120))]
 
     #[test]
-    fn a_quarter_of_the_zone_tells_no_less_than_the_whole(case in case(), first in 0.8..1.3_f64, second in 0.8..1.3_f64) {
-        // Along the axes force constants have a mirror line; turned by an angle that is none of the lattice's the whole zone
-        // is searched. (A regular lattice does not turn with the state, nor does an interpolated background.)
+    fn a_quarter_of_the_zone_gives_the_extremes_of_the_whole_zone(case in case(), first in 0.8..1.3_f64, second in 0.8..1.3_f64) {
+        // Along the axes force constants have a mirror line. After a rotation by an angle without lattice symmetry the whole zone is searched.
+        // A regular lattice does not rotate with the state, nor does an interpolated background.
         let discretization = KernelMethodChoices {
             current_lattice: CurrentLattice::Convected,
             background: Background::Imposed,
@@ -63,12 +63,12 @@ proptest! {
         prop_assert!(a <= b + 1e-9 * largest, "lowest {a} above {b}");
         prop_assert!(mirrored.maximum_omega.powi(2) >= largest * (1.0 - 1e-9));
         let (a, b) = (mirrored.growth_rate(), whole.growth_rate());
-        // Pockets in which branches are complex can be narrower than any grid.
+        // Pockets with complex branches can be narrower than any grid.
         prop_assert!(a >= b - 1e-3 * largest.sqrt(), "growth {a} below {b}");
     }
 }
 
-/// The smallest scaled measure on a grid of 200 by 200 wave vectors.
+/// Smallest scaled measure on a grid of 200 by 200 wave vectors.
 fn of_dense_grid(method: &Method<2>, state: &DeformationGradient) -> f64 {
     const COUNT: i32 = 200;
     let material = ModifiedMooneyRivlin::default();
@@ -107,7 +107,7 @@ fn no_point_of_a_dense_grid_is_below_the_minimum_of_a_survey() {
             ..eulerian
         },
     ];
-    // At the first two, several wells lie within a step of the search's own grid.
+    // In the first two states several wells lie within one step of the search grid.
     let states = [
         [1.0783474, 1.19850285, 0.0],
         [0.56262775, 1.29314384, 0.0],
@@ -115,7 +115,7 @@ fn no_point_of_a_dense_grid_is_below_the_minimum_of_a_survey() {
         [0.7, 1.6, 0.0],
         [1.3, 0.8, 0.0],
         [0.95, 1.02, 0.0],
-        // Sheared, a little and more: no mirror.
+        // Small and larger shears, without a mirror line.
         [1.1, 0.9, 1e-6],
         [1.2, 0.8, 0.2],
     ];

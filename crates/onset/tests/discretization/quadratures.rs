@@ -1,4 +1,4 @@
-//! Quadratures: their points and volumes, and which waves they do not see.
+//! Quadratures: their points and volumes, and the waves with zero energy.
 
 use nalgebra::{Matrix2, SMatrix, Vector1, Vector2, vector};
 use onset::approximation::Approximation;
@@ -23,7 +23,7 @@ fn error_of(discretization: KernelMethodChoices) -> MethodError {
     Method::<2>::new(discretization).expect_err("not admissible")
 }
 
-/// Gauss rules integrate monomials in lattice coordinates exactly up to the degree `2 n - 1`, and not one more.
+/// Gauss rules integrate monomials in lattice coordinates exactly up to the degree `2 n - 1`, but not of degree `2 n`.
 #[test]
 fn gauss_points_integrate_polynomials_up_to_their_degree() {
     let vectors = SMatrix::<f64, 3, 3>::new(1.0, 0.3, 0.2, 0.0, 0.9, -0.4, 0.1, 0.0, 1.2);
@@ -66,7 +66,7 @@ fn volumes_of_every_quadrature_add_up_to_the_cell() {
 }
 
 #[test]
-fn a_weight_of_stress_points_is_their_part_of_the_volume() {
+fn the_stress_point_weight_is_their_fraction_of_the_volume() {
     let of = |weight| KernelMethodChoices {
         stress_point_weight: weight,
         ..method(LatticeKind::Hexagonal, Quadrature::StressPoints)
@@ -79,7 +79,7 @@ fn a_weight_of_stress_points_is_their_part_of_the_volume() {
         .map(|point| point.volume)
         .sum();
     assert!((part / weighted.lattice().cell_volume() - 0.3).abs() < 1e-14);
-    // Two of three Voronoi cells are those of stress points.
+    // Two of three Voronoi cells belong to stress points.
     let matrix = |weight| {
         let method = Method::<2>::new(of(weight)).expect("a method");
         dynamical_matrix(&method, &ModifiedMooneyRivlin::default(), &state())
@@ -98,7 +98,7 @@ fn a_weight_of_stress_points_is_their_part_of_the_volume() {
 }
 
 #[test]
-fn lists_of_points_that_make_no_quadrature_are_refused() {
+fn lists_of_points_that_are_not_a_quadrature_are_rejected() {
     let lattice = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
     let error = |list: &[f64]| own_points(&lattice, list).expect_err("not admissible");
     assert!(matches!(
@@ -136,7 +136,7 @@ fn lists_of_points_that_make_no_quadrature_are_refused() {
 }
 
 #[test]
-fn points_of_ones_own_at_those_of_a_named_quadrature_are_that_quadrature() {
+fn user_defined_points_can_reproduce_a_named_quadrature() {
     let named = method(LatticeKind::Square, Quadrature::StressPoints);
     let own = KernelMethodChoices {
         quadrature: Quadrature::Points,
@@ -162,7 +162,7 @@ fn state() -> DeformationGradient {
     DeformationGradient::plane_strain([[1.1, 0.2], [-0.1, 0.95]], 1.0).expect("a state")
 }
 
-/// Waves at half of a reciprocal vector, where particles feel no gradient.
+/// Waves at half of a reciprocal vector, whose gradients vanish at the particles.
 fn halves(method: &Method<2>) -> Vec<Vector2<f64>> {
     let b = method.lattice().reciprocal();
     let of = |x: f64, y: f64| b * vector![x, y];
@@ -170,7 +170,7 @@ fn halves(method: &Method<2>) -> Vec<Vector2<f64>> {
 }
 
 #[test]
-fn natural_stabilization_and_gauss_points_lift_what_nodal_integration_does_not_see() {
+fn natural_stabilization_and_gauss_points_remove_the_zero_energy_modes_of_nodal_integration() {
     for kind in [LatticeKind::Square, LatticeKind::Hexagonal] {
         for approximation in Approximation::ALL {
             let norms = |quadrature| -> Vec<f64> {
@@ -195,7 +195,7 @@ fn natural_stabilization_and_gauss_points_lift_what_nodal_integration_does_not_s
             );
             for quadrature in [Quadrature::NodalStabilized, Quadrature::Gauss] {
                 let lifted = norms(quadrature);
-                // Small for wide supports, but far from rounding.
+                // Small for wide supports, but far above rounding errors.
                 assert!(
                     lifted.iter().all(|norm| *norm > 1e-7),
                     "{kind:?}, {approximation:?}, {quadrature:?}: {lifted:?}"
@@ -205,15 +205,15 @@ fn natural_stabilization_and_gauss_points_lift_what_nodal_integration_does_not_s
     }
 }
 
-/// The chain in closed form: `B = 0` and `B_,X = sum_K phi_K'' (-1)^K` at the wave of two spacings.
+/// Chain in closed form: `B = 0` and `B_,X = sum_K phi_K'' (-1)^K` for the wave of two spacings.
 #[test]
-fn the_stabilized_chain_is_what_one_computes_by_hand() {
+fn the_stabilized_chain_agrees_with_its_closed_form() {
     let chain = Method::<1>::new(KernelMethodChoices {
         support: 1.5,
         ..method(LatticeKind::Chain, Quadrature::NodalStabilized)
     })
     .expect("a chain");
-    // Shepard's function of neighbors at 0 and +-1: phi_0 = W(x) / S, at x = 0 with S' = 0.
+    // Shepard's function of neighbors at 0 and +-1: phi_0 = W(x) / S, with S' = 0 at x = 0.
     let q = 1.0 / 1.5;
     let w = |q: f64| (1.0 - q).powi(3) * (1.0 + 3.0 * q);
     let curvature = |q: f64| (-12.0 + 48.0 * q - 36.0 * q * q) / (1.5 * 1.5);
@@ -221,7 +221,7 @@ fn the_stabilized_chain_is_what_one_computes_by_hand() {
     let sum = w(0.0) + 2.0 * w(q);
     let sum2 = curvature(0.0) + 2.0 * curvature(q);
     let phi2 = |q: f64| curvature(q) / sum - w(q) * sum2 / (sum * sum);
-    // S' = 0 at the particle, so that the slopes do not enter.
+    // S' = 0 at the particle, so that the slopes do not contribute.
     assert!(slope < 0.0);
     let expected = (phi2(0.0) - 2.0 * phi2(q)).powi(2) / 12.0;
     let norm = gradient_norm(&chain, &DeformationGradient::identity()).expect("a norm");
@@ -234,10 +234,10 @@ fn the_stabilized_chain_is_what_one_computes_by_hand() {
     assert!((at - 1.0 / 12.0).abs() < 1e-15);
 }
 
-/// Where gradients of linear fields are exact, the homogeneous state is the state, and long waves see the material: the
-/// acoustic tensor. Stabilization and any rule keep that.
+/// If gradients of linear fields are exact, the homogeneous state is consistent, and long waves have the acoustic tensor of the material.
+/// Stabilization and every quadrature preserve this.
 #[test]
-fn long_waves_of_consistent_methods_are_those_of_the_material() {
+fn long_waves_of_consistent_methods_agree_with_the_material() {
     let material = ModifiedMooneyRivlin::default();
     let tangent = material.response(&state()).expect("finite").tangent;
     for approximation in Approximation::ALL {
@@ -251,7 +251,7 @@ fn long_waves_of_consistent_methods_are_those_of_the_material() {
             });
             let is_without_symmetry = matches!(quadrature, Quadrature::Gauss | Quadrature::Points);
             if approximation == Approximation::Raw && is_without_symmetry {
-                // A translation strains such points, and the state F X is none.
+                // A translation strains such points, and the state F X is not homogeneous.
                 let error = method.expect_err("no homogeneous state");
                 assert!(matches!(error, MethodError::Incompatible { .. }), "{error}");
                 continue;
@@ -278,7 +278,7 @@ fn long_waves_of_consistent_methods_are_those_of_the_material() {
 }
 
 #[test]
-fn the_identity_is_the_moment_of_every_gradient_that_is_exact_for_linear_fields() {
+fn gradients_exact_for_linear_fields_have_the_identity_as_moment() {
     use onset::approximation::Order;
     for approximation in Approximation::ALL {
         for frame in [Frame::Lagrangian, Frame::Eulerian] {
@@ -307,7 +307,7 @@ fn the_identity_is_the_moment_of_every_gradient_that_is_exact_for_linear_fields(
 }
 
 #[test]
-fn natural_stabilization_is_refused_for_kernels_of_current_coordinates() {
+fn natural_stabilization_is_rejected_for_eulerian_kernels() {
     let error = error_of(KernelMethodChoices {
         frame: Frame::Eulerian,
         ..method(LatticeKind::Square, Quadrature::NodalStabilized)
@@ -316,7 +316,7 @@ fn natural_stabilization_is_refused_for_kernels_of_current_coordinates() {
 }
 
 #[test]
-fn certificates_prove_nothing_of_functions_and_points_that_they_do_not_enclose() {
+fn certificates_prove_nothing_for_functions_and_points_without_enclosures() {
     let material = ModifiedMooneyRivlin::default();
     let f = DeformationGradient::from_stretches([1.05, 1.0, 1.0]).expect("a state");
     for (approximation, quadrature) in [
@@ -345,7 +345,7 @@ fn certificates_prove_nothing_of_functions_and_points_that_they_do_not_enclose()
 }
 
 #[test]
-fn a_quadratic_basis_takes_more_neighbors() {
+fn a_quadratic_basis_needs_more_neighbors() {
     let error = Method::<2>::new(KernelMethodChoices {
         approximation: Approximation::Mls2,
         support: 1.2,
@@ -370,8 +370,7 @@ fn a_quadratic_basis_takes_more_neighbors() {
     );
 }
 
-/// `F_q = 1 + sum_K u_K (x) grad phi_K(X_q)` of `u_K = (F - 1) (X_K - X_0)`: where the background is interpolated, the same for every
-/// origin `X_0`.
+/// For `u_K = (F - 1) (X_K - X_0)` the interpolated background `F_q = 1 + sum_K u_K (x) grad phi_K(X_q)` does not depend on the origin `X_0`.
 #[test]
 fn an_interpolated_background_does_not_depend_on_the_origin_of_displacements() {
     use onset::approximation::Order;
@@ -386,7 +385,7 @@ fn an_interpolated_background_does_not_depend_on_the_origin_of_displacements() {
                     background: Background::Interpolated,
                     ..method(kind, quadrature)
                 }) else {
-                    // Refused: only raw weights are not exact for constants.
+                    // Only raw weights are rejected, because they are not exact for constants.
                     assert_eq!(approximation, Approximation::Raw, "{quadrature:?}");
                     continue;
                 };

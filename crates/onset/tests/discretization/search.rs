@@ -15,7 +15,7 @@ use std::cell::Cell;
 
 const GRID: i32 = 60;
 
-/// All reference wave vectors of a grid over the zone, but zero.
+/// All reference wave vectors of a grid over the zone, except zero.
 fn grid(case: &Case) -> Vec<Vector2<f64>> {
     let method = case.method();
     let home = method.home_map(&case.state);
@@ -23,7 +23,7 @@ fn grid(case: &Case) -> Vec<Vector2<f64>> {
     let mut waves = Vec::new();
     for i in 0..GRID {
         for j in 0..GRID {
-            // Shifted from the search's own grid, whose points need not be seen here again.
+            // The grid is shifted from the search grid, whose points are already evaluated.
             let fractional =
                 Vector2::new(f64::from(i) + 0.37, f64::from(j) + 0.61) / f64::from(GRID);
             waves.push(home.transpose() * zone.folded(&zone.wave_vector(&fractional)));
@@ -32,7 +32,7 @@ fn grid(case: &Case) -> Vec<Vector2<f64>> {
     waves
 }
 
-/// What a dense grid sees of a spectrum.
+/// Extremes of a spectrum on a dense grid.
 struct Sampled {
     scaled: f64,
     lowest: f64,
@@ -69,7 +69,7 @@ fn searched(case: &Case) -> (ZoneSearch<2>, DynamicalMatrix<2>) {
     (search.expect("finite"), d)
 }
 
-/// Where a translation costs energy the scaled measure has no bound for long waves.
+/// If a translation costs energy, the scaled measure has no bound for long waves.
 fn is_bounded(d: &DynamicalMatrix<2>) -> bool {
     d.rigid_translation() == &Matrix2::zeros()
 }
@@ -78,16 +78,16 @@ proptest! {
     #![proptest_config(config(400))]
 
     #[test]
-    fn a_wave_that_grows_on_a_dense_grid_is_never_called_stable(case in case()) {
+    fn states_with_growth_on_a_dense_grid_are_never_called_stable(case in case()) {
         let (search, d) = searched(&case);
         let (summary, seen) = (search.summary(&d), sampled(&case, &d));
-        // A growth that rounding cannot make: omega^2 is accurate to about 1e-13 of the highest.
+        // Growth beyond rounding: omega^2 is accurate to about 1e-13 of its maximum.
         if seen.growth.powi(2) > 1e-9 * seen.highest {
             prop_assert!(!summary.is_stable(), "a wave grows at the rate {}", seen.growth);
         }
         let (stability, measure) = search.stability(&d);
         prop_assert_eq!(stability, summary.stability(), "both answers agree: measure {}", measure);
-        // States of maps, for which flutter is not sought that grows more slowly than what diverges, grow as fast.
+        // Surveys of maps omit flutter that grows more slowly than divergence. Their states have the same growth rate.
         let (method, material) = (case.method(), case.material());
         let state = Survey::new(&method, &*material).and_then(|survey| survey.state(&case.state)).expect("finite");
         let (rate, whole) = (state.growth_rate, summary.growth_rate());
@@ -95,18 +95,18 @@ proptest! {
     }
 
     #[test]
-    fn extremes_of_the_summary_are_those_of_a_dense_grid_or_beyond(case in case()) {
+    fn extremes_of_the_summary_reach_the_extremes_of_a_dense_grid(case in case()) {
         let (search, d) = searched(&case);
         let (summary, seen) = (search.summary(&d), sampled(&case, &d));
         prop_assert!(summary.maximum_omega.powi(2) >= seen.highest * (1.0 - 1e-9));
-        // The search follows the deepest wells of its own grid; a rival well can be deeper by this much.
+        // The search follows the deepest wells of its grid. Another well can be deeper by this much.
         let (of_scaled, of_lowest) = (5e-5, 2e-4 * seen.highest);
         prop_assert!(!is_bounded(&d) || summary.softest.scaled <= seen.scaled + of_scaled,
             "scaled {} above {}", summary.softest.scaled, seen.scaled);
-        // Where none is below zero, the translation stands for the lowest mode.
+        // If no omega^2 is negative, the lowest mode is the translation.
         prop_assert!(seen.lowest >= -of_lowest || summary.lowest.omega_squared.re <= seen.lowest + of_lowest,
             "omega^2 {} above {}", summary.lowest.omega_squared.re, seen.lowest);
-        // What the summary names is a mode: D g = omega^2 g.
+        // The summary contains modes: D g = omega^2 g.
         for mode in [summary.lowest, summary.fastest_growing].iter().chain(
             std::iter::once(&summary.softest).filter(|mode| !mode.is_long_wave),
         ) {
@@ -117,10 +117,10 @@ proptest! {
     }
 
     #[test]
-    fn extremes_of_the_summary_are_never_short_of_a_dense_grid(case in case()) {
+    fn extremes_of_the_summary_always_reach_the_extremes_of_a_dense_grid(case in case()) {
         let (search, d) = searched(&case);
         let (summary, seen) = (search.summary(&d), sampled(&case, &d));
-        // Of some thousand random cases a few are still short: narrow pockets of flutter, and valleys at a level of 1e-8.
+        // A few of some thousand random cases are still missed: narrow pockets of flutter, and valleys at a level of 1e-8.
         let margin = 1e-8;
         prop_assert!(!is_bounded(&d) || summary.softest.scaled <= seen.scaled + margin,
             "scaled {} above {}", summary.softest.scaled, seen.scaled);
@@ -171,8 +171,8 @@ fn no_real_part_is_below_the_bound_of_the_hermitian_part() {
 }
 
 #[test]
-fn the_summary_is_reached_and_not_only_bounded() {
-    // A summary below every grid would be no witness: the softest wave has the measure that it states.
+fn the_summary_is_attained_by_a_wave() {
+    // A summary below every grid must also be attained: the softest wave has the stated measure.
     let seen = Cell::new(0);
     let mut runner = proptest::test_runner::TestRunner::new(config(40));
     runner
@@ -186,7 +186,7 @@ fn the_summary_is_reached_and_not_only_bounded() {
             } else {
                 (softest.wave_vector, 1.0)
             };
-            // Where a mode grows at k = 0 the measure has no minimum: the lowest omega^2 over the largest |k|_h^2 stands for it.
+            // If a mode grows at k = 0, the measure has no minimum; the lowest omega^2 over the largest |k|_h^2 replaces it.
             let laplacian = if d.omega_squared(&Vector2::zeros())[0].re < 0.0 {
                 let vectors = method.lattice().vectors().column_iter();
                 vectors.map(|a| 4.0 / a.norm_squared()).sum()
@@ -208,9 +208,9 @@ fn the_summary_is_reached_and_not_only_bounded() {
     );
 }
 
-/// Its matrices have 128 rows, and its fastest growing wave lies at no point of high symmetry.
+/// The matrices have 128 rows, and the fastest growing wave is at no point of high symmetry.
 #[test]
-fn sixty_four_particles_of_a_lattice_grow_as_one_does() {
+fn a_supercell_of_64_particles_has_the_growth_rate_of_one_particle() {
     let material = ModifiedMooneyRivlin::default();
     let state = DeformationGradient::from_stretches([2.2, 1.3, 1.0]).expect("a state");
     let [one, many] = [1, 8].map(|cells| {
@@ -233,9 +233,9 @@ fn sixty_four_particles_of_a_lattice_grow_as_one_does() {
     }
 }
 
-/// Nearly incompressible: its soft branches turn with the stiff one, and a bound is had by polynomials that turn with them.
+/// Nearly incompressible: the soft branches rotate with the stiff branch, and the bound needs polynomials that rotate with them.
 #[test]
-fn the_default_kernel_on_cubes_is_bounded() {
+fn the_default_kernel_on_the_cubic_lattice_has_a_tight_bound() {
     let material = ModifiedMooneyRivlin::default();
     for lattice in [
         LatticeKind::SimpleCubic,

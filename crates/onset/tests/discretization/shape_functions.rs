@@ -1,10 +1,10 @@
-//! Shape functions: what they reproduce, and their derivatives against differences.
+//! Shape functions: reproduction of polynomials, and derivatives against differences.
 
 use nalgebra::{SMatrix, SVector};
 use onset::approximation::{Approximation, Order, ShapeFunctions};
 use onset::kernel::Kernel;
 
-/// The paper's weight reaches so far that also a cubic basis has neighbors enough, and a point is no particle.
+/// Support that contains enough neighbors for a cubic basis around a point that is not a particle.
 fn radius(approximation: Approximation) -> f64 {
     match approximation {
         Approximation::Mls2 => 2.6,
@@ -14,7 +14,7 @@ fn radius(approximation: Approximation) -> f64 {
 }
 const RAW_FACTOR: f64 = 0.4;
 
-/// Particles around the origin in no order of any kind.
+/// Particles around the origin in an irregular arrangement.
 fn scattered<const D: usize>() -> Vec<SVector<f64, D>> {
     let side: usize = if D == 3 { 4 } else { 6 };
     (0..side.pow(D as u32))
@@ -28,7 +28,7 @@ fn scattered<const D: usize>() -> Vec<SVector<f64, D>> {
         .collect()
 }
 
-/// The shape functions at `x` of all particles, those out of reach with zeros.
+/// Shape functions at `x` of all particles, with zeros for particles beyond the support.
 struct Evaluated<const D: usize> {
     values: Vec<f64>,
     gradients: Vec<SVector<f64, D>>,
@@ -92,7 +92,7 @@ fn exponents<const D: usize>(degree: i32) -> Vec<[i32; D]> {
         .collect()
 }
 
-/// The largest error of values and of gradients of the monomials of a degree.
+/// Largest errors of values and of gradients for the monomials of a degree.
 fn reproduction_errors<const D: usize>(at: &Evaluated<D>, degree: i32) -> [f64; 2] {
     let particles = scattered::<D>();
     let (mut of_values, mut of_gradients) = (0.0_f64, 0.0_f64);
@@ -109,7 +109,7 @@ fn reproduction_errors<const D: usize>(at: &Evaluated<D>, degree: i32) -> [f64; 
             .zip(&at.gradients)
             .map(|(q, gradient)| gradient * *q)
             .sum();
-        // About the point itself only constants have a value, and only linear monomials a gradient.
+        // At the center of the expansion only constants have a value, and only linear monomials a gradient.
         let exact = f64::from(u8::from(degree == 0));
         let slope = SVector::from_fn(|i, _| f64::from(u8::from(degree == 1 && e[i] == 1)));
         of_values = of_values.max((value - exact).abs());
@@ -137,7 +137,7 @@ fn check_reproduction<const D: usize>() {
                 "{approximation:?}, {D}D, degree {first_missed} is not promised: {error:e}"
             );
         }
-        // Second derivatives of a partition of unity add up to nothing.
+        // Second derivatives of a partition of unity add up to zero.
         if approximation.degree().is_some() {
             assert!(at.hessians.iter().sum::<SMatrix<f64, D, D>>().amax() < 1e-8);
         }
@@ -145,13 +145,13 @@ fn check_reproduction<const D: usize>() {
 }
 
 #[test]
-fn polynomials_are_reproduced_up_to_the_promised_degree_and_no_further() {
+fn polynomials_are_reproduced_exactly_up_to_the_stated_degree() {
     check_reproduction::<1>();
     check_reproduction::<2>();
     check_reproduction::<3>();
 }
 
-/// Whether gradients are the derivative of the values.
+/// Returns true if gradients are the derivatives of the values.
 fn is_integrable(approximation: Approximation) -> bool {
     approximation.degree() == approximation.degree_of_gradients()
 }
@@ -184,7 +184,7 @@ fn check_derivatives<const D: usize>() {
 }
 
 #[test]
-fn gradients_and_hessians_are_those_that_differences_show() {
+fn gradients_and_hessians_agree_with_finite_differences() {
     check_derivatives::<1>();
     check_derivatives::<2>();
     check_derivatives::<3>();
@@ -219,7 +219,7 @@ fn check_sensitivities<const D: usize>() {
                 }
             }
         }
-        // Moving all particles is moving the point the other way.
+        // Moving all particles is equivalent to moving the point in the opposite direction.
         for i in 0..center.seen.len() {
             let all: SMatrix<f64, D, D> = (0..center.seen.len())
                 .map(|k| center.shape.sensitivity(i, k))
@@ -231,13 +231,13 @@ fn check_sensitivities<const D: usize>() {
 }
 
 #[test]
-fn sensitivities_to_the_motion_of_particles_are_those_that_differences_show() {
+fn sensitivities_to_the_motion_of_particles_agree_with_finite_differences() {
     check_sensitivities::<1>();
     check_sensitivities::<2>();
     check_sensitivities::<3>();
 }
 
-/// The relations that tell the two corrections apart.
+/// Checks the relations that distinguish the two corrections.
 fn check_corrections<const D: usize>() {
     use Approximation::{KrongauzBelytschko, RandlesLibersky};
     let particles = scattered::<D>();
@@ -257,7 +257,7 @@ fn check_corrections<const D: usize>() {
         apart(&middle) > 1e-3,
         "at a particle the one takes differences to its own value"
     );
-    // There the own value has the weight that makes up for all others, while its kernel has no slope.
+    // There the particle itself has the weight that balances all others, although its kernel has zero slope.
     let at = gradients(RandlesLibersky, &middle);
     assert!(
         at.iter().sum::<SVector<f64, D>>().amax() < 1e-12 && at[particles.len() / 2].amax() > 1e-3
@@ -265,7 +265,7 @@ fn check_corrections<const D: usize>() {
 }
 
 #[test]
-fn the_two_corrected_derivatives_differ_at_particles_only() {
+fn the_two_corrected_derivatives_differ_only_at_particles() {
     check_corrections::<1>();
     check_corrections::<2>();
     check_corrections::<3>();
@@ -289,7 +289,7 @@ fn frozen_second_derivatives_hold_the_normalization() {
     for (k, &n) in shepard.seen.iter().enumerate() {
         assert!((shepard.shape.frozen_hessians[k] - weight(n).hessian / sum).amax() < 1e-13);
     }
-    // Of a corrected gradient the second derivative of the weight alone is left, mapped by the same matrix.
+    // For a corrected gradient only the second derivative of the weight remains, mapped by the same matrix.
     let corrected = evaluated(Approximation::KrongauzBelytschko, &particles, &point());
     let slopes: Vec<SVector<f64, 2>> = corrected
         .seen

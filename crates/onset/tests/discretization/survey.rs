@@ -1,4 +1,4 @@
-//! Many states at once against one at a time.
+//! Surveys of many states against assessments of single states.
 
 use crate::choices::{Case, case, config, planar_state};
 use nalgebra::Vector2;
@@ -8,7 +8,7 @@ use onset::method::{Frame, KernelMethodChoices, Method};
 use onset::verdict::{Survey, assess};
 use proptest::prelude::*;
 
-/// Compares a survey, prepared for many states or not, with the assessment of the state alone.
+/// Compares a survey, prepared for many states or not, with the assessment of a single state.
 fn agrees(case: &Case, prepared: bool) -> Result<(), TestCaseError> {
     let (method, material) = (case.method(), case.material());
     let assessment = assess(&method, &*material, &case.state).expect("finite");
@@ -25,7 +25,7 @@ fn agrees(case: &Case, prepared: bool) -> Result<(), TestCaseError> {
         prop_assert_eq!(finding.verdict, assessment.verdict);
         prop_assert_eq!(finding.stability, spectrum.stability());
     }
-    // Valleys of nearly no energy have several bottoms at a level of 1e-8.
+    // Valleys with almost zero energy have several minima at a level of 1e-8.
     let margin = 1e-9 * mu.abs() + 1e-8 + 10.0 * spectrum.tolerance;
     prop_assert!(
         finding.scaled_minimum <= mu + margin,
@@ -41,7 +41,7 @@ fn agrees(case: &Case, prepared: bool) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// The same case with a Lagrangian kernel and the background that the gradient moments need.
+/// Replaces the kernel by a Lagrangian kernel with the background required by the gradient moments.
 fn lagrangian(case: Case) -> Case {
     Case {
         discretization: KernelMethodChoices {
@@ -53,14 +53,14 @@ fn lagrangian(case: Case) -> Case {
     }
 }
 
-/// A state stretched along the axes, as far as maps go.
+/// State stretched along the axes, within the range of maps.
 fn stretched_state() -> impl Strategy<Value = DeformationGradient> {
     (0.5..2.5_f64, 0.5..2.5_f64).prop_map(|(first, second)| {
         DeformationGradient::from_stretches([first, second, 1.0]).expect("positive stretches")
     })
 }
 
-/// Whether a case can be evaluated.
+/// Returns true if a case can be evaluated.
 fn has_answer(case: &Case) -> bool {
     let material = case.material();
     Method::<2>::new(case.discretization.clone()).is_ok_and(|method| {
@@ -75,7 +75,7 @@ fn evaluable() -> impl Strategy<Value = Case> {
         .prop_filter("a support that is large enough", has_answer)
 }
 
-/// The smallest scaled measure on a grid of half of the zone.
+/// Smallest scaled measure on a grid of half of the zone.
 fn smallest_on_grid(case: &Case, survey: &Survey<'_, 2>, resolution: usize) -> f64 {
     let method = case.method();
     let matrix = dynamical_matrix(&method, &*case.material(), &case.state).expect("finite");
@@ -98,7 +98,7 @@ proptest! {
     #![proptest_config(config(120))]
 
     #[test]
-    fn no_point_of_a_grid_lies_below_the_minimum_of_a_survey(
+    fn no_grid_point_is_below_the_minimum_of_a_survey(
         case in evaluable(),
         stretched in stretched_state(),
         is_stretched in any::<bool>(),
@@ -117,7 +117,7 @@ proptest! {
     }
 
     #[test]
-    fn a_state_does_not_care_for_its_company(
+    fn the_result_for_a_state_does_not_depend_on_other_states_of_a_survey(
         case in evaluable(),
         sheared in prop::collection::vec(planar_state(), 1..4),
         stretched in prop::collection::vec(stretched_state(), 9..30),
@@ -141,16 +141,16 @@ proptest! {
     }
 
     #[test]
-    fn extreme_points_of_the_gradient_moments_find_what_a_search_of_the_zone_finds(case in case()) {
+    fn extreme_points_of_the_gradient_moments_agree_with_a_search_over_the_zone(case in case()) {
         let case = lagrangian(case);
-        // A support that Eulerian kernels scale may be too small without.
+        // A support that is sufficient for scaled Eulerian kernels may be too small without scaling.
         if has_answer(&case) {
             agrees(&case, true)?;
         }
     }
 
     #[test]
-    fn states_stretched_along_the_axes_are_surveyed_as_they_are_assessed(
+    fn surveys_of_axis_aligned_stretches_agree_with_single_assessments(
         case in evaluable(),
         state in stretched_state(),
     ) {

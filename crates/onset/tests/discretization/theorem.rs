@@ -1,5 +1,5 @@
-//! The theorem: on a lattice and quadrature with an inversion center, a strongly elliptic material cannot be
-//! made unstable by a Lagrangian kernel. And what happens without the inversion center.
+//! The theorem: on a lattice and quadrature with an inversion center, a Lagrangian kernel cannot destabilize a strongly elliptic material. Without
+//! the inversion center it can.
 
 use crate::choices::{Case, config, lagrangian, wave_vector};
 use nalgebra::{Matrix2, Vector2};
@@ -20,14 +20,14 @@ proptest! {
     #[test]
     fn elliptic_states_are_stable_with_lagrangian_kernels(
         case in lagrangian(),
-        // Far beyond the moderate states, up to the boundary of ellipticity and over it.
+        // Stretches far beyond moderate states, up to the boundary of ellipticity and beyond.
         stretches in prop::array::uniform2(0.4..2.2_f64),
         shear in -0.8..0.8_f64,
         waves in prop::collection::vec(wave_vector(), 8),
     ) {
         let f = [[stretches[0], shear], [0.0, stretches[1]]];
         let state = DeformationGradient::plane_strain(f, 1.0).expect("a state");
-        // The theorem is about one tangent at all points.
+        // The theorem requires the same tangent at all points.
         let discretization = KernelMethodChoices { background: Background::Imposed, ..case.discretization };
         let case = Case { discretization, state, ..case };
         let material = case.material();
@@ -39,7 +39,7 @@ proptest! {
                 prop_assert!(lowest >= -64.0 * d.noise(), "omega^2 = {lowest:e} at {k:?}");
             }
         } else {
-            // The converse holds for long waves, wherever the functions are linearly complete.
+            // The converse holds for long waves if the functions are linearly complete.
             let mls = KernelMethodChoices { approximation: Approximation::Mls, ..case.discretization };
             let method = Method::<2>::new(mls).expect("a method");
             let d = dynamical_matrix(&method, &*material, &state).expect("finite");
@@ -61,9 +61,9 @@ fn up_triangles(support: f64) -> Method<2> {
 }
 
 #[test]
-fn one_family_of_triangles_alone_is_unstable_in_elliptic_states() {
-    // At K the gradient is circular, B = b (1, +-i), and omega^2 = 2 |b|^2 (c1 + c2 - |g'(J)|): lost at the
-    // equibiaxial stretch where g'(J) = c1 + c2, long before the material's 1.66977.
+fn stress_points_on_one_family_of_triangles_are_unstable_in_elliptic_states() {
+    // At K the gradient is circular, B = b (1, +-i), and omega^2 = 2 |b|^2 (c1 + c2 - |g'(J)|). Stability is lost at the equibiaxial stretch where
+    // g'(J) = c1 + c2, long before the material's 1.66977.
     let material = ModifiedMooneyRivlin::default();
     let onset = 1.0068048003;
     let corners = [
@@ -93,7 +93,7 @@ fn one_family_of_triangles_alone_is_unstable_in_elliptic_states() {
 }
 
 #[test]
-fn without_an_inversion_center_the_matrix_is_complex_but_keeps_its_symmetries() {
+fn without_an_inversion_center_the_matrix_is_complex_and_keeps_its_symmetries() {
     let state = DeformationGradient::plane_strain([[1.2, 0.3], [-0.1, 0.9]], 1.0).expect("a state");
     let method = up_triangles(1.9);
     let d = dynamical_matrix(&method, &ModifiedMooneyRivlin::default(), &state).expect("finite");
@@ -136,7 +136,7 @@ fn assert_zero_mode(discretization: KernelMethodChoices, k: Vector2<f64>) {
 }
 
 #[test]
-fn gradients_vanish_at_half_reciprocal_vectors_where_points_are_inversion_centers() {
+fn gradients_vanish_at_half_reciprocal_vectors_if_points_are_inversion_centers() {
     let m = TAU / 3.0_f64.sqrt();
     for approximation in [
         Approximation::Raw,
@@ -178,7 +178,7 @@ fn gradients_vanish_at_half_reciprocal_vectors_where_points_are_inversion_center
 }
 
 #[test]
-fn stress_points_on_triangles_lift_the_zero_modes_except_at_isolated_supports() {
+fn stress_points_on_triangles_remove_the_zero_energy_modes_except_at_isolated_supports() {
     let k = Vector2::new(4.0 * PI / 3.0, 0.0);
     let norm = |support: f64| {
         let discretization = KernelMethodChoices {

@@ -24,7 +24,7 @@ fn matrix_at(case: &Case, f: &DeformationGradient) -> DynamicalMatrix<2> {
     dynamical_matrix(&case.method(), &*case.material(), f).expect("an admissible state")
 }
 
-/// The state after a rotation, and before one.
+/// Rotates the state after or before the deformation.
 fn rotated(
     after: &Matrix2<f64>,
     f: &DeformationGradient,
@@ -37,7 +37,7 @@ fn rotation(angle: f64) -> Matrix2<f64> {
     *nalgebra::Rotation2::new(angle).matrix()
 }
 
-/// The size of the entries, by a few waves.
+/// Size of the entries, estimated from a few waves.
 fn scale(d: &DynamicalMatrix<2>) -> f64 {
     [(3.0, 0.0), (0.0, 3.0), (1.5, 1.5), (2.0, -1.0)]
         .iter()
@@ -59,12 +59,12 @@ proptest! {
     fn opposite_waves_have_conjugate_matrices(case in case(), k in wave_vector()) {
         let d = matrix(&case);
         prop_assert!(amax(&(d.at(&-k) - d.at(&k).conjugate())) < 1e-13 * scale(&d));
-        // All the lattices here have an inversion center, so that the matrix is real.
+        // All these lattices have an inversion center, so that the matrix is real.
         prop_assert!(d.is_centrosymmetric());
     }
 
     #[test]
-    fn waves_that_differ_by_a_reciprocal_vector_are_the_same(
+    fn waves_that_differ_by_a_reciprocal_vector_are_equal(
         case in case(), k in wave_vector(), n in prop::array::uniform2(-2..3_i32),
     ) {
         let (method, d) = (case.method(), matrix(&case));
@@ -76,7 +76,7 @@ proptest! {
 
     #[test]
     fn translations_cost_no_energy(case in case()) {
-        // Raw weights on a distorted lattice are no partition of unity.
+        // Raw weights on a distorted lattice are not a partition of unity.
         let d = matrix(&case);
         let is_partition = case.discretization.approximation != Approximation::Raw
             || case.discretization.frame == Frame::Lagrangian;
@@ -87,7 +87,7 @@ proptest! {
     }
 
     #[test]
-    fn gradients_by_the_wave_vector_are_those_that_differences_show(case in case(), k in wave_vector()) {
+    fn gradients_by_the_wave_vector_agree_with_finite_differences(case in case(), k in wave_vector()) {
         let d = matrix(&case);
         let h = 1e-3;
         for axis in 0..2 {
@@ -111,13 +111,13 @@ proptest! {
                 error[n_th] = amax(&(quotient - limit));
             }
             prop_assert!(error[1] < tolerance, "{:?} at scale {}", error, scale(&d));
-            // The next term is of fourth order in k: halving the wave vector quarters the error.
+            // The next term is of fourth order in k: halving the wave vector reduces the error to a quarter.
             prop_assert!((error[1] - error[0] / 4.0).abs() < 0.02 * error[0] + 1e-9 * scale(&d));
         }
     }
 
     #[test]
-    fn linearly_complete_lagrangian_particles_carry_long_waves_as_the_material_does(case in lagrangian()) {
+    fn long_waves_of_linearly_complete_lagrangian_kernels_agree_with_the_material(case in lagrangian()) {
         let discretization = KernelMethodChoices { approximation: Approximation::Mls, density: 1.7, ..case.discretization };
         let case = Case { discretization, ..case };
         let response = case.material().response(&case.state).expect("finite");
@@ -134,8 +134,8 @@ proptest! {
     fn rotating_the_deformed_body_rotates_the_polarizations(
         case in case(), k in wave_vector(), angle in -3.0..3.0_f64,
     ) {
-        // On the regular lattice particles do not turn with the stress; the interpolated background of
-        // functions without linear completeness sees a rotation as a strain.
+        // On the regular lattice particles do not rotate with the stress. The interpolated background of functions without linear completeness treats
+        // a rotation as a strain.
         let KernelMethodChoices { frame, current_lattice: lattice, .. } = case.discretization;
         if frame == Frame::Eulerian && lattice == CurrentLattice::Regular {
             return Ok(());
@@ -149,7 +149,7 @@ proptest! {
     }
 
     #[test]
-    fn rotations_of_the_lattice_onto_itself_turn_waves_with_the_state(
+    fn rotations_that_map_the_lattice_onto_itself_rotate_waves_with_the_state(
         case in case(), k in wave_vector(), turns in 1..6_i32,
     ) {
         let KernelMethodChoices { frame, current_lattice: lattice, lattice: kind, .. } = case.discretization;
@@ -165,7 +165,7 @@ proptest! {
     }
 
     #[test]
-    fn the_reference_configuration_carries_the_same_waves_in_both_frames(case in case(), k in wave_vector()) {
+    fn waves_of_the_reference_configuration_are_equal_in_both_frames(case in case(), k in wave_vector()) {
         // Without stress the motion of the kernel does no work.
         let rest = DeformationGradient::identity();
         let d = [Frame::Lagrangian, Frame::Eulerian].map(|frame| {
@@ -196,7 +196,7 @@ proptest! {
     }
 
     #[test]
-    fn a_state_of_the_plane_has_the_leading_block_it_was_given(f in planar_state()) {
+    fn a_plane_state_keeps_its_leading_block(f in planar_state()) {
         prop_assert!(f.is_block_diagonal::<2>());
         prop_assert_eq!(f.with_leading::<2>(&f.leading::<2>()), f);
     }

@@ -1,4 +1,4 @@
-//! Whole methods with every kernel: what is proved agrees with what is found.
+//! Complete methods with every kernel: proofs agree with searches.
 
 use super::kernels;
 use onset::bloch::Stability;
@@ -14,7 +14,7 @@ fn stretched(first: f64, second: f64) -> DeformationGradient {
 }
 
 #[test]
-fn what_is_proved_of_any_kernel_agrees_with_the_search() {
+fn proofs_for_every_kernel_agree_with_the_search() {
     let material = ModifiedMooneyRivlin::default();
     let mut decided = 0;
     for kernel in kernels() {
@@ -48,7 +48,7 @@ fn what_is_proved_of_any_kernel_agrees_with_the_search() {
 
 #[test]
 fn nothing_is_proved_where_the_matrix_jumps() {
-    // At a support of two spacings six particles lie on the rim, where the curvature of the kernel is 8 within and zero without.
+    // With a support of two spacings six particles lie on the rim, where the curvature of the kernel is 8 inside and zero outside.
     let proved_at = |kernel: Kernel, support: f64| {
         let method = Method::<2>::new(KernelMethodChoices {
             kernel,

@@ -4,7 +4,7 @@ use super::kernels;
 use onset::kernel::Kernel;
 use std::f64::consts::PI;
 
-/// The midpoint rule on a fine grid, with nothing in common with the crate's quadrature.
+/// Midpoint rule on a fine grid, independent of the crate's quadrature.
 fn brute<const D: usize>(kernel: Kernel, order: i32) -> f64 {
     let n = 20_000;
     let sphere = [2.0, 2.0 * PI, 4.0 * PI][D - 1];
@@ -37,16 +37,15 @@ fn integrals_are_quadratures<const D: usize>() {
 }
 
 #[test]
-fn integrals_and_moments_are_quadratures() {
+fn integrals_and_moments_agree_with_brute_force_quadrature() {
     integrals_are_quadratures::<1>();
     integrals_are_quadratures::<2>();
     integrals_are_quadratures::<3>();
 }
 
 #[test]
-fn normalizations_and_ratios_are_those_of_dehnen_and_aly() {
-    // Table 1: the value at the origin of the form given there, its normalization, and H/h, whose last printed decimal is off
-    // by up to two.
+fn normalizations_and_ratios_agree_with_dehnen_and_aly() {
+    // Table 1: the value at the origin of the published form, its normalization, and H/h, whose last printed decimal is off by up to two.
     let table = [
         (
             Kernel::CubicSpline,
@@ -115,7 +114,7 @@ fn normalizations_and_ratios_are_those_of_dehnen_and_aly() {
 }
 
 #[test]
-fn the_ratio_of_the_c4_function_in_the_plane_is_the_root_of_a_fraction() {
+fn the_ratio_of_the_c4_function_in_the_plane_has_a_closed_form() {
     // sigma^2 = 7/132 from beta functions; the table prints 2.171239.
     let ratio = Kernel::WendlandC4.support_over_smoothing_length::<2>();
     assert!((ratio - (33.0_f64 / 7.0).sqrt()).abs() < 1e-14);
@@ -123,7 +122,7 @@ fn the_ratio_of_the_c4_function_in_the_plane_is_the_root_of_a_fraction() {
 
 #[test]
 fn the_hyperbolic_kernel_has_its_published_normalization() {
-    // 1/(7 h), 1/(3 pi h^2), 15/(62 pi h^3) for a kernel that is 6 at the origin and ends at 2 h.
+    // The published normalizations are 1/(7 h), 1/(3 pi h^2), 15/(62 pi h^3) for a kernel that is 6 at the origin and ends at 2 h.
     let own = [
         Kernel::Hyperbolic.normalization::<1>(2.0),
         Kernel::Hyperbolic.normalization::<2>(2.0),
@@ -136,7 +135,7 @@ fn the_hyperbolic_kernel_has_its_published_normalization() {
 }
 
 #[test]
-fn the_smoothed_end_changes_the_gaussian_by_less_than_a_hundredth() {
+fn smooth_truncation_changes_the_gaussian_by_less_than_one_percent() {
     for n in 0..=100 {
         let q = f64::from(n) / 100.0;
         let plain = (-9.0 * q * q).exp();
@@ -146,7 +145,7 @@ fn the_smoothed_end_changes_the_gaussian_by_less_than_a_hundredth() {
 }
 
 #[test]
-fn a_radius_of_a_smoothing_length_gives_it_back() {
+fn the_radius_for_a_smoothing_length_reproduces_this_length() {
     for kernel in kernels() {
         let radius = kernel.radius_of::<3>(0.7);
         let sigma = kernel.standard_deviation::<3>(radius);

@@ -1,4 +1,4 @@
-//! Kernels that somebody types.
+//! Kernels given as formulas by the user.
 
 use onset::kernel::{FormulaKernel, Kernel, KernelError};
 
@@ -7,7 +7,7 @@ fn refused(text: &str) -> KernelError {
 }
 
 #[test]
-fn a_typed_formula_is_the_kernel_that_it_describes() {
+fn a_formula_reproduces_the_named_kernel() {
     for (text, kernel) in [
         ("(1 - q)^3*(1 + 3*q)", Kernel::QuarticSpline),
         ("(1 - q)^8*(1 + 8*q + 25*q^2 + 32*q^3)", Kernel::WendlandC6),
@@ -32,7 +32,7 @@ fn a_typed_formula_is_the_kernel_that_it_describes() {
             };
             close(own.value, built_in.value);
             close(own.slope_over_q, built_in.slope_over_q);
-            // At a break the two may take different sides.
+            // At a break the two kernels may use different sides.
             if n != 150 {
                 close(own.curvature_over_q, built_in.curvature_over_q);
             }
@@ -50,7 +50,7 @@ fn a_typed_formula_is_the_kernel_that_it_describes() {
 }
 
 #[test]
-fn near_the_origin_no_digits_are_lost() {
+fn formulas_are_accurate_near_the_origin() {
     let typed: Kernel = "(1 - q)^3*(1 + 3*q)".parse().expect("a kernel");
     for q in [0.0, 1e-14, 1e-9, 1e-7, 9.9e-7, 1.1e-6, 1e-4] {
         let (own, known) = (
@@ -66,7 +66,7 @@ fn near_the_origin_no_digits_are_lost() {
 }
 
 #[test]
-fn the_same_text_is_the_same_kernel() {
+fn equal_formulas_give_equal_kernels() {
     let [a, b, c] =
         ["1 - q", " 1 - q ", "1-q"].map(|text| FormulaKernel::parse(text).expect("a kernel"));
     assert_eq!(a, b);
@@ -83,7 +83,7 @@ fn names_are_read_and_written() {
 }
 
 #[test]
-fn what_is_no_kernel_is_refused_with_the_reason() {
+fn invalid_kernels_are_rejected_with_the_reason() {
     assert!(matches!(refused("cubic"), KernelError::UnknownName { .. }));
     assert!(matches!(refused("3"), KernelError::UnknownName { .. }));
     assert!(matches!(

@@ -1,4 +1,4 @@
-//! Kernels: every one that is listed passes, and so do formulas.
+//! Checks of every named kernel and of formulas.
 
 mod certificates;
 mod constants;
@@ -8,7 +8,7 @@ mod transforms;
 
 use onset::kernel::Kernel;
 
-/// All with a name, and some formulas: smooth, cusped, with parts, with a rim that only has a slope.
+/// All named kernels and some formulas: smooth, cusped, piecewise, and with a rim where only the slope vanishes.
 fn kernels() -> Vec<Kernel> {
     let typed = [
         "(1 - q)^4*(1 + 4*q)",

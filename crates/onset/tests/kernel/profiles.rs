@@ -1,16 +1,16 @@
-//! Values and derivatives.
+//! Values and derivatives of kernels.
 
 use super::kernels;
 use nalgebra::{SMatrix, SVector};
 use onset::kernel::Kernel;
 use onset::real::{Interval, Jet, Real};
 
-/// Places off the breaks.
+/// Distances away from the breaks.
 const PLACES: [f64; 11] = [
     1e-4, 0.05, 0.17, 0.23, 0.31, 0.37, 0.49, 0.53, 0.71, 0.88, 0.997,
 ];
 
-/// `W` and its first four derivatives, by differentiation of the value alone.
+/// Value `W` and its first four derivatives, by differentiation of the value alone.
 fn orders<const D: usize>(kernel: Kernel, q: f64) -> [f64; 5] {
     let [inner] = Jet::<1>::variables([q]);
     let [outer] = Jet::variables([inner]);
@@ -51,7 +51,7 @@ fn slope_and_curvature_are_derivatives_of_the_value() {
 }
 
 #[test]
-fn every_kernel_is_one_at_the_origin_zero_at_the_rim_and_falls_between() {
+fn every_kernel_decreases_from_one_at_the_origin_to_zero_at_the_rim() {
     for kernel in kernels() {
         let origin = kernel.profile::<2, f64>(0.0);
         assert!((origin.value - 1.0).abs() < 1e-14, "{kernel}");
@@ -70,8 +70,8 @@ fn every_kernel_is_one_at_the_origin_zero_at_the_rim_and_falls_between() {
     }
 }
 
-/// Derivatives up to the order that is told vanish at the rim, and the next does not.
-fn rim_is_as_smooth_as_told<const D: usize>() {
+/// Checks that derivatives vanish at the rim up to the stated order, and that the next derivative does not.
+fn assert_smoothness_at_the_rim<const D: usize>() {
     for kernel in kernels() {
         let rim = kernel.smoothness::<D>().rim.expect("no kernel is analytic");
         for (order, derivative) in orders::<D>(kernel, 1.0).into_iter().enumerate() {
@@ -88,11 +88,11 @@ fn rim_is_as_smooth_as_told<const D: usize>() {
     }
 }
 
-/// Odd derivatives vanish at the origin up to the order that is told.
-fn origin_is_as_smooth_as_told<const D: usize>() {
+/// Checks that odd derivatives vanish at the origin up to the stated order.
+fn assert_smoothness_at_the_origin<const D: usize>() {
     for kernel in kernels() {
         let told = kernel.smoothness::<D>().origin;
-        // The mean value over the second cusp region would be seen closer.
+        // At a smaller distance the value would be the mean over the cusp region.
         let orders = orders::<D>(kernel, 1e-9);
         for order in [1, 3] {
             let vanishes = orders[order].abs() < 1e-5;
@@ -108,21 +108,21 @@ fn origin_is_as_smooth_as_told<const D: usize>() {
 }
 
 #[test]
-fn the_rim_is_as_smooth_as_told() {
-    rim_is_as_smooth_as_told::<1>();
-    rim_is_as_smooth_as_told::<2>();
-    rim_is_as_smooth_as_told::<3>();
+fn derivatives_at_the_rim_have_the_stated_smoothness() {
+    assert_smoothness_at_the_rim::<1>();
+    assert_smoothness_at_the_rim::<2>();
+    assert_smoothness_at_the_rim::<3>();
 }
 
 #[test]
-fn the_origin_is_as_smooth_as_told() {
-    origin_is_as_smooth_as_told::<1>();
-    origin_is_as_smooth_as_told::<2>();
-    origin_is_as_smooth_as_told::<3>();
+fn derivatives_at_the_origin_have_the_stated_smoothness() {
+    assert_smoothness_at_the_origin::<1>();
+    assert_smoothness_at_the_origin::<2>();
+    assert_smoothness_at_the_origin::<3>();
 }
 
 #[test]
-fn pieces_meet_as_smoothly_as_told() {
+fn joints_of_pieces_have_the_stated_smoothness() {
     let breaks = [
         (Kernel::CubicSpline, 0.5),
         (Kernel::QuarticBSpline, 0.2),
@@ -148,7 +148,7 @@ fn pieces_meet_as_smoothly_as_told() {
 }
 
 #[test]
-fn gradient_and_hessian_over_space_are_differences_also_with_an_elliptic_metric() {
+fn gradients_and_hessians_agree_with_differences_for_any_metric() {
     let metric = SMatrix::<f64, 3, 3>::new(0.9, 0.2, 0.1, -0.1, 1.2, 0.0, 0.05, 0.1, 1.1);
     let x = SVector::<f64, 3>::new(0.7, -0.4, 0.3);
     let h = 1e-5;
@@ -166,7 +166,7 @@ fn gradient_and_hessian_over_space_are_differences_also_with_an_elliptic_metric(
 }
 
 #[test]
-fn a_particle_pulls_itself_nowhere() {
+fn a_particle_exerts_no_force_on_itself() {
     for kernel in kernels() {
         let weight = kernel
             .weight(&SVector::<f64, 2>::zeros(), 1.5, &SMatrix::identity())
@@ -177,7 +177,7 @@ fn a_particle_pulls_itself_nowhere() {
 }
 
 #[test]
-fn intervals_hold_the_profile_wherever_they_lie() {
+fn intervals_contain_the_profile_at_all_distances() {
     for kernel in kernels() {
         for (low, high) in [
             (0.0, 1e-6),

@@ -1,9 +1,9 @@
-//! Fourier transforms, and which kernels can pair.
+//! Fourier transforms of kernels, and the pairing of particles.
 
 use super::kernels;
 use onset::kernel::Kernel;
 
-fn expansion_is_that_of_moments<const D: usize>() {
+fn assert_expansion_in_moments<const D: usize>() {
     for kernel in kernels() {
         let radius = 1.3;
         let transform = |k: f64| kernel.fourier_transform::<D>(radius, k);
@@ -12,7 +12,7 @@ fn expansion_is_that_of_moments<const D: usize>() {
             (transform(0.0) / integral - 1.0).abs() < 1e-13,
             "{kernel} {D}D"
         );
-        // 1 - k^2 sigma^2/2 + k^4 <x_1^4>/24, and <x_1^4> = 3 <r^4> / (D (D + 2)).
+        // The expansion is 1 - k^2 sigma^2/2 + k^4 <x_1^4>/24, with <x_1^4> = 3 <r^4> / (D (D + 2)).
         let k = 0.05;
         let variance = kernel.standard_deviation::<D>(radius).powi(2);
         let d = D as f64;
@@ -27,17 +27,17 @@ fn expansion_is_that_of_moments<const D: usize>() {
 }
 
 #[test]
-fn long_waves_see_integral_and_moments() {
-    expansion_is_that_of_moments::<1>();
-    expansion_is_that_of_moments::<2>();
-    expansion_is_that_of_moments::<3>();
+fn the_transform_of_long_waves_follows_from_integral_and_moments() {
+    assert_expansion_in_moments::<1>();
+    assert_expansion_in_moments::<2>();
+    assert_expansion_in_moments::<3>();
 }
 
 #[test]
 fn the_transforms_of_one_and_three_dimensions_are_related_by_a_derivative() {
     // F3(k) = -2 pi F1'(k) / k.
     for kernel in kernels() {
-        // The functions of one and three dimensions differ.
+        // These functions differ between one and three dimensions.
         if matches!(
             kernel,
             Kernel::WendlandC2 | Kernel::WendlandC4 | Kernel::WendlandC6
@@ -60,7 +60,7 @@ fn the_transforms_of_one_and_three_dimensions_are_related_by_a_derivative() {
 
 #[test]
 fn the_transform_of_the_plane_is_the_projection_along_one_direction() {
-    // F2(k) = int cos(k x) (int W dy) dx, over a grid of the square.
+    // F2(k) = int cos(k x) (int W dy) dx, on a grid of the square.
     let n = 400;
     for kernel in [Kernel::QuinticSpline, Kernel::WendlandC4, Kernel::Gaussian] {
         let k = 7.0;
@@ -91,7 +91,7 @@ fn b_splines_of_one_dimension_are_powers_of_a_sinc() {
         (Kernel::QuinticSpline, 6),
     ] {
         for k in [0.5, 4.0, 11.0, 40.0] {
-            // n boxes of the width 2/n.
+            // The spline is a convolution of n boxes of the width 2/n.
             let x = k / f64::from(n);
             let closed = kernel.integral::<1>(1.0) * (x.sin() / x).powi(n);
             assert!((kernel.fourier_transform::<1>(1.0, k) - closed).abs() < 1e-14);
@@ -99,16 +99,16 @@ fn b_splines_of_one_dimension_are_powers_of_a_sinc() {
     }
 }
 
-/// The least value of the transform over its value for long waves.
+/// Smallest value of the transform over its long-wave value.
 fn least<const D: usize>(kernel: Kernel) -> f64 {
     let transforms = (0..600).map(|n| kernel.fourier_transform::<D>(1.0, 0.1 * f64::from(n)));
     transforms.fold(f64::INFINITY, f64::min) / kernel.integral::<D>(1.0)
 }
 
 #[test]
-fn only_wendlands_functions_reward_no_pairs() {
-    // Dehnen and Aly (2012), section 2.5: the transforms of the B-splines are negative for some waves, those of Wendland's
-    // functions for none in the dimension they are made for.
+fn only_wendlands_functions_prevent_pairing() {
+    // Dehnen and Aly (2012), section 2.5: the transforms of the B-splines are negative for some waves. The transforms of Wendland's functions are
+    // positive for all waves in the dimension for which the functions are defined.
     for kernel in [Kernel::WendlandC2, Kernel::WendlandC4, Kernel::WendlandC6] {
         for least in [least::<1>(kernel), least::<2>(kernel), least::<3>(kernel)] {
             assert!(least > -1e-15, "{kernel}: {least}");
@@ -122,14 +122,14 @@ fn only_wendlands_functions_reward_no_pairs() {
         assert!(least::<2>(kernel) < -1e-5, "{kernel}");
         assert!(least::<3>(kernel) < -1e-5, "{kernel}");
     }
-    // Even powers of a sinc are positive: in one dimension only M5 is negative somewhere.
+    // Even powers of a sinc are positive: in one dimension only M5 is negative for some waves.
     assert!(least::<1>(Kernel::CubicSpline) > -1e-15);
     assert!(least::<1>(Kernel::QuinticSpline) > -1e-15);
     assert!(least::<1>(Kernel::QuarticBSpline) < -1e-4);
 }
 
 #[test]
-fn wendlands_function_of_one_dimension_pairs_in_three() {
+fn wendlands_function_of_one_dimension_allows_pairing_in_three() {
     assert!(least::<1>(Kernel::QuarticSpline) > -1e-15);
     assert!(least::<3>(Kernel::QuarticSpline) < -1e-4);
 }

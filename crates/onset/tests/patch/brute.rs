@@ -1,4 +1,4 @@
-//! A periodic patch of particles with its nonlinear internal forces.
+//! Periodic patch of particles with its nonlinear internal forces.
 
 use crate::law::Law;
 use nalgebra::{Complex, DMatrix, Matrix3, SMatrix, SVector};
@@ -13,37 +13,37 @@ use onset::method::{
 use onset::quadrature::{Quadrature, QuadraturePoint};
 use std::f64::consts::{PI, TAU};
 
-/// Cells of the patch along each primitive vector: a multiple of six has the wave vectors M, X and K.
+/// Cells of the patch along each primitive vector: a multiple of six includes the wave vectors M, X and K.
 const SIDE: usize = 6;
-/// Half step of the differentiation, in units of the spacing; the five-point formula is exact to its fourth power.
+/// Half step of the differentiation, in units of the spacing; the error of the five-point formula is of fourth order.
 const STEP: f64 = 2e-4;
 
 /// One shape function at a point.
 #[derive(Clone, Copy)]
 pub struct Shape<const D: usize> {
     particle: usize,
-    /// `x_K - x` of the image that is seen.
+    /// Vector `x_K - x` to the image in the support.
     relative: SVector<f64, D>,
     value: f64,
     gradient: SVector<f64, D>,
 }
 
 struct Point<const D: usize> {
-    /// In the coordinates of the kernel, at rest.
+    /// Position in the coordinates of the kernel, before displacements.
     place: SVector<f64, D>,
-    /// In the reference configuration.
+    /// Position in the reference configuration.
     reference: SVector<f64, D>,
-    /// The particle that it is, unless it is a stress point.
+    /// Number of the particle, unless the point is a stress point.
     particle: Option<usize>,
     volume: f64,
-    /// The deformation gradient that it carries at rest.
+    /// Deformation gradient of the homogeneous state.
     deformation: Matrix3<f64>,
-    /// Shape functions at rest.
+    /// Shape functions in the homogeneous state.
     shapes: Vec<Shape<D>>,
-    /// `phi_I,jt` at rest, beside `shapes`; only for the linearizations that freeze something, and where strain is
-    /// expanded over the cell of a point.
+    /// Second derivatives `phi_I,jt` in the homogeneous state, in the order of `shapes`. They are needed only for linearizations that freeze
+    /// something, and if strain is expanded over the cell of a point.
     hessians: Vec<SMatrix<f64, D, D>>,
-    /// Second moments of that cell, a multiple of the identity.
+    /// Second moments of this cell, a multiple of the identity.
     second_moment: Option<f64>,
 }
 
@@ -51,10 +51,10 @@ pub struct Patch<const D: usize> {
     choices: KernelMethodChoices,
     law: Law,
     reference_vectors: SMatrix<f64, D, D>,
-    /// Particles in the coordinates of the kernel, at rest.
+    /// Particles in the coordinates of the kernel, before displacements.
     particles: Vec<SVector<f64, D>>,
     undeformed: Vec<SVector<f64, D>>,
-    /// Translations to the patch's own image and those around it.
+    /// Translations to the patch itself and to the images around it.
     images: Vec<SVector<f64, D>>,
     points: Vec<Point<D>>,
     radius: f64,
@@ -90,7 +90,7 @@ fn counter<const D: usize>(index: usize, side: usize) -> SVector<f64, D> {
     SVector::from_fn(|i, _| (if i == 0 { index % side } else { index / side }) as f64)
 }
 
-/// Places in the cell, particles at the origin, and fractions of its volume.
+/// Positions in the cell, with particles at the origin, and fractions of its volume.
 fn rule(choices: &KernelMethodChoices, only_up: bool) -> Vec<([f64; 2], f64)> {
     let equal = |places: &[f64]| -> Vec<([f64; 2], f64)> {
         places
@@ -156,8 +156,7 @@ impl<const D: usize> Patch<D> {
         Self::with_triangles(choices, law, f, false)
     }
 
-    /// As `new`; of the hexagonal stress points, `only_up` keeps those in triangles that point up, with the
-    /// volume of both.
+    /// Like `new`; for hexagonal stress points `only_up` keeps the points in triangles that point up, with the volume of both.
     pub fn with_triangles(
         choices: KernelMethodChoices,
         law: Law,
@@ -247,14 +246,14 @@ impl<const D: usize> Patch<D> {
         patch
     }
 
-    /// The deformation gradient that a point with these shape functions carries in the homogeneous state.
+    /// Deformation gradient of a point with these shape functions in the homogeneous state.
     fn carried(&self, f: &DeformationGradient, shapes: &[Shape<D>]) -> Matrix3<f64> {
         let mut carried = Matrix3::from_fn(|i, j| f.components()[i][j]);
         if self.choices.background == Background::Imposed {
             return carried;
         }
         let leading: SMatrix<f64, D, D> = SMatrix::from_fn(|i, j| carried[(i, j)]);
-        // The displacement gradient that the shape functions make of `x_K - X_K = a x_K`.
+        // Interpolated displacement gradient of `x_K - X_K = a x_K`.
         let interpolated = |a: SMatrix<f64, D, D>| {
             shapes
                 .iter()
@@ -278,8 +277,7 @@ impl<const D: usize> Patch<D> {
 
     // ---- shape functions, by hyper-dual numbers in two components of the evaluation point ----------
 
-    /// `phi_K` with its derivatives along the axes `j` and `t` of the evaluation point; `frozen` holds the
-    /// normalization at its value.
+    /// `phi_K` with its derivatives along the axes `j` and `t` of the evaluation point; `frozen` holds the normalization constant.
     fn hyperdual(
         &self,
         particles: &[SVector<f64, D>],
@@ -355,7 +353,7 @@ impl<const D: usize> Patch<D> {
             .collect()
     }
 
-    /// Equation (35) as printed, in the square of the distance, in which it is smooth at the particle.
+    /// Equation (35) as printed, as a function of the squared distance, in which it is smooth at the particle.
     fn weight(&self, xi: &[HyperDual64; D]) -> HyperDual64 {
         let mut square = HyperDual64::from(0.0);
         for a in 0..D {
@@ -365,7 +363,7 @@ impl<const D: usize> Patch<D> {
             }
             square += y * y;
         }
-        // q^3 has no second derivative at zero other than zero.
+        // The second derivative of q^3 at zero is zero.
         let cube = if square.re == 0.0 {
             HyperDual64::from(0.0)
         } else {
@@ -396,7 +394,7 @@ impl<const D: usize> Patch<D> {
             Approximation::KrongauzBelytschko => None,
             _ => return shapes,
         };
-        // The gradient of a field f is C^T sum_K (f_K - f_0) g_K: that of the field which is one at I and zero elsewhere.
+        // The gradient of a field f is C^T sum_K (f_K - f_0) g_K; here for the field that is one at I and zero elsewhere.
         let slopes: Vec<SVector<f64, D>> = shapes.iter().map(|s| self.slope(s)).collect();
         let at_point = |k: usize| match own {
             Some(own) => f64::from(u8::from(
@@ -425,7 +423,7 @@ impl<const D: usize> Patch<D> {
         shapes
     }
 
-    /// The gradient of a weight with respect to the evaluation point.
+    /// Gradient of a weight with respect to the evaluation point.
     fn slope(&self, shape: &Shape<D>) -> SVector<f64, D> {
         let xi: [HyperDual64; D] = std::array::from_fn(|i| {
             let along = |axis: usize| if i == axis { -1.0 } else { 0.0 };
@@ -448,9 +446,9 @@ impl<const D: usize> Patch<D> {
             .collect()
     }
 
-    /// Corrected gradients differentiated by differences.
+    /// Derivatives of corrected gradients by differences.
     fn differences(&self, x: &SVector<f64, D>, own: Option<usize>) -> Vec<SMatrix<f64, D, D>> {
-        // Across a particle the second derivative of its weight has a kink: the formula is exact for x, x|x| and x^3.
+        // The second derivative of the weight of a particle has a kink at the particle: the formula is exact for x, x|x| and x^3.
         let h = 1e-4 * self.choices.spacing;
         let mut hessians =
             vec![SMatrix::<f64, D, D>::zeros(); self.shapes(&self.particles, x, own).len()];
@@ -472,8 +470,8 @@ impl<const D: usize> Patch<D> {
 
     // ---- forces --------------------------------------------------------------------------------
 
-    /// The internal forces when the particles are displaced by `u` and free stress points (where the
-    /// linearization moves them with the plane wave) by `wave`.
+    /// Returns the internal forces for the displacements `u` of the particles and the displacement `wave` of free stress points, if the linearization
+    /// moves them with the plane wave.
     fn forces(
         &self,
         u: &[SVector<f64, D>],
@@ -490,7 +488,7 @@ impl<const D: usize> Patch<D> {
                 .map(|s| u[s.particle] * s.gradient.transpose())
                 .sum();
             if self.choices.frame == Frame::Lagrangian {
-                // The kernel is one of material coordinates: F = F0 + sum u_K (x) grad phi_K.
+                // The kernel is in material coordinates: F = F0 + sum u_K (x) grad phi_K.
                 let mut f = point.deformation;
                 f.fixed_view_mut::<D, D>(0, 0)
                     .zip_apply(&strain, |f, s| *f += s);
@@ -503,7 +501,7 @@ impl<const D: usize> Patch<D> {
                 }
                 continue;
             }
-            // Fdot = L F with L at rest: to first order every update of F is this one.
+            // Fdot = L F with L in the homogeneous state: to first order every update of F has this form.
             let mut update = Matrix3::<f64>::identity();
             update
                 .fixed_view_mut::<D, D>(0, 0)
@@ -535,8 +533,8 @@ impl<const D: usize> Patch<D> {
         forces
     }
 
-    /// The forces of the second moments of a cell, `M P_,l : grad phi_I,l` with `P_,l = A : F_,l`, which is linear in the
-    /// strain gradient to second order.
+    /// Forces of the second moments of a cell, `M P_,l : grad phi_I,l` with `P_,l = A : F_,l`, which is linear in the strain gradient to second
+    /// order.
     fn add_stress_gradients(
         &self,
         point: &Point<D>,
@@ -561,7 +559,7 @@ impl<const D: usize> Patch<D> {
         }
     }
 
-    /// The derivative of the forces per mass along a displacement, by central differences of fourth order.
+    /// Derivative of the forces per mass along a displacement, by central differences of fourth order.
     fn derivative(
         &self,
         u: &[SVector<f64, D>],
@@ -580,7 +578,7 @@ impl<const D: usize> Patch<D> {
             .collect()
     }
 
-    /// The stiffness of the patch per mass, particle by particle.
+    /// Stiffness of the patch per mass, particle by particle.
     pub fn stiffness(&self) -> DMatrix<f64> {
         let count = self.particles.len();
         let mut stiffness = DMatrix::zeros(D * count, D * count);
@@ -597,7 +595,7 @@ impl<const D: usize> Patch<D> {
         stiffness
     }
 
-    /// The wave vectors that fit into the patch.
+    /// Wave vectors that fit into the patch.
     pub fn commensurate(&self) -> Vec<SVector<f64, D>> {
         let reciprocal = inverse(&self.reference_vectors).transpose() * TAU;
         (0..SIDE.pow(D as u32))
@@ -605,7 +603,7 @@ impl<const D: usize> Patch<D> {
             .collect()
     }
 
-    /// The crate's answer.
+    /// Dynamical matrix of the crate.
     pub fn dynamical_matrix(
         &self,
         f: &DeformationGradient,
@@ -623,9 +621,9 @@ impl<const D: usize> Patch<D> {
             .at(k)
     }
 
-    /// The largest deviation, over all particles, commensurate waves and polarizations, of the forces of a
-    /// wave on the patch from `D(k) g exp(i k.X)`, relative to the largest entry of any `D(k)`. That the
-    /// residual vanishes at *every* particle makes the projection on waves complete.
+    /// Returns the largest deviation, over all particles, commensurate waves and polarizations, of the forces of a
+    /// wave on the patch from `D(k) g exp(i k.X)`, relative to the largest entry of any `D(k)`. Because the
+    /// residual vanishes at *every* particle, the projection on waves is complete.
     pub fn deviation(&self, f: &DeformationGradient) -> f64 {
         let stiffness = self.stiffness();
         let count = self.particles.len();
@@ -652,8 +650,8 @@ impl<const D: usize> Patch<D> {
         deviation / largest
     }
 
-    /// As `deviation`, wave by wave with real and imaginary part apart, for linearizations in which stress
-    /// points move with the wave; also for wave vectors beyond the first zone.
+    /// Like `deviation`, wave by wave with separate real and imaginary parts, for linearizations in which stress points move with the wave; also for
+    /// wave vectors beyond the first zone.
     pub fn deviation_of_waves(&self, f: &DeformationGradient, waves: &[SVector<f64, D>]) -> f64 {
         let (mut deviation, mut largest) = (0.0_f64, 0.0_f64);
         for k in waves {
@@ -685,7 +683,7 @@ fn leading<const D: usize>(m: &Matrix3<f64>) -> SMatrix<f64, D, D> {
     SMatrix::from_fn(|i, j| m[(i, j)])
 }
 
-/// The solution of `M x = e0` by elimination; `M` is positive definite.
+/// Solution of `M x = e0` by elimination; `M` is positive definite.
 fn solved(mut m: Vec<Vec<HyperDual64>>) -> Vec<HyperDual64> {
     let size = m.len();
     let mut x: Vec<HyperDual64> = (0..size)
@@ -709,7 +707,7 @@ fn solved(mut m: Vec<Vec<HyperDual64>>) -> Vec<HyperDual64> {
     x
 }
 
-/// Asserts that patch and dynamical matrix agree; the tolerance leaves the error of the differences.
+/// Checks that patch and dynamical matrix agree; the tolerance covers the error of the differences.
 #[track_caller]
 pub fn assert_agrees<const D: usize>(
     choices: KernelMethodChoices,

@@ -1,4 +1,4 @@
-//! Kernels of current coordinates, linearized exactly: particles, stress points and normalization move.
+//! Kernels in current coordinates, linearized exactly: particles, stress points and normalization move.
 
 use crate::brute::{Patch, assert_agrees, state};
 use crate::law::Law;
@@ -18,8 +18,8 @@ fn eulerian(kind: LatticeKind, quadrature: Quadrature) -> KernelMethodChoices {
     KernelMethodChoices {
         lattice: kind,
         quadrature,
-        // No distance in the states of this file is on the rim of the support, where the derivative of
-        // the forces has a kink that differences would smear.
+        // No distance in the states of this file is at the rim of the support, where the derivative of the forces has a kink that differences would
+        // smear.
         support: if kind == LatticeKind::Square {
             1.9
         } else {
@@ -32,7 +32,7 @@ fn eulerian(kind: LatticeKind, quadrature: Quadrature) -> KernelMethodChoices {
 }
 
 #[test]
-fn forces_of_the_patch_are_those_of_the_dynamical_matrix() {
+fn forces_of_the_patch_agree_with_the_dynamical_matrix() {
     for kind in [LatticeKind::Square, LatticeKind::Hexagonal] {
         for quadrature in [
             Quadrature::Nodal,
@@ -150,9 +150,9 @@ fn a_chain_agrees() {
     }
 }
 
-/// Sums of powers decide whether two sets of complex numbers are equal, without an order among them.
+/// Power sums determine whether two sets of complex numbers are equal, without ordering them.
 #[test]
-fn the_power_sums_of_the_spectrum_are_those_of_the_commensurate_waves() {
+fn power_sums_of_the_spectrum_agree_with_the_commensurate_waves() {
     let f = state(SHEARED, 1.0);
     let choices = eulerian(LatticeKind::Hexagonal, Quadrature::StressPoints);
     let patch = Patch::<2>::new(choices, Law::MooneyRivlin, &f);
@@ -205,7 +205,7 @@ fn every_order_and_every_corrected_derivative_agrees() {
 }
 
 #[test]
-fn gauss_points_any_weights_and_points_of_ones_own_agree() {
+fn gauss_points_weights_and_user_defined_points_agree() {
     let base = |quadrature| KernelMethodChoices {
         approximation: Approximation::KrongauzBelytschko,
         ..eulerian(LatticeKind::Square, quadrature)

@@ -1,4 +1,4 @@
-//! Kernels of material coordinates.
+//! Kernels in material coordinates.
 
 use crate::brute::{Patch, assert_agrees, state};
 use crate::law::Law;
@@ -35,7 +35,7 @@ fn lagrangian(
 }
 
 #[test]
-fn forces_of_the_patch_are_those_of_the_dynamical_matrix() {
+fn forces_of_the_patch_agree_with_the_dynamical_matrix() {
     use Approximation::{Mls, Raw, Shepard};
     for kind in [LatticeKind::Square, LatticeKind::Hexagonal] {
         for quadrature in [
@@ -62,7 +62,7 @@ fn forces_of_the_patch_are_those_of_the_dynamical_matrix() {
 }
 
 #[test]
-fn a_stretch_out_of_plane_and_units_of_length_and_mass_are_respected() {
+fn out_of_plane_stretches_and_units_of_length_and_mass_are_respected() {
     let choices = KernelMethodChoices {
         spacing: 0.013,
         density: 1130.0,
@@ -141,7 +141,7 @@ const APPROXIMATIONS: [Approximation; 4] = [
     Approximation::KrongauzBelytschko,
 ];
 
-/// Quadratures beyond particles and stress points with Voronoi volumes.
+/// Quadratures other than particles and stress points with Voronoi volumes.
 fn quadratures(base: &KernelMethodChoices) -> Vec<KernelMethodChoices> {
     let gauss = [1, 2, 3, 4].map(|gauss_points| KernelMethodChoices {
         quadrature: Quadrature::Gauss,

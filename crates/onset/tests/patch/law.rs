@@ -12,7 +12,7 @@ pub enum Law {
 }
 
 impl Law {
-    /// `P = dW/dF`.
+    /// First Piola-Kirchhoff stress `P = dW/dF`.
     pub fn first_piola(self, f: &Matrix3<f64>) -> Matrix3<f64> {
         let j = f.determinant();
         let inverse_transpose = f
@@ -35,12 +35,12 @@ impl Law {
         }
     }
 
-    /// `sigma = P F^T / J`.
+    /// Cauchy stress `sigma = P F^T / J`.
     pub fn cauchy(self, f: &Matrix3<f64>) -> Matrix3<f64> {
         self.first_piola(f) * f.transpose() / f.determinant()
     }
 
-    /// The crate's law of the same name.
+    /// Law of the same name in the crate.
     pub fn material(self) -> Box<dyn Hyperelastic> {
         match self {
             Self::MooneyRivlin => Box::new(ModifiedMooneyRivlin::default()),

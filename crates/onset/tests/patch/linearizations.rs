@@ -1,4 +1,4 @@
-//! The linearizations that leave something out, as forces that leave the same out: equation (49).
+//! Incomplete linearizations against forces with the same omission: equation (49).
 
 use crate::brute::{Patch, assert_agrees, state};
 use crate::law::Law;
@@ -22,7 +22,7 @@ fn choices(linearization: Linearization, quadrature: Quadrature) -> KernelMethod
 }
 
 #[test]
-fn with_nodal_quadrature_equation_49_is_the_papers_linearization() {
+fn equation_49_with_nodal_quadrature_is_the_papers_linearization() {
     for approximation in [
         Approximation::Raw,
         Approximation::Shepard,
@@ -40,7 +40,7 @@ fn with_nodal_quadrature_equation_49_is_the_papers_linearization() {
 }
 
 #[test]
-fn with_interpolated_stress_points_equation_49_agrees() {
+fn equation_49_agrees_with_interpolated_stress_points() {
     for approximation in [Approximation::Shepard, Approximation::Mls] {
         for quadrature in [Quadrature::StressPoints, Quadrature::StressPointsOnly] {
             for kind in [LatticeKind::Hexagonal, LatticeKind::Square] {
@@ -56,7 +56,7 @@ fn with_interpolated_stress_points_equation_49_agrees() {
 }
 
 #[test]
-fn stress_points_that_ride_on_the_wave_agree_also_beyond_the_zone() {
+fn stress_points_that_move_with_the_wave_agree_beyond_the_zone() {
     let f = state(SHEARED, 1.0);
     for linearization in [
         Linearization::Paper,
@@ -70,7 +70,7 @@ fn stress_points_that_ride_on_the_wave_agree_also_beyond_the_zone() {
             };
             let patch = Patch::<2>::new(choices.clone(), Law::MooneyRivlin, &f);
             let all = patch.commensurate();
-            // The second lies beyond the first zone: a sum of reciprocal vectors away from the first.
+            // The second wave vector lies beyond the first zone: it differs from the first by a sum of reciprocal vectors.
             let waves = [
                 all[1],
                 all[1] + (all[1] + all[6]) * 6.0,
@@ -98,7 +98,7 @@ fn stress_points_that_ride_on_the_wave_agree_also_beyond_the_zone() {
 
 #[test]
 fn equation_49_is_not_the_exact_derivative() {
-    // Otherwise the tests above could not tell the linearizations apart.
+    // Otherwise the tests above could not distinguish the linearizations.
     let f = state(SHEARED, 1.0);
     let exact = Patch::<2>::new(
         choices(Linearization::Exact, Quadrature::Nodal),
@@ -117,7 +117,7 @@ fn equation_49_is_not_the_exact_derivative() {
 
 #[test]
 fn quadrature_without_an_inversion_center_agrees_in_both_frames() {
-    // The only case in which the dynamical matrix is complex.
+    // The only case with a complex dynamical matrix.
     let f = state(SHEARED, 1.0);
     for frame in [Frame::Lagrangian, Frame::Eulerian] {
         for linearization in [Linearization::Exact, Linearization::PaperInterpolated] {

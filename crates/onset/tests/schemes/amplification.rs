@@ -1,4 +1,4 @@
-//! Time steps of damped chains and oscillators by closed forms.
+//! Time steps of damped chains and oscillators in closed form.
 
 use nalgebra::{SMatrix, SVector};
 use onset::bloch::{BlochBlocks, Mass, WaveSystem, ZoneSearch};
@@ -6,7 +6,7 @@ use onset::lattice::{Crystal, LatticeKind, Particle};
 use onset::time_step::{Amplification, Integrator, critical_time_step, critical_time_step_at};
 use std::f64::consts::PI;
 
-/// A chain of unit masses and springs with dashpots `c` beside them, or (`mass`) proportional to the masses.
+/// Chain of unit masses and springs with dashpots `c` parallel to the springs, or with damping proportional to the masses (`mass`).
 fn chain(between: f64, mass: f64) -> WaveSystem<1> {
     let lattice = LatticeKind::Chain.lattice::<1>(1.0).expect("a lattice");
     let crystal = Crystal::of_lattice(lattice);
@@ -45,7 +45,7 @@ fn without_damping_the_largest_frequency_bounds_the_step_of_every_integrator() {
 }
 
 #[test]
-fn names_of_integrators_are_unique_and_lead_back() {
+fn names_of_integrators_are_unique_and_can_be_parsed() {
     for integrator in Integrator::ALL {
         assert_eq!(Integrator::named(integrator.name()), Some(integrator));
     }
@@ -54,7 +54,7 @@ fn names_of_integrators_are_unique_and_lead_back() {
 }
 
 #[test]
-fn the_limit_of_a_damped_wave_is_where_a_spectral_radius_leaves_one() {
+fn the_spectral_radius_of_a_damped_wave_exceeds_one_beyond_its_limit() {
     let k = SVector::from_element(PI);
     for ratio in [0.05, 0.3, 0.45, 0.5, 0.6, 0.9, 2.0] {
         let system = chain(ratio, 0.0);
@@ -73,14 +73,14 @@ fn the_limit_of_a_damped_wave_is_where_a_spectral_radius_leaves_one() {
 }
 
 #[test]
-fn kick_drift_kick_takes_longer_steps_than_without_damping_where_that_is_large() {
-    // y = 2/xi beyond xi = 0.5263, with omega = 2: trace and determinant of a step.
+fn large_damping_increases_the_stable_step_of_kick_drift_kick() {
+    // y = 2/xi beyond xi = 0.5263, with omega = 2, from trace and determinant of a step.
     let k = SVector::from_element(PI);
     for ratio in [0.53, 0.6, 0.8] {
         let step = critical_time_step_at(&chain(ratio, 0.0), Integrator::KickDriftKick, &k);
         assert!((step - 1.0 / ratio).abs() < 1e-4, "{step} for {ratio}");
     }
-    // Here waves inside of the zone decide: damping of the longer ones is below that limit.
+    // Here waves inside of the zone are decisive: the damping of longer waves is below this limit.
     for ratio in [0.53, 0.6, 0.8] {
         let system = chain(ratio, 0.0);
         let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 1.0);
@@ -98,7 +98,7 @@ fn kick_drift_kick_takes_longer_steps_than_without_damping_where_that_is_large()
 }
 
 #[test]
-fn lagged_damping_reduces_the_step_of_central_differences_as_belytschko_says() {
+fn lagged_damping_reduces_the_step_of_central_differences_as_published_by_belytschko() {
     // dt = 2/omega (sqrt(1 + xi^2) - xi) for the damping ratio xi, omega = 2 (Belytschko, Liu, Moran 2000, Nonlinear Finite
     // Elements for Continua and Structures).
     for ratio in [0.05, 0.3, 0.9] {
@@ -111,7 +111,7 @@ fn lagged_damping_reduces_the_step_of_central_differences_as_belytschko_says() {
 }
 
 #[test]
-fn damping_takes_its_part_of_the_step_from_the_other_integrators_too() {
+fn damping_reduces_the_step_of_the_other_integrators() {
     // From the trace and the determinant of a step, with y = omega dt, omega = 2. Predictor-corrector: y^2/4 + xi y (1 - xi y) = 1.
     // Kick-drift-kick: y^2/4 (2 - xi y) = 1 + (1 - xi y)^2.
     let k = SVector::from_element(PI);
@@ -129,7 +129,7 @@ fn damping_takes_its_part_of_the_step_from_the_other_integrators_too() {
     }
 }
 
-/// Two oscillators without neighbors on squares: stiffness and damping along the axes.
+/// Two oscillators without neighbors on a square lattice, with stiffness and damping along the axes.
 fn held(stiffness: [f64; 2], damping: [f64; 2]) -> WaveSystem<2> {
     let lattice = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
     let crystal = Crystal::of_lattice(lattice);
@@ -144,9 +144,9 @@ fn held(stiffness: [f64; 2], damping: [f64; 2]) -> WaveSystem<2> {
 }
 
 #[test]
-fn a_growing_wave_bounds_no_step_and_a_stable_one_beside_it_does() {
+fn only_stable_waves_bound_the_step() {
     let k = SVector::from([1.0, 2.0]);
-    // omega = 2 beside growth of any speed, with the closed form of lagged damping.
+    // omega = 2 in combination with growth at any rate, with the closed form of lagged damping.
     for ratio in [0.02, 0.3] {
         for negative in [-1e-3, -0.5, -400.0] {
             let system = held([negative, 4.0], [0.2, 4.0 * ratio]);
@@ -155,7 +155,7 @@ fn a_growing_wave_bounds_no_step_and_a_stable_one_beside_it_does() {
             assert!((step - expected).abs() < 1e-4, "{step} for {expected}");
         }
     }
-    // Nothing but growth: the part of it that decays is what is left.
+    // If all waves grow, only the decaying solutions limit the step.
     let system = held([-1.0, -2.0], [0.3, 0.3]);
     for integrator in Integrator::ALL {
         assert!(critical_time_step_at(&system, integrator, &k) > 1.0);
@@ -163,7 +163,7 @@ fn a_growing_wave_bounds_no_step_and_a_stable_one_beside_it_does() {
 }
 
 #[test]
-fn the_damping_of_the_whole_chain_is_decided_at_its_shortest_wave() {
+fn the_shortest_wave_determines_the_step_of_a_damped_chain() {
     let system = chain(0.3, 0.0);
     let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 1.0);
     for integrator in Integrator::ALL {
@@ -174,8 +174,8 @@ fn the_damping_of_the_whole_chain_is_decided_at_its_shortest_wave() {
 }
 
 #[test]
-fn a_step_of_kick_drift_kick_is_that_of_the_damped_oscillator() {
-    // trace and determinant of one step of u'' = -omega^2 u - c u', by hand.
+fn a_step_of_kick_drift_kick_agrees_with_the_damped_oscillator() {
+    // Trace and determinant of one step of u'' = -omega^2 u - c u', computed by hand.
     let (omega_squared, c, dt) = (4.0, 0.7, 0.3);
     let system = chain(0.0, c);
     let wave = Amplification::new(&system, &SVector::from_element(PI));

@@ -1,4 +1,4 @@
-//! What every scheme promises, whatever it is.
+//! Properties of every scheme.
 
 use crate::random::Random;
 use nalgebra::{DVector, SVector};
@@ -8,7 +8,7 @@ use onset::lattice::Particle;
 use onset::material::Hyperelastic;
 use onset::scheme::{Discretization, PatchForces, PeriodicPatch};
 
-/// Checks a scheme at a state: derivatives of the forces of a patch against the stiffness, and what a translation does.
+/// Checks a scheme in a state: derivatives of the forces of a patch against the stiffness, and the effect of a translation.
 #[track_caller]
 pub fn assert_scheme<const D: usize>(
     scheme: &dyn Discretization<D>,
@@ -21,7 +21,7 @@ pub fn assert_scheme<const D: usize>(
     assert_equilibrium(scheme, material, f);
 }
 
-/// A patch of particles is displaced by plane waves that fit into it; central differences of its forces are compared with `K(k)`.
+/// Displaces a patch of particles by plane waves that fit into it and compares central differences of its forces with `K(k)`.
 #[track_caller]
 pub fn assert_waves_are_those_of_a_patch<const D: usize>(
     scheme: &dyn Discretization<D>,
@@ -30,7 +30,7 @@ pub fn assert_waves_are_those_of_a_patch<const D: usize>(
 ) {
     let system = scheme.waves(material, f).expect("an evaluable state");
     let crystal = scheme.crystal();
-    // Large enough that no particle sees an image of itself.
+    // The patch is so large that no particle interacts with its own image.
     let side = 2 * system.stiffness().reach() + 3;
     let patch = PeriodicPatch::new(crystal, [side; D]);
     let mut random = Random::new(3);
@@ -58,7 +58,7 @@ pub fn assert_waves_are_those_of_a_patch<const D: usize>(
             let slope = |(a, b): (&SVector<f64, D>, &SVector<f64, D>)| (a - b) / (2.0 * h);
             plus.iter().zip(&minus).map(slope).collect::<Vec<_>>()
         };
-        // The force on the particles of the cell at the origin, by Re and Im of the wave.
+        // Force on the particles of the cell at the origin, by Re and Im of the wave.
         let (real, imaginary) = (
             forces(Complex::new(1.0, 0.0)),
             forces(Complex::new(0.0, -1.0)),
@@ -83,7 +83,7 @@ pub fn assert_waves_are_those_of_a_patch<const D: usize>(
     }
 }
 
-/// The forces of a patch whose particles move by a plane wave, by central differences against `C(k)`.
+/// Compares the forces of a patch whose particles move by a plane wave, by central differences, with `C(k)`.
 #[track_caller]
 pub fn assert_damping_is_that_of_a_patch<const D: usize>(
     scheme: &dyn Discretization<D>,
@@ -145,7 +145,7 @@ pub fn assert_damping_is_that_of_a_patch<const D: usize>(
     }
 }
 
-/// A rigid translation costs no force, and the sum of all forces is zero.
+/// Checks that a rigid translation causes no force, and that the sum of all forces is zero.
 #[track_caller]
 pub fn assert_translations_are_free<const D: usize>(
     scheme: &dyn Discretization<D>,
@@ -171,7 +171,7 @@ pub fn assert_translations_are_free<const D: usize>(
     }
 }
 
-/// No particle of the homogeneous state feels a force.
+/// Checks that no force acts on a particle of the homogeneous state.
 #[track_caller]
 pub fn assert_equilibrium<const D: usize>(
     scheme: &dyn Discretization<D>,
@@ -191,7 +191,7 @@ pub fn assert_equilibrium<const D: usize>(
     }
 }
 
-/// The acoustic tensor of long waves is that of the material, per density, to a relative tolerance.
+/// Checks that the acoustic tensor of long waves is the acoustic tensor of the material over the density, to a relative tolerance.
 #[track_caller]
 pub fn assert_long_waves_are_those_of_the_material<const D: usize>(
     scheme: &dyn Discretization<D>,

@@ -9,7 +9,7 @@ use onset::quadrature::Quadrature;
 use onset::scheme::Discretization;
 use std::f64::consts::PI;
 
-/// `omega^2` of the wave with alternating particles, with `E = rho = spacing = 1`, Shepard functions and the quartic spline.
+/// `omega^2` of the wave of alternating particles, with `E = rho = spacing = 1`, Shepard functions and the quartic spline.
 fn alternating(quadrature: Quadrature, support: f64) -> f64 {
     let method = Method::<1>::new(KernelMethodChoices {
         lattice: LatticeKind::Chain,
@@ -18,7 +18,7 @@ fn alternating(quadrature: Quadrature, support: f64) -> f64 {
         ..KernelMethodChoices::default()
     })
     .expect("a method");
-    // lambda + 2 mu = 1.
+    // The modulus is lambda + 2 mu = 1.
     let material = saint_venant_kirchhoff(0.5, 0.25);
     let waves = method
         .waves(&*material, &DeformationGradient::identity())
@@ -26,7 +26,7 @@ fn alternating(quadrature: Quadrature, support: f64) -> f64 {
     waves.omega_squared(&SVector::from_element(PI))[0].re
 }
 
-/// The same by hand: half of the volume is at the midpoints, which see `sum_K (-1)^K phi_K'`; the particles see nothing.
+/// `omega^2` by hand: half of the volume is at the midpoints, with the gradient `sum_K (-1)^K phi_K'`; the gradient at the particles is zero.
 fn by_hand(support: f64) -> f64 {
     let weight = |x: f64| {
         let q = x.abs() / support;
@@ -52,7 +52,7 @@ fn by_hand(support: f64) -> f64 {
 }
 
 #[test]
-fn alternating_particles_cost_nothing_with_nodal_integration_and_little_with_stress_points() {
+fn alternating_particles_have_zero_energy_with_nodal_integration_and_little_with_stress_points() {
     let published = [
         (1.5, 2.0),
         (2.0, 0.254093),

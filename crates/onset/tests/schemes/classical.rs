@@ -1,4 +1,4 @@
-//! The kernel methods as schemes: their forces, and the matrix that was derived from them by hand.
+//! Kernel methods as schemes: their forces, and the matrix derived from them by hand.
 
 use crate::battery::{assert_long_waves_are_those_of_the_material, assert_scheme};
 use onset::approximation::Approximation;
@@ -38,7 +38,7 @@ fn the_dynamical_matrix_is_the_derivative_of_the_forces_of_a_patch() {
 }
 
 #[test]
-fn natural_stabilization_has_forces_too() {
+fn natural_stabilization_has_forces() {
     let method = Method::<2>::new(KernelMethodChoices {
         quadrature: Quadrature::NodalStabilized,
         lattice: LatticeKind::Square,
@@ -68,7 +68,7 @@ fn chains_are_schemes_in_one_dimension() {
 }
 
 #[test]
-fn a_survey_of_a_scheme_says_what_the_assessment_of_the_method_says() {
+fn a_survey_of_a_scheme_agrees_with_the_assessment_of_the_method() {
     let material = ModifiedMooneyRivlin::default();
     for frame in [Frame::Lagrangian, Frame::Eulerian] {
         for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
@@ -95,7 +95,7 @@ fn a_survey_of_a_scheme_says_what_the_assessment_of_the_method_says() {
 }
 
 #[test]
-fn what_is_no_derivative_of_forces_has_none() {
+fn linearizations_that_are_not_derivatives_have_no_forces() {
     let method = Method::<2>::new(KernelMethodChoices {
         frame: Frame::Eulerian,
         linearization: Linearization::Paper,

@@ -1,4 +1,4 @@
-//! Nodal integration with smoothed gradients: the battery, exactness of linear fields, and the modes that it does not see.
+//! Nodal integration with smoothed gradients: the battery, exactness for linear fields, and zero-energy modes.
 
 use crate::battery::{assert_long_waves_are_those_of_the_material, assert_scheme};
 use crate::random::Random;
@@ -54,7 +54,7 @@ fn irregular() -> Crystal<2> {
     large.perturbed(0.15, 4).expect("a crystal")
 }
 
-/// Simple cubic (1, 0), body-centered (-1, 1), face-centered (0, 1) cubic lattices.
+/// Simple cubic (1, 0), body-centered (-1, 1) and face-centered (0, 1) cubic lattices.
 fn cubic(diagonal: f64, rest: f64) -> Crystal<3> {
     let vectors = SMatrix::<f64, 3, 3>::from_fn(|i, j| if i == j { diagonal } else { rest });
     Crystal::of_lattice(BravaisLattice::new(vectors).expect("a lattice"))
@@ -81,7 +81,7 @@ fn assert_conforming<const D: usize>(crystal: &Crystal<D>, choices: &ConformingC
 }
 
 #[test]
-fn smoothed_gradients_pass_the_battery_and_have_the_long_waves_of_the_material() {
+fn methods_with_smoothed_gradients_pass_the_battery_and_agree_with_the_material_for_long_waves() {
     for modification in [0.0, 0.4, 1.0] {
         let choices = modified(modification);
         assert_conforming(&chain(), &choices);
@@ -106,7 +106,8 @@ fn smoothed_gradients_pass_the_battery_and_have_the_long_waves_of_the_material()
 }
 
 #[test]
-fn smoothed_gradients_in_space_pass_the_battery_and_have_the_long_waves_of_the_material() {
+fn methods_with_smoothed_gradients_in_3d_pass_the_battery_and_agree_with_the_material_for_long_waves()
+ {
     let small = ConformingChoices {
         radius: 1.6,
         boundary_points: 1,
@@ -121,7 +122,7 @@ fn smoothed_gradients_in_space_pass_the_battery_and_have_the_long_waves_of_the_m
     assert_conforming(&cubic(-1.0, 1.0), &boxes);
 }
 
-/// `sum_K X_K (x) b_K`.
+/// Moment matrix `sum_K X_K (x) b_K`.
 fn moment<const D: usize>(
     scheme: &ConformingIntegration<D>,
     point: &LagrangianPoint<D>,
@@ -134,8 +135,8 @@ fn moment<const D: usize>(
 }
 
 #[test]
-fn shepard_functions_have_the_long_waves_of_the_material_wherever_the_cells_are_all_alike() {
-    // Opposite faces of the cells of a lattice see the same values: what is wrong with linear fields cancels.
+fn long_waves_of_shepard_functions_agree_with_the_material_if_all_cells_are_equal() {
+    // Opposite faces of the cells of a lattice have the same values, so that the errors for linear fields cancel.
     for modification in [0.0, 1.0] {
         let choices = ConformingChoices {
             approximation: Approximation::Shepard,
@@ -171,7 +172,7 @@ fn linear_fields_are_integrated_exactly_on_irregular_particles() {
             let mut sum = SVector::<f64, 2>::zeros();
             for (particle, b) in point.particles().iter().zip(point.gradients()) {
                 sum += b;
-                // All images of a particle together: the integral of its gradient over the plane.
+                // The sum over all images of a particle is the integral of its gradient over the plane.
                 *sums.entry(particle.site).or_default() += b * point.volume();
             }
             // Small pyramids divide rounding errors by their volumes.
@@ -187,7 +188,7 @@ fn linear_fields_are_integrated_exactly_on_irregular_particles() {
 }
 
 #[test]
-fn boxes_on_irregular_particles_leave_forces_at_rest() {
+fn boxes_on_irregular_particles_cause_forces_in_the_homogeneous_state() {
     let boxes = ConformingChoices {
         domain: SmoothingDomain::Boxes,
         ..choices()
@@ -203,7 +204,7 @@ fn boxes_on_irregular_particles_leave_forces_at_rest() {
 }
 
 #[test]
-fn boxes_are_the_cells_of_the_square_lattice() {
+fn boxes_equal_voronoi_cells_on_the_square_lattice() {
     let boxes = ConformingChoices {
         domain: SmoothingDomain::Boxes,
         ..choices()
@@ -216,7 +217,7 @@ fn boxes_are_the_cells_of_the_square_lattice() {
     }
 }
 
-/// How many modes are without stiffness at the halves of reciprocal vectors.
+/// Number of modes with zero stiffness at the halves of reciprocal vectors.
 fn nullity<const D: usize>(crystal: &Crystal<D>, choices: &ConformingChoices) -> usize {
     let waves = at_rest(&scheme(crystal.clone(), choices));
     let scale = waves.stiffness().magnitude();
@@ -232,8 +233,8 @@ fn nullity<const D: usize>(crystal: &Crystal<D>, choices: &ConformingChoices) ->
 }
 
 #[test]
-fn smoothing_does_not_see_waves_of_half_a_reciprocal_vector_and_the_modification_does() {
-    // Such a wave is even about every node: the mean gradient of a cell with that center vanishes.
+fn waves_of_half_a_reciprocal_vector_have_zero_energy_without_the_modification() {
+    // Such a wave is even about every node: the mean gradient of a cell with this center vanishes.
     for domain in [SmoothingDomain::Voronoi, SmoothingDomain::Boxes] {
         for boundary_points in [1, 3] {
             let with = |modification| ConformingChoices {
@@ -262,7 +263,7 @@ fn smoothing_does_not_see_waves_of_half_a_reciprocal_vector_and_the_modification
 }
 
 #[test]
-fn on_a_chain_with_two_neighbors_at_the_midpoints_smoothing_is_the_central_difference() {
+fn smoothing_on_a_chain_with_two_neighbors_at_the_midpoints_is_the_central_difference() {
     let (radius, c) = (1.2 * 0.9, 0.3);
     let weight = |q: f64| {
         let weight = Kernel::QuarticSpline.weight(&Vector1::new(q), radius, &SMatrix::identity());
@@ -278,7 +279,7 @@ fn on_a_chain_with_two_neighbors_at_the_midpoints_smoothing_is_the_central_diffe
             },
         ))
     };
-    // E / (rho h^2)
+    // Unit E / (rho h^2).
     let unit = 2.7 / (1.3 * 0.9 * 0.9);
     let plain = of(0.0);
     for angle in [0.2_f64, 1.0, PI / 2.0, 2.8] {
@@ -293,7 +294,7 @@ fn on_a_chain_with_two_neighbors_at_the_midpoints_smoothing_is_the_central_diffe
 }
 
 #[test]
-fn a_rotation_of_everything_and_one_of_the_body_alone_change_no_frequency() {
+fn frequencies_are_invariant_to_rotations_of_the_setup_and_of_the_body() {
     let turn = turned::<2>();
     let state = sheared::<2>();
     let turned_state = state.with_leading(&(turn * state.leading::<2>() * turn.transpose()));
@@ -344,15 +345,15 @@ fn assert_stable_where_elliptic<const D: usize>(crystal: &Crystal<D>) {
 }
 
 #[test]
-fn on_lattices_the_modification_hides_no_instability_of_the_material_and_adds_none() {
+fn on_lattices_the_modification_neither_masks_nor_adds_instabilities() {
     assert_stable_where_elliptic(&chain());
     assert_stable_where_elliptic(&square());
     assert_stable_where_elliptic(&hexagonal());
 }
 
-/// The difference of the two particles of a cell is nearly free: the stiffness of relaxed long waves is a small difference of large numbers.
+/// The relative motion of the two particles of a cell is nearly free: the stiffness of relaxed long waves is a small difference of large numbers.
 #[test]
-fn the_limit_of_long_waves_is_right_where_relaxation_is_nearly_free() {
+fn the_long_wave_limit_is_accurate_for_nearly_free_relaxation() {
     let lattice = LatticeKind::Square
         .lattice(2.0_f64.sqrt())
         .expect("a lattice");
@@ -375,19 +376,19 @@ fn the_limit_of_long_waves_is_right_where_relaxation_is_nearly_free() {
         .expect("waves");
     let stiffness = system.long_wave_stiffness();
     for direction in [[1.0, 0.0], [0.991, 0.133], [0.6, -0.8]].map(SVector::from) {
-        // Waves so long that they are slower than the particles of a cell against each other.
+        // The waves are so long that they are slower than the relative motion of the particles of a cell.
         let k: SVector<f64, 2> = direction * 2e-5;
         let along = system.omega_squared(&k)[0].re / k.norm_squared();
         let tensor = stiffness.acoustic_tensor(&direction) / direction.norm_squared();
         let limit = tensor.symmetric_eigenvalues().min();
-        // Waves of this length are a little softer than the limit.
+        // Waves of this length are slightly softer than the limit.
         let apart = (limit - along).abs();
         assert!(apart < 1e-5 + 5e-3 * limit.abs(), "{limit} {along}");
     }
 }
 
 #[test]
-fn choices_out_of_range_are_refused() {
+fn choices_out_of_range_are_rejected() {
     let refused = |choices: ConformingChoices| {
         ConformingIntegration::new(square(), &choices).expect_err("out of range")
     };
@@ -416,9 +417,9 @@ fn choices_out_of_range_are_refused() {
     ));
 }
 
-/// The bound is within 4e-7 of what is told; the minimum, which is smaller than that, is told too.
+/// The bound is within 4e-7 of the minimum given, and a minimum smaller than this is also given.
 #[test]
-fn a_minimum_below_the_gap_of_its_bound_is_found() {
+fn a_minimum_smaller_than_the_gap_to_its_bound_is_found() {
     let packed = Crystal::<3>::of(LatticeKind::HexagonalClosePacked, 1.0).expect("a crystal");
     let choices = ConformingChoices {
         kernel: Kernel::WendlandC4,

@@ -1,4 +1,4 @@
-//! Formulas as codes have them, held against the same formulas applied to the particles of a patch.
+//! Formulas as used in codes, compared with the same formulas applied to the particles of a patch.
 
 use crate::battery::assert_scheme;
 use crate::random::Random;
@@ -28,7 +28,7 @@ use std::f64::consts::PI;
 const DENSITY: f64 = 1.3;
 const RADIUS: f64 = 2.6;
 
-/// The quartic spline in the plane, normalized, with its derivative.
+/// Normalized quartic spline in the plane, with its derivative.
 fn kernel(distance: f64) -> [f64; 2] {
     let q = distance / RADIUS;
     if q >= 1.0 {
@@ -40,7 +40,7 @@ fn kernel(distance: f64) -> [f64; 2] {
     [factor * value, factor * slope / RADIUS]
 }
 
-/// A periodic square of particles in a homogeneous state, with what a code in rate form stores of each.
+/// Periodic square of particles in a homogeneous state, with the variables that a code in rate form stores for each.
 struct Patch {
     side: usize,
     f: Matrix2<f64>,
@@ -76,7 +76,7 @@ impl Patch {
         }
     }
 
-    /// The vector to the nearest image of another particle.
+    /// Vector to the nearest image of another particle.
     fn apart(&self, x: &[Vector2<f64>], i: usize, j: usize) -> Vector2<f64> {
         let side = self.side as f64;
         let inverse = self.f.try_inverse().expect("a deformation");
@@ -93,7 +93,7 @@ impl Patch {
         DENSITY / f.determinant()
     }
 
-    /// `v_I + epsilon sum_J m_J / rho_IJ (v_J - v_I) W_IJ`.
+    /// Smoothed velocities `v_I + epsilon sum_J m_J / rho_IJ (v_J - v_I) W_IJ`.
     fn smoothed(&self, state: &State, v: &[Vector2<f64>], epsilon: f64) -> Vec<Vector2<f64>> {
         let mut smoothed = v.to_vec();
         for (i, j) in self.pairs() {
@@ -104,7 +104,7 @@ impl Patch {
         smoothed
     }
 
-    /// `L_I F_I` with the uncorrected velocity gradient.
+    /// Strain rates `L_I F_I` with the uncorrected velocity gradient.
     fn strain_rates(&self, state: &State, v: &[Vector2<f64>]) -> Vec<Matrix2<f64>> {
         let mut gradients = vec![Matrix2::zeros(); v.len()];
         for (i, j) in self.pairs() {
@@ -118,7 +118,7 @@ impl Patch {
         both.map(|(l, f)| l * f).collect()
     }
 
-    /// The symmetric form.
+    /// Accelerations in the symmetric form.
     fn accelerations(&self, state: &State) -> Vec<Vector2<f64>> {
         let over_square: Vec<Matrix2<f64>> = state
             .f
@@ -141,7 +141,7 @@ impl Patch {
     }
 
     /// `omega^2 v` of the particle at the origin, for the velocities `v cos(k.X)`: minus the change of its acceleration while particles
-    /// move for a short time, positions and deformations with the smoothed velocities or not.
+    /// move for a short time. Positions and deformations follow the smoothed or the unsmoothed velocities.
     fn squared_frequency(
         &self,
         k: &Vector2<f64>,
@@ -182,7 +182,7 @@ fn smoothing(epsilon: f64, smoothed_motion: SmoothedMotion) -> UpdatedSphChoices
 }
 
 #[test]
-fn smoothed_velocities_do_to_waves_what_they_do_to_the_particles_of_a_patch() {
+fn smoothed_velocities_change_waves_as_they_change_a_patch() {
     let sheared = Matrix2::new(1.06, 0.05, -0.03, 0.97);
     let patch = Patch::new(sheared);
     let f = DeformationGradient::plane_strain([[1.06, 0.05], [-0.03, 0.97]], 1.0).expect("a state");
@@ -206,7 +206,7 @@ fn smoothed_velocities_do_to_waves_what_they_do_to_the_particles_of_a_patch() {
 }
 
 #[test]
-fn positions_that_alone_follow_smoothed_velocities_change_no_wave_and_no_time_step_at_rest() {
+fn smoothing_only_positions_changes_no_wave_and_no_time_step_in_the_reference_state() {
     let rest = DeformationGradient::identity();
     let search = ZoneSearch::<2>::of_lattice(
         LatticeKind::Square.lattice(1.0).expect("a lattice"),
@@ -235,7 +235,7 @@ fn positions_that_alone_follow_smoothed_velocities_change_no_wave_and_no_time_st
             "{positions} {plain}"
         );
         assert!(everything < 0.95 * plain, "{everything} {plain}");
-        // Under stress kernels move with the positions.
+        // Under stress the kernels move with the positions.
         let tense = stretched([1.05, 1.05, 1.0]);
         let difference =
             at(0.5, SmoothedMotion::Positions, &tense) - at(0.0, SmoothedMotion::Positions, &tense);
@@ -244,7 +244,7 @@ fn positions_that_alone_follow_smoothed_velocities_change_no_wave_and_no_time_st
 }
 
 #[test]
-fn the_battery_accepts_smoothed_positions() {
+fn methods_with_smoothed_positions_pass_the_battery() {
     let material = ModifiedMooneyRivlin::default();
     for momentum in [MomentumForm::Symmetric, MomentumForm::Mean] {
         for density_evolution in [DensityEvolution::Continuity, DensityEvolution::Summation] {
@@ -264,8 +264,8 @@ fn the_battery_accepts_smoothed_positions() {
     }
 }
 
-/// The viscous force on the particle at the origin of LAMMPS' SMD, for the velocities `v cos(k.X)`: with kernels of reference
-/// distances in the total-Lagrangian code, of current ones in the updated one.
+/// Viscous force of LAMMPS' SMD on the particle at the origin, for the velocities `v cos(k.X)`. The total-Lagrangian code uses kernels of reference
+/// distances, the updated code kernels of current distances.
 fn force_of_smd(
     f: &Matrix2<f64>,
     k: &Vector2<f64>,
@@ -318,7 +318,7 @@ fn viscosity(switch: ViscositySwitch) -> Option<ArtificialViscosity> {
 }
 
 #[test]
-fn the_viscosity_of_smd_damps_waves_as_its_forces_do() {
+fn the_viscosity_of_smd_damps_waves_as_its_forces_predict() {
     let entries = [[1.08, 0.1], [-0.04, 0.95]];
     let f = DeformationGradient::plane_strain(entries, 1.0).expect("a state");
     let map = Matrix2::new(1.08, 0.1, -0.04, 0.95);
@@ -360,7 +360,7 @@ fn the_viscosity_of_smd_damps_waves_as_its_forces_do() {
 }
 
 #[test]
-fn viscosity_is_measured_by_the_smoothing_length_of_the_kernel() {
+fn viscosity_scales_with_the_smoothing_length_of_the_kernel() {
     let material = ModifiedMooneyRivlin::default();
     let modulus = Stiffness::<1>::at(&material, &DeformationGradient::identity())
         .expect("a tangent")
@@ -413,7 +413,7 @@ fn radioss(hourglass_stiffness: f64, hourglass_viscosity: f64) -> Formulation {
     }
 }
 
-/// The sum over the bricks about the origin of Flanagan and Belytschko's control in a code: `-Gamma_a coefficient sum_b Gamma_b u_b`
+/// Sum over the bricks around the origin of Flanagan and Belytschko's control in a code: `-Gamma_a coefficient sum_b Gamma_b u_b`
 /// for the four modes of parallelepipeds, whose `Gamma` need no correction; for `u cos(k.X)`.
 fn resistance_of_bricks(vectors: &SMatrix<f64, 3, 3>, k: &Vector3<f64>) -> f64 {
     let corner = |n: usize| Vector3::from_fn(|i, _| f64::from(u8::from(n >> i & 1 == 1)));
@@ -433,7 +433,7 @@ fn resistance_of_bricks(vectors: &SMatrix<f64, 3, 3>, k: &Vector3<f64>) -> f64 {
 }
 
 #[test]
-fn hourglass_control_of_radioss_resists_what_its_formulas_resist() {
+fn hourglass_control_of_radioss_agrees_with_its_formulas() {
     let material = saint_venant_kirchhoff(0.7, 1.0);
     let modulus: f64 = 2.7;
     let speed = (modulus / DENSITY).sqrt();
@@ -470,7 +470,7 @@ fn hourglass_control_of_radioss_resists_what_its_formulas_resist() {
             }
         }
     }
-    // Bricks that alternate: eight elements, of which each resists eight amplitudes.
+    // Alternating bricks: each of eight elements resists eight amplitudes.
     let cubes = FiniteElements::<3>::new(&ElementChoices {
         mesh: ElementMesh::Bricks,
         spacing: 0.8,
@@ -504,7 +504,7 @@ fn hourglass_control_of_radioss_is_viscous_in_the_plane() {
         .damping()
         .expect("a damping")
         .at(&Vector2::repeat(PI / 0.8));
-    // Four squares, of which each resists four amplitudes with h/2 rho c sqrt(A).
+    // Each of four squares resists four amplitudes with h/2 rho c sqrt(A).
     let expected = 16.0 * 0.5 * 0.2 * DENSITY * speed * 0.8;
     assert!(
         (damping[(0, 0)].re - expected).abs() < 1e-10,
@@ -518,9 +518,9 @@ fn hourglass_control_of_radioss_is_viscous_in_the_plane() {
 }
 
 #[test]
-fn the_penalty_of_smd_is_that_of_its_regularized_denominators() {
-    // Particles that alternate in sign strain nothing, so that the penalty alone resists: each bond between opposite ones moves apart by
-    // 2 u, once for either end.
+fn the_penalty_of_smd_has_regularized_denominators() {
+    // Particles that alternate in sign cause no strain, so that only the penalty acts. Each bond between opposite particles changes by 2 u, counted
+    // once for either end.
     let (hourglass, young, poisson) = (1.7, 2.1, 0.3);
     let material = saint_venant_kirchhoff(
         young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)),
@@ -553,7 +553,7 @@ fn the_penalty_of_smd_is_that_of_its_regularized_denominators() {
         (matrix[(0, 0)].re / (expected / DENSITY) - 1.0).abs() < 1e-12,
         "{matrix}"
     );
-    // What particles carry along is the stress, which does not see it.
+    // The quantity that particles carry along is the stress, which does not change.
     let carried = scheme
         .carried(&*material, &state)
         .expect("a state")
@@ -566,7 +566,7 @@ fn the_penalty_of_smd_is_that_of_its_regularized_denominators() {
 }
 
 #[test]
-fn what_is_not_carried_along_is_the_stress_on_kernels_that_move() {
+fn the_part_of_waves_that_is_not_carried_is_the_stress_on_moving_kernels() {
     let entries = [[1.08, 0.1], [-0.04, 0.95]];
     let f = DeformationGradient::plane_strain(entries, 1.0).expect("a state");
     let map = Matrix2::new(1.08, 0.1, -0.04, 0.95);
@@ -600,7 +600,7 @@ fn what_is_not_carried_along_is_the_stress_on_kernels_that_move() {
         Vector2::new(PI, 0.0),
         Vector2::new(2.1, 2.6),
     ] {
-        // -2 m/rho^2 s sum (1 - cos k.X) grad grad W, with densities and stresses as they are.
+        // -2 m/rho^2 s sum (1 - cos k.X) grad grad W, with constant densities and stresses.
         let mut positions = Matrix2::zeros();
         for (x, y) in (-4..=4).flat_map(|x| (-4..=4).map(move |y| (f64::from(x), f64::from(y)))) {
             let reference = Vector2::new(x, y);

@@ -1,4 +1,4 @@
-//! Finite elements: the battery, and what the textbooks know.
+//! Finite elements: the battery, and results from textbooks.
 
 use crate::battery::{assert_long_waves_are_those_of_the_material, assert_scheme};
 use crate::random::Random;
@@ -19,7 +19,7 @@ use std::f64::consts::{PI, TAU};
 
 const LAMBDA: f64 = 0.7;
 const MU: f64 = 1.0;
-/// `lambda + 2 mu`.
+/// Modulus `lambda + 2 mu`.
 const MODULUS: f64 = LAMBDA + 2.0 * MU;
 const SPACING: f64 = 0.8;
 const DENSITY: f64 = 1.3;
@@ -84,10 +84,10 @@ fn wave<const D: usize>(random: &mut Random) -> SVector<f64, D> {
     SVector::from_fn(|_, _| PI * random.number() / SPACING)
 }
 
-/// What every mesh is put through.
+/// Checks that every mesh must pass.
 fn assert_elements<const D: usize>(mesh: Mesh<D>) {
     let (material, state) = (material(), sheared::<D>());
-    // Hourglass modes of a supercell are waves of infinite length without stiffness: no limit of long waves is defined.
+    // Hourglass modes of a supercell are waves of infinite length with zero stiffness: the long-wave limit is undefined.
     let hides_hourglass =
         mesh.shape() == ElementShape::Multilinear && D > 1 && mesh.crystal().sites().len() > 1;
     let mut formulations = vec![full(), consistent(), ONE_POINT];
@@ -115,7 +115,7 @@ fn elements_of_every_kind_pass_the_battery_and_have_the_long_waves_of_the_materi
 }
 
 #[test]
-fn distorted_elements_pass_the_patch_test_with_hourglass_control_too() {
+fn distorted_elements_pass_the_patch_test_with_and_without_hourglass_control() {
     let bars = ElementMesh::Bars.mesh::<1>(SPACING).expect("a mesh");
     let bars = bars.supercell([3]).expect("a mesh");
     assert_elements(bars.perturbed(0.2, 1).expect("a mesh"));
@@ -139,7 +139,7 @@ fn elements_on_any_lattice_pass_the_battery() {
     assert_elements(Mesh::simplices(lattice));
 }
 
-/// The same mesh, turned about the origin.
+/// Mesh rotated about the origin.
 fn turned_mesh<const D: usize>(mesh: &Mesh<D>, turn: &SMatrix<f64, D, D>) -> Mesh<D> {
     let crystal = mesh.crystal();
     let lattice = crystal.lattice().mapped(turn).expect("a lattice");
@@ -159,7 +159,7 @@ fn assert_turns<const D: usize>(mesh: ElementMesh) {
     };
     let state = sheared::<D>();
     let turned_state = state.with_leading(&(turn * state.leading::<D>() * turn.transpose()));
-    // Only what the particles do to each other counts, not how the whole stands in space.
+    // Only the relative motion of the particles counts, not the orientation in space.
     let superposed = state.with_leading(&(turn * state.leading::<D>()));
     let on = |mesh: Mesh<D>| FiniteElements::on(mesh, DENSITY, formulation).expect("elements");
     let (straight, oblique) = (on(mesh.clone()), on(turned_mesh(&mesh, &turn)));
@@ -181,7 +181,7 @@ fn assert_turns<const D: usize>(mesh: ElementMesh) {
 }
 
 #[test]
-fn a_rotation_of_everything_and_one_of_the_body_alone_change_no_frequency() {
+fn frequencies_are_invariant_to_rotations_of_the_setup_and_of_the_body() {
     for mesh in [
         ElementMesh::Quadrilaterals,
         ElementMesh::Triangles,
@@ -201,7 +201,7 @@ fn a_rotation_of_everything_and_one_of_the_body_alone_change_no_frequency() {
 }
 
 #[test]
-fn bars_vibrate_at_most_with_twice_or_with_the_root_of_twelve_the_speed_over_the_length() {
+fn the_largest_frequency_of_bars_is_2_or_root_12_times_the_speed_over_the_length() {
     for (formulation, highest) in [(full(), 4.0), (ONE_POINT, 4.0), (consistent(), 12.0)] {
         let bars = elements::<1>(ElementMesh::Bars, formulation);
         let found = in_units(maximum_omega_squared(&bars));
@@ -213,7 +213,7 @@ fn bars_vibrate_at_most_with_twice_or_with_the_root_of_twelve_the_speed_over_the
 }
 
 #[test]
-fn one_point_quadrilaterals_have_two_hourglass_modes_and_no_others() {
+fn one_point_quadrilaterals_have_exactly_two_hourglass_modes() {
     let squares = elements::<2>(ElementMesh::Quadrilaterals, ONE_POINT);
     let waves = at_rest(&squares);
     let corner = waves.omega_squared(&Vector2::repeat(PI / SPACING));
@@ -224,7 +224,7 @@ fn one_point_quadrilaterals_have_two_hourglass_modes_and_no_others() {
     let mut random = Random::new(2);
     for _ in 0..50 {
         let k = wave::<2>(&mut random);
-        // D(k) = Q(s), s = 2/h (sin x cos y, cos x sin y) of the half angles.
+        // D(k) = Q(s), s = 2/h (sin x cos y, cos x sin y) with half angles.
         let (x, y) = (0.5 * k[0] * SPACING, 0.5 * k[1] * SPACING);
         let s = Vector2::new(x.sin() * y.cos(), x.cos() * y.sin()) * (2.0 / SPACING);
         let found = waves.omega_squared(&k);
@@ -237,7 +237,7 @@ fn one_point_quadrilaterals_have_two_hourglass_modes_and_no_others() {
 
 #[test]
 fn one_point_bricks_have_twelve_hourglass_modes() {
-    // u = g sin-type products: the four modes of a brick alternate along two or three axes.
+    // Products of sines: the four modes of a brick alternate along two or three axes.
     let waves = at_rest(&elements::<3>(ElementMesh::Bricks, ONE_POINT));
     let controlled = at_rest(&elements::<3>(ElementMesh::Bricks, controlled(1e-3)));
     let mut nullity = 0;
@@ -253,7 +253,7 @@ fn one_point_bricks_have_twelve_hourglass_modes() {
         assert_eq!(zeros(&controlled), 0);
     }
     assert_eq!(nullity, 12);
-    // Along an edge of the zone too nothing is resisted.
+    // The stiffness is also zero along an edge of the zone.
     for along in [0.3, 1.7] {
         let k = Vector3::new(PI, PI, along) / SPACING;
         assert!(in_units(waves.omega_squared(&k)[0].norm()) < 1e-12);
@@ -261,7 +261,7 @@ fn one_point_bricks_have_twelve_hourglass_modes() {
     }
 }
 
-/// The stiffness and the mass of a row of bars of unit length, as a multiple of `E/h` and `rho h`: `2 - 2 cos`, `(2 + cos) / 3`.
+/// Stiffness and mass of a row of bars of unit length, in units of `E/h` and `rho h`: `2 - 2 cos`, `(2 + cos) / 3`.
 fn row(angle: f64) -> (f64, f64) {
     (2.0 - 2.0 * angle.cos(), (2.0 + angle.cos()) / 3.0)
 }
@@ -311,8 +311,8 @@ fn fully_integrated_squares_and_cubes_are_products_of_rows_of_bars() {
 }
 
 #[test]
-fn one_coefficient_of_hourglass_control_makes_full_integration_of_squares() {
-    // Both differ from one point by sin^2 sin^2: 2 kappa (lambda + 2 mu) there, 4/3 (lambda + 3 mu) here.
+fn one_coefficient_of_hourglass_control_reproduces_full_integration_of_squares() {
+    // Both differ from one-point integration by sin^2 sin^2: 2 kappa (lambda + 2 mu) there, 4/3 (lambda + 3 mu) here.
     let kappa = 2.0 * (LAMBDA + 3.0 * MU) / (3.0 * MODULUS);
     let integrated = at_rest(&elements::<2>(ElementMesh::Quadrilaterals, full()));
     let controlled = at_rest(&elements::<2>(
@@ -328,7 +328,7 @@ fn one_coefficient_of_hourglass_control_makes_full_integration_of_squares() {
 }
 
 #[test]
-fn any_hourglass_stiffness_lifts_the_modes_and_only_one_beyond_two_costs_time_step() {
+fn any_hourglass_stiffness_lifts_the_modes_and_only_values_above_two_reduce_the_time_step() {
     for kappa in [1e-6, 0.05, 1.0, 2.0, 2.2, 5.0] {
         let squares = elements::<2>(ElementMesh::Quadrilaterals, controlled(kappa));
         let corner = at_rest(&squares).omega_squared(&Vector2::repeat(PI / SPACING));
@@ -346,7 +346,7 @@ fn any_hourglass_stiffness_lifts_the_modes_and_only_one_beyond_two_costs_time_st
 }
 
 #[test]
-fn hourglass_viscosity_damps_the_modes_and_leaves_them_without_stiffness() {
+fn hourglass_viscosity_damps_the_modes_without_adding_stiffness() {
     let epsilon = 0.1;
     let squares = elements::<2>(
         ElementMesh::Quadrilaterals,
@@ -364,7 +364,7 @@ fn hourglass_viscosity_damps_the_modes_and_leaves_them_without_stiffness() {
             "{found}"
         );
     }
-    // Waves along an axis contain no hourglass.
+    // Waves along an axis contain no hourglass mode.
     let along = at_rest(&squares).frequencies(&Vector2::new(1.1, 0.0));
     assert!(along.iter().all(|omega| omega.im.abs() < 1e-9));
 }
@@ -396,7 +396,7 @@ fn equilateral_triangles_with_equal_lame_constants_are_a_lattice_of_springs() {
     }
 }
 
-/// `tr K = (lambda + (D + 1) mu) sum_q V_q |B_q|^2`: that of the Laplacian on the same mesh.
+/// Checks `tr K = (lambda + (D + 1) mu) sum_q V_q |B_q|^2`, with the Laplacian on the same mesh.
 fn assert_laplacian<const D: usize>(
     mesh: ElementMesh,
     laplacian: impl Fn(&SVector<f64, D>) -> f64,
@@ -416,12 +416,12 @@ fn assert_laplacian<const D: usize>(
 }
 
 #[test]
-fn simplices_of_squares_and_cubes_are_the_differences_along_the_axes() {
+fn the_laplacian_of_simplices_on_squares_and_cubes_is_a_difference_along_the_axes() {
     let plane = |k: &Vector2<f64>| k.iter().map(|k| row(k * SPACING).0).sum::<f64>();
     assert_laplacian::<2>(ElementMesh::Triangles, plane);
     let space = |k: &Vector3<f64>| SPACING * k.iter().map(|k| row(k * SPACING).0).sum::<f64>();
     assert_laplacian::<3>(ElementMesh::Tetrahedra, space);
-    // The long edges of body-centered tetrahedra see right angles, whose cotangent is zero: the eight nearest remain.
+    // The long edges of body-centered tetrahedra are opposite to right angles, whose cotangent is zero: the eight nearest neighbors remain.
     let edge = 2.0 * SPACING / 3.0_f64.sqrt();
     let centered = |k: &Vector3<f64>| {
         let cosines: f64 = k.iter().map(|k| (0.5 * k * edge).cos()).product();
@@ -431,7 +431,7 @@ fn simplices_of_squares_and_cubes_are_the_differences_along_the_axes() {
 }
 
 #[test]
-fn alternating_and_crossed_triangles_are_the_same_mesh_turned_by_an_eighth() {
+fn alternating_and_crossed_triangles_are_the_same_mesh_rotated_by_45_degrees() {
     let alternating = at_rest(&elements::<2>(ElementMesh::TrianglesAlternating, full()));
     let crossed = at_rest(&elements::<2>(ElementMesh::TrianglesCrossed, full()));
     let (sine, cosine) = (TAU / 8.0).sin_cos();
@@ -446,9 +446,10 @@ fn alternating_and_crossed_triangles_are_the_same_mesh_turned_by_an_eighth() {
     }
 }
 
-/// Where two branches meet a descent does not end by itself. Both hourglass modes of squares have one frequency there, and rounding decides how they meet.
+/// A descent does not terminate by itself where two branches meet. Both hourglass modes of squares have the same frequency there, and rounding
+/// determines how they meet.
 #[test]
-fn the_lowest_hourglass_mode_is_found_where_two_meet_whatever_the_units() {
+fn the_lowest_hourglass_mode_is_found_where_two_branches_meet_in_any_units() {
     let f = DeformationGradient::from_stretches([1.15, 0.9, 1.0]).expect("a deformation");
     let mut random = Random::new(5);
     for _ in 0..200 {
@@ -473,7 +474,7 @@ fn the_lowest_hourglass_mode_is_found_where_two_meet_whatever_the_units() {
     }
 }
 
-/// Whether no wave of the grid, nor any long one, grows.
+/// Returns true if no wave of the grid and no long wave grows.
 fn is_stable<const D: usize>(waves: &WaveSystem<D>) -> bool {
     let grid = WaveGrids::new(*waves.crystal().lattice()).grid(12);
     let grows = |k: &SVector<f64, D>| waves.omega_squared(k)[0].re < -1e-10;
@@ -511,7 +512,7 @@ fn assert_stable_where_elliptic<const D: usize>(mesh: ElementMesh) {
 }
 
 #[test]
-fn elements_with_one_node_in_a_cell_are_stable_exactly_where_the_material_is_elliptic() {
+fn elements_with_one_node_per_cell_are_stable_exactly_if_the_material_is_elliptic() {
     assert_stable_where_elliptic::<1>(ElementMesh::Bars);
     assert_stable_where_elliptic::<2>(ElementMesh::Quadrilaterals);
     assert_stable_where_elliptic::<2>(ElementMesh::Triangles);
@@ -538,7 +539,7 @@ fn a_supercell_has_the_frequencies_of_the_mesh() {
 }
 
 #[test]
-fn what_is_no_mesh_is_refused() {
+fn invalid_meshes_are_rejected() {
     let square = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
     let node = |cell| Particle { site: 0, cell };
     let made = |shape, nodes: &[[i32; 2]]| {

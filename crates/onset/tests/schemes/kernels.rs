@@ -1,4 +1,4 @@
-//! Kernel Galerkin methods on crystals: against the closed forms on Bravais lattices, and where those do not reach.
+//! Kernel Galerkin methods on crystals: against the closed forms on Bravais lattices, and on crystals without closed forms.
 
 use crate::battery::{
     assert_equilibrium, assert_long_waves_are_those_of_the_material, assert_scheme,
@@ -33,7 +33,7 @@ fn nodal<const D: usize>(crystal: Crystal<D>, choices: KernelChoices) -> KernelS
     KernelScheme::new(crystal, CrystalQuadrature::Nodal, choices).expect("a scheme")
 }
 
-/// The scheme of a method, on the crystal of its lattice.
+/// Scheme of a method, on the crystal of its lattice.
 fn scheme_of<const D: usize>(method: &Method<D>) -> KernelScheme<D> {
     let discretization = method.choices();
     let points = method.quadrature_points().iter();
@@ -120,7 +120,7 @@ fn on_bravais_lattices_dual_numbers_and_closed_forms_give_the_same_waves() {
 }
 
 #[test]
-fn and_so_they_do_for_every_kernel() {
+fn dual_numbers_and_closed_forms_give_the_same_waves_for_every_kernel() {
     for kernel in Kernel::ALL {
         let discretization = KernelMethodChoices {
             kernel,
@@ -133,7 +133,7 @@ fn and_so_they_do_for_every_kernel() {
 }
 
 #[test]
-fn the_battery_accepts_kernels_on_bravais_lattices() {
+fn kernel_methods_on_bravais_lattices_pass_the_battery() {
     let material = ModifiedMooneyRivlin::default();
     let cubic = BravaisLattice::<3>::new(nalgebra::Matrix3::identity()).expect("a lattice");
     let f = DeformationGradient::from_stretches([1.1, 0.9, 1.05]).expect("a state");
@@ -163,7 +163,7 @@ fn the_battery_accepts_kernels_on_bravais_lattices() {
 }
 
 #[test]
-fn the_battery_accepts_the_honeycomb_where_no_shear_pulls_its_particles() {
+fn kernel_methods_on_the_honeycomb_pass_the_battery_in_equilibrium() {
     let material = ModifiedMooneyRivlin::default();
     let points = vec![
         (SVector::from([0.0, 0.0]), 0.5),
@@ -182,7 +182,7 @@ fn the_battery_accepts_the_honeycomb_where_no_shear_pulls_its_particles() {
             };
             let honeycomb = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
             let scheme = KernelScheme::new(honeycomb, quadrature, choices).expect("a scheme");
-            // Three-fold axes through all particles: an equibiaxial stress leaves no force.
+            // All particles have three-fold axes: an equibiaxial stress causes no force.
             assert_equilibrium(&scheme, &material, &plane([[1.1, 0.0], [0.0, 1.1]]));
             let sheared = plane([[1.1, 0.2], [0.0, 0.95]]);
             assert_waves_are_those_of_a_patch(&scheme, &material, &sheared);
@@ -191,7 +191,7 @@ fn the_battery_accepts_the_honeycomb_where_no_shear_pulls_its_particles() {
     }
 }
 
-/// Eigenvalues at all wave vectors of the primitive cell that a supercell folds onto one.
+/// Eigenvalues at all wave vectors of the primitive cell that a supercell folds onto one wave vector.
 fn folded<const D: usize>(
     scheme: &dyn Discretization<D>,
     f: &DeformationGradient,
@@ -266,7 +266,7 @@ fn a_supercell_of_a_cubic_lattice_has_its_folded_spectrum() {
 }
 
 #[test]
-fn linearly_complete_functions_on_bravais_lattices_have_the_waves_of_the_material() {
+fn long_waves_of_linearly_complete_functions_on_bravais_lattices_agree_with_the_material() {
     let choices = KernelChoices {
         approximation: Approximation::Mls,
         ..KernelChoices::default()
@@ -342,7 +342,7 @@ fn in_three_dimensions_dual_numbers_and_closed_forms_give_the_same_waves() {
 }
 
 #[test]
-fn closest_packing_and_diamond_have_the_waves_of_their_patches() {
+fn waves_of_closest_packing_and_diamond_agree_with_a_patch() {
     let material = ModifiedMooneyRivlin::default();
     let packed = Crystal::<3>::of(LatticeKind::HexagonalClosePacked, 1.0).expect("a crystal");
     let diamond = Crystal::<3>::of(LatticeKind::Diamond, 1.0).expect("a crystal");
@@ -357,7 +357,7 @@ fn closest_packing_and_diamond_have_the_waves_of_their_patches() {
             ..KernelChoices::default()
         };
         let scheme = nodal(crystal, choices);
-        // No equal stress pulls a particle that has three-fold axes.
+        // An equitriaxial stress exerts no force on a particle with three-fold axes.
         assert_equilibrium(&scheme, &material, &equal);
         assert_waves_are_those_of_a_patch(&scheme, &material, &sheared);
         assert_translations_are_free(&scheme, &material, &sheared);

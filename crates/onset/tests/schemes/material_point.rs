@@ -1,4 +1,4 @@
-//! The material point method: elements in disguise, what its points do not see, and where it is unstable.
+//! The material point method: its equivalence to elements, the waves that vanish at its points, and its instabilities.
 
 use crate::battery::{
     assert_long_waves_are_those_of_the_material, assert_scheme, assert_translations_are_free,
@@ -63,7 +63,7 @@ fn rest() -> DeformationGradient {
     DeformationGradient::identity()
 }
 
-/// Lame's constants of the material at rest.
+/// Lame constants of the material in the reference state.
 fn lame() -> (f64, f64) {
     let response = ModifiedMooneyRivlin::default()
         .response(&rest())
@@ -113,7 +113,7 @@ fn every_formulation_passes_the_battery_with_every_function_in_every_dimension()
 }
 
 #[test]
-fn on_a_knot_the_stiffness_is_the_mean_of_both_sides() {
+fn the_stiffness_at_a_knot_is_the_mean_of_both_sides() {
     for (functions, per_side) in [
         (GridFunctions::Gimp, 2),
         (GridFunctions::QuadraticSpline, 1),
@@ -138,7 +138,7 @@ fn on_a_knot_the_stiffness_is_the_mean_of_both_sides() {
 }
 
 #[test]
-fn a_bar_with_one_point_a_cell_is_one_of_elements_wherever_the_point_is() {
+fn a_bar_with_one_point_per_cell_equals_bar_elements_for_any_point_position() {
     let (lambda, mu) = lame();
     let (h, density) = (0.5, 3.0);
     let consistent = Formulation::TotalLagrangian {
@@ -162,7 +162,7 @@ fn a_bar_with_one_point_a_cell_is_one_of_elements_wherever_the_point_is() {
             let lumped = 4.0 * (0.5 * k).sin().powi(2);
             let found = of(FIXED).omega_squared(&at)[0].re / scale;
             assert!((found - lumped).abs() < 1e-12 * lumped);
-            // The mass that a point lends to its two nodes: 1 - 2 a (1 - a) (1 - cos k), with a its place.
+            // Mass that a point contributes to its two nodes: 1 - 2 a (1 - a) (1 - cos k), with its position a.
             let a = 0.5 + offset;
             let mass = 1.0 - 2.0 * a * (1.0 - a) * (1.0 - k.cos());
             let found = of(consistent).omega_squared(&at)[0].re / scale;
@@ -172,16 +172,16 @@ fn a_bar_with_one_point_a_cell_is_one_of_elements_wherever_the_point_is() {
 }
 
 #[test]
-fn one_point_in_the_middle_makes_elements_with_one_point_and_their_zero_energy_modes() {
+fn one_central_point_gives_one_point_elements_with_their_zero_energy_modes() {
     let (lambda, mu) = lame();
     let system = waves(&points::<2>(choices(FIXED, 1)), &rest());
     let corner = system.omega_squared(&SVector::repeat(PI));
     assert!(corner.iter().all(|z| z.norm() < 1e-12));
-    // The largest frequency, at (pi, 0): 4 (lambda + 2 mu) / (rho h^2).
+    // The largest frequency is at (pi, 0): 4 (lambda + 2 mu) / (rho h^2).
     let side = system.omega_squared(&SVector::from([PI, 0.0]));
     assert!((side[0].re - 4.0 * mu).abs() < 1e-10);
     assert!((side[1].re - 4.0 * (lambda + 2.0 * mu)).abs() < 1e-10);
-    // Away from the middle the point sees them.
+    // Away from the center the zero-energy modes strain the point.
     let shifted = MaterialPointChoices {
         offset: [0.2, 0.0, 0.0],
         ..choices(FIXED, 1)
@@ -205,7 +205,7 @@ fn bilinear(k: [f64; 2], lambda: f64, mu: f64) -> SMatrix<f64, 2, 2> {
 }
 
 #[test]
-fn two_gauss_points_a_side_make_fully_integrated_elements() {
+fn two_gauss_points_per_side_give_fully_integrated_elements() {
     let (lambda, mu) = lame();
     let gauss = MaterialPointChoices {
         layout: PointLayout::Gauss,
@@ -225,7 +225,7 @@ fn two_gauss_points_a_side_make_fully_integrated_elements() {
 }
 
 #[test]
-fn long_waves_are_those_of_the_material_where_the_functions_have_continuous_slopes() {
+fn long_waves_agree_with_the_material_if_the_functions_have_continuous_slopes() {
     fn checked<const D: usize>(per_side: usize) {
         let material = ModifiedMooneyRivlin::default();
         for functions in FUNCTIONS {
@@ -256,9 +256,9 @@ fn long_waves_are_those_of_the_material_where_the_functions_have_continuous_slop
 }
 
 #[test]
-fn linear_functions_of_a_moved_grid_stiffen_long_waves_by_the_stress_until_points_cross() {
-    // Their slopes jump at the faces, where no point is: the motion of the functions, which should take the stress out again, is
-    // felt only when points cross. In one dimension omega^2 = (A + P/F) k^2 / rho.
+fn linear_functions_of_an_updated_grid_stiffen_long_waves_by_the_stress() {
+    // Their slopes jump at the faces, where no point lies. The motion of the functions, which should cancel the stress, has an effect only when
+    // points cross a face. In one dimension omega^2 = (A + P/F) k^2 / rho.
     for stretch in [0.8, 0.95, 1.1, 1.5] {
         let f = DeformationGradient::from_stretches([stretch, 1.0, 1.0]).expect("a state");
         let response = ModifiedMooneyRivlin::default()
@@ -277,7 +277,7 @@ fn linear_functions_of_a_moved_grid_stiffen_long_waves_by_the_stress_until_point
 }
 
 #[test]
-fn particles_have_as_many_silent_velocities_as_they_outnumber_the_nodes() {
+fn the_number_of_invisible_velocities_is_the_excess_of_particles_over_nodes() {
     fn checked<const D: usize>(per_side: usize) {
         for functions in FUNCTIONS {
             let choices = MaterialPointChoices {
@@ -304,8 +304,8 @@ fn particles_have_as_many_silent_velocities_as_they_outnumber_the_nodes() {
 }
 
 #[test]
-fn what_particles_do_hear_is_the_grid_with_its_consistent_over_its_lumped_mass() {
-    // u_i = sum m_q N_iq U_q / m_i obeys m u'' = -(M/m) K u, M the consistent mass matrix.
+fn visible_velocities_obey_the_grid_equations_with_the_ratio_of_consistent_to_lumped_mass() {
+    // u_i = sum m_q N_iq U_q / m_i obeys m u'' = -(M/m) K u with the consistent mass matrix M.
     let of = |formulation| {
         let choices = MaterialPointChoices {
             density: 2.5,
@@ -336,14 +336,14 @@ fn what_particles_do_hear_is_the_grid_with_its_consistent_over_its_lumped_mass()
 }
 
 #[test]
-fn quadratic_splines_with_two_points_are_unstable_in_tension_while_the_bar_is_not() {
+fn quadratic_splines_with_two_points_are_unstable_in_tension_for_a_stable_bar() {
     // At k = pi, with points at quarters: |B| = 1, interpolant 3/8, its curvature -4, so that the scaled stiffness is
     // (C + S - 3/2 S)/4 with C = A F^2, S = P F. Without the motion of the functions there would be no instability.
     let two = points::<1>(MaterialPointChoices {
         functions: GridFunctions::QuadraticSpline,
         ..choices(UPDATED, 2)
     });
-    // One point in the middle does not see the interpolant: C + S, as with linear functions anywhere.
+    // The interpolant vanishes at a single point in the middle: C + S, as with linear functions at any position.
     let one = points::<1>(MaterialPointChoices {
         functions: GridFunctions::QuadraticSpline,
         ..choices(UPDATED, 1)
@@ -372,13 +372,13 @@ fn quadratic_splines_with_two_points_are_unstable_in_tension_while_the_bar_is_no
     assert_eq!(unstable, [1.9774, 2.2, 2.6]);
 }
 
-/// A bar of particles on a periodic grid in one dimension, written for itself: quadratic splines, velocities updated by the
-/// accelerations of the grid.
+/// Independent simulation of a bar of particles on a periodic grid in one dimension: quadratic splines, velocities updated by the accelerations of
+/// the grid.
 struct Bar {
     cells: i32,
     /// Current distance of the nodes.
     spacing: f64,
-    /// Place in units of the spacing, velocity and stretch.
+    /// Position in units of the spacing, velocity and stretch.
     particles: Vec<[f64; 3]>,
     volume: f64,
 }
@@ -428,7 +428,7 @@ impl Bar {
         }
     }
 
-    /// The part of the velocities that turns its sign from node to node.
+    /// Component of the velocities that alternates from node to node.
     fn alternating(&self) -> f64 {
         let heard = |[place, velocity, _]: &[f64; 3]| {
             let sum: f64 = (-1..=1)
@@ -444,7 +444,7 @@ impl Bar {
 }
 
 #[test]
-fn a_simulated_bar_grows_as_fast_as_its_waves_say_or_oscillates() {
+fn a_simulated_bar_grows_or_oscillates_as_its_waves_predict() {
     let material = ModifiedMooneyRivlin::default();
     let at =
         |stretch: f64| DeformationGradient::from_stretches([stretch, 1.0, 1.0]).expect("a state");
@@ -458,7 +458,7 @@ fn a_simulated_bar_grows_as_fast_as_its_waves_say_or_oscillates() {
     });
     for (stretch, grows) in [(2.3, true), (1.3, false)] {
         let spectrum = waves(&method, &at(stretch)).omega_squared(&SVector::from_element(PI));
-        // One of the two modes is silent.
+        // One of the two modes vanishes on the grid.
         let heard = if grows {
             spectrum[0].re
         } else {
@@ -484,7 +484,7 @@ fn a_simulated_bar_grows_as_fast_as_its_waves_say_or_oscillates() {
         let steps = 8000;
         let time = 4.0 / rate / f64::from(steps);
         (0..steps).for_each(|_| bar.step(time, &law));
-        // From a velocity without displacement.
+        // The initial state has a velocity and no displacement.
         let expected = if grows { 4.0_f64.cosh() } else { 4.0_f64.cos() };
         let found = bar.alternating() / before;
         assert!(
@@ -495,7 +495,7 @@ fn a_simulated_bar_grows_as_fast_as_its_waves_say_or_oscillates() {
 }
 
 #[test]
-fn a_rotated_state_turns_the_stiffness_and_no_frequency() {
+fn rotating_the_state_rotates_the_stiffness_and_preserves_frequencies() {
     let turn = SMatrix::<f64, 2, 2>::new(0.8, -0.6, 0.6, 0.8);
     let f = state::<2>();
     let turned = f.with_leading(&(turn * f.leading::<2>()));
@@ -523,7 +523,7 @@ fn a_rotated_state_turns_the_stiffness_and_no_frequency() {
 }
 
 #[test]
-fn the_search_over_the_zone_takes_silent_particles_as_zero_not_as_growth() {
+fn the_search_treats_invisible_velocities_as_zero_instead_of_growth() {
     for functions in FUNCTIONS {
         let choices = MaterialPointChoices {
             functions,
@@ -541,7 +541,7 @@ fn the_search_over_the_zone_takes_silent_particles_as_zero_not_as_growth() {
 }
 
 #[test]
-fn the_velocities_of_the_grid_have_all_frequencies_of_the_particles_but_the_silent_ones() {
+fn grid_velocities_have_all_frequencies_of_the_particles_except_the_zero_frequencies() {
     fn checked<const D: usize>() {
         for functions in FUNCTIONS {
             let choices = MaterialPointChoices {
@@ -567,9 +567,9 @@ fn the_velocities_of_the_grid_have_all_frequencies_of_the_particles_but_the_sile
     checked::<3>();
 }
 
-/// Flutter between the points of a grid that is as coarse as cells with eight particles in space allow.
+/// Flutter between the points of a grid that is as coarse as it can be for cells with eight particles in 3D.
 #[test]
-fn flutter_of_particles_in_space_is_not_missed() {
+fn flutter_of_material_points_in_3d_is_found() {
     let choices = MaterialPointChoices {
         functions: GridFunctions::Gimp,
         ..choices(PARTICLES, 2)
@@ -601,7 +601,7 @@ fn flutter_of_particles_in_space_is_not_missed() {
     let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 96.0);
     let summary = search.summary_of(&system);
     assert!(summary.flutters && summary.growth_rate() > dense * (1.0 - 1e-9));
-    // The mode that is shown is one of the particles.
+    // The reported mode is a mode of the particles.
     let mode = summary.fastest_growing;
     let nearest = system.modes(&mode.wave_vector).into_iter();
     let nearest = nearest.map(|(value, _)| (value - mode.omega_squared).norm());
@@ -609,7 +609,7 @@ fn flutter_of_particles_in_space_is_not_missed() {
 }
 
 #[test]
-fn settings_that_make_no_method_are_refused_with_what_is_expected() {
+fn invalid_settings_are_rejected_with_the_expected_values() {
     let refused =
         |choices: MaterialPointChoices| MaterialPoints::<2>::new(choices).expect_err("no method");
     let on_face = MaterialPointChoices {

@@ -1,4 +1,4 @@
-//! Peridynamics: closed forms of bonds and of families, and what its models do with a material.
+//! Peridynamics: closed forms of bonds and families, and the response of its models to a material.
 
 use crate::battery::{assert_long_waves_are_those_of_the_material, assert_scheme};
 use nalgebra::{SMatrix, SVector};
@@ -33,7 +33,7 @@ fn choices(horizon: f64, model: BondModel) -> PeridynamicsChoices {
     }
 }
 
-/// Chain, square and simple cubic lattices of spacing one.
+/// Chain, square and simple cubic lattices with unit spacing.
 fn cubic<const D: usize>() -> Crystal<D> {
     Crystal::of_lattice(BravaisLattice::new(SMatrix::identity()).expect("a lattice"))
 }
@@ -61,7 +61,7 @@ fn waves<const D: usize>(body: &Peridynamics<D>, f: &DeformationGradient) -> Wav
         .expect("an evaluable state")
 }
 
-/// `A_iijj` at rest, summed over `D` dimensions.
+/// Sum `A_iijj` over `D` dimensions in the reference state.
 fn trace<const D: usize>() -> f64 {
     let rest = DeformationGradient::identity();
     let response = ModifiedMooneyRivlin::default()
@@ -106,13 +106,13 @@ fn every_model_passes_the_battery_in_every_dimension() {
     checked(&cubic::<2>(), 1.5, &models);
     checked(&cubic::<3>(), 1.0, &models);
     checked(&hexagonal(), 1.2, &models);
-    // Where a particle is no center of inversion, the pair forces of a sheared state do not balance.
+    // If particles are not centers of inversion, the pair forces of a sheared state are not balanced.
     let honeycomb = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
     checked(&honeycomb, 1.3, &models[2..]);
 }
 
 #[test]
-fn a_chain_of_bonds_has_the_dispersion_of_the_sum_over_its_family() {
+fn the_dispersion_of_a_chain_of_bonds_is_a_sum_over_its_family() {
     let horizon = 3;
     for influence in [Influence::Constant, Influence::Inverse] {
         let choices = PeridynamicsChoices {
@@ -143,25 +143,25 @@ fn a_chain_of_bonds_has_the_dispersion_of_the_sum_over_its_family() {
 }
 
 #[test]
-fn the_micromodulus_of_the_continuum_is_that_of_the_textbook() {
+fn the_micromodulus_of_the_continuum_has_its_textbook_value() {
     let material = ModifiedMooneyRivlin::default();
     let modulus = |found: Result<f64, _>| found.expect("a modulus");
     let delta = 3.0_f64;
     let chain = body(cubic::<1>(), choices(delta, BONDS));
     let found = modulus(chain.micromodulus(&material, Calibration::Continuum));
     assert!((found - 2.0 * trace::<1>() / delta.powi(2)).abs() < 1e-10);
-    // Plane strain: 48 E / (5 pi delta^3) where Poisson's ratio is 1/4, E = 5/2 mu, trace 8 mu.
+    // Plane strain: 48 E / (5 pi delta^3) for Poisson's ratio 1/4, with E = 5/2 mu and trace 8 mu.
     let plane = body(cubic::<2>(), choices(delta, BONDS));
     let found = modulus(plane.micromodulus(&material, Calibration::Continuum));
     let young = 2.5 * trace::<2>() / 8.0;
     assert!((found - 48.0 * young / (5.0 * PI * delta.powi(3))).abs() < 1e-10);
-    // Space: 18 K / (pi delta^4), trace 9 K.
+    // Three dimensions: 18 K / (pi delta^4), trace 9 K.
     let space = body(cubic::<3>(), choices(delta, BONDS));
     let found = modulus(space.micromodulus(&material, Calibration::Continuum));
     assert!((found - 2.0 * trace::<3>() / (PI * delta.powi(4))).abs() < 1e-10);
 }
 
-/// `C_1212` and `C_1122` of a body at rest, from its long waves.
+/// `C_1212` and `C_1122` of a body in the reference state, from its long waves.
 fn shear_and_coupling<const D: usize>(body: &Peridynamics<D>) -> (f64, f64) {
     let limit = waves(body, &DeformationGradient::identity()).long_wave_stiffness();
     let along = |weights: [f64; 2]| {
@@ -172,14 +172,14 @@ fn shear_and_coupling<const D: usize>(body: &Peridynamics<D>) -> (f64, f64) {
 }
 
 #[test]
-fn bonds_have_equal_lame_constants_whatever_the_material_has() {
+fn bonds_have_equal_lame_constants_for_any_material() {
     // Six-fold symmetry makes the hexagonal lattice isotropic: exactly an eighth of the trace.
     for horizon in [1.0, 2.0, 3.2] {
         let (mu, lambda) = shear_and_coupling(&body(hexagonal(), choices(horizon, CALIBRATED)));
         assert!((mu - trace::<2>() / 8.0).abs() < 1e-12 * mu);
         assert!((lambda - mu).abs() < 1e-12 * mu);
     }
-    // The cubic lattices have Cauchy's relation exactly, isotropy roughly.
+    // The cubic lattices satisfy Cauchy's relation exactly and isotropy approximately.
     let (shear, coupling) = shear_and_coupling(&body(cubic::<3>(), choices(3.0, CALIBRATED)));
     assert!((shear - coupling).abs() < 1e-12 * shear);
     let off = shear / (trace::<3>() / 15.0) - 1.0;
@@ -187,7 +187,7 @@ fn bonds_have_equal_lame_constants_whatever_the_material_has() {
 }
 
 #[test]
-fn the_modulus_of_a_discrete_horizon_is_off_by_what_the_rim_takes_or_gives() {
+fn the_error_of_the_modulus_of_a_discrete_horizon_depends_on_the_volumes_at_the_rim() {
     fn ratio<const D: usize>(horizon: f64, partial_volumes: PartialVolumes) -> f64 {
         let material = ModifiedMooneyRivlin::default();
         let choices = PeridynamicsChoices {
@@ -202,13 +202,13 @@ fn the_modulus_of_a_discrete_horizon_is_off_by_what_the_rim_takes_or_gives() {
         modulus(Calibration::Continuum) / modulus(Calibration::Discrete)
     }
     use PartialVolumes::{Inside, Tapered, Whole};
-    // In one dimension sum_1^m j h^2 over m^2 h^2 / 2: 1 + 1/m with whole volumes, exact with half of the last one.
+    // In one dimension sum_1^m j h^2 over m^2 h^2 / 2: 1 + 1/m with whole volumes, exact with half of the last volume.
     for m in [2.0, 3.0, 5.0] {
         assert!((ratio::<1>(m, Whole) - (1.0 + 1.0 / m)).abs() < 1e-12);
         assert!((ratio::<1>(m, Inside) - 1.0).abs() < 1e-12);
         assert!((ratio::<1>(m, Tapered) - 1.0).abs() < 1e-12);
     }
-    // In more dimensions the sums over the lattice points themselves.
+    // In higher dimensions the sums over the lattice points.
     for (partial, plane, space) in [
         (Whole, 0.04086, 0.12085),
         (Inside, -0.13095, -0.09979),
@@ -220,7 +220,7 @@ fn the_modulus_of_a_discrete_horizon_is_off_by_what_the_rim_takes_or_gives() {
 }
 
 #[test]
-fn families_on_a_lattice_do_not_see_half_reciprocal_vectors() {
+fn families_on_a_lattice_have_zero_energy_modes_at_half_reciprocal_vectors() {
     fn checked<const D: usize>(crystal: &Crystal<D>, horizon: f64) {
         let free = body(
             crystal.clone(),
@@ -248,7 +248,7 @@ fn families_on_a_lattice_do_not_see_half_reciprocal_vectors() {
 }
 
 #[test]
-fn the_penalty_lifts_them_in_proportion_to_its_coefficient() {
+fn the_penalty_lifts_these_modes_in_proportion_to_its_coefficient() {
     let crystal = cubic::<2>();
     for coefficient in [0.1, 0.2, 1.0] {
         let control = ZeroEnergyControl::Penalty { coefficient };
@@ -280,7 +280,7 @@ fn the_penalty_lifts_them_in_proportion_to_its_coefficient() {
 }
 
 #[test]
-fn correspondence_has_the_long_waves_of_any_material_at_any_state_and_control_leaves_them() {
+fn long_waves_of_correspondence_agree_with_any_material_with_and_without_control() {
     fn checked<const D: usize>(crystal: &Crystal<D>, horizon: f64) {
         for control in [
             ZeroEnergyControl::None,
@@ -303,7 +303,7 @@ fn correspondence_has_the_long_waves_of_any_material_at_any_state_and_control_le
 }
 
 #[test]
-fn hourglass_forces_lift_the_zero_energy_modes_but_derive_from_no_energy() {
+fn hourglass_forces_lift_the_zero_energy_modes_without_a_potential() {
     let control = ZeroEnergyControl::Hourglass { coefficient: 1.0 };
     let crystal = cubic::<2>();
     let square = body(crystal.clone(), choices(3.0, correspondence(control)));
@@ -312,7 +312,7 @@ fn hourglass_forces_lift_the_zero_energy_modes_but_derive_from_no_energy() {
         let lowest = system.omega_squared(&k)[0].re;
         assert!(lowest > 1e-3 * system.stiffness().magnitude(), "{lowest}");
     }
-    // Inversion hides it where there is one particle in a cell.
+    // With one particle per cell inversion symmetry hides the missing energy.
     assert!(system.is_hermitian());
     let honeycomb = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
     let honeycomb = body(honeycomb, choices(2.0, correspondence(control)));
@@ -320,7 +320,7 @@ fn hourglass_forces_lift_the_zero_energy_modes_but_derive_from_no_energy() {
 }
 
 #[test]
-fn bonds_are_stable_in_all_tension_where_the_material_is_not() {
+fn bonds_are_stable_in_tension_beyond_the_stability_of_the_material() {
     let material = ModifiedMooneyRivlin::default();
     let body = body(hexagonal(), choices(2.0, CALIBRATED));
     let at = |stretch: f64| {
@@ -344,7 +344,7 @@ fn bonds_are_stable_in_all_tension_where_the_material_is_not() {
 }
 
 #[test]
-fn bonds_buckle_in_equal_compression_at_three_quarters_in_the_plane() {
+fn planar_bonds_buckle_at_the_equibiaxial_stretch_of_three_quarters() {
     // Transverse long waves: <n^2 t^2> (1 - eta) + <n^2> eta = (1 + 3 eta)/8 with eta = 1 - 1/stretch: zero at 3/4.
     for horizon in [1.0, 2.0, 3.0] {
         let body = body(hexagonal(), choices(horizon, CALIBRATED));
@@ -362,7 +362,7 @@ fn bonds_buckle_in_equal_compression_at_three_quarters_in_the_plane() {
 }
 
 #[test]
-fn a_chain_of_families_has_the_square_of_its_mean_gradient() {
+fn omega_squared_of_a_chain_of_families_is_the_square_of_its_mean_gradient() {
     let choices = PeridynamicsChoices {
         density: 2.0,
         influence: Influence::Inverse,
@@ -385,7 +385,7 @@ fn a_chain_of_families_has_the_square_of_its_mean_gradient() {
 }
 
 #[test]
-fn hourglass_forces_are_bonds_from_both_ends_where_the_gradient_is_silent() {
+fn hourglass_forces_equal_bonds_from_both_ends_if_the_gradient_vanishes() {
     let (crystal, coefficient) = (cubic::<2>(), 0.3);
     let control = ZeroEnergyControl::Hourglass { coefficient };
     let of = |model| {
@@ -405,7 +405,7 @@ fn hourglass_forces_are_bonds_from_both_ends_where_the_gradient_is_silent() {
 }
 
 #[test]
-fn a_rotated_state_turns_the_stiffness() {
+fn rotating_the_state_rotates_the_stiffness() {
     let turn = SMatrix::<f64, 2, 2>::new(0.8, -0.6, 0.6, 0.8);
     let f = state::<2>();
     let turned = f.with_leading(&(turn * f.leading::<2>()));
@@ -423,7 +423,7 @@ fn a_rotated_state_turns_the_stiffness() {
 }
 
 #[test]
-fn a_horizon_that_sees_no_plane_is_refused_with_what_it_sees() {
+fn invalid_horizons_controls_and_states_are_rejected() {
     let lattice = SMatrix::<f64, 2, 2>::new(1.0, 0.0, 0.0, 2.0);
     let crystal = Crystal::of_lattice(BravaisLattice::new(lattice).expect("a lattice"));
     let model = correspondence(ZeroEnergyControl::None);

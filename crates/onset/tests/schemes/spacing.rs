@@ -1,4 +1,4 @@
-//! In what horizons, wavelengths and time steps are measured.
+//! Units of horizons, wavelengths and time steps.
 
 use crate::random::Random;
 use nalgebra::{SMatrix, SVector};
@@ -29,7 +29,7 @@ fn crystal<const D: usize>(discretization: &KernelMethodChoices) -> Crystal<D> {
     discretization.crystal().expect("a crystal")
 }
 
-/// The mean number of particles within a distance of one, itself included, counted over a block.
+/// Mean number of particles within a distance of a particle, itself included, counted in a block.
 fn counted<const D: usize>(crystal: &Crystal<D>, distance: f64) -> f64 {
     let reach = 12;
     let block: Vec<Particle<D>> = (0..(2 * reach + 1_i32).pow(D as u32))
@@ -103,7 +103,7 @@ fn lengths<const D: usize>(crystal: &Crystal<D>) -> [f64; 2] {
 }
 
 #[test]
-fn primitive_vectors_that_lean_leave_the_spacing_of_a_lattice() {
+fn oblique_primitive_vectors_do_not_change_the_spacing_of_a_lattice() {
     let mut random = Random::new(7);
     for _ in 0..50 {
         let vectors =
@@ -123,7 +123,7 @@ fn primitive_vectors_that_lean_leave_the_spacing_of_a_lattice() {
 }
 
 #[test]
-fn disorder_leaves_the_horizon_and_the_mean_size_of_families() {
+fn disorder_preserves_the_horizon_and_the_mean_size_of_families() {
     for (seed, amplitude) in [(1, 0.1), (2, 0.2), (3, 0.35)] {
         let square = crystal::<2>(&disordered(8, amplitude, seed));
         let body = Peridynamics::new(square.clone(), family(2.5)).expect("a body");
@@ -143,7 +143,7 @@ fn disorder_leaves_the_horizon_and_the_mean_size_of_families() {
 #[test]
 fn a_supercell_given_as_a_basis_has_the_spacing_of_its_lattice() {
     let moved = crystal::<2>(&disordered(3, 0.2, 5));
-    // The same particles from the first one on, as a basis of the large cell.
+    // The same particles, starting with the first, as a basis of the large cell.
     let first = moved.sites()[0];
     let basis = moved.sites()[1..].iter().flat_map(|place| {
         let from = place - first;
@@ -162,7 +162,7 @@ fn a_supercell_given_as_a_basis_has_the_spacing_of_its_lattice() {
             .neighbors()
     };
     assert_eq!(size(told), size(moved));
-    // Of square and cubic cells it is the root of the volume of a particle.
+    // For square and cubic cells the spacing is the root of the particle volume.
     let centered = crystal::<3>(&KernelMethodChoices {
         lattice: LatticeKind::SimpleCubic,
         basis: vec![0.45, 0.5, 0.52],
@@ -171,9 +171,9 @@ fn a_supercell_given_as_a_basis_has_the_spacing_of_its_lattice() {
     assert!((centered.spacing() - 0.5_f64.cbrt()).abs() < 1e-12);
 }
 
-/// Cells are counted in 32 bits, and 1e19 has no digit behind the point: particles so far away were taken for neighbors of others.
+/// Cells are counted in 32 bits, and 1e19 has no digits after the decimal point: such distant particles were mistaken for neighbors.
 #[test]
-fn particles_of_a_cell_are_not_astronomically_far_from_it() {
+fn particles_far_from_their_cell_are_rejected() {
     let with = |place: f64| KernelMethodChoices {
         basis: vec![0.4, place],
         ..KernelMethodChoices::default()
@@ -188,7 +188,7 @@ fn particles_of_a_cell_are_not_astronomically_far_from_it() {
 }
 
 #[test]
-fn wavelengths_of_disordered_particles_are_in_spacings_of_their_layout() {
+fn wavelengths_of_disordered_particles_are_in_units_of_the_regular_spacing() {
     let chain = crystal::<1>(&KernelMethodChoices {
         lattice: LatticeKind::Chain,
         cells: 5,
@@ -197,7 +197,7 @@ fn wavelengths_of_disordered_particles_are_in_spacings_of_their_layout() {
         ..KernelMethodChoices::default()
     });
     assert!(chain.nearest_distance() < 0.6);
-    // Bonds have no zero-energy modes, whose branches would lie below.
+    // Bonds have no zero-energy modes, whose branches would be lower.
     let choices = PeridynamicsChoices {
         model: BondModel::BondBased {
             calibration: Calibration::Discrete,
@@ -210,7 +210,7 @@ fn wavelengths_of_disordered_particles_are_in_spacings_of_their_layout() {
     let [found] = dispersion_errors(&survey, &[12.0]).expect("errors")[..] else {
         panic!("one wavelength");
     };
-    // The longest wave of the folded zone is the acoustic one.
+    // The longest wave of the folded zone is the acoustic wave.
     let k = SVector::<f64, 1>::from_element(TAU / (12.0 * 0.7));
     let waves = scheme
         .waves(&material, &DeformationGradient::identity())
@@ -225,9 +225,9 @@ fn wavelengths_of_disordered_particles_are_in_spacings_of_their_layout() {
 }
 
 #[test]
-fn springs_at_the_horizon_remain_where_their_weight_vanishes() {
-    // At half of a reciprocal vector a family sees no strain, and z = u_J - u_I: omega^2 rho = 4 gamma c sum e (x) e / r V over the
-    // neighbors that move the other way.
+fn springs_at_the_horizon_act_even_if_their_weight_vanishes() {
+    // At half of a reciprocal vector the strain of a family is zero, and z = u_J - u_I: omega^2 rho = 4 gamma c sum e (x) e / r V over the neighbors
+    // that move in the opposite direction.
     let gamma = 0.8;
     let square = Crystal::of_lattice(LatticeKind::Square.lattice::<2>(1.0).expect("a lattice"));
     let material = ModifiedMooneyRivlin::default();

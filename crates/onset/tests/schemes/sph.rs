@@ -1,4 +1,4 @@
-//! Smoothed particle hydrodynamics: what its forms share, where they differ, and Swegle's criterion.
+//! Smoothed particle hydrodynamics: common properties and differences of its forms, and Swegle's criterion.
 
 use crate::battery::{
     assert_long_waves_are_those_of_the_material, assert_scheme, assert_translations_are_free,
@@ -64,7 +64,7 @@ pub fn waves<const D: usize>(
         .expect("a state")
 }
 
-/// All forms, with all densities, with and without the correction.
+/// All forms with all density evolutions, with and without the correction.
 fn all_updated(radius: f64) -> Vec<UpdatedSphChoices> {
     let mut all = Vec::new();
     for momentum in FORMS {
@@ -85,7 +85,7 @@ fn all_updated(radius: f64) -> Vec<UpdatedSphChoices> {
 }
 
 #[test]
-fn the_battery_accepts_total_lagrangian_sph() {
+fn total_lagrangian_sph_passes_the_battery() {
     let material = ModifiedMooneyRivlin::default();
     for corrected in [false, true] {
         for penalty in [0.0, 10.0] {
@@ -110,7 +110,7 @@ fn the_battery_accepts_total_lagrangian_sph() {
 }
 
 #[test]
-fn the_battery_accepts_every_form_of_updated_sph() {
+fn every_form_of_updated_sph_passes_the_battery() {
     let material = ModifiedMooneyRivlin::default();
     for choices in all_updated(2.3) {
         let f = stretched([1.1, 0.9, 1.05]);
@@ -136,7 +136,7 @@ fn the_battery_accepts_every_form_of_updated_sph() {
 }
 
 #[test]
-fn particles_of_different_volumes_have_the_waves_of_their_patch() {
+fn waves_of_particles_with_different_volumes_agree_with_a_patch() {
     let material = ModifiedMooneyRivlin::default();
     let square = crystal::<2>(LatticeKind::Square);
     let irregular = square
@@ -178,7 +178,7 @@ fn assert_same<const D: usize>(
 }
 
 #[test]
-fn without_correction_total_lagrangian_sph_is_nodal_integration_of_raw_kernels() {
+fn uncorrected_total_lagrangian_sph_equals_nodal_integration_of_raw_kernels() {
     for kind in [LatticeKind::Square, LatticeKind::Hexagonal] {
         let discretization = KernelMethodChoices {
             lattice: kind,
@@ -207,7 +207,7 @@ fn without_correction_total_lagrangian_sph_is_nodal_integration_of_raw_kernels()
 }
 
 #[test]
-fn corrected_total_lagrangian_sph_has_the_long_waves_of_the_material_with_any_penalty() {
+fn long_waves_of_corrected_total_lagrangian_sph_agree_with_the_material_for_any_penalty() {
     let material = ModifiedMooneyRivlin::default();
     for penalty in [0.0, 50.0] {
         let choices = TotalLagrangianChoices {
@@ -223,9 +223,9 @@ fn corrected_total_lagrangian_sph_has_the_long_waves_of_the_material_with_any_pe
     }
 }
 
-/// The penalty is scaled with Young's modulus, `9 kappa mu / (3 kappa + mu)`, which a fluid has none of.
+/// The penalty scales with Young's modulus, `9 kappa mu / (3 kappa + mu)`, which is undefined for a fluid.
 #[test]
-fn a_penalty_of_a_fluid_is_refused_with_the_reason() {
+fn a_penalty_for_a_fluid_is_rejected_with_the_reason() {
     let law = Law::named("murnaghan").expect("a law of the library");
     let fluid = law.build(&[("mu", 0.0)]).expect("a fluid");
     let choices = TotalLagrangianChoices {
@@ -241,8 +241,8 @@ fn a_penalty_of_a_fluid_is_refused_with_the_reason() {
 }
 
 #[test]
-fn free_of_stress_all_forms_are_one() {
-    // Nothing but the stress itself moves, and its divergence is the same.
+fn all_forms_are_equal_without_stress() {
+    // Without stress the motion of the kernels has no effect, and the divergence of the stress is the same in all forms.
     let rest = DeformationGradient::identity();
     let reference = TotalLagrangianChoices {
         corrected: false,
@@ -263,9 +263,9 @@ fn free_of_stress_all_forms_are_one() {
     }
 }
 
-/// At rest the matrix of this state is real and as symmetric as the lattice: the iteration for its eigenvalues does not end by itself.
+/// In the reference state the matrix is real and as symmetric as the lattice: the eigenvalue iteration does not converge by itself.
 #[test]
-fn a_supercell_has_at_rest_the_frequencies_of_the_waves_that_it_repeats() {
+fn a_supercell_in_the_reference_state_has_the_frequencies_of_the_folded_waves() {
     let choices = UpdatedSphChoices {
         radius: 2.92,
         corrected: true,
@@ -301,7 +301,7 @@ fn a_supercell_has_at_rest_the_frequencies_of_the_waves_that_it_repeats() {
     }
 }
 
-/// `W''` of the normalized kernel at a distance in one dimension.
+/// Second derivative `W''` of the normalized kernel at a distance in one dimension.
 fn curvature(kernel: Kernel, radius: f64, distance: f64) -> f64 {
     let x = SVector::<f64, 1>::new(distance);
     let weight = kernel.weight(&x, radius, &SMatrix::identity());
@@ -309,9 +309,9 @@ fn curvature(kernel: Kernel, radius: f64, distance: f64) -> f64 {
 }
 
 #[test]
-fn alternating_particles_obey_the_criterion_of_swegle_with_its_factor() {
-    // Their strain and density do not change, only the kernel moves: omega^2 = -8 sigma a / rho sum over odd n of W''(n a),
-    // with the nearest neighbors alone -8 sigma a W''(a) / rho: unstable where W'' sigma > 0.
+fn alternating_particles_obey_swegles_criterion() {
+    // Strain and density do not change, only the kernel moves: omega^2 = -8 sigma a / rho sum over odd n of W''(n a).
+    // With the nearest neighbors alone -8 sigma a W''(a) / rho: unstable if W'' sigma > 0.
     let material = ModifiedMooneyRivlin::default();
     let kernel = Kernel::QuarticSpline;
     for (radius, stretch) in [
@@ -340,7 +340,7 @@ fn alternating_particles_obey_the_criterion_of_swegle_with_its_factor() {
                     ..UpdatedSphChoices::default()
                 };
                 let found = at_the_end(&updated(crystal::<1>(LatticeKind::Chain), choices));
-                // A density by summation is that of the sum.
+                // With density summation the density is the sum.
                 let ratio = match density_evolution {
                     DensityEvolution::Continuity => 1.0,
                     DensityEvolution::Summation => density / summed_density(radius, stretch),
@@ -353,7 +353,7 @@ fn alternating_particles_obey_the_criterion_of_swegle_with_its_factor() {
                 );
             }
         }
-        // Galerkin integration has no force of the stress of a particle on itself: half of it.
+        // Galerkin integration has no force of the stress of a particle on itself, which is half of the force.
         let choices = KernelChoices {
             density: 1.3,
             kernel,
@@ -381,7 +381,7 @@ fn summed_density(radius: f64, stretch: f64) -> f64 {
 
 #[test]
 fn alternating_particles_are_unstable_in_tension_at_any_support_and_stable_in_compression() {
-    // Also where the nearest neighbors are short of the inflection, a third of the radius: the others outweigh them.
+    // This includes supports for which the nearest neighbors are closer than the inflection, a third of the radius: the others outweigh them.
     for radius in [1.2, 1.7, 2.4, 2.9, 3.3, 3.9, 4.5] {
         let choices = UpdatedSphChoices {
             radius,
@@ -401,7 +401,7 @@ fn alternating_particles_are_unstable_in_tension_at_any_support_and_stable_in_co
 }
 
 #[test]
-fn an_artificial_stress_is_refused_with_differences_of_stress() {
+fn artificial_stress_is_rejected_for_the_difference_form() {
     let choices = UpdatedSphChoices {
         momentum: MomentumForm::Difference,
         artificial_stress: Some(ArtificialStress::default()),
@@ -424,9 +424,9 @@ fn an_artificial_stress_is_refused_with_differences_of_stress() {
 }
 
 #[cfg(feature = "serde")]
-/// Branches of one particle in a cell that meet along lines in space are complex in tubes around them, 1e-4 of the zone wide.
+/// Branches of one particle per cell that meet along lines in 3D are complex in tubes around these lines, 1e-4 of the zone wide.
 #[test]
-fn flutter_in_pockets_between_the_points_of_a_grid_in_space_is_found() {
+fn flutter_in_pockets_between_grid_points_in_3d_is_found() {
     let choices = UpdatedSphChoices {
         kernel: Kernel::QuinticSpline,
         radius: 2.2306216109299988,
@@ -467,9 +467,9 @@ fn flutter_in_pockets_between_the_points_of_a_grid_in_space_is_found() {
     assert!(found > 1e-4 && (found - summary.growth_rate()).abs() < 1e-9 * found.max(1.0));
 }
 
-/// Two pockets of flutter lie half of a step of the grid apart, in a state close to the stress-free one.
+/// Two pockets of flutter are half of a grid step apart, in a state close to the stress-free state.
 #[test]
-fn the_faster_of_two_pockets_of_flutter_side_by_side_is_found() {
+fn the_faster_of_two_adjacent_pockets_of_flutter_is_found() {
     let choices = UpdatedSphChoices {
         radius: 2.04,
         corrected: true,
@@ -507,7 +507,7 @@ fn the_faster_of_two_pockets_of_flutter_side_by_side_is_found() {
 }
 
 #[test]
-fn choices_are_written_with_the_words_of_the_documentation() {
+fn choices_are_serialized_with_the_documented_names() {
     let choices = UpdatedSphChoices {
         momentum: MomentumForm::Difference,
         density_evolution: DensityEvolution::Summation,

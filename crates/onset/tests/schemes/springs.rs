@@ -1,4 +1,4 @@
-//! Chains of springs, whose frequencies are in every textbook: the engine itself.
+//! Chains of springs with textbook frequencies, as a test of the engine itself.
 
 use crate::battery::assert_scheme;
 use nalgebra::{SMatrix, SVector};
@@ -15,7 +15,7 @@ use onset::scheme::{
 };
 use std::f64::consts::PI;
 
-/// Linear springs between neighbors, and dashpots beside them.
+/// Linear springs between neighbors, with parallel dashpots.
 #[derive(Clone, Debug)]
 struct Spring {
     particles: [Particle<1>; 2],
@@ -48,7 +48,7 @@ struct Chain {
 }
 
 impl Chain {
-    /// Two masses, two springs in turn.
+    /// Chain with two alternating masses and two alternating springs.
     fn of_two(masses: [f64; 2], stiffness: [f64; 2], viscosity: f64) -> Self {
         let lattice = BravaisLattice::new(SMatrix::<f64, 1, 1>::new(2.0)).expect("a lattice");
         let sites = [0.0, 0.5].map(SVector::from_element).to_vec();
@@ -143,7 +143,7 @@ fn a_chain_of_two_masses_has_the_two_branches_of_the_textbook() {
 }
 
 #[test]
-fn long_waves_feel_the_two_springs_in_series() {
+fn long_waves_have_the_stiffness_of_two_springs_in_series() {
     let system = waves(&Chain::of_two([1.0, 3.0], [2.0, 0.7], 0.0));
     let modulus = 2.0 / (1.0 / 2.0 + 1.0 / 0.7);
     let found = system
@@ -153,7 +153,7 @@ fn long_waves_feel_the_two_springs_in_series() {
 }
 
 #[test]
-fn the_battery_accepts_springs() {
+fn springs_pass_the_battery() {
     let chain = Chain::of_two([1.0, 3.0], [2.0, 0.7], 0.0);
     assert_scheme(
         &chain,
@@ -163,7 +163,7 @@ fn the_battery_accepts_springs() {
 }
 
 #[test]
-fn the_extremes_of_two_equal_masses_are_those_of_the_chain_of_one() {
+fn two_equal_masses_have_the_extremes_of_the_chain_with_one_mass() {
     let system = waves(&Chain::of_two([1.0; 2], [1.0; 2], 0.0));
     let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 1.0);
     let summary = search.summary_of(&system);
@@ -173,11 +173,11 @@ fn the_extremes_of_two_equal_masses_are_those_of_the_chain_of_one() {
 }
 
 #[test]
-fn dashpots_beside_springs_damp_every_wave_like_an_oscillator() {
+fn dashpots_parallel_to_springs_damp_every_wave_like_an_oscillator() {
     let (stiffness, viscosity) = (1.3, 0.4);
     let system = waves(&Chain::of_two([1.0; 2], [stiffness; 2], viscosity));
     let k = SVector::from_element(0.9);
-    // Each branch: omega^2 + i omega c s - k s = 0 with s the eigenvalue of the unit chain.
+    // Each branch: omega^2 + i omega c s - k s = 0 with the eigenvalue s of the unit chain.
     let mut expected: Vec<Complex> = system
         .omega_squared(&k)
         .iter()
@@ -196,7 +196,7 @@ fn dashpots_beside_springs_damp_every_wave_like_an_oscillator() {
 }
 
 #[test]
-fn a_consistent_mass_matrix_makes_bars_vibrate_at_most_with_the_root_of_twelve() {
+fn the_largest_frequency_of_bars_with_consistent_masses_is_the_root_of_twelve() {
     let lattice = LatticeKind::Chain.lattice::<1>(1.0).expect("a lattice");
     let crystal = Crystal::of_lattice(lattice);
     let number = SMatrix::<f64, 1, 1>::from_element;

@@ -1,4 +1,4 @@
-//! What each remedy does to plane waves, and what it does not.
+//! Effects of each stabilization on plane waves.
 
 use crate::battery::assert_scheme;
 use crate::sph::{crystal, stretched, updated, waves};
@@ -48,8 +48,8 @@ fn young_modulus(material: &dyn Hyperelastic) -> f64 {
 
 #[test]
 fn the_penalty_lifts_alternating_particles_in_proportion_to_its_coefficient() {
-    // Alternating particles strain nothing, so that the whole bond is missed: omega^2 = 4 alpha E a / rho sum over odd n of
-    // W(n a) / (n a)^2.
+    // Alternating particles cause no strain, so that the penalty acts on the whole bond: omega^2 = 4 alpha E a / rho sum over odd n of W(n a) / (n
+    // a)^2.
     let modulus = young_modulus(&ModifiedMooneyRivlin::default());
     for (radius, alpha) in [(1.5, 1.0), (1.5, 20.0), (3.4, 20.0)] {
         let choices = TotalLagrangianChoices {
@@ -96,13 +96,13 @@ fn the_penalty_lifts_the_zero_energy_modes_of_the_square_and_the_hexagonal_latti
     }
 }
 
-/// A lamina whose fibers lie at an angle to the first axis, in degrees.
+/// Lamina whose fibers are at the given angle to the first axis (degrees).
 fn lamina(angle: f64) -> Box<dyn Hyperelastic> {
     let law = Law::named("saint-venant-orthotropic").expect("a law of the library");
     law.build(&[("angle", angle)]).expect("a material")
 }
 
-/// Young's modulus of the lamina at an angle to its fibers, in radians, from its engineering constants (Lekhnitskii 1963).
+/// Young's modulus of the lamina at an angle to its fibers (radians), from its engineering constants (Lekhnitskii 1963).
 fn young_modulus_at(angle: f64) -> f64 {
     let (e1, e2, nu, g) = (140.0, 10.0, 0.3, 5.0);
     let (s, c) = angle.sin_cos();
@@ -110,8 +110,8 @@ fn young_modulus_at(angle: f64) -> f64 {
 }
 
 #[test]
-fn the_penalty_takes_youngs_modulus_along_each_bond_from_the_whole_compliance() {
-    // Alternating particles strain nothing: rho omega^2 = sum over bonds between opposite ones of 2 alpha E W / |X|^2 n (x) n.
+fn the_penalty_uses_youngs_modulus_along_each_bond_from_the_full_compliance() {
+    // Alternating particles cause no strain: rho omega^2 = sum over bonds between opposite particles of 2 alpha E W / |X|^2 n (x) n.
     assert!((young_modulus_at(PI / 6.0) - 21.29).abs() < 5e-3);
     let radius = 2.3;
     for degrees in [0.0_f64, 30.0, 77.0] {
@@ -152,7 +152,7 @@ fn the_penalty_takes_youngs_modulus_along_each_bond_from_the_whole_compliance() 
 }
 
 #[test]
-fn a_rotation_of_law_and_lattice_leaves_the_penalty() {
+fn the_penalty_is_invariant_to_a_rotation_of_law_and_lattice() {
     let at = |angle: f64, degrees: f64, k: Vector2<f64>| {
         let (sine, cosine) = angle.sin_cos();
         let turn = Matrix2::new(cosine, -sine, sine, cosine);
@@ -190,7 +190,7 @@ fn with_artificial_stress(radius: f64, epsilon: f64) -> UpdatedSphChoices {
 }
 
 #[test]
-fn the_battery_accepts_artificial_stress() {
+fn methods_with_artificial_stress_pass_the_battery() {
     let material = ModifiedMooneyRivlin::default();
     for momentum in [MomentumForm::Symmetric, MomentumForm::Mean] {
         let choices = UpdatedSphChoices {
@@ -209,7 +209,7 @@ fn the_battery_accepts_artificial_stress() {
 }
 
 #[test]
-fn artificial_stress_turns_the_criterion_of_swegle_where_it_is_large_enough() {
+fn sufficient_artificial_stress_reverses_swegles_criterion() {
     // With f = W / W(spacing): omega^2 = -8 sigma a / rho ((1 - epsilon f^n) W'' - epsilon n f^n W'^2 / W).
     let radius = 1.5;
     let material = ModifiedMooneyRivlin::default();
@@ -237,7 +237,7 @@ fn artificial_stress_turns_the_criterion_of_swegle_where_it_is_large_enough() {
             "{found} {expected}"
         );
     }
-    // Near the reference state the smallest coefficient that helps is W'' / (W'' + n W'^2 / W).
+    // Near the reference state the smallest sufficient coefficient is W'' / (W'' + n W'^2 / W).
     let [w, slope, curvature] = kernel(radius, 1.0);
     let critical = curvature / (curvature + 4.0 * slope * slope / w);
     assert!((critical - 9.0 / 73.0).abs() < 1e-12, "{critical}");
@@ -254,7 +254,7 @@ fn search(kind: LatticeKind) -> ZoneSearch<2> {
 }
 
 #[test]
-fn the_published_artificial_stress_moves_the_tensile_onset_and_does_not_remove_it() {
+fn the_published_artificial_stress_shifts_the_tensile_onset_without_removing_it() {
     let search = search(LatticeKind::Hexagonal);
     let is_stable = |radius: f64, epsilon: f64, stretch: f64| {
         let choices = with_artificial_stress(radius, epsilon);
@@ -262,20 +262,19 @@ fn the_published_artificial_stress_moves_the_tensile_onset_and_does_not_remove_i
         let f = stretched([stretch, stretch, 1.0]);
         search.summary_of(&waves(&hexagonal, &f)).is_stable()
     };
-    // Equibiaxial tension, support radius, onset with epsilon = 0.3 and n = 4: its factor fades as the particles part.
+    // Equibiaxial tension: support radius and onset with epsilon = 0.3 and n = 4. The kernel ratio decreases as the particles separate.
     for (radius, stable, unstable) in [(1.3, 1.02, 1.05), (1.6, 1.05, 1.1), (2.0, 1.1, 1.2)] {
         assert!(!is_stable(radius, 0.0, 1.001), "radius {radius}");
         assert!(is_stable(radius, 0.3, 1.001), "radius {radius}");
         assert!(is_stable(radius, 0.3, stable), "radius {radius}");
         assert!(!is_stable(radius, 0.3, unstable), "radius {radius}");
     }
-    // Too much of it is an instability of its own.
+    // Too large a coefficient causes a different instability.
     assert!(is_stable(2.6, 0.3, 1.001) && !is_stable(2.6, 0.5, 1.001));
 }
 
 #[test]
-fn with_the_choices_of_its_paper_artificial_stress_works_on_chains_and_hexagons_and_not_on_squares()
-{
+fn the_published_artificial_stress_works_on_chains_and_hexagonal_lattices_and_not_on_squares() {
     // Cubic spline with h = 1.3 spacings, epsilon = 0.3, n = 4.
     let choices = |epsilon: f64| UpdatedSphChoices {
         kernel: Kernel::CubicSpline,
@@ -290,7 +289,7 @@ fn with_the_choices_of_its_paper_artificial_stress_works_on_chains_and_hexagons_
         let system = waves(&chain, &stretched([stretch, 1.0, 1.0]));
         along.summary_of(&system).is_stable()
     };
-    // W'' / (W'' + n W'^2 / W) = 0.0521 is enough near rest, over the whole zone.
+    // W'' / (W'' + n W'^2 / W) = 0.0521 is sufficient near the reference state, over the whole zone.
     assert!(!chain_is_stable(0.0515, 1.0001) && chain_is_stable(0.0527, 1.0001));
     assert!(chain_is_stable(0.3, 1.1) && !chain_is_stable(0.3, 1.2));
     let plane_is_stable = |kind: LatticeKind, epsilon: f64, stretch: f64| {
@@ -311,7 +310,7 @@ fn with_the_choices_of_its_paper_artificial_stress_works_on_chains_and_hexagons_
 }
 
 #[test]
-fn artificial_stress_leaves_compression_as_it_is() {
+fn artificial_stress_does_not_change_compression() {
     let at = |epsilon: f64| {
         let hexagonal = updated(
             crystal::<2>(LatticeKind::Hexagonal),
@@ -326,7 +325,7 @@ fn artificial_stress_leaves_compression_as_it_is() {
 }
 
 #[test]
-fn smoothed_velocities_multiply_every_frequency_of_a_chain_and_lower_the_largest() {
+fn velocity_smoothing_scales_every_frequency_of_a_chain_and_lowers_the_largest() {
     let smoothed = |epsilon: f64| {
         let choices = UpdatedSphChoices {
             radius: 2.6,
@@ -356,7 +355,7 @@ fn smoothed_velocities_multiply_every_frequency_of_a_chain_and_lower_the_largest
 }
 
 #[test]
-fn smoothed_velocities_of_single_particles_are_a_sum_over_the_lattice() {
+fn velocity_smoothing_with_one_particle_per_cell_is_a_sum_over_the_lattice() {
     let choices = UpdatedSphChoices {
         velocity_smoothing: 0.5,
         ..UpdatedSphChoices::default()
@@ -433,7 +432,7 @@ fn viscosity_damps_a_chain_by_the_sum_over_its_bonds() {
 }
 
 #[test]
-fn viscosity_damps_every_wave_of_a_stable_state_and_moves_no_onset() {
+fn viscosity_damps_every_wave_of_a_stable_state_without_shifting_the_onset() {
     let plain = UpdatedSphChoices {
         viscosity: None,
         ..viscous(0.0, ViscositySwitch::Always)
@@ -459,7 +458,7 @@ fn viscosity_damps_every_wave_of_a_stable_state_and_moves_no_onset() {
 }
 
 #[test]
-fn the_battery_accepts_viscous_and_smoothed_particles() {
+fn methods_with_viscosity_and_velocity_smoothing_pass_the_battery() {
     let material = ModifiedMooneyRivlin::default();
     let chain = updated(
         crystal::<1>(LatticeKind::Chain),

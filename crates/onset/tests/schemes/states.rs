@@ -1,23 +1,23 @@
-//! Materials and states that several schemes are tested with.
+//! Materials and states that are common to the tests of schemes.
 
 use nalgebra::{Rotation3, SMatrix, Vector3};
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, Law};
 
-/// The law with Lame's constants.
+/// Saint Venant-Kirchhoff law with the given Lame constants.
 pub fn saint_venant_kirchhoff(lambda: f64, mu: f64) -> Box<dyn Hyperelastic> {
     let law = Law::named("saint-venant-kirchhoff").expect("a law of the library");
     law.build(&[("lambda", lambda), ("mu", mu)])
         .expect("a material")
 }
 
-/// A stretched and sheared state that is none of symmetry.
+/// Stretched and sheared state without symmetry.
 pub fn sheared<const D: usize>() -> DeformationGradient {
     let all = [[1.1, 0.12, -0.05], [0.04, 0.93, 0.08], [0.07, -0.03, 1.06]];
     DeformationGradient::identity().with_leading(&SMatrix::<f64, D, D>::from_fn(|i, j| all[i][j]))
 }
 
-/// A rotation within `D` dimensions.
+/// Rotation within `D` dimensions.
 pub fn turned<const D: usize>() -> SMatrix<f64, D, D> {
     let axis = match D {
         2 => Vector3::z(),

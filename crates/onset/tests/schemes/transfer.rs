@@ -1,4 +1,4 @@
-//! Transfers of velocities of the material point method: steps of linear waves, and a code of its own that takes them.
+//! Velocity transfers of the material point method: steps of linear waves, and an independent code that takes these steps.
 
 use crate::battery::assert_scheme;
 use nalgebra::{Complex, SMatrix, SVector};
@@ -80,7 +80,7 @@ fn every_transfer_passes_the_battery_with_the_gradients_of_functions_and_with_mo
 }
 
 #[test]
-fn a_translation_is_neutral_whatever_the_transfer() {
+fn translations_are_neutral_for_every_transfer() {
     for transfer in ALL {
         for functions in [GridFunctions::QuadraticSpline, GridFunctions::CubicSpline] {
             let waves = stepped(&points::<2>(choices(transfer, functions)), &state::<2>());
@@ -94,8 +94,8 @@ fn a_translation_is_neutral_whatever_the_transfer() {
 }
 
 #[test]
-fn affine_transfers_keep_affine_fields_and_others_lose_them() {
-    // The loss of long waves is that of their second derivatives: of fourth order in k with affine fields, D_p k^2 without.
+fn only_affine_transfers_preserve_affine_fields() {
+    // For long waves affine fields lose only the fourth order in k; without affine fields the loss is D_p k^2.
     let spacing = 0.8;
     for (functions, moment) in [
         (GridFunctions::QuadraticSpline, 0.25),
@@ -114,7 +114,7 @@ fn affine_transfers_keep_affine_fields_and_others_lose_them() {
 }
 
 #[test]
-fn what_a_transfer_keeps_is_between_nothing_and_everything_and_affine_fields_keep_more() {
+fn the_preserved_fraction_is_between_zero_and_one_and_larger_with_affine_fields() {
     for functions in [
         GridFunctions::Linear,
         GridFunctions::Gimp,
@@ -133,8 +133,8 @@ fn what_a_transfer_keeps_is_between_nothing_and_everything_and_affine_fields_kee
 }
 
 #[test]
-fn growing_waves_are_found_where_they_are_long_or_their_wells_narrow() {
-    // Eigenvalues of the matrix of a whole step of all points of a wave, with a dense search over the zone.
+fn growing_waves_are_found_if_they_are_long_or_in_narrow_wells() {
+    // Eigenvalues of the matrix of a complete step of all points of a wave, with a dense search over the zone.
     let blatz_ko = onset::material::library()
         .iter()
         .find(|law| law.name == "blatz-ko");
@@ -179,7 +179,7 @@ fn growing_waves_are_found_where_they_are_long_or_their_wells_narrow() {
 }
 
 #[test]
-fn short_steps_of_flip_have_the_rates_of_the_equations_in_continuous_time() {
+fn short_steps_of_flip_converge_to_the_rates_in_continuous_time() {
     let functions = GridFunctions::QuadraticSpline;
     let continuous = points::<2>(choices(Transfer::Continuous, functions));
     let material = ModifiedMooneyRivlin::default();
@@ -196,18 +196,18 @@ fn short_steps_of_flip_have_the_rates_of_the_equations_in_continuous_time() {
                 .map(|s| (s - exact).norm().min((s + exact).norm()));
             near.fold(f64::INFINITY, f64::min)
         };
-        // What the grid does not see has no frequency.
+        // Waves that vanish on the grid have zero frequency.
         let seen = expected.iter().filter(|square| square.norm() > 1e-9);
         seen.map(apart).fold(0.0, f64::max)
     };
     let (coarse, fine) = (error(1e-3), error(1e-4));
-    // By the damping of a step, (1 - T) omega^2 dt/2.
+    // The difference is the damping of a step, (1 - T) omega^2 dt/2.
     assert!(fine < 1e-3, "{fine}");
     assert!((coarse / fine - 10.0).abs() < 0.5, "{coarse} {fine}");
 }
 
 #[test]
-fn long_waves_are_those_of_the_material_and_their_damping_is_that_of_the_transfer() {
+fn long_waves_agree_with_the_material_and_have_the_damping_of_the_transfer() {
     let material = ModifiedMooneyRivlin::default();
     let f = DeformationGradient::from_stretches([1.1, 0.95, 1.0]).expect("a state");
     let response = material.response(&f).expect("a response");
@@ -236,9 +236,9 @@ fn long_waves_are_those_of_the_material_and_their_damping_is_that_of_the_transfe
 }
 
 #[test]
-fn the_largest_step_of_a_survey_is_the_first_at_which_a_spectral_radius_leaves_one() {
+fn no_spectral_radius_exceeds_one_below_the_largest_step_of_a_survey() {
     let material = ModifiedMooneyRivlin::default();
-    // Without stress, so that no wave grows.
+    // There is no stress, so that no wave grows.
     let f = DeformationGradient::identity();
     for transfer in ALL {
         let method = points::<2>(choices(transfer, GridFunctions::QuadraticSpline));
@@ -263,8 +263,8 @@ fn the_largest_step_of_a_survey_is_the_first_at_which_a_spectral_radius_leaves_o
 }
 
 #[test]
-fn a_wave_that_grows_does_so_with_every_filter_and_slower_with_shorter_steps() {
-    // Two points a cell under tension: u'' = -omega^2 u has a negative omega^2 at pi/h.
+fn unstable_waves_grow_with_every_filter_and_more_slowly_with_shorter_steps() {
+    // Two points per cell in tension: u'' = -omega^2 u has a negative omega^2 at pi/h.
     let f = DeformationGradient::from_stretches([2.2, 1.0, 1.0]).expect("a state");
     for transfer in ALL {
         let own = MaterialPointChoices {
@@ -285,7 +285,7 @@ fn a_wave_that_grows_does_so_with_every_filter_and_slower_with_shorter_steps() {
 }
 
 #[test]
-fn points_on_a_face_have_no_affine_field_of_linear_functions_and_shares_are_shares() {
+fn points_on_faces_with_linear_functions_and_invalid_flip_shares_are_rejected() {
     let refused = |choices| match MaterialPoints::<2>::new(choices) {
         Err(MethodError::Setting { name, .. }) => name,
         other => panic!("{other:?}"),
@@ -302,29 +302,29 @@ fn points_on_a_face_have_no_affine_field_of_linear_functions_and_shares_are_shar
     );
 }
 
-/// A periodic patch of grid with material points: an explicit code as they are, nonlinear, which shares with the library the law alone.
+/// Explicit nonlinear code for a periodic patch of grid with material points. It shares only the law with the library.
 struct Code<'a, const D: usize> {
     material: &'a dyn Hyperelastic,
     transfer: Transfer,
     is_moments: bool,
     spacing: f64,
-    /// Nodes along each side.
+    /// Number of nodes along each side.
     cells: usize,
     x: Vec<SVector<f64, D>>,
     v: Vec<SVector<f64, D>>,
     c: Vec<SMatrix<f64, D, D>>,
     f: Vec<SMatrix<f64, D, D>>,
-    /// Of the dimensions that do not move.
+    /// Stretches of the fixed dimensions.
     rest: DeformationGradient,
     volume: f64,
     mass: f64,
 }
 
-/// What a point sees of a node: its number, where it is from the point, weight and gradient.
+/// A node near a point: number, vector from the point, weight and gradient.
 type Seen<const D: usize> = (usize, SVector<f64, D>, f64, SVector<f64, D>);
 
 impl<const D: usize> Code<'_, D> {
-    /// Quadratic B-splines on the three nodes of each axis that are nearest, as MLS-MPM codes have them.
+    /// Quadratic B-splines on the three nearest nodes along each axis, as in MLS-MPM codes.
     fn seen(&self, x: &SVector<f64, D>) -> Vec<Seen<D>> {
         let place = x / self.spacing;
         let base = place.map(|own| (own - 0.5).floor());
@@ -359,7 +359,7 @@ impl<const D: usize> Code<'_, D> {
         (0..3_usize.pow(D as u32)).map(node).collect()
     }
 
-    /// `P F^T`.
+    /// Kirchhoff stress `P F^T`.
     fn kirchhoff(&self, f: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
         let whole = self.rest.with_leading(f);
         let response = self.material.response(&whole).expect("a stress");
@@ -409,7 +409,7 @@ impl<const D: usize> Code<'_, D> {
     }
 }
 
-/// A wave of nodes with what a step multiplies it with.
+/// Wave of nodes with its amplification factor.
 struct Mode<const D: usize> {
     k: SVector<f64, D>,
     u: SVector<Complex<f64>, D>,
@@ -443,7 +443,7 @@ impl<const D: usize> Mode<D> {
         }
     }
 
-    /// What a point at a place sees of the nodes of the wave times a number: field, gradient, and first moment times `D_p^-1`.
+    /// Interpolation of a wave of the nodes, times a number, to a point: field, gradient, and first moment times `D_p^-1`.
     fn at(
         &self,
         code: &Code<'_, D>,
@@ -501,7 +501,7 @@ impl<'a, const D: usize> Code<'a, D> {
         }
     }
 
-    /// Gives points what the nodes of a wave give them.
+    /// Sets the points to a wave of the nodes.
     fn put(&mut self, mode: &Mode<D>, amplitude: f64) {
         for p in 0..self.x.len() {
             let x = self.x[p];
@@ -517,13 +517,12 @@ impl<'a, const D: usize> Code<'a, D> {
     }
 }
 
-/// Cells along each side of the patch.
+/// Number of cells along each side of the patch.
 const CELLS: usize = 6;
-/// The displacement of a node at the start. What is of even order in it cancels between a run and that with the opposite wave.
+/// Initial displacement of a node. Contributions of even order cancel between a run and the run with the opposite wave.
 const AMPLITUDE: f64 = 1e-5;
 
-/// Steps a code from a wave alone, and tells the largest difference of the displacements from the linear prediction, over those
-/// that are predicted.
+/// Runs a code from a single wave and returns the largest difference of the displacements from the linear prediction, relative to the prediction.
 fn difference<const D: usize>(
     method: &MaterialPoints<D>,
     material: &dyn Hyperelastic,
@@ -563,7 +562,7 @@ fn seeded(transfer: Transfer, gradients: GridGradients) -> MaterialPointChoices 
     }
 }
 
-/// The code takes steps of a share of the largest stable one, and has what is predicted to a millionth.
+/// Checks that the code, with steps of a fraction of the largest stable step, agrees with the prediction to a millionth.
 fn assert_predicted<const D: usize>(
     transfer: Transfer,
     gradients: GridGradients,
@@ -588,9 +587,10 @@ fn assert_predicted<const D: usize>(
 }
 
 #[test]
-fn a_code_of_its_own_takes_the_predicted_steps_in_one_dimension() {
+fn an_independent_code_takes_the_predicted_steps_in_one_dimension() {
     for (gradients, transfer) in BOTH.into_iter().flat_map(|own| ALL.map(|t| (own, t))) {
-        // At rest, compressed, and stretched beyond the onset of the tensile instability; with a stable step and with one that is too long.
+        // In the reference state, compressed, and stretched beyond the onset of the tensile instability; with a stable step and with a step that is
+        // too long.
         for (stretch, turns, share) in [
             (1.0, 1.0, 0.5),
             (0.8, 2.0, 0.9),
@@ -604,7 +604,7 @@ fn a_code_of_its_own_takes_the_predicted_steps_in_one_dimension() {
 }
 
 #[test]
-fn a_code_of_its_own_takes_the_predicted_steps_in_the_plane_under_shear_too() {
+fn an_independent_code_takes_the_predicted_steps_in_the_plane_under_shear() {
     for (gradients, transfer) in BOTH.into_iter().flat_map(|own| ALL.map(|t| (own, t))) {
         for (turns, share) in [([1.0, 2.0], 0.5), ([3.0, 1.0], 0.8)] {
             assert_predicted::<2>(transfer, gradients, &state::<2>(), turns, share);
@@ -612,7 +612,7 @@ fn a_code_of_its_own_takes_the_predicted_steps_in_the_plane_under_shear_too() {
     }
 }
 
-/// What the library takes for a step is what the code takes, in motions that are not small.
+/// Compares a step of the library with a step of the code, for motions that are not small.
 fn assert_same_steps<const D: usize>(
     transfer: Transfer,
     gradients: GridGradients,
@@ -637,7 +637,7 @@ fn assert_same_steps<const D: usize>(
         let wave = patch.waves().iter().find(|wave| wave.turns.contains(&1));
         let wave = patch.stepped(wave.expect("a wave"), Stepper::KICK_DRIFT_KICK, dt);
         let mut state = patch.seed(&wave.expect("a wave"), 0.02);
-        // Affine fields that no wave has.
+        // Affine fields that do not occur in waves.
         let count = code.x.len();
         if transfer == Transfer::Affine {
             for (n, own) in state.deformations[count * D * D..].iter_mut().enumerate() {
@@ -680,7 +680,7 @@ fn assert_same_steps<const D: usize>(
 }
 
 #[test]
-fn a_patch_of_the_library_moves_as_a_code_of_its_own_does() {
+fn a_patch_of_the_library_moves_like_an_independent_code() {
     for (gradients, transfer) in BOTH.into_iter().flat_map(|own| ALL.map(|t| (own, t))) {
         assert_same_steps::<1>(transfer, gradients, &state::<1>());
         assert_same_steps::<2>(transfer, gradients, &state::<2>());
@@ -688,7 +688,7 @@ fn a_patch_of_the_library_moves_as_a_code_of_its_own_does() {
 }
 
 #[test]
-fn an_isolated_point_is_stable_up_to_its_own_step() {
+fn an_isolated_point_is_stable_up_to_its_critical_step() {
     let material = ModifiedMooneyRivlin::default();
     let rest = DeformationGradient::identity();
     for (gradients, transfer) in BOTH.into_iter().flat_map(|own| ALL.map(|t| (own, t))) {
@@ -702,7 +702,7 @@ fn an_isolated_point_is_stable_up_to_its_own_step() {
             let mut code = Code::new(&method, &material, &rest, CELLS);
             code.x.truncate(1);
             code.f[0] *= 1.0 + 1e-9;
-            // The largest of all steps, which ends where the motion is large.
+            // Largest displacement over all steps; the run ends when the motion is large.
             let mut largest: f64 = 0.0;
             for _ in 0..400 {
                 code.step(share * alone);
@@ -719,8 +719,8 @@ fn an_isolated_point_is_stable_up_to_its_own_step() {
 }
 
 #[test]
-fn an_isolated_point_has_the_step_of_its_change_of_volume() {
-    // In the plane l = 1 has the stress A_1111 + A_1122, and D_p = h^2/4 makes dt = h sqrt(rho / (A_1111 + A_1122)) with affine fields.
+fn the_step_of_an_isolated_point_follows_from_its_change_of_volume() {
+    // In the plane l = 1 has the stress A_1111 + A_1122, and D_p = h^2/4 gives dt = h sqrt(rho / (A_1111 + A_1122)) with affine fields.
     let material = ModifiedMooneyRivlin::default();
     let rest = DeformationGradient::identity();
     let response = material.response(&rest).expect("a response");

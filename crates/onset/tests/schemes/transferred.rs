@@ -1,4 +1,4 @@
-//! Waves whose velocities go by a grid: factors of a step, steps and growth in closed form.
+//! Waves whose velocities pass through a grid: factors of a step, stable steps and growth in closed form.
 
 use nalgebra::{Matrix2, SMatrix, SVector};
 use onset::algebra::Complex;
@@ -7,12 +7,12 @@ use onset::lattice::{Crystal, LatticeKind, Particle};
 use onset::time_step::TransferredWaves;
 use std::f64::consts::PI;
 
-/// A chain of unit masses and springs whose velocities are averaged with those of the neighbors.
+/// Chain of unit masses and springs whose velocities are averaged with the velocities of the neighbors.
 fn chain(share: f64, flip: f64) -> TransferredWaves<1> {
     chain_of(1.0, share, flip)
 }
 
-/// The same of springs with a stiffness, which push where it is negative.
+/// Chain with springs of a given stiffness, which are repulsive if it is negative.
 fn chain_of(stiffness: f64, share: f64, flip: f64) -> TransferredWaves<1> {
     let lattice = LatticeKind::Chain.lattice::<1>(1.0).expect("a lattice");
     let crystal = Crystal::of_lattice(lattice);
@@ -34,7 +34,7 @@ fn chain_of(stiffness: f64, share: f64, flip: f64) -> TransferredWaves<1> {
 }
 
 #[test]
-fn factors_are_the_eigenvalues_of_a_step_written_out() {
+fn factors_are_the_eigenvalues_of_an_explicit_step_matrix() {
     for (share, flip, k, dt) in [
         (0.1, 0.0, 1.1, 0.4),
         (0.2, 1.0, 2.9, 0.7),
@@ -57,7 +57,7 @@ fn factors_are_the_eigenvalues_of_a_step_written_out() {
 }
 
 #[test]
-fn a_wave_at_rest_neither_grows_nor_decays_and_a_translation_is_neutral() {
+fn zero_energy_waves_and_translations_neither_grow_nor_decay() {
     for flip in [0.0, 0.5, 1.0] {
         let waves = chain(0.2, flip);
         let factors = waves.factors(&SVector::zeros(), 0.3);
@@ -66,7 +66,7 @@ fn a_wave_at_rest_neither_grows_nor_decays_and_a_translation_is_neutral() {
 }
 
 #[test]
-fn the_largest_stable_step_is_where_the_spectral_radius_leaves_one() {
+fn the_spectral_radius_exceeds_one_beyond_the_largest_stable_step() {
     for (share, flip) in [(0.2, 0.0), (0.2, 1.0), (0.24, 0.9), (0.05, 0.0)] {
         let waves = chain(share, flip);
         let step = waves.critical_time_step();
@@ -79,7 +79,7 @@ fn the_largest_stable_step_is_where_the_spectral_radius_leaves_one() {
         };
         assert!(radius(step * (1.0 - 1e-6)) < 1.0 + 1e-12);
         assert!(radius(step * (1.0 + 1e-4)) > 1.0 + 1e-6);
-        // Scanned from below nothing is lost before.
+        // A scan from below finds no smaller unstable step.
         for n in 1..50 {
             assert!(radius(step * f64::from(n) / 50.0) < 1.0 + 1e-12);
         }
@@ -89,16 +89,16 @@ fn the_largest_stable_step_is_where_the_spectral_radius_leaves_one() {
 }
 
 #[test]
-fn growth_is_told_of_short_and_of_long_steps() {
-    // A spring that pushes: omega^2 = -4 at the edge of the zone, where half of the velocities is kept.
+fn growth_is_reported_for_short_and_long_steps() {
+    // Repulsive springs: omega^2 = -4 at the edge of the zone, where half of the velocities is kept.
     let waves = chain_of(-1.0, 0.125, 1.0);
-    // With all of their own velocities points move by a share T of those of the grid: T |omega^2| is left in short steps.
+    // With flip = 1 points move by a share T of the grid velocities: T |omega^2| remains for short steps.
     for step in [1e-14, 1e-10, 1e-6] {
         let growth = waves.fastest(step).0.re;
         assert!((growth - 2.0_f64.sqrt()).abs() < 1e-5, "{step}: {growth}");
     }
     for step in [1e10, 1e30, 1e100] {
-        // z = omega^2 dt^2 (1 - R/z ...): the larger factor alone grows.
+        // z = omega^2 dt^2 (1 - R/z ...): only the larger factor grows.
         let growth = waves.fastest(step).0.re * step;
         let expected = 2.0 * (2.0 * step).ln();
         assert!(

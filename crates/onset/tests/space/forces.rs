@@ -1,4 +1,4 @@
-//! `D(k)` against the derivative of the discrete forces on one particle of the infinite body, displaced by a plane wave.
+//! `D(k)` against the derivative of the discrete forces on one particle of the infinite body under a plane wave.
 
 use crate::{CUBIC, discretization, state};
 use nalgebra::{Matrix3, Vector3};
@@ -8,10 +8,10 @@ use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{Frame, KernelMethodChoices, Method};
 use onset::quadrature::Quadrature;
 
-/// Half step of the differentiation; the five-point formula is exact to its fourth power.
+/// Half step of the differentiation; the error of the five-point formula is of fourth order.
 const STEP: f64 = 2e-4;
 
-/// The infinite body: particles in the coordinates of the kernel, with their undeformed places.
+/// Infinite body: particles in the coordinates of the kernel, with their reference positions.
 struct Body {
     method: Method<3>,
     f: Matrix3<f64>,
@@ -19,7 +19,7 @@ struct Body {
     particles: Vec<(Vector3<f64>, Vector3<f64>)>,
 }
 
-/// The quartic spline over its value at the particle, and its gradient at `relative` from the particle.
+/// Quartic spline over its value at the particle, and its gradient at `relative` from the particle.
 fn weight(relative: &Vector3<f64>, radius: f64) -> Option<(f64, Vector3<f64>)> {
     let q = relative.norm() / radius;
     (q < 1.0).then(|| {
@@ -68,7 +68,7 @@ impl Body {
             .collect()
     }
 
-    /// The force on the particle at the origin when the particles are displaced by a wave `u(X)`.
+    /// Force on the particle at the origin for particles displaced by a wave `u(X)`.
     fn force(&self, wave: &dyn Fn(&Vector3<f64>) -> Vector3<f64>) -> Vector3<f64> {
         let law = ModifiedMooneyRivlin::default();
         let eulerian = self.method.choices().frame == Frame::Eulerian;
@@ -124,7 +124,7 @@ impl Body {
         force
     }
 
-    /// The derivative of the force per mass along a wave.
+    /// Derivative of the force per mass along a wave.
     fn derivative(&self, wave: &dyn Fn(&Vector3<f64>) -> Vector3<f64>) -> Vector3<f64> {
         let at = |t: f64| self.force(&|x| wave(x) * t);
         let h = STEP;
@@ -161,7 +161,7 @@ fn sheared() -> Matrix3<f64> {
 }
 
 #[test]
-fn forces_on_displaced_particles_are_those_of_the_dynamical_matrix() {
+fn forces_on_displaced_particles_agree_with_the_dynamical_matrix() {
     let k = Vector3::new(1.3, -0.7, 2.1);
     for kind in CUBIC {
         for frame in [Frame::Lagrangian, Frame::Eulerian] {
@@ -171,7 +171,7 @@ fn forces_on_displaced_particles_are_those_of_the_dynamical_matrix() {
 }
 
 #[test]
-fn so_they_are_with_stress_points_in_the_holes() {
+fn forces_with_stress_points_in_the_holes_agree_with_the_dynamical_matrix() {
     let k = Vector3::new(-0.4, 1.9, 0.8);
     for (kind, frame) in [
         (LatticeKind::SimpleCubic, Frame::Eulerian),

@@ -1,4 +1,4 @@
-//! What holds of every method on a three-dimensional lattice.
+//! Properties of every method on a three-dimensional lattice.
 
 use crate::{CUBIC, config, deformation, discretization, state, wave_vector};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -22,7 +22,7 @@ fn any() -> impl Strategy<Value = KernelMethodChoices> {
         .prop_map(|(kind, frame, quadrature)| discretization(kind, frame, quadrature))
 }
 
-/// The same lattice by other primitive vectors, given freely.
+/// The same lattice by other primitive vectors.
 fn with_vectors(
     discretization: &KernelMethodChoices,
     vectors: &Matrix3<f64>,
@@ -38,7 +38,7 @@ proptest! {
     #![proptest_config(config(12))]
 
     #[test]
-    fn other_primitive_vectors_and_a_rotation_of_everything_change_nothing(
+    fn results_are_invariant_to_primitive_vectors_and_rotations(
         choices in any(),
         f in deformation(),
         k in wave_vector(),
@@ -62,7 +62,7 @@ proptest! {
     }
 
     #[test]
-    fn long_waves_of_linearly_complete_functions_are_those_of_the_material(
+    fn long_waves_of_linearly_complete_functions_agree_with_the_material(
         kind in prop::sample::select(CUBIC.to_vec()),
         f in deformation(),
         n in wave_vector(),
@@ -77,7 +77,7 @@ proptest! {
     }
 
     #[test]
-    fn lagrangian_particles_are_stable_exactly_where_the_material_is_elliptic(
+    fn lagrangian_kernels_are_stable_exactly_if_the_material_is_elliptic(
         kind in prop::sample::select(CUBIC.to_vec()),
         quadrature in prop::sample::select(vec![Quadrature::Nodal, Quadrature::StressPoints]),
         stretches in prop::array::uniform3(0.5..2.0_f64),

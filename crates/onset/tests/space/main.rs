@@ -31,7 +31,7 @@ fn state(components: &Matrix3<f64>) -> DeformationGradient {
     DeformationGradient::new(rows).expect("a positive determinant")
 }
 
-/// Methods on the cubic lattices; supports at which no shell of neighbors lies on the boundary.
+/// Methods on the cubic lattices, with supports whose rim contains no shell of neighbors.
 fn discretization(kind: LatticeKind, frame: Frame, quadrature: Quadrature) -> KernelMethodChoices {
     KernelMethodChoices {
         lattice: kind,

@@ -1,4 +1,4 @@
-//! The search over the zone in space against dense grids.
+//! The search over the zone in 3D against dense grids.
 
 use crate::{CUBIC, config, deformation, discretization, state};
 use nalgebra::{Matrix3, Vector3};
@@ -11,7 +11,7 @@ use onset::quadrature::{Quadrature, QuadraturePoint};
 use onset::verdict::{Survey, speed_squared};
 use proptest::prelude::*;
 
-/// What a dense grid sees.
+/// Extremes of a spectrum on a dense grid.
 struct Sampled {
     scaled: f64,
     lowest: f64,
@@ -33,7 +33,7 @@ fn sampled(
         highest: 0.0,
         growth: 0.0,
     };
-    // Half of the zone, shifted from the search's own grid.
+    // Half of the zone, shifted from the search grid.
     for index in 0..side * side * side / 2 {
         let cell = [index % side, index / side % side, index / side / side];
         let fractional = Vector3::from(cell.map(|n| n as f64)) + Vector3::new(0.37, 0.61, 0.23);
@@ -85,7 +85,7 @@ fn compared(method: &Method<3>, f: &DeformationGradient) -> Result<(), TestCaseE
         summary.growth_rate(),
         seen.growth
     );
-    // What the summary names is a mode.
+    // The summary contains modes.
     for mode in [summary.lowest, summary.fastest_growing, summary.softest] {
         if !mode.is_long_wave {
             let residual = d.at(&mode.wave_vector) * mode.polarization
@@ -100,7 +100,7 @@ fn compared(method: &Method<3>, f: &DeformationGradient) -> Result<(), TestCaseE
     Ok(())
 }
 
-/// States of maps, for which flutter is not sought that grows more slowly than what diverges, grow as fast.
+/// Checks the growth rate of surveys of maps, which omit flutter that grows more slowly than divergence.
 fn is_surveyed(method: &Method<3>, f: &DeformationGradient, summary: &SpectrumSummary<3>) {
     let law = ModifiedMooneyRivlin::default();
     let survey = Survey::new(method, &law).expect("a scale");
@@ -114,7 +114,7 @@ proptest! {
     #![proptest_config(config(16))]
 
     #[test]
-    fn extremes_are_those_of_a_dense_grid_or_beyond(
+    fn extremes_of_the_search_reach_the_extremes_of_a_dense_grid(
         kind in prop::sample::select(CUBIC.to_vec()),
         frame in prop::sample::select(vec![Frame::Lagrangian, Frame::Eulerian, Frame::Eulerian]),
         f in deformation(),
@@ -124,7 +124,7 @@ proptest! {
     }
 
     #[test]
-    fn so_they_are_without_inversion_center(f in deformation(), place in prop::array::uniform3(0.1..0.4_f64)) {
+    fn extremes_without_an_inversion_center_reach_the_extremes_of_a_dense_grid(f in deformation(), place in prop::array::uniform3(0.1..0.4_f64)) {
         // One stress point off the centers: D is complex, and modes flutter.
         let choices = discretization(LatticeKind::SimpleCubic, Frame::Eulerian, Quadrature::StressPointsOnly);
         let method = Method::<3>::new(choices).expect("a method");
@@ -135,8 +135,8 @@ proptest! {
 }
 
 #[test]
-fn flutter_in_space_is_found_and_its_mode_grows_as_it_says() {
-    // Two branches that meet: an Eulerian kernel whose normalization is held fixed has no potential at all.
+fn flutter_in_3d_is_found_with_its_mode_and_growth_rate() {
+    // Two branches meet: an Eulerian kernel with fixed normalization has no potential.
     let choices = KernelMethodChoices {
         linearization: Linearization::Paper,
         ..discretization(
