@@ -490,7 +490,7 @@ fn course(arguments: &CourseArguments, problem: &Problem) -> Result<Course, Fail
     Course::of_mode(mode, arguments.lateral, from, to).map_err(|known| {
         let asked = arguments.lateral.map_or("", Lateral::name);
         Failure::input(format!(
-            "--lateral {asked} is nothing that {} loading has\n  hint: it has {known}",
+            "--lateral {asked} is not supported with {} loading\n  hint: it supports {known}",
             mode.name()
         ))
     })

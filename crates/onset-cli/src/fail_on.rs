@@ -55,7 +55,7 @@ impl FailOn {
                     let known = verdicts.iter().chain(&groups).copied();
                     let meant = did_you_mean(word, known.chain([UNDEFINED]));
                     return Err(format!(
-                        "`{word}` is no verdict; expected some of {}, {UNDEFINED}, or {}, separated by commas{meant}",
+                        "`{word}` is not a verdict; expected some of {}, {UNDEFINED}, or {}, separated by commas{meant}",
                         verdicts.join(", "),
                         groups.join(", ")
                     ));

@@ -39,7 +39,7 @@ fn question(arguments: &LawArguments) -> Result<Question, Failure> {
     }
 }
 
-/// Law of the arguments.
+/// Material law selected by the arguments, with its notes.
 struct Asked {
     law: MaterialSettings,
     /// Name of the law, if it differs from the name of its model.
@@ -57,7 +57,7 @@ fn material(arguments: &LawArguments) -> Result<Asked, Failure> {
         let own = law(file, &assignments, &trust);
         let own = own.map_err(|failure| match file.and_then(program_of) {
             Some(program) => Failure::input(format!(
-                "{} is no study, but a block of {program}\n  hint: add --from {program}",
+                "{} is not a study, but an input block of {program}\n  hint: add --from {program}",
                 file.unwrap_or(Path::new("-")).display()
             )),
             None => failure,

@@ -353,7 +353,7 @@ fn a_store_of_another_version_build_or_processor_is_not_resumed() {
     for (name, words) in [
         ("onset_version", "another version"),
         ("onset_build", "another build"),
-        ("onset_lanes", "other vectors"),
+        ("onset_lanes", "another vector width"),
     ] {
         let (is, other) = (value(name), format!("\"{name}\": \"other\","));
         let is = format!("{},", is.trim_end_matches(','));

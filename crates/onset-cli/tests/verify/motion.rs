@@ -607,7 +607,7 @@ fn damaged_and_foreign_checkpoints_are_refused() {
     std::fs::write(&path, &bytes[..bytes.len() / 2]).expect("written");
     refused(&format!("{RUN} --resume"), "cut off");
     std::fs::write(&path, b"something else").expect("written");
-    refused(&format!("{RUN} --resume"), "no checkpoint");
+    refused(&format!("{RUN} --resume"), "not a checkpoint");
     // A complete checkpoint is resumed, or started over if the run ended before its first checkpoint.
     for (more, has_checkpoint) in [
         ("--resume", true),
@@ -686,7 +686,7 @@ fn questions_that_cannot_be_run_are_refused() {
         ("--stretch 1,1 --cells 0", "--cells"),
         ("--stretch 1,1 --cells 8,8,8", "--cells"),
         ("--stretch 1,1 --cells 100000", "too many particles"),
-        ("--stretch 1,1 --wave-vector 1.234,0", "whole times"),
+        ("--stretch 1,1 --wave-vector 1.234,0", "whole numbers"),
         ("--stretch 1,1 --turns 1", "--turns"),
         ("--stretch 1,1 --turns 1,0 --branch 3", "branch"),
         ("--stretch 1,1 --integrator eulerian", "available are"),
@@ -698,7 +698,7 @@ fn questions_that_cannot_be_run_are_refused() {
         ("--stretch 1,1 --resume", "--out"),
         (
             "--stretch 1,1 --set discretization.method=total-lagrangian-sph --set discretization.viscosity=1 --integrator sixth-order",
-            "back in time",
+            "backward substeps",
         ),
     ];
     for (line, told) in cases {

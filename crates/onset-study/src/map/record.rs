@@ -131,7 +131,7 @@ pub struct Record {
     pub acoustic_minimum: f64,
     /// Reference direction of the wave with the smallest acoustic eigenvalue, a unit vector.
     pub acoustic_direction: [f64; 3],
-    /// `min Re omega^2 / (c^2 |k|_h^2)` over the zone and the long-wave limit.
+    /// Scaled minimum `min Re omega^2 / (c^2 |k|_h^2)` over the zone and the long-wave limit.
     pub scaled_minimum: f64,
     /// Reference wave vector of the scaled minimum, 1/length; in the long-wave limit its unit direction.
     pub wave_vector: [f64; 3],

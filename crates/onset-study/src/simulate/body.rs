@@ -111,7 +111,7 @@ pub fn run_body(
         let material = &problem.settings.material;
         return Err(refused(
             format!(
-                "`{}` cannot be run in a body: its particles would not remember the path that has led to their stress",
+                "`{}` cannot be run in a body: its particles do not store the path that determines their stress",
                 material.model.name()
             ),
             "choose a law with an energy: `onset list materials`",

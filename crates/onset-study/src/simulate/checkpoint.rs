@@ -71,7 +71,7 @@ impl Progress {
             hint,
         };
         let Some(rest) = bytes.strip_prefix(FORMAT) else {
-            return Err(wrong("this is no checkpoint of `onset simulate`", ANEW));
+            return Err(wrong("this is not a checkpoint of `onset simulate`", ANEW));
         };
         let damaged = || wrong("the checkpoint is cut off or damaged", ANEW);
         let (content, sum) = bytes.split_last_chunk::<4>().ok_or_else(damaged)?;

@@ -101,7 +101,7 @@ pub(super) struct Plan {
     pub(super) wave: SteppedWave,
 }
 
-/// Largest number of particles.
+/// Largest number of particles in a patch.
 const MAX_PARTICLES: usize = 1_000_000;
 /// Largest number of waves in a patch; all of them are computed.
 const MAX_WAVES: usize = 200_000;
@@ -181,7 +181,7 @@ impl Plan {
         if stepper.goes_back() && problem.analysis.is_damped() {
             return Err(refused(
                 format!(
-                    "--integrator {} goes back in time, where damping feeds",
+                    "--integrator {} has backward substeps, in which damping amplifies",
                     stepper.name()
                 ),
                 "choose kick-drift-kick, or leave the viscosity out",
@@ -283,7 +283,7 @@ fn chosen(
         Seeded::Critical | Seeded::Noise => {
             if question.branch != 1 {
                 return Err(refused(
-                    "--branch has no effect where the wave is not given",
+                    "--branch has no effect if the wave is not given",
                     "give --wave-vector or --turns with it",
                 ));
             }
@@ -293,7 +293,7 @@ fn chosen(
             let softest = moving.into_iter().find(|wave| patch.sees(wave));
             return softest.cloned().ok_or_else(|| {
                 refused(
-                    "the patch holds no wave but its translation",
+                    "the only wave of the patch is its translation",
                     "choose more --cells",
                 )
             });
@@ -323,8 +323,8 @@ fn chosen(
     let found = of_it.iter().find(|wave| wave.branch == question.branch);
     if found.is_some_and(|wave| is_translation(wave)) {
         return Err(refused(
-            "with this wave vector the whole patch moves as one, or particles that no force answers do",
-            "choose a wave that turns: --turns 1,0 for example",
+            "with this wave vector the patch moves as a rigid body, or particles move without any force",
+            "choose a finite wavelength: --turns 1,0 for example",
         ));
     }
     if found.is_some_and(|wave| !patch.sees(wave)) {
@@ -375,7 +375,7 @@ fn turns_of(problem: &Problem, k: &[f64], cells: &[usize]) -> Result<Vec<i64>, S
         }
         return Err(refused(
             format!(
-                "--wave-vector: the wave turns {} times along the sides of the patch, not whole times",
+                "--wave-vector: the sides of the patch hold {} wavelengths, not whole numbers",
                 vector(&turns)
             ),
             format!(
@@ -406,7 +406,7 @@ fn stepped(
         None => Ok((stepper, transfer)),
         Some(_) => Err(refused(
             format!("--integrator has no effect: the {transfer} transfer defines the step"),
-            "leave it out; or discretization.transfer=continuous, for equations that integrators step",
+            "leave it out; or set discretization.transfer=continuous, for equations in continuous time",
         )),
     }
 }
@@ -455,7 +455,7 @@ pub(super) fn stable(
     if step > critical * (1.0 + 1e-12) && !is_supercritical {
         return Err(refused(
             format!(
-                "the step {} is {} of the largest stable one, {}: the fastest waves of the particles would grow whatever the material does",
+                "the step {} is {} of the largest stable one, {}: the fastest waves of the particles would grow for any material",
                 told(step),
                 told(step / critical),
                 told(critical)

@@ -100,13 +100,10 @@ fn check(gzip: &GzDecoder<&[u8]>, label: Label<'_>) -> Result<(), String> {
     let header = gzip.header().ok_or("it is not compressed by gzip")?;
     let (key, identity) = (word(header.filename()), word(header.comment()));
     if key != label.key {
-        return Err(format!(
-            "it says that it is `{}`, another chunk",
-            plain(&key)
-        ));
+        return Err(format!("it is marked as another chunk, `{}`", plain(&key)));
     }
     if identity != label.identity {
-        return Err("it says that it belongs to another map".to_owned());
+        return Err("it is marked as a chunk of another map".to_owned());
     }
     Ok(())
 }

@@ -111,7 +111,7 @@ pub enum StoreError {
     },
     /// Path that cannot be replaced by renaming a folder.
     #[error(
-        "{} is the current folder, which a store cannot take the place of\n  hint: choose a folder for the store with --out, for \
+        "{} is the current folder, which a store cannot replace\n  hint: choose a folder for the store with --out, for \
          example --out map.zarr",
         path.display()
     )]

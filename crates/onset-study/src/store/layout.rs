@@ -85,7 +85,7 @@ pub(super) const MEANINGS: [(&str, &str); 4] = [
     ),
     (
         "onset_lanes",
-        "it was begun on a processor with other vectors, whose numbers differ in their last digits",
+        "it was begun on a processor with another vector width, whose numbers differ in the last digits",
     ),
 ];
 /// Attribute with the SHA-256 sum of the library that the study loads.

@@ -289,7 +289,10 @@ impl ZarrStore {
             let found = self.folder.read(&key, MAX_METADATA_BYTES);
             let found = found.map_err(StoreError::reading(&self.folder.path(&key)))?;
             if found.as_deref() != Some(text(&metadata).as_bytes()) {
-                return Err(self.damaged(&key, "it does not say what onset has written".to_owned()));
+                return Err(self.damaged(
+                    &key,
+                    "it differs from the metadata that onset wrote".to_owned(),
+                ));
             }
         }
         Ok(())
@@ -739,7 +742,7 @@ fn difference(found: &Value, expected: &Value) -> String {
             let stored = found.get(name).unwrap_or(&Value::Null);
             format!("`{name}` is {stored} there and {asked} here")
         }
-        None => "its axes or fields are others".to_owned(),
+        None => "its axes or fields differ".to_owned(),
     }
 }
 

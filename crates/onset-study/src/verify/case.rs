@@ -20,7 +20,7 @@ use std::path::Path;
 /// Name of the case file, written next to the deck.
 pub const CASE_FILE: &str = "case.json";
 
-/// Format mark of case files.
+/// Name and version of the file format, written to case files.
 const FORMAT: &str = "onset verify 1";
 
 /// Wave to be run, and the duration of the run.
@@ -212,7 +212,7 @@ impl Case {
         };
         let case: Self = serde_json::from_str(&text).map_err(|error| {
             wrong(format!(
-                "this is no case of `onset verify`: line {}",
+                "this is not a case of `onset verify`: line {}",
                 error.line()
             ))
         })?;
@@ -225,7 +225,7 @@ impl Case {
         let unmarked = text.replacen(&format!("\"{}\"", case.id), "\"\"", 1);
         if mark(&unmarked) != case.id {
             return Err(wrong(
-                "the case was changed since its deck was written".to_owned(),
+                "the case has changed since its deck was written".to_owned(),
             ));
         }
         Ok(case)

@@ -195,7 +195,7 @@ pub(crate) fn compared(
         return (
             Outcome::Undecided,
             format!(
-                "the record is not one wave: {:.1} % of it are left unexplained",
+                "the record is not a single wave: {:.1} % of it remain unexplained",
                 100.0 * residual
             ),
         );

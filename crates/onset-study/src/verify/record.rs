@@ -123,7 +123,7 @@ impl<'a> Projector<'a> {
         if std::mem::replace(&mut self.seen[index], true) {
             return Err(self.wrong(
                 line,
-                format!("particle {number} is there twice in one frame"),
+                format!("particle {number} occurs twice in one frame"),
                 "write each particle once",
             ));
         }

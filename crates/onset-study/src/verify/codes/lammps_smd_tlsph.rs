@@ -83,7 +83,7 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
     if let Some(own) = Volumetric::of(law, f).map_err(MethodError::from)? {
         if problem.settings.method.penalty != 0.0 {
             return Err(refused(
-                "the penalty is scaled with Young's modulus, which a law of the volume alone has not",
+                "the penalty is scaled with Young's modulus, which a law of the volume alone does not have",
                 "set discretization.penalty=0",
             ));
         }
@@ -93,7 +93,7 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
         |i: &usize| !(STRETCH_RANGE[0]..=STRETCH_RANGE[1]).contains(&f.components()[*i][*i]);
     if let Some(i) = (0..2).find(is_far) {
         return Err(refused(
-            format!("decks do not lead to the stretch {}", f.components()[i][i]),
+            format!("decks cannot reach the stretch {}", f.components()[i][i]),
             "choose stretches from 0.4 to 2",
         ));
     }
@@ -118,7 +118,7 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
     let own = Isotropic::of(law).map_err(MethodError::from)?;
     own.map(Elasticity::Linear).ok_or_else(|| {
         refused(
-            "the law is not isotropic, or stressed in the reference configuration",
+            "the law is anisotropic, or stressed in the reference configuration",
             "choose an isotropic law",
         )
     })

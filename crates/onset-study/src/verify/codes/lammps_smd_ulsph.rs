@@ -81,7 +81,7 @@ fn rates(
     })?;
     if own.volumetric.slope <= 0.0 {
         return Err(refused(
-            "the pressure of the law falls with the density at this state, which Tait's equation cannot",
+            "the pressure of the law falls with the density at this state, which Tait's equation cannot represent",
             "choose another state",
         ));
     }
@@ -210,7 +210,7 @@ fn input(code: &UpdatedSmd, deck: &Deck<'_>) -> Result<String, VerifyError> {
 /// Remarks on both variants; the last one applies to the corrected variant only.
 const REMARKS: [&str; 3] = [
     "density is integrated half a step late, which amplifies waves of sound at the rate omega^2 dt/4",
-    "the deviator is turned against the spin, s' = 2 mu dev D - W s + s W: in a rotation it turns away from the material (material.spin=-1)",
+    "the deviator is rotated against the spin, s' = 2 mu dev D - W s + s W: it does not rotate with the material (material.spin=-1)",
     "a correction is limited to the factor 2, which particles of a block do not reach",
 ];
 
