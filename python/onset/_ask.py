@@ -621,8 +621,7 @@ def map_into(
 
     `tiles` are the first and the one after the last of those that are computed, or a share of all, ``"1/8"`` to ``"8/8"``, whose tiles lie evenly among them;
     several processes may do parts of one store at the same time.
-    Ctrl-C ends with the tiles that have begun, a second one with the states being computed, up to 512 on each core, in an adaptive map with those tiles;
-    with `resume` the map goes on. With an `executor`, anything with a ``submit`` whose workers see `out`, each tile is a task; what lost workers leave is
+    Ctrl-C ends the map; tiles that are stored stay, and `resume` computes the rest. With an `executor`, anything with a ``submit`` whose workers see `out`, each tile is a task; what lost workers leave is
     computed here in the end. A store that exists is refused, unless `resume` or `tiles` go on with it or
     `overwrite` replaces it.
     """

@@ -1,8 +1,10 @@
 //! Tasks of the workspace: `cargo xtask test`, `verify`, `simulate`, `hunt`, `figures`, `readme`, `schema`, `wheel`, `python`, `page`, `book`,
 //! `bench` and `timings`.
 
+mod abuse;
 mod bench;
 mod book;
+mod deny;
 mod fortran;
 mod hunt;
 mod npm;
@@ -94,6 +96,10 @@ fn main() -> ExitCode {
             let arguments: Vec<String> = std::env::args().skip(2).collect();
             reported(hunt::run(&arguments))
         }
+        Some("abuse") => {
+            let arguments: Vec<String> = std::env::args().skip(2).collect();
+            reported(abuse::run(&arguments))
+        }
         Some("verify") => reported(verify::run(
             std::env::args().nth(2).as_deref() == Some("--all"),
         )),
@@ -111,7 +117,7 @@ fn main() -> ExitCode {
         Some("timings") => reported(timings::run()),
         _ => {
             eprintln!(
-                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask verify [--all]    predictions against LAMMPS (with --all PySPH too), and the table of the book\n       cargo xtask simulate          every method in motion beside its prediction, and the table of the book\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N] [--release]   checks on random cases, as long as one likes\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask readme            what the commands in README.md and of the published fits print, filled in\n       cargo xtask wheel             the Python package, target/wheels\n       cargo xtask python            the tests of the Python package\n       cargo xtask page              the page of `onset explore`, built and driven by a browser\n       cargo xtask book              the book, built with its links checked: target/book\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
+                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask verify [--all]    predictions against LAMMPS (with --all PySPH too), and the table of the book\n       cargo xtask simulate          every method in motion beside its prediction, and the table of the book\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N] [--release]   checks on random cases, as long as one likes\n       cargo xtask abuse [--minutes N] [--seed N]   kills, signals, damaged files, half requests, odd arrays and terminals, counted\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask readme            what the commands in README.md and of the published fits print, filled in\n       cargo xtask wheel             the Python package, target/wheels\n       cargo xtask python            the tests of the Python package\n       cargo xtask page              the page of `onset explore`, built and driven by a browser\n       cargo xtask book              the book, built with its links checked: target/book\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
             );
             return ExitCode::from(2);
         }
@@ -149,10 +155,19 @@ fn test() -> bool {
     };
     let tools: Vec<(&str, &Path)> = tools.iter().map(|(name, path)| (*name, &**path)).collect();
     let wasm = wasm::tools();
+    let deny = deny::tool();
+    let advisories = deny.as_ref().ok().and_then(|tool| deny::advisories(tool));
     let (mdbook, browser, done) = std::thread::scope(|scope| {
         // Tools for the last steps are installed while the first steps run.
         let tools_of_last = scope.spawn(|| (book::tools(), page::tools(), wheel::environments()));
-        let first = (wasm.is_err() || reported(wasm::check())) && run(&steps, &tools);
+        let first = deny
+            .as_ref()
+            .map_or(true, |tool| reported(deny::check(tool)))
+            && advisories
+                .as_ref()
+                .is_none_or(|found| reported(found.clone()))
+            && (wasm.is_err() || reported(wasm::check()))
+            && run(&steps, &tools);
         let (mdbook, browser, environments) = joined(tools_of_last);
         let done = first
             && mdbook
@@ -160,11 +175,20 @@ fn test() -> bool {
                 .map_or(true, |mdbook| reported(book::build(mdbook)))
             && reported(paper())
             && reported(environments.map(|_| ()))
-            && python_and_page(browser.is_ok());
+            && python_and_page(browser.is_ok())
+            && (cfg!(windows) || reported(abuse::test()));
         (mdbook, browser, done)
     });
     if let Err(error) = mdbook {
         eprintln!("== NOT TESTED: the book, its formulas and its links. {error}");
+    }
+    if let Err(error) = deny {
+        eprintln!("== NOT TESTED: licences and sources of what is linked. {error}");
+    }
+    if advisories.is_none() {
+        eprintln!(
+            "== NOT TESTED: advisories on what is linked. There is no database: cargo deny fetch"
+        );
     }
     if let Err(error) = wasm {
         eprintln!("== NOT TESTED: the core in a browser. {error}");

@@ -19,11 +19,7 @@ pub fn environment(name: &str, requirements: &Path) -> Result<PathBuf, String> {
     let current = std::env::current_dir()
         .map_err(|error| format!("cannot tell the current folder: {error}"))?;
     let folder = current.join(".venv").join(name);
-    let interpreter = if cfg!(windows) {
-        folder.join("Scripts").join("python.exe")
-    } else {
-        folder.join("bin").join("python")
-    };
+    let interpreter = interpreter_in(&folder);
     let installed = folder.join(INSTALLED);
     // Written last, so that an incomplete environment is created again.
     if interpreter.exists() && std::fs::read_to_string(&installed).is_ok_and(|text| text == wanted)
@@ -41,6 +37,20 @@ pub fn environment(name: &str, requirements: &Path) -> Result<PathBuf, String> {
     std::fs::write(&installed, wanted)
         .map_err(|error| format!("cannot write {}: {error}", installed.display()))?;
     Ok(interpreter)
+}
+
+/// The interpreter of the environment `.venv/<name>`, if it was made.
+pub fn interpreter(name: &str) -> Option<PathBuf> {
+    let folder = std::path::absolute(Path::new(".venv").join(name)).ok()?;
+    Some(interpreter_in(&folder)).filter(|path| path.exists())
+}
+
+fn interpreter_in(folder: &Path) -> PathBuf {
+    if cfg!(windows) {
+        folder.join("Scripts").join("python.exe")
+    } else {
+        folder.join("bin").join("python")
+    }
 }
 
 /// Runs a command and waits for its end.

@@ -20,9 +20,10 @@ use crate::arguments::{
     TrustArguments, VerifyTask,
 };
 use crate::fail_on::FailOn;
+use crate::patience::{self, bar};
 use crate::printing::{self, Format, print_text};
-use crate::{help, map, patience};
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::{help, map};
+use indicatif::ProgressBar;
 use onset_study::Verdict;
 use onset_study::answers::{
     Course, CrossingAnswer, Diagram, PathAnswer, PathSamples, Problem, ProblemError, StateAnswer,
@@ -172,7 +173,6 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             let tracing = Tracing {
                 flutter,
                 fidelity: true,
-                until: None,
             };
             let study = study(&file, &assignments, &trust.trust())?;
             boundary::boundary(&study, tracing, out.as_deref())
@@ -202,6 +202,7 @@ fn waiting_for(command: &Command) -> Option<&'static str> {
         Command::Card(_) => Some("searching boxes of stretches"),
         Command::Audit(_) => Some("differentiating"),
         Command::Modes(_) => Some("searching the zone"),
+        Command::Simulate(_) => Some("setting up the motion"),
         Command::Check { .. } => Some("looking at states"),
         Command::Verify {
             task: VerifyTask::Deck(_),
@@ -209,6 +210,9 @@ fn waiting_for(command: &Command) -> Option<&'static str> {
         Command::Verify {
             task: VerifyTask::Run { .. },
         } => Some("running the deck"),
+        Command::Verify {
+            task: VerifyTask::Read { .. },
+        } => Some("reading the output"),
         _ => None,
     }
 }
@@ -596,17 +600,17 @@ fn of_methods(method: bool) -> &'static str {
 }
 
 /// Progress bar for a number of named steps; hidden if output is quiet.
-fn progress(steps: usize) -> ProgressBar {
-    if printing::is_quiet() {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{bar:32} {pos:>2}/{len} {msg} ({elapsed})");
-    ProgressBar::new(steps as u64)
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+fn progress(steps: usize, what: &'static str) -> ProgressBar {
+    let bar = bar(
+        steps as u64,
+        "{bar:32} {pos:>2}/{len} {prefix} {msg} ({elapsed})",
+    );
+    bar.set_prefix(what);
+    bar
 }
 
 fn reproduce(out: &Path) -> Result<ExitCode, Failure> {
-    let bar = progress(reproduce::STEPS);
+    let bar = progress(reproduce::STEPS, "steps:");
     let report = reproduce::run(out, &|step| {
         bar.set_message(step.to_owned());
         bar.inc(1);

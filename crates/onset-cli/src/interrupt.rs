@@ -3,6 +3,7 @@
 //! By default they end the command immediately, with its child processes and temporary folders. A command may instead handle the first interrupt and
 //! finish started work.
 
+use crate::patience;
 use crate::printing::tell;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -73,12 +74,20 @@ fn listen_always() -> Result<(), ctrlc::Error> {
     })
 }
 
+/// How long the end may take: a message can meet a full pipe.
+const END: Duration = Duration::from_millis(200);
+
 fn end_at_once(answer: Option<&Answer>) -> ! {
+    std::thread::spawn(|| {
+        std::thread::sleep(END);
+        std::process::exit(i32::from(CODE));
+    });
+    onset_umat::end_all();
+    onset_study::output::end_all();
+    patience::end();
     if let Some(told) = answer.and_then(|answer| answer.at_end.as_ref()) {
         tell(told);
     }
-    onset_umat::end_all();
-    onset_study::output::end_all();
     std::process::exit(i32::from(CODE));
 }
 
@@ -93,11 +102,6 @@ fn is_hangup_ignored() -> bool {
 /// Returns true after the first interrupt.
 pub fn is_asked() -> bool {
     SINCE.get().is_some()
-}
-
-/// Time since the first interrupt; `None` without an interrupt.
-pub fn asked_for() -> Option<Duration> {
-    SINCE.get().map(Instant::elapsed)
 }
 
 /// Disables the time limit, because the command is about to end by itself.

@@ -3,8 +3,9 @@
 use crate::arguments::MapArguments;
 use crate::commands::{Failure, study};
 use crate::interrupt;
-use crate::printing::{is_quiet, print, tell};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
+use crate::patience::bar;
+use crate::printing::{print, tell};
+use indicatif::ProgressBar;
 use onset_study::map::{MapError, Plan, Summary, Watch};
 use onset_study::shell::{quoted, quoted_file};
 use onset_study::store::{StoreError, ZarrStore};
@@ -13,9 +14,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// Time after an interrupt for started tiles to finish, and for a state in progress.
-const GRACE: Duration = Duration::from_secs(1);
-const PATIENCE: Duration = Duration::from_secs(2);
+/// Time after an interrupt for states in progress.
+const PATIENCE: Duration = Duration::from_millis(200);
 
 impl From<MapError> for Failure {
     fn from(error: MapError) -> Self {
@@ -53,9 +53,8 @@ pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
         .clone()
         .unwrap_or_else(|| default_place(&arguments.file));
     let again = format!("interrupted; resume with\n  {}", resuming(arguments, &path));
-    let told = "ending: tiles that have begun are given a second, and stored tiles are kept; interrupt again to end immediately";
     let answer = interrupt::Answer {
-        told: (!is_quiet()).then_some(told),
+        told: None,
         at_end: Some(again.clone()),
         patience: Some(PATIENCE),
     };
@@ -71,7 +70,9 @@ pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
         .iter()
         .map(|tile| plan.tiling().at(*tile).states() as u64)
         .sum();
-    let progress = Progress::new(states, is_quiet());
+    let template =
+        "{bar:32} {percent:>3} % of {human_len} states, {per_sec}, {eta} left ({elapsed})";
+    let progress = Progress(bar(states, template));
     let asked = tiles.len();
     let summary = plan.run(&store, &tiles, &progress)?;
     interrupt::is_ending();
@@ -126,26 +127,8 @@ fn resuming(arguments: &MapArguments, path: &Path) -> String {
     command
 }
 
-/// Progress bar, shown on a terminal only.
+/// States that are done, on a terminal.
 struct Progress(ProgressBar);
-
-impl Progress {
-    fn new(states: u64, quiet: bool) -> Self {
-        let target = if quiet {
-            ProgressDrawTarget::hidden()
-        } else {
-            ProgressDrawTarget::stderr()
-        };
-        // An error that ends the map also clears the bar.
-        let bar = ProgressBar::with_draw_target(Some(states), target)
-            .with_finish(ProgressFinish::AndClear);
-        let style = ProgressStyle::with_template(
-            "{bar:32} {percent:>3} % of {human_len} states, {per_sec}, {eta} left",
-        );
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Self(bar)
-    }
-}
 
 impl Watch for Progress {
     fn advance(&self, states: u64) {
@@ -157,6 +140,6 @@ impl Watch for Progress {
     }
 
     fn is_out_of_time(&self) -> bool {
-        interrupt::asked_for().is_some_and(|asked| asked >= GRACE)
+        interrupt::is_asked()
     }
 }

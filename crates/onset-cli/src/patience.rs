@@ -1,6 +1,7 @@
 //! Progress display on a terminal for answers that take longer than expected.
 
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::printing::is_quiet;
+use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::sync::{Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -25,7 +26,23 @@ pub fn end() {
     drop(SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take());
 }
 
-/// Progress display, shown until dropped.
+/// How often a bar is drawn, whether or not it has moved.
+const TICK: Duration = Duration::from_millis(200);
+
+/// A bar that shows a number of steps and the time on a terminal, and is cleared at its end.
+pub fn bar(steps: u64, template: &str) -> ProgressBar {
+    if is_quiet() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template(template);
+    let bar = ProgressBar::new(steps)
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        .with_finish(ProgressFinish::AndClear);
+    bar.enable_steady_tick(TICK);
+    bar
+}
+
+/// A sign of life until it is dropped.
 struct Patience {
     done: Option<Sender<()>>,
     shown: Option<JoinHandle<()>>,
@@ -43,8 +60,8 @@ impl Patience {
             let style = ProgressStyle::with_template("{spinner} {msg}: {elapsed} (Ctrl-C ends it)");
             bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
             bar.set_message(doing);
-            bar.enable_steady_tick(Duration::from_millis(200));
-            // Waits until the sender is dropped.
+            bar.enable_steady_tick(TICK);
+            // Until the sender is dropped.
             let _ = waiting.recv();
             bar.finish_and_clear();
         });

@@ -3,6 +3,7 @@
 use crate::arrays::bytes;
 use crate::pool::evaluating;
 use nalgebra::Matrix3;
+use onset::cancel::checkpoint;
 use onset::kinematics::DeformationGradient;
 use onset::material::{FourthOrder, Hyperelastic, MaterialError, PlaneTangent, Response};
 use onset_study::settings::{HandedLaw, MaterialSettings};
@@ -97,6 +98,7 @@ struct FunctionLaw {
 impl FunctionLaw {
     /// Values of all states.
     fn numbers(&self, states: &[DeformationGradient]) -> Result<Vec<f64>, MaterialError> {
+        checkpoint();
         // Without an interpreter the program is ending, and the answer is no longer needed.
         Python::try_attach(|py| {
             self.asked(py, states)

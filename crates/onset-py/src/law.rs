@@ -6,6 +6,7 @@ use crate::failure::Failure;
 use crate::function::{Assigned, NUMBERS, Setting};
 use crate::interrupt;
 use crate::problem::{Source, mode_named, trusted, unknown};
+use onset::cancel::Scope;
 use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
 use onset_study::answers::Strain;
@@ -136,12 +137,12 @@ impl Law {
     ) -> PyResult<Bound<'py, PyBytes>> {
         let components = numbers(py, &components)?;
         let settings = self.settings.clone();
-        let responses = interrupt::ending(py, move |interrupt| {
+        let responses = interrupt::answer(py, move || {
             let law = settings.build().map_err(Failure::input)?;
             let states = deformations(&components)?;
             let mut all = vec![0.0; states.len() * NUMBERS];
+            let scope = Scope::current();
             let part = |(n, (out, states)): (usize, (&mut [f64], &[DeformationGradient]))| {
-                interrupt.end_if_asked();
                 for (i, (out, f)) in out.chunks_exact_mut(NUMBERS).zip(states).enumerate() {
                     let state = n * BATCH_STATES + i;
                     respond(&*law, f, out)
@@ -157,7 +158,7 @@ impl Law {
             all.par_chunks_mut(NUMBERS * BATCH_STATES)
                 .zip(states.par_chunks(BATCH_STATES))
                 .enumerate()
-                .try_for_each(part)?;
+                .try_for_each(|own| scope.run(|| part(own)))?;
             Ok(all)
         })?;
         Ok(bytes(py, &responses))

@@ -3,7 +3,7 @@
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::function::{Assigned, Setting};
-use crate::interrupt::{self, Interrupt};
+use crate::interrupt;
 use crate::problem::{Source, settings};
 use onset_study::compare::{PANELS, Recommendation, Table, Thresholds};
 use onset_study::modes::{ModesAnswer, ModesQuestion};
@@ -21,9 +21,9 @@ pub fn compare(
     libraries: Vec<PathBuf>,
 ) -> PyResult<Answer> {
     let assigned = Assigned::from(given);
-    interrupt::ending(py, move |interrupt| {
+    interrupt::answer(py, move || {
         let comparison = comparison(&file, &assigned, &libraries)?;
-        let table = evaluated(&comparison, &interrupt)?;
+        let table = evaluated(&comparison)?;
         let answer = Answer::of(&table, &table)?.with_table(&table.csv());
         Ok(answer.with_files(move || table.files().map_err(Failure::machine)))
     })
@@ -40,7 +40,7 @@ pub fn recommend(
     limits: (f64, f64, f64, f64),
 ) -> PyResult<Answer> {
     let assigned = Assigned::from(given);
-    interrupt::ending(py, move |interrupt| {
+    interrupt::answer(py, move || {
         let comparison = match file {
             Some(file) => comparison(&file, &assigned, &libraries)?,
             None => {
@@ -53,7 +53,7 @@ pub fn recommend(
                 of_law(Comparison::parse(name, text, &assigned.texts)?, &assigned)
             }
         };
-        let mut table = evaluated(&comparison, &interrupt)?;
+        let mut table = evaluated(&comparison)?;
         let (weak, wrong, long_waves, wavelength) = limits;
         table.thresholds = Thresholds {
             weak,
@@ -83,7 +83,7 @@ pub fn tune(
     limits: (f64, f64, f64),
 ) -> PyResult<Answer> {
     let assigned = Assigned::from(given);
-    interrupt::ending(py, move |interrupt| {
+    interrupt::answer(py, move || {
         let (weak, wrong, later) = limits;
         let question = TuneQuestion::new(&key, range, stretches)?.with_thresholds(Thresholds {
             weak,
@@ -92,7 +92,7 @@ pub fn tune(
             ..Thresholds::default()
         });
         let settings = settings(file.as_ref(), &assigned, &libraries, &[question.key()])?;
-        let tuned = TuneAnswer::new(&settings, &question, |_| interrupt.end_if_asked())?;
+        let tuned = TuneAnswer::new(&settings, &question, |_| ())?;
         let answer = Answer::of(&tuned, &tuned)?.with_table(&tuned.csv());
         Ok(answer.with_files(move || tuned.files().map_err(Failure::machine)))
     })
@@ -143,8 +143,8 @@ fn of_law(comparison: Comparison, assigned: &Assigned) -> Comparison {
     }
 }
 
-fn evaluated(comparison: &Comparison, interrupt: &Interrupt) -> Result<Table, Failure> {
-    let table = Table::of(comparison, |_| interrupt.end_if_asked())?;
+fn evaluated(comparison: &Comparison) -> Result<Table, Failure> {
+    let table = Table::of(comparison, |_| ())?;
     match table.failure() {
         Some(why) => Err(Failure::Input(why)),
         None => Ok(table),

@@ -6,6 +6,7 @@ use crate::failure::Failure;
 use crate::function::{Assigned, Setting};
 use crate::interrupt::{self, Interrupt};
 use onset::analysis::PlaneWaves;
+use onset::cancel::Scope;
 use onset::kinematics::DeformationGradient;
 use onset_study::Verdict;
 use onset_study::answers::{
@@ -192,7 +193,7 @@ impl Problem {
     ) -> PyResult<Answer> {
         let problem = Arc::clone(&self.0);
         let integrator = Integrator::named(integrator);
-        interrupt::ending(py, move |interrupt| {
+        interrupt::answer(py, move || {
             let strain = match (state.0.as_deref(), state.1.as_deref()) {
                 (None, None) => Strain::reference(),
                 (stretch, components) => strain(&problem, stretch, components)?,
@@ -205,8 +206,7 @@ impl Problem {
                 .between(range)
                 .with_safety(safety)
                 .with_integrator(integrator);
-            let told = |_| interrupt.end_if_asked();
-            let limit = LimitAnswer::new(&problem.settings, &strain, &question, &told)?;
+            let limit = LimitAnswer::new(&problem.settings, &strain, &question, &|_| ())?;
             let answer = Answer::of(&limit, &limit)?.with_table(&limit.csv());
             Ok(answer.with_files(move || limit.files().map_err(Failure::machine)))
         })
@@ -303,9 +303,7 @@ impl Problem {
     ) -> PyResult<Bound<'py, PyDict>> {
         let components = numbers(py, &components)?;
         let problem = Arc::clone(&self.0);
-        let records = interrupt::ending(py, move |interrupt| {
-            records(&problem, &components, &interrupt)
-        })?;
+        let records = interrupt::answer(py, move || records(&problem, &components))?;
         let columns = PyDict::new(py);
         let flags: Vec<f64> = records.iter().map(flag).collect();
         columns.set_item("verdict", bytes(py, &flags))?;
@@ -450,11 +448,7 @@ impl Problem {
             checkpoint,
         });
         let problem = Arc::clone(&self.0);
-        let answered = match place.is_some() {
-            true => interrupt::finishing,
-            false => interrupt::ending,
-        };
-        answered(py, move |interrupt| {
+        interrupt::watched(py, move |interrupt| {
             let strain = strain(&problem, stretch.as_deref(), components.as_deref())?;
             let question = Question {
                 f: strain.0,
@@ -474,19 +468,31 @@ impl Problem {
                 stepper,
                 tolerance,
             };
-            let answer = simulate::simulate(&problem, &question, place.as_ref(), &interrupt)?;
+            let watch = Watch {
+                interrupt,
+                is_kept: place.is_some(),
+            };
+            let answer = simulate::simulate(&problem, &question, place.as_ref(), &watch)?;
             Answer::of(&answer, &answer)
         })
     }
 }
 
-impl simulate::Watch for Interrupt {
+/// Watches a run, which is saved at an interrupt if it is kept in a folder.
+struct Watch {
+    interrupt: Interrupt,
+    is_kept: bool,
+}
+
+impl simulate::Watch for Watch {
     fn advance(&self, _done: u64, _all: u64) {
-        self.end_if_asked_twice();
+        if self.is_kept {
+            self.interrupt.save_first();
+        }
     }
 
     fn is_interrupted(&self) -> bool {
-        self.is_asked()
+        self.interrupt.is_asked()
     }
 }
 
@@ -503,7 +509,7 @@ impl Problem {
         let components = numbers(py, components)?;
         let wave_vectors = numbers(py, wave_vectors)?;
         let problem = Arc::clone(&self.0);
-        let spectra = interrupt::ending(py, move |interrupt| {
+        let spectra = interrupt::answer(py, move || {
             let states = states(&problem, &components)?;
             let dimension = problem.dimension();
             check(&wave_vectors, problem.settings.discretization.spacing)?;
@@ -519,6 +525,7 @@ impl Problem {
             if all.is_empty() {
                 return Ok(all);
             }
+            let scope = Scope::current();
             for (f, out) in states.iter().zip(all.chunks_exact_mut(vectors * width)) {
                 let waves = problem
                     .analysis
@@ -527,8 +534,7 @@ impl Problem {
                 out.par_chunks_exact_mut(width)
                     .zip(wave_vectors.par_chunks_exact(dimension))
                     .with_min_len(BATCH_STATES)
-                    .for_each(|(out, k)| take(&*waves, k, out));
-                interrupt.end_if_asked();
+                    .for_each(|(out, k)| scope.run(|| take(&*waves, k, out)));
             }
             Ok(all)
         })?;
@@ -577,19 +583,16 @@ fn flag(record: &Record) -> f64 {
 }
 
 /// Records of states as computed by a map, on all cores.
-fn records(
-    problem: &answers::Problem,
-    components: &[f64],
-    interrupt: &Interrupt,
-) -> Result<Vec<Record>, Failure> {
+fn records(problem: &answers::Problem, components: &[f64]) -> Result<Vec<Record>, Failure> {
     let states = states(problem, components)?;
     let map = MapSettings::default();
     let evaluator = Evaluator::new(problem.settings.clone(), &map, states.len() >= MANY_STATES)?;
     let shares = 4 * rayon::current_num_threads();
     let part = states.len().div_ceil(shares).clamp(1, BATCH_STATES);
+    let scope = Scope::current();
     let of_part = |(n, states): (usize, &[DeformationGradient])| {
-        interrupt.end_if_asked();
-        let records = evaluator.records(states).into_iter().enumerate();
+        let records = scope.run(|| evaluator.records(states));
+        let records = records.into_iter().enumerate();
         records
             .map(|(i, record)| {
                 let at = |error| Failure::Input(format!("state {}: {error}", n * part + i));

@@ -2,10 +2,10 @@
 
 use crate::answer::Answer;
 use crate::failure::Failure;
-use crate::interrupt::{self, Interrupt};
+use crate::interrupt;
 use crate::problem::{Source, trusted};
 use onset_study::boundary::{self, Boundaries, Tracing, files};
-use onset_study::map::{self, Part, Plan, Summary};
+use onset_study::map::{Part, Plan, Summary};
 use onset_study::settings;
 use onset_study::store::ZarrStore;
 use pyo3::prelude::*;
@@ -31,26 +31,6 @@ struct Mapped<'a> {
     #[serde(flatten)]
     summary: &'a Summary,
     interrupted: bool,
-}
-
-impl boundary::Watch for Interrupt {
-    fn asked(&self, _states: u64) {
-        self.end_if_asked();
-    }
-}
-
-impl map::Watch for Interrupt {
-    fn advance(&self, _states: u64) {
-        self.end_if_asked_twice();
-    }
-
-    fn is_interrupted(&self) -> bool {
-        self.is_asked()
-    }
-
-    fn is_out_of_time(&self) -> bool {
-        self.is_asked_twice()
-    }
 }
 
 #[pymethods]
@@ -85,13 +65,12 @@ impl Study {
 
     fn boundary(&self, py: Python<'_>, flutter: bool) -> PyResult<Answer> {
         let study = self.0.clone();
-        interrupt::ending(py, move |interrupt| {
+        interrupt::answer(py, move || {
             let tracing = Tracing {
                 flutter,
                 fidelity: true,
-                until: None,
             };
-            let boundaries = Boundaries::of(&study, tracing, &interrupt).map_err(Failure::input)?;
+            let boundaries = Boundaries::of(&study, tracing, &()).map_err(Failure::input)?;
             let made = files(&boundaries).map_err(Failure::machine)?;
             let table = made.iter().find(|(name, _)| name == "boundary.csv");
             let table = table.map(|(_, bytes)| String::from_utf8_lossy(bytes).into_owned());
@@ -131,7 +110,7 @@ impl Study {
         overwrite: bool,
     ) -> PyResult<Answer> {
         let study = self.0.clone();
-        interrupt::ending(py, move |interrupt| {
+        interrupt::answer(py, move || {
             let plan = Plan::new(&study)?;
             let asked = tiles.map(|text| text.parse::<Part>());
             let asked = asked
@@ -141,7 +120,7 @@ impl Study {
             let tiles = plan.tiles(asked)?;
             let store = store(&plan, &out, resume || is_part, overwrite)?;
             let asked = tiles.len();
-            let summary = plan.run(&store, &tiles, &interrupt)?;
+            let summary = plan.run(&store, &tiles, &())?;
             let mapped = Mapped {
                 store: out.display().to_string(),
                 summary: &summary,

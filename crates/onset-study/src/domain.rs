@@ -4,7 +4,8 @@ use crate::answers::{Problem, ProblemError};
 use crate::figure::{Color, Regions, palette};
 use crate::settings::Study;
 use nalgebra::SVector;
-use onset::bloch::{IsEnded, Stability};
+use onset::bloch::Stability;
+use onset::cancel::Scope;
 use onset::verdict::Verdict;
 use rayon::prelude::*;
 
@@ -70,13 +71,6 @@ type Wave = SVector<f64, 3>;
 /// Number of times that the cells of a map are halved for a smooth picture.
 const HALVINGS: usize = 3;
 
-fn unless(is_ended: IsEnded<'_>) -> Result<(), ProblemError> {
-    match is_ended() {
-        true => Err(ProblemError::OutOfTime),
-        false => Ok(()),
-    }
-}
-
 /// A map of a study: cell-centered states, the first stretch running fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Domain {
@@ -104,16 +98,8 @@ impl Domain {
     /// # Errors
     /// [`ProblemError`] when the study itself is invalid; states at which the support is too small are [`Class::Undefined`].
     pub fn of(study: &Study) -> Result<Self, ProblemError> {
-        Self::of_unless(study, &|| false)
-    }
-
-    /// Evaluates a study like [`Domain::of`], with cancellation through `is_ended`.
-    ///
-    /// # Errors
-    /// Fails like [`Domain::of`], and with [`ProblemError::OutOfTime`] when cancelled.
-    pub fn of_unless(study: &Study, is_ended: IsEnded<'_>) -> Result<Self, ProblemError> {
         let problem = Problem::new(study.settings.clone())?;
-        evaluated(study, &problem, is_ended)
+        evaluated(study, &problem)
     }
 
     /// Refines the map eightfold along each axis, for smooth boundaries. States are computed where the classes around them differ, and filled in
@@ -125,18 +111,18 @@ impl Domain {
         let problem = Problem::new(self.study.settings.clone())?;
         let mut finer = self.clone();
         for _ in 0..HALVINGS {
-            finer = halved(&finer, &problem, &|| false)?;
+            finer = halved(&finer, &problem)?;
         }
         Ok(finer)
     }
 
-    /// Refines the map twofold along each axis, with cancellation through `is_ended`; otherwise like [`Domain::smoothed`].
+    /// Refines the map twofold along each axis; otherwise like [`Domain::smoothed`].
     ///
     /// # Errors
-    /// Fails like [`Domain::of_unless`].
-    pub fn halved_unless(&self, is_ended: IsEnded<'_>) -> Result<Self, ProblemError> {
+    /// Fails like [`Domain::of`].
+    pub fn halved(&self) -> Result<Self, ProblemError> {
         let problem = Problem::new(self.study.settings.clone())?;
-        halved(self, &problem, is_ended)
+        halved(self, &problem)
     }
 
     /// Returns the map as a layer of a figure.
@@ -188,15 +174,9 @@ impl Domain {
 }
 
 /// Evaluates all states in parallel.
-fn evaluated(
-    study: &Study,
-    problem: &Problem,
-    is_ended: IsEnded<'_>,
-) -> Result<Domain, ProblemError> {
-    let of_state = |index: usize| {
-        unless(is_ended)?;
-        class(study, problem, index, None)
-    };
+fn evaluated(study: &Study, problem: &Problem) -> Result<Domain, ProblemError> {
+    let scope = Scope::current();
+    let of_state = |index: usize| scope.run(|| class(study, problem, index, None));
     let found: Vec<_> = (0..study.states())
         .into_par_iter()
         .map(of_state)
@@ -205,12 +185,13 @@ fn evaluated(
 }
 
 /// Refines the map twofold along each axis.
-fn halved(map: &Domain, problem: &Problem, is_ended: IsEnded<'_>) -> Result<Domain, ProblemError> {
+fn halved(map: &Domain, problem: &Problem) -> Result<Domain, ProblemError> {
     let [first, second] = map.study.plane();
     let (columns, rows) = (first.count, second.count);
     let mut study = map.study.clone();
     study.axes[0].count *= 2;
     study.axes[1].count *= 2;
+    let scope = Scope::current();
     let of_state = |index: usize| {
         let (column, row) = (index % (2 * columns), index / (2 * columns));
         let whole = row / 2 * columns + column / 2;
@@ -232,12 +213,11 @@ fn halved(map: &Domain, problem: &Problem, is_ended: IsEnded<'_>) -> Result<Doma
         if neighbors().all(|state| map.classes[state] == map.classes[whole]) {
             return Ok((map.classes[whole], map.witnesses[whole]));
         }
-        unless(is_ended)?;
         let beside = neighbors().filter_map(|state| map.witnesses[state]);
         let mut beside: Vec<Wave> = beside.collect();
         // At the boundary of the map, and where states were filled in, several neighbors have the same wave vector.
         beside.dedup();
-        class(&study, problem, index, Some(&beside))
+        scope.run(|| class(&study, problem, index, Some(&beside)))
     };
     let found: Vec<_> = (0..4 * columns * rows)
         .into_par_iter()
@@ -294,7 +274,7 @@ mod tests {
             "quantity = \"stretch-2\"\nrange = [0.5, 1.6]",
         ] {
             let coarse = window(second);
-            let fine = coarse.halved_unless(&|| false).expect("a map");
+            let fine = coarse.halved().expect("a map");
             let alone = Domain::of(&fine.study).expect("a map");
             let is_filled_in = |index: usize| {
                 let (column, row) = (index % 14, index / 14);

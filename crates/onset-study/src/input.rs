@@ -1,5 +1,6 @@
 //! Reading of files that a user names: regular files of bounded length, as text.
 
+use onset::cancel::checkpoint;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
@@ -31,8 +32,16 @@ pub fn bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// # Errors
 /// [`io::Error`] if the source cannot be read or holds more than `most` bytes.
 pub fn bounded(from: impl Read, most: u64) -> io::Result<Vec<u8>> {
+    /// A source whose parts are read between checkpoints.
+    struct InParts<R>(R);
+    impl<R: Read> Read for InParts<R> {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            checkpoint();
+            self.0.read(buffer)
+        }
+    }
     let mut bytes = Vec::new();
-    from.take(most + 1).read_to_end(&mut bytes)?;
+    InParts(from).take(most + 1).read_to_end(&mut bytes)?;
     match bytes.len() as u64 > most {
         true => Err(invalid(format!("it has more than {} MiB", most >> 20))),
         false => Ok(bytes),

@@ -33,4 +33,5 @@ pub mod store;
 pub mod tune;
 pub mod verify;
 
+pub use onset::cancel::unless;
 pub use onset::verdict::Verdict;

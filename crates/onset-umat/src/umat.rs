@@ -200,6 +200,7 @@ impl Umat {
     /// Evaluates paths in an idle or new process; a process that has failed is not used again.
     #[cfg(unix)]
     fn ask(&self, paths: &[Vec<Matrix3<f64>>], replies: &mut Vec<Reply>) -> Result<(), UmatError> {
+        onset::cancel::checkpoint();
         let idle = || {
             self.idle
                 .lock()

@@ -1,5 +1,6 @@
 //! Parallel work on all cores.
 
+use crate::cancel::Scope;
 use std::sync::{Mutex, PoisonError};
 
 /// Applies `work` to each item, in parallel if available, and returns the results in order.
@@ -37,7 +38,10 @@ fn on_all_cores(count: usize, work: &(dyn Fn(usize) + Sync)) {
     #[cfg(feature = "rayon")]
     {
         use rayon::prelude::*;
-        (0..count).into_par_iter().for_each(work);
+        let scope = Scope::current();
+        (0..count)
+            .into_par_iter()
+            .for_each(|n| scope.run(|| work(n)));
     }
     #[cfg(not(feature = "rayon"))]
     (0..count).for_each(work);

@@ -36,6 +36,7 @@ pub mod algebra;
 pub mod analysis;
 pub mod approximation;
 pub mod bloch;
+pub mod cancel;
 pub mod certificate;
 pub mod continuum;
 mod cores;

@@ -150,6 +150,9 @@ export function giveUp(name: string): void {
   running.delete(name);
 }
 
+/** Returns true while the request of a place is running. */
+export const isAsking = (place: string): boolean => running.has(place);
+
 /** Sends a request. An earlier request in the same place is cancelled and never resolves. */
 export async function ask<T>(name: string, question: Partial<Question> & Record<string, unknown>, place: string = name): Promise<T> {
   giveUp(place);

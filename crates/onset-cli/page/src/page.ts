@@ -1,7 +1,7 @@
 // The page: the question on the left, the map of its window in the middle, the results for the state on the right.
 
 import { read, written, WINDOW } from "./address";
-import { ask, giveUp, isGivenUp, Refusal } from "./ask";
+import { ask, giveUp, isAsking, isGivenUp, Refusal } from "./ask";
 import type { Catalog, Curves, Directions, Dispersion, Form, Mode, Question, ShownMap, State, Stored, ZooEntry } from "./ask";
 import { element, lazily, table, the, told, vector } from "./dom";
 import { build } from "./form";
@@ -17,6 +17,7 @@ const FIRST: Question = {
 };
 /** Instructions below the map. */
 const HELP = "Click a state, or move with the arrow keys.";
+const TRACING = "tracing boundaries…";
 /** Initial formula of a user-defined energy. */
 const ENERGY = "mu/2*(I1 - 3 - 2*ln(J)) + lambda/2*ln(J)^2";
 
@@ -218,6 +219,7 @@ async function askMap(answered: Promise<number>): Promise<void> {
       if (map.is_finest) break;
     }
     the("plane").removeAttribute("aria-busy");
+    the("map-state").textContent = TRACING;
     curves = await ask<Curves>("boundary", { ...asked(), window: question.window });
     drawMap();
     the("map").dataset["curves"] = String(curves.features.length);
@@ -268,7 +270,7 @@ function drawMap(): void {
     element("li", {}, element("span", { class: "curve material" }), "boundary of the material"),
     element("li", {}, element("span", { class: "curve particles" }), "boundary of the discretization"),
   );
-  the("map-state").textContent = shown.is_finest ? "" : "finer…";
+  the("map-state").textContent = !shown.is_finest ? "finer…" : curves === null && isAsking("boundary") ? TRACING : "";
   lazily(the("map-table"), () =>
     table("Shares of the window", ["verdict", "share"], rows.map(({ title, share }) => [title, `${share.toFixed(1)} %`])),
   );

@@ -1,15 +1,15 @@
 //! `onset boundary`: stability boundaries of a study as curves.
 
 use super::{Failure, named, wrote};
-use crate::printing::{is_quiet, print};
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::patience::bar;
+use crate::printing::print;
+use indicatif::ProgressBar;
 use onset_study::boundary::{Boundaries, Summary, Tracing, Watch, files};
 use onset_study::output::Output;
 use onset_study::settings::Study;
 use serde::Serialize;
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::Duration;
 
 /// Document printed as JSON.
 #[derive(Serialize)]
@@ -24,16 +24,8 @@ pub(super) struct Counter(ProgressBar);
 
 impl Counter {
     pub(super) fn new() -> Self {
-        if is_quiet() {
-            return Self(ProgressBar::hidden());
-        }
-        let bar = ProgressBar::new_spinner();
-        let style = ProgressStyle::with_template(
-            "{spinner} tracing boundaries: {pos} states, {per_sec} ({elapsed})",
-        );
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
-        bar.enable_steady_tick(Duration::from_millis(200));
-        Self(bar)
+        let template = "{spinner} tracing boundaries: {pos} states, {per_sec} ({elapsed})";
+        Self(bar(0, template))
     }
 
     pub(super) fn finish(&self) {

@@ -65,7 +65,7 @@ fn read(file: &Path, assignments: &[String], trust: &Trust) -> Result<Comparison
 }
 
 fn evaluated(comparison: &Comparison) -> Result<Table, Failure> {
-    let bar = progress(comparison.candidates.len());
+    let bar = progress(comparison.candidates.len(), "methods compared:");
     let table = Table::of(comparison, |name| {
         bar.set_message(name.to_owned());
         bar.inc(1);

@@ -22,7 +22,7 @@ pub fn limit(arguments: &LimitArguments) -> Result<ExitCode, Failure> {
     let output = arguments.out.as_deref();
     let names = ["limit.csv", "limit.svg", "limit.png"];
     let output = output.map(|out| Output::at(out, &names)).transpose()?;
-    let bar = progress(question.values());
+    let bar = progress(question.values(), "values tried:");
     let answer = LimitAnswer::new(&settings, &strain, &question, &|value| {
         bar.set_message(format!("{} = {value}", question.key()));
         bar.inc(1);

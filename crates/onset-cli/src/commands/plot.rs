@@ -5,7 +5,7 @@ use super::{Failure, wrote};
 use crate::arguments::PlotArguments;
 use crate::printing::print;
 use onset_study::output::Output;
-use onset_study::plot::{Lines, Look, Plot, plot_allowing as figure};
+use onset_study::plot::{Drawn, Lines, Look, Plot, Unfinished, plot_allowing as draw};
 use serde::Serialize;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -13,8 +13,11 @@ use std::process::ExitCode;
 
 /// Document printed as JSON.
 #[derive(Serialize)]
-struct Drawn {
+struct Document {
     files: Vec<PathBuf>,
+    /// Stores with tiles that are still to be computed.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    unfinished: Vec<Unfinished>,
 }
 
 /// Draws stores and writes the figure.
@@ -50,17 +53,22 @@ pub fn plot(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
             color_map: arguments.color_map,
         },
     };
-    let made = figure(&asked, &arguments.trust.trust(), &counter);
+    let made = draw(&asked, &arguments.trust.trust(), &counter);
     counter.finish();
-    let made = made.map_err(|error| match error.is_input() {
+    let Drawn { figure, unfinished } = made.map_err(|error| match error.is_input() {
         true => Failure::input(error),
         false => Failure::machine(error),
     })?;
-    let mut drawn = made.files(&name).map_err(Failure::machine)?;
-    drawn.extend(pdf.map(|name| (name, made.to_pdf())));
-    let files = output.write(&drawn)?;
-    let text = wrote(&files);
-    print(&Drawn { files }, &text, None)
+    let mut made = figure.files(&name).map_err(Failure::machine)?;
+    made.extend(pdf.map(|name| (name, figure.to_pdf())));
+    let files = output.write(&made)?;
+    let mut text = wrote(&files);
+    for own in &unfinished {
+        let store = own.store.display();
+        text +=
+            &format!("\nnote: {store}: {own}\n  hint: onset map STUDY.toml --out STORE --resume");
+    }
+    print(&Document { files, unfinished }, &text, None)
 }
 
 /// Folder and base name of a figure, from NAME.svg, NAME.png or NAME.pdf, or `map` in a folder.

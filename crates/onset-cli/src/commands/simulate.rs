@@ -3,8 +3,9 @@
 use super::{Failure, source, with_files};
 use crate::arguments::SimulateArguments;
 use crate::interrupt;
+use crate::patience::{self, bar};
 use crate::printing::{is_quiet, print, tell};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
+use indicatif::ProgressBar;
 use onset_study::answers::{Problem, numbers};
 use onset_study::settings::BodySettings;
 use onset_study::simulate::{
@@ -13,6 +14,10 @@ use onset_study::simulate::{
 };
 use std::process::ExitCode;
 use std::str::FromStr;
+use std::time;
+
+/// How long a step may take after an interrupt of a run that is not kept.
+const PATIENCE: time::Duration = time::Duration::from_millis(200);
 
 impl From<SimulateError> for Failure {
     fn from(error: SimulateError) -> Self {
@@ -40,9 +45,9 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
     match problem.settings.body.clone() {
         None => {
             let question = patch(arguments, &problem)?;
-            let progress = watched(is_kept)?;
+            let progress = Progress::new(is_kept);
             let answer = run(&problem, &question, place.as_ref(), &progress)?;
-            progress.0.finish_and_clear();
+            progress.bar.finish_and_clear();
             print(&answer, &with_files(&answer, &answer.files), None)?;
             match answer.interrupted {
                 true => Ok(interrupted(answer.steps_taken, is_kept)),
@@ -51,9 +56,9 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
         }
         Some(body) => {
             let question = body_question(arguments, &problem, body)?;
-            let progress = watched(is_kept)?;
+            let progress = Progress::new(is_kept);
             let answer = run_body(&problem, &question, place.as_ref(), &progress)?;
-            progress.0.finish_and_clear();
+            progress.bar.finish_and_clear();
             print(&answer, &with_files(&answer, &answer.files), None)?;
             match answer.interrupted {
                 true => Ok(interrupted(answer.steps_taken, is_kept)),
@@ -151,25 +156,6 @@ fn body_question(
     })
 }
 
-/// Progress of a run that ends after an interrupt.
-fn watched(is_kept: bool) -> Result<Progress, Failure> {
-    let told = match is_kept {
-        true => "writing a checkpoint; interrupt again to end immediately",
-        false => "ending; interrupt again to end immediately",
-    };
-    let at_end = match is_kept {
-        true => "interrupted; the same command with --resume continues from the last checkpoint",
-        false => "interrupted; nothing was kept: give --out",
-    };
-    let answer = interrupt::Answer {
-        told: (!is_quiet()).then_some(told),
-        at_end: Some(at_end.to_owned()),
-        patience: None,
-    };
-    interrupt::answer_with(answer).map_err(Failure::machine)?;
-    Ok(Progress::new(is_quiet()))
-}
-
 fn interrupted(steps: u64, is_kept: bool) -> ExitCode {
     let how = match is_kept {
         true => "the same command with --resume continues",
@@ -189,28 +175,56 @@ fn whole<T: FromStr>(option: &str, text: &str) -> Result<Vec<T>, Failure> {
     })
 }
 
-/// Progress bar, shown on a terminal only.
-struct Progress(ProgressBar);
+/// Shows the steps of a run on a terminal, and lets an interrupt save them.
+struct Progress {
+    bar: ProgressBar,
+    is_kept: bool,
+}
 
 impl Progress {
-    fn new(quiet: bool) -> Self {
-        let target = match quiet {
-            true => ProgressDrawTarget::hidden(),
-            false => ProgressDrawTarget::stderr(),
-        };
-        let bar = ProgressBar::with_draw_target(None, target).with_finish(ProgressFinish::AndClear);
-        let style = ProgressStyle::with_template(
+    fn new(is_kept: bool) -> Self {
+        let bar = bar(
+            0,
             "{bar:32} {percent:>3} % of {human_len} steps, {per_sec}, {eta} left",
         );
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Self(bar)
+        Self { bar, is_kept }
+    }
+
+    /// From now on an interrupt ends the run after a step, with what there is.
+    fn answer_interrupts(&self) {
+        let (told, at_end, patience) = match self.is_kept {
+            true => (
+                Some("writing a checkpoint; interrupt again to end at once"),
+                "interrupted; the same command with --resume goes on from the last checkpoint",
+                None,
+            ),
+            false => (
+                None,
+                "interrupted; nothing was kept: give --out",
+                Some(PATIENCE),
+            ),
+        };
+        let answer = interrupt::Answer {
+            told: told.filter(|_| !is_quiet()),
+            at_end: Some(at_end.to_owned()),
+            patience,
+        };
+        if let Err(error) = interrupt::answer_with(answer) {
+            tell(format_args!(
+                "note: an interrupt ends this run at once: {error}"
+            ));
+        }
     }
 }
 
 impl Watch for Progress {
     fn advance(&self, done: u64, all: u64) {
-        self.0.set_length(all);
-        self.0.set_position(done);
+        if self.bar.length() != Some(all) {
+            patience::end();
+            self.answer_interrupts();
+            self.bar.set_length(all);
+        }
+        self.bar.set_position(done);
     }
 
     fn is_interrupted(&self) -> bool {

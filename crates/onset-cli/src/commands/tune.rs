@@ -19,7 +19,7 @@ pub fn tune(arguments: &TuneArguments) -> Result<ExitCode, Failure> {
     let output = arguments.out.as_deref();
     let names = ["tune.csv", "tune.svg", "tune.png"];
     let output = output.map(|out| Output::at(out, &names)).transpose()?;
-    let bar = progress(question.values().len());
+    let bar = progress(question.values().len(), "values tried:");
     let answer = TuneAnswer::new(&settings, &question, |value| {
         bar.set_message(format!("{} = {value}", question.key()));
         bar.inc(1);

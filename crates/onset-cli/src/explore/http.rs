@@ -2,10 +2,13 @@
 //!
 //! The crate `httparse` parses request heads.
 
+use onset_study::unless;
 use std::io::{self, Read, Write};
 use std::net::{Shutdown, TcpStream};
-use std::sync::Mutex;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::thread;
 use std::time::{Duration, Instant};
 
 /// Limits on the bytes of a request head, the number of headers, and the bytes of a body.
@@ -204,37 +207,35 @@ impl Connection {
         }
     }
 
-    /// Runs a computation that can poll whether the browser has closed the connection, which it does when a question is cancelled.
+    /// Runs a computation that is cancelled when the browser closes the connection; returns `None` then.
     ///
     /// # Errors
     /// The error of the operating system.
-    pub fn while_there<T>(
-        &self,
-        work: impl FnOnce(&(dyn Fn() -> bool + Sync)) -> T,
-    ) -> io::Result<T> {
+    pub fn while_there<T>(&self, work: impl FnOnce() -> T) -> io::Result<Option<T>> {
         self.stream.set_nonblocking(true)?;
-        let (is_gone, looked) = (AtomicBool::new(false), Mutex::new(Instant::now()));
-        let ask = || {
-            if is_gone.load(Ordering::Relaxed) {
-                return true;
-            }
-            // If another thread is polling, its result is used.
-            if let Ok(mut last) = looked.try_lock()
-                && last.elapsed() >= CHECK_INTERVAL
-            {
-                *last = Instant::now();
-                let mut byte = [0];
-                let is_open = match self.stream.peek(&mut byte) {
-                    Ok(count) => count > 0,
-                    Err(error) => error.kind() == io::ErrorKind::WouldBlock,
-                };
-                is_gone.store(!is_open, Ordering::Relaxed);
-            }
-            is_gone.load(Ordering::Relaxed)
-        };
-        let done = work(&ask);
+        let (done, waiting) = channel::<()>();
+        let is_gone = Arc::new(AtomicBool::new(false));
+        let gone = Arc::clone(&is_gone);
+        let answer = thread::scope(move |scope| {
+            thread::Builder::new().spawn_scoped(scope, move || {
+                // Until the sender is dropped.
+                while waiting.recv_timeout(CHECK_INTERVAL) == Err(RecvTimeoutError::Timeout) {
+                    gone.store(self.has_gone(), Ordering::Relaxed);
+                }
+            })?;
+            let answer = unless(move || is_gone.load(Ordering::Relaxed), work);
+            drop(done);
+            Ok::<_, io::Error>(answer)
+        })?;
         self.stream.set_nonblocking(false)?;
-        Ok(done)
+        Ok(answer)
+    }
+
+    fn has_gone(&self) -> bool {
+        match self.stream.peek(&mut [0]) {
+            Ok(count) => count == 0,
+            Err(error) => error.kind() != io::ErrorKind::WouldBlock,
+        }
     }
 }
 

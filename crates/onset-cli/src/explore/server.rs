@@ -179,13 +179,8 @@ impl Server {
             Ok(question) => question,
             Err(refusal) => return Some(error("400 Bad Request", &refusal.to_string())),
         };
-        let answered = connection.while_there(|is_gone| {
-            if is_gone() {
-                return Err(Refusal::GivenUp);
-            }
-            self.explorer.answer(name, &question, is_gone)
-        });
-        Some(match answered.ok()? {
+        let answered = connection.while_there(|| self.explorer.answer(name, &question));
+        Some(match answered.ok()?? {
             Ok(document) => json("200 OK", document),
             Err(refusal @ Refusal::Unknown(_)) => error("404 Not Found", &refusal.to_string()),
             // An error message of the command is a valid answer; with another status, browsers would report a fault of the page.

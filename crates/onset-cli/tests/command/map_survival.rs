@@ -3,7 +3,6 @@
 use crate::command;
 use crate::map::{Place, STUDY, TILES, tree};
 use onset_study::store::{ResultStore, ZarrStore};
-use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -62,7 +61,7 @@ fn a_map_resumed_after_a_kill_has_the_same_bytes() {
 }
 
 #[test]
-fn an_interrupt_finishes_started_tiles_and_a_resumed_map_has_the_same_bytes() {
+fn an_interrupt_keeps_the_tiles_that_are_stored_and_a_resumed_map_has_the_same_bytes() {
     stopped_by("-INT");
 }
 
@@ -83,10 +82,6 @@ fn stopped_by(name: &str) {
     let output = child.wait_with_output().expect("an end");
     let told = String::from_utf8(output.stderr).expect("UTF-8");
     assert_eq!(output.status.code(), Some(130), "{told}");
-    assert!(
-        told.contains("tiles that have begun are given a second"),
-        "{told}"
-    );
     let again = format!(
         "--out {} --resume",
         place.store("interrupted.zarr").display()
@@ -96,7 +91,8 @@ fn stopped_by(name: &str) {
     assert!((1..TILES).contains(&tiles), "{tiles} tiles are done");
     let said = String::from_utf8(output.stdout).expect("UTF-8");
     let left = format!("{} of {TILES} tiles are still to do", TILES - tiles);
-    assert!(said.contains(&left), "{said}");
+    // A state that takes longer than the end may take is not waited for, nor is the summary.
+    assert!(said.is_empty() || said.contains(&left), "{said}");
 
     let document = place.document("interrupted.zarr", "--resume");
     assert_eq!(document["tiles_found"], tiles);
@@ -132,22 +128,14 @@ fn begun(place: &Place) -> Child {
     child
 }
 
-/// The process is stopped during the second allowed after the interrupt, so that the tile is late on any machine.
 #[test]
 fn an_interrupt_abandons_a_tile_of_slow_states_and_a_resumed_map_has_the_same_bytes() {
     let place = Place::new(&slow(2, 6));
-    let mut child = begun(&place);
+    let child = begun(&place);
     signal(&child, "-INT");
-    let mut stderr = BufReader::new(child.stderr.take().expect("a pipe"));
-    let mut told = String::new();
-    stderr.read_line(&mut told).expect("UTF-8");
-    assert!(told.contains("tiles that have begun"), "{told}");
-    signal(&child, "-STOP");
-    std::thread::sleep(Duration::from_millis(1100));
-    signal(&child, "-CONT");
-    stderr.read_to_string(&mut told).expect("UTF-8");
-    let code = child.wait().expect("an end").code();
-    assert_eq!(code, Some(130), "{told}");
+    let output = child.wait_with_output().expect("an end");
+    let told = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(130), "{told}");
     assert!(told.contains("--resume"), "{told}");
     assert_eq!(done(&place, "slow.zarr"), 0);
     place.computed("slow.zarr", "--resume");
@@ -173,7 +161,7 @@ fn a_slow_state_or_a_second_interrupt_ends_a_map_immediately_with_a_hint_to_resu
         assert_eq!(output.status.code(), Some(130), "{told}");
         let again = format!("--out {} --resume", place.store("slow.zarr").display());
         assert!(told.contains(&again), "{told}");
-        assert!(begin.elapsed() < Duration::from_secs(20));
+        assert!(begin.elapsed() < Duration::from_secs(2));
     }
 }
 

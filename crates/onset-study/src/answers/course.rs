@@ -8,6 +8,7 @@ use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::number::told;
 use crate::output::{Files, text};
 use crate::settings::Effective;
+use onset::cancel::Scope;
 use onset::criteria::{
     Lateral, Loading, LoadingError, LoadingPath, LoadingSection, Mode, Range, is_isotropic,
 };
@@ -386,9 +387,13 @@ impl PathSamples {
             material: MaterialSample::of(problem, f),
             state: StateAnswer::new(problem, &Strain::from(*f)).ok(),
         };
+        let scope = Scope::current();
         Ok(Self {
             abscissa: followed.abscissa(0.0).0,
-            samples: states.par_iter().map(sample).collect(),
+            samples: states
+                .par_iter()
+                .map(|own| scope.run(|| sample(own)))
+                .collect(),
             settings: problem.settings.effective(),
         })
     }

@@ -12,7 +12,8 @@ use crate::settings::Effective;
 use nalgebra::Vector3;
 use onset::algebra::Complex;
 use onset::analysis::Analysis;
-use onset::bloch::{IsEnded, growth_rate};
+use onset::bloch::growth_rate;
+use onset::cancel::Scope;
 use onset::kinematics::DeformationGradient;
 use onset::verdict::Assessment;
 use rayon::prelude::*;
@@ -118,21 +119,20 @@ impl Diagram {
         path: Option<&str>,
     ) -> Result<Self, ProblemError> {
         let assessment = problem.analysis.assess(&strain.0)?;
-        Self::of(problem, strain, &assessment, path, &|| false)
+        Self::of(problem, strain, &assessment, path)
     }
 
-    /// Computes the diagram of an assessed state, with cancellation through `is_ended`.
+    /// Computes the diagram of an assessed state.
     ///
     /// # Errors
-    /// [`ProblemError::OutOfTime`] when cancelled; otherwise like [`Diagram::new`].
+    /// Like [`Diagram::new`].
     pub fn of(
         problem: &Problem,
         strain: &Strain,
         assessment: &Assessment<3>,
         path: Option<&str>,
-        is_ended: IsEnded<'_>,
     ) -> Result<Self, ProblemError> {
-        diagram(problem, &strain.0, assessment, path, is_ended)
+        diagram(problem, &strain.0, assessment, path)
     }
 
     /// Text output: critical wave, notes and settings.
@@ -433,7 +433,6 @@ fn diagram(
     f: &DeformationGradient,
     assessment: &Assessment<3>,
     typed: Option<&str>,
-    is_ended: IsEnded<'_>,
 ) -> Result<Diagram, ProblemError> {
     let analysis = &*problem.analysis;
     let dimension = analysis.dimension();
@@ -449,15 +448,12 @@ fn diagram(
     if critical.norm() > 0.0 {
         path.through(&critical, waves.reach(critical.as_slice()));
     }
-    let at = |k: &Vector3<f64>| match is_ended() {
-        true => Err(ProblemError::OutOfTime),
-        false => Ok(answer(&*waves, &waves.folded(k.as_slice()))),
-    };
+    let at = |k: &Vector3<f64>| answer(&*waves, &waves.folded(k.as_slice()));
     let Sampled {
         corners,
         samples,
         lengths,
-    } = sampled(dimension, &path, at)?;
+    } = sampled(dimension, &path, at);
     let growth = assessment.spectrum.growth_rate();
     let place = corners.iter().rev().find(|corner| corner.name == CRITICAL);
     // A translation that strains the body grows at `k = 0`, which is on every path.
@@ -483,7 +479,7 @@ fn diagram(
                 .map(str::to_owned),
             length: place.or(at_zero).map(|corner| corner.length),
         },
-        density_of_states: density_of_states(analysis, omega_squared, is_ended)?,
+        density_of_states: density_of_states(analysis, omega_squared),
         corners,
         heights: heights(&samples),
         samples,
@@ -501,8 +497,8 @@ struct Sampled {
 fn sampled(
     dimension: usize,
     path: &ZonePath,
-    waves: impl Fn(&Vector3<f64>) -> Result<DispersionAnswer, ProblemError>,
-) -> Result<Sampled, ProblemError> {
+    waves: impl Fn(&Vector3<f64>) -> DispersionAnswer,
+) -> Sampled {
     let (mut corners, mut samples, mut lengths) = (Vec::new(), Vec::new(), Vec::new());
     let mut length = 0.0;
     for chain in &path.0 {
@@ -520,28 +516,28 @@ fn sampled(
             let count = if n + 1 < chain.len() { SAMPLES } else { 1 };
             for sample in 0..count {
                 let t = sample as f64 / count as f64;
-                samples.push(waves(&(k + step * t))?);
+                samples.push(waves(&(k + step * t)));
                 lengths.push(length + t * step.norm());
             }
             length += step.norm();
         }
     }
-    Ok(Sampled {
+    Sampled {
         corners,
         samples,
         lengths,
-    })
+    }
 }
 
 fn density_of_states(
     analysis: &dyn Analysis,
     omega_squared: impl Fn(&Vector3<f64>) -> Vec<Complex> + Sync,
-    is_ended: IsEnded<'_>,
-) -> Result<DensityOfStates, ProblemError> {
+) -> DensityOfStates {
     let reciprocal = analysis.reciprocal();
     let n = GRID[reciprocal.len() - 1];
     // Half of the grid suffices, because `k` and `-k` have the same waves.
     let count = n.pow(reciprocal.len() as u32) / 2;
+    let scope = Scope::current();
     let heights: Vec<f64> = (0..count)
         .into_par_iter()
         .flat_map_iter(|index| {
@@ -551,19 +547,12 @@ fn density_of_states(
                 k += b * (((rest % n) as f64 + 0.5) / n as f64);
                 rest /= n;
             }
-            let values = match is_ended() {
-                true => Vec::new(),
-                false => omega_squared(&k),
-            };
+            let values = scope.run(|| omega_squared(&k)).into_iter();
             values
-                .into_iter()
                 .map(|value| frequency(value.into()))
                 .collect::<Vec<_>>()
         })
         .collect();
-    if is_ended() {
-        return Err(ProblemError::OutOfTime);
-    }
     let (low, high) = heights
         .iter()
         .fold((0.0_f64, f64::MIN_POSITIVE), |(low, high), y| {
@@ -575,12 +564,12 @@ fn density_of_states(
         counts[(((height - low) / width) as usize).min(BINS - 1)] += 1;
     }
     let unit = heights.len() as f64 * width;
-    Ok(DensityOfStates {
+    DensityOfStates {
         edges: (0..=BINS).map(|n| low + width * n as f64).collect(),
         density: counts
             .into_iter()
             .map(|count| count as f64 / unit)
             .collect(),
         waves: heights.len(),
-    })
+    }
 }

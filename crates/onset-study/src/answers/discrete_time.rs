@@ -7,7 +7,6 @@ use crate::number::{told, told_of, vector};
 use crate::settings::{Units, Velocities};
 use nalgebra::SVector;
 use onset::algebra::Complex;
-use onset::bloch::IsEnded;
 use onset::kinematics::DeformationGradient;
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -46,16 +45,15 @@ impl DiscreteTimeAnswer {
     pub(super) fn new(
         problem: &Problem,
         f: &DeformationGradient,
-        is_ended: IsEnded<'_>,
     ) -> Result<Option<Self>, ProblemError> {
         let analysis = &*problem.analysis;
         let Some(waves) = analysis.transferred(f)? else {
             return Ok(None);
         };
         let method = &problem.settings.method;
-        let largest = Some(waves.critical_time_step(is_ended)).filter(|step| step.is_finite());
+        let largest = Some(waves.critical_time_step()).filter(|step| step.is_finite());
         let time_step = method.step_of_rates(largest);
-        let fastest = time_step.map(|step| waves.fastest(step, is_ended));
+        let fastest = time_step.map(|step| waves.fastest(step));
         let k = fastest.as_ref().map_or_else(Vec::new, |(_, k)| k.clone());
         let k = SVector::from_fn(|i, _| k.get(i).copied().unwrap_or(0.0));
         let dimension = analysis.dimension();

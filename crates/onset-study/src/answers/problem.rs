@@ -85,9 +85,6 @@ pub enum ProblemError {
         /// Names of the points of this state.
         known: Vec<String>,
     },
-    /// The request was cancelled or ran out of time.
-    #[error("there was not enough time")]
-    OutOfTime,
     /// A number is not finite.
     #[error("{what} holds {value}; all its numbers must be finite")]
     NotFinite {
@@ -145,10 +142,7 @@ pub enum ProblemError {
 
 impl From<MethodError> for ProblemError {
     fn from(source: MethodError) -> Self {
-        match source {
-            MethodError::GivenUp => Self::OutOfTime,
-            source => Self::Method { source },
-        }
+        Self::Method { source }
     }
 }
 

@@ -16,7 +16,6 @@ use crate::settings::{Effective, Family, Value};
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
 use onset::analysis::ReducedCell;
-use onset::bloch::IsEnded;
 use onset::certificate::certify_3d;
 use onset::continuum::{AcousticMinimum, Ellipticity};
 use onset::kinematics::DeformationGradient;
@@ -269,20 +268,19 @@ impl StateAnswer {
     /// [`ProblemError`] when the method or the material cannot be evaluated there.
     pub fn new(problem: &Problem, strain: &Strain) -> Result<Self, ProblemError> {
         let assessment = problem.analysis.assess(&strain.0)?;
-        Self::of(problem, strain, &assessment, &|| false)
+        Self::of(problem, strain, &assessment)
     }
 
-    /// Answers for an assessed state, with cancellation through `is_ended`.
+    /// Answers for an assessed state.
     ///
     /// # Errors
-    /// [`ProblemError::OutOfTime`] when cancelled; otherwise like [`StateAnswer::new`].
+    /// Like [`StateAnswer::new`].
     pub fn of(
         problem: &Problem,
         strain: &Strain,
         assessment: &Assessment<3>,
-        is_ended: IsEnded<'_>,
     ) -> Result<Self, ProblemError> {
-        answer(problem, strain, assessment, None, is_ended)
+        answer(problem, strain, assessment, None)
     }
 
     /// Answers with proofs for a state. Undecided measures are not near zero if they exceed `tolerance`.
@@ -295,7 +293,7 @@ impl StateAnswer {
         tolerance: f64,
     ) -> Result<Self, ProblemError> {
         let assessment = problem.analysis.assess(&strain.0)?;
-        answer(problem, strain, &assessment, Some(tolerance), &|| false)
+        answer(problem, strain, &assessment, Some(tolerance))
     }
 }
 
@@ -304,7 +302,6 @@ fn answer(
     strain: &Strain,
     assessment: &Assessment<3>,
     tolerance: Option<f64>,
-    is_ended: IsEnded<'_>,
 ) -> Result<StateAnswer, ProblemError> {
     let f = &strain.0;
     let analysis = &*problem.analysis;
@@ -341,7 +338,7 @@ fn answer(
             corrected != searched,
         ));
     }
-    let discretization = discretization_answer(problem, assessment, f, is_ended)?;
+    let discretization = discretization_answer(problem, assessment, f)?;
     let mut notes = notes(&problem.settings, &*problem.material);
     notes.extend(waves_in_the_plane(problem, strain));
     notes.extend(buckling(
@@ -423,12 +420,11 @@ fn discretization_answer(
     problem: &Problem,
     assessment: &Assessment<3>,
     f: &DeformationGradient,
-    is_ended: IsEnded<'_>,
 ) -> Result<DiscretizationAnswer, ProblemError> {
     let analysis = &*problem.analysis;
     let list = |vector: &SVector<f64, 3>| list(analysis.dimension(), vector);
-    let discrete_time = DiscreteTimeAnswer::new(problem, f, is_ended)?;
-    let steps = analysis.damped_time_steps_unless(f, is_ended)?;
+    let discrete_time = DiscreteTimeAnswer::new(problem, f)?;
+    let steps = analysis.damped_time_steps(f)?;
     let spectrum = &assessment.spectrum;
     // A bound far below the minimum carries no information.
     let minimum = spectrum.softest.scaled;

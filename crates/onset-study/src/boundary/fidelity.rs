@@ -4,6 +4,7 @@ use crate::answers::ProblemError;
 use crate::number::{told, vector};
 use crate::settings::{Quantity, Study};
 use nalgebra::Matrix3;
+use onset::cancel::Scope;
 use onset::verdict::boundary::{Boundary, Window};
 use onset::verdict::fidelity::{Areas, RayOnset, areas, directed_distance, onset_along};
 use onset::verdict::{Phase, Probe};
@@ -200,9 +201,10 @@ fn rays(
         let onset = |of: usize| onset_along(traced.window, traced.boundaries[of], probes[of], ray);
         Ok(([cosine, sine], [onset(0)?, onset(1)?]))
     };
+    let scope = Scope::current();
     let onsets: Vec<([f64; 2], [RayOnset; 2])> = (0..RAYS)
         .into_par_iter()
-        .map(along)
+        .map(|n| scope.run(|| along(n)))
         .collect::<Result<_, _>>()?;
     let mut rays = Rays {
         count: RAYS,

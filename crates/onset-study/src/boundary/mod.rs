@@ -10,13 +10,14 @@ pub use files::{csv, files, geojson};
 use crate::answers::ProblemError;
 use crate::number::{counted, told};
 use crate::settings::{Axis, Study};
+use fidelity::Ask;
+use onset::cancel::Scope;
 use onset::verdict::boundary::{
     Boundary, Curve, Fineness, Window, grid_points, trace_boundary_from,
 };
 use onset::verdict::{Phase, Probe};
 use rayon::prelude::*;
 use serde::Serialize;
-use std::time::Instant;
 use thiserror::Error;
 
 /// Smallest and largest number of seed cells along an axis; in between, the number of states in the study.
@@ -71,30 +72,12 @@ pub struct Tracing {
     pub flutter: bool,
     /// Whether to compute the fidelity of the discretization.
     pub fidelity: bool,
-    /// Deadline for the computation.
-    pub until: Option<Instant>,
-}
-
-impl Tracing {
-    /// Returns an error after the deadline or a cancellation.
-    fn in_time(&self, watch: &dyn Watch) -> Result<(), ProblemError> {
-        let is_late = self.until.is_some_and(|end| Instant::now() >= end);
-        match is_late || watch.is_ended() {
-            true => Err(ProblemError::OutOfTime),
-            false => Ok(()),
-        }
-    }
 }
 
 /// Observer of the progress, which may cancel the computation.
 pub trait Watch: Sync {
     /// Reports a number of further evaluated states.
     fn asked(&self, states: u64);
-
-    /// Returns true if the caller has cancelled.
-    fn is_ended(&self) -> bool {
-        false
-    }
 }
 
 /// Observer that ignores the progress and never cancels.
@@ -125,8 +108,7 @@ impl Boundaries {
     /// Traces the boundaries of a study with two axes.
     ///
     /// # Errors
-    /// [`BoundaryError`] if the study does not have two axes, the deadline has passed, or a state cannot be evaluated for any reason other than the
-    /// support.
+    /// [`BoundaryError`] if the study does not have two axes, or a state cannot be evaluated for any reason other than the support.
     pub fn of(study: &Study, tracing: Tracing, watch: &dyn Watch) -> Result<Self, BoundaryError> {
         let [first, second] = plane(study)?;
         let window = Window {
@@ -147,7 +129,6 @@ impl Boundaries {
             [0, 1].map(|axis: usize| study.axes[axis].count.clamp(least, most))
         };
         let material = |at: [f64; 2]| {
-            tracing.in_time(watch)?;
             watch.asked(1);
             probes.material(at)
         };
@@ -156,20 +137,15 @@ impl Boundaries {
             false => merged(probe),
         };
         let particles = |at: [f64; 2]| {
-            tracing.in_time(watch)?;
             watch.asked(1);
             Ok(seen(probes.discretization(at)?))
         };
+        let scope = Scope::current();
+        let traced =
+            |cells, budget, probe: Ask<'_>| scope.run(|| trace(window, cells, budget, probe));
         let (of_material, of_particles) = rayon::join(
-            || trace(window, cells(SEEDS_OF_MATERIAL), MATERIAL_BUDGET, &material),
-            || {
-                trace(
-                    window,
-                    cells(SEEDS_OF_PARTICLES),
-                    PARTICLES_BUDGET,
-                    &particles,
-                )
-            },
+            || traced(cells(SEEDS_OF_MATERIAL), MATERIAL_BUDGET, &material),
+            || traced(cells(SEEDS_OF_PARTICLES), PARTICLES_BUDGET, &particles),
         );
         let (of_material, of_particles) = (of_material?, of_particles?);
         let merged_particles = |at: [f64; 2]| Ok(merged(particles(at)?));
@@ -186,7 +162,7 @@ impl Boundaries {
                 window,
                 boundaries,
             };
-            let probes_of_both: [fidelity::Ask<'_>; 2] = [&material, &merged_particles];
+            let probes_of_both: [Ask<'_>; 2] = [&material, &merged_particles];
             Fidelity::of(&traced, probes_of_both, &|at| probes.cauchy(at))
         };
         let fidelity = tracing.fidelity.then(measure).transpose()?;
@@ -264,16 +240,17 @@ fn trace(
     window: Window,
     cells: [usize; 2],
     budget: usize,
-    probe: &(dyn Fn([f64; 2]) -> Result<Probe, ProblemError> + Sync),
+    probe: Ask<'_>,
 ) -> Result<Boundary, ProblemError> {
     let fineness = Fineness {
         cells,
         budget,
         ..Fineness::default()
     };
+    let scope = Scope::current();
     let grid: Vec<Probe> = grid_points(window, &fineness)
         .into_par_iter()
-        .map(probe)
+        .map(|at| scope.run(|| probe(at)))
         .collect::<Result<_, _>>()?;
     trace_boundary_from(window, &fineness, &grid, probe)
 }

@@ -21,6 +21,7 @@ use crate::answers::{Evidence, ProblemError, notes_on_law, notes_on_method};
 use crate::figure::FigureError;
 use crate::output::{Files, text};
 use crate::settings::{Candidate, Comparison};
+use onset::cancel::Scope;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -68,6 +69,8 @@ impl Table {
             told(&candidate.name);
             row
         };
+        let scope = Scope::current();
+        let candidates = comparison.candidates.par_iter();
         Ok(Self {
             title: comparison.title.clone(),
             notes: notes_on_law(&comparison.common.material, &*material),
@@ -76,7 +79,7 @@ impl Table {
             options: comparison.options.clone(),
             thresholds: Thresholds::default(),
             evidence: Evidence::Searched,
-            rows: comparison.candidates.par_iter().map(row).collect(),
+            rows: candidates.map(|own| scope.run(|| row(own))).collect(),
         })
     }
 }

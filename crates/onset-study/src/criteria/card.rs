@@ -11,6 +11,7 @@ use crate::figure::{Axis, Color, Figure, FigureError, Line, Panel, Rule, palette
 use crate::json;
 use crate::number::{told, told_above, told_below};
 use crate::output::{Files, text};
+use onset::cancel::Scope;
 use onset::criteria::{BoxEnd, Criterion, SafeBox, Witness, safe_box, widest_safe_box};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -134,11 +135,12 @@ impl Question {
     /// # Errors
     /// [`CriteriaError`] when the law cannot be evaluated in the reference configuration.
     pub fn card(&self) -> Result<CardAnswer, CriteriaError> {
+        let scope = Scope::current();
         let loadings: Vec<Limits> = self
             .loadings
             .par_iter()
             .map(|loading| {
-                let answer = self.along(*loading, &CARD_CRITERIA)?;
+                let answer = scope.run(|| self.along(*loading, &CARD_CRITERIA))?;
                 Ok(Limits::of(&answer))
             })
             .collect::<Result<_, CriteriaError>>()?;
@@ -146,11 +148,11 @@ impl Question {
         let is_asked = !self.law.incompressible && !self.law.in_plane;
         let (symmetric, widest) = rayon::join(
             || match is_asked {
-                true => safe_box(&*self.material, 1.0, &self.range),
+                true => scope.run(|| safe_box(&*self.material, 1.0, &self.range)),
                 false => None,
             },
             || match is_asked && self.law.isotropic {
-                true => widest_safe_box(&*self.material, &self.range),
+                true => scope.run(|| widest_safe_box(&*self.material, &self.range)),
                 false => None,
             },
         );

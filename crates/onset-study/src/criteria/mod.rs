@@ -12,6 +12,7 @@ pub use onset::criteria::{Lateral, Mode, Range};
 use crate::answers::{Evidence, moduli, notes_on_law};
 use crate::number;
 use crate::settings::{MaterialSettings, Value};
+use onset::cancel::Scope;
 use onset::criteria::{
     Change, Criterion, Discontinuity, Event, Kink, Knowledge, Loading, LoadingError, LoadingPath,
     PathEnd, PathState, Track, Witness, follow, follow_jumps, has_energy, is_isotropic, kinks,
@@ -468,10 +469,11 @@ impl Question {
     /// [`CriteriaError`] when the law cannot be evaluated in the reference configuration.
     pub fn answer(&self) -> Result<CriteriaAnswer, CriteriaError> {
         let criteria = self.criteria();
+        let scope = Scope::current();
         let loadings: Vec<LoadingAnswer> = self
             .loadings
             .par_iter()
-            .map(|loading| self.along(*loading, &criteria))
+            .map(|loading| scope.run(|| self.along(*loading, &criteria)))
             .collect::<Result<_, _>>()?;
         let definition = |criterion: Criterion| Definition {
             criterion,

@@ -1,41 +1,30 @@
 //! Export of a question to other forms, and of its map to files.
 
 use super::map::{LEVELS, Maps};
-use super::{Question, Refusal, Waiting, map};
+use super::{Question, Refusal, in_time, map};
 use crate::answers::assigned;
 use crate::boundary::{Boundaries, Tracing};
 use crate::plot::figure_of;
 use crate::settings::{Settings, Trust};
 use crate::shell::quoted;
-use onset::bloch::IsEnded;
-use std::time::Instant;
+use onset::cancel::checkpoint;
 
 /// Reserved words of Python among the names of parameters.
 const RESERVED_WORDS: [&str; 2] = ["lambda", "yield"];
 
 /// Exports the question, or its map, as `toml`, `command`, `python`, `svg` or `csv`.
-pub(super) fn export(
-    question: &Question,
-    trust: &Trust,
-    maps: &Maps,
-    is_ended: IsEnded<'_>,
-) -> Result<String, Refusal> {
+pub(super) fn export(question: &Question, trust: &Trust, maps: &Maps) -> Result<String, Refusal> {
     match question.form.as_str() {
         "toml" => Ok(question.study(trust, map::FINEST)?.document()),
         "command" => Ok(command(question, &question.settings(trust)?)),
         "python" => Ok(python(question, &question.settings(trust)?)),
-        "csv" => Ok(maps.domain(question, trust, LEVELS, is_ended)?.csv()),
+        "csv" => Ok(maps.domain(question, trust, LEVELS)?.csv()),
         "svg" => {
-            let domain = maps.domain(question, trust, LEVELS, is_ended)?;
-            let tracing = Tracing {
-                until: Some(Instant::now() + super::PATIENCE),
-                ..Tracing::default()
-            };
+            let domain = maps.domain(question, trust, LEVELS)?;
             let study = question.study(trust, map::OF_CURVES)?;
-            let boundaries = Boundaries::of(&study, tracing, &Waiting(is_ended)).ok();
-            if is_ended() {
-                return Err(Refusal::GivenUp);
-            }
+            let traced = in_time(|| Boundaries::of(&study, Tracing::default(), &()));
+            let boundaries = traced.and_then(Result::ok);
+            checkpoint();
             Ok(figure_of(&domain, boundaries.as_ref()).to_svg())
         }
         other => Err(Refusal::Input(format!(

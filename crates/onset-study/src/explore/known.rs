@@ -6,7 +6,7 @@
 use super::{Question, Refusal};
 use crate::answers::{Problem, ProblemError, Strain};
 use crate::settings::Trust;
-use onset::bloch::IsEnded;
+use onset::cancel::checkpoint;
 use onset::verdict::Assessment;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -37,27 +37,19 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl States {
     /// Assessed state of a question.
-    pub(super) fn of(
-        &self,
-        question: &Question,
-        trust: &Trust,
-        is_ended: IsEnded<'_>,
-    ) -> Result<Arc<Known>, Refusal> {
+    pub(super) fn of(&self, question: &Question, trust: &Trust) -> Result<Arc<Known>, Refusal> {
         let place = self.place(question);
         let mut known = locked(&place.known);
         if let Some(known) = &*known {
             return Ok(Arc::clone(known));
         }
-        // A cancelled request may have left the entry empty.
-        if is_ended() {
-            return Err(Refusal::GivenUp);
-        }
+        checkpoint();
         let problem = match self.problem(question) {
             Some(problem) => problem,
             None => Arc::new(question.problem(trust)?),
         };
         let strain = question.strain(&problem)?;
-        let assessment = problem.analysis.assess_unless(&strain.0, is_ended);
+        let assessment = problem.analysis.assess(&strain.0);
         let found = Arc::new(Known {
             assessment: assessment.map_err(ProblemError::from)?,
             problem,

@@ -3,7 +3,6 @@
 use super::{Question, Refusal};
 use crate::domain::{Class, Domain};
 use crate::settings::{Study, Trust};
-use onset::bloch::IsEnded;
 use serde::Serialize;
 use std::sync::{Mutex, PoisonError};
 
@@ -64,14 +63,9 @@ pub(super) struct Maps(Mutex<Vec<(String, Domain)>>);
 
 impl Maps {
     /// Map of a question at the requested level.
-    pub(super) fn shown(
-        &self,
-        question: &Question,
-        trust: &Trust,
-        is_ended: IsEnded<'_>,
-    ) -> Result<ShownMap, Refusal> {
+    pub(super) fn shown(&self, question: &Question, trust: &Trust) -> Result<ShownMap, Refusal> {
         let level = question.level.min(LEVELS);
-        let domain = self.domain(question, trust, level, is_ended)?;
+        let domain = self.domain(question, trust, level)?;
         let [first, second] = domain.study.plane();
         Ok(ShownMap {
             axes: axes(&domain.study, (first.count, second.count)),
@@ -87,7 +81,6 @@ impl Maps {
         question: &Question,
         trust: &Trust,
         level: u32,
-        is_ended: IsEnded<'_>,
     ) -> Result<Domain, Refusal> {
         let dimension = question.settings(trust)?.dimension();
         let study = question.study(trust, COARSEST_STATES[dimension - 1] << level)?;
@@ -96,10 +89,10 @@ impl Maps {
             return Ok(known);
         }
         let domain = match level {
-            0 => Domain::of_unless(&study, is_ended)?,
+            0 => Domain::of(&study)?,
             _ => {
-                let coarser = self.domain(question, trust, level - 1, is_ended)?;
-                coarser.halved_unless(is_ended)?
+                let coarser = self.domain(question, trust, level - 1)?;
+                coarser.halved()?
             }
         };
         let mut maps = self.0.lock().unwrap_or_else(PoisonError::into_inner);

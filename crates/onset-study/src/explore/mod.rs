@@ -10,7 +10,7 @@
 //!
 //! let explorer = Explorer::new(Trust::default(), None);
 //! let question = Question::parse(r#"{"set": ["discretization.method=updated-sph"], "stretch": "1.15,1"}"#)?;
-//! let document = explorer.answer("state", &question, &|| false)?;
+//! let document = explorer.answer("state", &question)?;
 //! assert!(document.contains("\"verdict\": \"numerical\""));
 //! # Ok::<(), onset_study::explore::Refusal>(())
 //! ```
@@ -29,13 +29,13 @@ pub use stored::Stored;
 pub use zoo::{Entry, entries};
 
 use crate::answers::{Diagram, Directions, MovingMode, ProblemError, StateAnswer};
-use crate::boundary::{self, Boundaries, BoundaryError, Tracing, Watch};
+use crate::boundary::{self, Boundaries, BoundaryError, Tracing};
 use crate::json;
 use crate::map::MapError;
 use crate::settings::{SettingError, Trust};
 use known::{Known, States};
 use map::Maps;
-use onset::bloch::IsEnded;
+use onset::cancel::unless;
 use serde::Serialize;
 use std::fmt::Display;
 use std::time::{Duration, Instant};
@@ -52,8 +52,8 @@ pub enum Refusal {
     /// Invalid input, with the message and the hint of the command.
     #[error("{0}")]
     Input(String),
-    /// Request that was cancelled, or exceeded the time limit.
-    #[error("cancelled: it took too long, or another question replaced it")]
+    /// Request that exceeded the time limit.
+    #[error("given up: it took longer than {} s", PATIENCE.as_secs())]
     GivenUp,
 }
 
@@ -71,10 +71,7 @@ impl From<SettingError> for Refusal {
 
 impl From<ProblemError> for Refusal {
     fn from(error: ProblemError) -> Self {
-        match error {
-            ProblemError::OutOfTime => Self::GivenUp,
-            other => Self::input(other),
-        }
+        Self::input(error)
     }
 }
 
@@ -93,15 +90,10 @@ impl From<MapError> for Refusal {
     }
 }
 
-/// Observer of boundaries that passes on cancellations.
-struct Waiting<'a>(IsEnded<'a>);
-
-impl Watch for Waiting<'_> {
-    fn asked(&self, _states: u64) {}
-
-    fn is_ended(&self) -> bool {
-        (self.0)()
-    }
+/// Runs a computation with the time limit [`PATIENCE`]; returns `None` after it.
+fn in_time<T>(work: impl FnOnce() -> T) -> Option<T> {
+    let end = Instant::now() + PATIENCE;
+    unless(move || Instant::now() >= end, work)
 }
 
 /// Server of the questions of a page.
@@ -129,16 +121,11 @@ impl Explorer {
     /// Document that answers a question.
     ///
     /// `state` and `dispersion` return the documents of `onset NAME --json`, and `boundary` returns curves as in the files of `onset boundary --out`.
-    /// Other names return further data for the page. `is_ended` returns true once the request is cancelled.
+    /// Other names return further data for the page.
     ///
     /// # Errors
     /// [`Refusal`] with the message of the command.
-    pub fn answer(
-        &self,
-        name: &str,
-        question: &Question,
-        is_ended: IsEnded<'_>,
-    ) -> Result<String, Refusal> {
+    pub fn answer(&self, name: &str, question: &Question) -> Result<String, Refusal> {
         match name {
             "catalog" => document(&catalog::catalog()),
             "form" => document(&form::form(question, &self.trust)?),
@@ -148,23 +135,23 @@ impl Explorer {
                 None => Err(Refusal::Input("no stored map was opened".to_owned())),
             },
             "state" => {
-                let known = self.states.of(question, &self.trust, is_ended)?;
+                let known = self.states.of(question, &self.trust)?;
                 let Known {
                     problem,
                     strain,
                     assessment,
                 } = &*known;
-                document(&StateAnswer::of(problem, strain, assessment, is_ended)?)
+                document(&StateAnswer::of(problem, strain, assessment)?)
             }
             "dispersion" => {
-                let known = self.states.of(question, &self.trust, is_ended)?;
+                let known = self.states.of(question, &self.trust)?;
                 let Known {
                     problem,
                     strain,
                     assessment,
                 } = &*known;
                 let path = Some(question.path.as_str()).filter(|path| !path.is_empty());
-                let diagram = Diagram::of(problem, strain, assessment, path, is_ended)?;
+                let diagram = Diagram::of(problem, strain, assessment, path)?;
                 document(&diagram)
             }
             "directions" => {
@@ -172,25 +159,22 @@ impl Explorer {
                 document(&Directions::new(&problem, &question.strain(&problem)?)?)
             }
             "mode" => {
-                let known = self.states.of(question, &self.trust, is_ended)?;
+                let known = self.states.of(question, &self.trust)?;
                 document(&MovingMode::of(
                     &known.problem,
                     &known.strain,
                     &known.assessment,
                 )?)
             }
-            "map" => document(&self.maps.shown(question, &self.trust, is_ended)?),
+            "map" => document(&self.maps.shown(question, &self.trust)?),
             "boundary" => {
                 let study = question.study(&self.trust, map::OF_CURVES)?;
-                let tracing = Tracing {
-                    until: Some(Instant::now() + PATIENCE),
-                    ..Tracing::default()
-                };
-                let boundaries = Boundaries::of(&study, tracing, &Waiting(is_ended))?;
+                let traced = in_time(|| Boundaries::of(&study, Tracing::default(), &()));
+                let boundaries = traced.ok_or(Refusal::GivenUp)??;
                 document(&boundary::geojson(&boundaries))
             }
             "export" => {
-                let text = export::export(question, &self.trust, &self.maps, is_ended)?;
+                let text = export::export(question, &self.trust, &self.maps)?;
                 document(&serde_json::json!({ "text": text }))
             }
             other => Err(Refusal::Unknown(other.to_owned())),

@@ -10,6 +10,7 @@ use crate::number::{told, told_above, told_below};
 use crate::output::{Files, text};
 use crate::range::{middle, spread};
 use crate::settings::{Effective, Settings, Units};
+use onset::cancel::Scope;
 use onset::time_step::{Integrator, undamped_time_step};
 use onset::verdict::Verdict;
 use rayon::prelude::*;
@@ -158,7 +159,7 @@ impl Search<'_> {
         let assessment = analysis.assess(f)?;
         let transferred = analysis.transferred(f)?;
         let step = match &transferred {
-            Some(waves) => waves.critical_time_step(&|| false),
+            Some(waves) => waves.critical_time_step(),
             None if analysis.is_damped() => {
                 analysis.critical_time_step(f, self.question.integrator)?
             }
@@ -274,7 +275,9 @@ impl LimitAnswer {
             is_told,
         };
         let values = spread([low, high], VALUES);
-        let grid: Vec<Tried> = values.into_par_iter().map(|x| search.tried(x)).collect();
+        let scope = Scope::current();
+        let tried = |x| scope.run(|| search.tried(x));
+        let grid: Vec<Tried> = values.into_par_iter().map(tried).collect();
         if grid.iter().all(|one| one.note.is_some()) {
             search.measured(low).map_err(|source| ProblemError::Range {
                 key: question.key(),

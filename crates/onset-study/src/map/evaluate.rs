@@ -124,9 +124,9 @@ impl Evaluator {
         let Some(waves) = analysis.transferred(f)? else {
             return Ok(record);
         };
-        let largest = Some(waves.critical_time_step(&|| false)).filter(|step| step.is_finite());
+        let largest = Some(waves.critical_time_step()).filter(|step| step.is_finite());
         let step = self.settings.method.step_of_rates(largest);
-        let growth = step.map(|step| waves.fastest(step, &|| false).0.re);
+        let growth = step.map(|step| waves.fastest(step).0.re);
         Ok(Record {
             critical_time_step: largest.unwrap_or(f64::NAN),
             growth_rate: growth.unwrap_or(record.growth_rate),

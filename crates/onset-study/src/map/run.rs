@@ -7,6 +7,7 @@ use super::tile::{Plan, Work};
 use crate::answers::ProblemError;
 use crate::number::counted;
 use crate::store::{Column, ResultStore, StoreError};
+use onset::cancel::Scope;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Mutex, PoisonError};
@@ -66,6 +67,15 @@ pub trait Watch: Sync {
 
     /// Returns true if started tiles should be abandoned.
     fn is_out_of_time(&self) -> bool {
+        false
+    }
+}
+
+/// Observer without output; the caller cancels the run by [`onset::cancel`].
+impl Watch for () {
+    fn advance(&self, _: u64) {}
+
+    fn is_interrupted(&self) -> bool {
         false
     }
 }
@@ -197,6 +207,7 @@ impl Plan {
         watch: &dyn Watch,
         action: &Action<'_>,
     ) -> Result<Tally, MapError> {
+        let scope = Scope::current();
         tiles
             .chunks(at_once)
             .try_fold(Tally::default(), |sum, some| {
@@ -205,7 +216,7 @@ impl Plan {
                     .with_max_len(1)
                     .map(|tile| match watch.is_interrupted() {
                         true => Ok(Tally::default()),
-                        false => Ok(action(*tile)?.unwrap_or_default()),
+                        false => Ok(scope.run(|| action(*tile))?.unwrap_or_default()),
                     })
                     .try_reduce(Tally::default, |a, b| Ok::<_, MapError>(a + b))?;
                 Ok(sum + tally)

@@ -9,6 +9,7 @@ use super::run::{MapError, Watch};
 use crate::answers::ProblemError;
 use crate::settings::{Quantity, Study};
 use crate::store::{Column, Layout, Tile, Tiling, ravel, unravel};
+use onset::cancel::Scope;
 use onset::kinematics::DeformationGradient;
 use onset::method::MethodError;
 use rayon::prelude::*;
@@ -102,7 +103,9 @@ impl Plan {
                 // Small numbers of slow states are distributed too.
                 let shares = 4 * rayon::current_num_threads();
                 let part = batch.len().div_ceil(shares).clamp(1, BATCH_STATES);
-                batch.par_chunks(part).map(&some).collect()
+                let scope = Scope::current();
+                let some = |part| scope.run(|| some(part));
+                batch.par_chunks(part).map(some).collect()
             } else {
                 batch.chunks(BATCH_STATES).map(&some).collect()
             };

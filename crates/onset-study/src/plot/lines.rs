@@ -2,11 +2,11 @@
 
 use super::stored::{Slice, StoredMap};
 use super::{Lines, PlotError, is_elliptic};
-use crate::answers::ProblemError;
-use crate::boundary::{Boundaries, BoundaryError, Tracing, Watch};
+use crate::boundary::{Boundaries, Tracing, Watch};
 use crate::domain::Class;
 use crate::figure::{Line, palette};
 use crate::settings::Study;
+use onset::cancel::unless;
 use onset::verdict::boundary::Boundary;
 use std::time::{Duration, Instant};
 
@@ -61,40 +61,28 @@ pub(super) fn boundaries<'a>(
     lines: Lines,
     watch: &dyn Watch,
 ) -> Result<Option<Vec<Boundaries>>, PlotError> {
-    let until = match lines {
+    let is_endless = match lines {
         Lines::OfCells => return Ok(None),
         Lines::Best if studies.clone().any(Study::varies_settings) => return Ok(None),
-        Lines::Best => Some(Instant::now() + PATIENCE),
-        Lines::Traced => None,
-    };
-    let mut all = Vec::new();
-    for study in studies {
-        match traced_until(study, lines, until, watch)? {
-            Some(boundaries) => all.push(boundaries),
-            None => return Ok(None),
-        }
-    }
-    Ok(Some(all))
-}
-
-/// Traces the boundaries of a study; `None` if time runs out, or if they have gaps that are not acceptable.
-fn traced_until(
-    study: &Study,
-    lines: Lines,
-    until: Option<Instant>,
-    watch: &dyn Watch,
-) -> Result<Option<Boundaries>, PlotError> {
-    let tracing = Tracing {
-        until,
-        ..Tracing::default()
+        Lines::Best => false,
+        Lines::Traced => true,
     };
     let is_whole = |boundaries: &Boundaries| {
         boundaries.material.is_complete() && boundaries.discretization.is_complete()
     };
-    match Boundaries::of(study, tracing, watch) {
-        Err(BoundaryError::Problem(ProblemError::OutOfTime)) => Ok(None),
-        traced => Ok(Some(traced?).filter(|traced| lines == Lines::Traced || is_whole(traced))),
-    }
+    let of_each = || -> Result<Option<Vec<Boundaries>>, PlotError> {
+        let mut all = Vec::new();
+        for study in studies {
+            let traced = Boundaries::of(study, Tracing::default(), watch)?;
+            if !(is_endless || is_whole(&traced)) {
+                return Ok(None);
+            }
+            all.push(traced);
+        }
+        Ok(Some(all))
+    };
+    let end = Instant::now() + PATIENCE;
+    unless(move || !is_endless && Instant::now() >= end, of_each).unwrap_or(Ok(None))
 }
 
 /// Lines of both traced boundaries.

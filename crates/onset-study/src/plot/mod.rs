@@ -11,6 +11,8 @@ use crate::number::counted;
 use crate::settings::{Effective, Quantity, SettingError, Study, Trust};
 use crate::store::StoreError;
 use onset::verdict::Verdict;
+use serde::Serialize;
+use std::fmt;
 use std::path::PathBuf;
 use stored::{Slice, StoredMap};
 use thiserror::Error;
@@ -151,6 +153,33 @@ impl PlotError {
     }
 }
 
+/// Figure of stores.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawn {
+    /// Figure.
+    pub figure: Figure,
+    /// Stores with tiles that are not yet computed.
+    pub unfinished: Vec<Unfinished>,
+}
+
+/// Store with tiles that are not yet computed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Unfinished {
+    /// Path of the store.
+    pub store: PathBuf,
+    /// Number of tiles not yet computed.
+    pub tiles_left: usize,
+    /// Number of all tiles.
+    pub tiles: usize,
+}
+
+impl fmt::Display for Unfinished {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let tiles = counted(self.tiles, "tile");
+        write!(formatter, "{} of {tiles} are still to do", self.tiles_left)
+    }
+}
+
 /// Draws one or several stores: verdicts of several stores are overlaid, fields are drawn in adjacent panels.
 ///
 /// No library that a store names is loaded; the boundaries of such a material are the edges of cells.
@@ -158,10 +187,10 @@ impl PlotError {
 /// # Errors
 /// [`PlotError`] when a store cannot be read, lacks the field, or cannot be overlaid on the others.
 pub fn plot(plot: &Plot<'_>, watch: &dyn Watch) -> Result<Figure, PlotError> {
-    plot_allowing(plot, &Trust::default(), watch)
+    Ok(plot_allowing(plot, &Trust::default(), watch)?.figure)
 }
 
-/// Draws like [`plot`], and loads the libraries that the user allows.
+/// Draws like [`plot`], loads the libraries that the user allows, and lists unfinished stores.
 ///
 /// # Errors
 /// Fails like [`plot`].
@@ -169,12 +198,14 @@ pub fn plot_allowing(
     plot: &Plot<'_>,
     trust: &Trust,
     watch: &dyn Watch,
-) -> Result<Figure, PlotError> {
+) -> Result<Drawn, PlotError> {
     let maps: Vec<StoredMap> = plot
         .stores
         .iter()
         .map(|path| StoredMap::open(path, trust))
         .collect::<Result<_, _>>()?;
+    let unfinished = maps.iter().map(StoredMap::unfinished);
+    let unfinished = unfinished.collect::<Result<Vec<_>, _>>()?;
     let captions = captions(&maps);
     let may_trace = maps.iter().all(StoredMap::may_be_evaluated);
     let plot = &Plot {
@@ -208,7 +239,21 @@ pub fn plot_allowing(
             panels(figure, &slices.collect::<Vec<_>>(), plot, watch)?.caption(captions)
         }
     };
-    Ok(plot.look.applied(figure))
+    let mut figure = plot.look.applied(figure);
+    for (map, unfinished) in maps.iter().zip(&unfinished).rev() {
+        let Some(unfinished) = unfinished else {
+            continue;
+        };
+        let place = match maps.len() {
+            1 => "White".to_owned(),
+            _ => map.title(),
+        };
+        figure.caption = format!("{place}: {unfinished}. {}", figure.caption);
+    }
+    Ok(Drawn {
+        figure,
+        unfinished: unfinished.into_iter().flatten().collect(),
+    })
 }
 
 /// Cells of a stored map: all cells of a map with two axes, or the section in the middle of the third axis.
@@ -281,13 +326,6 @@ fn single(map: &StoredMap, plot: &Plot<'_>, watch: &dyn Watch) -> Result<Figure,
     });
     let figure = panels(figure, &slices.collect::<Vec<_>>(), plot, watch)?;
     let mut caption = map.settings();
-    let missing = map.missing()?;
-    if missing > 0 {
-        caption = format!(
-            "White: {} of the map still to be computed. {caption}",
-            counted(missing, "tile")
-        );
-    }
     if !map.may_be_evaluated() {
         caption = format!("{NOT_LOADED} {caption}");
     }

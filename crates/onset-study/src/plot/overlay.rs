@@ -8,6 +8,7 @@ use crate::domain::Class;
 use crate::figure::{Color, Dash, Figure, Line, Regions, palette};
 use crate::settings::Study;
 use onset::analysis::probe_material_in;
+use onset::cancel::Scope;
 use onset::method::MethodError;
 use onset::verdict::{Phase, Probe, Verdict};
 use rayon::prelude::*;
@@ -123,9 +124,10 @@ fn domain(study: &Study) -> Result<Regions, PlotError> {
         };
         Ok(u8::from(phase != Phase::Stable))
     };
+    let scope = Scope::current();
     let classes: Vec<u8> = (0..CELLS * CELLS)
         .into_par_iter()
-        .map(class)
+        .map(|n| scope.run(|| class(n)))
         .collect::<Result<_, _>>()
         .map_err(BoundaryError::from)?;
     let color = |verdict: Verdict| Class::Verdict(verdict).color();

@@ -1,6 +1,6 @@
 //! Stored map, read for a picture with a limited number of cells.
 
-use super::PlotError;
+use super::{PlotError, Unfinished};
 use crate::domain::Class;
 use crate::map::{self, stored_layout};
 use crate::settings::{Quantity, Study, Trust, Units};
@@ -100,9 +100,15 @@ impl StoredMap {
         self.store.fields().any(|stored| stored == field)
     }
 
-    /// Number of tiles not yet computed.
-    pub(super) fn missing(&self) -> Result<usize, PlotError> {
-        Ok(self.store.tiling().tiles() - self.store.done()?)
+    /// Returns the number of tiles not yet computed; `None` if the map is complete.
+    pub(super) fn unfinished(&self) -> Result<Option<Unfinished>, PlotError> {
+        let tiles = self.store.tiling().tiles();
+        let unfinished = Unfinished {
+            store: self.path.clone(),
+            tiles_left: tiles - self.store.done()?,
+            tiles,
+        };
+        Ok((unfinished.tiles_left > 0).then_some(unfinished))
     }
 
     /// Sections of the map: the map itself, or at most `most` evenly chosen values of its third axis.

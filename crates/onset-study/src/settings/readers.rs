@@ -130,7 +130,7 @@ fn answers(settings: &Settings) -> Result<Vec<f64>, String> {
             all.extend(values.iter().flat_map(|z| [z.re, z.im]));
             let stepped = problem.analysis.transferred(&f);
             if let Some(stepped) = stepped.map_err(|error| told(&error))? {
-                let largest = stepped.critical_time_step(&|| false);
+                let largest = stepped.critical_time_step();
                 let step = settings.method.step_of_rates(Some(largest));
                 let rates = step.map_or_else(Vec::new, |step| stepped.rates(&k, step));
                 all.extend(rates.iter().flat_map(|s| [s.re, s.im]));

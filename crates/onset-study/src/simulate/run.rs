@@ -30,7 +30,7 @@ pub struct Place {
 
 /// Observer of a run, which may end it.
 pub trait Watch {
-    /// Reports `done` of `all` steps.
+    /// Reports `done` of `all` steps; called first when the motion has been set up.
     fn advance(&self, done: u64, all: u64);
 
     /// Returns true if the run should end now.
@@ -119,6 +119,7 @@ impl<'a> Keeper<'a> {
         watch: &dyn Watch,
     ) -> Result<bool, SimulateError> {
         let steps = self.course.steps;
+        watch.advance(self.progress.state.step, steps);
         if self.progress.history.is_empty() {
             self.look(moving, 0)?;
         }

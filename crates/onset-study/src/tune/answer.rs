@@ -8,6 +8,7 @@ use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::output::{Files, text};
 use crate::range::middle;
 use crate::settings::{CompareSettings, Effective, Settings};
+use onset::cancel::Scope;
 use onset::measures::StretchOnset;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -113,12 +114,13 @@ impl TuneAnswer {
             value,
             measured: measured(value).map_err(|error| error.to_string()),
         };
+        let scope = Scope::current();
         let mut all: Vec<Tried> = question
             .values()
             .into_par_iter()
             .map(|value| {
                 told(value);
-                tried(value)
+                scope.run(|| tried(value))
             })
             .collect();
         if all.iter().all(|one| one.measured.is_err()) {

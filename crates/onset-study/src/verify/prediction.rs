@@ -115,13 +115,55 @@ pub(super) fn mode(
         });
     }
     if value.re.abs() <= MATRIX_TOLERANCE * largest {
-        return Err(VerifyError::Wave {
-            what: "this wave has zero energy: there is no rate to measure".to_owned(),
-            hint: "choose another --branch or --wave-vector, or a stabilization other than 0"
-                .to_owned(),
-        });
+        return Err(without_rate(problem, f, k, number, MATRIX_TOLERANCE * largest)?);
     }
     Ok(Mode::of(&matrix, value.re))
+}
+
+/// Returns the reason for which a wave has `omega^2 = 0` up to rounding.
+fn without_rate(
+    problem: &Problem,
+    f: &DeformationGradient,
+    k: &[f64],
+    number: usize,
+    rounding: f64,
+) -> Result<VerifyError, VerifyError> {
+    let waves = problem.analysis.waves(f)?;
+    let of_continuum = waves.continuum_omega_squared(k);
+    let reciprocal = problem.analysis.reciprocal();
+    let longest = reciprocal.iter().map(|b| b.norm()).fold(0.0, f64::max);
+    let is_translation = waves
+        .folded(k)
+        .iter()
+        .all(|x| x.abs() <= MATRIX_TOLERANCE * longest);
+    let (why, hint) = if is_translation {
+        (
+            "its wave vector is zero or a reciprocal vector: all particles move alike",
+            "choose another --wave-vector",
+        )
+    } else if problem.analysis.has_unstrained_wave(f, k)? {
+        (
+            "its strain is zero at every quadrature point",
+            "choose another --branch or --wave-vector, or a stabilization other than 0",
+        )
+    } else if of_continuum
+        .get(number - 1)
+        .is_some_and(|own| own.abs() <= rounding)
+    {
+        (
+            "the material does not resist it at this state, as a fluid does not resist shear",
+            "choose another --branch, or a law that resists this wave",
+        )
+    } else {
+        (
+            "its stiffness passes through zero at this state",
+            "choose another --stretch, --branch or --wave-vector",
+        )
+    };
+    Ok(VerifyError::Wave {
+        what: format!("this wave has zero energy, and no rate to measure: {why}"),
+        hint: hint.to_owned(),
+    })
 }
 
 /// Branch of a wave: `omega^2`, polarization and projection.

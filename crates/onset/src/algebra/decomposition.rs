@@ -1,6 +1,7 @@
 //! Eigenvalues of complex matrices of any size with right and left eigenvectors.
 
 use super::{Complex, MAXIMUM_ITERATIONS};
+use crate::cancel::checkpoint;
 use nalgebra::{ComplexField, DMatrix, DVector, Dyn, RowDVector, Schur, SymmetricEigen};
 
 /// Decomposition `A = V diag(values) W` with `W V = 1`: right eigenvectors are columns of `V = Q X`, left ones rows of `W = X^-1 Q*`.
@@ -117,6 +118,7 @@ pub(crate) fn any_eigenvalues(matrix: &DMatrix<Complex>) -> Option<Vec<Complex>>
 /// The iteration compares with diagonal entries and may not terminate if several eigenvalues are zero; the matrix is then shifted. It may also stall
 /// if a step leaves the matrix unchanged by symmetry; the matrix is then reflected by a vector without symmetry.
 fn schur_form(matrix: &DMatrix<Complex>) -> Option<(DMatrix<Complex>, DMatrix<Complex>)> {
+    checkpoint();
     let size = matrix.nrows();
     let form = |matrix| {
         let schur = Schur::try_new(matrix, f64::EPSILON, MAXIMUM_ITERATIONS * size);
@@ -149,12 +151,14 @@ fn reflection(size: usize) -> DMatrix<Complex> {
 pub(crate) fn hermitian_eigen<T: ComplexField<RealField = f64>>(
     matrix: DMatrix<T>,
 ) -> Option<SymmetricEigen<T, Dyn>> {
+    checkpoint();
     let iterations = MAXIMUM_ITERATIONS * matrix.nrows();
     finite(matrix)?.try_symmetric_eigen(f64::EPSILON, iterations)
 }
 
 /// Eigenvalues of a Hermitian matrix; NaN if entries are not finite.
 pub(crate) fn hermitian_eigenvalues(matrix: DMatrix<Complex>) -> Vec<Complex> {
+    checkpoint();
     let size = matrix.nrows();
     let values = finite(matrix).map(|matrix| matrix.symmetric_eigenvalues());
     let values = values.unwrap_or_else(|| DVector::repeat(size, f64::NAN));

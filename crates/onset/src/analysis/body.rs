@@ -3,7 +3,7 @@
 use super::in_space::InSpace;
 use super::{Analysis, FiniteBodyGround, FiniteBodyStep, PatchParticle, PlaneWaves, SteppedWaves};
 use crate::algebra::{Complex, array_of, eigenvalues};
-use crate::bloch::{IsEnded, SpectrumSummary, WaveSystem, ZoneSearch};
+use crate::bloch::{SpectrumSummary, WaveSystem, ZoneSearch};
 use crate::certificate::{Certificate, Certifier, Foundation};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::{DeformationGradient, DeformationPath};
@@ -145,12 +145,8 @@ impl<const D: usize> Analysis for Body<D> {
         }))
     }
 
-    fn assess_unless(
-        &self,
-        f: &DeformationGradient,
-        is_ended: IsEnded<'_>,
-    ) -> Result<Assessment<3>, MethodError> {
-        Ok(self.survey()?.assess_unless(f, is_ended)?.in_3d())
+    fn assess(&self, f: &DeformationGradient) -> Result<Assessment<3>, MethodError> {
+        Ok(self.survey()?.assess(f)?.in_3d())
     }
 
     fn judge(
@@ -262,6 +258,10 @@ impl<const D: usize> Analysis for Body<D> {
         Ok(norms.and_then(|norms| norms.first().copied()))
     }
 
+    fn has_unstrained_wave(&self, f: &DeformationGradient, k: &[f64]) -> Result<bool, MethodError> {
+        self.survey()?.has_unstrained_wave(f, &vector(k))
+    }
+
     fn spatial(&self, f: &DeformationGradient, k: &SVector<f64, 3>) -> SVector<f64, 3> {
         if self.is_regular() {
             return *k;
@@ -325,12 +325,11 @@ impl<const D: usize> Analysis for Body<D> {
         Ok(waves.map(|waves| Box::new(waves) as Box<dyn SteppedWaves>))
     }
 
-    fn damped_time_steps_unless(
+    fn damped_time_steps(
         &self,
         f: &DeformationGradient,
-        is_ended: IsEnded<'_>,
     ) -> Result<Vec<(Integrator, f64)>, MethodError> {
-        self.survey()?.damped_time_steps_unless(f, is_ended)
+        self.survey()?.damped_time_steps(f)
     }
 
     fn critical_time_step(
@@ -463,13 +462,13 @@ impl<const D: usize> SteppedWaves for TransferredWaves<D> {
         Self::rates(self, &vector(k), step)
     }
 
-    fn fastest(&self, step: f64, is_ended: IsEnded<'_>) -> (Complex, Vec<f64>) {
-        let (rate, k) = self.fastest_unless(step, is_ended);
+    fn fastest(&self, step: f64) -> (Complex, Vec<f64>) {
+        let (rate, k) = Self::fastest(self, step);
         (rate, k.iter().copied().collect())
     }
 
-    fn critical_time_step(&self, is_ended: IsEnded<'_>) -> f64 {
-        self.critical_time_step_unless(is_ended)
+    fn critical_time_step(&self) -> f64 {
+        Self::critical_time_step(self)
     }
 
     fn isolated_point(&self) -> Option<f64> {

@@ -8,7 +8,7 @@ mod body;
 mod in_space;
 
 use crate::algebra::Complex;
-use crate::bloch::{IsEnded, SpectrumSummary};
+use crate::bloch::SpectrumSummary;
 use crate::certificate::Certificate;
 use crate::continuum::AcousticMinimum;
 use crate::kinematics::{DeformationGradient, DeformationPath};
@@ -59,19 +59,7 @@ pub trait Analysis: Send + Sync {
     ///
     /// # Errors
     /// [`MethodError`] if material or method cannot be evaluated there.
-    fn assess(&self, f: &DeformationGradient) -> Result<Assessment<3>, MethodError> {
-        self.assess_unless(f, &|| false)
-    }
-
-    /// Like [`Analysis::assess`], with cancellation through `is_ended`.
-    ///
-    /// # Errors
-    /// [`MethodError::GivenUp`] after cancellation, others as for [`Analysis::assess`].
-    fn assess_unless(
-        &self,
-        f: &DeformationGradient,
-        is_ended: IsEnded<'_>,
-    ) -> Result<Assessment<3>, MethodError>;
+    fn assess(&self, f: &DeformationGradient) -> Result<Assessment<3>, MethodError>;
 
     /// Returns the verdict on a state and the type of instability, several times faster than [`Analysis::assess`].
     ///
@@ -147,6 +135,12 @@ pub trait Analysis: Send + Sync {
     fn gradient_norm(&self, f: &DeformationGradient, k: &[f64])
     -> Result<Option<f64>, MethodError>;
 
+    /// Returns true if a wave exists at this wave vector whose strain is zero at every quadrature point, whatever the law.
+    ///
+    /// # Errors
+    /// [`MethodError`] if the method cannot be evaluated there.
+    fn has_unstrained_wave(&self, f: &DeformationGradient, k: &[f64]) -> Result<bool, MethodError>;
+
     /// Wave vector `F^-T k` in the deformed lattice of a reference wave vector; for a regular lattice `k` itself.
     fn spatial(&self, f: &DeformationGradient, k: &SVector<f64, 3>) -> SVector<f64, 3>;
 
@@ -181,16 +175,15 @@ pub trait Analysis: Send + Sync {
         f: &DeformationGradient,
     ) -> Result<Option<Box<dyn SteppedWaves>>, MethodError>;
 
-    /// Returns the largest stable time steps of the integrators at a state, with cancellation through `is_ended`. Time.
+    /// Returns the largest stable time steps of the integrators at a state. Time.
     ///
     /// The result is empty unless damping makes the time steps differ.
     ///
     /// # Errors
-    /// [`MethodError::GivenUp`] after cancellation, others if material or method cannot be evaluated there.
-    fn damped_time_steps_unless(
+    /// [`MethodError`] if material or method cannot be evaluated there.
+    fn damped_time_steps(
         &self,
         f: &DeformationGradient,
-        is_ended: IsEnded<'_>,
     ) -> Result<Vec<(Integrator, f64)>, MethodError>;
 
     /// Returns the largest stable time step of an integrator at a state, including damping. Time.
@@ -311,10 +304,10 @@ pub trait SteppedWaves: Send + Sync {
     fn rates(&self, k: &[f64], step: f64) -> Vec<Complex>;
 
     /// Rate with the largest real part over the zone, with its wave vector; zero if no wave grows. 1/time, 1/length.
-    fn fastest(&self, step: f64, is_ended: IsEnded<'_>) -> (Complex, Vec<f64>);
+    fn fastest(&self, step: f64) -> (Complex, Vec<f64>);
 
     /// Largest stable step; infinite if nothing oscillates. Time.
-    fn critical_time_step(&self, is_ended: IsEnded<'_>) -> f64;
+    fn critical_time_step(&self) -> f64;
 
     /// Largest stable step of an isolated, unstressed material point; `None` for laws with stress in the reference state. Time.
     fn isolated_point(&self) -> Option<f64>;

@@ -4,6 +4,7 @@ use super::DynamicalMatrix;
 use super::dynamical_matrix::{Block, ForceConstants, matrix_of};
 use crate::algebra::{Each, array_of};
 use crate::approximation::Order;
+use crate::cancel::checkpoint;
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError};
@@ -73,6 +74,7 @@ fn assembled<const D: usize>(
     order: Order,
     respond: impl Fn(&DeformationGradient) -> Result<Local<D>, MaterialError>,
 ) -> Result<DynamicalMatrix<D>, MethodError> {
+    checkpoint();
     let discretization = method.choices();
     let (configuration, is_inverted) = method.configuration_of_halves(f, order)?;
     let mut constants = ForceConstants::new(configuration.basis, reach(&configuration));

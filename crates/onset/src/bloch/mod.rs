@@ -41,11 +41,6 @@ use nalgebra::SVector;
 /// Largest squared gradient norm of a zero-energy mode, in units of `|k|^2`. Well above its rounding error, about 1e-16.
 pub(crate) const ZERO_ENERGY: f64 = 1e-10;
 
-/// Cancellation test: returns true once the caller has cancelled the request.
-///
-/// Searches poll it between pieces of their work. Once true it stays true, and the result of the search is then meaningless and must be discarded.
-pub type IsEnded<'a> = &'a (dyn Fn() -> bool + Sync);
-
 /// Returns true if `-k` is reported in place of `k`. Both have the same waves; the wave vector with a positive leading component is reported.
 fn is_shown_reversed<const D: usize>(k: &SVector<f64, D>) -> bool {
     let leading = k.iter().find(|x| x.abs() > 1e-9 * k.amax());

@@ -4,6 +4,7 @@ use super::expansion::{Expansion, Region};
 use super::patch::{is_positive, smallest};
 use super::waves::{Entries, Waves};
 use crate::algebra::Each;
+use crate::cancel::checkpoint;
 use crate::real::{Interval, Real};
 use std::collections::VecDeque;
 
@@ -346,6 +347,7 @@ impl Cover<'_> {
         let mut boxes = 0;
         let mut is_growth = false;
         while let Some(region) = queue.pop_front() {
+            checkpoint();
             if self.is_outside(&region) || is_within(&region, inner) {
                 continue;
             }

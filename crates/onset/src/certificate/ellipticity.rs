@@ -2,6 +2,7 @@
 
 use super::patch::{MatrixPatch, Patch, is_positive, smallest};
 use crate::algebra::{Each, array_of};
+use crate::cancel::checkpoint;
 use crate::real::{Interval, Real};
 
 /// Components `A_iJkL` of a tangent within the dimensions of the lattice, by entries `ik` in the order `11, 12, 21, 22` and by powers of `s` in the
@@ -119,6 +120,7 @@ impl Acoustic {
             let mut boxes = 0;
             let mut is_proved = true;
             while let Some((chart, center, half)) = regions.pop() {
+                checkpoint();
                 let patch = self.patch(chart, center, half, target);
                 if is_positive(&patch, None) {
                     continue;

@@ -2,6 +2,7 @@
 
 use super::{BravaisLattice, Crystal, Fractional, Reduced, inverse_of, per_particle, shortest};
 use crate::algebra::array_of;
+use crate::cancel::checkpoint;
 use nalgebra::{SMatrix, SVector};
 
 /// Distances below this fraction of the mean particle distance, and relative differences of volumes below it, are rounding.
@@ -48,7 +49,10 @@ impl<const D: usize> Cell<D> {
         let others = self.particles.iter().skip(1);
         let order = others
             .map(|(place, _)| place - first)
-            .find(|translation| self.is_repeated_by(translation))
+            .find(|translation| {
+                checkpoint();
+                self.is_repeated_by(translation)
+            })
             .and_then(|translation| self.multiple(&translation))?;
         let (count, steps) = order;
         let basis = basis_with::<D>(count, steps);

@@ -21,6 +21,7 @@ pub use principal::{PrincipalEnergy, energy_of_stretches};
 pub use tensors::FourthOrder;
 
 use crate::algebra::{Each, array_of};
+use crate::cancel::checkpoint;
 use crate::formula::{StateError, Trouble};
 use crate::kinematics::DeformationGradient;
 use crate::real::{Dual, Even, Interval, Jet, LANES, Lanes, Mirrored, Real};
@@ -762,6 +763,7 @@ fn tangent_of(lanes: &[[Lanes; 4]; 4], lane: usize) -> PlaneTangent {
 
 impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
     fn enclosure(&self, f: &DeformationGradient<Interval>) -> ResponseEnclosure {
+        checkpoint();
         if !self.is_smooth(f) {
             return ResponseEnclosure::ENTIRE;
         }
@@ -769,11 +771,13 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
     }
 
     fn plane_tangent(&self, f: &DeformationGradient) -> Result<PlaneTangent, MaterialError> {
+        checkpoint();
         self.admits(f)?;
         finite(self.plane_hessian(f.components(), f.is_diagonal()), f)
     }
 
     fn plane_response(&self, f: &DeformationGradient) -> Result<PlaneResponse, MaterialError> {
+        checkpoint();
         self.admits(f)?;
         finite_plane_response(&StrainEnergy::plane_jet(self, f.components()), f)
     }
@@ -785,6 +789,7 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
         let mut tangents = Vec::with_capacity(states.len());
         let runs = states.chunk_by(|a, b| a.is_diagonal() == b.is_diagonal());
         for chunk in runs.flat_map(|run| run.chunks(LANES)) {
+            checkpoint();
             let is_diagonal = chunk[0].is_diagonal();
             let lanes = self.plane_hessian(&side_by_side(chunk), is_diagonal);
             for (n, f) in chunk.iter().enumerate() {
@@ -798,6 +803,7 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
     }
 
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        checkpoint();
         self.admits(f)?;
         finite_response(&self.energy(&jets(f)), f)
     }
@@ -811,6 +817,7 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
         &self,
         f: &DeformationGradient,
     ) -> Result<(f64, Matrix3<f64>), MaterialError> {
+        checkpoint();
         self.admits(f)?;
         finite_stress(&self.energy(&duals(f)), f)
     }

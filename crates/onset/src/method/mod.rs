@@ -363,9 +363,6 @@ pub enum MethodError {
     /// The dynamical matrix overflows or underflows.
     #[error("the dynamical matrix is not finite at this state")]
     NotFinite,
-    /// The caller has canceled the computation.
-    #[error("given up: the request was canceled")]
-    GivenUp,
     /// The mesh of the elements is not valid.
     #[error(transparent)]
     Mesh(#[from] MeshError),

@@ -6,6 +6,7 @@ use super::waves::{critical_time_step, stepped, waves_of};
 use super::{Fault, Ground, PatchWave, SteppedWave, Stepper};
 use crate::algebra::{Complex, array_of, uniform};
 use crate::bloch::WaveSystem;
+use crate::cancel::checkpoint;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::determinant;
 use crate::material::Hyperelastic;
@@ -341,6 +342,7 @@ impl<const D: usize> PatchMotion for MovingPatch<'_, D> {
     }
 
     fn advance(&mut self, stepper: Stepper, step: f64) -> Result<(), Box<Fault>> {
+        checkpoint();
         for part in stepper.parts() {
             self.part(stepper.integrator(), part * step)
                 .map_err(|none| self.fault(none, step))?;

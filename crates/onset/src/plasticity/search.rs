@@ -7,6 +7,7 @@
 use super::cubic::Cubic;
 use super::{Criterion, PlasticityError, RateModuli};
 use crate::algebra::{Each, array_of};
+use crate::cancel::checkpoint;
 use crate::real::{Jet, Real};
 use nalgebra::Vector3;
 use std::cmp::Ordering;
@@ -202,6 +203,7 @@ pub(super) fn largest(
     corners: &[Vector3<f64>],
     scale: f64,
 ) -> Result<Largest, PlasticityError> {
+    checkpoint();
     let quotients = Quotients::new(moduli, criterion, scale);
     let elastic = |x: &Vector3<f64>| quotients.determinant.at(&[x[0], x[1], x[2]]) > 0.0;
     // The elastic acoustic tensor is diagonal along the axes. It stays positive definite while its determinant is positive.

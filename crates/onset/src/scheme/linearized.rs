@@ -2,6 +2,7 @@
 
 use super::{Interaction, Motion};
 use crate::bloch::{BlochBlocks, BlochSum, Mass, WaveSystem};
+use crate::cancel::checkpoint;
 use crate::lattice::Crystal;
 use crate::method::MethodError;
 use crate::real::{Dual, Real};
@@ -34,6 +35,7 @@ impl<const D: usize> Default for Forced<D> {
 impl<const D: usize> Forced<D> {
     /// Adds the linearized forces of an interaction.
     pub fn add<I: Interaction<D>>(&mut self, interaction: &I) {
+        checkpoint();
         interaction.add_stiffness(&mut self.stiffness);
         if interaction.is_viscous() {
             self.is_viscous = true;

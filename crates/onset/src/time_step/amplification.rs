@@ -2,7 +2,7 @@
 
 use super::{Integrator, runge_kutta};
 use crate::algebra::{Complex, any_eigenvalues};
-use crate::bloch::{IsEnded, WaveSystem, ZoneSearch};
+use crate::bloch::{WaveSystem, ZoneSearch};
 use nalgebra::{DMatrix, SVector};
 
 /// Distance outside the unit circle that an eigenvalue can have by rounding.
@@ -300,19 +300,9 @@ pub fn critical_time_step<const D: usize>(
     integrator: Integrator,
     search: &ZoneSearch<D>,
 ) -> f64 {
-    critical_time_step_unless(system, integrator, search, &|| false)
-}
-
-/// Like [`critical_time_step`], with cancellation through `is_ended`.
-pub fn critical_time_step_unless<const D: usize>(
-    system: &WaveSystem<D>,
-    integrator: Integrator,
-    search: &ZoneSearch<D>,
-    is_ended: IsEnded<'_>,
-) -> f64 {
     if system.damping().is_none() {
         return undamped_time_step(integrator, search.summary_of(system).maximum_omega);
     }
     let at = |k: &SVector<f64, D>| critical_time_step_at(system, integrator, k);
-    search.least_of(system, &at, is_ended).0
+    search.least_of(system, &at).0
 }

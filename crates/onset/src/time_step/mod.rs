@@ -12,8 +12,7 @@ mod stepping;
 mod transferred;
 
 pub use amplification::{
-    Amplification, critical_time_step, critical_time_step_at, critical_time_step_unless,
-    undamped_time_step,
+    Amplification, critical_time_step, critical_time_step_at, undamped_time_step,
 };
 pub use stepping::{Stepping, WaveParts};
 pub use transferred::TransferredWaves;

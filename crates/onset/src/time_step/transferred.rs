@@ -1,7 +1,7 @@
 //! Waves of methods that transfer velocities through a grid once per step.
 
 use crate::algebra::Complex;
-use crate::bloch::{BlochSum, IsEnded, WaveSystem, ZoneSearch};
+use crate::bloch::{BlochSum, WaveSystem, ZoneSearch};
 use crate::lattice::Particle;
 use nalgebra::SVector;
 
@@ -197,17 +197,12 @@ impl<const D: usize> TransferredWaves<D> {
         ZoneSearch::of_lattice(*self.system.crystal().lattice(), 1.0)
     }
 
-    /// Like [`TransferredWaves::critical_time_step`], with cancellation through `is_ended`.
-    pub fn critical_time_step_unless(&self, is_ended: IsEnded<'_>) -> f64 {
-        let at = |k: &SVector<f64, D>| self.critical_time_step_at(k);
-        self.search().least_of(&self.system, &at, is_ended).0
-    }
-
     /// Largest stable step: the minimum over the zone. Time.
     ///
     /// At an unstable state only the waves that do not grow for every step count. Infinite if nothing oscillates.
     pub fn critical_time_step(&self) -> f64 {
-        self.critical_time_step_unless(&|| false)
+        let at = |k: &SVector<f64, D>| self.critical_time_step_at(k);
+        self.search().least_of(&self.system, &at).0
     }
 
     /// Rate with the largest real part at a wave vector. Growth within the rounding of `omega^2` is set to zero.
@@ -227,19 +222,14 @@ impl<const D: usize> TransferredWaves<D> {
         fastest.unwrap_or_default()
     }
 
-    /// Like [`TransferredWaves::fastest`], with cancellation through `is_ended`.
-    pub fn fastest_unless(&self, step: f64, is_ended: IsEnded<'_>) -> (Complex, SVector<f64, D>) {
+    /// Rate with the largest real part over the zone, with its wave vector; zero for stable waves, which include translations. 1/time, 1/length.
+    pub fn fastest(&self, step: f64) -> (Complex, SVector<f64, D>) {
         let at = |k: &SVector<f64, D>| -self.fastest_at(k, step).re;
-        let (value, k) = self.search().least_of(&self.system, &at, is_ended);
+        let (value, k) = self.search().least_of(&self.system, &at);
         match value < 0.0 {
             true => (self.fastest_at(&k, step), k),
             false => (Complex::new(0.0, 0.0), SVector::zeros()),
         }
-    }
-
-    /// Rate with the largest real part over the zone, with its wave vector; zero for stable waves, which include translations. 1/time, 1/length.
-    pub fn fastest(&self, step: f64) -> (Complex, SVector<f64, D>) {
-        self.fastest_unless(step, &|| false)
     }
 }
 

@@ -7,8 +7,8 @@ use super::{
 };
 use crate::algebra::Complex;
 use crate::bloch::{
-    GradientMoments, IsEnded, Judgment, Local, Mode, MomentExtremes, SpectrumSummary, Stability,
-    StateWave, WaveSystem, ZERO_ENERGY, ZoneSearch,
+    GradientMoments, Judgment, Local, Mode, MomentExtremes, SpectrumSummary, Stability, StateWave,
+    WaveSystem, ZERO_ENERGY, ZoneSearch,
 };
 use crate::continuum::{AcousticMinimum, Stiffness, plane_minimum};
 use crate::cores::of_each;
@@ -17,9 +17,7 @@ use crate::lattice::inverse_of;
 use crate::material::{Hyperelastic, PlaneTangent, has_major_symmetry};
 use crate::method::MethodError;
 use crate::scheme::{DirectWaves, Discretization, StrainRows};
-use crate::time_step::{
-    Integrator, TransferredWaves, critical_time_step, critical_time_step_unless,
-};
+use crate::time_step::{Integrator, TransferredWaves, critical_time_step};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::sync::{Arc, OnceLock};
 
@@ -28,14 +26,6 @@ const SOFT: f64 = 0.05;
 
 /// Squared frequencies that are smaller, over the largest one, are zero to rounding.
 const UNRESISTED: f64 = 1e-13;
-
-/// Nothing, where somebody waits.
-fn unless(is_ended: IsEnded<'_>) -> Result<(), MethodError> {
-    match is_ended() {
-        true => Err(MethodError::GivenUp),
-        false => Ok(()),
-    }
-}
 
 /// What a map shows of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -235,26 +225,13 @@ impl<const D: usize> StateWaves<D> {
     /// # Errors
     /// [`MethodError::NotFinite`] when they over- or underflow.
     pub fn bounded_spectrum(&self) -> Result<SpectrumSummary<D>, MethodError> {
-        self.bounded_spectrum_unless(&|| false)
-    }
-
-    /// The same, given up as soon as nobody waits for it any more.
-    ///
-    /// # Errors
-    /// [`MethodError::GivenUp`] then, and as [`StateWaves::bounded_spectrum`].
-    pub fn bounded_spectrum_unless(
-        &self,
-        is_ended: IsEnded<'_>,
-    ) -> Result<SpectrumSummary<D>, MethodError> {
-        let found = match self {
-            Self::Direct(waves) => waves.search.bounded_summary_unless(&waves.matrix, is_ended),
+        finite(match self {
+            Self::Direct(waves) => waves.search.bounded_summary(&waves.matrix),
             Self::System(waves) => {
                 waves.0.check_mass()?;
-                waves.1.bounded_summary_of_unless(&waves.0, is_ended)
+                waves.1.bounded_summary_of(&waves.0)
             }
-        };
-        unless(is_ended)?;
-        finite(found)
+        })
     }
 
     /// The search over the zone that holds their wave vectors.
@@ -500,31 +477,13 @@ impl<'a, const D: usize> Survey<'a, D> {
         &self,
         f: &DeformationGradient,
     ) -> Result<Vec<(Integrator, f64)>, MethodError> {
-        self.damped_time_steps_unless(f, &|| false)
-    }
-
-    /// The same, given up as soon as nobody waits for them any more.
-    ///
-    /// # Errors
-    /// [`MethodError::GivenUp`] then, and as [`Survey::damped_time_steps`].
-    pub fn damped_time_steps_unless(
-        &self,
-        f: &DeformationGradient,
-        is_ended: IsEnded<'_>,
-    ) -> Result<Vec<(Integrator, f64)>, MethodError> {
         if !self.is_damped() {
             return Ok(Vec::new());
         }
         let system = self.discretization.waves(self.material, f)?;
         let search = self.search();
-        let step = |integrator| {
-            let step = critical_time_step_unless(&system, integrator, search, is_ended);
-            unless(is_ended).map(|()| (integrator, step))
-        };
-        // Results are in order; the first error ends them.
-        of_each(Integrator::ALL.to_vec(), step)
-            .into_iter()
-            .collect()
+        let step = |integrator| (integrator, critical_time_step(&system, integrator, search));
+        Ok(of_each(Integrator::ALL.to_vec(), step))
     }
 
     /// The verdict on a state with its evidence.
@@ -532,22 +491,9 @@ impl<'a, const D: usize> Survey<'a, D> {
     /// # Errors
     /// [`MethodError`] when discretization or material cannot be evaluated there.
     pub fn assess(&self, f: &DeformationGradient) -> Result<Assessment<D>, MethodError> {
-        self.assess_unless(f, &|| false)
-    }
-
-    /// The same, given up as soon as nobody waits for it any more.
-    ///
-    /// # Errors
-    /// [`MethodError::GivenUp`] then, and as [`Survey::assess`].
-    pub fn assess_unless(
-        &self,
-        f: &DeformationGradient,
-        is_ended: IsEnded<'_>,
-    ) -> Result<Assessment<D>, MethodError> {
         let material = MaterialAssessment::<D>::new(self.material, f)?;
         let waves = self.waves(f)?;
-        unless(is_ended)?;
-        let spectrum = waves.bounded_spectrum_unless(is_ended)?;
+        let spectrum = waves.bounded_spectrum()?;
         let spectrum = waves.represented(spectrum, self.to_spatial(f));
         let norms = self.gradient_norms(f, Some(&spectrum.softest))?;
         let zero_energy = match spectrum.is_stable() {
@@ -782,6 +728,21 @@ impl<'a, const D: usize> Survey<'a, D> {
         let norms = self.discretization.gradient_norms(f, &waves)?;
         let vectors = waves.into_iter().map(|(k, _)| k);
         Ok(norms.map(|norms| vectors.zip(norms).collect()))
+    }
+
+    /// Returns true if a wave exists at this wave vector whose strain is zero at every quadrature point, whatever the law.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the discretization cannot be evaluated there.
+    pub fn has_unstrained_wave(
+        &self,
+        f: &DeformationGradient,
+        k: &SVector<f64, D>,
+    ) -> Result<bool, MethodError> {
+        match self.discretization.gradient_norms(f, &[(*k, false)])? {
+            Some(norms) => Ok(norms.iter().any(|norm| *norm <= ZERO_ENERGY)),
+            None => Ok(self.strains()?.rows.has_zero_mode_near(k)),
+        }
     }
 
     fn strains(&self) -> Result<&Strains<D>, MethodError> {

@@ -4,7 +4,7 @@ use super::cell::Cell;
 use super::local::{Local, Sign};
 use super::pencil::Pencil;
 use crate::algebra::{Each, settled_along};
-use crate::bloch::IsEnded;
+use crate::cancel::checkpoint;
 use crate::cores::of_each_long;
 use nalgebra::SVector;
 use std::collections::VecDeque;
@@ -50,8 +50,6 @@ pub(in crate::bloch) struct Question<'a, const D: usize> {
     /// Descends from a wave vector with its value to a bottom.
     #[allow(clippy::type_complexity)]
     pub(in crate::bloch) descended: &'a dyn Fn((f64, SVector<f64, D>)) -> (f64, SVector<f64, D>),
-    /// True once the caller has cancelled.
-    pub(in crate::bloch) is_ended: IsEnded<'a>,
 }
 
 /// Covers the zone with boxes in which no value is lower than the smallest known value by more than the gap.
@@ -80,9 +78,7 @@ pub(super) fn cover<const D: usize>(
     let mut open = VecDeque::from(boxes);
     let at_once = at_once(pencil);
     while !open.is_empty() && done + waiting < question.budget {
-        if (question.is_ended)() {
-            return Some(found);
-        }
+        checkpoint();
         let several: Vec<_> = open.drain(..open.len().min(at_once)).collect();
         waiting -= cost(&several);
         let highest = found.lowest - question.gap;
@@ -244,9 +240,7 @@ fn below<const D: usize>(
 ) -> f64 {
     let mut gap = question.gap;
     for several in left.chunks(at_once(pencil)) {
-        if (question.is_ended)() {
-            return f64::NEG_INFINITY;
-        }
+        checkpoint();
         let wider = iter::successors(Some(gap), |gap| Some(gap * GAP_FACTOR));
         let gaps: Vec<f64> = wider.take_while(|gap| *gap <= question.widest).collect();
         let needed = |cell: Cell<D>| {

@@ -96,7 +96,6 @@ fn by_hermitian_part<const D: usize>(
             budget: question.budget / PART_BUDGET_DIVISOR,
             value: &value,
             descended: &|start| settled(&value, start, &steps),
-            is_ended: question.is_ended,
         },
     )?;
     Some(Covered {

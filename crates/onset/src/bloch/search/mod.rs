@@ -20,7 +20,7 @@ use super::bound::{self, Measure, Question};
 use super::pocket::{Around, HALVED_STEP_POINTS, Order, Pockets};
 use super::short_range::ShortRange;
 use super::spectrum::{Judgment, Mode, SpectrumSummary, Stability};
-use super::{DynamicalMatrix, IsEnded, growth_rate, is_shown_reversed};
+use super::{DynamicalMatrix, growth_rate, is_shown_reversed};
 use crate::algebra::{Complex, Deviator, Each, array_of, eigenvalues, eigenvector};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::DeformationGradient;
@@ -241,7 +241,7 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// Computes the extremes of the spectrum by samples and descents, without a bound.
     pub fn summary(&self, matrix: &DynamicalMatrix<D>) -> SpectrumSummary<D> {
-        self.found(matrix, Flutter::All, None)
+        self.found(matrix, Flutter::All, false)
     }
 
     /// Like `summary`, except that flutter which grows more slowly than the divergence of a state may be omitted.
@@ -255,22 +255,13 @@ impl<const D: usize> ZoneSearch<D> {
         let sought = Flutter::Fastest {
             asks_about_long_waves,
         };
-        self.found(matrix, sought, None)
+        self.found(matrix, sought, false)
     }
 
     /// Like `summary`, with a lower bound of the scaled measure if the matrix is periodic. For matrices that are not Hermitian it bounds the
     /// Hermitian part.
     pub fn bounded_summary(&self, matrix: &DynamicalMatrix<D>) -> SpectrumSummary<D> {
-        self.bounded_summary_unless(matrix, &|| false)
-    }
-
-    /// Like `bounded_summary`, with cancellation through `is_ended`.
-    pub fn bounded_summary_unless(
-        &self,
-        matrix: &DynamicalMatrix<D>,
-        is_ended: IsEnded<'_>,
-    ) -> SpectrumSummary<D> {
-        self.found(matrix, Flutter::All, Some(is_ended))
+        self.found(matrix, Flutter::All, true)
     }
 
     /// Growth rate that flutter must exceed to matter; zero if all flutter is requested.
@@ -295,12 +286,12 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// Computes the extremes; `is_bounded` requests a lower bound and carries the cancellation test.
+    /// Computes the extremes; `is_bounded` requests a lower bound.
     pub(in crate::bloch) fn found(
         &self,
         matrix: &DynamicalMatrix<D>,
         sought: Flutter,
-        is_bounded: Option<IsEnded<'_>>,
+        is_bounded: bool,
     ) -> SpectrumSummary<D> {
         let unit = matrix.moderate_unit();
         if unit != 1.0 {
@@ -319,9 +310,9 @@ impl<const D: usize> ZoneSearch<D> {
         let mut wells = self.wells(matrix, FINE_POINTS_PER_PERIOD, &followed, &long_wave, &rest);
         let bottom = wells.bottom(self, matrix, Objective::Scaled, long_wave.scaled);
         let softest = self.softest(matrix, bottom, long_wave);
-        let (softest, bound) = match is_bounded.filter(|_| self.is_periodic) {
-            Some(is_ended) => self.bounded(matrix, softest, is_ended),
-            None => (softest, f64::NEG_INFINITY),
+        let (softest, bound) = match is_bounded && self.is_periodic {
+            true => self.bounded(matrix, softest),
+            false => (softest, f64::NEG_INFINITY),
         };
         // A translation that strains the body can have a negative `omega^2` itself.
         let grows = softest.scaled < -tolerance || rest.omega_squared.re < 0.0;
@@ -360,12 +351,7 @@ impl<const D: usize> ZoneSearch<D> {
     }
 
     /// Softest mode of the zone and a lower bound of the scaled measure by branch and bound, starting from a known soft mode.
-    fn bounded(
-        &self,
-        matrix: &DynamicalMatrix<D>,
-        known: Mode<D>,
-        is_ended: IsEnded<'_>,
-    ) -> (Mode<D>, f64) {
+    fn bounded(&self, matrix: &DynamicalMatrix<D>, known: Mode<D>) -> (Mode<D>, f64) {
         let scale = known.scaled.abs().max(1.0);
         let question = Question {
             known: known.scaled,
@@ -382,7 +368,6 @@ impl<const D: usize> ZoneSearch<D> {
                     (value, k)
                 }
             },
-            is_ended,
         };
         let measure = Measure::Scaled(self.speed_squared);
         let Some(covered) = bound::cover_matrix(matrix, measure, self.reference(), &question)

@@ -3,6 +3,7 @@
 use super::expansion::MatrixExpansion;
 use crate::algebra::{Complex, Each, array_of};
 use crate::bloch::powers::Powers;
+use crate::cancel::checkpoint;
 use crate::lattice::{Crystal, Particle};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::collections::BTreeMap;
@@ -350,6 +351,7 @@ impl<const D: usize> BlochSum<D> {
         count: usize,
         set_factors: impl Fn(&Term<D>, &mut [Complex]),
     ) -> Vec<DMatrix<Complex>> {
+        checkpoint();
         let size = self.size();
         let mut sums = vec![DMatrix::<Complex>::zeros(size, size); count];
         let mut factors = vec![Complex::default(); count];

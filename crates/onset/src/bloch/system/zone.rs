@@ -22,7 +22,7 @@ use crate::bloch::branches::Taylor;
 use crate::bloch::pocket::{Around, HALVED_STEP_POINTS, Pockets};
 use crate::bloch::search::{Flutter, LONG_WAVE_FRACTION, RELAXED_RAY_STEPS};
 use crate::bloch::short_range::ShortRange;
-use crate::bloch::{IsEnded, Judgment, Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
+use crate::bloch::{Judgment, Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::cores::of_each_long;
 use crate::lattice::{WaveGrid, grid_coordinates};
@@ -96,25 +96,22 @@ pub(crate) type WaveFunction<'a, const D: usize> = &'a (dyn Fn(&SVector<f64, D>)
 impl<const D: usize> ZoneSearch<D> {
     /// Computes the extremes of the undamped spectrum of a system. Sampled, without a lower bound.
     pub fn summary_of(&self, system: &WaveSystem<D>) -> SpectrumSummary<D> {
-        self.found_of(system, Flutter::All, None)
+        self.found_of(system, Flutter::All, false)
     }
 
-    /// Minimum over the zone of a function that depends on the waves of a system, and its wave vector.
-    ///
-    /// Long waves are left out. After cancellation, the best value so far.
+    /// Minimum over the zone of a function that depends on the waves of a system, and its wave vector. Long waves are left out.
     pub(crate) fn least_of(
         &self,
         system: &WaveSystem<D>,
         function: WaveFunction<'_, D>,
-        is_ended: IsEnded<'_>,
     ) -> (f64, SVector<f64, D>) {
         if let Some((range, search, system)) = self.short_ranged_system(system) {
             let to_given = range.map.transpose();
             let carried = |k: &SVector<f64, D>| function(&(to_given * k));
-            let (value, k) = search.least_of(&system, &carried, is_ended);
+            let (value, k) = search.least_of(&system, &carried);
             return (value, self.folded(&(to_given * k)));
         }
-        let mut sweep = Sweep::new(self, system, Some(is_ended));
+        let mut sweep = Sweep::new(self, system, true);
         sweep.function = Some(function);
         if system.damping().is_some() {
             sweep.waves = self.grid_of(DAMPED_GRID_POINTS);
@@ -135,29 +132,20 @@ impl<const D: usize> ZoneSearch<D> {
         let sought = Flutter::Fastest {
             asks_about_long_waves,
         };
-        self.found_of(system, sought, None)
+        self.found_of(system, sought, false)
     }
 
     /// Like `summary_of`, with a lower bound of the scaled measure if the equations allow it.
     pub fn bounded_summary_of(&self, system: &WaveSystem<D>) -> SpectrumSummary<D> {
-        self.bounded_summary_of_unless(system, &|| false)
+        self.found_of(system, Flutter::All, true)
     }
 
-    /// Like `bounded_summary_of`, with cancellation through `is_ended`.
-    pub fn bounded_summary_of_unless(
-        &self,
-        system: &WaveSystem<D>,
-        is_ended: IsEnded<'_>,
-    ) -> SpectrumSummary<D> {
-        self.found_of(system, Flutter::All, Some(is_ended))
-    }
-
-    /// Computes the extremes; `is_bounded` requests a lower bound and carries the cancellation test.
+    /// Computes the extremes; `is_bounded` requests a lower bound.
     fn found_of(
         &self,
         system: &WaveSystem<D>,
         sought: Flutter,
-        is_bounded: Option<IsEnded<'_>>,
+        is_bounded: bool,
     ) -> SpectrumSummary<D> {
         if let Some((system, unit)) = system.in_moderate_units() {
             let search = self.in_units(unit);
@@ -221,7 +209,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
         match system.single() {
             Some(matrix) => self.judgment(&matrix, soft, beside),
-            None => Sweep::new(self, system, None).judgment(soft, beside.unwrap_or_default()),
+            None => Sweep::new(self, system, false).judgment(soft, beside.unwrap_or_default()),
         }
     }
 
@@ -278,7 +266,7 @@ impl<const D: usize> ZoneSearch<D> {
         if let Some(matrix) = system.single() {
             return self.long_waves_grow(&matrix, material);
         }
-        let sweep = Sweep::new(self, system, None);
+        let sweep = Sweep::new(self, system, false);
         let long = sweep.long_waves();
         let is_soft = stability == Stability::Divergence && long.mode.scaled < -long.tolerance;
         is_soft || (material.only_flutters() && sweep.stiffness.flutter().is_some())
@@ -315,8 +303,6 @@ struct Sweep<'a, const D: usize> {
     system: &'a WaveSystem<D>,
     /// True if lower bounds are requested; they cost several times the search.
     is_bounded: bool,
-    /// True once the caller has cancelled; then no further wave vectors are evaluated.
-    is_ended: IsEnded<'a>,
     /// Objective function for [`Objective::Function`].
     function: Option<WaveFunction<'a, D>>,
     effort: Effort,
@@ -463,18 +449,13 @@ impl Fall {
 }
 
 impl<'a, const D: usize> Sweep<'a, D> {
-    fn new(
-        search: &'a ZoneSearch<D>,
-        system: &'a WaveSystem<D>,
-        is_bounded: Option<IsEnded<'a>>,
-    ) -> Self {
+    fn new(search: &'a ZoneSearch<D>, system: &'a WaveSystem<D>, is_bounded: bool) -> Self {
         let waves = search.grid_of(resolution(system));
         let (stiffness, long_wave_noise) = system.long_waves();
         Self {
             search,
             system,
-            is_bounded: is_bounded.is_some(),
-            is_ended: is_bounded.unwrap_or(&|| false),
+            is_bounded,
             function: None,
             effort: Effort::of(system),
             spectra: OnceLock::new(),
@@ -536,7 +517,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             return diverges(long.rest.scaled, None);
         }
         // One witness is enough: a known one, or one on the grid.
-        let known = beside.iter().map(|k| (*k, self.omega_squared(k)));
+        let known = beside.iter().map(|k| (*k, self.system.omega_squared(k)));
         let mut known = known.filter_map(|(k, spectrum)| self.witness(&long, k, &spectrum));
         let seen = || {
             let grid = half(&self.waves).into_iter().zip(self.spectra());
@@ -722,8 +703,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
     fn pockets(&self, rival: f64) -> Vec<SVector<f64, D>> {
         let pockets = Pockets {
             around: &|k, _| {
-                let is_seen = !self.is_long(k) && !(self.is_ended)();
-                is_seen.then(|| Around::Complex(self.system.expansion_at(k)))
+                (!self.is_long(k)).then(|| Around::Complex(self.system.expansion_at(k)))
             },
             is_large: self.effort.is_large,
             steps: self.search.reference().reciprocal() / self.waves.resolution() as f64,
@@ -739,17 +719,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// `omega^2` at half of the grid.
     fn spectra(&self) -> &[Vec<Complex>] {
         self.spectra.get_or_init(|| {
-            let spectrum = |k| self.omega_squared(&k);
+            let spectrum = |k| self.system.omega_squared(&k);
             of_each_long(self.effort.is_large, half(&self.waves), spectrum)
         })
-    }
-
-    /// All `omega^2` at a wave vector; empty after cancellation.
-    fn omega_squared(&self, k: &SVector<f64, D>) -> Vec<Complex> {
-        match (self.is_ended)() {
-            true => Vec::new(),
-            false => self.system.omega_squared(k),
-        }
     }
 
     /// Smallest value of an objective below `floor`: by branch and bound if possible, otherwise sampled.
@@ -832,7 +804,6 @@ impl<'a, const D: usize> Sweep<'a, D> {
             budget,
             value: &|k| self.value(objective, k),
             descended: &|start| self.followed(objective, 0, start, f64::INFINITY, &[]),
-            is_ended: self.is_ended,
         };
         let mut covered = cover_system(self.system, measure, self.search.reference(), &question)?;
         let is_loose = covered.bound < covered.lowest - LOOSE_BOUND_RATIO * covered.lowest.abs();
@@ -939,9 +910,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Objective of all branches at a wave vector whose spectrum is not yet known.
     fn branches_at(&self, objective: Objective, k: &SVector<f64, D>) -> Vec<f64> {
         match objective {
-            Objective::Function if (self.is_ended)() => vec![f64::INFINITY],
             Objective::Function => self.branches(objective, k, &[]),
-            _ => self.branches(objective, k, &self.omega_squared(k)),
+            _ => self.branches(objective, k, &self.system.omega_squared(k)),
         }
     }
 
@@ -1238,9 +1208,6 @@ impl<'a, const D: usize> Sweep<'a, D> {
         floor: f64,
         known: &[Candidate<D>],
     ) -> Candidate<D> {
-        if (self.is_ended)() {
-            return start;
-        }
         let step = self.search.reference().reciprocal() / self.waves.resolution() as f64;
         if objective == Objective::Function {
             return settled(&|k| self.value(objective, k), start, &step);
@@ -1273,7 +1240,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         branch: usize,
         k: &SVector<f64, D>,
     ) -> Option<Taylor<f64, D>> {
-        if self.is_long(k) || (self.is_ended)() {
+        if self.is_long(k) {
             return None;
         }
         let expansion = self.system.expansion_at(k);

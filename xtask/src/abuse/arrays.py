@@ -1,0 +1,102 @@
+"""Some calls with odd arrays, and the same in a forked process; the argument is a seed. Prints `done`."""
+
+import multiprocessing
+import random
+import signal
+import sys
+import warnings
+
+import numpy as np
+
+import onset
+
+RANDOM = random.Random(int(sys.argv[1]))
+PLAIN = np.array([[1.1, 0.9], [1.0, 1.0], [0.8, 1.3], [1.2, 1.2]])
+SPH = onset.Method("updated-sph", lattice="square")
+LAW = onset.Material("neo-hooke", mu=1.0, lambda_=2.0)
+
+
+def array() -> object:
+    kinds = [
+        lambda: PLAIN.astype(np.float16),
+        lambda: PLAIN.astype(">f8"),
+        lambda: PLAIN.astype(np.longdouble),
+        lambda: np.asfortranarray(PLAIN),
+        lambda: np.repeat(PLAIN, 2, axis=0)[::-2],
+        lambda: np.broadcast_to(PLAIN[0], (600, 2)),
+        lambda: np.ma.masked_less(PLAIN, 1.0),
+        lambda: np.array(1.1),
+        lambda: np.zeros((0, 2)),
+        lambda: np.zeros((2, 0)),
+        lambda: np.full((3, 2), np.nan),
+        lambda: np.array([[np.inf, 1.0]]),
+        lambda: np.array([[1e308, 1e-308]]),
+        lambda: PLAIN.astype(complex),
+        lambda: PLAIN.astype(object),
+        lambda: PLAIN.astype(str),
+        lambda: np.array([[True, False]]),
+        lambda: PLAIN.astype(np.int8),
+        lambda: np.array(["2026-01-01"], dtype="datetime64[D]"),
+        lambda: np.frombuffer(b"x" + PLAIN.tobytes(), dtype=np.uint8)[1:].view(float).reshape(4, 2),
+        lambda: np.random.default_rng(RANDOM.randrange(1000)).uniform(0.5, 2.0, (RANDOM.randrange(2000), 2)),
+        lambda: np.eye(3)[None].repeat(5, axis=0),
+        lambda: np.eye(2),
+        lambda: PLAIN[:, :1],
+        lambda: memoryview(PLAIN),
+        lambda: [[1.1, "a"], None],
+        lambda: -PLAIN,
+    ]
+    return RANDOM.choice(kinds)()
+
+
+CALLS = [
+    lambda: onset.verdicts(LAW, SPH, stretch=array()),
+    lambda: onset.verdicts(LAW, SPH, F=array()),
+    lambda: onset.omega_squared(LAW, SPH, k=array(), stretch=array()),
+    lambda: onset.dynamical_matrix(LAW, SPH, k=array(), F=array()),
+    lambda: LAW.stress(F=array()),
+    lambda: LAW.tangent(stretch=array()),
+    lambda: LAW.energy(F=array()),
+    lambda: onset.state(LAW, SPH, stretch=array()),
+]
+
+
+def abused(count: int) -> None:
+    for _ in range(count):
+        call = RANDOM.choice(CALLS)
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                call()
+        except (onset.OnsetError, TypeError, ValueError):
+            pass
+
+
+def interrupted() -> None:
+    def ring(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, 0.01 + 0.3 * RANDOM.random())
+    try:
+        many = np.random.default_rng(1).uniform(0.7, 1.5, (50_000, 2))
+        onset.verdicts(LAW, SPH, stretch=many)
+    except KeyboardInterrupt:
+        pass
+    signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+
+if __name__ == "__main__":
+    abused(20)
+    if RANDOM.random() < 0.5:
+        interrupted()
+    for _ in range(2):
+        child = multiprocessing.get_context("fork").Process(target=abused, args=(8,))
+        child.start()
+        child.join(8.0)
+        if child.is_alive():
+            child.kill()
+            sys.exit("a forked process hangs")
+        if child.exitcode != 0:
+            sys.exit(f"a forked process ended with {child.exitcode}")
+    print("done")

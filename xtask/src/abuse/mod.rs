@@ -1,0 +1,209 @@
+//! Programs treated badly: killed, interrupted, forked, fed with damaged files, odd arrays and half requests, at odd terminals. Each must end in time, without a
+//! panic or an abort, and leave whole files.
+
+mod files;
+mod lines;
+mod running;
+mod stores;
+mod talk;
+
+use crate::{python, wheel};
+use running::{Fault, Place};
+use std::path::PathBuf;
+use std::process::Command;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+/// What is abused, and by what.
+pub(crate) struct Programs {
+    /// The command.
+    onset: PathBuf,
+    /// An interpreter with the package; `None` where there is none.
+    python: Option<PathBuf>,
+}
+
+impl Programs {
+    pub(crate) fn onset(&self) -> Command {
+        Command::new(&self.onset)
+    }
+}
+
+/// A kind of abuse: one case in a folder of its own.
+struct Kind {
+    name: &'static str,
+    case: fn(&Programs, &Place, &mut Random) -> Result<(), Fault>,
+}
+
+const KINDS: &[Kind] = &[
+    Kind {
+        name: "command lines",
+        case: lines::command_line,
+    },
+    Kind {
+        name: "formulas",
+        case: lines::formula,
+    },
+    Kind {
+        name: "terminals",
+        case: lines::terminal,
+    },
+    Kind {
+        name: "interrupts",
+        case: stores::interrupted,
+    },
+    Kind {
+        name: "kills",
+        case: stores::killed,
+    },
+    Kind {
+        name: "damaged files",
+        case: files::damaged,
+    },
+    Kind {
+        name: "half requests",
+        case: talk::half_requests,
+    },
+];
+
+const PYTHON: Kind = Kind {
+    name: "arrays and forks",
+    case: talk::arrays,
+};
+
+/// What came of a kind of abuse.
+#[derive(Default)]
+struct Tally {
+    cases: AtomicU64,
+    faults: Mutex<Vec<Fault>>,
+}
+
+/// Abuses the programs for some minutes, with the tests' build of the command and the package of the last `cargo xtask python`.
+///
+/// # Errors
+/// What failed, in words.
+pub fn run(arguments: &[String]) -> Result<(), String> {
+    let (mut time, mut seed) = (Duration::from_secs(180), 1);
+    let mut rest = arguments.iter();
+    while let Some(argument) = rest.next() {
+        let number = rest.next().and_then(|value| value.parse::<f64>().ok());
+        match (argument.as_str(), number) {
+            ("--minutes", Some(minutes)) if minutes > 0.0 && minutes < 1e6 => {
+                time = Duration::from_secs_f64(60.0 * minutes);
+            }
+            ("--seed", Some(number)) => seed = number as u64,
+            _ => return Err("usage: cargo xtask abuse [--minutes N] [--seed N]".to_owned()),
+        }
+    }
+    abused(time, seed)
+}
+
+/// The same within a minute, as a part of the tests.
+///
+/// # Errors
+/// What failed, in words.
+pub fn test() -> Result<(), String> {
+    abused(Duration::from_secs(45), 1)
+}
+
+fn abused(time: Duration, seed: u64) -> Result<(), String> {
+    let interpreter = python::interpreter("python");
+    let has_package = |python: &PathBuf| {
+        let import = Command::new(python).args(["-c", "import onset"]).output();
+        import.is_ok_and(|output| output.status.success())
+    };
+    let programs = Programs {
+        onset: wheel::command()?,
+        python: interpreter.filter(has_package),
+    };
+    let mut kinds: Vec<&Kind> = KINDS.iter().collect();
+    match programs.python {
+        Some(_) => kinds.push(&PYTHON),
+        None => eprintln!(
+            "== NOT TESTED: arrays and forks in Python. There is no package: cargo xtask python"
+        ),
+    }
+    eprintln!("== abuse: {} s, seed {seed}", time.as_secs());
+    let tallies: Vec<Tally> = kinds.iter().map(|_| Tally::default()).collect();
+    let (end, next) = (Instant::now() + time, AtomicU64::new(0));
+    let work = || {
+        while Instant::now() < end {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            let place = number as usize % kinds.len();
+            let mut random = Random::new(seed, number);
+            let outcome = Place::new(number)
+                .and_then(|folder| (kinds[place].case)(&programs, &folder, &mut random));
+            tallies[place].cases.fetch_add(1, Ordering::Relaxed);
+            if let Err(fault) = outcome {
+                eprintln!("== {}, case {number}: {fault}", kinds[place].name);
+                let mut faults = tallies[place]
+                    .faults
+                    .lock()
+                    .unwrap_or_else(|held| held.into_inner());
+                faults.push(fault);
+            }
+        }
+    };
+    let threads = std::thread::available_parallelism()
+        .map_or(1, usize::from)
+        .min(4);
+    std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
+    println!("{:<18} cases  hangs  aborts  torn files", "");
+    let mut all = [0; 4];
+    for (kind, tally) in kinds.iter().zip(&tallies) {
+        let faults = tally.faults.lock().unwrap_or_else(|held| held.into_inner());
+        let of =
+            |what: fn(&Fault) -> bool| faults.iter().filter(|fault| what(fault)).count() as u64;
+        let counts = [
+            tally.cases.load(Ordering::Relaxed),
+            of(|fault| matches!(fault, Fault::Hang(_))),
+            of(|fault| matches!(fault, Fault::Abort(_))),
+            of(|fault| matches!(fault, Fault::Torn(_))),
+        ];
+        row(kind.name, counts);
+        for (sum, count) in all.iter_mut().zip(counts) {
+            *sum += count;
+        }
+    }
+    row("all", all);
+    match all[1..].iter().sum::<u64>() {
+        0 => Ok(()),
+        faults => Err(format!(
+            "{faults} faults; again with: cargo xtask abuse --seed {seed}"
+        )),
+    }
+}
+
+fn row(name: &str, [cases, hangs, aborts, torn]: [u64; 4]) {
+    println!("{name:<18} {cases:>5}  {hangs:>5}  {aborts:>6}  {torn:>10}");
+}
+
+/// Random numbers of a case: SplitMix64.
+pub(crate) struct Random(u64);
+
+impl Random {
+    fn new(seed: u64, case: u64) -> Self {
+        Self(seed.wrapping_mul(0x2545_F491_4F6C_DD1D) ^ case.wrapping_mul(0x9E37_79B9_7F4A_7C15))
+    }
+
+    pub(crate) fn word(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    pub(crate) fn below(&mut self, bound: usize) -> usize {
+        (self.word() % bound.max(1) as u64) as usize
+    }
+
+    pub(crate) fn of<'a, T: ?Sized>(&mut self, all: &[&'a T]) -> &'a T {
+        all[self.below(all.len())]
+    }
+
+    /// A time up to some milliseconds.
+    pub(crate) fn pause(&mut self, most: usize) -> Duration {
+        Duration::from_millis(self.below(most) as u64)
+    }
+}

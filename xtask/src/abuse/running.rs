@@ -1,0 +1,174 @@
+//! Programs that are started, watched and ended.
+
+use std::fmt;
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+/// Longer than this nothing may take.
+pub(crate) const HANG: Duration = Duration::from_secs(10);
+/// Exit codes that are documented: done, failed, refused, verdict, interrupted.
+const CODES: [i32; 5] = [0, 1, 2, 3, 130];
+
+/// What is wrong with how a program ended.
+pub(crate) enum Fault {
+    /// It did not end in time.
+    Hang(String),
+    /// It ended by a panic, an abort or a signal that nobody sent.
+    Abort(String),
+    /// A file is neither old nor new.
+    Torn(String),
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (what, why) = match self {
+            Self::Hang(why) => ("hangs", why),
+            Self::Abort(why) => ("aborts", why),
+            Self::Torn(why) => ("torn file", why),
+        };
+        write!(formatter, "{what}: {why}")
+    }
+}
+
+impl From<io::Error> for Fault {
+    fn from(error: io::Error) -> Self {
+        Self::Abort(format!("of the harness: {error}"))
+    }
+}
+
+/// A folder of a case, removed at its end.
+pub(crate) struct Place(PathBuf);
+
+impl Place {
+    pub(crate) fn new(case: u64) -> Result<Self, Fault> {
+        let name = format!("onset-abuse-{}-{case}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        fs::create_dir_all(&folder)?;
+        Ok(Self(folder))
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        &self.0
+    }
+
+    pub(crate) fn write(&self, name: &str, text: impl AsRef<[u8]>) -> Result<PathBuf, Fault> {
+        let path = self.0.join(name);
+        fs::write(&path, text)?;
+        Ok(path)
+    }
+
+    /// A command in this folder, whose output goes to files here.
+    pub(crate) fn started(&self, mut command: Command) -> Result<Running, Fault> {
+        let line = format!("{command:?}");
+        let [out, error] = ["stdout", "stderr"].map(|name| self.0.join(format!(".{name}")));
+        let child = command
+            .current_dir(&self.0)
+            .env("TMPDIR", &self.0)
+            .stdin(Stdio::null())
+            .stdout(File::create(&out)?)
+            .stderr(File::create(&error)?)
+            .spawn()?;
+        Ok(Running {
+            child,
+            line,
+            out,
+            error,
+            signalled: false,
+        })
+    }
+
+    /// Runs a command to its end; one that takes its time is interrupted.
+    pub(crate) fn run(&self, command: Command) -> Result<Ended, Fault> {
+        let mut running = self.started(command)?;
+        if running.ends_within(Duration::from_secs(3))?.is_none() {
+            running.signal("-INT")?;
+        }
+        running.ended()
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// A program that runs.
+pub(crate) struct Running {
+    child: Child,
+    line: String,
+    out: PathBuf,
+    error: PathBuf,
+    signalled: bool,
+}
+
+/// How a program ended.
+pub(crate) struct Ended {
+    pub(crate) code: Option<i32>,
+    pub(crate) stdout: String,
+    /// Why that is a fault, in words of the command line.
+    pub(crate) line: String,
+}
+
+impl Running {
+    /// Sends a signal by its option of `kill`.
+    pub(crate) fn signal(&mut self, signal: &str) -> Result<(), Fault> {
+        self.signalled |= signal == "-KILL";
+        let number = self.child.id().to_string();
+        Command::new("kill")
+            .args([signal, &number])
+            .stderr(Stdio::null())
+            .status()?;
+        Ok(())
+    }
+
+    /// Waits for the end, up to a time.
+    pub(crate) fn ends_within(&mut self, time: Duration) -> Result<Option<ExitStatus>, Fault> {
+        let end = Instant::now() + time;
+        loop {
+            if let Some(status) = self.child.try_wait()? {
+                return Ok(Some(status));
+            }
+            if Instant::now() >= end {
+                return Ok(None);
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    /// Waits for the end and judges it.
+    pub(crate) fn ended(mut self) -> Result<Ended, Fault> {
+        let Some(status) = self.ends_within(HANG)? else {
+            self.child.kill()?;
+            self.child.wait()?;
+            return Err(Fault::Hang(self.line.clone()));
+        };
+        let read = |path| fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+        let (stdout, stderr) = (read(&self.out)?, read(&self.error)?);
+        let code = status.code();
+        let is_documented = code.is_some_and(|code| CODES.contains(&code));
+        let is_killed = code.is_none() && self.signalled;
+        if stderr.contains("panicked")
+            || stderr.contains("a defect")
+            || !(is_documented || is_killed)
+        {
+            let told: String = stderr.chars().take(600).collect();
+            return Err(Fault::Abort(format!("{status}: {}\n{told}", self.line)));
+        }
+        Ok(Ended {
+            code,
+            stdout,
+            line: self.line.clone(),
+        })
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}

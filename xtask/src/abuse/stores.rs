@@ -1,0 +1,167 @@
+//! Commands that are interrupted or killed at any time: what is written is whole, and goes on to the same bytes.
+
+use super::running::{Fault, Place, Running};
+use super::{Programs, Random};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+const STUDY: &str = "[discretization]\nsupport = 1.6\n[[axes]]\nquantity = \"stretch-1\"\nrange = [0.8, 1.6]\nstates = 40\n[[axes]]\nquantity = \"stretch-2\"\nrange = [0.8, 1.6]\nstates = 36\n[map]\ntile = 8\n";
+const COMPARISON: &str = "[compare]\nstretches = [0.95, 1.05]\nstates = 4\ntension = 1.1\ncompression = 0.9\n[[methods]]\nname = \"nodes\"\nlattice = \"square\"\nquadrature = \"nodal\"\n[[methods]]\nname = \"sph\"\nmethod = \"updated-sph\"\n";
+const IRREGULAR: &str = "[compare]\nstretches = [0.9, 1.1]\nstates = 6\n[[methods]]\nname = \"irregular\"\nmethod = \"updated-sph\"\ncells = 6\nperturbation = 0.1\n";
+
+/// Commands that take longer than a test, each with what it is.
+const LONG: &[&str] = &[
+    "state --stretch 1.1,0.9 --set discretization.method=updated-sph --set discretization.cells=12 --set discretization.perturbation=0.1",
+    "modes --set discretization.method=updated-sph --set discretization.cells=8 --set discretization.perturbation=0.1 --out out",
+    "dispersion --stretch 1.1,0.9 --path --set discretization.method=updated-sph --set discretization.cells=8 --set discretization.perturbation=0.1 --out out",
+    "tune discretization.penalty --set discretization.method=tlsph --set discretization.cells=5 --set discretization.perturbation=0.1 --out out",
+    "compare irregular.toml --out out",
+    "boundary study.toml --set discretization.method=updated-sph --set discretization.cells=4 --set discretization.perturbation=0.1 --out out",
+    "map study.toml --set discretization.method=updated-sph --set discretization.cells=8 --set discretization.perturbation=0.1 --out out",
+    "card --set material.model=ogden --out out",
+    "criteria --set material.model=ogden --out out",
+    "simulate body.toml --steps 50 --out out",
+    "simulate --stretch 1.1,1 --set discretization.method=updated-sph --cells 60,60 --steps 2000 --out out",
+    "explore --no-browser",
+];
+
+/// Longest wait for the end after a signal: that of a person, and what a loaded machine takes.
+const HEARD: Duration = Duration::from_secs(5);
+
+/// A signal at any time ends a command soon, and leaves no half of a file.
+pub(super) fn interrupted(
+    programs: &Programs,
+    place: &Place,
+    random: &mut Random,
+) -> Result<(), Fault> {
+    place.write("study.toml", STUDY)?;
+    place.write("irregular.toml", IRREGULAR)?;
+    place.write(
+        "body.toml",
+        "[discretization]\nmethod = \"total-lagrangian-sph\"\nlattice = \"square\"\n[body]\nshape = \"bar\"\nsize = [300, 300]\n",
+    )?;
+    let mut running = place.started(words(programs, random.of(LONG)))?;
+    if running.ends_within(random.pause(1500))?.is_some() {
+        return running.ended().map(drop);
+    }
+    let signal = random.of(&["-INT", "-TERM", "-HUP"]);
+    running.signal(signal)?;
+    let since = Instant::now();
+    let ended = running.ended()?;
+    if since.elapsed() > HEARD {
+        return Err(Fault::Hang(format!(
+            "{:.1} s after {signal}: {}",
+            since.elapsed().as_secs_f64(),
+            ended.line
+        )));
+    }
+    no_rest(place.path())
+}
+
+/// Commands that write, and what goes on after a kill.
+const KILLED: &[(&str, &str)] = &[
+    (
+        "map study.toml --out out",
+        "map study.toml --out out --resume",
+    ),
+    (
+        "compare compare.toml --quiet --out out",
+        "compare compare.toml --quiet --out out",
+    ),
+    (
+        "simulate --stretch 1.1,1 --set discretization.method=updated-sph --cells 10,10 --steps 3000 --checkpoint 100 --out out",
+        "simulate --stretch 1.1,1 --set discretization.method=updated-sph --cells 10,10 --steps 3000 --checkpoint 100 --out out --resume",
+    ),
+];
+
+/// A command that was killed at any time goes on to the bytes of one that was not.
+pub(super) fn killed(programs: &Programs, place: &Place, random: &mut Random) -> Result<(), Fault> {
+    let (line, again) = KILLED[random.below(KILLED.len())];
+    let whole = super::running::Place::new(random.word())?;
+    for folder in [place, &whole] {
+        folder.write("study.toml", STUDY)?;
+        folder.write("compare.toml", COMPARISON)?;
+    }
+    let complete = whole.started(words(programs, line))?.ended()?;
+    if complete.code != Some(0) {
+        return Err(Fault::Abort(format!(
+            "exit code {:?}: {}",
+            complete.code, complete.line
+        )));
+    }
+    for _ in 0..1 + random.below(3) {
+        let started = if place.path().join("out").exists() {
+            again
+        } else {
+            line
+        };
+        let mut running: Running = place.started(words(programs, started))?;
+        if running.ends_within(random.pause(1200))?.is_none() {
+            running.signal("-KILL")?;
+        }
+        running.ended()?;
+    }
+    let rest = place.started(words(programs, again))?.ended()?;
+    if rest.code != Some(0) {
+        return Err(Fault::Torn(format!(
+            "exit code {:?} after a kill: {}",
+            rest.code, rest.line
+        )));
+    }
+    let (own, expected) = (
+        tree(&place.path().join("out"))?,
+        tree(&whole.path().join("out"))?,
+    );
+    match own
+        .iter()
+        .find(|(name, bytes)| expected.get(*name) != Some(bytes))
+    {
+        Some((name, _)) => Err(Fault::Torn(format!("{name} of {line}"))),
+        None if own.len() < expected.len() => {
+            Err(Fault::Torn(format!("a file of {line} is missing")))
+        }
+        None => no_rest(place.path()),
+    }
+}
+
+fn words(programs: &Programs, line: &str) -> Command {
+    let mut command = programs.onset();
+    command.args(line.split(' '));
+    command
+}
+
+/// All files below a folder.
+fn tree(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, Fault> {
+    let mut all = BTreeMap::new();
+    let mut open = vec![folder.to_owned()];
+    while let Some(next) = open.pop() {
+        for entry in fs::read_dir(&next)? {
+            let path = entry?.path();
+            match path.is_dir() {
+                true => open.push(path),
+                false => {
+                    let name = path
+                        .strip_prefix(folder)
+                        .unwrap_or(&path)
+                        .display()
+                        .to_string();
+                    all.insert(name, fs::read(&path)?);
+                }
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// No file is left that a command writes beside the place of another.
+fn no_rest(folder: &Path) -> Result<(), Fault> {
+    let left = fs::read_dir(folder)?.flatten();
+    let mut left = left.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    match left.find(|name| name.starts_with(".onset")) {
+        Some(name) => Err(Fault::Torn(format!("{name} is left"))),
+        None => Ok(()),
+    }
+}

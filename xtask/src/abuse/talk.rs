@@ -1,0 +1,106 @@
+//! Half requests to the page, and odd arrays and forks in Python.
+
+use super::running::{Fault, HANG, Place};
+use super::{Programs, Random};
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+/// Beginnings of requests; the rest never comes.
+const HEADS: &[&[u8]] = &[
+    b"",
+    b"G",
+    b"POST / HTTP/1.1\r\nA: ",
+    b"POST /api/state HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 1000000\r\n\r\n{",
+    b"GET / HTTP/1.1\r\nHost: \xff\xfe\r\n\r\n",
+    b"POST /api/map HTTP/1.1\r\nContent-Length: -1\r\n\r\n",
+    b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n",
+    b"\x16\x03\x01\x02\x00\x01\x00",
+    b"GET / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nffffffffffffffff\r\n",
+];
+
+/// The page answers its owner whatever others send.
+pub(super) fn half_requests(
+    programs: &Programs,
+    place: &Place,
+    random: &mut Random,
+) -> Result<(), Fault> {
+    let mut command = programs.onset();
+    command.args(["explore", "--no-browser"]);
+    let mut running = place.started(command)?;
+    let begun = Instant::now();
+    let address: SocketAddr = loop {
+        let text = std::fs::read_to_string(place.path().join(".stdout"))?;
+        let found = text
+            .trim()
+            .strip_prefix("http://")
+            .and_then(|rest| rest.split('/').next());
+        match found.and_then(|address| address.parse().ok()) {
+            Some(address) => break address,
+            None if begun.elapsed() > HANG => {
+                return Err(Fault::Hang(
+                    "explore --no-browser prints no address".to_owned(),
+                ));
+            }
+            None => std::thread::sleep(Duration::from_millis(5)),
+        }
+    };
+    let mut open = Vec::new();
+    for _ in 0..random.below(100) {
+        let mut stream = TcpStream::connect(address)?;
+        // One that was closed already is refused here.
+        let _ = stream.write_all(random.of(HEADS));
+        if random.below(2) == 0 {
+            open.push(stream);
+        }
+    }
+    let since = Instant::now();
+    let answered = loop {
+        match asked(address) {
+            Ok(text) if text.starts_with("HTTP/1.1 200") => break true,
+            _ if since.elapsed() > HANG => break false,
+            _ => std::thread::sleep(Duration::from_millis(20)),
+        }
+    };
+    drop(open);
+    running.signal("-INT")?;
+    running.ended()?;
+    match answered {
+        true => Ok(()),
+        false => Err(Fault::Hang(
+            "the page does not answer its owner beside half requests".to_owned(),
+        )),
+    }
+}
+
+fn asked(address: SocketAddr) -> std::io::Result<String> {
+    let mut stream = TcpStream::connect(address)?;
+    stream.set_read_timeout(Some(HANG))?;
+    write!(
+        stream,
+        "GET / HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n"
+    )?;
+    let mut bytes = [0; 64];
+    let count = stream.read(&mut bytes)?;
+    Ok(String::from_utf8_lossy(&bytes[..count]).into_owned())
+}
+
+/// Calls with arrays of any kind, in forked processes too, answer or raise an exception.
+pub(super) fn arrays(programs: &Programs, place: &Place, random: &mut Random) -> Result<(), Fault> {
+    let Some(python) = &programs.python else {
+        return Ok(());
+    };
+    let script = place.write("arrays.py", include_str!("arrays.py"))?;
+    let mut command = Command::new(python);
+    command.arg(script).arg(random.word().to_string());
+    command.env("ONSET_UMAT_HOST", &programs.onset);
+    let ended = place.started(command)?.ended()?;
+    match (ended.code, ended.stdout.trim_end().lines().next_back()) {
+        (Some(0), Some("done")) => Ok(()),
+        (code, told) => Err(Fault::Abort(format!(
+            "exit code {code:?}, {told:?}: {}",
+            ended.line
+        ))),
+    }
+}
