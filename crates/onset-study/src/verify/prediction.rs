@@ -115,7 +115,13 @@ pub(super) fn mode(
         });
     }
     if value.re.abs() <= MATRIX_TOLERANCE * largest {
-        return Err(without_rate(problem, f, k, number, MATRIX_TOLERANCE * largest)?);
+        return Err(without_rate(
+            problem,
+            f,
+            k,
+            number,
+            MATRIX_TOLERANCE * largest,
+        )?);
     }
     Ok(Mode::of(&matrix, value.re))
 }
