@@ -46,7 +46,7 @@ const SUBJECTS: &[Subject] = &[
         claim: "numbers, jets, intervals and orders of arguments agree where a formula is defined; no proof is contradicted",
         package: "onset",
         program: "formula",
-        test: "formulas_agree_about_being_defined_and_proofs_are_never_contradicted",
+        test: "equivalent_formulas_have_equal_domains_and_proofs_are_never_contradicted",
         cases: 100_000,
     },
     Subject {
@@ -54,7 +54,7 @@ const SUBJECTS: &[Subject] = &[
         claim: "word and number of ellipticity agree with a computation in sixty digits",
         package: "onset",
         program: "formula",
-        test: "the_word_on_ellipticity_is_that_of_sixty_digits",
+        test: "the_verdict_on_ellipticity_agrees_with_sixty_digit_arithmetic",
         cases: 5_000,
     },
     Subject {

@@ -41,7 +41,7 @@ mod tests {
     use nalgebra::DMatrix;
 
     #[test]
-    fn matrices_have_a_factor_where_they_are_positive_definite() {
+    fn positive_definite_matrices_have_a_cholesky_factor() {
         let mut state = 5;
         let mut number = || 2.0 * uniform(&mut state) - 1.0;
         let random = DMatrix::from_fn(5, 5, |_, _| Complex::new(number(), number()));

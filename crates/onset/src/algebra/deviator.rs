@@ -82,7 +82,7 @@ mod tests {
 
     /// Matrices with known eigenvalues, in increasingly oblique axes.
     #[test]
-    fn eigenvalues_that_are_apart_are_told_to_rounding_and_others_are_refused() {
+    fn separated_eigenvalues_are_accurate_to_rounding_and_others_are_rejected() {
         let (mut state, mut taken) = (5, [0; 4]);
         let mut random = || 2.0 * uniform(&mut state) - 1.0;
         for _ in 0..400 {

@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn minima_at_the_middle_and_beside_an_end_are_found() {
+    fn minima_in_the_middle_and_near_an_end_are_found() {
         for place in [-0.999, 0.3, 1.9999] {
             let (x, _) = sought(|x| (x - place).powi(4) + (x - place).powi(2), 0.5);
             assert!((x - place).abs() < 1e-5, "{x} {place}");
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_function_finds_ends_the_search() {
+    fn an_error_of_the_function_ends_the_search() {
         let crossing = |x: f64| match x < 0.4 {
             true => Err(x),
             false => Ok(x),

@@ -25,7 +25,7 @@ mod tests {
     use super::sort_by_value;
 
     #[test]
-    fn items_are_in_order_and_equal_ones_stay_in_theirs() {
+    fn sorting_is_stable() {
         for seed in 0..200_usize {
             let length = seed % 23;
             let mut items: Vec<(f64, usize)> = (0..length)

@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn eigenpairs_satisfy_their_equation_also_where_eigenvalues_are_double() {
+    fn eigenpairs_satisfy_their_equation_even_for_double_eigenvalues() {
         for seed in 1..200 {
             let mut a = matrix(seed);
             if seed % 3 == 0 {

@@ -60,7 +60,7 @@ mod tests {
     use super::sines_and_cosines;
 
     #[test]
-    fn sines_and_cosines_are_those_of_the_standard_library() {
+    fn sines_and_cosines_agree_with_the_standard_library() {
         for n in -4000..4000 {
             let angles = [0.0, 0.25, 0.5, 0.75].map(|part| (f64::from(n) + part) * 0.037);
             let (sines, cosines) = sines_and_cosines(&angles);

@@ -21,7 +21,7 @@ mod tests {
     use super::moderate_unit;
 
     #[test]
-    fn units_are_powers_of_four_near_the_size() {
+    fn units_are_powers_of_four_near_the_magnitude() {
         for exponent in -300..300 {
             let size = 3.7 * 10_f64.powi(exponent);
             let unit = moderate_unit(size);

@@ -66,7 +66,7 @@ mod tests {
     use super::Zeros;
 
     #[test]
-    fn arrays_are_zeros_whatever_was_there_before() {
+    fn reused_arrays_are_zero() {
         for count in [5, 3, 0, 8, 8, 2] {
             let mut arrays = [0, 1].map(|_| Zeros::new(count));
             for array in &mut arrays {

@@ -337,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn intervals_hold_the_dynamical_matrix_in_floating_point_and_are_narrow() {
+    fn intervals_contain_the_floating_point_dynamical_matrix_and_are_tight() {
         for method in methods() {
             let matrix = dynamical_matrix(&method, &ModifiedMooneyRivlin::default(), &state());
             let matrix = matrix.expect("finite");
@@ -389,7 +389,7 @@ mod tests {
     }
 
     #[test]
-    fn patches_hold_the_matrix_on_their_whole_box() {
+    fn patches_enclose_the_matrix_on_their_whole_box() {
         let corners = [
             [1.0, 1.0],
             [-1.0, 1.0],
@@ -453,7 +453,7 @@ mod tests {
     }
 
     #[test]
-    fn volumes_and_places_hold_the_ideal_ones() {
+    fn enclosures_of_volumes_and_places_contain_the_ideal_values() {
         // Each node has a third of the cell, as each of the two centroids does: the Voronoi cells are hexagons.
         let method = Method::<2>::new(KernelMethodChoices::default()).expect("a method");
         let cell = 0.5 * 3.0_f64.sqrt();

@@ -139,7 +139,7 @@ mod tests {
     use super::Patch;
 
     #[test]
-    fn lower_bounds_are_below_every_value_and_near_the_least() {
+    fn lower_bounds_are_below_every_value_and_near_the_minimum() {
         let mut state = 1_u64;
         let mut random = || {
             state = state
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn a_well_that_touches_zero_is_known_to_do_so() {
+    fn a_minimum_that_touches_zero_is_bounded_by_zero() {
         // (x + y)^2 + x^2, like a discriminant at a crossing.
         let well = Patch {
             value: 1e-12,

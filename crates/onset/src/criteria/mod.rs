@@ -394,8 +394,8 @@ const NEUTRAL: f64 = 3e-14;
 /// because the small stiffness is computed from numbers of the size of the large one.
 const FORM_ROUNDING: f64 = 1e-13;
 
-/// For a larger ratio of the principal stretches the sign of a measure along a loading counts as rounding: the tangent in principal axes has lost too
-/// many digits.
+/// Largest ratio of the principal stretches that leaves the sign of a measure along a loading reliable: beyond it the tangent in principal axes has
+/// lost too many digits.
 const LARGEST_RATIO: f64 = 1e4;
 
 fn ratio_of_stretches(response: &Response) -> f64 {

@@ -54,7 +54,7 @@ pub(super) enum Leaf {
     Component(usize, usize),
     /// Component `C_IJ`, `I <= J`, of the right Cauchy-Green tensor.
     CauchyGreen(usize, usize),
-    /// Volume ratio `J = det F`.
+    /// Ratio of volumes `J = det F`.
     Jacobian,
     /// Principal stretch, counted from zero.
     Stretch(usize),

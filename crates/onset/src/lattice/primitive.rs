@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn particles_of_different_volume_and_marked_points_keep_a_cell() {
+    fn different_volumes_and_marked_points_prevent_reduction_of_a_cell() {
         let square = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
         let two = Crystal::of_lattice(square)
             .supercell([2, 1])

@@ -398,7 +398,7 @@ mod tests {
     }
 
     #[test]
-    fn every_basis_of_a_named_lattice_is_reduced_to_its_own_vectors() {
+    fn every_basis_of_a_named_lattice_reduces_to_its_standard_vectors() {
         let mut state = 3;
         for _ in 0..20 {
             for kind in LatticeKind::ALL {
@@ -461,7 +461,7 @@ mod tests {
     }
 
     #[test]
-    fn a_basis_that_double_precision_does_not_tell_is_refused() {
+    fn a_basis_not_resolved_in_double_precision_is_rejected() {
         for vectors in [
             Matrix2::new(6986.29, 3.0, 1e5, 1e100),
             Matrix2::new(1.0, 1e9, 0.0, 1.0),

@@ -216,7 +216,7 @@ impl<const D: usize> Shifts<D> {
         let mut of_point = vec![0; half::<D>(n)];
         for (start, line) in of_point.chunks_mut(n).enumerate() {
             let start = start * n;
-            // Places jump in the middle of a line.
+            // Shifts change abruptly in the middle of a line.
             let (near, far) = line.split_at_mut(n / 2 + 1);
             fill_convex(near, &mut |j| at(start + j));
             fill_convex(far, &mut |j| at(start + n / 2 + 1 + j));
@@ -400,7 +400,7 @@ mod tests {
 
     /// Includes the lines between `k` and `-k`, and a zone that differs from the zone of the grid and subtracts other vectors.
     #[test]
-    fn phases_of_sites_are_those_of_folded_wave_vectors() {
+    fn phases_of_sites_belong_to_the_folded_wave_vectors() {
         let lattice = LatticeKind::Hexagonal.lattice::<2>(1.0).expect("a lattice");
         let grids = WaveGrids::new(lattice);
         let stretch = Matrix2::new(1.3, 0.2, 0.0, 0.6);
@@ -446,7 +446,7 @@ mod tests {
     }
 
     #[test]
-    fn phases_of_sites_in_space_are_those_of_the_wave_vectors() {
+    fn phases_of_sites_in_three_dimensions_belong_to_the_wave_vectors() {
         let lattice = LatticeKind::FaceCenteredCubic
             .lattice::<3>(1.0)
             .expect("a lattice");

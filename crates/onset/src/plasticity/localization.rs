@@ -264,7 +264,7 @@ mod tests {
     use crate::plasticity::{DruckerPrager, Hardening};
 
     #[test]
-    fn the_whole_triangle_holds_no_more_than_the_plane_of_the_extreme_stresses() {
+    fn the_maximum_lies_in_the_plane_of_the_extreme_stresses() {
         let strength = Hardening::Linear {
             initial: 1.0,
             modulus: 0.0,

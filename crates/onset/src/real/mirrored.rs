@@ -25,7 +25,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub enum Mirrored<R = f64> {
     /// Zero for any state.
     Zero,
-    /// Equal for all states.
+    /// Constant, equal for all states.
     Constant(f64),
     /// Even in `F_12` and `F_21`.
     Even(Even<R>),

@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn polynomials_are_the_exponential_up_to_the_order_of_the_method() {
+    fn stability_polynomials_match_the_exponential_to_the_order_of_the_method() {
         for (stages, order, count) in [
             (FORWARD_EULER, 1, 1),
             (HEUN, 2, 2),
@@ -291,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn reaches_along_both_axes_are_the_known_ones() {
+    fn stability_limits_along_both_axes_have_the_published_values() {
         let reaches = |stages: Stages| {
             let own = stages.polynomial();
             [Complex::new(0.0, 1.0), Complex::new(-1.0, 0.0)].map(|ray| reach(&own, ray))

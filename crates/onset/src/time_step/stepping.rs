@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn all_have_the_rates_of_the_equations_in_the_limit_of_short_steps() {
+    fn all_schemes_have_the_exact_rates_in_the_limit_of_short_steps() {
         for [x, s, r] in [
             [0.7, 0.0, 0.0],
             [0.3, 0.2, 0.3],
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_by_step_run_has_these_rates() {
+    fn a_direct_simulation_has_the_computed_rates() {
         // Independent implementation of each stepping scheme, without matrices.
         let (positions, stress, density, step) = (0.31, 0.14, 0.09, 0.17);
         for stepping in Stepping::ALL {

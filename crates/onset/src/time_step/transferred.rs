@@ -11,7 +11,7 @@ const ZERO_FREQUENCY_NOISE_FACTOR: f64 = 64.0;
 const SMALLEST_FACTOR: f64 = 1e-12;
 /// Growth relative to the frequency that exceeds the rounding of `ln(z)`.
 const GROWTH_TOLERANCE: f64 = 1e-10;
-/// For larger `|omega^2 dt^2|` the larger factor equals `-omega^2 dt^2` to all digits, and squares may overflow.
+/// Largest `|omega^2 dt^2|` with the general formula: beyond it the larger factor equals `-omega^2 dt^2` to all digits, and squares may overflow.
 const LARGEST_STEP_SQUARE: f64 = 1e40;
 
 /// Waves of a state in discrete time, for a method that stores velocities at points and accelerates them on a grid.

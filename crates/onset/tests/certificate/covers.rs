@@ -1,4 +1,4 @@
-//! Bounds over the zone against the minimum of a dense grid.
+//! Bounds over the zone compared with the minimum of a dense grid.
 
 use nalgebra::Vector2;
 use onset::bloch::dynamical_matrix;
@@ -9,7 +9,7 @@ use onset::material::ModifiedMooneyRivlin;
 use onset::method::{CurrentLattice, Frame, KernelMethodChoices, Linearization, Method};
 use onset::verdict::speed_squared;
 
-/// The smallest measure on a grid of the zone and of long waves.
+/// Smallest measure on a grid of the zone and of long waves.
 fn sampled(method: &Method<2>, state: &DeformationGradient) -> f64 {
     let material = ModifiedMooneyRivlin::default();
     let matrix = dynamical_matrix(method, &material, state).expect("finite");
@@ -38,7 +38,7 @@ fn sampled(method: &Method<2>, state: &DeformationGradient) -> f64 {
 }
 
 #[test]
-fn a_bound_is_below_every_sample_and_within_a_tenth_of_the_least_where_asked() {
+fn bounds_lie_below_every_sample_and_within_ten_percent_of_the_minimum() {
     use Linearization::{Exact, Paper};
     let material = ModifiedMooneyRivlin::default();
     let mut proved = 0;

@@ -1,4 +1,4 @@
-//! States whose answer is known in closed form or beyond doubt.
+//! States with a known result.
 
 use nalgebra::Vector2;
 use onset::bloch::{Stability, dynamical_matrix, growth_rate};
@@ -31,11 +31,11 @@ fn eulerian(support: f64, linearization: Linearization) -> KernelMethodChoices {
     }
 }
 
-/// Along (1, s) the law (5) loses ellipticity at this stretch.
+/// Stretch along (1, s) at which the law (5) loses ellipticity.
 const ONSET: f64 = 2.754613297216;
 
 #[test]
-fn both_sides_of_the_boundary_of_ellipticity_are_decided_at_a_distance_of_a_millionth() {
+fn ellipticity_is_proved_or_refuted_within_a_millionth_of_its_limit() {
     let material = ModifiedMooneyRivlin::default();
     let lagrangian = planar(KernelMethodChoices::default());
     for distance in [1e-6, 1e-9] {
@@ -83,7 +83,7 @@ fn both_sides_of_the_boundary_of_ellipticity_are_decided_at_a_distance_of_a_mill
 }
 
 #[test]
-fn blatz_ko_is_decided_on_both_sides_of_the_ratio_of_knowles_and_sternberg() {
+fn blatz_ko_is_proved_or_refuted_on_both_sides_of_the_knowles_sternberg_ratio() {
     let (material, method) = (BlatzKo::default(), planar(KernelMethodChoices::default()));
     let ratio = 2.0 + 3.0_f64.sqrt();
     for (factor, name) in [
@@ -102,7 +102,7 @@ fn blatz_ko_is_decided_on_both_sides_of_the_ratio_of_knowles_and_sternberg() {
 }
 
 #[test]
-fn a_bound_of_the_material_is_just_below_its_smallest_acoustic_eigenvalue() {
+fn the_proved_bound_is_just_below_the_smallest_acoustic_eigenvalue() {
     let material = ModifiedMooneyRivlin::default();
     let method = planar(KernelMethodChoices::default());
     // In compression the softest wave is a shear wave of stiffness c1 + c2.
@@ -116,7 +116,7 @@ fn a_bound_of_the_material_is_just_below_its_smallest_acoustic_eigenvalue() {
 }
 
 #[test]
-fn a_chain_is_decided_as_a_lattice_is() {
+fn one_dimensional_chains_are_proved_or_refuted() {
     let material = ModifiedMooneyRivlin::default();
     let chain = |frame, quadrature| {
         let discretization = KernelMethodChoices {
@@ -138,7 +138,7 @@ fn a_chain_is_decided_as_a_lattice_is() {
     assert_eq!(name(&lagrangian, 1.3), "proved-stable");
     let nodal = chain(Frame::Lagrangian, Quadrature::Nodal);
     assert_eq!(name(&nodal, 1.3), "proved-zero-energy");
-    // Eulerian kernels: as the search in floating point says, which is stable here and unstable there.
+    // Eulerian kernels: stable in one case and unstable in the other, as in the floating-point search.
     let mut seen = [0, 0];
     for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
         let eulerian = chain(Frame::Eulerian, quadrature);
@@ -165,7 +165,7 @@ fn a_chain_is_decided_as_a_lattice_is() {
 }
 
 #[test]
-fn nodal_integration_of_a_lagrangian_kernel_has_zero_energy_modes_and_no_more() {
+fn nodal_integration_of_a_lagrangian_kernel_has_exactly_the_known_zero_energy_modes() {
     let material = ModifiedMooneyRivlin::default();
     for kind in [LatticeKind::Square, LatticeKind::Hexagonal] {
         let discretization = KernelMethodChoices {
@@ -183,7 +183,7 @@ fn nodal_integration_of_a_lagrangian_kernel_has_zero_energy_modes_and_no_more() 
         let scale = matrix.omega_squared(&Vector2::new(1.0, 0.3))[1].re;
         assert!(matrix.omega_squared(&wave_vector)[1].re.abs() < 1e-12 * scale);
     }
-    // Square centers do not see the wave (pi, pi) either; centroids of triangles see all.
+    // The wave (pi, pi) has no strain at square centers either; every wave has strain at the centroids of triangles.
     for (kind, name) in [
         (LatticeKind::Square, "proved-zero-energy"),
         (LatticeKind::Hexagonal, "proved-stable"),
@@ -198,8 +198,8 @@ fn nodal_integration_of_a_lagrangian_kernel_has_zero_energy_modes_and_no_more() 
 }
 
 #[test]
-fn flutter_that_a_grid_misses_is_found_by_the_cover() {
-    // Pockets of complex omega^2 near the boundary of the zone, smaller than the spacing of a usual grid.
+fn the_cover_finds_flutter_that_a_grid_misses() {
+    // Pockets of complex omega^2 near the boundary of the zone, smaller than the spacing of a typical grid.
     let material = ModifiedMooneyRivlin::default();
     for (support, first, second) in [
         (1.9, 0.5375, 1.8425),
@@ -212,7 +212,7 @@ fn flutter_that_a_grid_misses_is_found_by_the_cover() {
         let Certainty::Unstable { witness } = certificate.discretization else {
             panic!("{:?}", certificate.discretization);
         };
-        // The matrix in floating point says the same of this wave.
+        // The floating-point matrix agrees for this wave.
         let matrix = dynamical_matrix(&method, &material, &state).expect("finite");
         let unit = speed_squared(&method, &material).expect("finite").sqrt();
         let growth = matrix
@@ -225,7 +225,7 @@ fn flutter_that_a_grid_misses_is_found_by_the_cover() {
             growth > GROWTH && growth >= witness.growth_rate * (1.0 - 1e-6),
             "{growth} of {witness:?}"
         );
-        // A grid of 40 points along each reciprocal vector sees none.
+        // A grid of 40 points along each reciprocal vector misses them.
         let zone = onset::lattice::BrillouinZone::new(*method.lattice());
         let mut grown = 0;
         for i in 0..40 {
@@ -245,7 +245,7 @@ fn flutter_that_a_grid_misses_is_found_by_the_cover() {
 }
 
 #[test]
-fn a_set_of_points_without_an_inversion_center_is_left_undecided() {
+fn quadrature_points_without_inversion_symmetry_are_undecided() {
     let material = ModifiedMooneyRivlin::default();
     let method = planar(KernelMethodChoices {
         frame: Frame::Eulerian,
@@ -266,7 +266,7 @@ fn a_set_of_points_without_an_inversion_center_is_left_undecided() {
 }
 
 #[test]
-fn what_stays_undecided_names_its_reason() {
+fn undecided_states_report_their_reason() {
     let material = ModifiedMooneyRivlin::default();
     let method = planar(eulerian(1.9, Linearization::Exact));
     let state = stretched(0.9, 0.95);
@@ -287,7 +287,7 @@ fn what_stays_undecided_names_its_reason() {
 }
 
 #[test]
-fn extreme_stretches_are_answered_or_refused_and_never_wrong() {
+fn certificates_at_extreme_stretches_are_never_wrong() {
     let laws: [Box<dyn Hyperelastic>; 2] = [
         Box::new(ModifiedMooneyRivlin::default()),
         Box::new(BlatzKo::default()),
@@ -305,7 +305,7 @@ fn extreme_stretches_are_answered_or_refused_and_never_wrong() {
                 .with_budget(200);
             for first in stretches {
                 for second in stretches {
-                    // Along the axes, and turned by an angle that makes the components cancel.
+                    // Along the axes, and rotated by an angle that makes the components cancel.
                     let (sine, cosine) = 0.7_f64.sin_cos();
                     let turned = [
                         [first * cosine, -second * sine],

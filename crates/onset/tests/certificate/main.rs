@@ -1,4 +1,4 @@
-//! Certificates: what is proved is true, and what is true is nearly always proved.
+//! Certificates: every proof is correct, and nearly every state is proved.
 
 #[allow(dead_code, reason = "shared with the tests of the discretization")]
 #[path = "../discretization/choices.rs"]

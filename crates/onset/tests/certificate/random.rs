@@ -11,7 +11,7 @@ use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use std::cell::Cell;
 
-/// The states that stay undecided of all.
+/// Number of undecided states.
 const UNDECIDED: f64 = 0.05;
 
 fn check(case: &Case, decided: &Cell<usize>) -> Result<(), TestCaseError> {
@@ -50,7 +50,7 @@ fn check(case: &Case, decided: &Cell<usize>) -> Result<(), TestCaseError> {
             }
         }
         Certainty::Unstable { witness } => {
-            // The search in floating point may miss a small pocket, but not deny the wave.
+            // The floating-point search may miss a small pocket, but must not contradict the wave.
             let growth = matrix.omega_squared(&witness.wave_vector).map(growth_rate);
             let growth = growth.into_iter().fold(0.0, f64::max) / speed_squared.sqrt();
             let noise = (matrix.noise() / speed_squared).sqrt();
@@ -73,7 +73,7 @@ fn check(case: &Case, decided: &Cell<usize>) -> Result<(), TestCaseError> {
 }
 
 #[test]
-fn no_proof_contradicts_the_matrix_in_floating_point() {
+fn no_proof_contradicts_the_floating_point_matrix() {
     let (decided, seen) = (Cell::new(0), Cell::new(0));
     let mut runner = TestRunner::new(config(1500));
     let result = runner.run(&case(), |case| {

@@ -1,4 +1,4 @@
-//! The largest boxes of principal stretches.
+//! Largest boxes of principal stretches.
 
 use super::{NeoHooke, assert_close, zero};
 use onset::criteria::{BoxEnd, Criterion, Range, SafeBox, State, safe_box, widest_safe_box};
@@ -20,10 +20,11 @@ fn blatz_ko_is_elliptic_in_boxes_whose_ends_have_the_ratio_2_plus_sqrt_3() {
     assert_close(widest.high / widest.low, ratio, 1e-10);
 }
 
-/// Elliptic while `mu + g(J)/(smallest stretch)^2 > 0`, `g = mu + lambda (1 - ln J)`. At the largest volume of a box all stretches are `h`; with
-/// one stretch smaller the volume is less and the factor larger: the worst of `h^2 x` over the smallest stretch `x` ends the box.
+/// Neo-Hooke is elliptic while `mu + g(J)/(smallest stretch)^2 > 0`, `g = mu + lambda (1 - ln J)`. At the largest volume of a box all stretches are
+/// `h`. If one stretch is smaller, the volume is smaller and the factor larger: the worst value of `h^2 x` over the smallest stretch `x` limits the
+/// box.
 #[test]
-fn the_box_of_neo_hooke_is_that_of_its_closed_form() {
+fn the_box_of_neo_hooke_has_its_closed_form() {
     let (mu, lambda) = (1.0, 3.0);
     let law = NeoHooke { mu, lambda };
     let safe = safe_box(&law, 1.0, &Range::default()).expect("elliptic in the reference");
@@ -53,9 +54,8 @@ fn a_box_without_a_loss_is_as_large_as_the_range() {
     );
 }
 
-/// Bruhns, Xiao and Meyers (2001): for all Lamé constants that are not negative, elliptic for stretches from 0.21162 to 1.39561. The bounds are
-/// those of the two extreme laws: lambda = 0, where a ratio of two stretches ends the box, and an incompressible one, where equibiaxial
-/// stretches do, at `exp(1/3)`.
+/// Bruhns, Xiao and Meyers (2001): elliptic for stretches from 0.21162 to 1.39561 for all nonnegative Lamé constants. The bounds belong to the two
+/// extreme laws: lambda = 0, where a ratio of two stretches limits the box, and an incompressible law, where equibiaxial stretches do, at `exp(1/3)`.
 #[test]
 fn hencky_is_elliptic_in_the_box_of_bruhns_xiao_and_meyers_and_in_no_larger_one() {
     let (low, high) = (0.21162_f64, 1.39561_f64);
@@ -77,7 +77,7 @@ fn hencky_is_elliptic_in_the_box_of_bruhns_xiao_and_meyers_and_in_no_larger_one(
     assert_close(nearly_incompressible.high, (1.0_f64 / 3.0).exp(), 1e-6);
 }
 
-/// Random states of a box, and those with stretches at its ends, are elliptic.
+/// Random states of a box, including states with stretches at its ends, are elliptic.
 #[track_caller]
 fn assert_safe(law: &dyn Hyperelastic, safe: &SafeBox, known: &[[f64; 3]]) {
     let (low, high) = (safe.low.ln(), safe.high.ln());
@@ -86,7 +86,7 @@ fn assert_safe(law: &dyn Hyperelastic, safe: &SafeBox, known: &[[f64; 3]]) {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         (seed >> 33) as f64 / (1_u64 << 31) as f64
     };
-    // A third of the stretches is at an end.
+    // A third of the stretches lie at an end.
     let mut stretch = || (low + (high - low) * (1.5 * random() - 0.25).clamp(0.0, 1.0)).exp();
     let states = (0..20_000).map(|_| [stretch(), stretch(), stretch()]);
     for stretches in states.chain(known.iter().copied()) {
@@ -102,8 +102,8 @@ fn assert_safe(law: &dyn Hyperelastic, safe: &SafeBox, known: &[[f64; 3]]) {
     }
 }
 
-/// Elliptic for waves along the third axis while `mu + (mu + lambda (1 - ln J)) / lambda3^2 > 0`; at equal largest stretches `b` the worst third
-/// one is where the derivative of `mu x^2 + mu + lambda (1 - ln(b^2 x))` by `x` vanishes: `x^2 = lambda / (2 mu)`, or `b` where that is larger.
+/// Neo-Hooke is elliptic for waves along the third axis while `mu + (mu + lambda (1 - ln J)) / lambda3^2 > 0`. For equal largest stretches `b` the
+/// worst third stretch is a zero of the derivative of `mu x^2 + mu + lambda (1 - ln(b^2 x))` by `x`: `x^2 = lambda / (2 mu)`, or `b` if it is larger.
 #[test]
 fn the_widest_box_of_neo_hooke_ends_at_its_closed_form() {
     for lambda in [1.0, 3.0_f64] {
@@ -126,7 +126,7 @@ fn the_widest_box_of_neo_hooke_ends_at_its_closed_form() {
 }
 
 #[test]
-fn no_state_within_a_box_of_a_law_of_the_library_loses_ellipticity() {
+fn no_state_within_the_box_of_a_library_law_loses_ellipticity() {
     for name in [
         "hencky",
         "blatz-ko",
@@ -155,7 +155,7 @@ fn the_widest_box_of_saint_venant_and_kirchhoff_reaches_the_end_of_the_range() {
     );
 }
 
-/// `(h^2 + 2/h^2) h^(2/3) = 3 + jm` where one stretch is `h` and two are `1/h`.
+/// Condition `(h^2 + 2/h^2) h^(2/3) = 3 + jm` for one stretch `h` and two stretches `1/h`.
 #[test]
 fn the_box_of_gent_ends_where_its_chains_lock() {
     let law = Law::named("gent").expect("a law of the library");
@@ -175,7 +175,7 @@ fn the_widest_box_may_end_at_the_reference() {
     let hencky = law.build(&[]).expect("admissible");
     let range = Range::default();
     let widest = widest_safe_box(&*hencky, &range).expect("elliptic in the reference");
-    // The ratio falls with the upper end: boxes of all skews are narrower.
+    // The ratio decreases with the upper end: boxes of all skews are narrower.
     let mut before = f64::INFINITY;
     for skew in [1e4, 300.0, 30.0, 10.0, 4.0] {
         let found = safe_box(&*hencky, skew, &range).expect("elliptic in the reference");
@@ -187,7 +187,7 @@ fn the_widest_box_may_end_at_the_reference() {
         before = ratio;
     }
     assert!((widest.high - 1.0).abs() < 1e-14, "{widest:?}");
-    // A wave in the plane of two stretches stops where (W11 W22)^(1/2) + A1212 = W12 + A1221.
+    // The speed of a wave in the plane of two stretches vanishes at (W11 W22)^(1/2) + A1212 = W12 + A1221.
     let (mu, kappa) = (1.0, 5.0 / 3.0);
     let margin = |x: f64| {
         let log = x.ln();
@@ -212,7 +212,7 @@ fn the_widest_box_may_end_at_the_reference() {
 }
 
 #[test]
-fn a_fluid_has_no_box_and_satisfies_no_criterion_of_waves() {
+fn a_fluid_has_no_box_and_violates_every_wave_criterion() {
     let fluid = Formula::parse("50*(J - 1)^2").expect("a formula");
     let fluid = fluid.with(&[]).expect("a law");
     assert!(safe_box(&fluid, 1.0, &Range::default()).is_none());

@@ -1,4 +1,4 @@
-//! The measures at a state against independent ways to them.
+//! Measures at a state compared with independent computations.
 
 use super::{NeoHooke, assert_close};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -84,7 +84,7 @@ fn the_algebraic_criterion_has_the_sign_of_a_search_over_the_sphere() {
 }
 
 #[test]
-fn rotations_of_state_and_reference_move_no_measure() {
+fn rotations_of_state_and_reference_keep_the_measures() {
     let first = Rotation3::from_scaled_axis(Vector3::new(0.4, -0.9, 0.3)).into_inner();
     let second = Rotation3::from_scaled_axis(Vector3::new(-1.1, 0.2, 0.8)).into_inner();
     for law in &laws() {
@@ -115,7 +115,7 @@ fn rotations_of_state_and_reference_move_no_measure() {
     }
 }
 
-/// `d^2 W / dln(lambda_i) dln(lambda_j)` by differences of the energy, and the shear part by
+/// Finite differences of `d^2 W / dln(lambda_i) dln(lambda_j)`, and the shear part by
 /// `(tau_1 - tau_2)(lambda_1^2 + lambda_2^2)/(lambda_1^2 - lambda_2^2)`.
 #[test]
 fn drucker_is_the_hessian_in_logarithms_and_the_jaumann_shear_moduli() {
@@ -150,7 +150,7 @@ fn drucker_is_the_hessian_in_logarithms_and_the_jaumann_shear_moduli() {
             let mut lowest = found;
             for (i, j) in [(0, 1), (0, 2), (1, 2)] {
                 let (a, b) = (stretches[i].powi(2), stretches[j].powi(2));
-                // D = (e_i e_j + e_j e_i)/sqrt 2 has D : tau° = that modulus.
+                // D = (e_i e_j + e_j e_i)/sqrt 2 gives D : tau° = this modulus.
                 lowest = f64::min(lowest, (tau[(i, i)] - tau[(j, j)]) * (a + b) / (a - b));
             }
             let full = Criterion::Drucker.measure(&state).expect("defined").value;
@@ -182,7 +182,7 @@ fn hill_rotation_free_is_the_curvature_of_the_energy_in_the_right_stretch_tensor
             };
             let scale = Criterion::Hill.measure(&state).expect("defined").neutral / 3e-14;
             assert!((second(&s) - measure.value).abs() < 1e-6 * scale);
-            // No symmetric rate of a handful has less.
+            // No other symmetric rate in the sample has a smaller value.
             for n in 0..20 {
                 let entry = |k: usize| spread(n, k) - 0.5;
                 let trial = Matrix3::new(
@@ -221,11 +221,11 @@ fn hill_counts_rotations_and_is_lost_where_two_principal_stresses_have_a_negativ
         assert_eq!(sums.iter().all(|sum| *sum > 0.0), holds);
         let measure = Criterion::Hill.measure(&state).expect("defined");
         assert_eq!(measure.holds(), holds);
-        // A rotation rate e_3 x F has the form tau_1 + tau_2 and the length (l1^2 + l2^2)^(1/2).
+        // The rotation rate e_3 x F has the value tau_1 + tau_2 and the length (l1^2 + l2^2)^(1/2).
         let rotation = sums[0] / (stretches[0].powi(2) + stretches[1].powi(2));
         assert!(measure.value <= rotation + 1e-12);
     }
-    // Neutral in the reference: rotations cost nothing, all else costs.
+    // Neutral in the reference: rotations have no energy, all other rates have positive energy.
     let state = State::new(&law, &DeformationGradient::identity()).expect("finite");
     let measure = Criterion::Hill.measure(&state).expect("defined");
     assert!(measure.holds() && measure.value.abs() < 1e-12);
@@ -238,7 +238,7 @@ fn hill_counts_rotations_and_is_lost_where_two_principal_stresses_have_a_negativ
     );
 }
 
-/// A law with one direction that is stiffer.
+/// Law with one stiffer direction.
 struct Fibers;
 
 impl onset::material::StrainEnergy for Fibers {
@@ -255,7 +255,7 @@ impl onset::material::StrainEnergy for Fibers {
 }
 
 #[test]
-fn isotropy_is_found_out() {
+fn isotropy_is_detected() {
     for law in &laws() {
         assert!(is_isotropic(&**law));
     }
@@ -270,14 +270,14 @@ fn isotropy_is_found_out() {
     );
 }
 
-/// The principal Cauchy stresses of a state along the axes.
+/// Principal Cauchy stresses of a state along the axes.
 fn cauchy(law: &dyn Hyperelastic, stretches: [f64; 3]) -> [f64; 3] {
     let f = DeformationGradient::from_stretches(stretches).expect("stretches");
     let p = law.response(&f).expect("finite").first_piola;
     [0, 1, 2].map(|i| p[(i, i)] * stretches[i] / f.jacobian())
 }
 
-/// By differences of the principal stresses, and `(sigma_i - sigma_j)(a_i^2 + a_j^2)/(a_i^2 - a_j^2)` for shears of the axes.
+/// Finite differences of the principal stresses, and `(sigma_i - sigma_j)(a_i^2 + a_j^2)/(a_i^2 - a_j^2)` for shears of the axes.
 #[test]
 fn true_stress_monotonicity_is_the_derivative_of_cauchy_stress_by_logarithmic_strain() {
     for law in &laws() {

@@ -1,4 +1,4 @@
-//! Incompressible response: published limits, and independent ways to the same forms.
+//! Incompressible response: published limits, and independent computations of the forms.
 
 use super::{assert_close, limit, path, zero};
 use nalgebra::{Matrix2, Matrix3, Vector3};
@@ -24,10 +24,10 @@ fn kept<'a>(law: &'a dyn Hyperelastic, loading: Loading) -> LoadingPath<'a> {
     LoadingPath::incompressible(law, loading, &Range::default()).expect("a reference")
 }
 
-/// Biot (1963): `eta^3 + eta^2 + 3 eta = 1` with the ratio `eta` of the stretch along the surface to that across it; lambda = 0.444, 0.666 and 0.544.
-/// The volumetric part does not count.
+/// Biot (1963): `eta^3 + eta^2 + 3 eta = 1` with the ratio `eta` of the stretch along the surface to the stretch across it; lambda = 0.444, 0.666 and
+/// 0.544. The volumetric part does not count.
 #[test]
-fn neo_hookes_rubber_wrinkles_where_biot_says() {
+fn neo_hooke_wrinkles_at_biots_limit() {
     let eta = zero(|x| x * x * x + x * x + 3.0 * x - 1.0, 0.1, 0.9);
     assert_close(eta, 0.295_597_742, 1e-8);
     for (name, parameters) in [
@@ -50,8 +50,8 @@ fn neo_hookes_rubber_wrinkles_where_biot_says() {
     }
 }
 
-/// In plane deformations an incompressible isotropic law is strongly elliptic where the energy `w(k)` of simple shear has `w'(k)/k > 0` and
-/// `w''(k) > 0` (Abeyaratne, J. Elasticity 10 (1980) 255). Yeoh: `w = c10 k^2 + c20 k^4 + c30 k^6`.
+/// In plane deformations an incompressible isotropic law is strongly elliptic if the energy `w(k)` of simple shear has `w'(k)/k > 0` and `w''(k) > 0`
+/// (Abeyaratne, J. Elasticity 10 (1980) 255). Yeoh: `w = c10 k^2 + c20 k^4 + c30 k^6`.
 #[test]
 fn simple_shear_loses_ellipticity_where_its_curve_has_its_maximum() {
     let (c10, c20, c30) = (0.5, -0.1, 0.01);
@@ -66,7 +66,7 @@ fn simple_shear_loses_ellipticity_where_its_curve_has_its_maximum() {
     assert_close(found - 1.0 / found, k, 1e-9);
     let all = limit(&shear, Criterion::StrongEllipticity, true).expect("lost");
     assert!(all <= found * (1.0 + 1e-9), "{all} {found}");
-    // Layers of two shears gain energy before, and keep the volume.
+    // Layers of two shears preserve the volume and gain energy earlier.
     let track = follow(&shear, Criterion::StrongEllipticity, true).expect("defined");
     let jumps = follow_jumps(&shear, &track, 10.0, true);
     let own = jumps.limit().expect("lost");
@@ -89,9 +89,9 @@ fn simple_shear_loses_ellipticity_where_its_curve_has_its_maximum() {
     assert_close(jumped.determinant(), 1.0, 1e-9);
 }
 
-/// All directions `N` of a grid, and of each the polarization with `g . F^-T N = 0` whose wave is slowest, by the tangent of the compressible law.
+/// Slowest wave over a grid of directions `N`, with polarizations that satisfy `g . F^-T N = 0`, from the tangent of the compressible law.
 #[test]
-fn ellipticity_is_that_of_all_waves_that_keep_the_volume() {
+fn ellipticity_covers_all_volume_preserving_waves() {
     for (name, parameters) in [
         ("yeoh", vec![("c10", 0.5), ("c20", -0.1), ("c30", 0.01)]),
         ("ogden", vec![("mu1", 1.0), ("alpha1", 0.4)]),
@@ -123,7 +123,7 @@ fn ellipticity_is_that_of_all_waves_that_keep_the_volume() {
     }
 }
 
-/// The smallest `g . Q(N) g` over a grid of `N` and `g` with `g . F^-T N = 0`, of unit length.
+/// Smallest `g . Q(N) g` over a grid of unit vectors `N` and `g` with `g . F^-T N = 0`.
 fn slowest(response: &onset::material::Response) -> f64 {
     let f = response.deformation.matrix();
     let inverse = f.try_inverse().expect("invertible").transpose();
@@ -156,9 +156,9 @@ fn slowest(response: &onset::material::Response) -> f64 {
     lowest
 }
 
-/// Abaqus eliminates the third strain: its matrix is that of the second derivatives of `W(e^a, e^b, e^(-a-b))`.
+/// Abaqus eliminates the third strain: its matrix contains the second derivatives of `W(e^a, e^b, e^(-a-b))`.
 #[test]
-fn druckers_check_is_that_of_the_energy_of_two_strains() {
+fn the_drucker_check_is_the_hessian_of_the_energy_in_two_strains() {
     for (name, parameters) in [
         ("mooney-rivlin-isochoric", vec![("c10", 0.5), ("c01", -0.1)]),
         ("yeoh", vec![("c10", 0.5), ("c20", -0.1), ("c30", 0.01)]),
@@ -213,8 +213,8 @@ fn druckers_check_is_that_of_the_energy_of_two_strains() {
     }
 }
 
-/// Treloar's rubber by Ogden's three terms: Abaqus finds the fit stable at all strains. A bulk modulus of 100 lets the compressible form fail in
-/// equibiaxial compression by a pure dilation, which no incompressible increment is.
+/// Treloar's rubber with three Ogden terms: Abaqus finds the fit stable at all strains. With a bulk modulus of 100 the compressible form fails in
+/// equibiaxial compression by a pure dilation, which is not an incompressible increment.
 #[test]
 fn treloars_fit_is_stable_throughout() {
     let law = law("ogden", &[]);
@@ -242,7 +242,7 @@ fn treloars_fit_is_stable_throughout() {
 }
 
 #[test]
-fn the_free_face_bears_no_traction_and_the_volume_is_kept() {
+fn the_free_face_is_traction_free_at_constant_volume() {
     let law = law("gent", &[]);
     for loading in Loading::INCOMPRESSIBLE {
         let path = kept(&*law, loading);
@@ -266,8 +266,8 @@ fn the_free_face_bears_no_traction_and_the_volume_is_kept() {
     assert_eq!(refused.err(), Some(LoadingError::ChangesVolume));
 }
 
-/// A bar of Hencky's rubber bears `P = 3 mu ln(lambda) / lambda`, which is largest at e, and under pressure rotations gain energy at once. However large the bulk modulus, every
-/// loading with free faces has the limits of the incompressible law, and as many as with `kappa = 1e9`.
+/// The load `P = 3 mu ln(lambda) / lambda` of a bar of Hencky's rubber is largest at e, and under pressure rotations gain energy immediately. For any
+/// large bulk modulus every loading with free faces has the limits of the incompressible law, and as many as with `kappa = 1e9`.
 #[test]
 fn a_huge_bulk_modulus_is_a_regular_limit() {
     let stiff =
@@ -310,7 +310,7 @@ fn a_huge_bulk_modulus_is_a_regular_limit() {
                     let what = format!("{mode:?} {lateral:?} {criterion:?}: {own:?} {expected:?}");
                     assert_eq!(own.len(), expected.len(), "{what}");
                     for (own, expected) in own.iter().zip(&expected) {
-                        // At a bulk modulus of 1e6 the forces of large shears still change the volume, at 1e12 rounding leaves three digits there.
+                        // At a bulk modulus of 1e6 the forces of large shears still change the volume; at 1e12 rounding leaves three digits there.
                         assert!((own / expected - 1.0).abs() < 2e-3, "{what}");
                     }
                 }
@@ -319,9 +319,9 @@ fn a_huge_bulk_modulus_is_a_regular_limit() {
     }
 }
 
-/// Of the tangent the part on increments that keep the volume, against that of a law whose bulk modulus leaves it all digits.
+/// Compares the part of the tangent on volume-preserving increments with a law whose bulk modulus leaves it all digits.
 #[test]
-fn rounding_of_changes_of_volume_reaches_no_increment_that_keeps_it() {
+fn rounding_of_volume_changes_does_not_affect_isochoric_increments() {
     let state = onset::kinematics::DeformationGradient::new([
         [1.1, 0.3, 0.0],
         [-0.2, 0.9, 0.1],
@@ -345,7 +345,7 @@ fn rounding_of_changes_of_volume_reaches_no_increment_that_keeps_it() {
             let at = (n / 27, n / 9 % 3, n / 3 % 3, n % 3);
             error = error.max((soft.tangent[at] - stiff.tangent[at]).abs());
         }
-        // The pressure of what rounding leaves of ln J is in the tangent of both, and is 1e12 times as large in one.
+        // The pressure due to the rounding of ln J is in both tangents, and 1e12 times as large in one of them.
         assert!(error < 3e-3, "{name}: {error}");
         let deviator = |response: &onset::material::Response| {
             let tau = response.first_piola * state.matrix().transpose();

@@ -18,7 +18,7 @@ fn energy(law: &dyn Hyperelastic, matrix: &Matrix3<f64>) -> f64 {
 }
 
 #[test]
-fn a_jump_that_is_found_gains_energy() {
+fn jumps_found_gain_energy() {
     let law = BlatzKo::default();
     let search = JumpSearch::new(&law, REACH);
     let f = DeformationGradient::from_stretches([3.5, 1.0, 1.0]).expect("stretches");
@@ -56,9 +56,9 @@ fn a_polyconvex_law_has_no_jump_that_gains_energy() {
 }
 
 /// In uniaxial strain the energy along the jump `a (x) e_2`, `a = t e_2`, is `w(1 + t)` with `w(x) = mu/2 x^2 - mu ln x + lambda/2 (L + ln x)^2`,
-/// `L = ln lambda_1`. The jump gains energy where the tangent of `w` at 1 cuts `w`; that begins at a common tangent.
+/// `L = ln lambda_1`. The jump gains energy if the tangent of `w` at 1 intersects `w`, starting at a common tangent.
 #[test]
-fn finite_jumps_gain_energy_before_waves_stop() {
+fn finite_jumps_gain_energy_before_ellipticity_is_lost_in_uniaxial_strain() {
     let (mu, lambda) = (1.0, 6.0);
     let law = NeoHooke { mu, lambda };
     let held = path(&law, Mode::Uniaxial, Lateral::Held);
@@ -85,7 +85,7 @@ fn finite_jumps_gain_energy_before_waves_stop() {
     else {
         panic!("a jump is the witness");
     };
-    // At the limit the jump breaks even, and small ones cost energy.
+    // At the limit the jump breaks even, and small jumps cost energy.
     let response = held.at(limit.ln()).expect("a state").response;
     let (a, n) = (
         nalgebra::Vector3::from(*amplitude),
@@ -97,8 +97,8 @@ fn finite_jumps_gain_energy_before_waves_stop() {
     assert!(gained.abs() < 1e-9 * a.norm_squared(), "{gained}");
 }
 
-/// Stretches at which a jump gains energy, found by other means (a search in five variables from random starts, closed forms), with the loss
-/// of ellipticity, which is later. The limit must be as near to the reference, to the five digits known, and its gain be proved in intervals.
+/// Stretches at which a jump gains energy, computed by other means (a search in five variables from random starts, closed forms), with the later loss
+/// of ellipticity. The limit must be as near to the reference, to the five known digits, and interval arithmetic must prove its gain.
 #[test]
 fn jumps_are_found_where_they_gain_energy_before_ellipticity_is_lost() {
     use Lateral::{Held, PlaneStrain};
@@ -160,15 +160,15 @@ fn jumps_are_found_where_they_gain_energy_before_ellipticity_is_lost() {
     }
 }
 
-/// With `w(x) = (x^2 - 1)/2 - ln x + (L + ln x)^2 / 2`, `mu = lambda = 1`, `L = ln J`, the third stretch jumps from 1 to where the tangent of `w` at 1
-/// touches it: at `L = 2.8907129`, `x = 0.4826649`.
+/// With `w(x) = (x^2 - 1)/2 - ln x + (L + ln x)^2 / 2`, `mu = lambda = 1`, `L = ln J`, the third stretch jumps from 1 to the point of contact of the
+/// tangent of `w` at 1: at `L = 2.8907129`, `x = 0.4826649`.
 #[test]
 fn the_third_stretch_of_neo_hooke_jumps_at_the_common_tangent() {
     let law = library_law("neo-hooke");
     let held = path(&*law, Mode::Equibiaxial, Lateral::PlaneStrain);
     let elliptic = track(&held, Criterion::StrongEllipticity, true);
     let jumps = follow_jumps(&held, &elliptic, REACH, true);
-    // Touching: w(x) - w(1) = w'(1) (x - 1) and w'(x) = w'(1) = L.
+    // Contact: w(x) - w(1) = w'(1) (x - 1) and w'(x) = w'(1) = L.
     let slope = |x: f64, log: f64| x - 1.0 / x + (log + x.ln()) / x;
     let log_of = |x: f64| (x - 1.0 / x + x.ln() / x) / (1.0 - 1.0 / x);
     let w = |x: f64, log: f64| 0.5 * (x * x - 1.0) - x.ln() + 0.5 * (log + x.ln()).powi(2);
@@ -195,8 +195,8 @@ fn the_third_stretch_of_neo_hooke_jumps_at_the_common_tangent() {
     );
 }
 
-/// The lowest jumps of Hencky's law lead to the largest stretch of the range, obliquely. The bounds are those of a search from 50,000 random jumps, polished
-/// by the simplex method, with energies from eigenvalues of `C` alone.
+/// The lowest jumps of Hencky's law lead obliquely to the largest stretch of the range. The bounds come from a search from 50,000 random jumps,
+/// refined by the simplex method, with energies from eigenvalues of `C` alone.
 #[test]
 fn oblique_jumps_to_the_largest_stretch_of_the_range_are_found() {
     let hencky = Law::named("hencky").expect("a law");
@@ -215,9 +215,9 @@ fn oblique_jumps_to_the_largest_stretch_of_the_range_are_found() {
     assert!(event.is_upper_bound && event.tolerance > 1e-14 && event.tolerance < 1e-9);
 }
 
-/// At the state named in the audit of this law the jump gains 12.65 of energy; no rounding comes near.
+/// At this state the jump gains an energy of 12.65, far above rounding.
 #[test]
-fn a_gain_that_was_found_elsewhere_is_proved_in_intervals() {
+fn a_published_gain_is_proved_in_intervals() {
     let law = library_law("generalized-blatz-ko");
     let held = path(&*law, Mode::Planar, Lateral::PlaneStrain);
     let state = held.at(2.554_975_f64.ln()).expect("a state").response;
@@ -235,7 +235,7 @@ fn a_gain_that_was_found_elsewhere_is_proved_in_intervals() {
     assert!(!search.proves(&state, &turned));
 }
 
-/// No limit is later than that of a search by brute force: random jumps, polished coordinate by coordinate, energies alone.
+/// No limit is later than the limit of a brute-force search: random jumps, refined coordinate by coordinate, using energies alone.
 #[test]
 fn random_jumps_gain_no_energy_before_the_limit() {
     let laws = [
@@ -276,7 +276,7 @@ fn random_jumps_gain_no_energy_before_the_limit() {
     });
 }
 
-/// The lowest `W(F + a (x) N) - W(F) - P : a (x) N` among random jumps and small changes of the best of them.
+/// Lowest `W(F + a (x) N) - W(F) - P : a (x) N` among random jumps and small changes of the best ones.
 fn brute_force(law: &dyn Hyperelastic, state: &onset::material::Response) -> f64 {
     let f = state.deformation.matrix();
     let gain = |x: &[f64; 6]| -> f64 {

@@ -34,10 +34,10 @@ fn smooth_laws_have_no_kinks() {
     }
 }
 
-/// Fibers that bear no compression switch on where their stretch, without the change of volume, is 1: in the reference, and of uniaxial strain where
-/// `J^(-2/3) (lambda^2 cos^2 + sin^2) = 1` again, if the angle leaves it one.
+/// Tension-only fibers switch on where their isochoric stretch is 1: in the reference, and in uniaxial strain where
+/// `J^(-2/3) (lambda^2 cos^2 + sin^2) = 1` is satisfied a second time, if the angle permits.
 #[test]
-fn fibers_that_bear_tension_only_have_kinks_where_they_switch() {
+fn tension_only_fibers_have_kinks_where_they_switch() {
     let stretches = found(
         "holzapfel-gasser-ogden-switch",
         Mode::Uniaxial,

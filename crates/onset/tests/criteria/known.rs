@@ -1,4 +1,4 @@
-//! Limits that are known in closed form, or published.
+//! Limits known in closed form or published.
 
 use super::{NeoHooke, assert_close, limit, path, track, zero};
 use onset::criteria::{
@@ -11,10 +11,10 @@ const ELLIPTIC: Criterion = Criterion::StrongEllipticity;
 
 /// Knowles and Sternberg (1975): elliptic while all ratios of principal stretches are below `2 + sqrt 3`.
 #[test]
-fn blatz_ko_loses_ellipticity_at_the_ratio_of_knowles_and_sternberg_in_every_loading() {
+fn blatz_ko_loses_ellipticity_at_the_knowles_sternberg_ratio_in_every_loading() {
     let law = BlatzKo::default();
     let ratio = 2.0 + 3.0_f64.sqrt();
-    // The lateral stretches are lambda^(-1/4) with free faces, lambda^(-1/3) and lambda^(-2/3) with one.
+    // The lateral stretches are lambda^(-1/4) with two free faces, lambda^(-1/3) and lambda^(-2/3) with one.
     let free = [
         (Mode::Uniaxial, Lateral::Held, 1.0),
         (Mode::Uniaxial, Lateral::Free, 1.25),
@@ -65,8 +65,8 @@ fn blatz_ko_satisfies_baker_ericksen_and_drucker_everywhere_although_it_loses_el
     }
 }
 
-/// `W = mu/2 |F|^2 + g(J)`: elliptic while `mu + g''(J) J^2 / (smallest stretch)^2 > 0`, with `g'' J^2 = mu + lambda (1 - ln J)`. In uniaxial
-/// strain the smallest stretch is 1, so the limit is `exp(1 + 2 mu/lambda)`, for waves across the load.
+/// With `W = mu/2 |F|^2 + g(J)` the law is elliptic while `mu + g''(J) J^2 / (smallest stretch)^2 > 0`, with `g'' J^2 = mu + lambda (1 - ln J)`. In
+/// uniaxial strain the smallest stretch is 1, so the limit is `exp(1 + 2 mu/lambda)`, for waves across the load.
 #[test]
 fn neo_hooke_in_uniaxial_strain_is_elliptic_up_to_exp_1_plus_2_mu_over_lambda() {
     for (mu, lambda) in [(1.0, 2.0), (0.3, 1.0), (1.0, 50.0), (2.0, 2.0)] {
@@ -92,7 +92,7 @@ fn neo_hooke_in_uniaxial_strain_is_elliptic_up_to_exp_1_plus_2_mu_over_lambda() 
 }
 
 #[test]
-fn neo_hooke_under_equal_stretches_is_elliptic_up_to_its_closed_forms() {
+fn neo_hooke_in_equibiaxial_and_equitriaxial_stretch_is_elliptic_up_to_its_closed_forms() {
     let (mu, lambda) = (1.0, 10.0);
     let law = NeoHooke { mu, lambda };
     let g = |j: f64| mu + lambda * (1.0 - j.ln());
@@ -103,7 +103,7 @@ fn neo_hooke_under_equal_stretches_is_elliptic_up_to_its_closed_forms() {
         expected,
         1e-12,
     );
-    // In plane strain the softest wave of all goes out of the plane; within the plane waves travel further.
+    // In plane strain the softest wave is out of plane; in-plane waves keep real speeds longer.
     let plane = path(&law, Mode::Equibiaxial, Lateral::PlaneStrain);
     let all = (0.5 * (1.0 + 2.0 * mu / lambda)).exp();
     assert_close(limit(&plane, ELLIPTIC, true).expect("lost"), all, 1e-12);
@@ -114,7 +114,7 @@ fn neo_hooke_under_equal_stretches_is_elliptic_up_to_its_closed_forms() {
 }
 
 #[test]
-fn equation_5_loses_ellipticity_in_the_plane_where_paths_say() {
+fn equation_5_loses_planar_ellipticity_at_the_limit_of_paths() {
     let law = ModifiedMooneyRivlin::default();
     let equal = path(&law, Mode::Equibiaxial, Lateral::PlaneStrain);
     let found = limit(&equal, Criterion::PlaneEllipticity, true).expect("lost");
@@ -124,9 +124,9 @@ fn equation_5_loses_ellipticity_in_the_plane_where_paths_say() {
     assert_close(found, 2.754613297216, 1e-11);
 }
 
-/// Plane strain: `W = (c1 + c2)/2 |F|^2 + g(J)`, elliptic again at large `J`.
+/// In plane strain `W = (c1 + c2)/2 |F|^2 + g(J)`, which is elliptic again at large `J`.
 #[test]
-fn equation_5_is_elliptic_again_at_large_volumes() {
+fn equation_5_regains_ellipticity_at_large_volumes() {
     let law = ModifiedMooneyRivlin::default();
     let equal = path(&law, Mode::Equibiaxial, Lateral::PlaneStrain);
     let changes: Vec<Change> = track(&equal, Criterion::PlaneEllipticity, true)
@@ -137,7 +137,7 @@ fn equation_5_is_elliptic_again_at_large_volumes() {
     assert_eq!(changes, [Change::Lost, Change::Regained]);
 }
 
-/// With free faces `P = mu (lambda^(-1/2) - lambda^-3)`, largest at `6^(2/5)`; waves travel up to `(2 + sqrt 3)^(4/5)`.
+/// With free faces the load `P = mu (lambda^(-1/2) - lambda^-3)` is largest at `6^(2/5)`. Wave speeds are real up to `(2 + sqrt 3)^(4/5)`.
 #[test]
 fn a_bar_of_blatz_ko_reaches_its_largest_load_before_it_loses_ellipticity() {
     let law = BlatzKo::default();
@@ -150,10 +150,10 @@ fn a_bar_of_blatz_ko_reaches_its_largest_load_before_it_loses_ellipticity() {
 #[test]
 fn loads_of_blatz_ko_that_rise_in_closed_form_have_no_maximum() {
     let law = BlatzKo::default();
-    // P = mu (lambda^2 - lambda^-3) rises always.
+    // P = mu (lambda^2 - lambda^-3) always rises.
     let all = path(&law, Mode::Hydrostatic, Lateral::Held);
     assert_eq!(limit(&all, Criterion::LoadMaximum, true), None);
-    // Held laterally P = mu (1 - lambda^-3) rises always.
+    // With held lateral faces P = mu (1 - lambda^-3) always rises.
     let held = path(&law, Mode::Uniaxial, Lateral::Held);
     assert_eq!(limit(&held, Criterion::LoadMaximum, true), None);
 }
@@ -181,9 +181,9 @@ fn hencky_satisfies_drucker_everywhere_and_loses_ellipticity_in_a_bar() {
     assert!(limit(&bar, ELLIPTIC, true).expect("lost") > load);
 }
 
-/// Polyconvexity implies rank-one convexity, and so ellipticity, at all states; also where a law ends and where its numbers are enormous.
+/// Polyconvexity implies rank-one convexity and thus ellipticity at all states, including states where the law ends or numbers are enormous.
 #[test]
-fn laws_that_are_known_to_be_polyconvex_lose_neither_ellipticity_nor_convexity_along_jumps() {
+fn polyconvex_laws_lose_neither_ellipticity_nor_rank_one_convexity() {
     let mut asked = 0;
     for law in library() {
         let defaults = law.parameters.iter();

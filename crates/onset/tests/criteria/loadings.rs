@@ -36,7 +36,7 @@ fn free_faces_carry_no_traction() {
 }
 
 #[test]
-fn a_bar_of_blatz_ko_contracts_as_its_poisson_ratio_of_a_quarter_says() {
+fn a_blatz_ko_bar_contracts_with_a_poisson_ratio_of_one_quarter() {
     let law = BlatzKo::default();
     let bar = path(&law, Mode::Uniaxial, Lateral::Free);
     for stretch in [0.2, 0.77, 1.0, 1.5, 6.0_f64] {
@@ -67,7 +67,7 @@ fn nearly_incompressible_bars_approach_the_incompressible_ones() {
     }
 }
 
-/// The load along a path, by differences: its maximum is where `Pdot : Fdot` vanishes.
+/// The load along a path from finite differences: its maximum is at `Pdot : Fdot = 0`.
 #[test]
 fn the_load_maximum_is_where_the_load_is_largest() {
     let law = ModifiedMooneyRivlin::default();
@@ -89,8 +89,8 @@ fn the_load_maximum_is_where_the_load_is_largest() {
     }
 }
 
-/// The tangent of a metal is that of continued flow, not the derivative of the stress by the state, each reached along a path of its own: free
-/// faces are found all the same, and the branch goes on beyond yield to the end.
+/// The tangent of a metal belongs to continued flow and is not the derivative of the stress by the state. The free faces are found nevertheless, and
+/// the branch continues beyond yield to the end.
 #[test]
 fn free_faces_of_a_metal_beyond_yield_carry_no_traction() {
     let mut metals = onset::plasticity::library().iter();
@@ -118,7 +118,7 @@ fn free_faces_of_a_metal_beyond_yield_carry_no_traction() {
                 _ => &[1],
             };
             for axis in free {
-                // Of moduli of about 200.
+                // Relative to moduli of about 200.
                 assert!(p[(*axis, *axis)].abs() < 1e-9, "{}", loading.title());
             }
         }
@@ -134,7 +134,7 @@ fn free_faces_of_a_metal_beyond_yield_carry_no_traction() {
     assert_close(strains[0] / strains[1], 1.8, 1e-2);
 }
 
-/// `P33 = sin(x - 1) - (lambda - 1)` with the free stretch `x`: no state beyond `lambda = 2`.
+/// With `P33 = sin(x - 1) - (lambda - 1)` and the free stretch `x` no state exists beyond `lambda = 2`.
 struct Folding;
 
 impl StrainEnergy for Folding {
@@ -146,7 +146,7 @@ impl StrainEnergy for Folding {
 }
 
 #[test]
-fn a_path_ends_where_the_free_faces_have_no_state_any_more_and_other_states_are_found() {
+fn a_path_ends_where_free_faces_lose_equilibrium_and_other_states_are_found() {
     let loading = Loading {
         mode: Mode::Planar,
         lateral: Lateral::PlaneStress,
@@ -169,7 +169,7 @@ fn a_path_ends_where_the_free_faces_have_no_state_any_more_and_other_states_are_
     assert!(second.is_some(), "{others:?}");
 }
 
-/// `W = (I1 - 3)/2 - ln J + k w^2/2 (1 - exp(-((J - 1)/w)^2))`: a dilation that softens, `k = 10`, `w = 0.1`.
+/// The energy `W = (I1 - 3)/2 - ln J + k w^2/2 (1 - exp(-((J - 1)/w)^2))` has a softening dilation, `k = 10`, `w = 0.1`.
 struct Softening;
 
 impl StrainEnergy for Softening {
@@ -180,7 +180,7 @@ impl StrainEnergy for Softening {
     }
 }
 
-/// Stretch, free stretch and volume of the limit points by arc length continuation of the closed form of the traction on the free faces.
+/// Stretch, free stretch and volume of the limit points, by arc length continuation of the closed form of the traction on the free faces.
 const FOLDS: [(Mode, Lateral, bool, [f64; 3]); 6] = [
     (
         Mode::Equibiaxial,
@@ -221,7 +221,7 @@ const FOLDS: [(Mode, Lateral, bool, [f64; 3]); 6] = [
 ];
 
 #[test]
-fn a_path_ends_at_the_fold_of_its_free_faces_whatever_its_range() {
+fn a_path_ends_at_the_fold_of_its_free_faces_for_any_range() {
     for (mode, lateral, tension, [stretch, free, volume]) in FOLDS {
         let loading = Loading { mode, lateral };
         for (low, high) in [(0.3, 3.0), (0.6, 2.2), (0.1, 10.0)] {
@@ -238,13 +238,13 @@ fn a_path_ends_at_the_fold_of_its_free_faces_whatever_its_range() {
             let last = &states.last().expect("a state").response;
             assert_close(last.deformation.components()[2][2], free, 5e-4);
             assert_close(last.deformation.jacobian(), volume, 5e-4);
-            // The stiffness of the free faces, against a common change of both where there are two.
+            // Stiffness of the free faces, against a common change of both if there are two.
             let stiffness = match lateral {
                 Lateral::Free => last.tangent[(2, 2, 2, 2)] + last.tangent[(2, 2, 1, 1)],
                 _ => last.tangent[(2, 2, 2, 2)],
             };
             assert!(stiffness.abs() < 1e-12, "{stiffness}");
-            // No state of another branch on the way, and states up to the fold.
+            // States up to the fold, and no state of another branch on the way.
             let mut before: f64 = 1.0;
             for n in 1..=2000 {
                 let state = path
@@ -300,12 +300,12 @@ fn a_sheet_ends_where_its_thickness_has_a_fold() {
         };
         assert_close(*found, stretch, 1e-4);
     }
-    // A single state beyond the fold is no state of another branch.
+    // A single state beyond the fold is not a state of another branch.
     let beyond = DeformationGradient::from_stretches([1.2125, 1.2125, 1.0]).expect("a state");
     assert!(sheet.response(&beyond).is_err());
 }
 
-/// Gent: no energy beyond `I1 = 3 + jm`.
+/// Gent's law has no energy beyond `I1 = 3 + jm`.
 struct Limited;
 
 impl StrainEnergy for Limited {
@@ -328,7 +328,7 @@ fn a_path_ends_where_the_law_does() {
 }
 
 #[test]
-fn ranges_without_1_are_refused() {
+fn ranges_without_1_are_rejected() {
     assert!(Range::new(0.5, 3.0).is_ok());
     for (low, high) in [
         (1.1, 2.0),
@@ -342,10 +342,10 @@ fn ranges_without_1_are_refused() {
     }
 }
 
-/// Hyperfoam with `beta = 0` and exponent 8: there is a state at every amount of shear, since the energy grows without bound to both ends of
-/// the free stretch, but stiffnesses are many orders of magnitude apart.
+/// Hyperfoam with `beta = 0` and exponent 8. A state exists at every amount of shear, since the energy is unbounded toward both ends of the free
+/// stretch, but stiffnesses differ by many orders of magnitude.
 #[test]
-fn a_path_goes_on_where_tractions_are_differences_of_large_numbers() {
+fn a_path_continues_where_tractions_cancel_large_terms() {
     let law = Law::named("hyperfoam")
         .expect("a law of the library")
         .build(&[])

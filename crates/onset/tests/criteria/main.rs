@@ -1,4 +1,4 @@
-//! Claims about stability criteria: closed forms, and independent ways to the same numbers.
+//! Stability criteria compared with closed forms and independent computations.
 
 mod boxes;
 mod forms;
@@ -14,7 +14,7 @@ use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, StrainEnergy};
 use onset::real::Real;
 
-/// `W = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2`.
+/// Neo-Hookean energy `W = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2`.
 struct NeoHooke {
     mu: f64,
     lambda: f64,
@@ -37,7 +37,7 @@ fn track(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Track {
     follow(path, criterion, tension).expect("the criterion is defined")
 }
 
-/// The stretch at which a criterion is lost in tension, or in compression.
+/// Stretch at which a criterion is lost, in tension or in compression.
 fn limit(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Option<f64> {
     track(path, criterion, tension).limit()
 }
@@ -50,7 +50,7 @@ fn assert_close(computed: f64, expected: f64, tolerance: f64) {
     );
 }
 
-/// The zero of an increasing or decreasing function, by bisection.
+/// Zero of a monotonic function, by bisection.
 fn zero(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let rising = function(low) < 0.0;
     for _ in 0..200 {

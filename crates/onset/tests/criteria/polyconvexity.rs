@@ -1,10 +1,10 @@
-//! What is known of polyconvexity, held against definitions.
+//! Recorded results on polyconvexity compared with the definitions.
 
 use onset::criteria::{Knowledge, polyconvexity};
 use onset::material::library;
 
 #[test]
-fn statements_are_about_laws_of_the_library_and_have_sources() {
+fn polyconvexity_records_concern_library_laws_and_have_sources() {
     let mut known = 0;
     for law in library() {
         let parameters: Vec<(&str, f64)> = law
@@ -22,8 +22,8 @@ fn statements_are_about_laws_of_the_library_and_have_sources() {
 }
 
 #[test]
-fn the_law_5_is_polyconvex_where_its_function_of_the_volume_is_convex() {
-    // h = -3/2 c1 J^(2/3) - 3/2 c2 J^(4/3) + lambda ln^2 J, looked at densely.
+fn equation_5_is_polyconvex_if_its_function_of_the_volume_is_convex() {
+    // h = -3/2 c1 J^(2/3) - 3/2 c2 J^(4/3) + lambda ln^2 J, sampled densely.
     let is_convex = |c1: f64, c2: f64, lambda: f64| {
         (-4000..4000).all(|n| {
             let j = (f64::from(n) * 0.005).exp();
@@ -47,7 +47,7 @@ fn the_law_5_is_polyconvex_where_its_function_of_the_volume_is_convex() {
 }
 
 #[test]
-fn parameters_decide() {
+fn polyconvexity_depends_on_the_parameters() {
     let of = |lambda: f64| polyconvexity("neo-hooke", &[("mu", 1.0), ("lambda", lambda)]);
     assert_eq!(of(0.0).knowledge, Knowledge::Polyconvex);
     assert_eq!(of(2.0).knowledge, Knowledge::NotPolyconvex);

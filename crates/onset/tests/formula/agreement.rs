@@ -1,4 +1,4 @@
-//! A formula of a built-in law is that law.
+//! Formulas of built-in laws agree with these laws.
 
 use crate::states::Random;
 use onset::formula::{Formula, FormulaLaw};
@@ -6,7 +6,7 @@ use onset::kinematics::DeformationGradient;
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin, Response};
 use onset::real::Interval;
 
-/// A built-in law with its formula on paper, several times where it can be written in several ways.
+/// Built-in law with its formula, in several notations if possible.
 struct Pair {
     name: &'static str,
     built_in: Box<dyn Hyperelastic>,
@@ -84,7 +84,7 @@ fn pairs() -> Vec<Pair> {
     ]
 }
 
-/// The largest difference of energy, stress and tangent, against the largest of each.
+/// Largest differences of energy, stress and tangent, relative to the largest component of each.
 pub fn difference(a: &Response, b: &Response, energy_scale: f64) -> f64 {
     let energy = (a.energy - b.energy).abs() / energy_scale;
     let stress = (a.first_piola - b.first_piola).amax() / b.first_piola.amax();
@@ -112,7 +112,7 @@ fn a_formula_of_a_built_in_law_has_its_energy_stress_and_tangent() {
 }
 
 #[test]
-fn the_tangent_in_the_plane_is_that_of_the_built_in_law() {
+fn the_in_plane_tangent_equals_the_tangent_of_the_built_in_law() {
     for pair in pairs() {
         let mut random = Random::new(12);
         for _ in 0..50 {
@@ -135,7 +135,7 @@ fn the_tangent_in_the_plane_is_that_of_the_built_in_law() {
 }
 
 #[test]
-fn enclosures_of_a_formula_hold_the_response_of_the_built_in_law() {
+fn enclosures_of_a_formula_contain_the_response_of_the_built_in_law() {
     for pair in pairs() {
         let mut random = Random::new(13);
         for width in [0.0, 1e-6, 1e-3] {
@@ -153,7 +153,7 @@ fn enclosures_of_a_formula_hold_the_response_of_the_built_in_law() {
                         .map(|row| row.map(|x| x + width * random.number()));
                     let inside = DeformationGradient::new(inside).expect("a state");
                     let response = pair.built_in.response(&inside).expect("finite");
-                    // What the floating-point response itself is off.
+                    // Error of the floating-point response itself.
                     let rounding =
                         1e-12 * response.tangent[(0, 0, 0, 0)].abs().max(response.energy);
                     let holds = |bound: Interval, x: f64| {
@@ -177,7 +177,7 @@ fn enclosures_of_a_formula_hold_the_response_of_the_built_in_law() {
 }
 
 #[test]
-fn enclosures_of_a_formula_are_about_as_narrow_as_those_of_the_built_in_law() {
+fn enclosures_of_a_formula_are_as_tight_as_for_the_built_in_law() {
     for pair in pairs().into_iter().filter(|pair| pair.name.len() < 13) {
         let mut random = Random::new(14);
         for _ in 0..20 {

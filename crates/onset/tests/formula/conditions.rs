@@ -1,4 +1,4 @@
-//! Conditions, ramps and extremes: each side with its own derivatives, both where an interval does not decide.
+//! Conditions, ramps and extremes: each side has separate derivatives, and an undecided interval contains both.
 
 use onset::formula::{Formula, FormulaLaw};
 use onset::kinematics::DeformationGradient;
@@ -10,7 +10,7 @@ fn law(formula: &str) -> FormulaLaw {
     formula.with(&[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Energy, its first and its second derivative by `F11` at `F = diag(x, 1, 1)`.
+/// Energy and its first two derivatives by `F11` at `F = diag(x, 1, 1)`.
 fn derivatives(law: &FormulaLaw, x: f64) -> [f64; 3] {
     let f = DeformationGradient::from_stretches([x, 1.0, 1.0]).expect("a state");
     let response = law.response(&f).expect("finite");
@@ -44,7 +44,7 @@ fn each_side_of_a_condition_has_its_own_derivatives() {
 }
 
 #[test]
-fn the_threshold_itself_belongs_to_the_side_that_the_comparison_says() {
+fn the_threshold_belongs_to_the_side_given_by_the_comparison() {
     for (comparison, at_one) in [
         ("J < 1", 7.0),
         ("J <= 1", 4.0),
@@ -63,7 +63,7 @@ fn the_threshold_itself_belongs_to_the_side_that_the_comparison_says() {
 }
 
 #[test]
-fn conditions_are_joined_as_logic_says() {
+fn conditions_combine_by_boolean_logic() {
     type Logic = fn(bool, bool, bool) -> bool;
     let cases: [(&str, Logic); 8] = [
         ("a < b and b < c", |x, y, _| x && y),
@@ -80,7 +80,7 @@ fn conditions_are_joined_as_logic_says() {
     for (text, logic) in cases {
         let formula = Formula::parse(&format!("if({text}, 2*J, 3*J)"))
             .unwrap_or_else(|error| panic!("{error}"));
-        // The same with variables in place of parameters, which nothing folds.
+        // Repeated with variables in place of parameters, which are not folded.
         let unfolded = text
             .replace('a', "F11")
             .replace('b', "F22")
@@ -101,7 +101,7 @@ fn conditions_are_joined_as_logic_says() {
                 expected,
                 "{text} at {a}, {b}, {c}"
             );
-            // Where two of them are equal the energy jumps.
+            // If two of them are equal, the energy jumps.
             let f = DeformationGradient::from_stretches([a, b, c]).expect("a state");
             let expected = expected * f.jacobian();
             assert_eq!(unfolded.energy(&f), expected, "{text} at {a}, {b}, {c}");
@@ -110,7 +110,7 @@ fn conditions_are_joined_as_logic_says() {
 }
 
 #[test]
-fn an_interval_that_does_not_decide_holds_both_sides() {
+fn an_undecided_interval_contains_both_sides() {
     let laws = [
         law("5*macaulay(J - 1)^2 + 2*macaulay(1 - J)^3"),
         law("if(J < 1, 2*(1 - J)^3, 5*(J - 1)^2)"),
@@ -134,7 +134,7 @@ fn an_interval_that_does_not_decide_holds_both_sides() {
 }
 
 #[test]
-fn a_side_that_is_not_taken_may_be_undefined() {
+fn an_unselected_side_may_be_undefined() {
     // sqrt(J - 1) and its derivatives do not exist below one.
     let law = law("if(J > 1, sqrt(J - 1), 0) + I1/2");
     assert_eq!(derivatives(&law, 0.5)[1], 0.5);

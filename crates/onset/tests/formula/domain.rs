@@ -1,4 +1,4 @@
-//! Where a formula has no value, and where it has no stress: an error at that state, in whatever numbers it is asked.
+//! States without a value or a stress are errors for all number types.
 
 use onset::certificate::certify_3d;
 use onset::formula::{Formula, FormulaLaw, StateError, Trouble};
@@ -19,7 +19,7 @@ fn exactly(f: &DeformationGradient) -> DeformationGradient<Interval> {
     DeformationGradient::from_components(f.components().map(|row| row.map(Interval::point)))
 }
 
-/// What is wrong with a state; all ways to ask must say the same.
+/// Trouble at a state; all ways to evaluate it must agree.
 pub fn refusal(law: &FormulaLaw, f: &DeformationGradient) -> Option<StateError> {
     let error = |result: Result<(), MaterialError>| match result {
         Ok(()) => None,
@@ -43,11 +43,11 @@ fn trouble(text: &str, stretches: [f64; 3]) -> Option<(Trouble, usize)> {
     refusal(&law(text), &state(stretches)).map(|error| (error.trouble, error.place.column))
 }
 
-/// A rubber that does nothing of note, to which parts are added.
+/// Simple rubber energy to which parts are added.
 const RUBBER: &str = "10*(I1 - 3 - 2*ln(J))";
 
 #[test]
-fn a_part_that_is_not_defined_is_an_error_in_whatever_order_it_stands() {
+fn an_undefined_part_is_an_error_in_any_order() {
     // I1 is 4.13 there, E23 and C12 are zero.
     let at = [1.3, 1.2, 1.0];
     for part in [
@@ -75,7 +75,7 @@ fn a_part_that_is_not_defined_is_an_error_in_whatever_order_it_stands() {
         "1/ln(C12)",
         "tanh(1/C12)",
         "0/C12",
-        // On the edge of the domain.
+        // On the boundary of the domain.
         "max(0, sqrt(E23))*max(0, sqrt(E23))",
         "max(sqrt(E23), 0)*max(sqrt(E23), 0)",
         "max(1, sqrt(C12))",
@@ -84,15 +84,15 @@ fn a_part_that_is_not_defined_is_an_error_in_whatever_order_it_stands() {
         let found = trouble(&text, at).map(|(trouble, _)| trouble);
         assert_eq!(found, Some(Trouble::Undefined), "{text}");
     }
-    // Where the root exists, so does the energy.
+    // Where the root exists, the energy exists too.
     let text = format!("{RUBBER} + max(0, sqrt(3 - I1))");
     assert_eq!(trouble(&text, [0.7, 0.8, 0.9]), None);
-    // A plain number is told by a number that is none.
+    // A floating-point number reports it by NaN.
     assert!(law(&text).energy(&state(at)).is_nan());
 }
 
 #[test]
-fn a_side_that_is_not_taken_needs_no_value() {
+fn an_unselected_side_needs_no_value() {
     let at = [1.3, 1.2, 1.0];
     for part in [
         "if(I1 < 3, sqrt(3 - I1), 0)",
@@ -106,7 +106,7 @@ fn a_side_that_is_not_taken_needs_no_value() {
 }
 
 #[test]
-fn the_place_of_the_part_is_told() {
+fn errors_contain_the_place_of_the_undefined_part() {
     let error = refusal(&law("I1 + max(0, sqrt(3 - I1))"), &state([1.3, 1.2, 1.0]));
     let text = error.expect("not defined").to_string();
     assert!(
@@ -150,7 +150,7 @@ fn a_state_on_a_kink_or_a_jump_has_no_stress() {
         let (a, b) = (1.1, 1.0 / 1.1);
         let found = trouble(&text, [a, b, 1.0]);
         assert_eq!(found.map(|found| found.0), Some(expected), "{text}");
-        // Beside it there is a stress, however near.
+        // A nearby state has a stress at any distance.
         assert_eq!(
             trouble(&text, [2.0, 0.5 * (1.0 + 1e-12), 1.0]),
             None,
@@ -160,7 +160,7 @@ fn a_state_on_a_kink_or_a_jump_has_no_stress() {
 }
 
 #[test]
-fn a_test_that_is_exactly_zero_is_on_no_side() {
+fn a_test_of_exactly_zero_selects_no_side() {
     let at = [2.0, 0.7, 1.0];
     let rough = |part: &str| trouble(&format!("{RUBBER} + {part}"), at).map(|found| found.0);
     assert_eq!(rough("abs(C12)"), Some(Trouble::Kink));
@@ -171,7 +171,7 @@ fn a_test_that_is_exactly_zero_is_on_no_side() {
 }
 
 #[test]
-fn where_both_sides_have_one_stress_there_is_no_kink() {
+fn equal_stresses_on_both_sides_are_not_a_kink() {
     for part in [
         "macaulay(J - 1)^2",
         "abs(J - 1)^3",
@@ -179,7 +179,7 @@ fn where_both_sides_have_one_stress_there_is_no_kink() {
         "heaviside(J - 1)*(J - 1)^2",
         "if(J < 1, 2*(J - 1)^2, 5*(1 - J)^2)",
         "exp(macaulay(I3 - 1)^2) - 1",
-        // Of these the form does not show it.
+        // The form of these does not reveal it.
         "if(J < 1, J - 1 - ln(J), (J^2 - 1)/2 - ln(J))",
         "if(J < 1, J^2 - 2*J + 1, 0)",
         "(max(J, 1) - 1)^2",
@@ -193,7 +193,7 @@ fn where_both_sides_have_one_stress_there_is_no_kink() {
 }
 
 #[test]
-fn an_interval_with_a_kink_is_told_nothing_of_and_one_with_a_smooth_change_holds_both_sides() {
+fn an_enclosure_across_a_kink_is_unbounded_and_across_a_smooth_change_contains_both_sides() {
     let around = Interval::new(0.9, 1.2);
     let one = Interval::point(1.0);
     let zero = Interval::ZERO;
@@ -218,7 +218,7 @@ fn an_interval_with_a_kink_is_told_nothing_of_and_one_with_a_smooth_change_holds
 }
 
 #[test]
-fn nothing_is_proved_on_a_kink_and_the_laminate_that_would_contradict_has_less_energy() {
+fn nothing_is_proved_at_a_kink_and_a_laminate_there_has_less_energy() {
     for part in ["- 5*abs(J - 1)", "+ 5*min(J, 2 - J)"] {
         let law = law(&format!("10*(I1 - 3 - 2*ln(J)) {part}"));
         let f = state([2.0, 0.5, 1.0]);
@@ -227,7 +227,7 @@ fn nothing_is_proved_on_a_kink_and_the_laminate_that_would_contradict_has_less_e
         // Layers on both sides of the kink.
         let energy = |shift: f64| law.energy(&state([2.0 + shift, 0.5, 1.0]));
         assert!(energy(1e-3) + energy(-1e-3) < 2.0 * energy(0.0), "{part}");
-        // Beside the kink everything is as ever.
+        // Near the kink the law is unremarkable.
         let beside = state([2.0, 0.51, 1.0]);
         let proof = certify_3d(&law, &beside, 1e-6).expect("a scale");
         assert!(proof.certainty.is_decided(), "{part}: {proof:?}");
@@ -235,7 +235,7 @@ fn nothing_is_proved_on_a_kink_and_the_laminate_that_would_contradict_has_less_e
 }
 
 #[test]
-fn a_law_with_a_kink_in_the_reference_has_a_scale_and_no_stress_there() {
+fn a_law_with_a_kink_in_the_reference_has_a_wave_speed_but_no_stress() {
     let law = law(&format!("{RUBBER} - 5*abs(J - 1)"));
     assert!(law.undeformed().is_ok());
     assert_eq!(
@@ -245,7 +245,7 @@ fn a_law_with_a_kink_in_the_reference_has_a_scale_and_no_stress_there() {
 }
 
 #[test]
-fn terms_in_stretches_that_cancel_need_a_value_all_the_same() {
+fn canceling_terms_in_stretches_must_still_be_defined() {
     let text = "lambda1^2 + lambda2^2 + lambda3^2 - 2*ln(J) \
                 + ln(3.5 - lambda1 - lambda2 - lambda3) - ln(3.5 - lambda1 - lambda2 - lambda3)";
     assert_eq!(trouble(text, [1.1, 1.1, 1.0]), None);

@@ -1,5 +1,4 @@
-//! Formulas at random, from mere words to what a law could be: read, evaluated, differentiated and enclosed without a panic, in
-//! time and within memory.
+//! Random formulas, from arbitrary words to realistic laws: read, evaluated, differentiated and enclosed without a panic, in bounded time and memory.
 
 use crate::hunt::hunted;
 use crate::random::Random;
@@ -9,17 +8,17 @@ use onset::material::Hyperelastic;
 use onset::real::Interval;
 use std::time::{Duration, Instant};
 
-/// What none may take.
+/// Largest time for one formula.
 const LONGEST: Duration = Duration::from_secs(10);
-/// Kibibytes that the whole program may take.
+/// Kibibytes of memory for the whole program.
 const MEMORY: u64 = 1 << 20;
 
-/// Mostly what varies with the state, and can be added up.
+/// Mostly state-dependent terms that can be added.
 const NAMES: &[&str] = &[
     "I1", "I1", "I2", "I3", "J", "J", "I1bar", "I2bar", "C11", "C12", "C33", "E11", "E23", "F11",
     "F12", "F33", "mu", "kappa", "k1", "pi", "I4", "lambda1", "foo",
 ];
-/// In words without order also these.
+/// Additional words for unordered texts.
 const OTHERS: &[&str] = &[
     "I7", "lambda2", "C14", "F", "q", "a", "let", "gamma", "sign",
 ];
@@ -64,7 +63,7 @@ impl Source {
         words[self.below(words.len())]
     }
 
-    /// An expression of some depth.
+    /// Expression of a given depth.
     fn expression(&mut self, depth: usize) -> String {
         if depth == 0 {
             return match self.below(3) {
@@ -91,7 +90,7 @@ impl Source {
         }
     }
 
-    /// Words in any order.
+    /// Words in random order.
     fn soup(&mut self) -> String {
         let count = self.below(30);
         let word = |source: &mut Self| match source.below(7) {
@@ -112,7 +111,7 @@ impl Source {
         match self.below(10) {
             0..2 => self.soup(),
             2 => {
-                // Something cut out of, or put into, what may have been one.
+                // A formula with a part removed or inserted.
                 let mut text = self.expression(3);
                 let places: Vec<usize> = text.char_indices().map(|(place, _)| place).collect();
                 let place = places[self.below(places.len())];
@@ -134,7 +133,7 @@ impl Source {
     }
 }
 
-/// Reads a formula and asks it everything; what comes out matters only where it must agree.
+/// Reads a formula and evaluates it in every way. Results matter only where they must agree.
 fn ask(text: &str, states: &[DeformationGradient]) -> bool {
     let formula = match Formula::parse(text) {
         Err(error) => {
@@ -165,7 +164,7 @@ fn ask(text: &str, states: &[DeformationGradient]) -> bool {
     true
 }
 
-/// The largest memory that the program has had, in kibibytes, where the system tells.
+/// Peak memory of the program in kibibytes, if the system reports it.
 fn largest_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
@@ -173,7 +172,7 @@ fn largest_memory() -> Option<u64> {
 }
 
 #[test]
-fn random_formulas_neither_panic_nor_take_long_nor_fill_the_memory() {
+fn random_formulas_stay_within_time_and_memory_without_panic() {
     let (seed, cases) = hunted(60_000);
     let mut source = Source(Random::new(seed));
     let states = [
@@ -192,7 +191,7 @@ fn random_formulas_neither_panic_nor_take_long_nor_fill_the_memory() {
         assert!(start.elapsed() < LONGEST, "{before}: {:?}", start.elapsed());
         read += usize::from(asked.is_ok_and(|is_read| is_read));
     }
-    // Otherwise nothing but the reader would be asked.
+    // Otherwise only the parser would be tested.
     assert!(read * 5 > cases, "{read} of {cases} were formulas");
     if let Some(memory) = largest_memory() {
         assert!(memory < MEMORY, "{memory} KiB");

@@ -1,4 +1,4 @@
-//! Input that nobody means well: no panic, no overflow of the stack, no endless work.
+//! Hostile input: no panic, no stack overflow, no unbounded work.
 
 use onset::formula::{Formula, Problem};
 use onset::kinematics::DeformationGradient;
@@ -14,7 +14,7 @@ fn problem(text: &str) -> Problem {
 }
 
 #[test]
-fn nesting_without_end_is_refused_before_the_stack_ends() {
+fn unbounded_nesting_is_rejected_before_the_stack_overflows() {
     for count in [200, 9_000] {
         for (open, close) in [
             ("(", ")"),
@@ -28,7 +28,7 @@ fn nesting_without_end_is_refused_before_the_stack_ends() {
             let count = count.min(19_000 / (open.len() + close.len()));
             let text = format!("{}J{}", open.repeat(count), close.repeat(count));
             assert!(matches!(problem(&text), Problem::TooDeep { .. }), "{open}");
-            // Also where the end is missing.
+            // The closing part may be missing too.
             assert!(matches!(
                 problem(&open.repeat(count)),
                 Problem::TooDeep { .. }
@@ -46,13 +46,13 @@ fn nesting_without_end_is_refused_before_the_stack_ends() {
 }
 
 #[test]
-fn what_a_law_needs_is_deep_enough() {
+fn the_depth_limit_suffices_for_realistic_laws() {
     let text = format!("{}I1{}", "(".repeat(90), ")".repeat(90));
     assert!(Formula::parse(&text).is_ok());
 }
 
 #[test]
-fn chains_as_long_as_a_formula_may_be_are_read_and_evaluated() {
+fn chains_of_maximal_length_are_read_and_evaluated() {
     let identity = DeformationGradient::identity();
     for (link, value) in [("+J", 4_501.0), ("-J", -4_499.0), ("*J", 1.0), ("/J", 1.0)] {
         let law = Formula::parse(&format!("J{}", link.repeat(4_500))).expect("a formula");
@@ -73,7 +73,7 @@ fn chains_as_long_as_a_formula_may_be_are_read_and_evaluated() {
 }
 
 #[test]
-fn a_formula_with_more_results_at_once_than_fit_on_the_stack_is_evaluated() {
+fn a_formula_with_more_live_results_than_stack_registers_is_evaluated() {
     // 200 helpers that are all needed at the end.
     let helpers: String = (0..200)
         .map(|n| format!("let h{n} = sin({n}*J); "))
@@ -94,7 +94,7 @@ fn a_formula_with_more_results_at_once_than_fit_on_the_stack_is_evaluated() {
 }
 
 #[test]
-fn too_many_operations_are_refused() {
+fn too_many_operations_are_rejected() {
     // 26 characters each, seven operations each.
     let term = |n: usize| format!("+sin({n}*F11)*cos({n}*F22)");
     let text: String = (0..750).map(term).collect();
@@ -174,18 +174,18 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, rng_seed: RngSeed::Fixed(5), ..ProptestConfig::default() })]
 
     #[test]
-    fn no_text_makes_the_reader_panic(pieces in prop::collection::vec(prop::sample::select(PIECES), 0..25)) {
+    fn no_text_panics_the_parser(pieces in prop::collection::vec(prop::sample::select(PIECES), 0..25)) {
         survives(&pieces.concat());
         survives(&pieces.join(" "));
     }
 
     #[test]
-    fn no_characters_make_the_reader_panic(text in "\\PC{0,60}") {
+    fn no_characters_panic_the_parser(text in "\\PC{0,60}") {
         survives(&text);
     }
 }
 
-/// Reads, gives every parameter a value, evaluates; what comes out does not matter.
+/// Reads, assigns every parameter, evaluates; the results do not matter.
 fn survives(text: &str) {
     match Formula::parse(text) {
         Err(error) => {

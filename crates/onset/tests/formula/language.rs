@@ -1,4 +1,4 @@
-//! What the words of the language mean, each against its definition.
+//! Meaning of the words of the language, compared with their definitions.
 
 use crate::states::Random;
 use nalgebra::{Matrix3, Vector3};
@@ -26,7 +26,7 @@ fn assert_close(computed: f64, expected: f64, what: &str) {
 }
 
 #[test]
-fn every_variable_is_what_its_name_says() {
+fn every_variable_equals_its_definition() {
     let mut random = Random::new(1);
     for _ in 0..20 {
         let f = random.state();
@@ -82,7 +82,7 @@ fn every_variable_is_what_its_name_says() {
 }
 
 #[test]
-fn every_function_is_what_its_name_says() {
+fn every_function_equals_its_definition() {
     type Expected = fn(f64) -> f64;
     let functions: &[(&str, &str, Expected)] = &[
         ("if", "if(F11 < 1, 2*F11, 3*F11)", |x| {
@@ -143,7 +143,7 @@ fn every_function_is_what_its_name_says() {
 }
 
 #[test]
-fn operators_bind_as_in_mathematics() {
+fn operators_have_the_usual_precedence() {
     let state = DeformationGradient::identity();
     for (text, expected) in [
         ("2 + 3*4", 14.0),
@@ -167,7 +167,7 @@ fn operators_bind_as_in_mathematics() {
         ("max(1, min(5, 3), 2)", 3.0),
         ("sqrt(2^4)", 4.0),
     ] {
-        // Of variables, which nothing folds, and of constants.
+        // For variables, which are not folded, and for constants.
         let helpers = text
             .rfind(';')
             .filter(|at| !text[at + 1..].trim().is_empty());
@@ -191,7 +191,7 @@ fn operators_bind_as_in_mathematics() {
 }
 
 #[test]
-fn parameters_are_names_that_are_free() {
+fn unreserved_names_are_parameters() {
     let formula = Formula::parse("c_10*(I1bar - 3) + Kappa2*(J - 1)^2 + x*I4").expect("a formula");
     assert!(
         formula
@@ -203,7 +203,7 @@ fn parameters_are_names_that_are_free() {
 }
 
 #[test]
-fn a_formula_says_what_symmetry_it_may_lack() {
+fn a_formula_reports_the_symmetry_it_may_lack() {
     for (text, components, isotropic) in [
         ("I1 + I2bar*J", false, true),
         ("I1 + I4", false, false),
@@ -218,8 +218,8 @@ fn a_formula_says_what_symmetry_it_may_lack() {
 }
 
 #[test]
-fn fibers_turn_with_their_angle() {
-    // Turning the fibers by an angle is turning the load against the material.
+fn fibers_rotate_with_their_angle() {
+    // Rotating the fibers by an angle is equivalent to rotating the load against the material.
     let text = "k1/(2*k2)*(exp(k2*(I4 - 1)^2) - 1) + mu/2*(I1 - 3) + c*(I5 - I6*I7) - mu*ln(J)";
     let formula = Formula::parse(text).expect("a formula");
     let law = |turn: f64| {

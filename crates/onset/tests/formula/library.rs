@@ -1,4 +1,4 @@
-//! The laws of the library, typed as their formula on paper, and formulas in principal stretches.
+//! Laws of the library written as formulas, and formulas in principal stretches.
 
 use crate::agreement::difference;
 use crate::states::{Random, of};
@@ -12,7 +12,7 @@ const LOGARITHMS: &str = "let h1 = ln(lambda1); let h2 = ln(lambda2); let h3 = l
                           let dev = (h1 - t/3)^2 + (h2 - t/3)^2 + (h3 - t/3)^2;";
 const FIBERS: &str = "let x = J^(-2/3)*I4 - 1; let y = J^(-2/3)*I6 - 1;";
 
-/// The parameters of a law that a formula uses, with its defaults; its fibers lie at plus and minus `angle`.
+/// Parameters of a law that a formula uses, with its defaults; the fibers lie at plus and minus `angle`.
 fn typed(law: &Law, text: &str) -> FormulaLaw {
     let formula = Formula::parse(text).unwrap_or_else(|error| panic!("{}: {error}", law.name));
     let value = |name: &str| {
@@ -103,7 +103,7 @@ fn law(text: &str, values: &[(&str, f64)]) -> FormulaLaw {
 }
 
 #[test]
-fn invariants_written_in_stretches_are_the_same_law_also_where_stretches_coincide() {
+fn invariants_written_in_stretches_give_the_same_law_even_for_equal_stretches() {
     let angle = [("fiber1-angle", 25.0)];
     let fibers = "0.3*(I4 - 1)^2 + 0.1*I1*I5";
     let one = law(
@@ -133,7 +133,7 @@ fn invariants_written_in_stretches_are_the_same_law_also_where_stretches_coincid
 }
 
 #[test]
-fn stretches_that_are_not_written_alike_are_refused() {
+fn asymmetric_functions_of_the_stretches_are_rejected() {
     let refused = |text: &str| {
         let formula = Formula::parse(text).expect("a formula");
         let error = formula.with(&[]).expect_err(text);
@@ -157,12 +157,12 @@ fn stretches_that_are_not_written_alike_are_refused() {
     assert!(matches!(mixed, Problem::StretchesMixed));
     let branched = refused("ramp(lambda1 - 1) + ramp(lambda2 - 1) + ramp(lambda3 - 1)");
     assert!(matches!(branched, Problem::StretchesBranch));
-    // A condition in a term of its own is none on the stretches.
+    // A condition in a separate term is not a condition on the stretches.
     law("lambda1 + lambda2 + lambda3 + ramp(J - 1)^2", &[]);
 }
 
 #[test]
-fn sums_that_double_themselves_are_taken_apart_in_no_time() {
+fn exponentially_growing_sums_are_split_quickly() {
     let doubled: String = (1..90)
         .map(|n| format!("let a{n} = a{0} + a{0}; ", n - 1))
         .collect();

@@ -1,4 +1,4 @@
-//! Laws that are typed as a formula: that they are the laws they say, and that everything else is refused with its place.
+//! Laws given as formulas agree with the laws they represent, and invalid input is rejected with its place.
 
 mod agreement;
 mod conditions;

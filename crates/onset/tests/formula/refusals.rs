@@ -1,8 +1,8 @@
-//! Wrong formulas: what is said, where the caret stands, and what the hint proposes.
+//! Invalid formulas: the message, the place of the caret and the hint.
 
 use onset::formula::{Formula, FormulaError};
 
-/// The refusal of a formula, read or given values.
+/// Error of a formula when it is read or receives values.
 fn refusal(text: &str, values: &[(&str, f64)]) -> FormulaError {
     match Formula::parse(text) {
         Err(error) => error,
@@ -11,8 +11,8 @@ fn refusal(text: &str, values: &[(&str, f64)]) -> FormulaError {
 }
 
 #[test]
-fn a_wrong_formula_is_refused_with_its_column_and_a_hint() {
-    // Formula, column, how much is marked, what is said, what is proposed.
+fn an_invalid_formula_is_rejected_with_its_column_and_a_hint() {
+    // Formula, column, length of the mark, message, hint.
     let cases: &[(&str, usize, usize, &str, &str)] = &[
         (
             "mu/2*(I1 - 3",
@@ -269,7 +269,7 @@ fn the_whole_message_shows_the_line_and_a_caret() {
 }
 
 #[test]
-fn of_several_lines_the_one_with_the_error_is_shown() {
+fn the_line_with_the_error_is_shown() {
     let error = refusal("let a = I1 - 3;\n\tlet b = ln(J;\na + b", &[]);
     assert_eq!(
         error.to_string(),
@@ -279,7 +279,7 @@ fn of_several_lines_the_one_with_the_error_is_shown() {
 }
 
 #[test]
-fn of_a_long_line_the_part_around_the_error_is_shown() {
+fn a_long_line_is_cut_around_the_error() {
     let error = refusal(
         &format!("{}$ + {}I1", "J + ".repeat(200), "J + ".repeat(200)),
         &[],
@@ -293,7 +293,7 @@ fn of_a_long_line_the_part_around_the_error_is_shown() {
 }
 
 #[test]
-fn values_without_a_parameter_are_refused() {
+fn values_without_a_parameter_are_rejected() {
     let formula =
         Formula::parse("let half = mu/2; half*(I1 - 3) + kappa/2*(J - 1)^2").expect("a formula");
     let given = [("mu", 1.0), ("kappa", 2.0)];
@@ -317,7 +317,7 @@ fn values_without_a_parameter_are_refused() {
 }
 
 #[test]
-fn nothing_at_all_is_refused() {
+fn an_empty_formula_is_rejected() {
     for text in ["", "   ", "\n\t"] {
         assert!(
             refusal(text, &[])

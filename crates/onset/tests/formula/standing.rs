@@ -1,4 +1,4 @@
-//! Standing checks of typed laws: `cargo xtask hunt formulas-agree`.
+//! Standing checks of laws given as formulas: `cargo xtask hunt formulas-agree`.
 
 use crate::domain::refusal;
 use crate::hunt::hunted;
@@ -16,7 +16,7 @@ use onset::real::{Jet, Real};
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-// A formula as a tree, and what it is where it is evaluated from the leaves.
+// A formula as a tree, and its value computed from the leaves.
 
 #[derive(Clone, Debug)]
 enum Tree {
@@ -63,7 +63,7 @@ impl Random {
     }
 }
 
-/// A number with a bound of its rounding error, nothing, or too near to an edge to tell.
+/// A number with a bound of its rounding error, undefined, or too close to a boundary to decide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Value {
     Number(f64, f64),
@@ -83,7 +83,7 @@ impl Value {
         }
     }
 
-    /// The same, unless another number is too near to zero.
+    /// The value itself, unless another number is too close to zero.
     fn away_from_zero((x, error): (f64, f64), value: f64, slope: f64) -> Self {
         if x.abs() < 1e3 * error + 1e-9 {
             Self::Unclear
@@ -93,7 +93,7 @@ impl Value {
     }
 }
 
-/// A value from numbers with their errors.
+/// Value from numbers with their errors.
 type Function<'f> = dyn Fn(&[(f64, f64)]) -> Value + 'f;
 
 fn evaluated(tree: &Tree, leaf: &impl Fn(&str) -> f64) -> Value {
@@ -158,12 +158,12 @@ fn evaluated(tree: &Tree, leaf: &impl Fn(&str) -> f64) -> Value {
     }
 }
 
-/// Whether a part is exactly zero at every planar state, and not only near it.
+/// Returns true if a part is exactly zero at every planar state.
 fn is_exact(tree: &Tree) -> bool {
     matches!(tree, Tree::Name("E23") | Tree::Number(_))
 }
 
-/// As text; with the arguments of sums, products and extremes in the other order if asked for.
+/// Text of the tree, optionally with the arguments of sums, products and extremes swapped.
 fn written(tree: &Tree, is_turned: bool) -> String {
     let text = |tree: &Tree| written(tree, is_turned);
     match tree {
@@ -191,7 +191,7 @@ fn written(tree: &Tree, is_turned: bool) -> String {
     }
 }
 
-/// A planar state, often one with stretches that make tests vanish.
+/// Planar state, often with stretches that make tests vanish.
 fn planar(random: &mut Random) -> DeformationGradient {
     let stretch = |random: &mut Random| match random.below(3) {
         0 => random.one(&[0.5, 1.0, 2.0]),
@@ -220,7 +220,7 @@ fn leaf_of(f: &DeformationGradient, name: &str) -> f64 {
     }
 }
 
-/// The law, unless the formula is refused whatever the state is.
+/// The law, unless the formula is rejected at every state.
 fn law(text: &str) -> Option<FormulaLaw> {
     Formula::parse(text).expect("a formula").with(&[]).ok()
 }
@@ -243,7 +243,7 @@ fn check_tree(random: &mut Random, seen: &mut Seen) {
     let f = planar(random);
     let is_finite = !matches!(typed.response(&f), Err(MaterialError::NotFinite { .. }));
     if !is_finite {
-        // A slope without bound: no stress, and no word on the value.
+        // An unbounded slope: no stress, and no statement on the value.
         assert!(other.response(&f).is_err(), "{text} at {f:?}");
         return;
     }
@@ -275,7 +275,7 @@ fn check_tree(random: &mut Random, seen: &mut Seen) {
     check_proof(random, &typed, &f, &text, seen);
 }
 
-/// A proof of ellipticity against directions looked at densely, and against fine laminates.
+/// A proof of ellipticity compared with densely sampled directions and with fine laminates.
 fn check_proof(
     random: &mut Random,
     law: &FormulaLaw,
@@ -313,7 +313,7 @@ fn check_proof(
             (change, change < -noise - 0.1 * scale)
         };
         let all_gain = |sizes: &[f64]| sizes.iter().all(|size| change(*size).1);
-        // A kink beside the state is met by the larger jumps only; what it gains grows as they become smaller.
+        // Only larger jumps cross a kink near the state; their gain grows as they become smaller.
         let is_kink = change(1e-5).0 < 5.0 * change(1e-4).0;
         let gains = all_gain(&[1e-4, 1e-5, 1e-6, 1e-7])
             && (!is_kink || all_gain(&[1e-8, 1e-9, 1e-10, 1e-11]));
@@ -330,7 +330,7 @@ fn lowest(q: &Matrix3<f64>) -> (f64, Vector3<f64>) {
     )
 }
 
-// Sixty digits.
+// Arithmetic with sixty digits.
 
 type Digits = FBig<HalfEven, 2>;
 const BITS: usize = 220;
@@ -339,7 +339,7 @@ thread_local! {
     static NUMBERS: RefCell<Vec<Digits>> = const { RefCell::new(Vec::new()) };
 }
 
-/// A number with sixty digits, kept elsewhere: numbers of laws are copied.
+/// Number with sixty digits, stored elsewhere because laws copy their numbers.
 #[derive(Clone, Copy, Debug)]
 struct Exact(usize);
 
@@ -433,7 +433,7 @@ impl Real for Exact {
     }
 }
 
-/// The acoustic tensor of a direction in the plane, from the same law with sixty digits.
+/// Acoustic tensor of a direction in the plane, from the law with sixty digits.
 fn exact_eigenvalue(tangent: &[[Exact; 4]; 4], n: &Vector2<f64>) -> Digits {
     let n = [0, 1].map(|i| Exact::constant(n[i]));
     let length = n[0] * n[0] + n[1] * n[1];
@@ -499,7 +499,7 @@ fn check_ellipticity(random: &mut Random, seen: &mut [usize; 3]) {
     )));
     let minimum: AcousticMinimum<2> =
         Stiffness::of(&law.response(&f).expect("a response")).minimum();
-    // In the direction found the truth is that far from what was found at most.
+    // Error of the minimum, evaluated at its direction.
     let truth = exact_eigenvalue(&energy.hessian, &minimum.direction);
     let error = (truth.clone() - Exact::constant(minimum.eigenvalue.re).digits())
         .to_f64()
@@ -523,7 +523,7 @@ fn check_ellipticity(random: &mut Random, seen: &mut [usize; 3]) {
         }
         Ellipticity::Undecided => assert!(truth.to_f64().value().abs() <= 2.0 * minimum.rounding),
     }
-    // Number and word.
+    // Value and verdict.
     let number = minimum.significant();
     let of_number = if number > 0.0 {
         Ellipticity::Elliptic
@@ -536,7 +536,7 @@ fn check_ellipticity(random: &mut Random, seen: &mut [usize; 3]) {
 }
 
 #[test]
-fn formulas_agree_about_being_defined_and_proofs_are_never_contradicted() {
+fn equivalent_formulas_have_equal_domains_and_proofs_are_never_contradicted() {
     let (seed, cases) = hunted(3000);
     let mut random = Random::new(seed);
     let mut seen = Seen::default();
@@ -554,7 +554,7 @@ fn formulas_agree_about_being_defined_and_proofs_are_never_contradicted() {
 }
 
 #[test]
-fn the_word_on_ellipticity_is_that_of_sixty_digits() {
+fn the_verdict_on_ellipticity_agrees_with_sixty_digit_arithmetic() {
     let (seed, cases) = hunted(150);
     let mut random = Random::new(seed);
     let mut seen = [0; 3];

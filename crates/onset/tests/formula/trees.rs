@@ -1,4 +1,4 @@
-//! Random formulas against an evaluator of their own: plain recursion over a tree, with a bound of its rounding errors.
+//! Random formulas compared with a separate evaluator: plain recursion over a tree, with a bound of its rounding errors.
 
 use onset::formula::Formula;
 use onset::kinematics::DeformationGradient;
@@ -6,7 +6,7 @@ use onset::material::StrainEnergy;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-/// A formula as a tree.
+/// Formula as a tree.
 #[derive(Clone, Debug)]
 enum Tree {
     Number(f64),
@@ -18,7 +18,7 @@ enum Tree {
     If(Box<[Tree; 4]>, bool),
 }
 
-/// `F = 1.3 0.2 / -0.4 0.9 / 1.1` and two parameters.
+/// Deformation gradient `F = 1.3 0.2 / -0.4 0.9 / 1.1` and two parameters.
 const NAMES: [(&str, f64); 7] = [
     ("F11", 1.3),
     ("F12", 0.2),
@@ -49,7 +49,7 @@ fn tree() -> impl Strategy<Value = Tree> {
     })
 }
 
-/// A value with a bound of its rounding error; `None` where a comparison, or a pole, is too close to call.
+/// Value with a bound of its rounding error; `None` if a comparison or a pole is too close to decide.
 type Value = Option<(f64, f64)>;
 
 fn evaluated(tree: &Tree) -> Value {
@@ -108,7 +108,7 @@ fn evaluated(tree: &Tree) -> Value {
     }
 }
 
-/// With no more parentheses than the grammar needs: the strength of the surroundings says whether.
+/// Text with the fewest parentheses; the strength of the surrounding operator decides.
 fn sparse(tree: &Tree, least: u8) -> String {
     let (text, strength) = match tree {
         Tree::Number(value) => (format!("{value}"), 9),
@@ -134,7 +134,7 @@ fn sparse(tree: &Tree, least: u8) -> String {
     }
 }
 
-/// With parentheses around everything, and space everywhere.
+/// Text with parentheses around everything, and space everywhere.
 fn full(tree: &Tree) -> String {
     match tree {
         Tree::Number(value) => format!("( {value:?} )"),
@@ -145,14 +145,14 @@ fn full(tree: &Tree) -> String {
         Tree::Call(name, a) => format!("({name} ({}))", full(a)),
         Tree::If(parts, is_below) => {
             let [a, b, holds, fails] = [0, 1, 2, 3].map(|n| full(&parts[n]));
-            // The same condition the other way round.
+            // The condition reversed.
             let sign = if *is_below { "<=" } else { ">" };
             format!("if(not ({b} {sign} {a}), {holds}, {fails})")
         }
     }
 }
 
-/// The energy that a formula gives; `None` where it is refused as constant or undefined.
+/// Energy of a formula; `None` if it is rejected as constant or undefined.
 fn computed(text: &str) -> Option<f64> {
     let formula = Formula::parse(text).unwrap_or_else(|error| panic!("{error}"));
     let used: Vec<(&str, f64)> = NAMES
@@ -168,8 +168,8 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, rng_seed: RngSeed::Fixed(6), ..ProptestConfig::default() })]
 
     #[test]
-    fn a_formula_has_the_value_of_its_tree_however_it_is_printed(tree in tree()) {
-        // Something that varies, so that it is a law.
+    fn a_formula_has_the_value_of_its_syntax_tree_in_every_notation(tree in tree()) {
+        // A varying term, so that the formula is a law.
         let tree = Tree::Binary('+', Box::new(Tree::Name("F33")), Box::new(tree));
         let texts = [sparse(&tree, 0), full(&tree)];
         let values = texts.each_ref().map(|text| computed(text));

@@ -1,4 +1,4 @@
-//! The smallest eigenvalue of the acoustic tensor over all directions, against scans.
+//! Smallest eigenvalue of the acoustic tensor over all directions, compared with scans.
 
 use crate::table::{Random, laws, of};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
@@ -6,7 +6,7 @@ use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::material::FourthOrder;
 
-/// The smallest real part of an eigenvalue of a real matrix of two rows.
+/// Smallest real part of an eigenvalue of a real 2 x 2 matrix.
 fn smallest(q: &Matrix2<f64>) -> f64 {
     let (half_trace, determinant) = (0.5 * q.trace(), q.determinant());
     half_trace - (half_trace * half_trace - determinant).max(0.0).sqrt()
@@ -20,7 +20,7 @@ fn acoustic<const D: usize>(t: &FourthOrder, n: [f64; D]) -> nalgebra::SMatrix<f
     })
 }
 
-/// A scan of the half circle, each of its local minima refined by repeated subdivision.
+/// Scan of the half circle; each of its local minima is refined by repeated subdivision.
 fn scanned(t: &FourthOrder) -> f64 {
     let at = |angle: f64| smallest(&acoustic(t, [angle.cos(), angle.sin()]));
     let count = 360;
@@ -49,7 +49,7 @@ fn scanned(t: &FourthOrder) -> f64 {
 fn assert_minimum(t: &FourthOrder, scale: f64) {
     let minimum = Stiffness::<2>::from_tangent(t).minimum();
     let difference = minimum.eigenvalue.re - scanned(t);
-    // The minimum is found wherever it lies: neither above the scan nor, to its resolution, below it.
+    // The minimum is found in any direction: neither above the scan nor, to its resolution, below it.
     assert!(
         difference.abs() < 1e-9 * scale,
         "off by {difference:e} of {scale:e}"
@@ -62,7 +62,7 @@ fn assert_minimum(t: &FourthOrder, scale: f64) {
 }
 
 #[test]
-fn the_minimum_in_the_plane_is_that_of_a_dense_scan() {
+fn the_in_plane_minimum_agrees_with_a_dense_scan() {
     for entry in laws() {
         let mut random = Random::new(21);
         for _ in 0..150 {
@@ -79,7 +79,7 @@ fn the_minimum_in_the_plane_is_that_of_a_dense_scan() {
 }
 
 #[test]
-fn the_minimum_of_a_stiffness_without_major_symmetry_is_that_of_a_dense_scan() {
+fn the_minimum_without_major_symmetry_agrees_with_a_dense_scan() {
     let mut random = Random::new(22);
     for _ in 0..400 {
         let numbers: Vec<f64> = (0..81).map(|_| random.number()).collect();
@@ -98,7 +98,7 @@ fn the_minimum_of_a_stiffness_without_major_symmetry_is_that_of_a_dense_scan() {
         let directions =
             (0..4_000).map(|n| (f64::from(n) * std::f64::consts::PI / 4_000.0).sin_cos());
         let tensors: Vec<Matrix2<f64>> = directions.map(|(s, c)| acoustic(&t, [c, s])).collect();
-        // Strong ellipticity asks for the symmetric part, which is smaller.
+        // Strong ellipticity concerns the symmetric part, whose smallest eigenvalue is smaller.
         let forms = tensors
             .iter()
             .map(|q| smallest(&((q + q.transpose()) * 0.5)));
@@ -143,7 +143,7 @@ fn eigenpairs_of_the_minimum_satisfy_their_equation() {
 }
 
 #[test]
-fn rotating_state_and_directions_changes_no_eigenvalue() {
+fn rotating_state_and_directions_keeps_the_eigenvalues() {
     for entry in laws() {
         let mut random = Random::new(24);
         for _ in 0..60 {
@@ -159,7 +159,7 @@ fn rotating_state_and_directions_changes_no_eigenvalue() {
             let q_turned = acoustic(&other.tangent, [turned[0], turned[1]]);
             let block = after.fixed_view::<2, 2>(0, 0);
             assert!((q_turned - block * q * block.transpose()).amax() < 1e-11 * q.amax());
-            // And the minimum over all of them.
+            // And the minimum over all directions.
             let [a, b] = [one, other].map(|r| Stiffness::<2>::of(&r).minimum());
             assert!(
                 (a.eigenvalue.re - b.eigenvalue.re).abs()
@@ -170,7 +170,7 @@ fn rotating_state_and_directions_changes_no_eigenvalue() {
 }
 
 #[test]
-fn the_minimum_in_space_is_not_above_a_dense_scan_and_turns_with_the_state() {
+fn the_three_dimensional_minimum_is_at_most_a_dense_scan_and_rotates_with_the_state() {
     for entry in laws() {
         let mut random = Random::new(25);
         for _ in 0..12 {
@@ -212,8 +212,8 @@ fn the_minimum_in_space_is_not_above_a_dense_scan_and_turns_with_the_state() {
 
 #[test]
 fn minima_between_samples_every_ten_degrees_are_found() {
-    // Just beyond the onset only directions near the critical one lose ellipticity; turned by five degrees
-    // against the samples, none of these sees it.
+    // Just beyond the onset only directions near the critical one lose ellipticity. Rotated by five degrees from the samples, all of them are missed
+    // by sampling.
     let tilt =
         *nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), 5.0_f64.to_radians()).matrix();
     let onset =
@@ -241,7 +241,7 @@ fn minima_between_samples_every_ten_degrees_are_found() {
 }
 
 #[test]
-fn the_largest_eigenvalue_is_that_of_the_fastest_wave() {
+fn the_largest_eigenvalue_belongs_to_the_fastest_wave() {
     for entry in laws() {
         let response = entry
             .law

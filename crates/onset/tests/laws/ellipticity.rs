@@ -4,14 +4,14 @@ use crate::table::{C1, C2, LAMBDA, Random, laws};
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 
-/// `g''(J)` of the law (5) in plane strain, `W = (c1 + c2)/2 |F|^2 + g(J)`.
+/// Derivative `g''(J)` of the law (5) in plane strain, `W = (c1 + c2)/2 |F|^2 + g(J)`.
 fn second_derivative_by_volume(j: f64) -> f64 {
     C2 + C1 / 3.0 * j.powf(-4.0 / 3.0) - 2.0 / 3.0 * C2 * j.powf(-2.0 / 3.0)
         + 2.0 * LAMBDA * (1.0 - j.ln()) / (j * j)
 }
 
 #[test]
-fn the_domain_of_the_law_5_is_its_closed_form() {
+fn the_elliptic_domain_of_equation_5_has_its_closed_form() {
     let law = &laws()[0].law;
     let mut random = Random::new(31);
     let mut seen = [0, 0];
@@ -40,7 +40,7 @@ fn the_domain_of_the_law_5_is_its_closed_form() {
 }
 
 #[test]
-fn the_law_5_is_elliptic_again_beyond_a_volume_ratio_of_84() {
+fn equation_5_regains_ellipticity_beyond_a_volume_ratio_of_84() {
     let law = &laws()[0].law;
     let elliptic = |l: f64| {
         let f = DeformationGradient::from_stretches([l, l, 1.0]).expect("a state");
@@ -54,13 +54,13 @@ fn the_law_5_is_elliptic_again_beyond_a_volume_ratio_of_84() {
 
 const GAMMA: f64 = 0.267_949_192_431_122_7; // 2 - sqrt 3
 
-/// How far the ratio of two stretches is inside of `gamma < ratio < 1/gamma`, on a logarithmic scale.
+/// Logarithmic distance of the ratio of two stretches from the limits of `gamma < ratio < 1/gamma`.
 fn inside(ratio: f64) -> f64 {
     -GAMMA.ln() - ratio.ln().abs()
 }
 
 #[test]
-fn the_planar_domain_of_blatz_and_ko_is_inequality_62() {
+fn the_planar_elliptic_domain_of_blatz_ko_is_inequality_62() {
     let law = &laws()[1].law;
     let mut random = Random::new(32);
     let mut seen = [0, 0];
@@ -99,7 +99,7 @@ fn the_boundary_of_inequality_62_is_met_to_eleven_digits() {
 }
 
 #[test]
-fn the_domain_of_blatz_and_ko_in_space_is_inequality_60() {
+fn the_three_dimensional_elliptic_domain_of_blatz_ko_is_inequality_60() {
     let law = &laws()[1].law;
     let mut random = Random::new(33);
     let mut seen = [0, 0];

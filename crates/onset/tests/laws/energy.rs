@@ -1,4 +1,4 @@
-//! Energy, stress and tangent belong together, and to the law on paper.
+//! Energy, stress and tangent are consistent with each other and with the published law.
 
 use crate::table::{Random, delta, differentiated, laws, of, quadruples};
 use nalgebra::Matrix3;
@@ -68,7 +68,7 @@ fn all_81_tangent_components_are_second_derivatives_of_the_energy() {
 }
 
 #[test]
-fn stress_and_elasticity_tensor_are_those_of_the_closed_forms() {
+fn stress_and_elasticity_tensor_equal_the_closed_forms() {
     for entry in laws() {
         let mut random = Random::new(3);
         for _ in 0..STATES {
@@ -135,7 +135,7 @@ fn tangents_have_the_symmetries_of_a_potential() {
                     entry.name
                 );
             }
-            // The balance of angular momentum: sigma is symmetric.
+            // Balance of angular momentum: sigma is symmetric.
             let sigma = response.cauchy();
             assert!((sigma - sigma.transpose()).amax() < 1e-12 * scale);
         }
@@ -143,7 +143,7 @@ fn tangents_have_the_symmetries_of_a_potential() {
 }
 
 #[test]
-fn rotations_before_and_after_change_no_energy() {
+fn rotations_of_reference_and_state_keep_the_energy() {
     for entry in laws() {
         let mut random = Random::new(5);
         for _ in 0..STATES {

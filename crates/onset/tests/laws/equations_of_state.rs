@@ -1,4 +1,4 @@
-//! Equations of state against integrals and derivatives with 50 digits, and against what they say of the bulk modulus.
+//! Equations of state compared with integrals and derivatives to 50 digits, and with their laws for the bulk modulus.
 
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
@@ -13,11 +13,11 @@ fn stretched(stretches: [f64; 3]) -> DeformationGradient {
     DeformationGradient::from_stretches(stretches).expect("a state")
 }
 
-/// A law at three stretches: energy, `P11`, `P33`, `A1111` and `A1122`.
+/// Values of a law at three stretches: energy, `P11`, `P33`, `A1111` and `A1122`.
 type Row = (&'static str, [f64; 3], [f64; 5]);
 
-/// By mpmath: the pressure integrated from the reference (of Mie and Grueneisen the differential equation of the isentrope by its integrating
-/// factor, not the form that the program has), derivatives by differences of the integrals.
+/// Computed by mpmath: the pressure integrated from the reference (for Mie-Grueneisen the differential equation of the isentrope with its integrating
+/// factor, not the form used in the program), derivatives by differences of the integrals.
 #[rustfmt::skip]
 const WITH_50_DIGITS: [Row; 9] = [
     ("mie-grueneisen", [0.8, 0.9, 1.05], [11.491020026183508, -107.14092921540691, -45.00792431340826, 724.663194927594, 364.1991973792091]),
@@ -32,7 +32,7 @@ const WITH_50_DIGITS: [Row; 9] = [
 ];
 
 #[test]
-fn equations_of_state_have_energy_stress_and_tangent_of_their_integrals() {
+fn equations_of_state_agree_with_integrated_pressures() {
     for (name, stretches, expected) in WITH_50_DIGITS {
         let response = law(name, &[])
             .response(&stretched(stretches))
@@ -53,7 +53,7 @@ fn equations_of_state_have_energy_stress_and_tangent_of_their_integrals() {
     }
 }
 
-/// Pressure and bulk modulus `-J dp/dJ` under equal stretches, without deviator.
+/// Pressure and bulk modulus `-J dp/dJ` for equitriaxial stretch, without deviator.
 fn pressure_and_modulus(law: &dyn Hyperelastic, jacobian: f64) -> (f64, f64) {
     let stretch = jacobian.cbrt();
     let response = law.response(&stretched([stretch; 3])).expect("finite");
@@ -76,7 +76,7 @@ fn the_bulk_modulus_of_murnaghan_is_linear_in_the_pressure_and_tait_compression_
     }
 }
 
-/// Isentrope and Hugoniot have slope and curvature in common: `dK/dp = 4 s - 1` at rest (Ruoff, J. Appl. Phys. 38 (1967) 4976), and under
+/// Isentrope and Hugoniot have equal slope and curvature: `dK/dp = 4 s - 1` in the reference (Ruoff, J. Appl. Phys. 38 (1967) 4976). Under
 /// compression the shock, which heats, has the higher pressure.
 #[test]
 fn the_isentrope_of_mie_and_grueneisen_touches_the_hugoniot_to_second_order_and_lies_below_it() {

@@ -22,7 +22,7 @@ fn constants_that_overflow_the_energy_are_errors() {
 }
 
 #[test]
-fn no_magnitude_of_stretches_panics_or_yields_numbers_that_are_not_finite() {
+fn no_magnitude_of_stretches_panics_or_returns_non_finite_numbers() {
     for entry in laws() {
         for first in -300..=300 {
             for second in [-first, 0, first / 2, first] {
@@ -40,7 +40,7 @@ fn no_magnitude_of_stretches_panics_or_yields_numbers_that_are_not_finite() {
 }
 
 #[test]
-fn states_that_are_no_deformations_are_refused_with_what_is_wrong() {
+fn inadmissible_deformations_are_rejected_with_the_reason() {
     use KinematicsError::{Extreme, JacobianNotPositive, NotFinite, StretchNotPositive};
     let stretches = DeformationGradient::from_stretches;
     assert_eq!(
@@ -74,7 +74,7 @@ fn states_that_are_no_deformations_are_refused_with_what_is_wrong() {
         stretches([1e-110; 3]),
         Err(Extreme { .. } | JacobianNotPositive { .. })
     ));
-    // Two negative stretches are no reflection, one is.
+    // Two negative stretches are not a reflection, one is.
     let turned = DeformationGradient::plane_strain([[-1.0, 0.0], [0.0, -1.0]], 1.0);
     assert_eq!(turned.map(|f| f.jacobian()), Ok(1.0));
     let reflected = DeformationGradient::plane_strain([[1.0, 0.0], [0.0, -1.0]], 1.0);
@@ -102,7 +102,7 @@ fn invariants_are_the_coefficients_of_the_characteristic_polynomial() {
 }
 
 #[test]
-fn straight_paths_meet_their_ends_exactly_and_refuse_to_turn_matter_inside_out() {
+fn straight_paths_have_exact_ends_and_reject_inverted_states() {
     let from = DeformationGradient::from_stretches([0.1, 1.3, 1.0]).expect("a state");
     let to = DeformationGradient::from_stretches([0.7, 0.9, 1.1]).expect("a state");
     let path = StraightPath::new(from, to).expect("a path");
@@ -124,7 +124,7 @@ fn straight_paths_meet_their_ends_exactly_and_refuse_to_turn_matter_inside_out()
 }
 
 #[test]
-fn parameters_out_of_range_are_refused_by_name() {
+fn parameters_out_of_range_are_rejected_by_name() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let refused =
             |error: MaterialError| matches!(error, MaterialError::Parameter { name: "mu", .. });

@@ -1,4 +1,4 @@
-//! Intervals against arbitrary precision (`dashu`): they hold the truth, and little else.
+//! Intervals compared with arbitrary precision (`dashu`): they contain the true value and are tight.
 
 use crate::table::laws;
 use dashu_float::FBig;
@@ -10,9 +10,9 @@ use proptest::test_runner::RngSeed;
 
 type Exact = FBig<HalfEven, 2>;
 
-/// Enough bits for sums and products of any two doubles to be exact.
+/// Enough bits for exact sums and products of any two doubles.
 const EXACT: usize = 2300;
-/// Enough for elementary functions to be told from any double, but for those that are one.
+/// Enough bits to distinguish elementary functions from any double, except exact values.
 const PRECISE: usize = 400;
 
 fn config(cases: u32) -> ProptestConfig {
@@ -37,7 +37,7 @@ fn holds(interval: Interval, truth: &Exact) -> bool {
     below && above
 }
 
-/// The number of doubles from the lower to the upper bound.
+/// Number of doubles from the lower to the upper bound.
 fn steps(interval: Interval) -> i64 {
     let rank = |x: f64| {
         let bits = x.to_bits() as i64;
@@ -50,7 +50,7 @@ fn steps(interval: Interval) -> i64 {
     rank(interval.high).saturating_sub(rank(interval.low))
 }
 
-/// Any finite double, large and small ones as likely as those around one.
+/// Any finite double; very large and small ones are as likely as values around one.
 fn any_double() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<f64>().prop_filter("finite", |x| x.is_finite()),
@@ -73,7 +73,7 @@ fn any_double() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// An interval and a member of it.
+/// Interval with one of its members.
 fn any_interval() -> impl Strategy<Value = (Interval, f64)> {
     (any_double(), any_double(), any_double()).prop_map(|(a, b, c)| {
         let mut sorted = [a, b, c];
@@ -86,7 +86,7 @@ proptest! {
     #![proptest_config(config(4000))]
 
     #[test]
-    fn basic_operations_hold_the_exact_result((a, x) in any_interval(), (b, y) in any_interval()) {
+    fn intervals_of_basic_operations_contain_the_exact_result((a, x) in any_interval(), (b, y) in any_interval()) {
         let [p, q] = [x, y].map(|x| exact(x, EXACT));
         prop_assert!(holds(a + b, &(&p + &q)), "{a:?} + {b:?}");
         prop_assert!(holds(a - b, &(&p - &q)), "{a:?} - {b:?}");
@@ -102,7 +102,7 @@ proptest! {
         if x >= 0.0 {
             prop_assert!(holds(a.sqrt(), &p.sqrt()), "sqrt {a:?}");
         }
-        // NaN appears nowhere, and no bounds are out of order.
+        // NaN does not occur, and bounds are ordered.
         for result in [a + b, a - b, a * b, a / b, a.sqrt(), a.ln(), a.exp(), a.sin(), a.cos(), a.sinh(), a.cosh(), a.tanh(), a.powi(-2),
             a.powi(7), a.powf(-0.3), b.recip(), -a] {
             prop_assert!(result.low <= result.high, "{result:?} of {a:?} and {b:?}");
@@ -110,14 +110,14 @@ proptest! {
     }
 
     #[test]
-    fn elementary_functions_hold_the_exact_result(
+    fn intervals_of_elementary_functions_contain_the_exact_result(
         (a, x) in any_interval(), small in -745.0..709.0_f64, wide in 0.0..3.0_f64, exponent in -9.0..9.0_f64,
     ) {
         let precise = |x: f64| exact(x, PRECISE);
         if x > 0.0 {
             prop_assert!(holds(a.ln(), &precise(x).ln()), "ln {a:?}");
             let power = a.powf(exponent);
-            // The oracle has no bound on its exponents.
+            // The reference arithmetic has unbounded exponents.
             if (x.ln() * exponent).abs() < 700.0 {
                 prop_assert!(holds(power, &precise(x).powf(&precise(exponent))), "{a:?}^{exponent}");
             }
@@ -141,7 +141,7 @@ proptest! {
     }
 
     #[test]
-    fn results_of_points_are_a_few_units_in_the_last_place_wide(
+    fn intervals_of_point_arguments_are_a_few_units_in_the_last_place_wide(
         x in -700.0..700.0_f64, y in -700.0..700.0_f64, positive in 1e-300..1e300_f64, exponent in -0.9..0.9_f64,
     ) {
         let [a, b, c] = [x, y, positive].map(Interval::point);
@@ -154,7 +154,7 @@ proptest! {
     }
 
     #[test]
-    fn enclosures_of_a_law_hold_its_response(
+    fn enclosures_of_a_law_contain_its_response(
         stretches in prop::array::uniform3(0.3..2.5_f64), shear in -1.0..1.0_f64, spread in 0.0..1e-3_f64,
     ) {
         let state = [[stretches[0], shear, 0.0], [0.0, stretches[1], 0.0], [0.0, 0.0, stretches[2]]];
@@ -165,7 +165,7 @@ proptest! {
             for width in [0.0, spread] {
                 let wide = state.map(|row| row.map(|x| Interval::new(x - width, x + 2.0 * width)));
                 let enclosure = law.enclosure(&DeformationGradient::from_components(wide));
-                // What floating point makes of the response is off by rounding.
+                // The floating-point response differs by rounding.
                 let near = |interval: Interval, value: f64, scale: f64| {
                     interval.low <= value + 1e-10 * scale && value - 1e-10 * scale <= interval.high
                 };
@@ -189,7 +189,7 @@ proptest! {
 }
 
 #[test]
-fn functions_take_their_extremes_inside_of_an_interval() {
+fn intervals_include_interior_extremes_of_functions() {
     use std::f64::consts::PI;
     for turn in -4..5 {
         let center = f64::from(turn) * PI;
@@ -210,7 +210,7 @@ fn functions_take_their_extremes_inside_of_an_interval() {
 }
 
 #[test]
-fn an_operation_that_is_not_defined_on_all_members_says_that_nothing_is_known() {
+fn a_partially_undefined_operation_returns_the_entire_line() {
     let straddles = Interval::new(-1.0, 2.0);
     let results = [
         Interval::point(1.0) / straddles,
@@ -236,7 +236,7 @@ fn an_operation_that_is_not_defined_on_all_members_says_that_nothing_is_known() 
 }
 
 #[test]
-fn a_switch_takes_both_branches_where_the_interval_does_not_decide() {
+fn a_switch_on_an_undecided_interval_takes_both_branches() {
     // W = x^2 in tension, 3 x^2 in compression: the second derivative is 2 or 6.
     let [x] = Jet::variables([Interval::new(-0.1, 0.2)]);
     let energy = x.switch(0.0, || x * x * 3.0, || x * x);

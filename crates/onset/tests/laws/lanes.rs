@@ -1,4 +1,4 @@
-//! Tangents of many states at once, and at states with mirror axes, against those of one state at a time.
+//! Tangents of many states, and at states with mirror axes, compared with individual states.
 
 use crate::table::{Random, laws};
 use onset::kinematics::DeformationGradient;
@@ -14,7 +14,7 @@ fn stretched(random: &mut Random) -> DeformationGradient {
     DeformationGradient::from_stretches(stretches).expect("positive stretches")
 }
 
-/// The tangent within the plane, from the full response.
+/// In-plane tangent from the full response.
 fn expected(law: &dyn Hyperelastic, f: &DeformationGradient) -> PlaneTangent {
     let tangent = law.response(f).expect("finite").tangent;
     std::array::from_fn(|a| std::array::from_fn(|b| tangent[(a / 2, a % 2, b / 2, b % 2)]))
@@ -34,7 +34,7 @@ fn assert_close(found: &PlaneTangent, expected: &PlaneTangent, name: &str) {
 }
 
 #[test]
-fn a_tangent_at_a_state_with_mirror_axes_is_that_of_the_full_response() {
+fn tangents_at_states_with_mirror_axes_equal_the_full_response() {
     let mut random = Random::new(31);
     for entry in laws() {
         for _ in 0..50 {
@@ -46,7 +46,7 @@ fn a_tangent_at_a_state_with_mirror_axes_is_that_of_the_full_response() {
 }
 
 #[test]
-fn a_tangent_is_to_the_last_digit_the_same_in_any_company() {
+fn tangents_are_bitwise_independent_of_the_other_states() {
     let mut random = Random::new(32);
     for entry in laws() {
         let mut states: Vec<_> = (0..19).map(|_| stretched(&mut random)).collect();
@@ -65,7 +65,7 @@ fn a_tangent_is_to_the_last_digit_the_same_in_any_company() {
 }
 
 #[test]
-fn every_law_of_the_library_gives_together_what_it_gives_alone() {
+fn every_law_gives_equal_results_for_one_and_many_states() {
     let mut random = Random::new(34);
     for law in library() {
         let built = law.build(&[]).expect("defaults");
@@ -80,7 +80,7 @@ fn every_law_of_the_library_gives_together_what_it_gives_alone() {
         assert_eq!(tangents.len(), states.len());
         for (f, together) in states.iter().zip(tangents) {
             assert_eq!(together, built.plane_tangent(f), "{}", law.name);
-            // A state that a law refuses is refused alone, not with its company.
+            // A state that a law rejects is rejected alone, without affecting the others.
             let full = built.response(f);
             assert_eq!(together.is_ok(), full.is_ok(), "{}", law.name);
             if let Ok(tangent) = together {
@@ -97,7 +97,7 @@ fn together(states: &[DeformationGradient; LANES]) -> DeformationGradient<Lanes>
 }
 
 #[test]
-fn stresses_of_many_states_are_those_of_each() {
+fn stresses_of_many_states_equal_the_individual_stresses() {
     let mut random = Random::new(35);
     for law in library() {
         let built = law.build(&[]).expect("defaults");
@@ -108,7 +108,7 @@ fn stresses_of_many_states_are_those_of_each() {
                         2 => random.planar_state(1.3),
                         _ => random.state(),
                     });
-                // One that is turned inside out has no stress, and takes none from the others.
+                // An inverted state has no stress and does not affect the others.
                 let mirror = [[-1.0, 0.2, 0.0], [0.0, 1.1, 0.0], [0.0, 0.0, 1.0]];
                 states[round] = DeformationGradient::from_components(mirror);
                 let all = built.lane_stress(&together(&states), dimension);
@@ -150,8 +150,8 @@ fn stresses_of_many_states_are_those_of_each() {
     }
 }
 
-/// Fibers at an angle to the first axis, in tension only: a law with a branch, and without the mirror symmetry of an isotropic
-/// one unless the fibers lie along an axis.
+/// Tension-only fibers at an angle to the first axis: a law with a branch, and without the mirror symmetry of an isotropic law unless the fibers lie
+/// along an axis.
 struct Fibers {
     angle: f64,
 }
@@ -168,7 +168,7 @@ impl StrainEnergy for Fibers {
 }
 
 #[test]
-fn a_law_without_mirror_symmetry_or_with_a_branch_is_not_mistaken() {
+fn laws_with_branches_or_without_mirror_symmetry_are_correct() {
     let mut random = Random::new(33);
     for angle in [0.0, 0.4, 1.1] {
         let law = Fibers { angle };
@@ -185,18 +185,18 @@ fn a_law_without_mirror_symmetry_or_with_a_branch_is_not_mistaken() {
 }
 
 #[test]
-fn a_number_of_neither_parity_knows_nothing() {
+fn a_number_without_parity_has_no_hessian() {
     let [f11, f12, ..] = Mirrored::variables(1.3, 0.8);
     assert_eq!(f11 + f12, Mirrored::Neither);
     assert_eq!((f11 + f12) * f11, Mirrored::Neither);
     assert!(f12.hessian().is_none());
     assert!((f12 * f12 * f11).hessian().is_some());
-    // To second order nothing is left of a cube.
+    // To second order a cube vanishes.
     assert_eq!(f12.powi(3), Mirrored::Zero);
 }
 
 #[test]
-fn a_mixed_company_has_no_one_value() {
+fn lanes_that_differ_have_no_common_value() {
     assert_eq!(Lanes::constant(2.5).value(), 2.5);
     assert!(
         Lanes([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 2.0])

@@ -1,4 +1,4 @@
-//! The battery of the library: a law passes by being listed.
+//! Tests of the library: every listed law must pass.
 
 use crate::table::{Random, delta, differentiated, of, quadruples};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -8,7 +8,7 @@ use onset::material::{Hyperelastic, Law, MaterialError, Response, Symmetry, libr
 use onset::method::{KernelMethodChoices, Method};
 use onset::real::Interval;
 
-/// Every law with its defaults, and with every parameter changed, angles away from the axes.
+/// Every law with its defaults, and with every parameter changed, with angles away from the axes.
 fn laws() -> impl Iterator<
     Item = (
         &'static Law,
@@ -31,7 +31,7 @@ fn laws() -> impl Iterator<
     })
 }
 
-/// The turn of the material axes of a law about the third axis; fibers to both sides of an axis turn none.
+/// Rotation of the material axes of a law about the third axis; zero for fibers on both sides of an axis.
 fn turn(law: &Law, given: &[(&'static str, f64)]) -> Matrix3<f64> {
     let is_turned = !law.name.starts_with("holzapfel");
     let angle = given.iter().find(|(name, _)| *name == "angle" && is_turned);
@@ -58,7 +58,7 @@ fn every_law_is_described_by_name_formula_domain_moduli_and_source() {
             assert!(["stress", "1", "deg"].contains(&parameter.unit));
             let earlier = &law.parameters[..number];
             assert!(earlier.iter().all(|other| other.name != parameter.name));
-            // The formula speaks of all terms at once.
+            // The formula mentions all terms together.
             let is_of_series = parameter.name.ends_with(|last: char| last.is_ascii_digit());
             let is_angle = parameter.unit == "deg";
             let inherits = law.formula.starts_with("as ");
@@ -73,7 +73,7 @@ fn every_law_is_described_by_name_formula_domain_moduli_and_source() {
 }
 
 #[test]
-fn what_is_not_admitted_is_refused_by_name() {
+fn inadmissible_values_are_rejected_by_name() {
     for law in library() {
         for parameter in law.parameters {
             let refused = law.build(&[(parameter.name, f64::NAN)]).err();
@@ -127,7 +127,7 @@ fn stresses_are_derivatives_of_energies_and_tangents_of_stresses() {
 }
 
 #[test]
-fn tangents_are_symmetric_stresses_are_balanced_and_the_plane_is_part_of_space() {
+fn tangents_are_symmetric_stresses_balanced_and_in_plane_parts_agree() {
     for (law, _, material) in laws() {
         let mut random = Random::new(2);
         for _ in 0..8 {
@@ -161,7 +161,7 @@ fn tangents_are_symmetric_stresses_are_balanced_and_the_plane_is_part_of_space()
     }
 }
 
-/// Rotations of the reference that change nothing, along material axes.
+/// Rotations of the reference that leave the response unchanged, along material axes.
 fn group(symmetry: Symmetry, random: &mut Random) -> Vec<Matrix3<f64>> {
     let about = |axis: usize, angle: f64| {
         let axis = Vector3::ith_axis(axis);
@@ -223,7 +223,7 @@ fn energies_are_objective_and_have_the_symmetry_of_their_law() {
 }
 
 #[test]
-fn the_angle_of_a_law_turns_its_response() {
+fn the_angle_of_a_law_rotates_its_response() {
     for law in library() {
         if law.parameter("angle").is_none() || law.name.starts_with("holzapfel") {
             continue;
@@ -278,7 +278,7 @@ fn the_reference_is_free_of_stress_and_has_the_moduli_of_the_closed_form() {
 }
 
 #[test]
-fn enclosures_hold_what_they_enclose() {
+fn enclosures_contain_sampled_responses() {
     for (law, _, material) in laws() {
         let mut random = Random::new(5);
         for width in [0.0, 1e-4, 1e-2] {
@@ -311,7 +311,7 @@ fn enclosures_hold_what_they_enclose() {
                     let tangent = enclosure.tangent[i][j][k][l];
                     let value = response.tangent[(i, j, k, l)];
                     assert!(near(tangent, value), "{}", law.name);
-                    // Of a law of principal stretches only the size of the tangent is known.
+                    // For a law in principal stretches only the magnitude of the tangent is known.
                     let known = is_sharp(tangent, value) || (of_stretches && tangent.is_finite());
                     assert!(known, "{}: {tangent:?}", law.name);
                 }
@@ -324,7 +324,7 @@ fn enclosures_hold_what_they_enclose() {
 const OF_STRETCHES: [&str; 4] = ["ogden", "hyperfoam", "hencky", "exponentiated-hencky"];
 
 #[test]
-fn laws_of_principal_stretches_know_their_stress_where_stretches_coincide() {
+fn laws_in_principal_stretches_have_a_stress_at_equal_stretches() {
     for name in OF_STRETCHES {
         let law = Law::named(name)
             .expect("a law")
@@ -347,7 +347,7 @@ fn laws_of_principal_stretches_know_their_stress_where_stretches_coincide() {
 
 #[test]
 fn a_law_without_bounds_is_neither_proved_nor_refuted() {
-    /// A law that is known by its numbers only.
+    /// Law known only by its floating-point response.
     struct Unbounded(Box<dyn Hyperelastic>);
     impl Hyperelastic for Unbounded {
         fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
@@ -366,7 +366,7 @@ fn a_law_without_bounds_is_neither_proved_nor_refuted() {
 }
 
 #[test]
-fn gent_refuses_states_beyond_the_locking_of_its_chains_with_the_number() {
+fn gent_rejects_states_beyond_locking_and_reports_the_number() {
     let gent = Law::named("gent")
         .expect("a law")
         .build(&[("jm", 2.0)])

@@ -1,4 +1,4 @@
-//! One battery for every law, and for the numbers, states and directions that laws are made of and seen in.
+//! Tests of every law, and of the numbers, states and directions used with laws.
 
 mod directions;
 mod ellipticity;

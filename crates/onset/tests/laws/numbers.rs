@@ -1,4 +1,4 @@
-//! Jets against the hyper-dual numbers of `num-dual`, and against differences.
+//! Jets compared with the hyper-dual numbers of `num-dual` and with finite differences.
 
 use crate::table::differentiated;
 use num_dual::{DualNum, HyperDual64};
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Hyper-dual numbers as numbers of this crate.
+/// Hyper-dual numbers as a number type of this crate.
 #[derive(Clone, Copy, Debug)]
 struct Oracle(HyperDual64);
 
@@ -128,7 +128,7 @@ fn run<R: Real>(program: &[Instruction], variables: [R; 3]) -> R {
             results[step.second % results.len()],
         );
         let result = applied(step.operation, a, b, step.constant);
-        // Towers of squares must not run away.
+        // Repeated squaring must not overflow.
         results.push(if result.value().abs() > 20.0 {
             result.sin()
         } else {
@@ -154,7 +154,7 @@ proptest! {
         cases: 2000, failure_persistence: None, rng_seed: RngSeed::Fixed(7), ..ProptestConfig::default()
     })]
     #[test]
-    fn jets_of_random_compositions_are_hyper_dual_numbers(
+    fn jets_of_random_compositions_equal_hyper_dual_numbers(
         program in prop::collection::vec(instruction(), 1..10),
         point in prop::array::uniform3(-1.5..1.5_f64),
     ) {
@@ -178,7 +178,7 @@ proptest! {
 }
 
 #[test]
-fn every_operation_has_the_derivatives_that_differences_show() {
+fn every_operation_has_the_finite_difference_derivatives() {
     for operation in 0..OPERATIONS {
         let program = [Instruction {
             operation,

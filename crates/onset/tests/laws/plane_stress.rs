@@ -1,4 +1,4 @@
-//! Plane stress: a law of a sheet, and of a bar, against closed forms, compliances and differences.
+//! Plane stress: laws of sheets and bars compared with closed forms, compliances and finite differences.
 
 use crate::table::{Random, delta, differentiated, of};
 use nalgebra::{DMatrix, Matrix3, SMatrix, Vector2};
@@ -29,7 +29,7 @@ fn planar(f: [[f64; 2]; 2]) -> DeformationGradient {
     DeformationGradient::plane_strain(f, 1.0).expect("a state")
 }
 
-/// Neo-Hooke's rubber with fibers that leave the plane, so that shears across the sheet follow strains within it.
+/// Neo-Hookean law with out-of-plane fibers, so that in-plane strains cause shears across the sheet.
 struct Tilted;
 
 impl StrainEnergy for Tilted {
@@ -48,7 +48,7 @@ impl StrainEnergy for Tilted {
     }
 }
 
-/// Resists changes of volume alone.
+/// Law that resists changes of volume alone.
 struct Fluid;
 
 impl StrainEnergy for Fluid {
@@ -58,7 +58,7 @@ impl StrainEnergy for Fluid {
     }
 }
 
-/// All laws of the library that can be a sheet, with the tilted one.
+/// All library laws that can describe a sheet, with the tilted one.
 fn sheets() -> Vec<(&'static str, Arc<dyn Hyperelastic>, PlaneStress)> {
     let of_library = library().iter().filter_map(|own| {
         let law = law(own.name, &[]);
@@ -70,7 +70,7 @@ fn sheets() -> Vec<(&'static str, Arc<dyn Hyperelastic>, PlaneStress)> {
     of_library.chain([("tilted", tilted, sheet)]).collect()
 }
 
-/// The state with a component of the plane changed.
+/// State with one in-plane component changed.
 fn moved(f: &DeformationGradient, k: usize, l: usize, by: f64) -> DeformationGradient {
     of(&(f.matrix() + Matrix3::from_fn(|a, b| delta(a, k) * delta(b, l)) * by))
 }
@@ -111,7 +111,7 @@ fn the_thickness_of_a_neo_hookean_sheet_is_the_root_of_its_scalar_equation() {
     }
 }
 
-/// The stiffness without stress in all strains but some: the inverse of their part of the compliance.
+/// Stiffness with zero stress in all strains except some: the inverse of their part of the compliance.
 fn condensed<const N: usize>(
     stiffness: &SmallStrainStiffness,
     kept: [usize; N],
@@ -123,7 +123,7 @@ fn condensed<const N: usize>(
 }
 
 #[test]
-fn small_strains_have_the_inverse_of_a_part_of_the_compliance() {
+fn small_strain_stiffness_of_a_sheet_inverts_its_part_of_the_compliance() {
     let mut asked = 0;
     for own in library()
         .iter()
@@ -182,7 +182,7 @@ fn stress_and_tangent_of_every_sheet_are_derivatives_of_its_energy() {
             let f = random.planar_state(1.15);
             let response = sheet.response(&f).expect("a state");
             let scale = response.tangent.largest();
-            // No traction on the faces, in the law of space at the state that was found.
+            // No traction on the faces, in the three-dimensional law at the computed state.
             let found = law.response(&response.deformation).expect("a state");
             for i in 0..3 {
                 assert!(
@@ -212,7 +212,7 @@ fn stress_and_tangent_of_every_sheet_are_derivatives_of_its_energy() {
 }
 
 #[test]
-fn shears_across_a_sheet_follow_where_fibers_leave_its_plane() {
+fn out_of_plane_fibers_shear_a_sheet_across_its_plane() {
     let sheet = PlaneStress::new(Arc::new(Tilted), 2).expect("a sheet");
     let response = sheet
         .response(&planar([[1.3, 0.1], [0.0, 0.9]]))
@@ -222,7 +222,7 @@ fn shears_across_a_sheet_follow_where_fibers_leave_its_plane() {
         found[0][2].abs() > 0.01 && found[1][2].abs() > 0.001,
         "{found:?}"
     );
-    // Faces without traction have no Cauchy stress either, on all sides of the tensor.
+    // Traction-free faces have no Cauchy stress either, on all sides of the tensor.
     let cauchy = Tilted
         .response(&response.deformation)
         .expect("a state")
@@ -231,7 +231,7 @@ fn shears_across_a_sheet_follow_where_fibers_leave_its_plane() {
 }
 
 #[test]
-fn a_turned_sheet_has_the_turned_stress_and_the_same_thickness() {
+fn rotating_a_sheet_rotates_its_stress_and_keeps_its_thickness() {
     for (name, _, sheet) in sheets() {
         let mut random = Random::new(6);
         let (f, r) = (random.planar_state(1.15), random.planar_rotation());
@@ -260,7 +260,7 @@ fn a_turned_sheet_has_the_turned_stress_and_the_same_thickness() {
 }
 
 #[test]
-fn states_are_those_of_loadings_with_a_free_third_face() {
+fn plane_stress_states_equal_loadings_with_a_free_third_face() {
     for name in ["neo-hooke", "blatz-ko", "saint-venant-kirchhoff", "yeoh"] {
         let (law, sheet) = (law(name, &[]), sheet(name, &[]));
         let range = Range::new(0.8, 1.5).expect("a range");
@@ -294,15 +294,15 @@ fn states_are_those_of_loadings_with_a_free_third_face() {
     }
 }
 
-/// Saint Venant and Kirchhoff's law of Poisson's ratio 0.49 and Young's modulus 1.
+/// Saint-Venant-Kirchhoff law with Poisson's ratio 0.49 and Young's modulus 1.
 fn nearly_incompressible() -> (f64, f64) {
     let (young, poisson) = (1.0, 0.49);
     let mu = young / (2.0 * (1.0 + poisson));
     (mu, 2.0 * mu * poisson / (1.0 - 2.0 * poisson))
 }
 
-/// Where a law that is `lambda/2 (tr E)^2 + mu E:E` within the plane loses strong ellipticity when it is compressed along one axis and held along
-/// the other, by hand: `sqrt(A1111 A2222) + sqrt(A1212 A2121) = A1122 + A1221`.
+/// Loss of strong ellipticity of a law that is `lambda/2 (tr E)^2 + mu E:E` within the plane, compressed along one axis and held along the other, by
+/// hand: `sqrt(A1111 A2222) + sqrt(A1212 A2121) = A1122 + A1221`.
 fn held_compression(lambda: f64, mu: f64) -> f64 {
     let margin = |stretch: f64| {
         let strain = 0.5 * (stretch * stretch - 1.0);
@@ -329,9 +329,9 @@ fn held_compression(lambda: f64, mu: f64) -> f64 {
 }
 
 #[test]
-fn a_nearly_incompressible_sheet_keeps_ellipticity_that_plane_strain_loses_at_once() {
+fn a_nearly_incompressible_sheet_stays_elliptic_where_plane_strain_loses_ellipticity() {
     let (mu, lambda) = nearly_incompressible();
-    // The sheet's first constant: E33 = -lambda/(lambda + 2 mu) (E11 + E22).
+    // First constant of the sheet: E33 = -lambda/(lambda + 2 mu) (E11 + E22).
     let of_sheet = 2.0 * lambda * mu / (lambda + 2.0 * mu);
     let given = [("mu", mu), ("lambda", lambda)];
     let (law, sheet) = (
@@ -365,7 +365,7 @@ fn a_nearly_incompressible_sheet_keeps_ellipticity_that_plane_strain_loses_at_on
 }
 
 #[test]
-fn a_sheet_that_is_stretched_until_it_has_no_thickness_has_no_state() {
+fn a_sheet_has_no_state_beyond_zero_thickness() {
     let (mu, lambda) = (1.0, 3.0);
     let sheet = sheet("saint-venant-kirchhoff", &[("mu", mu), ("lambda", lambda)]);
     // C33 = 1 - lambda/(lambda + 2 mu) (C11 + C22 - 2) vanishes at C11 + C22 = 2 + 5/3.
@@ -386,7 +386,7 @@ fn a_sheet_that_is_stretched_until_it_has_no_thickness_has_no_state() {
 }
 
 #[test]
-fn fluids_and_bodies_in_space_have_no_plane_stress() {
+fn fluids_and_three_dimensions_have_no_plane_stress() {
     let refused = |law, dimension| match PlaneStress::new(law, dimension) {
         Err(MaterialError::NoPlaneStress { reason }) => reason,
         other => panic!("{:?}", other.err()),
@@ -395,15 +395,15 @@ fn fluids_and_bodies_in_space_have_no_plane_stress() {
     assert!(refused(law("neo-hooke", &[]), 3).contains("three dimensions"));
 }
 
-/// Whether a number is within bounds.
+/// Returns true if a number is within bounds.
 fn holds(bounds: Interval, value: f64) -> bool {
-    // Stresses of the search are rounded, those of a proof are not.
+    // Stresses of the search are rounded, stresses of a proof are not.
     let slack = 1e-12 * (1.0 + value.abs());
     bounds.low - slack <= value && value <= bounds.high + slack
 }
 
 #[test]
-fn enclosures_hold_the_stress_and_tangent_of_all_states_of_a_box() {
+fn enclosures_contain_stress_and_tangent_of_all_states_of_a_box() {
     let mut bounded = 0;
     for (name, law, sheet) in sheets() {
         let mut random = Random::new(7);
@@ -434,7 +434,7 @@ fn enclosures_hold_the_stress_and_tangent_of_all_states_of_a_box() {
                         let value = response.tangent[(i, j, k, l)];
                         let own = enclosure.tangent[i][j][k][l];
                         assert!(holds(own, value), "{name}: {own:?} {value}");
-                        // Laws of principal stretches bound what their axes leave open.
+                        // Laws in principal stretches are bounded where the axes are not known.
                         if width < 1e-8 && own.is_finite() {
                             assert!(
                                 own.width()
@@ -472,7 +472,7 @@ fn the_ellipticity_of_a_sheet_is_proved_on_both_sides_of_its_loss() {
 }
 
 #[test]
-fn long_waves_of_particles_are_those_of_the_sheet() {
+fn long_waves_of_particles_have_the_moduli_of_the_sheet() {
     let sheet: Arc<dyn Hyperelastic> =
         Arc::new(sheet("neo-hooke", &[("mu", 1.0), ("lambda", 8.0)]));
     let analysis = analysis(&sph(), Arc::clone(&sheet)).expect("a method");
@@ -490,7 +490,7 @@ fn long_waves_of_particles_are_those_of_the_sheet() {
         expected.sort_by(f64::total_cmp);
         let found = waves.omega_squared(k.as_slice());
         for (found, expected) in found.iter().zip(expected) {
-            // Of corrected gradients the error is of second order in k h.
+            // With corrected gradients the error is of second order in k h.
             assert!(
                 (found.re - expected).abs() < 1e-5 * expected,
                 "{found:?} {expected}"

@@ -1,4 +1,4 @@
-//! The elasticity tensors of sections 3 and 5, by the stress rates that define them.
+//! Elasticity tensors of sections 3 and 5, compared with the stress rates that define them.
 
 use crate::table::{Random, delta, differentiated, laws, of, quadruples};
 use nalgebra::Matrix3;
@@ -14,12 +14,12 @@ fn contracted(tensor: &FourthOrder, m: &Matrix3<f64>) -> Matrix3<f64> {
     })
 }
 
-/// The rate of a matrix along a path of states.
+/// Rate of a matrix along a path of states.
 fn rate(path: impl Fn(f64) -> Matrix3<f64>) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| differentiated(1e-3, |t| path(t)[(i, j)]))
 }
 
-/// For random states and velocity gradients of every law: the response, `L`, and the response along the motion.
+/// Response, `L`, and response along the motion, for random states and velocity gradients of every law.
 fn for_motions(
     seed: u64,
     check: impl Fn(&str, &Response, &Matrix3<f64>, &dyn Fn(f64) -> Response, f64),
@@ -88,7 +88,7 @@ fn equation_22_gives_the_rate_of_nominal_stress() {
             nominal,
             scale,
         );
-        // And as printed, from the second elasticity tensor.
+        // And in the published form, from the second elasticity tensor.
         let (c, s, f) = (
             response.second_elasticity(),
             response.second_piola(),
@@ -116,7 +116,7 @@ fn equation_50_gives_the_rate_of_cauchy_stress() {
 }
 
 #[test]
-fn the_spatial_tangent_is_the_tangent_pushed_forward() {
+fn the_spatial_tangent_is_the_push_forward_of_the_tangent() {
     for_motions(15, |name, response, l, along, scale| {
         let f = response.deformation.matrix();
         let pushed =

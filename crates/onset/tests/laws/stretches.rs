@@ -1,5 +1,4 @@
-//! Energies of principal stretches against laws in invariants and closed forms, with equal, nearly equal and distinct
-//! stretches.
+//! Energies of principal stretches compared with laws in invariants and closed forms, for equal, nearly equal and distinct stretches.
 
 use crate::table::{Random, of, quadruples};
 use nalgebra::{Matrix3, Vector3};
@@ -9,7 +8,7 @@ use onset::material::{
 };
 use onset::real::Real;
 
-/// `sum lambda^4 + sum lambda^-2 + (sum lambda^2)(sum lambda^6)/3`, not separable.
+/// Energy `sum lambda^4 + sum lambda^-2 + (sum lambda^2)(sum lambda^6)/3`, which is not separable.
 struct ByStretches;
 
 impl PrincipalEnergy for ByStretches {
@@ -25,7 +24,7 @@ impl StrainEnergy for ByStretches {
     }
 }
 
-/// The same in invariants, by Newton's identities.
+/// This energy in invariants, by Newton's identities.
 struct ByInvariants;
 
 impl StrainEnergy for ByInvariants {
@@ -38,7 +37,7 @@ impl StrainEnergy for ByInvariants {
     }
 }
 
-/// Stretches that are distinct, equal, and apart by a relative amount.
+/// Stretches that are distinct, equal, or differ by a relative amount.
 fn stretches() -> Vec<[f64; 3]> {
     let apart = [
         0.3, 0.06, 0.05, 0.04, 1e-2, 1e-3, 1e-5, 1e-7, 1e-9, 1e-12, 1e-15, 0.0,
@@ -98,7 +97,7 @@ fn the_shear_modulus_between_close_logarithmic_strains_is_the_closed_form() {
             let (one, two) = (first, first * f64::sqrt(1.0 + d));
             let f = DeformationGradient::from_stretches([one, two, 0.8]).expect("a state");
             let e = one * one;
-            // The difference of the stretches as they are stored.
+            // Difference of the stretches as stored.
             let d = (two - one) * (two + one) / e;
             let expected = (d.ln_1p() / d - e.ln()) / (e * e * (1.0 + d));
             let computed = law.response(&f).expect("finite").second_elasticity()[(0, 1, 0, 1)];
@@ -112,7 +111,7 @@ fn the_shear_modulus_between_close_logarithmic_strains_is_the_closed_form() {
 }
 
 #[test]
-fn hencky_has_its_kirchhoff_stresses_and_ogden_its_principal_ones() {
+fn hencky_and_ogden_have_their_closed_form_stresses() {
     let build = |name: &str| {
         Law::named(name)
             .expect("a law")
@@ -136,7 +135,7 @@ fn hencky_has_its_kirchhoff_stresses_and_ogden_its_principal_ones() {
             let expected = 2.0 * mu * (l[i].ln() - volume.ln() / 3.0) + kappa * volume.ln();
             assert!((computed[i] - expected).abs() < 1e-13 * (1.0 + expected.abs()));
         }
-        // tau_i = sum mu_p (l_i^a - 1/3 sum_j l_j^a) + kappa J (J - 1), l of the change of shape.
+        // tau_i = sum mu_p (l_i^a - 1/3 sum_j l_j^a) + kappa J (J - 1), with the isochoric stretches l.
         let computed = principal(&*ogden);
         let terms = [(0.6178, 1.3), (0.001_177, 5.0), (-0.009_807, -2.0)];
         let shape = l.map(|l| l / volume.cbrt());
@@ -151,7 +150,7 @@ fn hencky_has_its_kirchhoff_stresses_and_ogden_its_principal_ones() {
     }
 }
 
-/// The stretches under a pull along the first axis, the others free of stress, by bisection.
+/// Stretches under tension along the first axis with free lateral faces, by bisection.
 fn uniaxial(law: &dyn Hyperelastic, stretch: f64) -> (f64, f64) {
     let (mut low, mut high) = (0.3, 1.5);
     let response = |lateral: f64| {
@@ -171,7 +170,7 @@ fn uniaxial(law: &dyn Hyperelastic, stretch: f64) -> (f64, f64) {
 }
 
 #[test]
-fn nearly_incompressible_rubber_in_uniaxial_tension_approaches_the_textbook() {
+fn nearly_incompressible_rubber_approaches_the_incompressible_formula_in_tension() {
     // P = 2 (lambda - lambda^-2) (W_1 + W_2 / lambda) for incompressible rubber.
     type Derivatives = fn(f64) -> (f64, f64);
     let cases: [(&str, Derivatives); 4] = [
@@ -236,7 +235,7 @@ fn laws_that_are_special_cases_of_others_agree_with_them() {
         )
     };
     let pairs = [
-        // Two exponents of Ogden's are Mooney and Rivlin's invariants.
+        // Two particular exponents of Ogden's law give the Mooney-Rivlin invariants.
         (
             build(
                 "ogden",
@@ -259,7 +258,7 @@ fn laws_that_are_special_cases_of_others_agree_with_them() {
             build("generalized-blatz-ko", &[("f", 0.0)]),
             build("blatz-ko", &[]),
         ),
-        // The foam with exponent -2 is that of Blatz and Ko.
+        // The foam with exponent -2 is the Blatz-Ko foam.
         (
             build(
                 "hyperfoam",
@@ -330,7 +329,7 @@ fn laws_that_are_special_cases_of_others_agree_with_them() {
 }
 
 #[test]
-fn a_fiber_bears_compression_only_without_the_switch() {
+fn fibers_carry_compression_only_without_the_switch() {
     let names = [
         "holzapfel-gasser-ogden",
         "holzapfel-gasser-ogden-switch",
@@ -355,7 +354,7 @@ fn a_fiber_bears_compression_only_without_the_switch() {
 }
 
 /// For small exponents Ogden's law and the foam with `mu alpha = 2` tend to Hencky's energy `|dev h|^2`, and `|h|^2`, with an error of the order of
-/// the exponent: no digit is lost to it.
+/// the exponent: no digit is lost.
 #[test]
 fn tiny_exponents_lose_no_digits() {
     let logarithms =

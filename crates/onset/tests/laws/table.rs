@@ -1,4 +1,4 @@
-//! The laws under test with what is known of them in closed form. A law passes the battery by being listed.
+//! Laws under test with their closed forms. Every listed law must pass the tests.
 
 pub use crate::random::Random;
 use nalgebra::Matrix3;
@@ -8,18 +8,18 @@ use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin, StrainEnergy}
 /// Components of a fourth-order tensor by index.
 pub type Components = Box<dyn Fn(usize, usize, usize, usize) -> f64>;
 
-/// A stress and an elasticity tensor as functions of `C`.
+/// Stress and elasticity tensor as functions of `C`.
 type Stress = fn(&Matrix3<f64>) -> Matrix3<f64>;
 type Elasticity = fn(&Matrix3<f64>) -> Components;
 
 pub struct Entry {
     pub name: &'static str,
     pub law: Box<dyn Hyperelastic>,
-    /// `W(F)` in plain floating point.
+    /// Energy `W(F)` in plain floating point.
     pub energy: Box<dyn Fn(&DeformationGradient) -> f64>,
-    /// `S(C)`, derived by hand.
+    /// Stress `S(C)`, derived by hand.
     pub second_piola: Stress,
-    /// `C^SE(C) = 2 dS/dC`, derived by hand.
+    /// Tensor `C^SE(C) = 2 dS/dC`, derived by hand.
     pub second_elasticity: Elasticity,
     pub shear_modulus: f64,
     pub bulk_modulus: f64,
@@ -48,7 +48,7 @@ pub const LAMBDA: f64 = 10.12;
 const MU: f64 = 32.0;
 
 pub fn laws() -> Vec<Entry> {
-    // A Poisson's ratio of one quarter makes Lame's constants equal: K = mu + 2/3 mu.
+    // A Poisson's ratio of one quarter makes the Lamé constants equal: K = mu + 2/3 mu.
     let blatz_ko = BlatzKo::new(MU).expect("a positive modulus");
     let mooney = ModifiedMooneyRivlin::new(C1, C2, LAMBDA).expect("a positive shear modulus");
     vec![
@@ -80,7 +80,7 @@ pub fn delta(i: usize, j: usize) -> f64 {
     f64::from(u8::from(i == j))
 }
 
-/// `-dC^-1/dC`, twice: `C^-1_ik C^-1_jl + C^-1_il C^-1_jk`.
+/// Twice `-dC^-1/dC`: `C^-1_ik C^-1_jl + C^-1_il C^-1_jk`.
 fn twice_product(inverse: &Matrix3<f64>, (i, j, k, l): (usize, usize, usize, usize)) -> f64 {
     inverse[(i, k)] * inverse[(j, l)] + inverse[(i, l)] * inverse[(j, k)]
 }
@@ -136,18 +136,18 @@ impl Random {
         Matrix3::from_fn(|_, _| self.number())
     }
 
-    /// A rotation in the plane of the first two axes.
+    /// Rotation in the plane of the first two axes.
     pub fn planar_rotation(&mut self) -> Matrix3<f64> {
         let angle = std::f64::consts::PI * self.number();
         *nalgebra::Rotation3::from_axis_angle(&nalgebra::Vector3::z_axis(), angle).matrix()
     }
 
-    /// A stretch between `1 / largest` and `largest`.
+    /// Stretch between `1 / largest` and `largest`.
     pub fn stretch(&mut self, largest: f64) -> f64 {
         largest.powf(self.number())
     }
 
-    /// A full, strongly deformed state.
+    /// Full, strongly deformed state.
     pub fn state(&mut self) -> DeformationGradient {
         let stretches =
             Matrix3::from_diagonal(&nalgebra::Vector3::from_fn(|_, _| self.stretch(1.6)));
@@ -162,13 +162,13 @@ impl Random {
     }
 }
 
-/// The state with a matrix of components.
+/// State with a matrix of components.
 pub fn of(f: &Matrix3<f64>) -> DeformationGradient {
     DeformationGradient::new(std::array::from_fn(|i| std::array::from_fn(|j| f[(i, j)])))
         .expect("an admissible state")
 }
 
-/// The derivative at zero by central differences of fourth order.
+/// Derivative at zero by central differences of fourth order.
 pub fn differentiated(h: f64, f: impl Fn(f64) -> f64) -> f64 {
     (8.0 * (f(h) - f(-h)) - (f(2.0 * h) - f(-2.0 * h))) / (12.0 * h)
 }

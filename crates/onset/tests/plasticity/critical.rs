@@ -1,4 +1,4 @@
-//! Critical moduli of both criteria against the acoustic tensor itself, at small and at finite strain.
+//! Critical moduli of both criteria compared with the acoustic tensor, at small and at finite strain.
 
 use crate::{Numbers, STRENGTHS, directions, flowing, law};
 use nalgebra::{Matrix3, Vector3};
@@ -7,11 +7,11 @@ use onset::plasticity::{Branch, Criterion, FiniteState, Hardening, RateModuli, S
 
 const CRITERIA: [Criterion; 2] = [Criterion::Ellipticity, Criterion::StrongEllipticity];
 
-/// Flowing states of all laws, small and finite, also with large elastic strains.
+/// Flowing states of all laws at small and finite strain, including large elastic strains.
 fn states() -> Vec<RateModuli> {
     let mut numbers = Numbers(7);
     let mut states = Vec::new();
-    // Strong against its stiffness, so that stress terms count.
+    // Strong relative to its stiffness, so that stress terms matter.
     let strong = Hardening::Linear {
         initial: 15.0,
         modulus: -10.0,
@@ -74,7 +74,7 @@ fn at_the_critical_modulus_the_acoustic_tensor_is_singular_with_the_polarization
             .with_modulus(critical.modulus)
             .acoustic_tensor(&band.normal);
         assert!((q * band.polarization).norm() < 1e-10 * q.norm());
-        // Where the plastic modulus is larger no determinant vanishes; where it is smaller, one is negative.
+        // For a larger plastic modulus no determinant vanishes; for a smaller one some determinant is negative.
         let determinant = |margin: f64, n: &Vector3<f64>| {
             state
                 .with_modulus(critical.modulus + margin)
@@ -144,7 +144,7 @@ fn a_rotated_state_has_the_rotated_band() {
         let (reference, rotated) = (of(&stress), of(&turned));
         assert!((reference.modulus - rotated.modulus).abs() < 1e-10);
         assert!((reference.band.angle_to_major - rotated.band.angle_to_major).abs() < 1e-6);
-        // Of the two conjugate bands either may be named.
+        // Either of the two conjugate bands may be reported.
         let along = law
             .rate_moduli(&turned, 0.0)
             .and_then(|m| m.critical_modulus_along(&(rotation * reference.band.normal), criterion));

@@ -1,4 +1,4 @@
-//! Finite strain: Hencky's law in the elastic range, objectivity, and both tangents against differences.
+//! Finite strain: Hencky's law in the elastic range, objectivity, and both tangents compared with finite differences.
 
 use crate::{Numbers, STRENGTHS, flowing, law};
 use nalgebra::{Matrix3, Vector3};
@@ -14,7 +14,7 @@ fn step(law: &DruckerPrager, f: &Matrix3<f64>, state: &FiniteState) -> FiniteUpd
     law.finite_update(&deformation(f), state).expect("a stress")
 }
 
-/// A deformation gradient with strains `scale` times those of [`flowing`], and a rotation.
+/// Deformation gradient with strains `scale` times those of [`flowing`], and a rotation.
 fn strained(numbers: &mut Numbers, scale: f64) -> Matrix3<f64> {
     numbers.rotation() * (Matrix3::identity() + flowing(numbers) * scale)
 }
@@ -47,7 +47,7 @@ fn assert_derivative(
 }
 
 #[test]
-fn within_the_yield_surface_stress_and_tangent_are_those_of_hencky_energy() {
+fn the_elastic_range_has_stress_and_tangent_of_henckys_energy() {
     let mut numbers = Numbers(21);
     let stiff = onset::plasticity::Hardening::Linear {
         initial: 1e3,
@@ -100,7 +100,7 @@ fn the_consistent_tangent_is_the_derivative_of_first_piola_by_the_deformation() 
 }
 
 #[test]
-fn the_consistent_tangent_has_no_gap_where_principal_stretches_coincide() {
+fn the_consistent_tangent_is_continuous_at_equal_principal_stretches() {
     let law = law(0.6, 0.3, STRENGTHS[0]);
     for stretches in [[1.1, 0.9, 0.9], [1.2, 1.2, 0.8], [0.7, 0.9, 0.9 + 1e-9]] {
         let f = Matrix3::from_diagonal(&Vector3::from(stretches));
@@ -142,7 +142,7 @@ fn the_continuum_tangent_is_the_limit_of_short_steps() {
 }
 
 #[test]
-fn the_acoustic_tensor_of_the_rate_moduli_is_that_of_the_continuum_tangent() {
+fn the_rate_moduli_give_the_acoustic_tensor_of_the_continuum_tangent() {
     let mut numbers = Numbers(24);
     for strength in STRENGTHS {
         let law = law(0.6, 0.3, strength);
@@ -163,7 +163,7 @@ fn the_acoustic_tensor_of_the_rate_moduli_is_that_of_the_continuum_tangent() {
 }
 
 #[test]
-fn a_rotation_of_the_body_rotates_the_stress_and_leaves_the_state() {
+fn rotating_the_body_rotates_the_stress_and_keeps_the_state() {
     let mut numbers = Numbers(25);
     let law = law(0.6, 0.3, STRENGTHS[2]);
     let (mut state, mut turned_state) = (FiniteState::default(), FiniteState::default());
@@ -178,7 +178,7 @@ fn a_rotation_of_the_body_rotates_the_stress_and_leaves_the_state() {
         (state, turned_state) = (update.state, turned.state);
         let gap = state.inverse_plastic_metric - turned_state.inverse_plastic_metric;
         assert!(gap.norm() < 1e-12 && (state.slip - turned_state.slip).abs() < 1e-13);
-        // Turned material axes: F R^T with the state turned likewise.
+        // Rotated material axes: F R^T with the state rotated accordingly.
         let metric = rotation * state.inverse_plastic_metric * rotation.transpose();
         let start = FiniteState {
             inverse_plastic_metric: metric,

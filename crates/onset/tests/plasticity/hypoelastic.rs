@@ -1,4 +1,4 @@
-//! Hypoelastic laws against their rates, integrated in time along paths of the deformation.
+//! Hypoelastic laws compared with time integration of their rates along deformation paths.
 
 use crate::Numbers;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -30,7 +30,7 @@ fn at(material: &dyn Hyperelastic, f: &Matrix3<f64>) -> Response {
     material.response(&f).expect("a response")
 }
 
-/// The rotation of `F = R U`.
+/// Rotation of `F = R U`.
 fn rotation(f: &Matrix3<f64>) -> Matrix3<f64> {
     let svd = f.svd(true, true);
     svd.u.expect("left") * svd.v_t.expect("right")
@@ -48,8 +48,8 @@ fn velocity_gradient(path: &dyn Fn(f64) -> Matrix3<f64>, t: f64) -> (Matrix3<f64
     ((l + l.transpose()) * 0.5, (l - l.transpose()) * 0.5)
 }
 
-/// The deviator at the end of a path from the stress-free state at its start, by Runge's and Kutta's method: Jaumann's rate in fixed axes, that of Green and
-/// Naghdi in the axes that the rotation of the polar decomposition turns.
+/// Deviator at the end of a path from the stress-free state, by the Runge-Kutta method: the Jaumann rate in fixed axes, the Green-Naghdi rate in the
+/// axes rotated by the polar decomposition.
 fn integrated(name: &str, path: &dyn Fn(f64) -> Matrix3<f64>, end: f64) -> Matrix3<f64> {
     let is_unrotated = name == NAMES[1];
     let rate = |t: f64, s: &Matrix3<f64>| {
@@ -93,7 +93,7 @@ fn first_piola(n: f64, s: &Matrix3<f64>, f: &Matrix3<f64>) -> Matrix3<f64> {
     cauchy * f.try_inverse().expect("admissible").transpose() * jacobian
 }
 
-/// A stretch along slanted axes, and its logarithm.
+/// Stretch along oblique axes, and its logarithm.
 fn stretch(numbers: &mut Numbers) -> (Matrix3<f64>, Matrix3<f64>) {
     let turn = numbers.rotation();
     let strains = Vector3::new(0.3, -0.12, 0.05) + Vector3::from_fn(|_, _| 0.05 * numbers.next());
@@ -102,7 +102,7 @@ fn stretch(numbers: &mut Numbers) -> (Matrix3<f64>, Matrix3<f64>) {
 }
 
 #[test]
-fn the_stress_is_that_of_rates_along_the_path_and_the_tangent_that_of_going_on() {
+fn stress_and_tangent_agree_with_time_integration_of_the_rates() {
     let mut numbers = Numbers(71);
     for name in NAMES {
         for n in [0.0, 1.0, 7.0] {
@@ -110,14 +110,14 @@ fn the_stress_is_that_of_rates_along_the_path_and_the_tangent_that_of_going_on()
             let (_, logarithm) = stretch(&mut numbers);
             let turn = numbers.rotation();
             let further = numbers.matrix();
-            // R U^t up to t = 1, and on along a straight way from there.
+            // R U^t up to t = 1, then a straight continuation.
             let state = |t: f64| turn * (logarithm * t).exp();
             let response = at(&*material, &state(1.0));
             let reached = integrated(name, &state, 1.0);
             let stress = first_piola(n, &reached, &state(1.0));
             let error = (response.first_piola - stress).amax();
             assert!(error < 1e-9, "{name} {n}: {error:e}");
-            // The rate at the end, from the stress there.
+            // Rate at the end, from the stress there.
             let beyond = |t: f64| state(1.0) + further * t;
             let after = |t: f64| {
                 let on = |t: f64| beyond(t);
@@ -147,7 +147,7 @@ fn the_stress_is_that_of_rates_along_the_path_and_the_tangent_that_of_going_on()
 }
 
 #[test]
-fn rotations_turn_the_answer_and_a_small_strain_is_hookes() {
+fn the_response_is_objective_and_hookean_at_small_strains() {
     let mut numbers = Numbers(72);
     for name in NAMES {
         let material = law(name, 0.0);
@@ -174,7 +174,7 @@ fn rotations_turn_the_answer_and_a_small_strain_is_hookes() {
 }
 
 #[test]
-fn the_energy_is_the_work_on_the_path_and_stands_behind_no_tangent_of_a_stressed_state() {
+fn the_energy_is_the_work_along_the_path_and_no_potential_of_the_tangent() {
     let mut numbers = Numbers(73);
     let (u, logarithm) = stretch(&mut numbers);
     for name in NAMES {
@@ -198,7 +198,7 @@ fn the_energy_is_the_work_on_the_path_and_stands_behind_no_tangent_of_a_stressed
                 .map(|(i, j, k, l)| response.tangent[(i, j, k, l)] - response.tangent[(k, l, i, j)])
                 .fold(0.0_f64, |largest, own| largest.max(own.abs()));
             assert!(missing > 0.1 * MU, "{name} {n}: {missing}");
-            // A pressure alone has one.
+            // A pressure alone has a potential.
             let pressed = at(&*material, &(Matrix3::identity() * 0.9));
             for n in 0..81 {
                 let (i, j, k, l) = (n / 27, n / 9 % 3, n / 3 % 3, n % 3);
@@ -209,7 +209,7 @@ fn the_energy_is_the_work_on_the_path_and_stands_behind_no_tangent_of_a_stressed
     }
 }
 
-/// Without rotation nothing turns the stress of a plane wave whose polarization is its direction; of all others both rates differ.
+/// Without rotation nothing rotates the stress of a plane wave whose polarization is its direction; for all other waves the two rates differ.
 #[test]
 fn the_rates_differ_in_shear_alone() {
     let f = Matrix3::from_diagonal(&Vector3::new(1.3, 0.9, 1.0));
@@ -229,7 +229,7 @@ fn the_rates_differ_in_shear_alone() {
     assert!((one.tangent[(0, 1, 0, 1)] - expected).abs() < 1e-13);
 }
 
-/// What a map finds of a tangent without major symmetry is what one state is found to be.
+/// A map and a single state give equal results for a tangent without major symmetry.
 #[test]
 fn maps_and_states_agree_without_major_symmetry() {
     let method = Method::<2>::new(KernelMethodChoices::default()).expect("a method");
@@ -248,7 +248,7 @@ fn maps_and_states_agree_without_major_symmetry() {
     }
 }
 
-/// Long waves of any method are those of the continuum, whose acoustic tensor is `Q_ik = A_iJkL N_J N_L`.
+/// Long waves of any method agree with the continuum, whose acoustic tensor is `Q_ik = A_iJkL N_J N_L`.
 #[test]
 fn long_waves_have_the_acoustic_tensor() {
     let crystal = || Crystal::of_lattice(LatticeKind::Square.lattice::<2>(1.0).expect("a lattice"));
@@ -285,10 +285,10 @@ fn long_waves_have_the_acoustic_tensor() {
     }
 }
 
-/// With Jaumann's rate a shear wave across the smaller of two stretches has the stiffness `mu (1 - ln(a/b))`, whatever the moduli: it is gone where their ratio is `e`. The rate of
-/// Green and Naghdi leaves `mu (1 - 2 x/(e^x + 1))`, `x = ln(a/b)`, which has no zero.
+/// With the Jaumann rate a shear wave across the smaller of two stretches has the stiffness `mu (1 - ln(a/b))` for any moduli, which vanishes at the
+/// ratio `e`. The Green-Naghdi rate gives `mu (1 - 2 x/(e^x + 1))`, `x = ln(a/b)`, which has no zero.
 #[test]
-fn jaumanns_rate_loses_ellipticity_where_stretches_have_the_ratio_e() {
+fn the_jaumann_rate_loses_ellipticity_at_the_stretch_ratio_e() {
     let root = 0.5_f64.exp();
     for (factor, is_lost) in [(0.999, false), (1.001, true)] {
         let f = DeformationGradient::from_stretches([root * factor, 1.0 / root, 1.0]);
@@ -319,8 +319,8 @@ fn jaumanns_rate_loses_ellipticity_where_stretches_have_the_ratio_e() {
     }
 }
 
-/// In space the rate of Green and Naghdi leaves complex acoustic eigenvalues from a ratio of stretches of about six on: waves of the material flutter, and what
-/// particles do there is the material's.
+/// In three dimensions the Green-Naghdi rate has complex acoustic eigenvalues from a stretch ratio of about six on: waves of the material flutter, so
+/// flutter of the particles is physical.
 #[test]
 fn flutter_of_the_law_is_physical() {
     let law = law(NAMES[1], 0.0);
@@ -366,7 +366,7 @@ fn flutter_of_the_law_is_physical() {
     }
 }
 
-/// Strong ellipticity asks for `g . Q g > 0`; without major symmetry it is lost before the first wave grows.
+/// Strong ellipticity requires `g . Q g > 0`; without major symmetry it is lost before the first wave grows.
 #[test]
 fn strong_ellipticity_is_lost_before_waves_grow() {
     let law = law(NAMES[1], 0.0);
@@ -383,7 +383,7 @@ fn strong_ellipticity_is_lost_before_waves_grow() {
     assert!(!stiffness.minimum().has_growing_waves());
     let assessed = MaterialAssessment::<2>::new(&*law, &f).expect("a state");
     assert!(assessed.ellipticity.is_lost() && assessed.minimum.ellipticity().is_elliptic());
-    // So say the criteria, whose closed form of isotropic laws is of symmetric tangents.
+    // The criteria agree; their closed form for isotropic laws requires symmetric tangents.
     let measure = |criterion: Criterion, x: f64| {
         let f = DeformationGradient::from_stretches([x, 1.0 / x, 1.0]).expect("a state");
         let state = State::new(&*law, &f).expect("a state");

@@ -1,4 +1,4 @@
-//! The laws beside that of Drucker and Prager: their flow by differentiation, their localization as published.
+//! Laws other than Drucker-Prager: their flow by differentiation, their localization as published.
 
 use crate::{Numbers, directions};
 use nalgebra::{Matrix3, Vector3};
@@ -73,7 +73,7 @@ fn laws() -> Vec<(&'static str, Box<dyn FlowLaw>)> {
     ]
 }
 
-/// A stress on the yield surface in a random direction from a state within, and internal variables as a path changes them.
+/// Stress on the yield surface in a random direction from a state within, with internal variables as they change along a path.
 fn yielding(
     law: &dyn FlowLaw,
     slip: f64,
@@ -113,7 +113,7 @@ fn the_normal_is_the_gradient_of_the_yield_function_and_flow_stays_on_it() {
             let Some((stress, internal)) = yielding(&*law, slip, &mut numbers) else {
                 continue;
             };
-            // Mohr and Coulomb's faces are those of the stress itself.
+            // Mohr-Coulomb faces depend on the stress itself.
             let internal = match name {
                 "mohr-coulomb" => law.start(&stress).0,
                 _ => internal,
@@ -136,7 +136,7 @@ fn the_normal_is_the_gradient_of_the_yield_function_and_flow_stays_on_it() {
                 "{name}: {gradient} {}",
                 flow.normal
             );
-            // A change of stress that the plastic modulus allows keeps the state on the surface.
+            // A change of stress consistent with the plastic modulus keeps the state on the surface.
             let rate = flow.normal * (flow.hardening / flow.normal.norm_squared());
             let moved = |t: f64| {
                 law.excess(
@@ -153,7 +153,7 @@ fn the_normal_is_the_gradient_of_the_yield_function_and_flow_stays_on_it() {
     }
 }
 
-/// Every direction of the sphere has a critical modulus of at most the largest one, and one comes near to it.
+/// Every direction of the sphere has a critical modulus of at most the largest one, and some direction comes close to it.
 #[test]
 fn no_direction_exceeds_the_critical_modulus_of_any_law() {
     let mut numbers = Numbers(3);
@@ -189,8 +189,9 @@ fn no_direction_exceeds_the_critical_modulus_of_any_law() {
 }
 
 /// P. A. Vermeer, *Géotechnique* 40 (1990) 223, after J. R. Rice (1976): in plane strain `h_cr = G (sin phi - sin psi)^2 / (8 (1 - nu))` with
-/// `cos 2 theta = (sin phi + sin psi)/2`, `theta` from the axis of the largest stress to the normal; `h_cr/2G = -(y - sin phi)(y - sin psi)/(4 (1 - nu))`
-/// by the general condition with `y = cos 2 theta`. (The paper could not be looked up; the formula is derived in the book.)
+/// `cos 2 theta = (sin phi + sin psi)/2`, `theta` from the axis of the largest stress to the normal;
+/// `h_cr/2G = -(y - sin phi)(y - sin psi)/(4 (1 - nu))` by the general condition with `y = cos 2 theta`. (The paper was not available; the formula is
+/// derived in the book.)
 #[test]
 fn mohr_coulomb_localizes_at_vermeers_modulus_and_angle() {
     for (phi, psi) in [
@@ -277,13 +278,13 @@ fn without_voids_gursons_law_is_von_mises() {
     let [a, b] = [followed(&gurson, &own), followed(&mises, &own)];
     let [a, b] = [a, b].map(|found| found.onset.expect("it softens"));
     assert!((a.slip - b.slip).abs() < 1e-10, "{} {}", a.slip, b.slip);
-    // Voids soften the material: the band comes earlier, in every tension.
+    // Voids soften the material: the band forms earlier, in every tension test.
     let porous = Gurson::new(elasticity(), 0.01, [1.5, 1.0], PEAK).expect("a law");
     let earlier = followed(&porous, &own).onset.expect("it softens");
     assert!(earlier.slip < a.slip, "{} {}", earlier.slip, a.slip);
 }
 
-/// In pure shear the back stress is along the stress: the law is von Mises' with the sum of both moduli.
+/// In pure shear the back stress is parallel to the stress: the law is von Mises' with the sum of both moduli.
 #[test]
 fn kinematic_hardening_in_pure_shear_adds_its_modulus() {
     let linear = |modulus: f64| Hardening::Linear {
@@ -298,7 +299,7 @@ fn kinematic_hardening_in_pure_shear_adds_its_modulus() {
         assert!((a.stress[0] - b.stress[0]).abs() < 1e-9);
         assert!((a.modulus - b.modulus).abs() < 1e-9);
     }
-    // With recovery the back stress tends to c/b: the stress to k + c/b.
+    // With recovery the back stress tends to c/b, and the stress to k + c/b.
     let fading = Kinematic::new(elasticity(), 5.0, 50.0, linear(0.0)).expect("a law");
     let long = Loading { slip: 1.0, ..own };
     let end = followed(&fading, &long)
@@ -309,7 +310,7 @@ fn kinematic_hardening_in_pure_shear_adds_its_modulus() {
     assert!((end - 1.1).abs() < 1e-9, "{end}");
 }
 
-/// In triaxial compression clay comes to the critical state, `q = M p`, where nothing hardens.
+/// In triaxial compression clay approaches the critical state, `q = M p`, where the plastic modulus vanishes.
 #[test]
 fn clay_ends_in_the_critical_state() {
     let law = CamClay::new(elasticity(), 1.1, 4.0, 0.05).expect("a law");
@@ -326,7 +327,7 @@ fn clay_ends_in_the_critical_state() {
     assert_eq!(found.end, End::Slip);
 }
 
-/// Both have the curve of the strength in shear, `gamma = k/G + slip`; damage in tension along `sigma = (1 - D) E e`.
+/// Both follow the curve of the strength in shear, `gamma = k/G + slip`; damage in tension along `sigma = (1 - D) E e`.
 #[test]
 fn deformation_theory_and_damage_follow_their_curves() {
     let e = elasticity();
@@ -349,7 +350,7 @@ fn deformation_theory_and_damage_follow_their_curves() {
     }
 }
 
-/// A metal as stiff as rigid whose strength is a power of the strain.
+/// Nearly rigid metal whose strength is a power of the strain.
 fn power(exponent: f64) -> (Elasticity, Hardening) {
     let hardening = Hardening::Power {
         initial: 1.0,
@@ -372,7 +373,7 @@ fn sheet(path: LoadingPath, ratio: f64) -> Loading {
 /// R. Hill, *J. Mech. Phys. Solids* 1 (1952) 19: in tension along axis 1 a sheet necks along the line of no extension, `tan^2 = r/(1 + r)` from the axis to
 /// the normal, when `d sigma/d e = sigma/(1 + r)`: `e = n (1 + r)` for a power law.
 #[test]
-fn an_orthotropic_sheet_necks_where_hill_says() {
+fn an_orthotropic_sheet_necks_at_hills_strain() {
     for (r, exponent) in [(1.0_f64, 0.2), (1.8, 0.15), (0.6, 0.25)] {
         let (elastic, hardening) = power(exponent);
         let law = HillOrthotropic::new(elastic, r, 1.0, hardening).expect("a law");
@@ -415,7 +416,7 @@ fn deformation_theory_necks_in_biaxial_stretching_where_flow_theory_does_not() {
 }
 
 #[test]
-fn parameters_outside_of_a_law_are_named() {
+fn inadmissible_parameters_are_named() {
     let e = elasticity();
     let name = |error: PlasticityError| match error {
         PlasticityError::Parameter { name, .. } => name,

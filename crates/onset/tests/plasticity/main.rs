@@ -1,4 +1,4 @@
-//! Plasticity and its localization: against differentiation, closed forms, and independent solutions.
+//! Plasticity and its localization compared with differentiation, closed forms and independent solutions.
 
 mod critical;
 mod finite;
@@ -12,7 +12,7 @@ mod rudnicki_rice;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use onset::plasticity::{DruckerPrager, Hardening};
 
-/// One of each kind of strength.
+/// One strength of each kind.
 const STRENGTHS: [Hardening; 6] = [
     Hardening::Linear {
         initial: 1.0,
@@ -49,7 +49,7 @@ fn law(friction: f64, dilatancy: f64, strength: Hardening) -> DruckerPrager {
     DruckerPrager::new(100.0, 0.25, friction, dilatancy, strength).expect("a law")
 }
 
-/// Numbers in `(-1, 1)` without pattern, the same at every run.
+/// Irregular numbers in `(-1, 1)`, reproducible in every run.
 struct Numbers(u64);
 
 impl Numbers {
@@ -76,7 +76,7 @@ impl Numbers {
     }
 }
 
-/// A strain that makes every law of [`STRENGTHS`] flow, without symmetry.
+/// Strain without symmetry for which every law of [`STRENGTHS`] flows.
 fn flowing(numbers: &mut Numbers) -> Matrix3<f64> {
     let base = Matrix3::from_diagonal(&Vector3::new(0.018, -0.006, -0.026));
     let turn = numbers.rotation();

@@ -1,4 +1,4 @@
-//! Metals as materials: against Drucker and Prager's law without friction, and against steps that are made of elasticity and yield stress alone.
+//! Metals as materials compared with Drucker-Prager without friction, and with steps that use elasticity and yield stress alone.
 
 use crate::Numbers;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -20,7 +20,7 @@ fn at(material: &dyn Hyperelastic, f: &Matrix3<f64>) -> Response {
     material.response(&f).expect("a response")
 }
 
-/// A stretch without symmetry, beyond yield, and a rotation.
+/// Stretch without symmetry, beyond yield, and a rotation.
 fn state(numbers: &mut Numbers, size: f64) -> Matrix3<f64> {
     let turn = numbers.rotation();
     let strains = Vector3::new(1.0, -0.3, -0.72) * size
@@ -29,7 +29,7 @@ fn state(numbers: &mut Numbers, size: f64) -> Matrix3<f64> {
 }
 
 #[test]
-fn j2_is_the_law_of_drucker_and_prager_without_friction() {
+fn j2_equals_drucker_prager_without_friction() {
     let hardening = [("hardening-modulus", 0.9), ("saturation-stress", 0.0)];
     let steel = law("j2", &hardening);
     let root = 3.0_f64.sqrt();
@@ -63,7 +63,7 @@ fn j2_is_the_law_of_drucker_and_prager_without_friction() {
     }
 }
 
-/// Within the yield surface both laws are Hencky's.
+/// Within the yield surface both are Hencky's law.
 #[test]
 fn a_metal_that_does_not_yield_is_elastic() {
     let hencky = Law::named("hencky").expect("a law");
@@ -80,7 +80,7 @@ fn a_metal_that_does_not_yield_is_elastic() {
     }
 }
 
-/// Hill's law in steps: elasticity, the yield stress and its normal typed again, flow as it is defined.
+/// Hill's law in steps: independent implementation of elasticity, the yield stress and its normal, with flow by its definition.
 struct Steps {
     ratios: [f64; 3],
 }
@@ -105,7 +105,7 @@ impl Steps {
         (differences + shear).sqrt()
     }
 
-    /// The gradient of `phi` by differences.
+    /// Gradient of `phi` by finite differences.
     fn normal(&self, m: &Matrix3<f64>) -> Matrix3<f64> {
         let size = 1e-5 * m.amax();
         Matrix3::from_fn(|i, j| {
@@ -123,12 +123,12 @@ impl Steps {
         0.4 + 0.2 * slip + 0.2 * (1.0 - (-15.0 * slip).exp())
     }
 
-    /// How far a state is beyond yield.
+    /// Excess of the yield function at a state.
     fn excess(&self, f: &Matrix3<f64>, inverse: &Matrix3<f64>, slip: f64) -> f64 {
         self.phi(&Self::mandel(&(f * inverse))) - Self::flow_stress(slip)
     }
 
-    /// `F_p^-1` and slip after a step to `f`; what is left of the yield stress beyond is `rest`.
+    /// Plastic `F_p^-1` and slip after a step to `f`; `rest` is the remaining excess of the yield stress.
     fn step(
         &self,
         f: &Matrix3<f64>,
@@ -155,14 +155,14 @@ impl Steps {
         (flowed(rate), slip + rate)
     }
 
-    /// `P = F_e^-T M F_p^-T`.
+    /// Stress `P = F_e^-T M F_p^-T`.
     fn first_piola(f: &Matrix3<f64>, inverse: &Matrix3<f64>) -> Matrix3<f64> {
         let elastic = f * inverse;
         let back = elastic.try_inverse().expect("invertible").transpose();
         back * Self::mandel(&elastic) * inverse.transpose()
     }
 
-    /// The end of the proportional path in so many steps.
+    /// End of the proportional path, reached in the given number of steps.
     fn follow(&self, f: &Matrix3<f64>, steps: u32) -> (Matrix3<f64>, f64) {
         let squares = (f.transpose() * f).symmetric_eigen();
         let power = |t: f64| {
@@ -180,7 +180,7 @@ impl Steps {
 }
 
 #[test]
-fn hill_1948_is_what_small_steps_of_flow_add_up_to_and_its_tangent_is_that_of_one_more() {
+fn hill_1948_is_the_limit_of_small_steps_of_flow_and_its_tangent_belongs_to_the_next_step() {
     let ratios = [1.8, 1.3, 2.1];
     let steps = Steps { ratios };
     let sheet = law("hill-1948", &[]);
@@ -188,7 +188,7 @@ fn hill_1948_is_what_small_steps_of_flow_add_up_to_and_its_tangent_is_that_of_on
     for size in [0.01, 0.1] {
         let f = state(&mut numbers, size);
         let response = at(&*sheet, &f);
-        // Errors fall as the size of the step: the extrapolation of two.
+        // Errors are linear in the step size: extrapolation from two sizes.
         let [coarse, fine] = [1500, 3000].map(|count| steps.follow(&f, count));
         let [rough, close] = [&coarse, &fine].map(|reached| Steps::first_piola(&f, &reached.0));
         let error = (response.first_piola - (close * 2.0 - rough)).amax();
@@ -196,7 +196,7 @@ fn hill_1948_is_what_small_steps_of_flow_add_up_to_and_its_tangent_is_that_of_on
             error < 2e-5 && (close - rough).amax() < 1e-2,
             "{size}: {error:e}"
         );
-        // One more step along the path, with something in each direction: as long as it loads, the stress is linear in it at first.
+        // An additional step along the path with a component in each direction. As long as it loads, the stress is linear in it initially.
         let end = (fine.0 * 2.0 - coarse.0, fine.1 * 2.0 - coarse.1);
         let rest = steps.excess(&f, &end.0, end.1);
         let start = Steps::first_piola(&f, &end.0);
@@ -234,10 +234,10 @@ fn hill_1948_is_what_small_steps_of_flow_add_up_to_and_its_tangent_is_that_of_on
 }
 
 #[test]
-fn hill_with_equal_ratios_is_j2_and_turns_with_its_axes_and_with_the_body() {
+fn hill_with_equal_ratios_is_j2_and_rotates_with_its_axes_and_the_body() {
     let mut numbers = Numbers(34);
     let plain = law("j2", &[]);
-    // A ratio beside 1 takes the way of all others.
+    // A ratio close to 1 uses the general branch.
     let near = law(
         "hill-1948",
         &[("r0", 1.0 + 1e-12), ("r45", 1.0), ("r90", 1.0)],
@@ -266,9 +266,10 @@ fn hill_with_equal_ratios_is_j2_and_turns_with_its_axes_and_with_the_body() {
     }
 }
 
-/// Stretches along the axes of a metal are integrated in four numbers; turned by a right angle, which rounding keeps from being one, in ten.
+/// Stretches along the axes of a metal are integrated in four numbers. Rotated by a right angle, which rounding makes inexact, they are integrated in
+/// ten.
 #[test]
-fn stretches_along_the_axes_of_a_metal_and_a_little_beside_have_the_same_response() {
+fn stretches_along_and_slightly_off_the_material_axes_have_equal_responses() {
     let along = law("hill-1948", &[]);
     let turned = law("hill-1948", &[("angle", 90.0)]);
     let quarter = Matrix3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
@@ -278,7 +279,7 @@ fn stretches_along_the_axes_of_a_metal_and_a_little_beside_have_the_same_respons
         let other = at(&*turned, &(quarter * f * quarter.transpose()));
         let back = quarter.transpose() * other.first_piola * quarter;
         assert!((one.first_piola - back).amax() < 1e-9, "{stretches:?}");
-        // A right angle takes the first axis to the second, and the second to the first.
+        // A right angle maps the first axis to the second, and the second to the first.
         let places = [1, 0, 2];
         for (i, k) in (0..9).map(|n| (n / 3, n % 3)) {
             let own = one.tangent[(i, i, k, k)];
@@ -291,13 +292,13 @@ fn stretches_along_the_axes_of_a_metal_and_a_little_beside_have_the_same_respons
     }
 }
 
-/// Tension of a sheet by Lankford's definition: the strain ratios of stress along an axis, found by the free stretches.
+/// Tension of a sheet by Lankford's definition: the strain ratios under stress along an axis, from the free stretches.
 #[test]
-fn the_ratios_of_hill_are_those_of_plastic_strain_in_tension() {
+fn hills_ratios_are_the_plastic_strain_ratios_in_tension() {
     let given = [("hardening-modulus", 0.0), ("saturation-stress", 0.0)];
     for (angle, ratio) in [(0.0, 1.8), (45.0, 1.3), (90.0, 2.1)] {
         let sheet = law("hill-1948", &[&given[..], &[("angle", angle)]].concat());
-        // Large strains, in which the elastic part is small; plastic flow keeps the volume.
+        // Large strains, where the elastic part is small; plastic flow preserves the volume.
         let pull = 0.4_f64;
         let (across, thick) = (-pull * ratio / (1.0 + ratio), -pull / (1.0 + ratio));
         let f = Matrix3::from_diagonal(&Vector3::new(pull.exp(), across.exp(), thick.exp()));
@@ -321,9 +322,9 @@ fn the_ratios_of_hill_are_those_of_plastic_strain_in_tension() {
     }
 }
 
-/// The hardening modulus at which the search of localization finds a band is the one at which a wave of the particles' continuum stops.
+/// The localization analysis finds a band at the hardening modulus at which a wave speed of the continuum vanishes.
 #[test]
-fn a_wave_stops_at_the_critical_hardening_modulus() {
+fn a_wave_speed_vanishes_at_the_critical_hardening_modulus() {
     let root = 3.0_f64.sqrt();
     let (first, slope) = (0.8, 1.0);
     let poisson = (3.0 * KAPPA - 2.0 * MU) / (2.0 * (3.0 * KAPPA + MU));
@@ -345,7 +346,7 @@ fn a_wave_stops_at_the_critical_hardening_modulus() {
             .expect("a band")
             .modulus;
     let smallest = |modulus: f64| {
-        // The same flow stress at this slip with another slope.
+        // Equal flow stress at this slip with a different slope.
         let given = [
             ("yield-stress", first + (slope - modulus) * slip),
             ("hardening-modulus", modulus),
@@ -364,10 +365,10 @@ fn a_wave_stops_at_the_critical_hardening_modulus() {
     assert!(smallest(critical + 0.02) > 1e-4 * MU * 0.02 && smallest(critical - 0.02) < 0.0);
 }
 
-/// A metal sheet: the thickness is that at which the faces of the metal of space carry no traction, and the tangent is that of steps of flow that keep
-/// them free.
+/// A metal sheet: its thickness makes the faces of the three-dimensional metal traction-free, and its tangent belongs to steps of flow that keep them
+/// free.
 #[test]
-fn a_metal_sheet_is_the_metal_of_space_with_free_faces_and_its_tangent_that_of_further_flow() {
+fn a_metal_sheet_equals_the_three_dimensional_metal_with_free_faces_in_stress_and_continued_flow() {
     let plane = Matrix3::new(1.1, 0.03, 0.0, -0.02, 0.95, 0.0, 0.0, 0.0, 1.0);
     for (name, given) in [
         (
@@ -390,7 +391,7 @@ fn a_metal_sheet_is_the_metal_of_space_with_free_faces_and_its_tangent_that_of_f
                 );
             }
         }
-        // Beyond yield, and hardly compressible.
+        // Beyond yield, and nearly incompressible.
         let volume = own.deformation.jacobian();
         assert!((volume - 1.0).abs() < 2e-3, "{name}: {volume}");
         let a = &of_space.tangent;
@@ -406,7 +407,7 @@ fn a_metal_sheet_is_the_metal_of_space_with_free_faces_and_its_tangent_that_of_f
             );
         }
     }
-    // Of J2 by differences: a step of the return mapping from the state, with the thickness that keeps the faces free.
+    // J2 by finite differences: a step of the return mapping from the state, with the thickness that keeps the faces free.
     let strength = Hardening::Linear {
         initial: 0.4 / 3.0_f64.sqrt(),
         modulus: 0.9 / 3.0,

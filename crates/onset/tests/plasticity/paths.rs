@@ -1,4 +1,4 @@
-//! Loading paths against the return mapping, closed forms and the equations that they prescribe.
+//! Loading paths compared with the return mapping, closed forms and the prescribed equations.
 
 use crate::{STRENGTHS, law};
 use nalgebra::{Matrix3, Vector3};
@@ -72,7 +72,7 @@ fn return_mapping_converges_to_the_path_as_its_steps_shrink() {
 }
 
 #[test]
-fn every_state_of_a_path_obeys_what_the_path_prescribes_and_lies_on_the_yield_surface() {
+fn every_state_of_a_path_satisfies_its_prescription_and_the_yield_condition() {
     for path in [
         LoadingPath::UniaxialStress,
         LoadingPath::UniaxialStrain,
@@ -121,7 +121,7 @@ fn every_state_of_a_path_obeys_what_the_path_prescribes_and_lies_on_the_yield_su
     }
 }
 
-/// The strain of the confined state along an axis.
+/// Strain of the confined state along an axis.
 fn initial(law: &DruckerPrager, loading: &Loading) -> f64 {
     let bulk = 3.0 * law.bulk_modulus();
     let mut strain = 0.0_f64;
@@ -168,7 +168,7 @@ fn von_mises_in_plane_strain_approaches_the_state_of_shear_where_the_critical_mo
 
 #[test]
 fn triaxial_compression_localizes_at_the_modulus_of_rudnicki_and_rice() {
-    // The direction of stress stays, so that the critical modulus is one number: N = 1/sqrt(3).
+    // The direction of stress is constant, so the critical modulus is one number: N = 1/sqrt(3).
     for (mu, beta) in [(0.6_f64, 0.2_f64), (0.4, 0.4), (0.7, -0.1)] {
         let rock = law(mu, beta, PEAK);
         let loading = Loading {
@@ -208,7 +208,7 @@ fn non_associated_flow_localizes_while_the_material_still_hardens() {
 }
 
 #[test]
-fn the_onset_at_finite_strain_tends_to_that_at_small_strain_as_strength_falls_against_stiffness() {
+fn the_onset_at_finite_strain_tends_to_the_small_strain_onset_for_low_strength() {
     let onset = |size: f64, strains: Strains| {
         let strength = Hardening::Peak {
             initial: size,
@@ -249,7 +249,7 @@ fn a_sheet_in_tension_necks_at_zero_hardening_and_in_hills_direction() {
         (inclination - 54.735610317245346).abs() < 1e-5,
         "{inclination}"
     );
-    // At finite strain the stress itself thins the neck: while the material still hardens.
+    // At finite strain the stress itself thins the neck while the material still hardens.
     let finite = Loading {
         strains: Strains::Finite,
         ..loading
@@ -259,7 +259,7 @@ fn a_sheet_in_tension_necks_at_zero_hardening_and_in_hills_direction() {
 }
 
 #[test]
-fn a_stiff_material_is_followed_to_the_same_onset_whatever_the_length_of_the_path() {
+fn the_onset_of_a_stiff_material_is_independent_of_the_length_of_the_path() {
     let onset = |slip: f64| {
         let rock = DruckerPrager::new(1e4, 0.25, 0.7, 0.1, PEAK).expect("a law");
         let loading = Loading {
@@ -275,7 +275,7 @@ fn a_stiff_material_is_followed_to_the_same_onset_whatever_the_length_of_the_pat
 }
 
 #[test]
-fn paths_that_cannot_be_followed_say_why() {
+fn paths_that_cannot_be_followed_report_the_reason() {
     let rock = law(0.6, 0.2, PEAK);
     let plane_strain = loading(LoadingPath::PlaneStrain);
     let sheet = Loading {

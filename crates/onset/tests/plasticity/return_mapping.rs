@@ -1,4 +1,4 @@
-//! The small-strain return mapping against another solution of the same equations and against differences.
+//! Small-strain return mapping compared with an independent solution of its equations and with finite differences.
 
 use crate::{Numbers, STRENGTHS, flowing, law};
 use nalgebra::{Matrix3, SMatrix, SVector};
@@ -34,7 +34,7 @@ fn assert_tangent(
     }
 }
 
-/// Newton's method on all equations of the implicit step at once: six of flow, one of yield, with numerical derivatives.
+/// Newton's method on all equations of the implicit step together: six of flow, one of yield, with numerical derivatives.
 fn implicit_step(law: &DruckerPrager, strain: &Matrix3<f64>, state: &State) -> (Matrix3<f64>, f64) {
     type Unknown = SVector<f64, 7>;
     const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)];
@@ -172,7 +172,7 @@ fn the_continuum_tangent_is_the_limit_of_short_steps_and_differs_from_the_consis
 }
 
 #[test]
-fn beyond_the_apex_the_stress_is_the_apex() {
+fn stresses_beyond_the_apex_return_to_the_apex() {
     let law = law(0.6, 0.3, STRENGTHS[0]);
     let update = law
         .update(&(Matrix3::identity() * 0.02), &State::default())
@@ -189,7 +189,7 @@ fn beyond_the_apex_the_stress_is_the_apex() {
 }
 
 #[test]
-fn laws_that_soften_too_fast_and_strengths_used_up_are_refused() {
+fn excessive_softening_and_exhausted_strength_are_rejected() {
     let steep = Hardening::Linear {
         initial: 1.0,
         modulus: -100.0,
@@ -212,7 +212,7 @@ fn laws_that_soften_too_fast_and_strengths_used_up_are_refused() {
 }
 
 #[test]
-fn plastic_moduli_are_the_slopes_of_the_strength_and_none_is_below_the_lowest() {
+fn plastic_moduli_are_the_slopes_of_the_strength_and_at_least_the_lowest_modulus() {
     for strength in STRENGTHS {
         let mut lowest = f64::INFINITY;
         for n in 0..4000 {

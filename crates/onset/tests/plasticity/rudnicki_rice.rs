@@ -4,19 +4,19 @@ use crate::Numbers;
 use nalgebra::{Matrix3, Vector3};
 use onset::plasticity::{BandKind, Criterion, Critical, DruckerPrager, Hardening};
 
-/// The state with intermediate deviatoric stress `N tau`, `tau = 1`, largest first.
+/// State with intermediate deviatoric stress `N tau`, `tau = 1`, largest first.
 fn deviatoric(n: f64) -> [f64; 3] {
     let half = (1.0 - 0.75 * n * n).max(0.0).sqrt();
     [-0.5 * n + half, n, -0.5 * n - half]
 }
 
-/// `h_cr/G` of the paper.
+/// Critical modulus `h_cr/G` of the paper.
 fn formula(nu: f64, beta: f64, mu: f64, n: f64) -> f64 {
     (1.0 + nu) / (9.0 * (1.0 - nu)) * (beta - mu).powi(2)
         - 0.5 * (1.0 + nu) * (n + (beta + mu) / 3.0).powi(2)
 }
 
-/// `xi` of the paper: the deviatoric stress on the band, by `tau`.
+/// Variable `xi` of the paper: the deviatoric stress on the band divided by `tau`.
 fn xi(nu: f64, beta: f64, mu: f64, n: f64) -> f64 {
     (1.0 + nu) * (beta + mu) / 3.0 - n * (1.0 - nu)
 }
@@ -52,7 +52,7 @@ fn grid(mut call: impl FnMut(f64, f64, f64, f64)) {
 }
 
 #[test]
-fn critical_modulus_and_angle_are_those_of_the_paper_wherever_its_angle_exists() {
+fn critical_modulus_and_angle_match_the_paper_if_its_angle_exists() {
     let mut numbers = Numbers(1);
     let mut count = 0;
     grid(|nu, beta, mu, n| {
@@ -116,7 +116,7 @@ fn von_mises_in_pure_shear_localizes_at_zero_hardening_under_45_degrees() {
 
 #[test]
 fn the_example_of_the_paper_favors_extension_over_compression() {
-    // nu = 0.3, mu = 0.6, beta = 0.3: localization while hardening in the state of plane strain only.
+    // nu = 0.3, mu = 0.6, beta = 0.3: localization during hardening in plane strain only.
     let at = |n: f64| critical(0.3, 0.3, 0.6, n, &Matrix3::identity()).modulus / 2.0;
     let end = 1.0 / 3.0_f64.sqrt();
     assert!(

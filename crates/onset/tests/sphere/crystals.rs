@@ -1,4 +1,4 @@
-//! Linear elasticity, where the minimum or its sign is known in closed form.
+//! Linear elasticity with a minimum, or its sign, known in closed form.
 
 use crate::forms::{Random, acoustic, delta, isotropic, turned};
 use nalgebra::{Matrix3, Vector3};
@@ -34,7 +34,7 @@ fn isotropic_elasticity_has_the_lower_of_both_wave_moduli_in_every_direction() {
 }
 
 #[test]
-fn two_eigenvalues_that_are_negative_together_are_noticed_where_the_determinant_is_positive() {
+fn two_negative_eigenvalues_with_positive_determinant_are_detected() {
     let mut random = Random::new(12);
     let t = turned(&isotropic(4.0, -1e-6), &random.rotation());
     for _ in 0..1000 {
@@ -42,7 +42,7 @@ fn two_eigenvalues_that_are_negative_together_are_noticed_where_the_determinant_
         assert!(acoustic(&t, &n).determinant() > 0.0);
     }
     assert!(!Stiffness::<3>::from_tangent(&t).is_strongly_elliptic());
-    // The same without major symmetry.
+    // Repeated without major symmetry.
     let twist = [[0.0, 0.3, -0.2], [-0.3, 0.0, 0.1], [0.2, -0.1, 0.0]];
     let twisted = FourthOrder::from_fn(|i, j, k, l| t[(i, j, k, l)] + twist[i][k] * delta(j, l));
     assert!(acoustic(&twisted, &Vector3::x()).determinant() > 0.0);
@@ -61,7 +61,7 @@ fn cubic(c11: f64, c12: f64, c44: f64) -> FourthOrder {
 }
 
 #[test]
-fn the_minimum_of_a_cubic_crystal_is_that_of_the_axes_and_of_the_diagonals() {
+fn the_minimum_of_a_cubic_crystal_lies_at_axes_or_diagonals() {
     // g . Q g = C44 + e sum x^2 + d (sum x)^2 with x = g_i N_i, e = C11 - C12 - 2 C44, d = C12 + C44: lowest at x = 0 or on
     // sum |x| = 1, at (1, 0, 0), at (1, -1, 0) / 2 or at (1, 1, 1) / 3.
     let mut random = Random::new(13);
@@ -104,7 +104,7 @@ fn the_minimum_of_a_cubic_crystal_is_that_of_the_axes_and_of_the_diagonals() {
 }
 
 #[test]
-fn a_hexagonal_crystal_is_strongly_elliptic_where_its_closed_form_says() {
+fn a_hexagonal_crystal_is_strongly_elliptic_by_its_closed_form() {
     // Shear waves in the plane of isotropy: C44, C66 > 0. In a plane with the axis: C11, C33 > 0 and
     // |C13 + C44| < C44 + sqrt(C11 C33).
     let mut random = Random::new(14);

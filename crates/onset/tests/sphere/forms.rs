@@ -7,7 +7,7 @@ use onset::material::{FourthOrder, StrainEnergy};
 use onset::real::Real;
 
 impl Random {
-    /// With major symmetry and components up to one.
+    /// Random stiffness with major symmetry and components up to one.
     pub fn symmetric(&mut self) -> FourthOrder {
         let mut half = [[0.0; 9]; 9];
         for p in 0..9 {
@@ -19,7 +19,7 @@ impl Random {
         FourthOrder::from_fn(|i, j, k, l| half[3 * i + j][3 * k + l])
     }
 
-    /// Without any symmetry.
+    /// Random stiffness without any symmetry.
     pub fn asymmetric(&mut self) -> FourthOrder {
         let components: [f64; 81] = std::array::from_fn(|_| self.number());
         FourthOrder::from_fn(|i, j, k, l| components[27 * i + 9 * j + 3 * k + l])
@@ -30,7 +30,7 @@ pub fn delta(i: usize, j: usize) -> f64 {
     f64::from(u8::from(i == j))
 }
 
-/// The tensor in axes turned by a rotation.
+/// Tensor in rotated axes.
 pub fn turned(t: &FourthOrder, r: &Matrix3<f64>) -> FourthOrder {
     let one = |t: &dyn Fn([usize; 4]) -> f64, place: usize, index: [usize; 4]| {
         let at = |a: usize| {
@@ -49,7 +49,7 @@ pub fn turned(t: &FourthOrder, r: &Matrix3<f64>) -> FourthOrder {
     current
 }
 
-/// From the coefficients of products `H_p H_q` of a quadratic form, with `H_iJ` numbered `11, 12, 13, 21, ...`.
+/// Stiffness from the coefficients of products `H_p H_q` of a quadratic form, with `H_iJ` numbered `11, 12, 13, 21, ...`.
 pub fn quadratic(terms: &[(usize, usize, f64)]) -> FourthOrder {
     let mut matrix = [[0.0; 9]; 9];
     let place = |name: usize| 3 * (name / 10 - 1) + name % 10 - 1;
@@ -60,7 +60,7 @@ pub fn quadratic(terms: &[(usize, usize, f64)]) -> FourthOrder {
     FourthOrder::from_fn(|i, j, k, l| matrix[3 * i + j][3 * k + l])
 }
 
-/// Choi's form (1975): nonnegative for all `g (x) N`, but no sum of squares with whatever minors are added.
+/// Choi's form (1975): nonnegative for all `g (x) N`, but not a sum of squares with any added minors.
 pub fn choi() -> FourthOrder {
     quadratic(&[
         (11, 11, 1.0),
@@ -83,7 +83,7 @@ pub fn isotropic(lambda: f64, mu: f64) -> FourthOrder {
     })
 }
 
-/// A tensor and a multiple of the one whose acoustic tensors are unit matrices.
+/// Adds a multiple of the tensor whose acoustic tensors are unit matrices.
 pub fn raised(t: &FourthOrder, level: f64) -> FourthOrder {
     FourthOrder::from_fn(|i, j, k, l| t[(i, j, k, l)] + level * delta(i, k) * delta(j, l))
 }
@@ -102,7 +102,7 @@ pub fn acoustic(t: &FourthOrder, n: &Vector3<f64>) -> Matrix3<f64> {
     })
 }
 
-/// `W = H . T H / 2` with the displacement gradient `H = F - 1`: its tangent is `T` at every state.
+/// Energy `W = H . T H / 2` of the displacement gradient `H = F - 1`, with tangent `T` at every state.
 pub struct Quadratic(pub FourthOrder);
 
 impl StrainEnergy for Quadratic {

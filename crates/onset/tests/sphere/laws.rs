@@ -1,4 +1,4 @@
-//! Laws of the literature.
+//! Published laws.
 
 use crate::forms::Random;
 use onset::continuum::Stiffness;
@@ -10,7 +10,7 @@ fn stiffness<const D: usize>(law: &dyn Hyperelastic, stretches: [f64; 3]) -> Sti
     Stiffness::of(&law.response(&f).expect("finite"))
 }
 
-/// Where the smallest eigenvalue in space becomes negative along a path.
+/// Parameter of a path at which the smallest eigenvalue in three dimensions becomes negative.
 fn lost(
     law: &dyn Hyperelastic,
     path: impl Fn(f64) -> [f64; 3],
@@ -32,7 +32,7 @@ fn lost(
 type Path<'a> = &'a dyn Fn(f64) -> [f64; 3];
 
 #[test]
-fn the_special_law_of_blatz_and_ko_loses_ellipticity_where_knowles_and_sternberg_say() {
+fn the_special_blatz_ko_law_loses_ellipticity_at_the_knowles_sternberg_ratio() {
     // J. K. Knowles and E. Sternberg, J. Elasticity 5 (1975) 341: 2 - sqrt 3 < lambda_i / lambda_j < 2 + sqrt 3.
     let law = BlatzKo::new(1.0).expect("a modulus");
     let limit = 2.0 + 3.0_f64.sqrt();
@@ -46,7 +46,7 @@ fn the_special_law_of_blatz_and_ko_loses_ellipticity_where_knowles_and_sternberg
         (&equibiaxial, 5.0, limit),
         (&equibiaxial, 0.1, 1.0 / limit),
         (&pure_shear, 2.5, limit.sqrt()),
-        // The third stretch is between: the pair that is lost is another one in tension than in compression.
+        // The third stretch is intermediate: different pairs are critical in tension and in compression.
         (&confined, 5.0, limit),
         (&confined, 0.1, 1.5 / limit),
     ];
@@ -57,7 +57,7 @@ fn the_special_law_of_blatz_and_ko_loses_ellipticity_where_knowles_and_sternberg
 }
 
 #[test]
-fn the_minima_in_plane_and_space_agree_where_the_softest_wave_lies_in_the_plane() {
+fn two_and_three_dimensional_minima_agree_if_the_softest_wave_is_in_plane() {
     let laws: [Box<dyn Hyperelastic>; 2] = [
         Box::new(ModifiedMooneyRivlin::default()),
         Box::new(BlatzKo::new(2.0).expect("a modulus")),
@@ -87,7 +87,7 @@ fn the_minima_in_plane_and_space_agree_where_the_softest_wave_lies_in_the_plane(
 }
 
 #[test]
-fn a_turned_state_moves_no_minimum() {
+fn rotating_the_state_leaves_the_minimum_unchanged() {
     let laws: [Box<dyn Hyperelastic>; 2] = [
         Box::new(ModifiedMooneyRivlin::default()),
         Box::new(BlatzKo::new(2.0).expect("a modulus")),
@@ -106,7 +106,7 @@ fn a_turned_state_moves_no_minimum() {
             let scale = largest.max(one.eigenvalue.re.abs());
             let difference = one.eigenvalue.re - other.eigenvalue.re;
             assert!(difference.abs() < 1e-10 * scale, "{difference:e}");
-            // The bound is not the same in all axes where the minimum is flat and the sphere has to be divided.
+            // The bound depends on the axes if the minimum is flat and the sphere has to be divided.
             for minimum in [one, other] {
                 let gap = minimum.eigenvalue.re - minimum.bound;
                 assert!((0.0..1e-2 * scale).contains(&gap), "{gap:e} of {scale:e}");

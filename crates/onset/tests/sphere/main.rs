@@ -1,4 +1,4 @@
-//! The smallest acoustic eigenvalue over all directions in three dimensions: what is found, what bounds it, what is proved.
+//! Smallest acoustic eigenvalue over all directions in three dimensions: search, bounds and proofs.
 
 mod crystals;
 mod forms;

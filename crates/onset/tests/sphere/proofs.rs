@@ -1,4 +1,4 @@
-//! What is proved over all directions in three dimensions is true, and what is true is proved.
+//! Proofs over all directions in three dimensions are correct, and true statements are proved.
 
 use crate::forms::{Quadratic, Random, choi, delta, raised, scale, turned};
 use onset::certificate::{Certainty, Reason, SpaceCertificate, certify_3d};
@@ -19,7 +19,7 @@ fn proof(t: &FourthOrder) -> SpaceCertificate {
 }
 
 #[test]
-fn every_tensor_beyond_rounding_is_decided_as_the_minimum_says() {
+fn proofs_agree_with_the_sign_of_the_minimum_beyond_rounding() {
     let mut random = Random::new(31);
     for _ in 0..40 {
         let t = random.symmetric();
@@ -84,7 +84,7 @@ fn a_form_that_no_null_lagrangian_makes_convex_is_proved_by_triangles() {
 }
 
 #[test]
-fn both_sides_of_knowles_and_sternbergs_limit_are_proved_at_a_distance_of_a_billionth() {
+fn both_sides_of_the_knowles_sternberg_limit_are_proved_within_a_billionth() {
     let law = BlatzKo::new(1.0).expect("a modulus");
     let limit = 2.0 + 3.0_f64.sqrt();
     let state =
@@ -100,7 +100,7 @@ fn both_sides_of_knowles_and_sternbergs_limit_are_proved_at_a_distance_of_a_bill
 }
 
 #[test]
-fn a_box_of_states_is_proved_at_once() {
+fn a_box_of_states_is_proved_as_a_whole() {
     let law = ModifiedMooneyRivlin::default();
     let enclosure = |width: f64| {
         law.enclosure(&DeformationGradient::from_components(std::array::from_fn(
@@ -109,11 +109,11 @@ fn a_box_of_states_is_proved_at_once() {
     };
     let certainty = |width: f64| SpaceCertificate::of(&enclosure(width), 1.0, 1e-6).certainty;
     assert!(matches!(certainty(1e-5), Certainty::Stable { bound } if bound > 0.01));
-    // Much is in a large box, so that nothing is known.
+    // A large box contains too much for a proof.
     assert!(!certainty(0.5).is_decided());
 }
 
-/// A law that knows no bounds of its response.
+/// Law without bounds of its response.
 struct Foreign;
 
 impl Hyperelastic for Foreign {

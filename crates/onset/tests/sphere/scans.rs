@@ -1,11 +1,11 @@
-//! Against dense scans of the sphere, which know nothing of bounds.
+//! Comparison with dense scans of the sphere, which do not use bounds.
 
 use crate::forms::{Random, acoustic, choi, quadratic, raised, scale, turned};
 use nalgebra::{Matrix3, Vector3};
 use onset::continuum::Stiffness;
 use onset::material::FourthOrder;
 
-/// The smallest real part of a zero of the characteristic polynomial, in closed form.
+/// Smallest real part of a zero of the characteristic polynomial, in closed form.
 fn smallest(q: &Matrix3<f64>) -> f64 {
     let mean = q.trace() / 3.0;
     let b = q - Matrix3::identity() * mean;
@@ -33,7 +33,7 @@ fn at(polar: f64, around: f64) -> Vector3<f64> {
     )
 }
 
-/// The entries of the acoustic tensors as quadratic forms, fast enough for millions of directions.
+/// Entries of the acoustic tensors as quadratic forms, fast enough for millions of directions.
 struct Fast([[f64; 6]; 9]);
 
 impl Fast {
@@ -60,7 +60,7 @@ impl Fast {
     }
 }
 
-/// The best of a grid of directions over half the sphere, followed downhill in ever smaller steps.
+/// Best of a grid of directions over half the sphere, followed downhill in decreasing steps.
 fn scanned(t: &FourthOrder, rows: u32, columns: u32) -> f64 {
     let fast = Fast::new(t);
     let mut best = (f64::INFINITY, 0.0, 0.0);
@@ -115,7 +115,7 @@ fn assert_minimum(t: &FourthOrder, grid: (u32, u32), gap: f64) {
         "gap {:e}",
         (value - minimum.bound) / scale
     );
-    // The direction has the eigenvalue, so that the value is not below the truth either.
+    // The direction attains the eigenvalue, so the value is not below the true minimum either.
     let n = minimum.direction;
     assert!((n.norm() - 1.0).abs() < 1e-14);
     let there = smallest(&acoustic(t, &n));
@@ -123,7 +123,7 @@ fn assert_minimum(t: &FourthOrder, grid: (u32, u32), gap: f64) {
 }
 
 #[test]
-fn the_minimum_is_never_above_a_dense_scan_nor_its_bound_above_either() {
+fn neither_minimum_nor_bound_exceeds_a_dense_scan() {
     let mut random = Random::new(1);
     for _ in 0..60 {
         assert_minimum(&random.symmetric(), (60, 240), 1.1e-10);
@@ -131,37 +131,37 @@ fn the_minimum_is_never_above_a_dense_scan_nor_its_bound_above_either() {
 }
 
 #[test]
-fn the_minimum_is_never_above_four_million_directions() {
+fn the_minimum_is_at_most_the_minimum_over_four_million_directions() {
     let mut random = Random::new(2);
     assert_minimum(&random.symmetric(), (2000, 2000), 1.1e-10);
 }
 
 #[test]
-fn without_major_symmetry_the_smallest_real_part_is_that_of_a_dense_scan() {
+fn without_major_symmetry_the_smallest_real_part_agrees_with_a_dense_scan() {
     let mut random = Random::new(3);
     for n in 0..12 {
         let (full, half) = (random.asymmetric(), random.symmetric());
-        // From nearly symmetric to not at all.
+        // From nearly symmetric to fully asymmetric.
         let share = f64::from(n) / 11.0;
         let t = FourthOrder::from_fn(|i, j, k, l| half[(i, j, k, l)] + share * full[(i, j, k, l)]);
         assert_minimum(&t, (60, 240), 1.1e-8);
     }
 }
 
-/// The largest imaginary part of an eigenvalue.
+/// Largest imaginary part of an eigenvalue.
 fn imaginary(q: &Matrix3<f64>) -> f64 {
     let values = q.complex_eigenvalues();
     values.iter().fold(0.0, |most, value| most.max(value.im))
 }
 
 #[test]
-fn without_major_symmetry_complex_eigenvalues_are_those_of_a_dense_scan() {
+fn without_major_symmetry_complex_eigenvalues_agree_with_a_dense_scan() {
     let mut random = Random::new(31);
     let (mut with, mut without) = (0, 0);
     for asymmetry in [0.02, 0.1, 0.5] {
         for _ in 0..12 {
             let (symmetric, other) = (random.symmetric(), random.symmetric());
-            // Of the sum the first part has major symmetry, the second its opposite.
+            // The first part of the sum has major symmetry, the second is antisymmetric.
             let t = FourthOrder::from_fn(|i, j, k, l| {
                 let apart = other[(i, j, k, l)] * (i as f64 - k as f64);
                 symmetric[(i, j, k, l)] + asymmetry * apart
@@ -192,7 +192,7 @@ fn without_major_symmetry_complex_eigenvalues_are_those_of_a_dense_scan() {
 }
 
 #[test]
-fn a_rotated_tensor_moves_no_minimum() {
+fn rotating_the_tensor_keeps_the_minimum() {
     let mut random = Random::new(4);
     let special = [
         choi(),
@@ -207,7 +207,7 @@ fn a_rotated_tensor_moves_no_minimum() {
 }
 
 #[test]
-fn strong_ellipticity_is_decided_as_the_minimum_says() {
+fn strong_ellipticity_agrees_with_the_sign_of_the_minimum() {
     let mut random = Random::new(5);
     let mut seen = [0, 0];
     for n in 0..120 {
@@ -223,7 +223,7 @@ fn strong_ellipticity_is_decided_as_the_minimum_says() {
         assert!(minimum <= stiffness.minimum().eigenvalue.re + 1e-12);
         assert_eq!(stiffness.is_strongly_elliptic(), minimum > 0.0, "{minimum}");
         seen[usize::from(minimum > 0.0)] += 1;
-        // As near to zero as can be told.
+        // As close to zero as can be resolved.
         for distance in [1e-9, -1e-9] {
             let near = Stiffness::<3>::from_tangent(&raised(&t, distance - minimum));
             assert_eq!(near.is_strongly_elliptic(), distance > 0.0);
@@ -272,7 +272,7 @@ fn a_minimum_with_a_double_eigenvalue_and_a_kink_is_found() {
 }
 
 #[test]
-fn units_change_no_more_than_the_scale() {
+fn units_only_scale_the_result() {
     let t = Random::new(8).symmetric();
     let one = Stiffness::<3>::from_tangent(&t).minimum();
     for factor in [1e-200, 1e150] {

@@ -33,7 +33,7 @@ const RESOLUTION: f64 = 1e-10;
 const BUDGET: usize = 4_000;
 /// Largest number of covers that may find a lower value.
 const COVERS: usize = 20;
-/// Largest asymmetry of the blocks of a stiffness of magnitude one that counts as zero.
+/// Tolerance of the symmetry of the blocks of a stiffness of magnitude one.
 const SYMMETRIC: f64 = 1e-13;
 /// Number of directions from where a descent starts.
 const STARTS: usize = 1;

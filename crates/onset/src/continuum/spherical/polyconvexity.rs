@@ -340,7 +340,7 @@ mod tests {
     }
 
     #[test]
-    fn no_multiples_of_minors_make_chois_form_a_sum_of_squares() {
+    fn chois_form_with_any_minors_is_not_a_sum_of_squares() {
         // It is zero at some g (x) N and nonnegative everywhere.
         let form = Form::from_fn(|i, j, k, l| {
             let is_on_diagonal = i == j && k == l;

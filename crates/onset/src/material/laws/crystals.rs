@@ -62,7 +62,7 @@ pub(in super::super) const ORTHOTROPIC: Law = Law {
         constant("c66", 74.33),
         ANGLE,
     ],
-    domain: "all states; large rotations, small strains; the constants positive definite",
+    domain: "all states; large rotations and small strains, with positive definite constants",
     symmetry: Symmetry::Orthotropic,
     stressed_reference: None,
     small_strains: "the elastic constants",

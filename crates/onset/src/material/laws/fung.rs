@@ -70,7 +70,7 @@ pub(in super::super) const ORTHOTROPIC: Law = Law {
             "angle from axis 1 to the material's axis 1, about axis 3",
         ),
     ],
-    domain: "all states at which exp Q is a number; soft tissue, arteries; the form positive definite",
+    domain: "all states with a finite exp Q; soft tissue and arteries, with a positive definite form",
     symmetry: Symmetry::Orthotropic,
     stressed_reference: None,
     small_strains: "elastic constants c b11, c b22, ..., c b66",
