@@ -333,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn only_states_that_keep_a_mirror_line_have_the_sums() {
+    fn only_states_with_a_mirror_line_have_mirror_sums() {
         let method = eulerian();
         assert!(at(&method, [[1.2, 0.0], [0.0, 0.9]]).1.is_some());
         // A quarter turn exchanges the axes.

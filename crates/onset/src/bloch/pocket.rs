@@ -631,7 +631,7 @@ mod tests {
     use crate::algebra::{Complex, array_of, uniform};
 
     #[test]
-    fn a_rival_is_beaten_where_the_growth_rate_says_so() {
+    fn the_test_against_a_rival_agrees_with_the_growth_rate() {
         let mut state = 5_u64;
         let mut random = || 2.0 * uniform(&mut state) - 1.0;
         for _ in 0..1000 {
@@ -646,7 +646,7 @@ mod tests {
     /// The predicted growth rate on the crossing is that of the pair at that place. No place of a finer grid within reach grows much faster if the
     /// crossing determines the growth.
     #[test]
-    fn growth_on_a_crossing_is_that_of_the_pair() {
+    fn growth_on_a_crossing_agrees_with_the_pair() {
         let (mut foreseen, mut told) = (0, 0);
         let mut state = 5;
         let mut random = || 2.0 * uniform(&mut state) - 1.0;

@@ -218,7 +218,7 @@ mod tests {
 
     /// Bonds of a simple cubic lattice, and a term that costs a translation energy, with their common symmetry.
     #[test]
-    fn spectra_that_symmetries_share_are_those_of_each_wave() {
+    fn shared_spectra_of_symmetric_waves_agree_with_the_spectrum_of_each_wave() {
         let lattice = LatticeKind::SimpleCubic
             .lattice::<3>(1.0)
             .expect("a lattice");
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn closed_forms_are_the_eigenvalues_also_of_complex_pairs() {
+    fn closed_forms_agree_with_eigenvalues_including_complex_pairs() {
         let mut state = 7_u64;
         let mut random = || {
             state = state

@@ -4,16 +4,16 @@ use nalgebra::{Complex, DMatrix, SMatrix, SVector, Schur};
 use onset::bloch::{BlochSum, DynamicalMatrix, Mass, WaveSystem};
 use onset::lattice::{BravaisLattice, Crystal, Particle};
 
-/// Rounding of `omega^2` over its scale, and what it makes of the difference of two that coincide.
-const ROUNDING: f64 = 1e-12;
-/// A wave with `omega^2` so many times the scale has no mass: quotients of rounding errors, where the points of a quadrature see
-/// nothing of it.
-const MASSLESS: f64 = 1e8;
+/// Rounding error of `omega^2`, over its scale; it also determines the error of the difference of two equal values.
+const SPECTRUM_ROUNDING: f64 = 1e-12;
+/// Smallest `omega^2` of a wave without mass, over the scale. Such values are quotients of rounding errors: the quadrature points do not detect the
+/// wave.
+const MASSLESS_RATIO: f64 = 1e8;
 
-/// The matrix of a wave vector.
+/// Dynamical matrix as a function of the wave vector.
 type MatrixAt<const D: usize> = dyn Fn(&SVector<f64, D>) -> DMatrix<Complex<f64>>;
 
-/// `omega^2` of a wave vector.
+/// The spectrum `omega^2` as a function of the wave vector.
 pub struct Waves<const D: usize> {
     pub lattice: BravaisLattice<D>,
     matrix: Box<MatrixAt<D>>,
@@ -21,20 +21,20 @@ pub struct Waves<const D: usize> {
     pub scale: f64,
 }
 
-/// What a dense search has found.
+/// Result of a dense search.
 #[derive(Clone, Debug)]
 pub struct Found<const D: usize> {
-    /// The fastest growth.
+    /// Largest growth rate.
     pub growth: (f64, SVector<f64, D>),
-    /// `Re omega^2`.
+    /// Smallest `Re omega^2`.
     pub lowest: (f64, SVector<f64, D>),
-    /// `Re omega^2 / |k|_h^2`, waves longer than a hundredth of the zone left out.
+    /// Smallest `Re omega^2 / |k|_h^2`, without waves longer than a hundred cells.
     pub scaled: (f64, SVector<f64, D>),
-    /// `-Re omega^2`.
+    /// Largest `Re omega^2`, with a minus sign.
     pub highest: (f64, SVector<f64, D>),
 }
 
-/// Growth of `exp(-i omega t)`.
+/// Growth rate of `exp(-i omega t)`.
 pub fn growth(omega_squared: Complex<f64>) -> f64 {
     omega_squared.sqrt().im.abs()
 }
@@ -59,7 +59,7 @@ fn summed<const D: usize>(
 }
 
 impl<const D: usize> Waves<D> {
-    /// From the blocks of a system: the eigenvalues of `M^-1 K T`.
+    /// Builds the waves from the blocks of a system: eigenvalues of `M^-1 K T`.
     pub fn of_system(system: &WaveSystem<D>) -> Self {
         let (crystal, own) = (system.crystal().clone(), system.clone());
         let matrix = move |k: &SVector<f64, D>| {
@@ -83,7 +83,7 @@ impl<const D: usize> Waves<D> {
         Self::new(*system.crystal().lattice(), system.is_hermitian(), matrix)
     }
 
-    /// From the force constants of one particle.
+    /// Builds the waves from the force constants of one particle.
     pub fn of_matrix(lattice: BravaisLattice<D>, matrix: DynamicalMatrix<D>) -> Self {
         let is_hermitian = matrix.is_hermitian();
         let at = move |k: &SVector<f64, D>| {
@@ -108,17 +108,17 @@ impl<const D: usize> Waves<D> {
         }
     }
 
-    /// The eigenvalues as they are computed.
+    /// Eigenvalues as computed, with rounding; empty for waves without mass.
     fn eigenvalues(&self, k: &SVector<f64, D>) -> Vec<Complex<f64>> {
         let matrix = (self.matrix)(k);
-        if matrix.norm() > MASSLESS * self.scale {
+        if matrix.norm() > MASSLESS_RATIO * self.scale {
             return Vec::new();
         }
         let values = Schur::try_new(matrix, f64::EPSILON, 10_000).and_then(|s| s.eigenvalues());
         values.map_or_else(Vec::new, |values| values.iter().copied().collect())
     }
 
-    /// `omega^2`; of pairs that rounding may have made of a double one the real parts.
+    /// All `omega^2`. Imaginary parts that can be the rounding of a double eigenvalue are removed.
     pub fn omega_squared(&self, k: &SVector<f64, D>) -> Vec<Complex<f64>> {
         let values = self.eigenvalues(k);
         let explained = |n: usize| {
@@ -126,7 +126,7 @@ impl<const D: usize> Waves<D> {
             let distance = others
                 .map(|m| (values[m] - values[n]).norm())
                 .fold(f64::INFINITY, f64::min);
-            let noise = ROUNDING * self.scale;
+            let noise = SPECTRUM_ROUNDING * self.scale;
             (noise + noise * self.scale / distance).min(1e-6 * self.scale)
         };
         let without_rounding = |n: usize| match values[n] {
@@ -138,13 +138,13 @@ impl<const D: usize> Waves<D> {
         (0..values.len()).map(without_rounding).collect()
     }
 
-    /// The largest growth rate at a wave vector, whether or not rounding may have made it of equal eigenvalues.
+    /// Largest growth rate at a wave vector, including possible rounding of equal eigenvalues.
     pub fn growth_with_rounding(&self, k: &SVector<f64, D>) -> f64 {
         let values = self.eigenvalues(k).into_iter();
         values.map(growth).fold(0.0, f64::max)
     }
 
-    /// The largest growth rate at a wave vector.
+    /// Largest growth rate at a wave vector.
     pub fn growth(&self, k: &SVector<f64, D>) -> f64 {
         let values = self.omega_squared(k).into_iter();
         values.map(growth).fold(0.0, f64::max)
@@ -165,7 +165,7 @@ impl<const D: usize> Waves<D> {
         if laplacian < (1e-2 * reciprocal).powi(2) {
             return f64::INFINITY;
         }
-        // What may be rounding has no sign, and over a small Laplacian any size.
+        // Values that may be rounding have no reliable sign, and over a small Laplacian any magnitude.
         let values = values.iter().map(|z| z.re);
         let told = values.filter(|x| self.is_hermitian || *x != 0.0);
         told.fold(f64::INFINITY, f64::min) / laplacian
@@ -176,7 +176,7 @@ impl<const D: usize> Waves<D> {
         -values.map(|z| z.re).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// So many points along each reciprocal vector, and descents from the best ones.
+    /// Samples `points` wave vectors along each reciprocal vector and descends from the best `starts`.
     pub fn searched(&self, points: usize, starts: usize) -> Found<D> {
         let count = points.pow(D as u32);
         let half = (points / 2 + 1) * count / points;
@@ -226,7 +226,7 @@ impl<const D: usize> Waves<D> {
     }
 }
 
-/// Downhill along the reciprocal vectors with shrinking steps.
+/// Descends along the reciprocal vectors with shrinking steps.
 fn descended<const D: usize>(
     at: &dyn Fn(&SVector<f64, D>) -> f64,
     start: (f64, SVector<f64, D>),

@@ -28,17 +28,17 @@ use onset::scheme::{
     PeridynamicsChoices, PointLayout, Transfer, ZeroEnergyControl,
 };
 
-/// A discretization, with the search of its kind.
+/// A discretization, by the kind of its search.
 pub enum Drawn<const D: usize> {
     Kernel(Box<Method<D>>),
     Scheme(Box<dyn Discretization<D>>),
 }
 
-/// A method with its name in words enough to find it again.
+/// A method, with a name that identifies all of its choices.
 pub type Named<const D: usize> = (String, Drawn<D>);
 
 impl Random {
-    /// From zero to one.
+    /// Uniform random number between zero and one.
     pub fn share(&mut self) -> f64 {
         0.5 * (self.number() + 1.0)
     }
@@ -93,7 +93,7 @@ pub fn state<const D: usize>(random: &mut Random) -> DeformationGradient {
     DeformationGradient::identity().with_leading(&matrix)
 }
 
-/// Particles: a lattice, one of several particles in a cell, or a cell with particles anywhere.
+/// Random particles: a lattice, or a cell with several particles at random positions.
 fn crystal<const D: usize>(random: &mut Random) -> Option<(String, Crystal<D>)> {
     let known: &[LatticeKind] = match D {
         1 => &[LatticeKind::Chain],
@@ -132,7 +132,7 @@ fn crystal<const D: usize>(random: &mut Random) -> Option<(String, Crystal<D>)> 
     None
 }
 
-/// A method with random choices; `None` where they do not go together.
+/// A method with random choices; `None` if they are incompatible.
 pub fn method<const D: usize>(random: &mut Random) -> Option<Named<D>> {
     let (name, drawn) = match (random.share() * 8.0) as usize {
         0 => kernel::<D>(random)?,

@@ -1,5 +1,6 @@
-//! States that a search without flutter in one dimension, without inversion, or with several particles in a cell takes for stable,
-//! or whose deepest well is between the points of a coarse grid.
+//! States that an incomplete search takes for stable, or whose deepest well lies between the points of a coarse grid.
+//!
+//! Such a search assumes real spectra in one dimension, an inversion center, or one particle in a cell.
 
 use crate::dense::Waves;
 use nalgebra::{SMatrix, SVector};
@@ -29,7 +30,7 @@ fn stretched(stretches: [f64; 3]) -> DeformationGradient {
     DeformationGradient::from_stretches(stretches).expect("positive")
 }
 
-/// The answer, and the waves from their definition.
+/// The summary, and the waves from their definition.
 fn answer<const D: usize>(
     scheme: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
@@ -56,7 +57,7 @@ fn assert_grows_as<const D: usize>(spectrum: &SpectrumSummary<D>, waves: &Waves<
 }
 
 #[test]
-fn a_chain_of_material_points_beside_the_middle_flutters() {
+fn material_points_off_the_cell_centers_of_a_chain_flutter() {
     let points = MaterialPoints::<1>::new(MaterialPointChoices {
         offset: [0.08; 3],
         functions: GridFunctions::Gimp,
@@ -73,7 +74,7 @@ fn a_chain_of_material_points_beside_the_middle_flutters() {
 }
 
 #[test]
-fn material_points_in_the_plane_flutter_without_inversion() {
+fn material_points_in_the_plane_flutter_without_an_inversion_center() {
     let points = MaterialPoints::<2>::new(MaterialPointChoices {
         offset: [-0.0926; 3],
         ..MaterialPointChoices::default()
@@ -97,10 +98,10 @@ fn sph_on_a_honeycomb_flutters_in_a_small_pocket() {
     assert_grows_as(&spectrum, &waves, 1e-3);
 }
 
-/// A fiber makes one wave stiff, while the particles of a cell move against each other with little energy: all four branches bend and
-/// cross within a third of a step of the grid.
+/// A fiber makes one wave stiff, and relative motion of the particles of a cell costs little energy. All four branches bend and cross within a third
+/// of a grid step.
 #[test]
-fn soft_branches_that_bend_within_a_step_of_the_grid_flutter_where_they_meet() {
+fn soft_branches_that_bend_within_a_grid_step_flutter_where_they_meet() {
     let crystal = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
     let choices = TotalLagrangianChoices {
         kernel: onset::kernel::Kernel::QuarticSpline,
@@ -116,7 +117,7 @@ fn soft_branches_that_bend_within_a_step_of_the_grid_flutter_where_they_meet() {
 }
 
 #[test]
-fn growth_and_scaled_minimum_of_two_particles_in_a_cell_are_those_of_a_dense_search() {
+fn growth_and_scaled_minimum_of_two_particles_in_a_cell_agree_with_a_dense_search() {
     let lattice = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
     let second = SVector::from([0.4322781157294936, 0.5146418018764464]);
     let crystal = Crystal::new(lattice, vec![SVector::zeros(), second]).expect("a crystal");
@@ -138,7 +139,8 @@ fn growth_and_scaled_minimum_of_two_particles_in_a_cell_are_those_of_a_dense_sea
     );
 }
 
-/// Two particles in a cell of the plane on springs with random constants, to each other and to the ground beneath the second one.
+/// Two particles in a cell of the plane: the first ones form a square lattice of unit springs, and each second one hangs on a first one by a spring
+/// of the given stiffness.
 fn sprung(ground: f64) -> WaveSystem<2> {
     let lattice = BravaisLattice::new(SMatrix::<f64, 2, 2>::identity()).expect("a lattice");
     let sites = vec![SVector::zeros(), SVector::from([0.5, 0.5])];
@@ -155,7 +157,7 @@ fn sprung(ground: f64) -> WaveSystem<2> {
     for cell in [[1, 0], [0, 1]] {
         spring(home[0], home[0].moved(&cell), 1.0);
     }
-    // The internal displacement is unstable at k = 0.
+    // With a negative stiffness, the internal displacement is unstable at `k = 0`.
     spring(home[0], home[1], ground);
     WaveSystem::new(
         crystal.clone(),
@@ -165,18 +167,18 @@ fn sprung(ground: f64) -> WaveSystem<2> {
 }
 
 #[test]
-fn where_a_mode_grows_at_rest_the_scaled_minimum_is_its_growth_over_the_largest_wave_number() {
+fn if_a_mode_grows_at_gamma_the_scaled_minimum_is_the_lowest_over_the_largest_laplacian() {
     let system = sprung(-0.3);
     let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 2.0);
     let summary = search.summary_of(&system);
     assert!(!summary.is_stable());
-    // c^2 = 2, |k|_h^2 = 4 + 4 at the corner of the zone.
+    // `c^2 = 2`, and `|k|_h^2 = 4 + 4` at the corner of the zone.
     let expected = summary.lowest.omega_squared.re / (2.0 * 8.0);
     assert!((summary.softest.scaled - expected).abs() < 1e-14);
     assert!(summary.lowest.omega_squared.re < -0.6 + 1e-9);
 }
 
-/// The same operator as one with a mass matrix: the way of one particle in a cell is not taken.
+/// The same operator with a consistent mass matrix, so that the search for several particles in a cell is used.
 fn with_matrix_of_masses<const D: usize>(system: &WaveSystem<D>) -> WaveSystem<D> {
     let Mass::Lumped(masses) = system.mass() else {
         return system.clone();
@@ -192,7 +194,7 @@ fn with_matrix_of_masses<const D: usize>(system: &WaveSystem<D>) -> WaveSystem<D
 }
 
 #[test]
-fn the_search_says_the_same_whether_or_not_it_knows_that_a_cell_has_one_particle() {
+fn the_searches_for_one_and_for_several_particles_in_a_cell_agree() {
     let material = law("neo-hooke");
     for (offset, stretches) in [
         (0.0, [1.2, 0.9, 1.0]),
@@ -237,10 +239,9 @@ fn the_search_says_the_same_whether_or_not_it_knows_that_a_cell_has_one_particle
     }
 }
 
-/// At `k = 0` four eigenvalues are two zeros and an unstable pair, with which an iteration that compares with diagonal entries does not
-/// end.
+/// At `k = 0` the four eigenvalues are two zeros and an unstable pair. An iteration that compares with diagonal entries does not terminate.
 #[test]
-fn particles_of_a_cell_that_move_against_each_other_grow_with_a_number() {
+fn relative_motion_of_the_particles_of_a_cell_has_a_finite_growth_rate() {
     let honeycomb = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
     let choices = UpdatedSphChoices {
         kernel: onset::kernel::Kernel::WendlandC6,
@@ -257,9 +258,8 @@ fn particles_of_a_cell_that_move_against_each_other_grow_with_a_number() {
     assert_grows_as(&spectrum, &waves, 1.0);
 }
 
-/// Of two particles in a cell each sees the other as the mirror image of what the other sees, so that both have the gradient
-/// `F = G + s b^T` of a uniform gradient `G` and a shift `s` of one against the other. With `s` opposite to `a`, waves `a N^T` along
-/// `N = b` strain nothing, whatever the law.
+/// The two particles of a cell are mirror images with respect to each other's neighbors, so that both have the gradient `F = G + s b^T` of a uniform
+/// gradient `G` and a relative shift `s`. If `s` is opposite to `a`, waves `a N^T` along `N = b` cause no strain, for any material.
 #[test]
 fn long_waves_of_two_particles_with_one_gradient_have_no_stiffness_along_one_direction() {
     let cell = 2.0_f64.sqrt();
@@ -281,7 +281,7 @@ fn long_waves_of_two_particles_with_one_gradient_have_no_stiffness_along_one_dir
     assert!(spectrum.softest.is_long_wave);
     assert!(spectrum.softest.scaled.abs() < 1e-7, "{spectrum:?}");
     assert!(spectrum.is_stable(), "{spectrum:?}");
-    // Finite waves along it cost energy, of a higher order.
+    // Finite waves along it cost energy of higher order.
     let along = spectrum.softest.wave_vector;
     let of_length = |k: f64| {
         let values = waves.omega_squared(&(along * k)).into_iter();
@@ -290,10 +290,10 @@ fn long_waves_of_two_particles_with_one_gradient_have_no_stiffness_along_one_dir
     assert!(of_length(0.1) > 0.0 && of_length(0.1) < 0.1 * 0.01);
 }
 
-/// Where weights do not add up to one, a translation strains: here the mean displacement of two particles does, and their displacement
-/// against each other is free. The limit of long waves is not that of translations.
+/// If weights do not add up to one, translations cause strain. Here the mean displacement of two particles does, and their relative displacement is
+/// free. The long-wave limit is not the limit of translations.
 #[test]
-fn where_a_translation_costs_energy_and_another_displacement_does_not_no_long_wave_grows() {
+fn no_long_wave_grows_if_translations_cost_energy_and_an_internal_displacement_is_free() {
     let cell = 2.0_f64.sqrt();
     let lattice = BravaisLattice::new(SMatrix::<f64, 2, 2>::identity() * cell).expect("a lattice");
     let second = SVector::from([0.5663173018375012, 0.5094942008969261]);
@@ -322,10 +322,10 @@ fn where_a_translation_costs_energy_and_another_displacement_does_not_no_long_wa
     assert!(waves.searched(64, 20).growth.0 < 1e-6);
 }
 
-/// Two points where forces are summed for four particles: the particles of a cell relax with hardly any force, and rounding makes a
-/// limit of long waves below zero, by 6.5e-7 of the wave speed squared. No wave grows.
+/// Two quadrature points for four particles: the particles of a cell relax almost without forces, and rounding makes the long-wave limit negative, by
+/// 6.5e-7 of the squared wave speed. No wave grows.
 #[test]
-fn a_limit_of_long_waves_that_no_wave_follows_is_rounding() {
+fn a_negative_long_wave_limit_without_growing_waves_is_rounding() {
     let lattice = BravaisLattice::new(SMatrix::<f64, 2, 2>::identity() * 2.0).expect("a lattice");
     let sites = [
         [0.0, 0.0],
@@ -357,10 +357,10 @@ fn a_limit_of_long_waves_that_no_wave_follows_is_rounding() {
     assert!(waves.searched(64, 20).growth.0 < 1e-6);
 }
 
-/// Two particles that hardly resist each other: they relax in waves of thousands of spacings only, which grow, and shorter ones do not.
-/// The growth that is said is that of such a wave.
+/// Two particles that barely resist relative motion: they relax only in waves of thousands of spacings, which grow; shorter waves do not. The
+/// reported growth rate belongs to such a long wave.
 #[test]
-fn waves_longer_than_all_of_the_grid_grow_with_a_number() {
+fn waves_longer_than_the_grid_resolves_have_a_positive_growth_rate() {
     let cell = 2.0_f64.sqrt();
     let lattice = BravaisLattice::new(SMatrix::<f64, 2, 2>::identity() * cell).expect("a lattice");
     let second = SVector::from([0.7529480832740633, 0.47485021702222896]);

@@ -1,4 +1,4 @@
-//! The search over the zone against a dense one.
+//! The search over the zone compared with a dense search, for random states.
 
 use crate::dense::Waves;
 use crate::hunt::hunted;
@@ -10,20 +10,20 @@ use onset::material::Hyperelastic;
 use onset::verdict::{Phase, Survey, assess};
 use std::time::{Duration, Instant};
 
-/// Growth that counts, as a fraction of sound speed over spacing: below, a dense search does not tell it from rounding.
+/// Smallest growth rate that counts, as a fraction of sound speed over spacing. In the dense search, smaller rates are rounding.
 const GROWTH: f64 = 1e-5;
-/// Differences that count, relative to the scale of what is compared.
+/// Relative difference that counts.
 const DIFFERENCE: f64 = 1e-6;
-/// Rounding of an `omega^2` that three modes have in common, over the scale, where their vectors are nearly dependent.
+/// Rounding error of a triple `omega^2` with nearly dependent eigenvectors, over the scale.
 const DEFECTIVE: f64 = 1e-6;
-/// Answers that take longer are told.
-const LONG: Duration = Duration::from_secs(2);
+/// Longest time of an answer without a message.
+const SLOW_ANSWER: Duration = Duration::from_secs(2);
 
-/// Complaints of verdicts.
+/// Beginnings of complaints about verdicts.
 const SAID_STABLE: &str = "said to be stable";
 const SAID_TO_GROW: &str = "said to grow";
 
-/// Points of the dense search along a reciprocal vector.
+/// Number of points of the dense search along a reciprocal vector.
 fn points<const D: usize>() -> usize {
     let asked = std::env::var("ONSET_DENSE").ok();
     let asked = asked.and_then(|points| points.parse().ok());
@@ -31,7 +31,7 @@ fn points<const D: usize>() -> usize {
 }
 
 #[test]
-fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_says() {
+fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_reports() {
     let (seed, cases) = hunted(12);
     let mut wrong = Vec::new();
     let mut counts = [0; 3];
@@ -55,7 +55,7 @@ fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_says(
             );
         }
         time += took;
-        if took > LONG {
+        if took > SLOW_ANSWER {
             eprintln!("seed {}: took {took:?}: {name}", seed + case);
         }
         counts[if is_stable { 0 } else { 1 }] += 1;
@@ -85,10 +85,10 @@ fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_says(
     assert!(wrong.is_empty(), "{} complaints", wrong.len());
 }
 
-/// Maps leave out flutter that grows more slowly than what diverges, of cells of several particles too, and a verdict alone stops at the first
-/// witness, that of a state beside it too: what they tell is the same.
+/// Maps omit flutter that grows more slowly than divergence, and a verdict alone stops at the first witness, which can come from a neighboring state.
+/// The results must be the same.
 #[test]
-fn a_state_of_a_map_has_the_verdict_and_the_growth_rate_of_the_state_alone() {
+fn states_of_a_map_and_single_states_have_the_same_verdict_and_growth_rate() {
     let (seed, cases) = hunted(150);
     let mut compared = 0;
     for case in 0..cases as u64 {
@@ -101,7 +101,7 @@ fn a_state_of_a_map_has_the_verdict_and_the_growth_rate_of_the_state_alone() {
     assert!(3 * compared > cases, "{compared} of {cases}");
 }
 
-/// Whether there is something to compare.
+/// Returns true if the state has an answer that can be compared.
 fn assert_same_in_a_map<const D: usize>(random: &mut Random, seed: u64) -> bool {
     let drawn = method::<D>(random);
     let (law, material) = material(random);
@@ -141,12 +141,12 @@ fn assert_same_in_a_map<const D: usize>(random: &mut Random, seed: u64) -> bool 
     true
 }
 
-/// What is stable is said to grow or the other way round; other complaints are of numbers.
+/// Returns true for complaints about a verdict; other complaints concern numbers.
 fn is_wrong_verdict(complaint: &str) -> bool {
     complaint.contains(SAID_STABLE) || complaint.contains(SAID_TO_GROW)
 }
 
-/// What is wrong with the answer for one random state; `None` where there is none.
+/// Name, timing and complaints for one random state; `None` if it has no answer.
 #[allow(clippy::type_complexity)]
 fn checked<const D: usize>(
     random: &mut Random,
@@ -172,7 +172,7 @@ fn answered<const D: usize>(
 ) -> Option<(SpectrumSummary<D>, f64, Waves<D>)> {
     match drawn {
         Drawn::Kernel(method) => {
-            // Beyond the first zone of the current lattice such waves are not distinct.
+            // Beyond the first zone of the current lattice, these waves are not distinct.
             if !method.is_periodic() {
                 return None;
             }
@@ -209,7 +209,7 @@ fn compared<const D: usize>(
             wrong.push(format!("grows with {rate:e} at {k:?}, said {said:e}"));
         }
     }
-    // What is said to grow does.
+    // A mode that is reported to grow must grow.
     let mode = &spectrum.fastest_growing;
     if !spectrum.is_stable() && mode.wave_vector.norm() > 0.0 {
         let own = waves.growth_with_rounding(&mode.wave_vector);
@@ -241,11 +241,11 @@ fn compared<const D: usize>(
             "bounded by {bound:e}, but {scaled:e} at {k:?}, said {told:e}"
         ));
     }
-    // Where modes grow at k = 0 this has no minimum.
+    // The scaled measure has no minimum if modes grow at `k = 0`.
     let at_rest = waves.omega_squared(&nalgebra::SVector::zeros());
     let at_rest = at_rest.iter().map(|z| z.re).fold(0.0, f64::min);
     let has_minimum = at_rest > -1e-13 * waves.scale;
-    // What is not told from the minimum is stated: by the bound.
+    // The bound states the accuracy of the minimum.
     let stated = (told - spectrum.bound) / told.abs().max(1.0) < DIFFERENCE;
     if has_minimum && !stated && told > scaled + DIFFERENCE * (scaled.abs() + 1e-3) {
         wrong.push(format!("scaled minimum {scaled} at {k:?}, said {told}"));
@@ -261,9 +261,9 @@ fn compared<const D: usize>(
     wrong
 }
 
-/// A probe stops at the first witness; a state is searched whole.
+/// A probe stops at the first witness; the full search continues.
 #[test]
-fn a_probe_says_what_the_whole_search_says() {
+fn a_probe_and_the_full_search_give_the_same_stability() {
     let (seed, cases) = hunted(24);
     for case in 0..cases as u64 {
         let mut random = Random::new(seed + case);

@@ -1,4 +1,4 @@
-//! Growth and largest steps of material points in discrete time, against a dense search and the matrix of a whole step.
+//! Growth and critical time steps of material points in discrete time, compared with a dense search and with the matrix of a whole time step.
 
 use crate::hunt::hunted;
 use crate::methods::{material, state};
@@ -14,12 +14,13 @@ use onset::scheme::{
 use onset::time_step::TransferredWaves;
 use std::f64::consts::TAU;
 
-/// Growth in a step that counts, and relative differences that do.
+/// Smallest growth in a time step that counts.
 const GROWTH: f64 = 1e-8;
+/// Relative difference that counts.
 const DIFFERENCE: f64 = 1e-5;
 
 #[test]
-fn no_random_transfer_grows_faster_or_takes_shorter_steps_than_the_search_says() {
+fn no_random_transfer_grows_faster_or_needs_shorter_steps_than_the_search_reports() {
     let (seed, cases) = hunted(10);
     let (mut growing, mut answers, mut wrong) = (0, 0, 0);
     for case in 0..cases as u64 {
@@ -44,7 +45,7 @@ fn no_random_transfer_grows_faster_or_takes_shorter_steps_than_the_search_says()
 
 fn choices(random: &mut Random) -> MaterialPointChoices {
     let flip = random.share();
-    // In the middle of a cell lies a knot of quadratic splines, where they have no second derivative.
+    // The center of a cell is a knot of quadratic splines, where they have no second derivative.
     let offset = random.one_of(&[0.02, 0.05, 0.5]);
     MaterialPointChoices {
         spacing: random.one_of(&[1.0, 0.8]),
@@ -121,7 +122,7 @@ fn checked<const D: usize>(random: &mut Random) -> Option<(String, bool, Vec<Str
         .map(|rate| (rate * step).exp())?;
     let apart = values.iter().map(|z| (z - expected).norm());
     let apart = apart.fold(f64::INFINITY, f64::min);
-    // Double factors move by the root of the rounding.
+    // The error of double factors is the square root of rounding.
     if apart > 3e-7 {
         complain(format!(
             "{expected} is {apart} from the factors of the matrix of a step at {probe:?}"
@@ -130,7 +131,7 @@ fn checked<const D: usize>(random: &mut Random) -> Option<(String, bool, Vec<Str
     Some((name, rate.re > 0.0, complaints))
 }
 
-/// The largest value over a uniform grid and rays towards `k = 0`, each of the best refined.
+/// Largest value on a uniform grid and on rays towards `k = 0`, with refinement of the best points.
 fn dense<const D: usize>(
     waves: &TransferredWaves<D>,
     value: &dyn Fn(&SVector<f64, D>) -> f64,
@@ -167,7 +168,7 @@ fn dense<const D: usize>(
                 for sign in [-1.0, 1.0] {
                     let mut tried = place;
                     tried[axis] += sign * size;
-                    // Longer waves than a thousand cells are left out.
+                    // Waves longer than a thousand cells are left out.
                     let own = if tried.norm() > 2e-3 {
                         at(&tried)
                     } else {
@@ -189,23 +190,25 @@ fn dense<const D: usize>(
     best
 }
 
-/// A step of all points of a wave: displacements, velocities, affine fields and gradients of displacement, written out.
+/// One time step of all points of a wave, written out: displacements, velocities, affine fields and displacement gradients.
 struct Step<const D: usize> {
     places: Vec<(SVector<f64, D>, f64)>,
-    /// Order of the spline, and whether moments take the place of gradients.
+    /// Order of the spline.
     order: i32,
+    /// True if moments replace gradients.
     is_moments: bool,
     transfer: Transfer,
     spacing: f64,
     density: f64,
-    /// From lattice coordinates to places at the state.
+    /// Map from lattice coordinates to current positions.
     current: SMatrix<f64, D, D>,
-    /// The Kirchhoff stress, and its change with each gradient of displacement.
+    /// Kirchhoff stress.
     stress: SMatrix<f64, D, D>,
+    /// Change of the Kirchhoff stress with each displacement gradient.
     changes: Vec<SMatrix<f64, D, D>>,
 }
 
-/// A node seen from a place: its lattice coordinates, where it is from there, value and gradient of its function, and the derivatives of the gradient.
+/// A node near a position: lattice coordinates, relative position, value and gradient of its function, derivatives of the gradient.
 type Seen<const D: usize> = (
     SVector<f64, D>,
     SVector<f64, D>,
@@ -284,12 +287,12 @@ impl<const D: usize> Step<D> {
         })
     }
 
-    /// The second moment of the functions along an axis, in units of the spacing.
+    /// Second moment of the functions along an axis, in units of the spacing.
     fn moment(&self) -> f64 {
         if self.order == 2 { 0.25 } else { 1.0 / 3.0 }
     }
 
-    /// The nodes around a place.
+    /// Nodes around a position.
     fn seen(&self, place: &SVector<f64, D>) -> Vec<Seen<D>> {
         let inverse = self.current.try_inverse().expect("a lattice").transpose();
         let side = 2 * self.order + 1;
@@ -343,7 +346,7 @@ impl<const D: usize> Step<D> {
         let size = own * self.places.len();
         let mass = self.density * self.spacing.powi(D as i32);
         let [of_v, of_c, of_g] = [D, 2 * D, 2 * D + D * D];
-        // Velocities of the node at the origin before and after the forces, by what the points have.
+        // Velocities of the node at the origin before and after the forces, as functions of the point variables.
         let mut before = DMatrix::<Complex<f64>>::zeros(D, size);
         let mut forces = before.clone();
         let seen: Vec<_> = self
@@ -355,7 +358,7 @@ impl<const D: usize> Step<D> {
         for (p, (seen, (_, volume))) in seen.iter().zip(&self.places).enumerate() {
             let at = p * own;
             for (node, distance, weight, gradient, change) in seen {
-                // The point as far on the other side of the origin.
+                // The point at the opposite position with respect to the origin.
                 let phase = phase(node).conj();
                 let share = weight * self.density * volume / mass;
                 let by_place = self.stress * change * (-volume / mass);
@@ -416,7 +419,7 @@ impl<const D: usize> Step<D> {
                 }
             }
         }
-        // Velocities times the step: a similarity that keeps all of the same size.
+        // Velocities times the time step: a similarity that balances the entries.
         let is_rate = |n: usize| (of_v..of_g).contains(&(n % own));
         for row in 0..size {
             for column in 0..size {

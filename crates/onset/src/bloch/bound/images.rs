@@ -139,7 +139,7 @@ mod tests {
     }
 
     /// Fraction of boxes of one size that are examined. Asserts that each corner of an omitted box has an image with a smaller sum.
-    fn looked_at<const D: usize>(
+    fn examined_share<const D: usize>(
         lattice: &BravaisLattice<D>,
         group: &[Symmetry<D>],
         n: usize,
@@ -179,17 +179,17 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_out_has_images_before_it_and_the_rest_is_about_a_share_of_the_group() {
+    fn omitted_boxes_have_earlier_images_and_the_number_of_boxes_falls_with_the_group_order() {
         // Inversion maps the examined half to the other half.
         let of_plane = |kind: LatticeKind| {
             let lattice = kind.lattice::<2>(1.0).unwrap();
             let group = Symmetry::all(&lattice);
-            looked_at(&lattice, &group, 32) * (group.len() / 2) as f64
+            examined_share(&lattice, &group, 32) * (group.len() / 2) as f64
         };
         let of_space = |kind: LatticeKind| {
             let lattice = kind.lattice::<3>(1.0).unwrap();
             let group = Symmetry::all(&lattice);
-            looked_at(&lattice, &group, 12) * (group.len() / 2) as f64
+            examined_share(&lattice, &group, 12) * (group.len() / 2) as f64
         };
         for share in [
             of_plane(LatticeKind::Square),
@@ -208,12 +208,12 @@ mod tests {
         // The identity and the inversion alone omit no box.
         let lattice = LatticeKind::SimpleCubic.lattice::<3>(1.0).unwrap();
         let alone = &Symmetry::all(&lattice)[..1];
-        assert_eq!(looked_at(&lattice, alone, 4), 1.0);
+        assert_eq!(examined_share(&lattice, alone, 4), 1.0);
     }
 
     /// The image of a long wave is a long wave, and no reciprocal vector is subtracted.
     #[test]
-    fn boxes_of_long_waves_are_left_out_where_all_their_waves_are() {
+    fn boxes_of_long_waves_are_omitted_only_if_all_their_waves_have_earlier_images() {
         let lattice = LatticeKind::FaceCenteredCubic.lattice::<3>(1.0).unwrap();
         let group = Symmetry::all(&lattice);
         let images = Images::new(&group);

@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn derivatives_are_those_of_the_definition() {
+    fn derivatives_agree_with_the_definition() {
         for (t, p) in [(0.4, 3.0), (0.5, -9.0), (0.3, 21.0), (0.45, 2.1)] {
             for m in 0..3 {
                 let own = derivatives(m, t, p);
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_polynomial_of_the_fourth_order_leaves_out_stays_below_its_bound() {
+    fn the_remainder_of_a_fourth_order_polynomial_stays_below_its_bound() {
         let factorial = |n: usize| (1..=n).product::<usize>() as f64;
         for m in 0..3 {
             for n in 0..200 {

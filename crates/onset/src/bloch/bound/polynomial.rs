@@ -392,7 +392,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_seen_to_be_positive_definite_is() {
+    fn the_test_of_positive_definiteness_has_no_false_positives() {
         let numbers = (
             proptest::collection::vec(-1.0..1.0f64, 20 * 18),
             0.0..12.0f64,
@@ -417,7 +417,7 @@ mod tests {
 
     /// A soft vector with `(u - u0).H (u - u0) + floor`, coupled to a stiff one: the minimum on the box is `floor`.
     #[test]
-    fn nothing_is_lost_around_the_minimum_of_a_soft_vector() {
+    fn the_test_is_sharp_around_the_minimum_of_a_soft_vector() {
         let bottom = SVector::from([0.3, -0.4]);
         let h = nalgebra::Matrix2::new(2e-4, 1.2e-4, 1.2e-4, 1e-4);
         let coupling = [Complex::new(0.02, 0.01), Complex::new(-0.015, 0.02)];

@@ -577,7 +577,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn sums_stay_within_their_rest(
+        fn remainders_of_the_sums_stay_below_their_bounds(
             entries in proptest::collection::vec(-1.0..1.0f64, 6 * 4),
             along in proptest::collection::vec(-12.0..12.0f64, 6 * 2),
             middle in proptest::array::uniform2(-0.5..0.5f64),

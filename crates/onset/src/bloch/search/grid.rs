@@ -17,7 +17,7 @@ use std::sync::{Arc, OnceLock};
 ///
 /// The discriminant is quadratic in the distance of two branches. If they cross within 0.6 grid steps along each axis, the ratio is `(0.6/1.6)^2 =
 /// 0.14`.
-const NEAR_CROSSING_RATIO: f64 = 0.15;
+const CROSSING_RATIO: f64 = 0.15;
 /// Maximum number of grid points along an axis that predict pockets in three dimensions without a discriminant.
 const POCKET_POINTS_PER_AXIS: usize = 24;
 
@@ -391,7 +391,7 @@ impl<const D: usize> Grid<D> {
     ) -> (Vec<SVector<f64, D>>, usize) {
         let n = self.waves.resolution();
         let known = self.spectrum.relative_discriminants::<D>();
-        let largest = NEAR_CROSSING_RATIO * known.iter().copied().fold(0.0, f64::max);
+        let largest = CROSSING_RATIO * known.iter().copied().fold(0.0, f64::max);
         let lowest = self.spectrum.known(Objective::Lowest);
         let asymmetry: &[f64] = &self.spectrum.asymmetry;
         let stride = match has_discriminant || D < 3 {
@@ -413,7 +413,7 @@ impl<const D: usize> Grid<D> {
                 return false;
             }
             let around = || neighbors::<D>(*index, n, known.len()).chain([*index]);
-            if !around().any(|other| known[*index] <= NEAR_CROSSING_RATIO * known[other]) {
+            if !around().any(|other| known[*index] <= CROSSING_RATIO * known[other]) {
                 return false;
             }
             if !self.has_asymmetry() {

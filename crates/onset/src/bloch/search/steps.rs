@@ -464,7 +464,7 @@ mod tests {
 
     /// Compares with the matrix itself and its finite differences, and with the Newton step from these derivatives.
     #[test]
-    fn objectives_along_the_mirror_lines_are_those_of_the_matrix_with_their_derivatives() {
+    fn objectives_along_the_mirror_lines_and_their_derivatives_agree_with_the_matrix() {
         let (mut random, mut steep, mut certain) = (7_u64, 0, 0);
         for (lattice, stretches) in [
             (LatticeKind::Hexagonal, [1.2, 0.7]),
