@@ -12,31 +12,31 @@ use std::process::ExitCode;
 use std::sync::OnceLock;
 use std::time::Instant;
 
-/// The form of an answer.
+/// Format of an answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Format {
-    /// A text with six significant digits.
+    /// Text with six significant digits.
     #[default]
     Text,
-    /// One document with 17 significant digits.
+    /// One JSON document with 17 significant digits.
     Json,
-    /// The table of the answer; where it is none, a line for each number: its name in the JSON document, and its value.
+    /// Table of the answer; without a table, one line per number: its name in the JSON document, and its value.
     Csv,
 }
 
-/// When to color.
+/// Use of colors in the output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum When {
-    /// On a terminal, unless NO_COLOR is set.
+    /// Colors on a terminal, unless `NO_COLOR` is set.
     #[default]
     Auto,
-    /// Always.
+    /// Colors in any output.
     Always,
-    /// Never.
+    /// Output without colors.
     Never,
 }
 
-/// How answers are printed.
+/// Options for the output of answers.
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub struct PrintingArguments {
     /// Form of the answer: text, json (17 significant digits) or csv.
@@ -57,7 +57,7 @@ pub struct PrintingArguments {
         help_heading = "Printing"
     )]
     pub json: bool,
-    /// Print nothing but errors, and what is asked for as JSON or CSV; show no progress.
+    /// Print only errors and requested JSON or CSV; show no progress.
     #[arg(
         long,
         global = true,
@@ -65,10 +65,10 @@ pub struct PrintingArguments {
         help_heading = "Printing"
     )]
     pub quiet: bool,
-    /// Tell version, threads and time on standard error.
+    /// Print version, threads and time on standard error.
     #[arg(long, global = true, help_heading = "Printing")]
     pub verbose: bool,
-    /// When to color: auto, always or never.
+    /// Color the output: auto, always or never.
     #[arg(
         long,
         value_enum,

@@ -270,7 +270,7 @@ impl Process {
         false
     }
 
-    /// Ends the process with its children, and returns its exit status if it was still running.
+    /// Ends the process with its children and returns its exit status; `None` in a second call, or in a fork.
     fn end(&mut self) -> Option<ExitStatus> {
         if std::mem::replace(&mut self.has_ended, true) || !self.is_ours() {
             return None;

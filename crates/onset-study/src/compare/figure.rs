@@ -153,7 +153,7 @@ impl Table {
             of(|m| m.fidelity.zero_energy)
                 .marker(Marker::Triangle)
                 .color(palette::PURPLE)
-                .named("stable with zero-energy modes"),
+                .named("stable, but with zero-energy modes"),
             of(|m| m.fidelity.undefined)
                 .marker(Marker::Cross)
                 .color(palette::BLACK)

@@ -138,7 +138,7 @@ impl Default for Pace {
 }
 
 impl Pace {
-    /// Batches that take less time are followed by larger batches.
+    /// Batches that take less time than `SHORT_BATCH` are followed by larger ones, and batches that take more than `LONG_BATCH` by smaller ones.
     const SHORT_BATCH: Duration = Duration::from_millis(50);
     const LONG_BATCH: Duration = Duration::from_millis(250);
 
