@@ -27,7 +27,7 @@ const JUMP: f64 = 1e-4;
 const CELLS: u32 = 1024;
 
 impl Smoothness {
-    /// Smallest number at any place.
+    /// Smallest number of continuous derivatives at any place.
     pub fn least(self) -> Option<u32> {
         [self.origin, self.inside, self.rim]
             .into_iter()

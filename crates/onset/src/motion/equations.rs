@@ -35,7 +35,7 @@ pub(super) fn field_of<const D: usize>(flat: &[f64], count: usize) -> Field<D> {
     field
 }
 
-/// Vectors of a field with three components.
+/// Vectors of a field, extended to three components.
 pub(super) fn in_space<const D: usize>(field: &[SVector<f64, D>]) -> Vec<[f64; 3]> {
     let own = |x: &SVector<f64, D>| array_of(|i| x.get(i).copied().unwrap_or(0.0));
     field.iter().map(own).collect()

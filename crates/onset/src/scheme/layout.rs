@@ -28,8 +28,8 @@ pub(crate) struct Weighed<R, const D: usize> {
 
 /// Vector in the metric of a weight.
 ///
-/// `q^2 = x . C x` is the squared ratio of the distance to the support radius, and the gradient of the weight is along `C x`, with `C = metric^T
-/// metric / radius^2`.
+/// `q^2 = x . C x` is the squared ratio of the distance to the support radius, and the gradient of the weight is along `C x`, with
+/// `C = metric^T metric / radius^2`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measured<R, const D: usize> {
     /// Direction of the gradient, `C x`; 1/length.

@@ -45,8 +45,8 @@ impl Hyperelastic for PartOf<'_> {
 /// deformation, so that first derivatives are exact.
 /// On a lattice of fewer than three dimensions only the leading block of the deformation gradient varies; the stretches beyond it are constant.
 ///
-/// A path-dependent law provides the state and the tangent of continued loading. Near the state it is replaced by Hill's linear comparison solid, `P
-/// = P_0 + A (F - F_0)`.
+/// A path-dependent law provides the state and the tangent of continued loading. Near the state it is replaced by Hill's linear comparison solid,
+/// `P = P_0 + A (F - F_0)`.
 #[derive(Clone, Copy)]
 pub struct PointResponse<'a, const D: usize> {
     material: &'a dyn Hyperelastic,

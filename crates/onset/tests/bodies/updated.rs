@@ -537,8 +537,8 @@ fn free_particles_keep_the_gradient_of_their_motion_through_changes_of_neighbors
     .expect("a body");
 }
 
-/// Predicted and measured `omega^2` of a wave in the middle of a large body, from three leapfrog amplitudes, `a(t + dt) + a(t - dt) = (2 - omega^2
-/// dt^2) a(t)`, before the surface has an effect.
+/// Predicted and measured `omega^2` of a wave in the middle of a large body, from three leapfrog amplitudes,
+/// `a(t + dt) + a(t - dt) = (2 - omega^2 dt^2) a(t)`, before the surface has an effect.
 fn growth(
     lattice: LatticeKind,
     size: &[f64],

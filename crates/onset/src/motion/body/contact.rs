@@ -22,8 +22,8 @@ use crate::real::LANES;
 /// Contact between the pieces of a total-Lagrangian body, whose particles are not neighbors of each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Stiffness relative to the material: particles closer than the spacing `h` repel each other with the force `stiffness A_1111 h^(D-1) (1 -
-    /// r/h)`, with the tangent of the law at `F = 1`.
+    /// Stiffness relative to the material: particles closer than the spacing `h` repel each other with the force
+    /// `stiffness A_1111 h^(D-1) (1 - r/h)`, with the tangent of the law at `F = 1`.
     pub stiffness: f64,
 }
 

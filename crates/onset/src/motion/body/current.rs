@@ -889,7 +889,7 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
         sum
     }
 
-    /// Memory per component of the engine; bytes.
+    /// Memory of the engine in use; bytes.
     pub(super) fn bytes(&self) -> usize {
         let kept = [&self.tensile, &self.corrections];
         let tensors = 2 + kept.into_iter().flatten().count();

@@ -75,8 +75,8 @@ pub enum HourglassScale {
 
 /// Formulation of the elements; by default full integration with lumped masses.
 ///
-/// Hourglass control resists each mode `q = sum_a gamma_a u_a` of a one-point element with the force `gamma_a (kappa M V b^2 q + epsilon rho c V b
-/// dq/dt)`, or with the force of another [`HourglassScale`].
+/// Hourglass control resists each mode `q = sum_a gamma_a u_a` of a one-point element with the force
+/// `gamma_a (kappa M V b^2 q + epsilon rho c V b dq/dt)`, or with the force of another [`HourglassScale`].
 /// `M = rho c^2` is the modulus of the fastest wave in the material in the reference state, and `b^2 = sum_a |b_a|^2` with the mean gradients `b_a`.
 /// Both parts are objective: `q` vanishes for every linear field, and rotates with the element.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,8 +88,8 @@ pub enum HourglassScale {
 pub struct Formulation {
     /// Integration rule, full or one-point.
     pub integration: Integration,
-    /// Stiffness coefficient `kappa` of one-point elements; dimensionless. For squares with lumped masses the hourglass modes have `omega^2 = 2 kappa
-    /// M / (rho h^2)`.
+    /// Stiffness coefficient `kappa` of one-point elements; dimensionless. For squares with lumped masses the hourglass modes have
+    /// `omega^2 = 2 kappa M / (rho h^2)`.
     pub hourglass_stiffness: f64,
     /// Viscosity coefficient `epsilon` of one-point elements; dimensionless.
     pub hourglass_viscosity: f64,

@@ -87,8 +87,8 @@ pub enum Formulation {
     /// The points themselves, whose velocities change by the accelerations of the grid, `dv_p/dt = sum_i N_ip f_i / m_i`: the limit of small steps of
     /// the fluid-implicit-particle transfer.
     ///
-    /// Points and deformation follow the velocities `v_i = sum_q m_q N_iq v_q / m_i` of the grid, `dx_p/dt = sum_i N_ip v_i`, `dF_p/dt = sum_i v_i
-    /// (x) grad N_ip F_p`.
+    /// Points and deformation follow the velocities `v_i = sum_q m_q N_iq v_q / m_i` of the grid, `dx_p/dt = sum_i N_ip v_i`,
+    /// `dF_p/dt = sum_i v_i (x) grad N_ip F_p`.
     /// The forces are computed as in `Updated`. The unknown of a wave is the time integral of the velocity of the point, not its displacement:
     /// components that vanish on the grid displace nothing and meet no force.
     ///
@@ -438,8 +438,8 @@ impl<const D: usize> MaterialPoints<D> {
 
     /// Equations of motion for the velocities of the grid.
     ///
-    /// `M^-1 K` between points is `A B` with `A_pi = N_ip / m_i`, `B_iq = sum_j K_ij N_jq m_q / m_j`. Its nonzero `omega^2` are the eigenvalues of `B
-    /// A = K S / m`, `S_jk = sum_q m_q N_jq N_kq / m`.
+    /// `M^-1 K` between points is `A B` with `A_pi = N_ip / m_i`, `B_iq = sum_j K_ij N_jq m_q / m_j`. Its nonzero `omega^2` are the eigenvalues of
+    /// `B A = K S / m`, `S_jk = sum_q m_q N_jq N_kq / m`.
     /// With one node per cell `S(k)` is a real number, and `K S` is as Hermitian as `K`.
     fn on_the_grid(&self, nodal: &BlochSum<D>) -> WaveSystem<D> {
         let mass = self.nodal_mass();

@@ -97,7 +97,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
     }
 
-    /// Derivatives of a density. `rho = rho_0 / det F` changes by `-rho div u`, a sum by the gradients of its weights.
+    /// Derivatives of a density: from the gradients of the weights for summation, and `-rho div u` for continuity.
     fn density_row(&self, number: usize, density: f64) -> Row<D> {
         let StressOf {
             surroundings,

@@ -10,8 +10,8 @@ use super::assert_coefficients;
 
 /// Artificial stress of Gray, Monaghan and Swift, an added pair repulsion in tension.
 ///
-/// The stress of each particle of a pair changes by `-epsilon (W_IJ / W(spacing))^n` times its tensile part, `[sigma]_+ = sum_a max(sigma_a, 0) n_a
-/// (x) n_a` in principal stresses.
+/// The stress of each particle of a pair changes by `-epsilon (W_IJ / W(spacing))^n` times its tensile part,
+/// `[sigma]_+ = sum_a max(sigma_a, 0) n_a (x) n_a` in principal stresses.
 /// A principal stress that is zero to rounding is not tensile: the linearization takes the compressive side.
 ///
 /// Source: Gray, Monaghan, Swift, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6641, with `epsilon = 0.3`, `n = 4`.

@@ -90,8 +90,8 @@ pub(in super::super) struct BondPenalty<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> BondPenalty<'a, D> {
-    /// Builds the forces from the reference vectors to the neighbors, the gradients of the deformation gradient, and the weights `alpha/2 E V_I V_J
-    /// W_IJ`.
+    /// Builds the forces from the reference vectors to the neighbors, the gradients of the deformation gradient, and the weights
+    /// `alpha/2 E V_I V_J W_IJ`.
     pub(in super::super) fn new(
         particles: Vec<Particle<D>>,
         vectors: Vec<[f64; D]>,
