@@ -109,7 +109,7 @@ pub(crate) fn without_rounding(values: &mut [Complex], norm: f64, noise: f64) {
     }
 }
 
-/// Eigenvalues of a real 3 x 3 matrix: in closed form if they are well separated, by rotations if the matrix is symmetric to rounding, and otherwise
+/// Eigenvalues of a real 3 x 3 matrix. The closed form serves well separated eigenvalues, rotations serve symmetric matrices. All others are computed
 /// from the blocks of the Schur form, so that the treatment of two rows applies.
 fn of_three_real(matrix: &Matrix3<f64>, noise: f64) -> Option<[Complex; 3]> {
     let entries = array_of(|e| matrix[(e / 3, e % 3)]);

@@ -1,7 +1,7 @@
 //! Analysis of a method and a material in any number of dimensions, without the dimension as a type parameter.
 //!
 //! The rooms below are generic over a lattice of `D` dimensions. Here, and only here, `D` becomes a run-time number: [`analysis`] creates an
-//! [`Analysis`] from [`MethodChoices`] and a material. Its results are those of the other rooms for `D = 3`, where vectors of a line or a plane are
+//! [`Analysis`] from [`MethodChoices`] and a material. Its results have the types of the other rooms for `D = 3`, where vectors of a line or a plane are
 //! padded with zeros. Reference wave vectors are passed as slices of [`Analysis::dimension`] components.
 
 mod body;
@@ -76,7 +76,7 @@ pub trait Analysis: Send + Sync {
     /// Returns the data of a map at many states. Each result is independent of the other states.
     fn states(&self, states: &[DeformationGradient]) -> Vec<Result<SurveyedState<3>, MethodError>>;
 
-    /// Returns whether the particles are stable at a state, and how they lose stability.
+    /// Returns the phase of the particles at a state (stable, divergence, flutter or undefined), with its measure.
     ///
     /// # Errors
     /// [`MethodError`] if the state cannot be evaluated for a reason other than its support or the domain of the law.
@@ -135,7 +135,7 @@ pub trait Analysis: Send + Sync {
     fn gradient_norm(&self, f: &DeformationGradient, k: &[f64])
     -> Result<Option<f64>, MethodError>;
 
-    /// Returns true if a wave exists at this wave vector whose strain is zero at every quadrature point, whatever the law.
+    /// Returns true if a wave exists at this wave vector whose strain is zero at every quadrature point, for any law.
     ///
     /// # Errors
     /// [`MethodError`] if the method cannot be evaluated there.

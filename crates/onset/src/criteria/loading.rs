@@ -384,7 +384,7 @@ pub enum PathEnd {
 enum Volume {
     Changes,
     Kept,
-    /// The response is incompressible, with a volume change equal to the pressure divided by the bulk modulus.
+    /// Nearly incompressible response: the volume changes by the pressure divided by the bulk modulus.
     HardlyChanges {
         bulk: f64,
     },

@@ -16,9 +16,9 @@ pub struct VariableGroup {
 /// Symmetry that the use of a variable implies for a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VariableKind {
-    /// Invariant under rotations of space and of the material.
+    /// The law is invariant under rotations of space and of the material.
     Isotropic,
-    /// Invariant under rotations of space.
+    /// The law is invariant under rotations of space.
     Objective,
     /// Changed by rotations of space: a law that uses these variables need not be objective.
     Component,

@@ -9,7 +9,7 @@
 //! `phi` is the von Mises stress, and the law is J2.
 //!
 //! A state `F = R U` is reached along `R U^t`, `0 <= t <= 1`, which is also the path of Abaqus user materials here. For J2 the strains keep their
-//! direction, and the flow follows from one step in closed form. Otherwise the rates are integrated.
+//! direction, and the flow follows from one step in closed form. For other strain ratios the rates are integrated.
 //!
 //! **Tangent.** Let `w(F, e) = W(F F_p^-1 exp(-e N))` be the elastic energy at a flow `e` that follows the state. Then `P = dw/dF`, and the work
 //! dissipated by the flow is `-dw/de = M : N = phi`. Continued flow keeps `phi = sigma_y`, so `e` is eliminated from the rates like an internal

@@ -1,6 +1,6 @@
 //! Rate-independent plasticity and its localization.
 //!
-//! The law is that of Drucker and Prager in the notation of J. W. Rudnicki and J. R. Rice, *J. Mech. Phys. Solids* 23 (1975) 371; von Mises (J2) is
+//! The law of Drucker and Prager is given in the notation of J. W. Rudnicki and J. R. Rice, *J. Mech. Phys. Solids* 23 (1975) 371; von Mises (J2) is
 //! the case without friction and dilatancy. With the deviator `s`, `tau = sqrt(s:s/2)` and the mean stress `sigma_m`,
 //!
 //! `f = tau + mu sigma_m - k(gamma) <= 0`, `P = s/(2 tau) + beta/3 1`, `Q = s/(2 tau) + mu/3 1`, `h = dk/dgamma`,

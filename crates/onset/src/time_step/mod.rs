@@ -4,7 +4,7 @@
 //! by the amplification matrix `G(dt)`. A step is stable if no more eigenvalues of `G` lie outside the unit circle than solutions of the equations
 //! themselves grow: physical growth does not limit the step, numerical growth does.
 //!
-//! Methods that filter velocities once per step define their own step and have no equations in continuous time: [`TransferredWaves`].
+//! Methods that filter velocities once per step have a built-in step and no equations in continuous time: [`TransferredWaves`].
 
 mod amplification;
 mod runge_kutta;

@@ -1,4 +1,4 @@
-//! Every number of the reference whose naming defines it, section by section.
+//! All reference numbers that their name defines completely, section by section.
 
 use crate::reference::{
     anchors, assert_meets, lagrangian, material, method, number, numbers, stretched, with_frame,
@@ -14,7 +14,7 @@ use onset::quadrature::QuadraturePoint;
 use onset::verdict::{Phase, Survey, assess, scan_discretization, scan_material, speed_squared};
 use std::f64::consts::{PI, TAU};
 
-/// The search over the zone of a method at a state.
+/// Search over the zone of a method at a state.
 fn search_of(
     method: &onset::method::Method<2>,
     material: &dyn onset::material::Hyperelastic,
@@ -149,7 +149,7 @@ fn kernel_sums_and_completeness_errors() {
                 number(&reference[&format!("alpha_{suffix}")]),
                 1e-9,
             );
-            // The sum of the weights, from phi = W / S at any one neighbor.
+            // The sum of the weights, from phi = W / S at any neighbor.
             let q = positions[0].norm() / support;
             let weight = (1.0 - q).powi(3) * (1.0 + 3.0 * q);
             let sum = weight / point.shape.values[0];
@@ -158,7 +158,7 @@ fn kernel_sums_and_completeness_errors() {
     }
 }
 
-/// `omega^2`, both real, at a reference wave vector.
+/// Both real `omega^2` at a reference wave vector.
 fn omega_squared(
     discretization: KernelMethodChoices,
     name: &str,
@@ -284,7 +284,7 @@ fn eulerian_spectra_at_the_wave_vectors_of_zero_energy_modes() {
         let computed = omega_squared(discretization, "mooney", &stretched(stretch, stretch), k);
         let reference = numbers(reference);
         if (reference[0] - reference[1]).abs() < 1e-6 * reference[0].abs() {
-            // A double eigenvalue: the reference shows the square root of rounding, its mean does not.
+            // A double eigenvalue: the reference contains the square root of rounding, its mean does not.
             let mean = 0.5 * (reference[0] + reference[1]);
             assert_meets(key, 0.5 * (computed[0].re + computed[1].re), mean, 1e-9);
             assert_meets(key, computed[1].re - computed[0].re + 1.0, 1.0, 1e-6);
@@ -336,7 +336,7 @@ fn equibiaxial_onset_with_the_interpolated_background() {
             ..base
         });
         let material = material("mooney");
-        // The reference is the onset of long waves: their measure vanishes there.
+        // The reference is the onset for long waves, whose measure vanishes there.
         let measure = |stretch: f64| {
             let f = stretched(stretch, stretch);
             let matrix = dynamical_matrix(&method, &*material, &f).expect("a matrix");
@@ -356,8 +356,8 @@ fn equibiaxial_onset_with_the_interpolated_background() {
             scan_discretization(&survey, &path).expect("a scan")
         };
         let onset = 1.5 + 0.3 * scan.crossings[0].parameter();
-        // Shorter waves can be unstable before: where the stress points carry a larger stretch than the
-        // nodes, they reach the limit of the material first, and at K the nodes do not resist.
+        // Shorter waves can be unstable earlier: if the stress points carry a larger stretch than the nodes, they reach the limit of the material
+        // first, and at K the nodes have no stiffness.
         let alpha = |place: &str| number(&anchors()["kernel"][format!("hex_{support:.1}")][place]);
         let witness = if alpha("alpha_sp") > alpha("alpha_node") {
             1.0 + (number(&anchors()["pde_equibiaxial_mooney"]) - 1.0) / alpha("alpha_sp")
@@ -375,7 +375,7 @@ fn rank_gap_and_deficient_supports_of_hexagonal_stress_points() {
     for (support, reference) in anchors["rank_gap_hex_sp"].as_object().expect("a table") {
         let method = method(lagrangian("hex", "sp", support.parse().expect("a support")));
         let norm = gradient_norm(&method, &reference_state).expect("a configuration");
-        // The reference divides by |k|^2 and searched a grid with refinement; so does this.
+        // Like the reference, divide by |k|^2 and search a refined grid.
         let zone = BrillouinZone::new(*method.lattice());
         let measure = |k: &Vector2<f64>| norm.at(k)[(0, 0)].re / k.norm_squared();
         let mut best = (f64::INFINITY, Vector2::zeros());
@@ -442,7 +442,7 @@ fn blatz_ko_frequencies_of_equibiaxial_states() {
                 .expect("a matrix");
             let reference = numbers(&reference[point]);
             for (value, reference) in matrix.omega_squared(&k).iter().zip(&reference) {
-                // At K the eigenvalue is double and the reference carries the square root of rounding.
+                // At K the eigenvalue is double and the reference contains the square root of rounding.
                 let tolerance = if point == "K" { 1e-7 } else { 1e-9 };
                 assert_meets(point, value.re * stretch.powi(4), *reference, tolerance);
             }
@@ -451,7 +451,7 @@ fn blatz_ko_frequencies_of_equibiaxial_states() {
         let matrix = dynamical_matrix(&method, &*material, &identity).expect("a matrix");
         let search = search_of(&method, &*material, &identity);
         let maximum = search.summary(&matrix).maximum_omega.powi(2);
-        // The reference is the maximum of a 96 x 96 grid: never above ours, and close.
+        // The reference is the maximum over a 96 x 96 grid: slightly below the computed maximum.
         let sampled = number(&reference["max over zone"]);
         assert!(
             maximum >= sampled * (1.0 - 1e-12) && maximum < sampled * 1.002,
@@ -501,9 +501,8 @@ fn minima_over_the_zone_are_met_or_beaten() {
     }
 }
 
-/// Onsets from the reference state: the first divergence must meet the reference, which looked for
-/// `Re omega^2 < 0`, or come nearer to the reference state with a growing mode to show for it; flutter
-/// may come before. Returns how many met it and how many came earlier.
+/// Onsets from the reference state: the first divergence must agree with the reference, which searched for `Re omega^2 < 0`, or be nearer to the
+/// reference state with a growing mode. Flutter may occur earlier. Returns the numbers of equal and of earlier onsets.
 fn eulerian_onsets(name: &str) -> [usize; 2] {
     let anchors = anchors();
     let (mut met, mut earlier) = (0, Vec::new());

@@ -1,10 +1,10 @@
-//! How much of the compressive square is stable for Eulerian kernels, material (5): the claim behind figure 6.
+//! Stable part of the compressive square for Eulerian kernels, material (5): the claim behind figure 6.
 
 use crate::reference::{lagrangian, material, method, stretched, with_frame};
 use onset::bloch::Stability;
 use onset::verdict::judge;
 
-/// How many of 64 compressive states diverge, `Re omega^2 < 0`.
+/// Number of divergent states, `Re omega^2 < 0`, among 64 compressive states.
 fn diverging(quadrature: &str, support: f64, geometry: &str, linearization: &str) -> usize {
     let discretization = with_frame(
         lagrangian("hex", quadrature, support),

@@ -1,4 +1,4 @@
-//! The paper and its independent reference numbers, claim by claim.
+//! Claims of the paper compared with independent reference numbers.
 
 mod anchors;
 mod compression;

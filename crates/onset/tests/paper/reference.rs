@@ -1,4 +1,4 @@
-//! The reference numbers of `validation/anchors.json` and the methods that their keys name.
+//! Reference numbers of `validation/anchors.json`, and the methods named by their keys.
 
 use onset::approximation::Approximation;
 use onset::kinematics::DeformationGradient;
@@ -17,8 +17,8 @@ pub fn anchors() -> Value {
     serde_json::from_str(&text).expect("the reference numbers are JSON")
 }
 
-/// Asserts that a number is met to a relative tolerance, absolute where the reference is zero. References
-/// below 1e-13 are the rounding errors of zeros.
+/// Asserts that a number agrees within a relative tolerance, or an absolute one if the reference is zero. References below 1e-13 are the rounding
+/// errors of zeros.
 #[track_caller]
 pub fn assert_meets(what: &str, computed: f64, reference: f64, tolerance: f64) {
     let error = (computed - reference).abs();
@@ -46,7 +46,7 @@ pub fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
 
-/// `mooney`, `blatzko1`, `blatzko32`.
+/// Material with the name `mooney`, `blatzko1` or `blatzko32`.
 pub fn material(name: &str) -> Box<dyn Hyperelastic> {
     match name {
         "mooney" => Box::new(ModifiedMooneyRivlin::default()),
@@ -56,7 +56,7 @@ pub fn material(name: &str) -> Box<dyn Hyperelastic> {
     }
 }
 
-/// A Lagrangian discretization: `hex` or `square`, `nodal` or `sp`.
+/// Lagrangian discretization from the words `hex` or `square`, `nodal` or `sp`.
 pub fn lagrangian(kind: &str, quadrature: &str, support: f64) -> KernelMethodChoices {
     KernelMethodChoices {
         lattice: match kind {
@@ -74,7 +74,7 @@ pub fn lagrangian(kind: &str, quadrature: &str, support: f64) -> KernelMethodCho
     }
 }
 
-/// `lagrange`, `lagrange_mls`, or `euler` with geometry (`fixed-stretched`, ...) and linearization.
+/// Discretization from the words `lagrange`, `lagrange_mls`, or `euler` with geometry (`fixed-stretched`, ...) and linearization.
 pub fn with_frame(
     base: KernelMethodChoices,
     frame: &str,
