@@ -82,12 +82,12 @@ pub(super) fn cover<const D: usize>(
         let several: Vec<_> = open.drain(..open.len().min(at_once)).collect();
         waiting -= cost(&several);
         let highest = found.lowest - question.gap;
-        let look =
-            |cell: Cell<D>| (!images.are_before(&cell)).then(|| Looked::at(pencil, cell, highest));
-        for seen in on_cores(pencil, several, look).into_iter().flatten() {
-            let Looked { cell, bends, .. } = seen;
+        let test =
+            |cell: Cell<D>| (!images.are_before(&cell)).then(|| Tested::at(pencil, cell, highest));
+        for tested in on_cores(pencil, several, test).into_iter().flatten() {
+            let Tested { cell, bends, .. } = tested;
             done += pencil.cost_on(&cell);
-            let divisions = match seen.sign_below(&mut found, pencil, question, highest) {
+            let divisions = match tested.sign_below(&mut found, pencil, question, highest) {
                 Sign::Positive => continue,
                 Sign::Lost => 1,
                 Sign::Open { divisions } => divisions,
@@ -107,7 +107,7 @@ pub(super) fn cover<const D: usize>(
 }
 
 /// Result of the test of one box.
-struct Looked<const D: usize> {
+struct Tested<const D: usize> {
     cell: Cell<D>,
     bends: [f64; D],
     sign: Sign,
@@ -115,7 +115,7 @@ struct Looked<const D: usize> {
     local: Option<Local<D>>,
 }
 
-impl<const D: usize> Looked<D> {
+impl<const D: usize> Tested<D> {
     fn at(pencil: &Pencil<D>, cell: Cell<D>, highest: f64) -> Self {
         let local = pencil.on(&cell);
         let sign = local.sign(highest);

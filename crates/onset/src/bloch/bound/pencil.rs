@@ -114,7 +114,7 @@ impl<const D: usize> Pencil<D> {
         }
         let (basis, laplacian) = match measure {
             Measure::Scaled(_) => (
-                Basis::at_rest(&stiffness, masses)?,
+                Basis::at_gamma(&stiffness, masses)?,
                 Some(Laplacian(lattice.measured_along(lattice.reciprocal()))),
             ),
             _ => (Basis::whole(D * places.len()), None),
@@ -236,14 +236,14 @@ impl<const D: usize> Pencil<D> {
         let mut sum = |m: usize| self.stiffness.in_cone(cell, cone, m, &mut bends);
         let numerator = match self.basis.free {
             None => Blocks::of_free(sum(2)),
-            Some(_) => self.basis.seen([&sum(2), &sum(1), &sum(0)]),
+            Some(_) => self.basis.projected([&sum(2), &sum(1), &sum(0)]),
         };
         let laplacian = self.laplacian.as_ref();
         let factors = laplacian.map_or([Jet::ONE; 3], |laplacian| laplacian.in_cone(cell, cone));
         let denominator = match &self.mass {
             Some(mass) => {
                 let mass = mass.in_cone(cell, cone, 0, &mut [0.0; D]);
-                self.basis.seen([&mass; 3]).times(&factors, &cell.half)
+                self.basis.projected([&mass; 3]).times(&factors, &cell.half)
             }
             None => self.basis.multiple(self.size(), &factors),
         };
@@ -270,7 +270,7 @@ impl Basis {
     ///
     /// `None` if translations cost energy, or if free displacements cause forces on each other that are linear in the wave vector, so that the scaled
     /// measure has no limit.
-    fn at_rest<const D: usize>(bonds: &PhaseSum<D>, masses: &[f64]) -> Option<Self> {
+    fn at_gamma<const D: usize>(bonds: &PhaseSum<D>, masses: &[f64]) -> Option<Self> {
         let n = D * masses.len();
         let (sum, moments, [size, extent]) = bonds.moments();
         if !size.is_finite() {
@@ -314,7 +314,7 @@ impl Basis {
     }
 
     /// Projects three sums on the basis: between free displacements, between free and other, and between other displacements.
-    fn seen<const D: usize>(
+    fn projected<const D: usize>(
         &self,
         [between_free, mixed, between_others]: [&MatrixJet<D>; 3],
     ) -> Blocks<D> {

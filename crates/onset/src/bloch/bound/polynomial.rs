@@ -378,8 +378,8 @@ mod tests {
             coefficients[0][(i, i)] += Complex::new(own, 0.0);
         }
         let polynomial = Polynomial::<D>::of(&coefficients);
-        let is_seen = factorize(&mut coefficients[0].clone()) && polynomial.is_positive_definite();
-        if is_seen {
+        let is_proved = factorize(&mut coefficients[0].clone()) && polynomial.is_positive_definite();
+        if is_proved {
             for number in 0..points.pow(D as u32) {
                 let u = array_of(|a| {
                     let place = number / points.pow(a as u32) % points;
@@ -388,7 +388,7 @@ mod tests {
                 prop_assert!(factorize(&mut polynomial.at(u)), "{u:?}");
             }
         }
-        Ok(is_seen)
+        Ok(is_proved)
     }
 
     #[test]
@@ -399,20 +399,20 @@ mod tests {
             0.0..60.0f64,
             0.02..1.0f64,
         );
-        let seen = [Cell::new(0), Cell::new(0)];
+        let proved = [Cell::new(0), Cell::new(0)];
         TestRunner::new(ProptestConfig::with_cases(2000))
             .run(&numbers, |(entries, shift, stiff, size)| {
                 let numbers = [shift, stiff, size];
-                for (seen, is_seen) in seen.iter().zip([
+                for (proved, is_proved) in proved.iter().zip([
                     is_right::<2>(&entries, numbers, 20)?,
                     is_right::<3>(&entries, numbers, 7)?,
                 ]) {
-                    seen.set(seen.get() + usize::from(is_seen));
+                    proved.set(proved.get() + usize::from(is_proved));
                 }
                 Ok(())
             })
             .expect("all are");
-        assert!(seen.iter().all(|seen| seen.get() > 200), "{seen:?}");
+        assert!(proved.iter().all(|proved| proved.get() > 200), "{proved:?}");
     }
 
     /// A soft vector with `(u - u0).H (u - u0) + floor`, coupled to a stiff one: the minimum on the box is `floor`.
@@ -421,7 +421,7 @@ mod tests {
         let bottom = SVector::from([0.3, -0.4]);
         let h = nalgebra::Matrix2::new(2e-4, 1.2e-4, 1.2e-4, 1e-4);
         let coupling = [Complex::new(0.02, 0.01), Complex::new(-0.015, 0.02)];
-        let sees = |floor: f64| {
+        let proves = |floor: f64| {
             let soft = |x: f64| {
                 let mut part = DMatrix::<Complex>::zeros(2, 2);
                 part[(0, 0)] = Complex::new(x, 0.0);
@@ -442,7 +442,7 @@ mod tests {
             parts.extend((0..4).map(|_| soft(0.0)));
             Polynomial::<2>::of(&parts).is_positive_definite()
         };
-        assert!(sees(1e-9));
-        assert!(!sees(-1e-9));
+        assert!(proves(1e-9));
+        assert!(!proves(-1e-9));
     }
 }

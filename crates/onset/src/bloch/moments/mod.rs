@@ -133,7 +133,7 @@ pub struct MomentExtremes<const D: usize> {
 type Bottom<const D: usize> = (f64, SVector<f64, D>);
 
 /// Returns true if a wave causes no strain: its gradient moments are zero to rounding, relative to long waves.
-fn is_unseen<const D: usize>(
+fn has_no_strain<const D: usize>(
     matrix: &DynamicalMatrix<D>,
     search: &ZoneSearch<D>,
     long: &LongMoments,
@@ -192,7 +192,7 @@ impl<const D: usize> GradientMoments<D> {
         let long_noise = matrix.long_wave_noise();
         let misses_alternating = lattice
             .alternating()
-            .any(|k| is_unseen(&matrix, &search, &long, &k));
+            .any(|k| has_no_strain(&matrix, &search, &long, &k));
         Ok(Some(Self {
             matrix,
             sums,
@@ -281,9 +281,9 @@ impl<const D: usize> GradientMoments<D> {
             if scaled_minimum < -tolerance {
                 growing.push(n);
             }
-            let is_unseen = |k| is_unseen(&self.matrix, &self.search, &self.long, k);
+            let has_no_strain = |k| has_no_strain(&self.matrix, &self.search, &self.long, k);
             let is_zero = !is_long_wave && scaled_minimum.abs() <= tolerance;
-            let has_zero_mode = self.misses_alternating || is_zero && is_unseen(&wave_vector);
+            let has_zero_mode = self.misses_alternating || is_zero && has_no_strain(&wave_vector);
             extremes.push(MomentExtremes {
                 scaled_minimum,
                 wave_vector,

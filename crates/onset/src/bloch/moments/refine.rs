@@ -80,7 +80,7 @@ pub(super) struct Refine<'a, const D: usize, const MIRRORED: bool> {
     pub(super) columns: &'a Columns,
     /// 1 for the smaller eigenvalue, -1 for minus the larger one.
     pub(super) sign: f64,
-    /// True if it is divided by the lattice Laplacian.
+    /// True if the eigenvalue is divided by the lattice Laplacian.
     pub(super) scaled: bool,
     pub(super) descents: &'a mut Descents,
 }

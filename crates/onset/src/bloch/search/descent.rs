@@ -1,7 +1,7 @@
 //! Descent from the wells of the grid to their bottoms.
 
 use super::grid::Grid;
-use super::{Candidate, LONG_WAVE_FRACTION, Objective, RAY_STEPS, Seen, ZoneSearch};
+use super::{Candidate, LONG_WAVE_FRACTION, Objective, RAY_STEPS, Sample, ZoneSearch};
 use crate::algebra::{Complex, Each, array_of, eigenvalues, lowest_between, symmetric_eigen};
 use crate::bloch::branches::Taylor;
 use crate::bloch::{DynamicalMatrix, growth_rate};
@@ -135,7 +135,7 @@ impl<const D: usize> ZoneSearch<D> {
             minima.extend(faces.iter().map(|face| minimum_on_face(face, &at)));
         }
         let edges = grid.edges.get_or_init(|| self.edges(matrix));
-        let value = |seen: &Seen<D>| self.value(matrix, objective, seen);
+        let value = |sample: &Sample<D>| self.value(matrix, objective, sample);
         let mut dips = Vec::new();
         for edge in edges {
             let values: Vec<f64> = edge.iter().map(value).collect();
@@ -158,7 +158,7 @@ impl<const D: usize> ZoneSearch<D> {
     }
 
     /// Spectra along the edges of the zone in the plane, on one edge of each opposite pair; empty in one and three dimensions.
-    fn edges(&self, matrix: &DynamicalMatrix<D>) -> Vec<Vec<Seen<D>>> {
+    fn edges(&self, matrix: &DynamicalMatrix<D>) -> Vec<Vec<Sample<D>>> {
         if D != 2 {
             return Vec::new();
         }
@@ -168,7 +168,7 @@ impl<const D: usize> ZoneSearch<D> {
             let [from, to] = [n, (n + 1) % count].map(|n| self.to_reference * corners[n]);
             let along = |n: usize| from + (to - from) * (n as f64 / EDGE_INTERVALS as f64);
             (0..=EDGE_INTERVALS)
-                .map(|n| Seen::of(matrix, along(n)))
+                .map(|n| Sample::of(matrix, along(n)))
                 .collect()
         };
         (0..count.div_ceil(2)).map(edge).collect()

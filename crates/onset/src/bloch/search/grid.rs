@@ -1,6 +1,6 @@
 //! Spectrum on a grid over the zone, and the wells of the grid.
 
-use super::{Candidate, Objective, Seen, ZoneSearch};
+use super::{Candidate, Objective, Sample, ZoneSearch};
 use crate::algebra::{Complex, Zeros, neighbors, sort_by_value};
 use crate::bloch::DynamicalMatrix;
 use crate::bloch::growth_rate;
@@ -34,7 +34,7 @@ pub(super) struct Grid<const D: usize> {
     /// Wave vectors along the direction in which the longest waves flutter, computed when first needed.
     pub(super) opening: OnceLock<Vec<SVector<f64, D>>>,
     /// Spectra along the edges of a zone of a matrix that is not periodic, computed when first needed.
-    pub(super) edges: OnceLock<Vec<Vec<Seen<D>>>>,
+    pub(super) edges: OnceLock<Vec<Vec<Sample<D>>>>,
 }
 
 /// Grid point that is lower than its neighbors.
@@ -278,8 +278,8 @@ impl<const D: usize> ZoneSearch<D> {
         let mut spectrum = GridSpectrum::zeros(count, half);
         spectrum.slowness = Zeros::new(count);
         for index in 0..half {
-            let seen = Seen::of(matrix, waves.wave_vector(index));
-            let value = |objective| self.value(matrix, objective, &seen);
+            let sample = Sample::of(matrix, waves.wave_vector(index));
+            let value = |objective| self.value(matrix, objective, &sample);
             spectrum.slowness[index] = value(Objective::Growth);
             spectrum.scaled[index] = value(Objective::Scaled);
             spectrum.lowest[index] = value(Objective::Lowest);

@@ -105,13 +105,13 @@ pub(in crate::bloch) enum Objective {
 pub(in crate::bloch) type Candidate<const D: usize> = (f64, SVector<f64, D>);
 
 /// A wave vector with the matrix and its eigenvalues by increasing real part, which determine all objectives.
-struct Seen<const D: usize> {
+struct Sample<const D: usize> {
     wave_vector: SVector<f64, D>,
     matrix: SMatrix<Complex, D, D>,
     omega_squared: [Complex; D],
 }
 
-impl<const D: usize> Seen<D> {
+impl<const D: usize> Sample<D> {
     fn of(matrix: &DynamicalMatrix<D>, k: SVector<f64, D>) -> Self {
         Self::with(matrix, k, matrix.at(&k))
     }
@@ -246,14 +246,14 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// Like `summary`, except that flutter which grows more slowly than the divergence of a state may be omitted.
     ///
-    /// Flutter of long waves is then omitted too, unless `asks_about_long_waves` requests it.
+    /// Flutter of long waves is then omitted too, unless `includes_long_waves` requests it.
     pub(crate) fn extremes(
         &self,
         matrix: &DynamicalMatrix<D>,
-        asks_about_long_waves: bool,
+        includes_long_waves: bool,
     ) -> SpectrumSummary<D> {
         let sought = Flutter::Fastest {
-            asks_about_long_waves,
+            includes_long_waves,
         };
         self.found(matrix, sought, false)
     }
@@ -329,7 +329,7 @@ impl<const D: usize> ZoneSearch<D> {
         let fastest_growing = fluttering.map_or(lowest, |mode| {
             self.fastest(matrix, &wells, lowest, mode, rival)
         });
-        let may_flutter = sought.asks_about_long_waves(rival, fluttering.is_some());
+        let may_flutter = sought.includes_long_waves(rival, fluttering.is_some());
         let highest = wells
             .bottom(self, matrix, Objective::Highest, f64::INFINITY)
             .map_or(0.0, |bottom| -bottom.0);
@@ -445,11 +445,11 @@ impl<const D: usize> ZoneSearch<D> {
             // The witnesses belong to the zone of another state.
             false => k * self.reach(k).min(1.0),
         });
-        let seen = |k| (self.value_at(matrix, Objective::Scaled, &k), k);
-        if let Some(witness) = known.map(seen).find(|(value, _)| *value < -tolerance) {
+        let sample = |k| (self.value_at(matrix, Objective::Scaled, &k), k);
+        if let Some(witness) = known.map(sample).find(|(value, _)| *value < -tolerance) {
             return diverges((witness.0, Some(witness.1)));
         }
-        least = self.symmetric_waves().map(seen).fold(least, lower);
+        least = self.symmetric_waves().map(sample).fold(least, lower);
         if least.0 < -tolerance {
             return diverges(least);
         }
@@ -628,12 +628,12 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// Tolerance of scaled measures; smaller magnitudes are zero to rounding.
     pub fn tolerance(&self, matrix: &DynamicalMatrix<D>) -> f64 {
-        self.told(ROUNDING_FACTOR * matrix.long_wave_noise())
+        self.measure_of_noise(ROUNDING_FACTOR * matrix.long_wave_noise())
     }
 
     /// Scaled measure of a rounding error of a squared wave speed. It is at least the rounding error of `c^2`, because the force constants of weakly
     /// coupled particles are sums of that magnitude.
-    pub(in crate::bloch) fn told(&self, noise: f64) -> f64 {
+    pub(in crate::bloch) fn measure_of_noise(&self, noise: f64) -> f64 {
         (noise / self.speed_squared).max(MINIMUM_TOLERANCE)
     }
 
@@ -737,17 +737,17 @@ impl<const D: usize> ZoneSearch<D> {
         self.zone().contains(&(self.from_reference * k), 1e-12)
     }
 
-    fn value(&self, matrix: &DynamicalMatrix<D>, objective: Objective, seen: &Seen<D>) -> f64 {
-        let omega_squared = &seen.omega_squared;
+    fn value(&self, matrix: &DynamicalMatrix<D>, objective: Objective, sample: &Sample<D>) -> f64 {
+        let omega_squared = &sample.omega_squared;
         match objective {
             Objective::Scaled => {
-                let laplacian = self.reference().laplacian(&seen.wave_vector);
+                let laplacian = self.reference().laplacian(&sample.wave_vector);
                 omega_squared[0].re / (self.speed_squared * laplacian)
             }
             Objective::Lowest => omega_squared[0].re,
             Objective::Highest => -omega_squared[D - 1].re,
             Objective::Discriminant => {
-                discriminant(matrix, &seen.matrix).unwrap_or_else(|| -complex_growth(omega_squared))
+                discriminant(matrix, &sample.matrix).unwrap_or_else(|| -complex_growth(omega_squared))
             }
             Objective::Growth => -complex_growth(omega_squared),
         }
@@ -765,7 +765,7 @@ impl<const D: usize> ZoneSearch<D> {
         {
             return value;
         }
-        self.value(matrix, objective, &Seen::with(matrix, *k, d))
+        self.value(matrix, objective, &Sample::with(matrix, *k, d))
     }
 
     /// Returns true if a wave on the grid flutters noticeably. Only its existence matters, so that the best grid point suffices.
@@ -833,9 +833,9 @@ impl<const D: usize> ZoneSearch<D> {
             .filter(noticeable)
             .or_else(|| {
                 // In the plane, the discriminant of a real matrix detects all of its pockets.
-                let is_told = D < 3 && matrix.is_centrosymmetric();
+                let is_complete = D < 3 && matrix.is_centrosymmetric();
                 let pockets = match wells {
-                    Wells::Grid(grid) if !is_told => self.pockets(matrix, grid, rival),
+                    Wells::Grid(grid) if !is_complete => self.pockets(matrix, grid, rival),
                     _ => &[],
                 };
                 let mut modes = pockets
@@ -1016,16 +1016,16 @@ pub(in crate::bloch) enum Flutter {
     /// All waves with complex `omega^2`.
     All,
     /// Waves that may grow faster than the lowest wave, and long waves on request.
-    Fastest { asks_about_long_waves: bool },
+    Fastest { includes_long_waves: bool },
 }
 
 impl Flutter {
     /// Returns true if flutter of long waves is evaluated, given the rival's growth rate and whether flutter was found.
-    pub(in crate::bloch) fn asks_about_long_waves(self, rival: f64, flutters: bool) -> bool {
+    pub(in crate::bloch) fn includes_long_waves(self, rival: f64, flutters: bool) -> bool {
         match self {
             Self::Fastest {
-                asks_about_long_waves,
-            } if rival > 0.0 => asks_about_long_waves,
+                includes_long_waves,
+            } if rival > 0.0 => includes_long_waves,
             _ => flutters,
         }
     }

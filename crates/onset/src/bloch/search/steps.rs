@@ -33,7 +33,7 @@ impl Laplacian {
         }
     }
 
-    /// Evaluates it from sines and cosines of multiples of half the phases.
+    /// Evaluates the Laplacian from sines and cosines of multiples of half the phases.
     #[inline(always)]
     fn at<S: Simd>(&self, [u, v]: [&Multiples<S, HALF_PHASE_MULTIPLES>; 2]) -> Jet<S> {
         let zero = u.sines[0];

@@ -28,12 +28,12 @@ impl<const D: usize> WaveSystem<D> {
     ///
     /// If a translation costs no force, its zeros are removed. Their rounding error, which can be large if `D(0)` is not Hermitian, would otherwise
     /// be taken for growth.
-    pub(super) fn omega_squared_at_rest(&self) -> Vec<Complex> {
+    pub(super) fn omega_squared_at_gamma(&self) -> Vec<Complex> {
         let zero = SVector::zeros();
         if self.rigid_translation().amax() > 0.0 {
             return self.omega_squared(&zero);
         }
-        if let Some(values) = self.hermitian_at_rest() {
+        if let Some(values) = self.hermitian_at_gamma() {
             return values;
         }
         // `R L^T` with `L^T R = 1` moves the zeros to `s` and leaves the other eigenvalues unchanged.
@@ -53,7 +53,7 @@ impl<const D: usize> WaveSystem<D> {
     }
 
     /// Eigenvalues of `D(0)` of a Hermitian system. Adding `s M R R^T M / (R^T M R)` to the stiffness moves the zeros of the translations.
-    fn hermitian_at_rest(&self) -> Option<Vec<Complex>> {
+    fn hermitian_at_gamma(&self) -> Option<Vec<Complex>> {
         let zero = SVector::zeros();
         let mut stiffness = self.is_hermitian.then(|| self.stiffness.at(&zero))?;
         let own = self.symmetrized(&zero, stiffness.clone())?;

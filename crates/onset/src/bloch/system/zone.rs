@@ -127,10 +127,10 @@ impl<const D: usize> ZoneSearch<D> {
     pub(crate) fn extremes_of(
         &self,
         system: &WaveSystem<D>,
-        asks_about_long_waves: bool,
+        includes_long_waves: bool,
     ) -> SpectrumSummary<D> {
         let sought = Flutter::Fastest {
-            asks_about_long_waves,
+            includes_long_waves,
         };
         self.found_of(system, sought, false)
     }
@@ -310,7 +310,7 @@ struct Sweep<'a, const D: usize> {
     /// `omega^2` at half of the grid, computed when first needed. The wave vector `-k` has the complex conjugates.
     spectra: OnceLock<Vec<Vec<Complex>>>,
     /// `omega^2` at `k = 0`, without free translations.
-    at_rest: Vec<Complex>,
+    at_gamma: Vec<Complex>,
     /// Long-wave stiffness, with the two estimates of its rounding error below.
     stiffness: Stiffness<D>,
     long_wave_noise: [f64; 2],
@@ -331,7 +331,7 @@ struct Softest<const D: usize> {
     softest: Mode<D>,
     lowest: Mode<D>,
     long_wave: Mode<D>,
-    grows_at_rest: bool,
+    grows_at_gamma: bool,
     tolerance: f64,
     bound: f64,
 }
@@ -460,7 +460,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             effort: Effort::of(system),
             spectra: OnceLock::new(),
             waves,
-            at_rest: system.omega_squared_at_rest(),
+            at_gamma: system.omega_squared_at_gamma(),
             stiffness,
             long_wave_noise,
         }
@@ -471,7 +471,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let Softest {
             softest, lowest, ..
         } = found;
-        let grows = found.grows_at_rest || softest.scaled < -found.tolerance;
+        let grows = found.grows_at_gamma || softest.scaled < -found.tolerance;
         let sites = self.system.sites();
         let growing = grows.then_some(lowest);
         let rival = self.search.rival(sought, growing, sites);
@@ -480,13 +480,13 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let fastest_growing = fluttering
             .filter(|mode| growth_rate(mode.omega_squared) > growth_rate(lowest.omega_squared))
             .unwrap_or(lowest);
-        let at_rest = self.at_rest.iter().map(|value| value.re);
-        let highest = at_rest.fold(0.0, f64::max);
+        let at_gamma = self.at_gamma.iter().map(|value| value.re);
+        let highest = at_gamma.fold(0.0, f64::max);
         let highest = self
             .lowest(Objective::Highest, -highest, &softest)
             .map_or(highest, |(value, _)| highest.max(-value));
         SpectrumSummary {
-            softest: if found.grows_at_rest {
+            softest: if found.grows_at_gamma {
                 self.search.over_largest_laplacian(lowest)
             } else {
                 softest
@@ -498,7 +498,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             tolerance: found.tolerance,
             bound: found.bound,
             flutters: fluttering.is_some(),
-            long_waves_flutter: sought.asks_about_long_waves(rival, fluttering.is_some())
+            long_waves_flutter: sought.includes_long_waves(rival, fluttering.is_some())
                 && self.stiffness.flutter().is_some(),
         }
     }
@@ -519,12 +519,12 @@ impl<'a, const D: usize> Sweep<'a, D> {
         // One witness is enough: a known one, or one on the grid.
         let known = beside.iter().map(|k| (*k, self.system.omega_squared(k)));
         let mut known = known.filter_map(|(k, spectrum)| self.witness(&long, k, &spectrum));
-        let seen = || {
+        let sampled = || {
             let grid = half(&self.waves).into_iter().zip(self.spectra());
-            let seen = grid.filter_map(|(k, spectrum)| self.witness(&long, k, spectrum));
-            seen.min_by(|a, b| a.0.total_cmp(&b.0))
+            let sampled = grid.filter_map(|(k, spectrum)| self.witness(&long, k, spectrum));
+            sampled.min_by(|a, b| a.0.total_cmp(&b.0))
         };
-        if let Some((measure, k)) = known.next().or_else(seen) {
+        if let Some((measure, k)) = known.next().or_else(sampled) {
             return diverges(measure, Some(k));
         }
         let found = self.softest(&long);
@@ -557,20 +557,20 @@ impl<'a, const D: usize> Sweep<'a, D> {
         }
         let lowest = spectrum.iter().map(|z| z.re).fold(f64::INFINITY, f64::min);
         let measure = self.scaled(&k, lowest);
-        let is_told = measure < -long.tolerance && lowest < -ROUNDING_FACTOR * self.system.noise();
-        is_told.then_some((measure, k))
+        let is_significant = measure < -long.tolerance && lowest < -ROUNDING_FACTOR * self.system.noise();
+        is_significant.then_some((measure, k))
     }
 
     fn long_waves(&self) -> LongWaves<D> {
         let mut mode = self.search.long_wave_mode(&self.stiffness);
-        let at_rest = self.at_rest.iter().map(|value| value.re);
-        let least = at_rest.fold(f64::INFINITY, f64::min);
+        let at_gamma = self.at_gamma.iter().map(|value| value.re);
+        let least = at_gamma.fold(f64::INFINITY, f64::min);
         let strains = self.system.rigid_translation().amax() > 0.0;
         if strains && least >= -ROUNDING_FACTOR * self.system.noise() {
             // A translation that costs energy excludes long waves of vanishing frequency. Free modes near it are found at finite wave vectors.
             mode.scaled = f64::INFINITY;
         }
-        let [tolerance, mut of_limit] = self.long_wave_noise.each(|noise| self.search.told(noise));
+        let [tolerance, mut of_limit] = self.long_wave_noise.each(|noise| self.search.measure_of_noise(noise));
         if mode.scaled < -of_limit && !self.is_followed(&mode) {
             of_limit = -mode.scaled;
         }
@@ -584,7 +584,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
 
     /// Smallest wave number, along the direction of a negative long-wave limit, at which growth exceeds rounding; and the lowest `Re omega^2` as a
     /// function of octaves above this wave number.
-    fn longest_told(&self, limit: &Mode<D>) -> (f64, impl Fn(f64) -> f64) {
+    fn smallest_tested(&self, limit: &Mode<D>) -> (f64, impl Fn(f64) -> f64) {
         let stiffness = -limit.scaled * self.search.speed_squared();
         let longest =
             (LONG_WAVE_NOISE_FACTOR * ROUNDING_FACTOR * self.system.noise() / stiffness).sqrt();
@@ -599,7 +599,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
 
     /// Returns true if finite waves grow along a direction of negative long-wave stiffness.
     fn is_followed(&self, limit: &Mode<D>) -> bool {
-        let (_, lowest) = self.longest_told(limit);
+        let (_, lowest) = self.smallest_tested(limit);
         let noise = ROUNDING_FACTOR * self.system.noise();
         (0..TESTED_WAVE_NUMBERS).any(|n| lowest(f64::from(2 * n)) < -noise)
     }
@@ -607,7 +607,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Fastest growing wave along a direction of negative long-wave stiffness, among waves longer than the grid resolves. Particles of a cell that
     /// barely resist relative motion relax only in such long waves.
     fn growing_long_wave(&self, limit: &Mode<D>) -> Option<Mode<D>> {
-        let (longest, lowest) = self.longest_told(limit);
+        let (longest, lowest) = self.smallest_tested(limit);
         let step = self.search.reference().reciprocal().column(0).norm();
         let octaves = (step / self.waves.resolution() as f64 / longest).log2();
         let values = (0..=octaves as usize).map(|n| (lowest(n as f64), n as f64));
@@ -626,14 +626,14 @@ impl<'a, const D: usize> Sweep<'a, D> {
 
     fn softest(&self, long: &LongWaves<D>) -> Softest<D> {
         let (long_wave, rest) = (long.mode, long.rest);
-        let grows_at_rest = rest.omega_squared.re < 0.0;
+        let grows_at_gamma = rest.omega_squared.re < 0.0;
         // If a mode grows at `k = 0`, no scaled measure exists, and the lowest wave decides.
-        let covered = (!grows_at_rest)
+        let covered = (!grows_at_gamma)
             .then(|| self.covered(Objective::Scaled, long_wave.scaled, None))
             .flatten();
         let softest = match &covered {
             Some(covered) => covered.wave_vector.map(|k| (covered.lowest, k)),
-            None if grows_at_rest => None,
+            None if grows_at_gamma => None,
             None => self.bottom(Objective::Scaled, long_wave.scaled),
         };
         let softest = softest
@@ -646,7 +646,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 },
                 _ => self.mode(&k),
             });
-        let lowest = (grows_at_rest || softest.scaled < -long.tolerance)
+        let lowest = (grows_at_gamma || softest.scaled < -long.tolerance)
             .then(|| self.lowest(Objective::Lowest, rest.omega_squared.re, &softest))
             .flatten()
             .map(|(_, k)| self.mode(&k))
@@ -655,7 +655,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             })
             .or_else(|| {
                 let is_limit = softest.is_long_wave && softest.scaled < -long.of_limit;
-                (is_limit && !grows_at_rest)
+                (is_limit && !grows_at_gamma)
                     .then(|| self.growing_long_wave(&softest))
                     .flatten()
             })
@@ -671,7 +671,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             softest,
             lowest: if is_rounding { rest } else { lowest },
             long_wave,
-            grows_at_rest,
+            grows_at_gamma,
             tolerance: match is_rounding {
                 true => long.tolerance.max(-softest.scaled),
                 false => long.tolerance,
@@ -753,8 +753,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
             true => self.along_ray(Objective::Lowest, &(k * step)),
             false => vec![(self.value(Objective::Lowest, &k), k)],
         };
-        let at_rest = self.at_rest.iter().map(|value| value.re);
-        let rest = (at_rest.fold(f64::INFINITY, f64::min), SVector::zeros());
+        let at_gamma = self.at_gamma.iter().map(|value| value.re);
+        let rest = (at_gamma.fold(f64::INFINITY, f64::min), SVector::zeros());
         let follow = |start| self.followed(Objective::Lowest, 0, start, f64::INFINITY, &[rest]);
         let ends = starts.into_iter().map(follow);
         let lowest = ends.min_by(|a, b| a.0.total_cmp(&b.0));
@@ -825,18 +825,18 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Returns true if a wave with complex `omega^2` grows noticeably. Only its existence matters, so that one such grid point suffices.
     fn flutters(&self) -> bool {
         let threshold = self.search.flutter_threshold(self.system.sites());
-        let is_seen = || -self.fastest_seen().0 > threshold;
-        !self.system.is_hermitian() && (is_seen() || self.flutter(0.0, 0.0).is_some())
+        let is_sampled = || -self.fastest_sampled().0 > threshold;
+        !self.system.is_hermitian() && (is_sampled() || self.flutter(0.0, 0.0).is_some())
     }
 
     /// Largest growth rate of complex `omega^2` on the grid and at `k = 0`, with its wave vector; the value has a minus sign.
-    fn fastest_seen(&self) -> Candidate<D> {
+    fn fastest_sampled(&self) -> Candidate<D> {
         let fastest = |spectrum: &[Complex]| complex_growth(spectrum).fold(0.0, f64::min);
         let waves = half(&self.waves).into_iter().zip(self.spectra());
-        let seen = waves.filter(|(k, _)| !self.is_long(k));
-        let seen = seen.map(|(k, spectrum)| (fastest(spectrum), k));
-        let at_rest = (fastest(&self.at_rest), SVector::zeros());
-        seen.fold(at_rest, |best, own| if own.0 < best.0 { own } else { best })
+        let sampled = waves.filter(|(k, _)| !self.is_long(k));
+        let sampled = sampled.map(|(k, spectrum)| (fastest(spectrum), k));
+        let at_gamma = (fastest(&self.at_gamma), SVector::zeros());
+        sampled.fold(at_gamma, |best, own| if own.0 < best.0 { own } else { best })
     }
 
     /// Fastest growing mode with complex `omega^2`, if it grows noticeably and faster than `rival`.
@@ -848,11 +848,11 @@ impl<'a, const D: usize> Sweep<'a, D> {
         }
         let sites = self.system.sites();
         let threshold = self.search.flutter_threshold(sites);
-        let seen = self.fastest_seen();
-        let is_seen = -seen.0 > threshold.max(rival);
+        let sampled = self.fastest_sampled();
+        let is_sampled = -sampled.0 > threshold.max(rival);
         // Rate that further flutter must exceed. The rate of divergence counts only if flutter on the grid already answers whether the state
         // flutters.
-        let least = |growth: f64| match is_seen {
+        let least = |growth: f64| match is_sampled {
             true => rival.max(self.search.as_rival(growth, sites)),
             false => rival,
         };
@@ -861,7 +861,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let deepest = |ends: &[Candidate<D>]| ends.iter().map(|end| end.0).fold(-rival, f64::min);
         let step = 1.0 / self.waves.resolution() as f64;
         let opening = self.search.long_flutter(&self.stiffness, step);
-        let fastest = least(-deepest(&ends).min(seen.0));
+        let fastest = least(-deepest(&ends).min(sampled.0));
         for k in self.pockets(fastest).into_iter().chain(opening) {
             let value = self.value(Objective::Growth, &k);
             if value < 0.0 {
@@ -869,9 +869,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 ends.push(self.followed(Objective::Growth, 0, (value, k), deepest, &ends));
             }
         }
-        ends.push(seen);
+        ends.push(sampled);
         let best = ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        best.filter(|(value, _)| is_seen || -value > threshold.max(rival))
+        best.filter(|(value, _)| is_sampled || -value > threshold.max(rival))
             .map(|(_, k)| self.fluttering(&k))
     }
 
@@ -1295,7 +1295,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
 
     /// Mode with the lowest `Re omega^2` at `k = 0`. This is the translation, with the given scaled measure, unless a mode grows there.
     fn rest(&self, scaled: f64) -> Mode<D> {
-        let lowest = self.at_rest.iter().map(|value| value.re);
+        let lowest = self.at_gamma.iter().map(|value| value.re);
         let lowest = lowest.fold(f64::INFINITY, f64::min);
         let threshold = self.search.flutter_threshold(self.system.sites()).powi(2);
         if lowest < -threshold.max(ROUNDING_FACTOR * self.system.noise()) {
