@@ -378,7 +378,8 @@ mod tests {
             coefficients[0][(i, i)] += Complex::new(own, 0.0);
         }
         let polynomial = Polynomial::<D>::of(&coefficients);
-        let is_proved = factorize(&mut coefficients[0].clone()) && polynomial.is_positive_definite();
+        let is_proved =
+            factorize(&mut coefficients[0].clone()) && polynomial.is_positive_definite();
         if is_proved {
             for number in 0..points.pow(D as u32) {
                 let u = array_of(|a| {

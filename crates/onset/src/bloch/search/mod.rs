@@ -746,9 +746,8 @@ impl<const D: usize> ZoneSearch<D> {
             }
             Objective::Lowest => omega_squared[0].re,
             Objective::Highest => -omega_squared[D - 1].re,
-            Objective::Discriminant => {
-                discriminant(matrix, &sample.matrix).unwrap_or_else(|| -complex_growth(omega_squared))
-            }
+            Objective::Discriminant => discriminant(matrix, &sample.matrix)
+                .unwrap_or_else(|| -complex_growth(omega_squared)),
             Objective::Growth => -complex_growth(omega_squared),
         }
     }

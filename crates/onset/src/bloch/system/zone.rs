@@ -557,7 +557,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
         }
         let lowest = spectrum.iter().map(|z| z.re).fold(f64::INFINITY, f64::min);
         let measure = self.scaled(&k, lowest);
-        let is_significant = measure < -long.tolerance && lowest < -ROUNDING_FACTOR * self.system.noise();
+        let is_significant =
+            measure < -long.tolerance && lowest < -ROUNDING_FACTOR * self.system.noise();
         is_significant.then_some((measure, k))
     }
 
@@ -570,7 +571,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
             // A translation that costs energy excludes long waves of vanishing frequency. Free modes near it are found at finite wave vectors.
             mode.scaled = f64::INFINITY;
         }
-        let [tolerance, mut of_limit] = self.long_wave_noise.each(|noise| self.search.measure_of_noise(noise));
+        let [tolerance, mut of_limit] = self
+            .long_wave_noise
+            .each(|noise| self.search.measure_of_noise(noise));
         if mode.scaled < -of_limit && !self.is_followed(&mode) {
             of_limit = -mode.scaled;
         }
@@ -836,7 +839,10 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let sampled = waves.filter(|(k, _)| !self.is_long(k));
         let sampled = sampled.map(|(k, spectrum)| (fastest(spectrum), k));
         let at_gamma = (fastest(&self.at_gamma), SVector::zeros());
-        sampled.fold(at_gamma, |best, own| if own.0 < best.0 { own } else { best })
+        sampled.fold(
+            at_gamma,
+            |best, own| if own.0 < best.0 { own } else { best },
+        )
     }
 
     /// Fastest growing mode with complex `omega^2`, if it grows noticeably and faster than `rival`.
