@@ -1,10 +1,10 @@
-/* For tests: ends a process, or fills its disk, at one of the calls with which it changes files. Loaded before the C library.
+/* For tests: kills a process, or simulates a full or failing disk, at one of the calls that change files. Preloaded before the C library.
  *
- * ONSET_POINT  which call, counted from 1; none when it is not set
- * ONSET_MODE   before: killed before the call; after: killed after it; cut: killed when a write has half been done;
- *              full: from this call on there is no room on the disk; once: this call fails, as disks and networks do (EIO);
- *              error: this and all that follow fail so
- * ONSET_COUNT  a file for the number of calls
+ * ONSET_POINT  number of the call, from 1; no disturbance if unset
+ * ONSET_MODE   before: killed before the call; after: killed after it; cut: killed in the middle of a write;
+ *              full: the disk is full from this call on; once: this call fails with EIO, as on faulty disks and networks;
+ *              error: this and all following calls fail with EIO
+ * ONSET_COUNT  file for the total number of calls
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -47,7 +47,7 @@ static void die(void) {
   for (;;) pause();
 }
 
-/* Whether the call is the one at which something happens. */
+/* Returns true if this call is disturbed. */
 static int enter(void) {
   long now = __atomic_add_fetch(&calls, 1, __ATOMIC_SEQ_CST);
   if (point && now == point && mode == 'b') die();
@@ -58,7 +58,7 @@ static void leave(int is_the_one) {
   if (is_the_one && (mode == 'a' || mode == 'c')) die();
 }
 
-/* The error that a call meets instead of being done; zero for none. */
+/* Error that replaces the call, or zero. */
 static int refusal(int here, int needs_room) {
   if (here && mode == 'o') return EIO;
   if (!point || __atomic_load_n(&calls, __ATOMIC_SEQ_CST) < point) return 0;
@@ -83,7 +83,7 @@ static int refusal(int here, int needs_room) {
     return result;                                        \
   }
 
-/* Calls that need no room, and calls that do. */
+/* Calls that need no disk space, and calls that do. */
 #define FREE(name, ...) CALL(name, 0, __VA_ARGS__)
 #define NEEDY(name, ...) CALL(name, 1, __VA_ARGS__)
 

@@ -1,4 +1,4 @@
-"""Opens the store of a map as a user would, and prints what it says as one JSON document.
+"""Opens the store of a map as a user would, and prints its content as one JSON document.
 
 Any warning is a failure: a store must open without one.
 """
@@ -14,7 +14,7 @@ warnings.simplefilter("error")
 
 
 def words(flags):
-    """The meanings of CF flags, one a state; None where nothing has been computed."""
+    """Meanings of CF flags for each state; None if nothing has been computed."""
     meaning = dict(zip(flags.attrs["flag_values"], flags.attrs["flag_meanings"].split()))
     return [meaning.get(int(flag)) for flag in flags.values.ravel()]
 

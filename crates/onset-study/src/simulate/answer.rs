@@ -160,7 +160,7 @@ impl SimulateAnswer {
 
 /// Largest displacement in the range of the linearized equations, in particle spacings.
 const SMALL_DISPLACEMENT_SPACINGS: f64 = 0.01;
-/// Largest relative difference from the predicted rate of a measured rate in noise, where other waves change it.
+/// Largest relative difference of a rate measured in noise that the other waves can explain.
 const NOISE_RATE_TOLERANCE: f64 = 0.01;
 /// Smallest number of samples in a record.
 const MIN_SAMPLES: usize = 16;

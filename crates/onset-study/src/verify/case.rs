@@ -45,7 +45,7 @@ pub struct Question {
 /// One plane wave of one homogeneous state, to be run in a code.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Case {
-    /// The format of the file.
+    /// Name and version of the file format.
     pub format: String,
     /// Identifier in decks and outputs: the first twelve digits of the SHA-256 sum of the file with an empty identifier.
     pub id: String,

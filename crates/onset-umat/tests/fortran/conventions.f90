@@ -1,9 +1,9 @@
-! For tests: the law of Blatz and Ko with a tangent of which PROPS(2) tells the convention, all by differentiation with a complex
-! step, so that none of the formulas that relate them is used. PROPS(1) = mu. PROPS(2):
+! For tests: the Blatz-Ko law with a tangent in the convention given by PROPS(2). All tangents are computed by complex-step
+! differentiation, independently of the formulas that relate them. PROPS(1) = mu. PROPS(2):
 !   0 Jaumann rate of Kirchhoff stress over J     1 Jaumann rate of Cauchy stress     2 Truesdell
 !   3 Green-Naghdi rate of Cauchy stress          4 Green-Naghdi rate of Kirchhoff stress over J
 !   5 dS/dE     6 Cauchy stress per sym(F)        7 Cauchy stress per logarithmic strain, rotation held
-!   8 dP/dF     9 dN/dF, N = P^T                 10 elasticity of the undeformed state
+!   8 dP/dF     9 dN/dF, N = P^T                 10 elasticity of the reference configuration
 ! PROPS(3), a sum of: 1 transposed, 2 tensor shear strains, 4 factor J missing (too large by J), 8 order 11 22 33 23 13 12, 16 SSE per reference volume.
 module onset_conventions
   implicit none
@@ -44,7 +44,7 @@ contains
     sigma = mu*(one - matmul(transpose(g), g)/determinant(f))
   end function cauchy
 
-  ! The rotation of F, by Newton's iteration R <- (R + R^-T)/2, which differentiates like any other formula.
+  ! Rotation of F by Newton's iteration R <- (R + R^-T)/2, which can be differentiated by the complex step.
   function rotation(f) result(r)
     complex(dp), intent(in) :: f(3, 3)
     complex(dp) :: r(3, 3)

@@ -1,4 +1,4 @@
-! For tests: linear elasticity in logarithmic strains that misbehaves as PROPS(3) says. PROPS(1), PROPS(2): Lame's constants.
+! For tests: linear elasticity in logarithmic strains with the flaw given by PROPS(3). PROPS(1), PROPS(2): Lame constants.
 subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, dtemp, &
                 predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, &
                 noel, npt, layer, kspt, jstep, kinc)
@@ -56,23 +56,23 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
   case (8)
     pnewdt = 0.25d0
   case (9)
-    ! Remembers what it should not.
+    ! Depends on the number of calls.
     stress(1) = stress(1) + calls
   case (10)
-    ! Reads a property that is not there.
+    ! Reads a missing property.
     stress(1) = stress(1)*props(nprops + 1)
   case (11)
-    ! Ends where the state is large.
+    ! Stops at large strains.
     if (maxval(abs(dstran)) > 0.5d0) stop 3
   case (12)
-    ! What Abaqus hands over, for tests to see: as many as there are state variables for.
+    ! Stores the input of Abaqus in the state variables, as far as they suffice.
     seen = handed()
     statev(1:min(nstatv, 30)) = seen(1:min(nstatv, 30))
   case (13)
     write (*, '(a)', advance='no') repeat('x', 200000)
     flush (6)
   case (14)
-    ! Beyond the end of STRESS, and of others as the first state variable says.
+    ! Writes beyond the end of STRESS.
     call beyond(stress, 6 + 1)
   case (15)
     call beyond(ddsdde, 42 + 1)
@@ -81,12 +81,12 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
   case (17)
     call beyond(ddsddt, 6 + 2)
   case (18)
-    ! More memory than there is.
+    ! Allocates too much memory.
     allocate (large(100000000_8*int(abs(props(4)), 8)))
     large = calls
     stress(1) = stress(1) + large(1) - calls
   case (19)
-    ! A child that goes on for ever.
+    ! Starts an endless child process.
     if (fork() == 0) then
       spin = 1.0d0
       do while (spin > 0.0d0)
@@ -97,7 +97,7 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
     print '(a)', achar(27)//'[2J'//achar(27)//']0;owned'//achar(7)//'red'
     error stop 'end'
   case (21)
-    ! Changes what it should only read.
+    ! Changes input arguments.
     call beyond(props, 1)
     call beyond(dstran, 1)
   end select

@@ -1,4 +1,4 @@
-! Neo-Hooke, W = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2, right except at states of one kind.
+! Neo-Hooke, W = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2, correct except at states of one kind.
 ! PROPS = mu, lambda, kind, part, factor: part 1 multiplies DDSDDE, 2 its columns of shear, 3 its normal columns, 4 STRESS, 5 SSE.
 subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, &
     dstran, time, dtime, temp, dtemp, predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, &

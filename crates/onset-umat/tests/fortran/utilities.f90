@@ -1,4 +1,4 @@
-! For tests: a UMAT that hands its properties to the routines of Abaqus and their results to the state variables.
+! For tests: a UMAT that passes its properties to the routines of Abaqus and stores their results in the state variables.
 ! PROPS(1:6) a stress, PROPS(7) = 1 to call XIT, 2 for an error of STDB_ABQERR.
 subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, dtemp, &
                 predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, &
@@ -21,7 +21,7 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
   call rotsig(props, drot, statev(18), 1, ndi, nshr)
   call getoutdir(folder, length)
   statev(24) = length
-  ! SDVINI has been here before.
+  ! SDVINI has set the initial value.
   statev(25) = 2.0d0*statev(25)
   ddsdde = 0.0d0
   words(1) = 'here'

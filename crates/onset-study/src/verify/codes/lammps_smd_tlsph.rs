@@ -34,7 +34,7 @@ const STRETCH_RANGE: [f64; 2] = [0.4, 2.0];
 /// Range of volume ratios outside which the code deletes particles.
 const VOLUME_RATIO_RANGE: [f64; 2] = [0.2, 2.0];
 
-/// Stress update of a deck.
+/// Constitutive model that a deck selects.
 enum Elasticity {
     /// Linear elasticity, integrated from strain rates.
     Linear(Isotropic),

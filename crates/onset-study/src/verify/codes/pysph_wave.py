@@ -23,7 +23,7 @@ from pysph.sph.solid_mech.basic import (
 
 class Wave(Application):
     def create_domain(self):
-        # Particles are not on the boundary, where rounding would decide on which side they are.
+        # No particle lies on the boundary, where rounding would decide its side.
         low_x, low_y = -0.25 * SPACING, -0.25 * SPACING
         return DomainManager(
             xmin=low_x, xmax=low_x + LENGTH_X, ymin=low_y, ymax=low_y + LENGTH_Y,
@@ -31,7 +31,7 @@ class Wave(Application):
         )
 
     def create_particles(self):
-        # Names would be read from the line with the case.
+        # The first line holds the case; column names follow in the second line.
         table = np.genfromtxt("particles.csv", delimiter=",", skip_header=1, names=True)
         solid = get_particle_array_elastic_dynamics(
             name="solid", x=table["x"], y=table["y"], u=table["vx"], v=table["vy"],
@@ -42,7 +42,7 @@ class Wave(Application):
                 "wdeltap": CubicSpline(dim=2).kernel(rij=SPACING, h=SMOOTHING),
             },
         )
-        # The constructor makes it of E and nu.
+        # The constructor computes G from E and nu.
         solid.G[0] = SHEAR
         solid.s00[:], solid.s11[:], solid.s22[:] = DEVIATOR_X, DEVIATOR_Y, DEVIATOR_Z
         solid.add_property("number", data=table["id"])
@@ -79,7 +79,7 @@ class Wave(Application):
             self.file.write("%.17g,%d,%.17g,%.17g\n" % (time, number, a, b))
 
     def post_step(self, solver):
-        # Called before the solver counts the step.
+        # The solver counts the step after this call.
         count = solver.count + 1
         if count % EVERY == 0:
             self.write(self.particles[0], count * TIME_STEP)
