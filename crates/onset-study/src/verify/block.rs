@@ -1,4 +1,4 @@
-//! The particles of a case: a block of a lattice with orthogonal primitive vectors.
+//! Block of particles on a lattice with orthogonal primitive vectors.
 
 use serde::{Deserialize, Serialize};
 

@@ -521,10 +521,10 @@ mod tests {
         let others = [Complex::new(0.0, 0.9), Complex::new(0.6, 0.0)];
         assert!(error(&[]) > 1e-6, "{}", error(&[]));
         assert!(error(&others) < 1e-9, "{}", error(&others));
-        // The wave itself is no trace, whatever is said of other branches.
+        // The wave itself is not treated as a trace, even if it is listed as another branch.
         let mistaken = fit(&[truth, Complex::new(0.0, 1.31)]);
         assert!((mistaken.rate - truth).norm() < 1e-3 && mistaken.uncertainty.is_finite());
-        // Nor is another branch that is as large.
+        // A branch as large as the wave is not a trace either.
         let mixed = record(240, 0.1, |t| traced(t) + 0.5 * (2.1 * t).sin());
         let two = fitted(&mixed, traveling(1.3), &[Complex::new(0.0, 2.1)]).expect("a fit");
         assert!(two.residual > 0.1, "{two:?}");

@@ -221,7 +221,7 @@ mod tests {
             .expect("a response")
             .expect("volumetric");
         let jacobian = f.jacobian();
-        // p = K (1/J - 1), whose slope by 1/J is K.
+        // p = K (1/J - 1), with the slope dp/d(1/J) = K.
         assert!((own.pressure - 2.0 * (1.0 / jacobian - 1.0)).abs() < 1e-12);
         assert!((own.slope - 2.0).abs() < 1e-12);
     }
