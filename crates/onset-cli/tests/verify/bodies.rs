@@ -425,7 +425,7 @@ fn impossible_bodies_are_refused() {
         (
             colliding().replace("second", "contact = 1\nsecond"),
             "--steps 9",
-            "repel all that come near",
+            "already repel all others",
         ),
         (
             format!("{bar}second = [30, 0]\ncontact = 1")

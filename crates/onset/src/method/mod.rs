@@ -268,7 +268,7 @@ pub enum MethodError {
     },
     /// The support holds more particles than admissible.
     #[error(
-        "the support radius {} holds about {neighbors:.1e} particles; at most {limit} are admitted",
+        "the support radius {} holds about {neighbors:.1e} particles; at most {limit} are allowed",
         length(*radius)
     )]
     SupportTooLarge {
@@ -295,7 +295,7 @@ pub enum MethodError {
     },
     /// The horizon holds more particles than admissible.
     #[error(
-        "the horizon {} holds about {bonds:.1e} particles; at most {limit} are admitted",
+        "the horizon {} holds about {bonds:.1e} particles; at most {limit} are allowed",
         length(*horizon)
     )]
     HorizonTooLarge {
@@ -320,7 +320,7 @@ pub enum MethodError {
     },
     /// The deformation couples the directions of the discretization to the remaining directions.
     #[error(
-        "the deformation gradient couples the {dimension} dimension(s) of the lattice with the others; \
+        "the deformation gradient couples the {dimension} dimension(s) of the lattice to the others; \
          expected plane strain (2D) or uniaxial strain (1D)"
     )]
     NotPlanar {
@@ -335,8 +335,8 @@ pub enum MethodError {
     Deformation(#[from] KinematicsError),
     /// The cell holds several particles where one is expected.
     #[error(
-        "the cell holds {particles} particles; kernel methods in closed form have one, `scheme::kernel::KernelScheme` has any \
-         number"
+        "the cell holds {particles} particles; kernel methods in closed form need exactly one; use \
+         `scheme::kernel::KernelScheme` for several"
     )]
     SeveralParticles {
         /// Number of particles in the cell.
@@ -640,7 +640,7 @@ impl KernelMethodChoices {
             particles <= MAXIMUM_PARTICLES,
             "cells",
             f64::from(self.cells),
-            "a number that leaves at most 1000 particles in the cells taken together",
+            "a number of cells that gives at most 1000 particles",
         )?;
         if !(0.0..=0.5).contains(&self.perturbation) {
             return Err(MethodError::Setting {
@@ -753,7 +753,7 @@ impl<const D: usize> Method<D> {
         if strained {
             return Err(MethodError::Incompatible {
                 choice: "the interpolated background",
-                other: "raw weights at points that a translation of all particles strains",
+                other: "raw weights at points where a translation of all particles causes a strain",
                 hint: "choose discretization.background = \"imposed\", an approximation that is exact for constants, or the quadrature \
                        nodal or stress-points",
             });

@@ -56,10 +56,10 @@ impl Ground {
 impl fmt::Display for Fault {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = match &self.ground {
-            Ground::Inverted => "the material about it is inverted".to_owned(),
+            Ground::Inverted => "the material around it is inverted".to_owned(),
             Ground::OutsideDomain => "the law is not defined there".to_owned(),
             Ground::Overlapping => {
-                "it is nearer than half a spacing to a particle of another piece, and would pass through it: the contact is too soft, or the pieces meet too fast".to_owned()
+                "it is closer than half a spacing to a particle of another piece and would pass through it: the contact is too soft, or the pieces approach too fast".to_owned()
             }
             Ground::Method(error) => error.to_string(),
             Ground::NotFinite => "its motion is infinite or not a number".to_owned(),

@@ -72,7 +72,7 @@ impl<const D: usize> Pieces<D> {
         let modulus = response.tangent[(0, 0, 0, 0)];
         if !is_positive(modulus) {
             return Err(BodyError::NoContact(
-                "its stiffness is measured by A_1111 of the material at F = 1, which is not positive",
+                "its stiffness scales with A_1111 of the material at F = 1, which is not positive",
             ));
         }
         let piece = pieces(links, positions.len());

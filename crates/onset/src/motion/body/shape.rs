@@ -308,7 +308,7 @@ fn check_cells<const D: usize>(first: &[f64; D], last: &[f64; D]) -> Result<(), 
         true => Err(BodyError::Number {
             what: "the number of cells of the lattice in the box around the body".to_owned(),
             value: cells,
-            expected: "at most 1e8: a smaller body, or pieces nearer to each other",
+            expected: "at most 1e8: a smaller body, or pieces closer together",
         }),
         false => Ok(()),
     }

@@ -70,7 +70,7 @@ pub(super) fn with_updated_body<const D: usize>(
         .ok_or(BodyError::NoBodies)?;
     if contact.is_some() {
         return Err(BodyError::NoContact(
-            "particles of this method repel all that come near",
+            "particles of this method already repel all others within their support",
         ));
     }
     let placed = placed(discretization.crystal(), particles)?;

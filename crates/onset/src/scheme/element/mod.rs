@@ -198,9 +198,9 @@ impl<const D: usize> FiniteElements<D> {
         let scale = formulation.hourglass_scale;
         if scale == HourglassScale::Radioss && D < 3 && formulation.hourglass_stiffness > 0.0 {
             return Err(MethodError::Incompatible {
-                choice: "hourglass-scale \"radioss\" with a hourglass-stiffness",
-                other: "quadrilaterals, whose hourglass control is viscous there",
-                hint: "set hourglass-viscosity, or take hourglass-scale = \"gradients\"",
+                choice: "hourglass-scale \"radioss\" with an hourglass-stiffness",
+                other: "quadrilaterals, whose control in this code is purely viscous",
+                hint: "set hourglass-viscosity, or choose hourglass-scale = \"gradients\"",
             });
         }
         let (mut points, mut modes) = (Vec::new(), Vec::new());

@@ -186,8 +186,8 @@ impl<const D: usize> UpdatedSph<D> {
         if choices.corrected_forces && !choices.corrected {
             return Err(MethodError::Incompatible {
                 choice: "a correction of forces",
-                other: "velocity gradients that are not corrected",
-                hint: "correct both (corrected = true), or neither",
+                other: "uncorrected velocity gradients",
+                hint: "correct both (corrected = true) or neither",
             });
         }
         if let Some(artificial_stress) = &choices.artificial_stress {
