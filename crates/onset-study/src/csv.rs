@@ -19,7 +19,7 @@ mod tests {
     use super::text;
 
     #[test]
-    fn no_cell_is_a_formula_and_none_ends_before_its_end() {
+    fn csv_cells_are_quoted_and_never_formulas() {
         assert_eq!(text("SPH"), "SPH");
         assert_eq!(text("a, \"b\"\nc"), "\"a, \"\"b\"\" c\"");
         for start in ["=", "+", "-", "@", "\t=", " =", "\n=", "\r="] {

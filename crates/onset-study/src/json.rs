@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn a_document_is_a_line_for_each_value() {
+    fn the_csv_of_an_answer_has_one_line_for_each_value() {
         let document = serde_json::json!({"a": {"b": [1.5, 2], "c": "x, y"}, "d": null, "e": true});
         let csv = super::csv(&document).expect("a document");
         assert_eq!(

@@ -109,7 +109,7 @@ mod tests {
     use super::{told, told_of, vector};
 
     #[test]
-    fn every_size_is_told_with_six_significant_digits() {
+    fn numbers_of_any_magnitude_are_printed_with_six_significant_digits() {
         for exponent in -300..300 {
             let value = 1.234_567_89 * 10.0_f64.powi(exponent);
             let text = told(value);
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn rounding_is_zero_in_numbers_and_vectors() {
+    fn rounding_errors_are_printed_as_zero() {
         assert_eq!(told_of(1e-13, 1.0), "0");
         assert_eq!(told_of(1e-13, 1e-3), "1e-13");
         assert_eq!(vector(&[3.6, -1e-9]), "(3.6, 0)");

@@ -275,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_is_made_for_files_only() {
+    fn a_folder_is_created_only_if_files_are_written() {
         let place = PrivateFolder::new(&std::env::temp_dir(), "onset-output-").expect("a folder");
         let folder = place.path().join("a/b");
         drop(Output::at(&folder, &["one"]).expect("a place"));
@@ -284,7 +284,7 @@ mod tests {
 
     #[test]
     #[cfg(unix)]
-    fn what_is_protected_stays_so_and_links_are_not_followed() {
+    fn permissions_are_kept_and_links_are_not_followed() {
         use std::os::unix::fs::{PermissionsExt, symlink};
         let place = PrivateFolder::new(&std::env::temp_dir(), "onset-output-").expect("a folder");
         let at = |name: &str| place.path().join(name);

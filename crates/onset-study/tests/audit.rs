@@ -40,7 +40,7 @@ fn every_law_of_the_library_is_consistent() {
 }
 
 #[test]
-fn a_state_without_stress_is_compared_with_the_stiffness() {
+fn errors_at_a_stress_free_state_are_relative_to_the_stiffness() {
     let undeformed = [DeformationGradient::identity()];
     for model in ["blatz-ko", "modified-mooney-rivlin"] {
         let model = Model::named(model).expect("a law");
@@ -59,7 +59,7 @@ fn a_state_without_stress_is_compared_with_the_stiffness() {
 }
 
 #[test]
-fn a_kink_of_an_energy_is_no_lack_of_one() {
+fn a_kink_is_not_mistaken_for_a_missing_energy() {
     let states = states(0.1).expect("states");
     for energy in [
         "I1-3-2*ln(J)+abs(I1-3.0123)",

@@ -68,7 +68,7 @@ fn rule(measured: Measured) -> Option<usize> {
 }
 
 #[test]
-fn each_rule_excludes_what_it_says() {
+fn each_rule_excludes_the_methods_that_it_describes() {
     let with = |change: fn(&mut Measured)| {
         let mut measured = good();
         change(&mut measured);
@@ -88,7 +88,7 @@ fn each_rule_excludes_what_it_says() {
 }
 
 #[test]
-fn the_others_are_ranked_by_error_times_cost_and_the_excluded_come_last() {
+fn methods_are_ranked_by_error_times_cost_with_excluded_ones_last() {
     let with = |change: fn(&mut Measured)| {
         let mut measured = good();
         change(&mut measured);
@@ -171,7 +171,7 @@ fn modes_that_fill_lines_are_marked_in_the_table() {
 }
 
 #[test]
-fn wave_vectors_are_told_as_fractions_where_they_are() {
+fn rational_wave_vectors_are_printed_as_fractions() {
     let at = |fractional: &[f64]| {
         let mode = ShownMode {
             wave_vector: fractional.to_vec(),
@@ -201,7 +201,7 @@ fn wave_vectors_are_told_as_fractions_where_they_are() {
 }
 
 #[test]
-fn the_values_of_a_coefficient_begin_and_end_where_the_range_does() {
+fn the_values_of_a_coefficient_include_the_ends_of_the_range() {
     let values = |low, high| {
         TuneQuestion::new("discretization.penalty", (low, high), (0.7, 1.5))
             .expect("a question")
@@ -220,7 +220,7 @@ fn the_values_of_a_coefficient_begin_and_end_where_the_range_does() {
 }
 
 #[test]
-fn every_method_of_the_comparisons_of_the_program_is_measured() {
+fn every_method_of_the_built_in_comparisons_can_be_measured() {
     for (dimension, (name, text)) in PANELS.iter().enumerate() {
         // A few states suffice here.
         let comparison =
@@ -261,7 +261,7 @@ fn the_material_has_the_same_onset_in_every_row() {
 }
 
 #[test]
-fn a_mode_is_exported_as_large_as_asked() {
+fn a_mode_is_exported_with_the_requested_amplitude() {
     let settings = Settings::from_assignments(&[
         "discretization.lattice=square",
         "discretization.quadrature=nodal",
@@ -292,7 +292,7 @@ fn a_mode_is_exported_as_large_as_asked() {
 }
 
 #[test]
-fn the_courant_number_of_disordered_particles_is_in_spacings_of_their_layout() {
+fn the_courant_number_of_disordered_particles_uses_the_spacing_of_their_lattice() {
     let of = |perturbation: &str| {
         let settings = Settings::from_assignments(&[
             "discretization.method=total-lagrangian-sph",
@@ -322,7 +322,7 @@ fn the_courant_number_of_disordered_particles_is_in_spacings_of_their_layout() {
 }
 
 #[test]
-fn a_page_says_where_the_material_stays_elliptic_and_draws_what_lies_beyond_the_window() {
+fn the_page_states_the_elliptic_range_and_the_figure_shows_onsets_outside_it() {
     use onset_study::figure::Layer;
     let pair = |load, material, method| OnsetPair {
         load,

@@ -86,7 +86,7 @@ fn assert_finite(svg: &str) {
 }
 
 #[test]
-fn the_svg_holds_every_word_and_escapes_what_xml_reserves() {
+fn the_svg_contains_every_word_with_reserved_characters_escaped() {
     let figure = Figure::new("shear & stretch")
         .caption("where \"det Q\" < 0\u{1}")
         .with(unit_panel("J > 0").with(Line::new(vec![UNIT, (1.0, 0.0)]).named("λ₁ < λ₂ & μ")))
@@ -291,7 +291,7 @@ fn equal_neighbours_are_merged_so_that_the_svg_stays_small() {
 }
 
 #[test]
-fn the_legend_names_each_thing_once_and_can_be_written_by_hand() {
+fn the_legend_names_each_layer_once_and_can_be_replaced() {
     let line = Line::new(vec![UNIT]).named("PDE").dashed();
     let points = Points::new(vec![UNIT])
         .marker(Marker::Triangle)
@@ -317,7 +317,7 @@ fn the_legend_names_each_thing_once_and_can_be_written_by_hand() {
 }
 
 #[test]
-fn both_files_are_written_into_a_new_directory() {
+fn svg_and_png_are_written_into_a_new_directory() {
     let root = std::env::temp_dir().join(format!("onset-figure-{}", std::process::id()));
     let directory = root.join("a/b");
     let figure = Figure::new("files").with(unit_panel(""));
@@ -347,7 +347,7 @@ fn a_directory_that_cannot_be_written_is_named_in_the_error() {
 }
 
 #[test]
-fn a_picture_that_fits_no_memory_is_an_error() {
+fn a_picture_too_large_for_memory_is_an_error() {
     let mut figure = Figure::new("").columns(1_000);
     figure.panels = vec![unit_panel(""); 1_000];
     assert!(matches!(figure.to_png(), Err(FigureError::Size { .. })));

@@ -36,7 +36,7 @@ fn counted(study: &Study, name: &str) -> u64 {
 }
 
 #[test]
-fn the_tiles_are_those_of_the_map_whatever_the_axes() {
+fn the_forecast_counts_the_tiles_of_the_map_for_any_axes() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../studies");
     let mut three = 0;
     for entry in std::fs::read_dir(folder).expect("studies") {
@@ -54,7 +54,7 @@ fn the_tiles_are_those_of_the_map_whatever_the_axes() {
 }
 
 #[test]
-fn the_states_of_an_adaptive_map_are_known_to_within_a_factor_of_one_and_a_half() {
+fn the_forecast_states_of_an_adaptive_map_are_accurate_within_a_factor_of_one_and_a_half() {
     let axes = |first: (f64, f64), second: (f64, f64), states: usize| {
         format!(
             "[[axes]]\nquantity = 'stretch-1'\nrange = [{}, {}]\nstates = {states}\n\
@@ -108,7 +108,7 @@ fn the_states_of_an_adaptive_map_are_known_to_within_a_factor_of_one_and_a_half(
 }
 
 #[test]
-fn a_map_of_every_state_computes_them_all_and_sets_up_what_varies_tile_by_tile() {
+fn the_forecast_of_a_full_map_counts_every_state_and_each_preparation_once_per_tile() {
     let text = "title = 'a'\n[discretization]\nframe = 'eulerian'\n\
          [[axes]]\nquantity = 'stretch-1'\nrange = [0.9, 1.1]\nstates = 20\n\
          [[axes]]\nquantity = 'discretization.support'\nrange = [1.5, 1.9]\nstates = 10\n\

@@ -87,7 +87,7 @@ fn regions(panel: &Panel) -> &onset_study::figure::Regions {
 }
 
 #[test]
-fn a_map_shows_its_verdicts_in_words_and_both_boundaries() {
+fn the_figure_of_a_map_names_its_verdicts_and_shows_both_boundaries() {
     let place = Place::new();
     let store = place.store("a", &study("one", ""), 100);
     for traced in [true, false] {
@@ -119,7 +119,7 @@ fn a_map_shows_its_verdicts_in_words_and_both_boundaries() {
 }
 
 #[test]
-fn tiles_that_are_still_to_be_computed_stay_blank_and_are_counted() {
+fn missing_tiles_are_blank_and_counted_in_the_caption() {
     let place = Place::new();
     let store = place.store("a", &study("one", ""), 1);
     let figure = draw(std::slice::from_ref(&store), "verdict", false);
@@ -202,7 +202,7 @@ fn a_study_with_units_is_drawn_and_stored_with_them() {
 }
 
 #[test]
-fn fields_side_by_side_have_one_scale_of_colors() {
+fn adjacent_fields_share_one_color_scale() {
     let place = Place::new();
     let first = place.store("a", &study("one", ""), 100);
     let second = study("two", "").replace("support = 1.9", "support = 1.6");
@@ -234,7 +234,7 @@ fn fields_side_by_side_have_one_scale_of_colors() {
 }
 
 #[test]
-fn what_is_rounding_is_drawn_as_zero() {
+fn rounding_errors_are_drawn_as_zero() {
     let place = Place::new();
     let text = study("deficient", "").replace(
         "frame = 'eulerian'\ncurrent-lattice = 'regular'\nsupport = 1.9\n",
@@ -385,7 +385,7 @@ fn tracing_ends_when_its_time_is_over() {
 }
 
 #[test]
-fn a_figure_looks_as_it_is_asked_to() {
+fn title_size_ranges_and_colors_of_a_figure_can_be_set() {
     use onset_study::figure::ColorMap;
     let place = Place::new();
     let store = place.store("a", &study("one", ""), 100);

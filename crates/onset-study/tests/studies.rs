@@ -57,7 +57,7 @@ fn complaints(documents: &[&str]) -> Option<Vec<Vec<String>>> {
 }
 
 #[test]
-fn the_kept_schema_is_current() {
+fn the_schema_in_the_repository_is_current() {
     let kept = std::fs::read_to_string(folder().join("study.schema.json")).unwrap_or_default();
     assert!(
         kept == format!("{:#}\n", schema()),
@@ -66,7 +66,7 @@ fn the_kept_schema_is_current() {
 }
 
 #[test]
-fn every_kept_study_is_valid_as_it_is_and_written_out_in_full_and_names_the_schema() {
+fn every_study_in_the_repository_is_valid_and_names_the_schema() {
     let kept = kept();
     let written_out = kept.iter().map(|(name, text)| {
         assert!(text.starts_with("#:schema ./study.schema.json\n"), "{name}");
@@ -84,7 +84,7 @@ fn every_kept_study_is_valid_as_it_is_and_written_out_in_full_and_names_the_sche
 }
 
 #[test]
-fn what_the_schema_refuses_is_refused_by_the_program_too() {
+fn everything_that_the_schema_refuses_is_refused_by_the_program() {
     let good = "material.model = \"blatz-ko\"\n\
                 [[axes]]\nquantity = \"stretch-1\"\nrange = [0.5, 2.0]\nstates = 10\n\
                 [[axes]]\nquantity = \"discretization.support\"\nrange = [1.5, 2.0]\nstates = 6\n";
@@ -140,7 +140,7 @@ fn what_the_schema_refuses_is_refused_by_the_program_too() {
 }
 
 #[test]
-fn the_book_has_every_key_of_a_study() {
+fn the_book_lists_every_key_of_a_study() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../book/src/how-to/study.md");
     let page = std::fs::read_to_string(page).expect("the page on studies");
     // The page on materials lists the parameters of the laws.
@@ -184,7 +184,7 @@ fn the_book_has_every_key_of_a_study() {
 }
 
 #[test]
-fn the_examples_of_the_book_are_studies() {
+fn the_examples_of_the_book_are_valid_studies() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../book/src/how-to/study.md");
     let page = std::fs::read_to_string(page).expect("the page on studies");
     let examples: Vec<&str> = page
@@ -204,7 +204,7 @@ fn the_examples_of_the_book_are_studies() {
 }
 
 #[test]
-fn the_book_has_every_law_as_the_library_describes_it() {
+fn the_book_describes_every_law_like_the_library() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../book/src/how-to/materials.md");
     let page = std::fs::read_to_string(page).expect("the page on materials");
     let mut rows = 0;

@@ -32,7 +32,7 @@ const DEFICIENT: [&str; 8] = [
 ];
 
 #[test]
-fn methods_without_control_are_deficient_in_the_reference_state_of_any_law() {
+fn methods_without_control_have_zero_energy_modes_for_any_law() {
     for method in DEFICIENT {
         for material in ["neo-hooke", "blatz-ko", "hencky"] {
             let answer = answer(&format!("{method} material.model={material}"), "1,1");
@@ -52,7 +52,7 @@ fn methods_without_control_are_deficient_in_the_reference_state_of_any_law() {
 }
 
 #[test]
-fn a_softest_wave_without_strain_is_no_stability() {
+fn a_state_whose_softest_wave_has_no_strain_is_not_called_stable() {
     for method in DEFICIENT {
         for stretches in ["0.9,0.9", "0.95,1", "0.97,0.93", "1.03,1.02", "1,0.99"] {
             let answer = answer(&format!("{method} material.model=neo-hooke"), stretches);
@@ -103,7 +103,7 @@ fn controlled_methods_keep_their_verdict() {
 }
 
 #[test]
-fn a_survey_of_many_states_says_the_same_as_a_single_answer() {
+fn surveys_and_single_answers_give_the_same_verdict() {
     use onset::kinematics::DeformationGradient;
     use onset_study::map::Evaluator;
     use onset_study::settings::MapSettings;

@@ -72,7 +72,7 @@ mod tests {
     use crate::settings::Settings;
 
     #[test]
-    fn the_least_eigenvalue_of_all_directions_is_that_of_the_search() {
+    fn the_smallest_eigenvalue_over_the_directions_agrees_with_the_search() {
         for (lattice, stretches) in [
             ("chain", "1.3"),
             ("hexagonal", "1.9,0.8"),

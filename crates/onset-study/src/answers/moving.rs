@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn particles_of_a_wave_differ_by_its_phase_alone() {
+    fn particles_in_a_wave_differ_only_in_phase() {
         let problem = problem(&["method=updated-sph"]);
         let strain = Strain::of_stretches("stretch", "1.1,1", 2).expect("a state");
         let moving = MovingMode::new(&problem, &strain).expect("a mode");

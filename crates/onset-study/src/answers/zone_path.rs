@@ -332,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn points_are_told_apart_as_far_as_the_state_does() {
+    fn symmetry_points_are_distinguished_if_the_state_breaks_the_symmetry() {
         assert_eq!(names(LatticeKind::Square, [1.0; 3]), ["Γ", "X", "M"]);
         assert_eq!(
             names(LatticeKind::Square, [1.2, 1.0, 1.0]),

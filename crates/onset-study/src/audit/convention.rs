@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn conventions_that_the_core_knows_too_agree_with_it() {
+    fn conventions_agree_with_the_tangents_of_the_core() {
         let response = response();
         let change = StressChange::of_response(&response);
         let none = FourthOrder::from_fn(|_, _, _, _| 0.0);
@@ -324,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn every_name_leads_back_to_its_convention() {
+    fn every_convention_is_found_by_its_name() {
         for convention in Convention::ALL {
             assert_eq!(Convention::of_name(convention.name()), Some(convention));
             let serialized = serde_json::to_value(convention).expect("a word");

@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn smooth_functions_are_differentiated_nearly_to_rounding_and_the_error_is_known() {
+    fn derivatives_of_smooth_functions_are_accurate_and_their_error_estimate_holds() {
         let derivative = of(|x| vec![(3.0 * (1.0 + x)).exp(), (1.0 + x).powi(-5)]);
         let exact = [3.0 * 3.0_f64.exp(), -5.0];
         for (value, exact) in derivative.values.iter().zip(exact) {
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn a_kink_beyond_the_small_steps_does_no_harm_and_one_at_the_state_is_noticed() {
+    fn a_distant_kink_is_harmless_and_a_kink_at_the_state_is_detected() {
         let kinked = |at: f64| of(move |x| vec![x.sin() + (x - at).max(0.0)]);
         let beyond = kinked(1e-3);
         assert!((beyond.values[0] - 1.0).abs() < 1e-9);

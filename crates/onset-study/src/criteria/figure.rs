@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn bars_cover_the_states_in_which_the_criterion_holds_and_no_others() {
+    fn bars_cover_exactly_the_states_in_which_the_criterion_holds() {
         for law in LAWS {
             let question = question(law);
             let answer = question.answer().expect("an answer");

@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn ticks_are_nice_numbers_with_the_digits_they_need() {
+    fn ticks_are_round_numbers_with_as_few_digits_as_possible() {
         let axis = |low, high| Axis::linear("", (low, high));
         assert_eq!(
             labels(&axis(0.0, 1.0)),
@@ -333,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_ranges_become_possible_ones() {
+    fn invalid_ranges_are_made_valid() {
         for range in [
             (0.0, 0.0),
             (3.0, 3.0),

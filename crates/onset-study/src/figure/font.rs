@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn wrapped_lines_fit_and_lose_no_word() {
+    fn wrapping_keeps_every_word_and_the_line_width() {
         let text = "the first instability is physical or numerical";
         let lines = wrap(text, 12.0, 110.0);
         assert!(lines.len() > 2);

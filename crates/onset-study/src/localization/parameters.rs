@@ -762,7 +762,7 @@ mod tests {
     use crate::settings::word_of;
 
     #[test]
-    fn defaults_are_what_their_parameters_expect_and_make_a_law() {
+    fn default_parameters_are_valid_and_define_a_law() {
         for parameter in PARAMETERS {
             assert!(
                 parameter.kind.accepts(&parameter.default_value()),
@@ -796,7 +796,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_settings_are_told_with_a_hint() {
+    fn invalid_settings_are_refused_with_a_hint() {
         let error = |assignment: &str| {
             PlasticSettings::from_assignments(&[assignment])
                 .expect_err("a wrong assignment")
@@ -830,7 +830,7 @@ mod tests {
     }
 
     #[test]
-    fn stresses_take_units_all_of_them_or_none() {
+    fn either_all_stresses_have_units_or_none() {
         let all = [
             "plasticity.shear-modulus=80 GPa",
             "plasticity.strength=200MPa",

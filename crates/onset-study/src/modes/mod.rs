@@ -374,7 +374,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_wave_vector_is_told_as_one_of_those_that_mean_the_same() {
+    fn equivalent_wave_vectors_are_printed_identically() {
         let place = |fractional: &[f64]| {
             let mode = ShownMode {
                 wave_vector: Vec::new(),

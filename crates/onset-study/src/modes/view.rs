@@ -104,7 +104,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_nearer_looks_larger_and_the_directions_of_a_view_are_orthonormal() {
+    fn nearer_points_are_magnified_and_the_axes_of_a_view_are_orthonormal() {
         let cube: Vec<[f64; 3]> = (0..8)
             .map(|n| [0, 1, 2].map(|axis| f64::from(n >> axis & 1)))
             .collect();

@@ -194,7 +194,7 @@ mod tests {
     use onset::verdict::boundary::Boundary;
 
     #[test]
-    fn edges_of_cells_separate_what_differs_and_is_known() {
+    fn edges_separate_cells_with_different_known_flags() {
         let flags = [
             Some(true),
             Some(false),
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn a_boundary_that_was_not_followed_to_its_ends_says_so() {
+    fn the_legend_mentions_gaps_of_a_boundary() {
         let whole = Boundary::default();
         assert_eq!(honest("a", &whole), "a");
         let broken = Boundary {

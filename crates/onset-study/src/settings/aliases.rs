@@ -327,7 +327,7 @@ mod tests {
     use crate::settings::{Key, Settings};
 
     #[test]
-    fn what_a_word_stands_for_is_a_word_of_the_key_and_is_taken() {
+    fn every_alias_means_a_valid_word_of_its_key_and_is_accepted() {
         for (key, typed, meaning) in WORDS {
             let words = Key::named(key).expect("a key").words();
             assert!(!words.contains(typed), "{key} = {typed} is known");
@@ -356,7 +356,7 @@ mod tests {
     }
 
     #[test]
-    fn what_an_alias_brings_along_gives_way_to_what_is_set() {
+    fn explicit_settings_override_the_settings_implied_by_an_alias() {
         for assignments in [
             [
                 "discretization.method=rkpm",

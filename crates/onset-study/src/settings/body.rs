@@ -543,7 +543,7 @@ mod tests {
     }
 
     #[test]
-    fn a_body_is_read_in_lengths() {
+    fn a_body_is_converted_from_spacings_to_lengths() {
         let text = "[body]\nshape = 'bar'\nsize = [40, 6]\n[[grips]]\nfrom = [0, 0]\nto = [2, 6]\nvelocity = [0.1, 0]\nramp = 2";
         let body = BodySettings::of_file("study.toml", text)
             .expect("read")
@@ -586,7 +586,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_effect_is_told_with_its_place() {
+    fn keys_without_effect_are_refused_with_their_place() {
         let told = refused("[body]\nshape = 'bar'\nsize = [40, 6]\nhole = 3");
         assert!(
             told.contains("study.toml:4") && told.contains("body.hole"),

@@ -540,7 +540,7 @@ mod tests {
     }
 
     #[test]
-    fn every_parameter_of_every_law_can_be_set_and_is_what_was_set() {
+    fn every_parameter_of_every_law_can_be_set_and_read_back() {
         for law in library().iter().chain(onset::plasticity::library()) {
             for parameter in law.parameters {
                 let settings = Settings::from_assignments(&[
@@ -556,7 +556,7 @@ mod tests {
     }
 
     #[test]
-    fn parameters_of_one_name_have_one_unit_and_fit_under_a_key() {
+    fn parameters_with_the_same_name_have_the_same_unit_and_are_valid_keys() {
         for law in library().iter().chain(onset::plasticity::library()) {
             for parameter in law.parameters {
                 let key = Key::named(&format!("material.{}", parameter.name)).expect("a key");
@@ -573,7 +573,7 @@ mod tests {
     }
 
     #[test]
-    fn a_formula_takes_numbers_under_any_name_and_a_text_as_it_is_typed() {
+    fn a_formula_accepts_parameters_of_any_name() {
         let settings = Settings::from_assignments(&[
             "material.model=formula",
             "material.stiffness=3",
@@ -598,7 +598,7 @@ mod tests {
     }
 
     #[test]
-    fn a_list_of_numbers_is_typed_with_or_without_brackets() {
+    fn a_list_of_numbers_may_be_typed_with_or_without_brackets() {
         for typed in ["[1, 2.5,-3e2]", "1,2.5,-3e2"] {
             let settings = Settings::from_assignments(&[
                 "material.model=umat".to_owned(),

@@ -712,7 +712,7 @@ mod tests {
     }
 
     #[test]
-    fn every_key_can_be_set_with_every_word_that_it_expects() {
+    fn every_key_accepts_each_of_its_words() {
         for key in KEYS.iter() {
             let words: Vec<String> = match (key.words(), key.kind) {
                 ([], Kind::Whole(least, _)) => vec![least.max(2).to_string()],
@@ -756,7 +756,7 @@ mod tests {
     }
 
     #[test]
-    fn unknown_keys_and_words_name_the_nearest_known_one() {
+    fn errors_for_unknown_keys_and_words_suggest_the_most_similar_one() {
         assert!(
             error_of("discretization.suport=2").contains("did you mean `discretization.support`?")
         );

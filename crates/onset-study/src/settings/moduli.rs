@@ -228,7 +228,7 @@ mod tests {
     const STEEL: [(&str, f64); 2] = [("young", 210.0), ("poisson", 0.3)];
 
     #[test]
-    fn every_isotropic_law_has_the_moduli_that_are_asked_for() {
+    fn every_isotropic_law_attains_the_requested_moduli() {
         let mut count = 0;
         for law in library()
             .iter()
@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn all_pairs_say_the_same() {
+    fn all_pairs_of_moduli_give_the_same_parameters() {
         let law = Law::named("neo-hooke").expect("a law");
         let (mu, kappa) = (210.0 / 2.6, 175.0);
         let pairs = [
@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_too_much_too_little_or_impossible_is_told() {
+    fn too_many_too_few_and_impossible_moduli_are_refused() {
         for (law, set, given, fact) in [
             (
                 "neo-hooke",

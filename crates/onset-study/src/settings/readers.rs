@@ -149,7 +149,7 @@ fn differ(a: &[f64], b: &[f64]) -> bool {
 }
 
 #[test]
-fn every_key_changes_an_answer_of_a_method_or_is_refused_by_it() {
+fn every_key_changes_an_answer_or_is_refused_by_the_method() {
     let keys = || KEYS.iter().filter(|key| key.parts().0 == "discretization");
     for (family, choices) in METHODS {
         let bases: Vec<(Vec<String>, Vec<f64>)> = choices
@@ -217,7 +217,7 @@ fn every_key_changes_an_answer_of_a_method_or_is_refused_by_it() {
 }
 
 #[test]
-fn what_is_in_effect_is_what_the_method_reads() {
+fn settings_in_effect_are_those_that_the_method_uses() {
     for (family, choices) in METHODS {
         for choices in *choices {
             let all: Vec<String> = std::iter::once(format!("discretization.method={family}"))

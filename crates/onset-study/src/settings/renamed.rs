@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn earlier_names_are_free_and_new_ones_are_taken() {
+    fn earlier_names_are_out_of_use_and_present_names_exist() {
         for (earlier, now) in KEYS {
             assert!(!is_key(earlier) && is_key(now), "{earlier}, {now}");
         }

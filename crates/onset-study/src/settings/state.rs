@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quarter_turn_of_the_lattice_exchanges_the_stretches() {
+    fn rotating_the_lattice_by_90_degrees_exchanges_the_stretches() {
         let state = StateSettings {
             stretches: [1.3, 0.8, 1.1],
             rotation: FRAC_PI_2,
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn rotation_turns_the_lattice_and_changes_neither_volume_nor_stretches() {
+    fn rotating_the_lattice_changes_neither_volume_nor_principal_stretches() {
         let state = StateSettings {
             stretches: [1.3, 0.8, 1.1],
             shear: 0.4,
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn without_shear_and_rotation_the_stretches_are_taken_exactly() {
+    fn stretches_are_exact_without_shear_and_rotation() {
         let state = StateSettings {
             stretches: [0.1, 0.3, 0.7],
             ..StateSettings::default()

@@ -347,7 +347,7 @@ mod tests {
     }
 
     #[test]
-    fn values_are_turned_into_si() {
+    fn values_with_units_are_converted_to_si() {
         for (key, text, value) in [
             ("material.mu", "80GPa", 80e9),
             ("material.mu", "3 N/mm^2", 3e6),
@@ -372,7 +372,7 @@ mod tests {
     }
 
     #[test]
-    fn units_of_another_quantity_and_unknown_ones_are_told() {
+    fn unknown_units_and_units_of_another_quantity_are_refused() {
         for (key, text, fact) in [
             (
                 "material.mu",

@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     #[cfg(unix)]
-    fn a_link_that_is_turned_after_it_was_allowed_leads_nowhere_else() {
+    fn changing_a_link_after_permission_does_not_change_the_loaded_library() {
         use std::fs;
         use std::os::unix::fs::symlink;
         let place = onset_umat::PrivateFolder::new(&std::env::temp_dir(), "onset-allowed-");
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn a_user_material_is_what_was_set() {
+    fn a_user_material_has_the_settings_that_were_set() {
         let settings = Settings::from_assignments(&[
             "material.model=umat",
             "material.library=a.so",

@@ -98,7 +98,7 @@ fn errors_name_file_line_column_and_a_hint() {
 }
 
 #[test]
-fn a_study_without_axes_shows_how_to_write_them() {
+fn the_error_for_a_study_without_axes_shows_an_example() {
     for text in ["", "title = \"t\"\n", "axes = []\n"] {
         assert_refused(
             text,
@@ -120,7 +120,7 @@ fn a_study_without_axes_shows_how_to_write_them() {
 }
 
 #[test]
-fn axes_are_complete_and_have_no_other_keys() {
+fn incomplete_axes_and_unknown_keys_of_axes_are_refused() {
     for missing in ["quantity", "range", "states"] {
         let text = PLANE.replacen(missing, "wrong", 1);
         assert_refused(&text, &["unknown key `axes.wrong`"]);
@@ -145,7 +145,7 @@ fn axes_are_complete_and_have_no_other_keys() {
 }
 
 #[test]
-fn quantities_are_known_or_the_nearest_is_named() {
+fn the_error_for_an_unknown_quantity_names_the_most_similar_one() {
     for (name, fact) in [
         ("strech-2", "did you mean `stretch-2`?"),
         ("support", "did you mean `discretization.support`?"),
@@ -160,7 +160,7 @@ fn quantities_are_known_or_the_nearest_is_named() {
 }
 
 #[test]
-fn ranges_are_two_admissible_numbers_in_order() {
+fn a_range_must_be_two_admissible_numbers_in_order() {
     for (quantity, range, fact) in [
         ("stretch-2", "[2, 1]", "leads from 2 to 1"),
         ("stretch-2", "[1, 1]", "leads from 1 to 1"),
@@ -218,7 +218,7 @@ fn an_axis_has_2_to_65536_states() {
 }
 
 #[test]
-fn values_of_another_kind_are_refused_with_what_is_expected() {
+fn values_of_a_wrong_kind_are_refused_with_the_expected_kind() {
     for (line, fact) in [
         ("discretization.support = true", "cannot be true"),
         ("discretization.support = 0", "cannot be 0"),
@@ -256,7 +256,7 @@ fn values_of_another_kind_are_refused_with_what_is_expected() {
 }
 
 #[test]
-fn nothing_is_set_twice() {
+fn setting_a_key_twice_is_refused() {
     for (line, quantity, range) in [
         (
             "discretization.support = 2",
@@ -287,7 +287,7 @@ fn nothing_is_set_twice() {
 }
 
 #[test]
-fn an_axis_changes_something() {
+fn an_axis_without_effect_is_refused() {
     let text = with_axis("", "material.mu", "[1, 2]");
     assert_refused(
         &text,
@@ -311,7 +311,7 @@ fn an_axis_changes_something() {
 }
 
 #[test]
-fn a_chain_has_one_dimension() {
+fn quantities_of_higher_dimensions_are_refused_for_a_chain() {
     let chain = "discretization.lattice = \"chain\"\n";
     study(&with_axis(chain, "discretization.support", "[1.5, 2]"));
     for quantity in ["stretch-2", "stretch-3", "shear", "rotation"] {
@@ -327,7 +327,7 @@ fn a_chain_has_one_dimension() {
 }
 
 #[test]
-fn parameters_belong_to_the_model_and_are_admissible() {
+fn foreign_and_inadmissible_parameters_are_refused() {
     assert_refused(
         &format!("material.mu = 3\n{PLANE}"),
         &["has no parameter `mu`"],
@@ -343,7 +343,7 @@ fn parameters_belong_to_the_model_and_are_admissible() {
 }
 
 #[test]
-fn the_stride_of_refinement_fits_into_a_tile() {
+fn a_refinement_stride_larger_than_a_tile_is_refused() {
     assert_refused(
         &format!("map.tile = 16\nmap.refine-from = 32\nmap.adaptive = true\n{PLANE}"),
         &["s.toml:2:19: ", "more than the 16 states"],
@@ -361,7 +361,7 @@ fn the_stride_of_refinement_fits_into_a_tile() {
 }
 
 #[test]
-fn keys_that_have_no_effect_are_refused_with_their_place_and_their_readers() {
+fn keys_without_effect_are_refused_with_their_place_and_their_conditions() {
     assert_refused(
         &format!("discretization.current-lattice = \"regular\"\n{PLANE}"),
         &[
@@ -384,7 +384,7 @@ fn keys_that_have_no_effect_are_refused_with_their_place_and_their_readers() {
 }
 
 #[test]
-fn one_material_and_one_method_are_taken_out_of_a_study() {
+fn a_study_provides_one_material_and_one_method_for_single_states() {
     let text = with_axis(
         "[material]\nmodel = \"blatz-ko\"\n[discretization]\nmethod = \"updated-sph\"\n",
         "discretization.support",
@@ -415,7 +415,7 @@ fn one_material_and_one_method_are_taken_out_of_a_study() {
 }
 
 #[test]
-fn assignments_override_a_study_but_not_its_axes() {
+fn assignments_override_a_study_except_its_axes() {
     let study = study(PLANE);
     let other = study
         .override_with(&[
@@ -457,7 +457,7 @@ fn assignments_override_a_study_but_not_its_axes() {
 }
 
 #[test]
-fn a_title_is_that_of_the_study_only_while_nothing_that_is_shown_is_overridden() {
+fn the_title_names_overridden_settings() {
     let study = study(&format!(
         "title = 'Mooney and Rivlin in the paper'\n{PLANE}"
     ));
@@ -487,7 +487,7 @@ fn a_title_is_that_of_the_study_only_while_nothing_that_is_shown_is_overridden()
 }
 
 #[test]
-fn a_study_written_out_in_full_is_the_same_study() {
+fn writing_a_study_out_in_full_does_not_change_it() {
     let texts = [
         PLANE.to_owned(),
         with_axis(
