@@ -710,7 +710,7 @@ fn typed_words() -> Topic {
     };
     Topic {
         name: "aliases",
-        key: "words that are taken beside a key's own",
+        key: "other names of words",
         entries: WORDS.iter().map(entry).collect(),
     }
 }

@@ -71,7 +71,7 @@ pub fn hint(error: &MethodError) -> &'static str {
             "\n  hint: set discretization.vectors, for example to 1,0,0.3,1.1 for an oblique lattice"
         }
         MethodError::Lattice(LatticeError::Sheared { .. }) => {
-            "\n  hint: choose primitive vectors of similar lengths, or a smaller shear: where double precision tells the places of \
+            "\n  hint: choose primitive vectors of similar lengths, or a smaller shear: where double precision resolves the positions of \
              neighbors"
         }
         MethodError::Lattice(LatticeError::Elongated { .. }) => {

@@ -227,7 +227,7 @@ fn a_user_material_localizes_like_the_built_in_law() {
     assert_eq!(own["settings"]["material.state-variables"], 1.0);
     let sentence = own["sentence"].as_str().expect("a sentence");
     assert!(
-        sentence.contains("In half as many increments"),
+        sentence.contains("With half the number of increments"),
         "{sentence}"
     );
     for (line, fact) in [

@@ -246,7 +246,7 @@ fn waves_in_continuous_time_note_that_the_transfer_is_omitted() {
         let told = |transfer: &str| {
             let answer = onset_line(&format!("{line} {points} {transfer}"));
             assert_eq!(answer.code, Some(0), "{}", answer.stderr);
-            answer.stdout.contains("transfer damps")
+            answer.stdout.contains("onset state gives the damping")
         };
         assert!(told("set transfer=apic") && !told(""), "{line}");
     }

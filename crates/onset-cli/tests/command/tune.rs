@@ -57,9 +57,9 @@ fn a_tuned_coefficient_is_drawn_and_listed() {
 #[test]
 fn invalid_coefficients_are_refused() {
     for (line, fact) in [
-        ("tune discretization.kernel", "is no coefficient"),
-        ("tune discretization.cells", "is no coefficient"),
-        ("tune material.mu", "is no coefficient of the method"),
+        ("tune discretization.kernel", "is not a coefficient"),
+        ("tune discretization.cells", "is not a coefficient"),
+        ("tune material.mu", "is not a coefficient of the method"),
         (
             "tune discretization.penalti",
             "did you mean `discretization.penalty`",

@@ -173,7 +173,7 @@ impl Course {
         let path = LoadingPath::new(material, isotropic, loading, &range);
         let path = path.map_err(|error| match (error, is_fluid(material)) {
             (LoadingError::NoReference, true) => refused(
-                "a fluid has no such state: beside free faces it carries no stress, and its volume alone does not tell the lateral stretches\n  \
+                "a fluid has no such state: with free faces it carries no stress, and its volume alone does not determine the lateral stretches\n  \
                  hint: --lateral held, or --mode hydrostatic"
                     .to_owned(),
             ),
@@ -257,12 +257,12 @@ fn held_across(loading: Loading, dimension: usize) -> Option<String> {
         3 => return None,
         2 => (
             loading.leaves_free(2),
-            "a sheet in plane stress, the thickness of which is found",
+            "a sheet in plane stress, whose thickness is computed",
             free_faces(loading.mode),
         ),
         _ => (
             loading.mode == Mode::Uniaxial && loading.lateral == Lateral::Free,
-            "a bar in uniaxial stress, the lateral stretches of which are found",
+            "a bar in uniaxial stress, whose lateral stretches are computed",
             "--mode uniaxial".to_owned(),
         ),
     };

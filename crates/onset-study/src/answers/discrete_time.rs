@@ -157,7 +157,7 @@ pub(super) fn note(own: &DiscreteTimeAnswer, is_stable: bool, units: Units) -> O
             units.of(told(own.largest_time_step?), "s")
         )),
         (true, false) if own.is_too_long_for_an_isolated_point() => Some(format!(
-            "the step {step} is longer than that of an isolated material point, {}: points that lose their neighbors, or never had some, are unstable by \
+            "the step {step} is longer than the largest stable one of an isolated material point, {}: points without neighbors are unstable by \
              themselves although the body is stable",
             units.of(told(own.isolated_point_time_step?), "s")
         )),

@@ -57,7 +57,7 @@ pub(super) fn buckling(
     let is_compressed = least < -UNSTRESSED * response.tangent.largest();
     is_compressed.then(|| {
         format!(
-            "the {what} is compressed (least principal Cauchy stress {}): if it is thin it buckles out of its own dimensions, which waves within it do not show",
+            "the {what} is compressed (least principal Cauchy stress {}): if it is thin, it buckles laterally, which waves within it do not show",
             units.of(told(least), "Pa")
         )
     })
@@ -190,7 +190,7 @@ fn note_on_cell(cell: ReducedCell) -> String {
         primitive,
     } = cell;
     format!(
-        "the cell of {} is not primitive: it repeats a cell of {}, in which the answer is computed; wave vectors are those of its zone",
+        "the cell of {} is not primitive: it repeats a cell of {}, in which the answer is computed; wave vectors refer to its zone",
         counted(described, "particle"),
         counted(primitive, "particle")
     )

@@ -53,7 +53,7 @@ pub enum ProblemError {
     },
     /// No value in the range of a coefficient can be evaluated.
     #[error(
-        "no value of {key} from {low} to {high} can be evaluated; at {low}: {}\n  hint: name the values to look at with --range LOW,HIGH",
+        "no value of {key} from {low} to {high} can be evaluated; at {low}: {}\n  hint: set the range of values with --range LOW,HIGH",
         first_line(source)
     )]
     Range {
@@ -257,7 +257,7 @@ impl Extent {
             what,
             given,
             expected: format!("{own}: {found}"),
-            hint: "leave out what is beyond; or set material.plane=strain to give it".to_owned(),
+            hint: "leave out the other components, or set material.plane=strain to prescribe them".to_owned(),
         }
     }
 }

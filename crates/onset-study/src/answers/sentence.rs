@@ -111,9 +111,11 @@ pub(super) fn of(
             } else {
                 wave
             };
-            let whose = match family {
-                Family::Kernel | Family::FiniteElements => "quadrature",
-                _ => "discretization",
+            let vanishes = match family {
+                Family::Kernel | Family::FiniteElements => {
+                    "strain vanishes at all quadrature points"
+                }
+                _ => "discrete strain vanishes",
             };
             let is_lagrangian = assessment.gradient_norm.is_some()
                 && settings.discretization.frame == Frame::Lagrangian;
@@ -128,16 +130,16 @@ pub(super) fn of(
                     }
                 };
                 format!(
-                    "The {whose} sees no strain where neighbors alternate. {resisted}; the softest other wave: {which}."
+                    "The {vanishes} where neighbors alternate. {resisted}; the softest other wave: {which}."
                 )
             } else if is_lagrangian {
-                format!("The {whose} sees no strain in a wave ({which}), at any state.")
+                format!("The {vanishes} for a wave ({which}), at any state.")
             } else if spectrum.softest.scaled > spectrum.tolerance {
                 format!(
-                    "The {whose} sees no strain in a wave ({which}). Only the stress of this state resists it."
+                    "The {vanishes} for a wave ({which}). Only the stress of this state resists it."
                 )
             } else {
-                format!("The {whose} sees no strain in a wave ({which}).")
+                format!("The {vanishes} for a wave ({which}).")
             };
             format!(
                 "Not usable without stabilization{although}: zero-energy modes. {unseen}{undecided}"

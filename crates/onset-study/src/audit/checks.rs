@@ -112,7 +112,7 @@ impl Check {
         if uncertainty > UNKNOWN && self.outcome == Outcome::Failed {
             self.outcome = Outcome::Undetermined;
             self.finding = format!(
-                "the stress is not smooth enough at these states for its differences, known to {uncertainty:.0e}, to tell"
+                "the stress is not smooth enough at these states: its differences are accurate only to {uncertainty:.0e}"
             );
         }
         self
@@ -398,7 +398,7 @@ fn moduli(reference: &Measured) -> Check {
         _ if least.abs() > rounding && least.abs() <= noise && noise.is_finite() => (
             Outcome::Undetermined,
             format!(
-                "{values}; whether positive definite is not told: least modulus {least:.3e}, known to {noise:.0e}"
+                "{values}; positive definiteness is undecided: least modulus {least:.3e}, accurate to {noise:.0e}"
             ),
         ),
         _ if least > rounding => (Outcome::Passed, values),
@@ -408,7 +408,7 @@ fn moduli(reference: &Measured) -> Check {
         ),
         _ if shear.abs() <= rounding && bulk > rounding => (
             Outcome::Noted,
-            format!("{values}; the shear modulus is zero to rounding, as that of a fluid"),
+            format!("{values}; the shear modulus is zero to rounding, as in a fluid"),
         ),
         _ => (
             Outcome::Failed,
@@ -498,7 +498,7 @@ fn energy(subject: &Subject<'_>, measured: &[Measured]) -> Check {
     let holds = match (subject, all(&right), all(&other)) {
         (Subject::Law(..), ..) => "the stress is the derivative of the energy",
         (_, true, true) => {
-            "the stress is the derivative of the energy; at these states SSE per current and per reference volume cannot be told apart"
+            "the stress is the derivative of the energy; at these states SSE per current and per reference volume cannot be distinguished"
         }
         (_, false, true) => {
             "the stress is the derivative of the energy; SSE is per reference volume (Abaqus takes it per current volume: its energy output would want SSE divided by J)"
@@ -664,8 +664,8 @@ fn memory(subject: &Subject<'_>, measured: &[Measured]) -> Result<Check, AuditEr
         "memory",
         measured,
         &errors,
-        "the answer does not depend on what was asked before",
-        "the answer depends on what was asked before: something is kept in SAVE or COMMON instead of STATEV",
+        "the stress does not depend on earlier calls",
+        "the stress depends on earlier calls: something is kept in SAVE or COMMON instead of STATEV",
     ))
 }
 

@@ -39,13 +39,13 @@ pub enum AuditError {
     },
     /// A convention was requested for a user material, which can deliver only one.
     #[error(
-        "a UMAT delivers its tangent as {}; --as is for laws of onset's own",
+        "a UMAT delivers its tangent as {}; --as is for built-in laws",
         Convention::JaumannKirchhoff.name()
     )]
     Convention,
     /// The law is in rate form, so that its tangent is not the derivative of its stress along paths from the reference configuration.
     #[error(
-        "{0} is in rate form: its tangent is that of rates that go on (of a metal, of continued flow), and not the derivative of the stress by the end of the path\n  hint: an audit is for laws with an energy \
+        "{0} is in rate form: its tangent describes continued loading (for a metal, continued flow), not the derivative of the stress at the end of the path\n  hint: an audit is for laws with an energy \
          and for UMATs, whose last increment is compared"
     )]
     Flow(&'static str),

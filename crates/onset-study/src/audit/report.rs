@@ -102,7 +102,7 @@ impl Display for Audit {
             for other in &self.tangent.indistinguishable {
                 writeln!(
                     f,
-                    "At these states it cannot be told from: {} (error {:.1e}).",
+                    "At these states it cannot be distinguished from: {} (error {:.1e}).",
                     other.sentence, other.error
                 )?;
             }

@@ -199,7 +199,7 @@ impl TangentFinding {
                     self.misfit(name)
                 }
                 (_, true) => format!(
-                    "The stress is not smooth enough at these states for its differences, known to {:.0e}, to tell what {name} is",
+                    "The stress is not smooth enough at these states to identify {name}: its differences are accurate only to {:.0e}",
                     self.uncertainty
                 ),
                 (_, false) => format!("{name} is {}, as it should be", self.expected.meaning()),

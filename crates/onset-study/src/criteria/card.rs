@@ -194,7 +194,7 @@ impl BoxAnswer {
             stretches.map(told).join(", ")
         };
         match (end, &self.witness) {
-            (BoxEnd::Range, _) => "end of the range that was looked at".to_owned(),
+            (BoxEnd::Range, _) => "end of the search range".to_owned(),
             (BoxEnd::Shape, _) => "set by the other end and the shape of the box".to_owned(),
             (BoxEnd::Critical, Some(wave)) => {
                 format!("ellipticity is lost at ({}), {}", state(), witness(wave))

@@ -25,7 +25,7 @@ impl CardAnswer {
              <title>Safe range: {title}</title>\n<style>{STYLE}</style></head><body>\n\
              <h1>Safe range of a law</h1>\n<p>{law}.</p>\n\
              <p>Within these ranges the law is strongly elliptic: <code>{}</code>. All wave speeds are real, and no band can form \
-             because of the law. Stretches from {low} to {high} were looked at.</p>\n",
+             because of the law. Stretches from {low} to {high} were searched.</p>\n",
             escaped(Criterion::StrongEllipticity.definition())
         );
         if self.material.incompressible {

@@ -54,7 +54,7 @@ pub enum CriteriaError {
     ChangesVolume,
     /// The loading directions do not coincide with the material axes of an anisotropic metal.
     #[error(
-        "{law} {how}: each of some ten thousand states would be integrated along a path of its own, for minutes; expected loadings along the \
+        "{law} {how}: each of some ten thousand states would be integrated along a separate path, for minutes; expected loadings along the \
          axes of the metal, material.angle = 0 or 90, without simple shear\n  hint: `onset path --mode uniaxial` follows a single loading at any angle"
     )]
     Turned {
@@ -79,7 +79,7 @@ pub enum CriteriaError {
 fn hint(error: &LoadingError) -> &'static str {
     match error {
         LoadingError::Law(_) => {
-            "\n  hint: choose constants of the law, or a --range, with which it has numbers"
+            "\n  hint: choose constants of the law, or a --range, for which it can be evaluated"
         }
         LoadingError::NoReference | LoadingError::ChangesVolume => "",
     }
@@ -298,9 +298,9 @@ pub struct ChangeAnswer {
 }
 
 const SHEAR_LEFT_OUT: &str = "simple shear is left out: its principal axes turn, so that the proportional path to a state is not the loading itself, and each state \
-                              takes long; --mode simple-shear asks for it";
-const SHEAR_OF_AXES: &str = "simple shear is left out: its principal axes turn against those of the metal, so that each state is integrated along a path of its \
-                             own, which takes minutes";
+                              takes long; select it with --mode simple-shear";
+const SHEAR_OF_AXES: &str = "simple shear is left out: its principal axes rotate relative to the axes of the metal, so that each state is integrated along a \
+                             separate path, which takes minutes";
 
 /// Refuses loadings whose principal axes do not coincide with the material axes of the metal.
 fn along_axes(settings: &MaterialSettings, modes: &[Mode]) -> Result<(), CriteriaError> {
@@ -689,7 +689,7 @@ fn kink(kink: &KinkAnswer) -> String {
             "jump of the stress at stretch {place} (kink of the energy): the Cauchy stress jumps by up to {stress}, its mean by {mean}"
         ),
         Discontinuity::KinkOfStress => format!(
-            "kink of the stress at stretch {place}: the tangent jumps by {:.2} %, d2W/dJ2 by {bulk}; a limit there is that of one side",
+            "kink of the stress at stretch {place}: the tangent jumps by {:.2} %, d2W/dJ2 by {bulk}; a limit there is one-sided",
             100.0 * kink.jump
         ),
     }

@@ -390,7 +390,7 @@ impl LimitAnswer {
         let names: Vec<&str> = names.into_iter().collect();
         (!names.is_empty()).then(|| {
             format!(
-                "The verdict on the state is {} with {with} of these values: the step is that of the waves that do not grow.",
+                "The verdict on the state is {} with {with} of these values: the step applies to the waves that do not grow.",
                 names.join(" or ")
             )
         })
@@ -403,7 +403,7 @@ impl LimitAnswer {
             let note = end.note.as_deref()?.lines().next()?;
             let [from, to] = [end.value, end.undefined_at?].map(|value| self.value(told(value)));
             Some(format!(
-                "At {to}: {note}; between {from} and {to} no value was looked at."
+                "At {to}: {note}; no value between {from} and {to} was tried."
             ))
         })
     }
@@ -576,7 +576,7 @@ impl LimitAnswer {
         if let Some(note) = &present.note {
             let note = note.lines().next().unwrap_or_default();
             return Some(format!(
-                "It is {value} now, with which there is no answer: {note}."
+                "Its present value {value} cannot be evaluated: {note}."
             ));
         }
         if step.is_infinite() {

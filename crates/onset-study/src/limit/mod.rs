@@ -58,7 +58,7 @@ impl LimitQuestion {
             let message =
                 format!("`{name}` is a time step itself: the critical one does not depend on it");
             return Err(SettingError::new(origin(), message)
-                .hint("vary what the critical step depends on, for example material.young or discretization.spacing"));
+                .hint("vary a setting that affects the critical step, for example material.young or discretization.spacing"));
         }
         Ok(Self {
             key,
@@ -108,7 +108,7 @@ impl LimitQuestion {
         let typed = Value::typed(&self.step, Some(TIME_STEP.kind));
         let measured = units::converted(&TIME_STEP, &typed, &origin)?;
         if measured.is_some() && !settings.units().are_si() {
-            let message = "the time step has a unit, and the settings have none".to_owned();
+            let message = "the time step has a unit, but the settings have no units".to_owned();
             return Err(SettingError::new(origin, message).hint(
                 "give the step in the units of the settings, as a number, or units to all of them",
             ));
@@ -139,11 +139,11 @@ impl LimitQuestion {
             .ok_or_else(|| {
                 let origin = Origin::CommandLine(self.key.name.to_owned());
                 let message = format!(
-                    "`{}` has no positive value about which others could be looked at",
+                    "`{}` has no positive value on which a range could be centered",
                     self.key.name
                 );
                 SettingError::new(origin, message)
-                    .hint("name the values to look at with --range LOW,HIGH")
+                    .hint("set the range of values with --range LOW,HIGH")
             })
     }
 

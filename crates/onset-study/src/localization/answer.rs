@@ -301,18 +301,18 @@ impl LocalizationAnswer {
             End::Slip => {}
             End::Exhausted => sentence.push_str(" The path ends where the strength is used up."),
             End::TurnsBack => sentence.push_str(
-                " The path ends where the prescribed strain would have to turn back: homogeneous deformation cannot go on \
+                " The path ends where the prescribed strain would have to decrease: homogeneous deformation cannot continue \
                  under control of strain.",
             ),
             End::Corner => sentence.push_str(
-                " The path ends where the intermediate principal stress meets another one and a second face of the yield surface would flow.",
+                " The path ends where the intermediate principal stress equals the largest or smallest and a second face of the yield surface would flow.",
             ),
             End::Apex => sentence.push_str(" The path ends where the stress deviator vanishes."),
             End::ElasticNotElliptic => sentence.push_str(
                 " The path ends where the elastic part of the law itself loses strong ellipticity.",
             ),
             End::TooStiff => sentence.push_str(
-                " The path ends early: strength is too small against stiffness for so much slip.",
+                " The path ends early: the strength is too small relative to the stiffness for this slip.",
             ),
             End::Law => {
                 let refusal = self.refusal.as_deref().unwrap_or("its numbers are not finite");
@@ -342,11 +342,11 @@ impl LocalizationAnswer {
         };
         match (&self.localization, half.localization_slip) {
             (Some(_), Some(slip)) => format!(
-                " In half as many increments it would localize at {}.",
+                " With half the number of increments it would localize at {}.",
                 number(slip)
             ),
             (None, None) => String::new(),
-            _ => " In half as many increments the answer is another one: set plasticity.increments higher.".to_owned(),
+            _ => " With half the number of increments the answer differs: set plasticity.increments higher.".to_owned(),
         }
     }
 }

@@ -36,13 +36,13 @@ fn hint(error: &PlasticityError) -> String {
                 .to_owned()
         }
         PlasticityError::NeverYields { .. } => {
-            "pressure outgrows the strength on this path: lower plasticity.friction, or take another path; of a routine, see with `onset audit` whether DDSDDE is that of flow".to_owned()
+            "pressure outgrows the strength on this path: lower plasticity.friction, or take another path; for a user routine, check with `onset audit` whether DDSDDE is the tangent of plastic flow".to_owned()
         }
         PlasticityError::Confinement { .. } => {
             "choose a plasticity.confinement within the yield surface: with cam-clay above 0 and below plasticity.preconsolidation; with other laws a lower one, or a larger plasticity.strength".to_owned()
         }
         PlasticityError::ElasticNotElliptic => {
-            "the strength is of the order of the stiffness: raise plasticity.shear-modulus, or that of a routine by its material.properties".to_owned()
+            "the strength is of the order of the stiffness: raise plasticity.shear-modulus, or for a user routine the modulus in material.properties".to_owned()
         }
         PlasticityError::NoDeviator | PlasticityError::Apex => {
             "the path leads to the apex of the yield cone; add plasticity.confinement".to_owned()
@@ -55,13 +55,13 @@ fn hint(error: &PlasticityError) -> String {
             "add plasticity.confinement if the law has no strength without pressure; laws without an elastic range are not followed".to_owned()
         }
         PlasticityError::NoBalance => {
-            "see with `onset audit` whether DDSDDE is the tangent of the stress; choose another path or a plasticity.confinement".to_owned()
+            "check with `onset audit` whether DDSDDE is the tangent of the stress; choose another path or a plasticity.confinement".to_owned()
         }
         PlasticityError::NotAlongAxes => {
-            "turn the axes of the material to those of the path; of other laws `onset path` tells the ellipticity along a path".to_owned()
+            "align the axes of the material with the path; `onset path` gives the ellipticity of other laws along a path".to_owned()
         }
         PlasticityError::SeveralMechanisms | PlasticityError::Unloads => {
-            "`onset path` tells the ellipticity of any user material along a path".to_owned()
+            "`onset path` gives the ellipticity of any user material along a path".to_owned()
         }
         PlasticityError::Exhausted { .. }
         | PlasticityError::NotFinite

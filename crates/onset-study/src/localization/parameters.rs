@@ -168,7 +168,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "plasticity.dilation-angle",
         Kind::Number("1"),
         "10",
-        "angle of dilation psi in degrees; equal to that of friction for associated flow",
+        "dilation angle psi in degrees; equal to the friction angle for associated flow",
     )
     .only_with(MODEL, &["mohr-coulomb"]),
     parameter(
@@ -189,7 +189,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "plasticity.kinematic-modulus",
         Kind::Number("stress"),
         "200",
-        "modulus c of the back stress: its slope in shear, beside that of the strength",
+        "modulus c of the back stress: its slope in shear, in addition to hardening of the strength",
     )
     .only_with(MODEL, &["kinematic"]),
     parameter(
@@ -259,14 +259,14 @@ pub const PARAMETERS: &[Parameter] = &[
         "plasticity.strength",
         Kind::Positive("stress"),
         "20",
-        "yield stress in pure shear at first yield (that in tension is sqrt(3) times it for j2); mohr-coulomb: c cos(phi); gurson: of the matrix",
+        "yield stress in pure shear at first yield: for j2 1/sqrt(3) of the tensile yield stress, for mohr-coulomb c cos(phi), for gurson of the matrix",
     )
     .only_with(MODEL, WITH_STRENGTH),
     parameter(
         "plasticity.hardening-modulus",
         Kind::Number("stress"),
         "2000",
-        "plastic modulus h (slope in shear; a third of that in tension for j2); peak: the slope that wears down",
+        "plastic modulus h, the slope in shear (for j2 a third of the slope in tension); for peak the slope that decays",
     )
     .only_with(HARDENING, &["linear", "peak"]),
     parameter(
@@ -355,13 +355,13 @@ pub const PARAMETERS: &[Parameter] = &[
         "plasticity.slip",
         Kind::Positive("1"),
         "0.2",
-        "plastic shear strain up to which the path is followed",
+        "plastic shear strain at the end of the path",
     ),
     parameter(
         "plasticity.increments",
         Kind::Whole(2, 10_000),
         "200",
-        "increments in which a user material comes to that strain, shorter near first yield",
+        "number of increments of a user material to that strain; they are shorter near first yield",
     )
     .only_with(MODEL, &[UMAT]),
 ];

@@ -336,7 +336,7 @@ impl ModesAnswer {
                 )?,
                 None => writeln!(
                     formatter,
-                    "no zero-energy modes; with the material's slowest waves, which have no energy, none is compared"
+                    "no zero-energy modes; weak modes are undefined, because the material's slowest waves have no energy"
                 )?,
             }
             return if self.complete {

@@ -31,7 +31,7 @@ pub(super) fn joined(boundary: &Boundary) -> Vec<(f64, f64)> {
 pub(super) fn honest(name: &str, boundary: &Boundary) -> String {
     match boundary.is_complete() {
         true => name.to_owned(),
-        false => format!("{name} (with gaps; --no-trace has none)"),
+        false => format!("{name} (with gaps; --no-trace avoids them)"),
     }
 }
 

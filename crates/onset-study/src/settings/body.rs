@@ -62,18 +62,18 @@ pub const BODY_KEYS: &[Key] = &[
     key(
         "body.second",
         Kind::Numbers,
-        "vector in spacings by which the same shape is there a second time, a number for each dimension",
+        "shift of a second copy of the shape, a vector in spacings with a number for each dimension",
     )
     .only_with(&[&[is("body.shape", CUT)]]),
     key(
         "body.contact",
         Kind::Positive("1"),
-        "stiffness of the contact between pieces of total-Lagrangian particles, over that of the material; none when left out",
+        "stiffness of the contact between pieces of total-Lagrangian particles, relative to the material; no contact when left out",
     ),
     key(
         "body.file",
         Kind::Text,
-        "table in CSV with the columns x, y, z (as many as dimensions) and volume, a line for each particle; length, length^D",
+        "CSV table with the columns x, y, z (one for each dimension) and volume, a line for each particle; length, length^D",
     )
     .only_with(&[&[is("body.shape", &["file"])]]),
 ];
@@ -101,7 +101,7 @@ pub const GRIP_KEYS: &[Key] = &[
     key(
         "grips.ramp",
         Kind::Number("time"),
-        "time in which the velocity rises smoothly from zero; at once when left out",
+        "time in which the velocity rises smoothly from zero; immediately when left out",
     ),
     key(
         "grips.until",
@@ -340,7 +340,7 @@ impl BodySettings {
         match &self.measured {
             Some((name, origin)) if !units.are_si() => Err(SettingError::new(
                 origin.clone(),
-                format!("`{name}` has a unit, and material and discretization have none"),
+                format!("`{name}` has a unit, but material and discretization have no units"),
             )
             .hint("of values with dimensions all have units, or none")),
             _ => Ok(()),
@@ -485,7 +485,7 @@ impl BodySettings {
                 origin.clone(),
                 format!("cannot read {}: {error}", path.display()),
             )
-            .hint("files are looked for beside the study")
+            .hint("file names are relative to the folder of the study")
         })?;
         let mut lines = text.lines().enumerate();
         let named = |cell: &str| cell.trim().to_owned();

@@ -18,7 +18,7 @@ pub const COMPARISON_KEYS: &[Key] = &[
     key(
         "compare.stretches",
         Kind::Numbers,
-        "smallest and largest stretch of the window of states on which verdicts are compared",
+        "smallest and largest stretch of the states for which verdicts are compared",
     ),
     key(
         "compare.states",
@@ -28,12 +28,12 @@ pub const COMPARISON_KEYS: &[Key] = &[
     key(
         "compare.tension",
         Kind::Positive("1"),
-        "largest stretch up to which onsets in tension are sought; more than 1",
+        "largest stretch of the search for onsets in tension; more than 1",
     ),
     key(
         "compare.compression",
         Kind::Positive("1"),
-        "smallest stretch down to which onsets in compression are sought; less than 1",
+        "smallest stretch of the search for onsets in compression; less than 1",
     ),
     key(
         "compare.weak",
@@ -43,7 +43,7 @@ pub const COMPARISON_KEYS: &[Key] = &[
     key(
         "compare.integrator",
         Kind::Words(&Integrator::NAMES),
-        "integrator whose critical time step is told",
+        "integrator for the critical time step",
     ),
 ];
 
@@ -230,7 +230,7 @@ impl Comparison {
             {
                 let message = format!("two methods are called \"{}\"", other.name);
                 return Err(SettingError::new(candidate.origin, message)
-                    .hint("give every method a name of its own"));
+                    .hint("give every method a different name"));
             }
             comparison.candidates.push(candidate);
         }

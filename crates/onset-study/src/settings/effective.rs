@@ -241,7 +241,7 @@ impl Effective {
         let transfer = self.get("discretization.transfer");
         let left_out = match transfer.map(|choice| &choice.value) {
             Some(Value::Word(word)) if word != Velocities::Continuous.name() => format!(
-                "{:<24}continuous here; what the {word} transfer damps, and the largest step, are told by onset state\n",
+                "{:<24}continuous here; onset state gives the damping of the {word} transfer and the largest step\n",
                 "time"
             ),
             _ => String::new(),

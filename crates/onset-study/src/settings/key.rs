@@ -301,7 +301,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.spacing",
         Kind::Positive("length"),
-        "distance of nearest particles in the lattice or nodes in the mesh; of material points the side of a grid cell; the unit of vectors and support",
+        "distance of nearest particles or nodes (for material points, the side of a grid cell); the unit of vectors and support",
     ),
     key(
         "discretization.density",
@@ -362,7 +362,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.points",
         Kind::Numbers,
-        "for each point its lattice coordinates and its fraction of the cell's volume, one after the other; \
+        "for each point its lattice coordinates and its fraction of the cell's volume, in one list; \
          the fractions add up to 1",
     )
     .only_with(&[&[is("discretization.quadrature", &["points"])]]),
@@ -399,7 +399,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
             "paper-interpolated",
             "frozen-normalization",
         ]),
-        "Eulerian kernels: what the perturbation moves",
+        "Eulerian kernels: quantities that the linearization varies",
     )
     .only_with(EULERIAN),
 ];
@@ -449,7 +449,7 @@ pub const MAP_KEYS: &[Key] = &[
     key(
         "map.certify",
         Kind::Switch,
-        "prove what is stable and what is not",
+        "prove stability and instability",
     ),
     key(
         "map.tolerance",
@@ -470,7 +470,7 @@ pub const MAP_KEYS: &[Key] = &[
     key(
         "map.outputs",
         Kind::Subset(OUTPUTS),
-        "numbers that are stored of each state, beside verdict and stability",
+        "numbers stored for each state in addition to verdict and stability",
     ),
 ];
 

@@ -383,7 +383,7 @@ impl MaterialSettings {
             _ => ("file", ""),
         };
         let message = format!(
-            "`material.library` is a program, {library:?}, and a {bearer} may have none run unless you allow it; nothing was \
+            "`material.library` is a program, {library:?}, and a {bearer} may not run programs unless you allow it; nothing was \
              loaded"
         );
         let library = quoted_file(Path::new(library));

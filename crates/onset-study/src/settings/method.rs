@@ -407,7 +407,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.smoothed-motion",
         Kind::Words(&["everything", "positions"]),
-        "updated SPH: what follows smoothed velocities: the whole motion, or positions only, as in PySPH",
+        "updated SPH: use of the smoothed velocities, for the whole motion or for positions only, as in PySPH",
     )
     .only_with(SMOOTHED),
     key(
@@ -448,7 +448,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.hourglass-scale",
         Kind::Words(&["gradients", "radioss"]),
-        "finite elements: what the hourglass coefficients are multiplied with, gradients or sizes as in Radioss",
+        "finite elements: scale of the hourglass coefficients, gradients or sizes as in Radioss",
     )
     .only_with(HOURGLASS),
     key(
@@ -496,7 +496,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.calibration",
         Kind::Words(&["continuum", "discrete"]),
-        "bond-based peridynamics: from what the micromodulus is computed",
+        "bond-based peridynamics: calibration of the micromodulus",
     )
     .only_with(BONDS),
     key(
@@ -538,7 +538,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.grid-gradients",
         Kind::Words(&["functions", "moments"]),
-        "material points: what forces and velocity gradients have for gradients, those of the functions or first moments, as in MLS-MPM",
+        "material points: gradients in forces and velocity gradients, of the functions or first moments as in MLS-MPM",
     )
     .only_with(SMOOTH_FUNCTIONS),
     key(
@@ -556,13 +556,13 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.flip-share",
         Kind::Number("1"),
-        "material points: the share of its own velocity that a point keeps in a step, from 0 (PIC) to 1 (FLIP)",
+        "material points: fraction of its velocity that a point keeps in a step, from 0 (PIC) to 1 (FLIP)",
     )
     .only_with(FLIP),
     key(
         "discretization.time-step",
         Kind::Number("time"),
-        "material points: the step of time at which rates are told, and of onset simulate; 0 for half of the largest stable one",
+        "material points: time step for growth rates and onset simulate; 0 for half of the largest stable step",
     )
     .only_with(TRANSFERRED),
     key(

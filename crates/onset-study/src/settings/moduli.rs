@@ -10,22 +10,22 @@ pub(super) const MODULI: [(&str, &str, &str); 4] = [
     (
         "young",
         "stress",
-        "Young's modulus at small strains, with one more of poisson, bulk and shear instead of the law's own parameters",
+        "Young's modulus at small strains, together with one of poisson, bulk or shear, instead of the law's parameters",
     ),
     (
         "poisson",
         "1",
-        "Poisson's ratio at small strains, with one more of young, bulk and shear",
+        "Poisson's ratio at small strains, together with one of young, bulk or shear",
     ),
     (
         "bulk",
         "stress",
-        "bulk modulus at small strains, with one more of young, poisson and shear",
+        "bulk modulus at small strains, together with one of young, poisson or shear",
     ),
     (
         "shear",
         "stress",
-        "shear modulus at small strains, with one more of young, poisson and bulk",
+        "shear modulus at small strains, together with one of young, poisson or bulk",
     ),
 ];
 

@@ -26,7 +26,7 @@ pub fn schema() -> Value {
     sections.insert("body".to_owned(), table_of(BODY_KEYS));
     let grips = json!({
         "type": "array",
-        "description": "particles of the body that move as told",
+        "description": "particles of the body with a prescribed motion",
         "items": table_of(GRIP_KEYS)
     });
     sections.insert("grips".to_owned(), grips);
@@ -36,7 +36,7 @@ pub fn schema() -> Value {
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "A study of onset",
-        "description": "Material, discretization, what is held fixed, what is varied, and how the map is made",
+        "description": "Material, discretization, fixed and varied quantities, and settings of the map",
         "type": "object",
         "properties": properties,
         "anyOf": [{ "required": ["axes"] }, { "required": ["body"] }],
@@ -220,7 +220,7 @@ fn methods() -> Value {
     properties.insert("name".to_owned(), name);
     json!({
         "type": "array",
-        "description": "methods to compare: what each has beside [discretization]",
+        "description": "methods to compare: settings of each in addition to [discretization]",
         "items": {
             "type": "object",
             "properties": properties,

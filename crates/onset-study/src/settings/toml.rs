@@ -46,7 +46,7 @@ impl<'t> File<'t> {
             let message = error.message().to_owned();
             let hint = match message.as_str() {
                 "duplicate key" => {
-                    "a key stands once in its section, and a section once in the file"
+                    "a key may occur only once in its section, and a section only once in the file"
                 }
                 _ => "expected TOML: lines `key = value` below `[section]`, texts in quotes",
             };

@@ -39,10 +39,10 @@ impl TuneQuestion {
         if !is_coefficient(&key) {
             let message = match key.parts().0 {
                 "discretization" => {
-                    format!("`{name}` is no coefficient: it takes {}", key.expects())
+                    format!("`{name}` is not a coefficient: it takes {}", key.expects())
                 }
                 section => {
-                    format!("`{name}` is no coefficient of the method: it is one of the {section}")
+                    format!("`{name}` is not a coefficient of the method: it is one of the {section}")
                 }
             };
             return Err(SettingError::new(origin(), message)
@@ -50,7 +50,7 @@ impl TuneQuestion {
         }
         if key.name == STEP_OF_RATES {
             let message =
-                format!("`{name}` is no coefficient: it says at which time step rates are told");
+                format!("`{name}` is not a coefficient: it is the time step for growth rates");
             return Err(SettingError::new(origin(), message)
                 .hint("give a coefficient of the method, for example discretization.flip-share"));
         }

@@ -166,7 +166,7 @@ fn law(blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble> {
     if block.has("TESTDATAINPUT") {
         return Err(Trouble::new(
             block.line,
-            "the block has test data, from which Abaqus fits the constants",
+            "the block has test data, and Abaqus fits the constants to them",
             "paste the constants that Abaqus prints in its data file (*.dat), without TEST DATA INPUT",
         ));
     }
@@ -265,7 +265,7 @@ impl Block<'_> {
                     lines,
                     self.data.len()
                 ),
-                "constants stand on the lines below the keyword, eight on each",
+                "constants are on the lines below the keyword, eight on each line",
             ));
         }
         if let Some((line, _)) = self.data.get(lines) {

@@ -150,7 +150,7 @@ pub fn law_of(
     if known.contains(&"material.model") {
         return Err(SettingError::new(
             origin(),
-            "the block names the law, and --set material.model another one",
+            "the block and --set material.model name different laws",
         )
         .hint("leave out one of them"));
     }

@@ -34,7 +34,7 @@ impl Unread {
             .filter(|(_, others)| !others.is_empty())
         {
             notes.push(format!(
-                "this is material {own}; --material takes another one: {}",
+                "this is material {own}; select another with --material: {}",
                 others.join(", ")
             ));
         }
