@@ -184,8 +184,7 @@ fn the_audit_of_a_fluid_does_not_take_its_missing_shear_modulus_for_a_fault() {
         let answer = onset_line(&format!("audit {law}"));
         assert_eq!(answer.code, Some(0), "{}{}", answer.stdout, answer.stderr);
         assert!(
-            answer.stdout.contains("shear modulus 0,")
-                && answer.stdout.contains("as in a fluid"),
+            answer.stdout.contains("shear modulus 0,") && answer.stdout.contains("as in a fluid"),
             "{}",
             answer.stdout
         );

@@ -257,7 +257,8 @@ impl Extent {
             what,
             given,
             expected: format!("{own}: {found}"),
-            hint: "leave out the other components, or set material.plane=strain to prescribe them".to_owned(),
+            hint: "leave out the other components, or set material.plane=strain to prescribe them"
+                .to_owned(),
         }
     }
 }

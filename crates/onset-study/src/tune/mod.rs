@@ -42,7 +42,9 @@ impl TuneQuestion {
                     format!("`{name}` is not a coefficient: it takes {}", key.expects())
                 }
                 section => {
-                    format!("`{name}` is not a coefficient of the method: it is one of the {section}")
+                    format!(
+                        "`{name}` is not a coefficient of the method: it is one of the {section}"
+                    )
                 }
             };
             return Err(SettingError::new(origin(), message)

@@ -78,9 +78,7 @@ fn no_model(package: &'static str, models: &[Model], words: &[(usize, &str)]) ->
     match is_gent {
         true => Trouble::new(
             1,
-            format!(
-                "{package} has no model of Gent's law; a script must define it as a function"
-            ),
+            format!("{package} has no model of Gent's law; a script must define it as a function"),
             "set it by name, with J_m = I1bar - 3 at locking: --set material.model=gent --set material.mu=0.3 --set material.jm=50 --set \
              material.kappa=300",
         ),
