@@ -270,7 +270,7 @@ pub struct Range {
 /// Error of a range of stretches that is not admissible.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[error(
-    "the range of stretches leads from {low:?} to {high:?}; expected two numbers around 1 between {} and {}, for example 0.1,10",
+    "the range of stretches is {low:?} to {high:?}; expected a number below 1 and a number above 1 between {} and {}, for example 0.1,10",
     Range::LIMITS.0,
     Range::LIMITS.1
 )]
@@ -439,7 +439,7 @@ pub enum LoadingError {
     Law(#[from] MaterialError),
     /// No state with free faces was found near the reference.
     #[error(
-        "at stretch 1 no lateral stretches were found at which the free faces carry no traction; expected a law that \
+        "at stretch 1 no lateral stretches with traction-free faces were found; expected a law that \
          is without stress at F = 1, or near it"
     )]
     NoReference,

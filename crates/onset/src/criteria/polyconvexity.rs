@@ -124,7 +124,7 @@ pub fn polyconvexity(law: &str, parameters: &[(&str, f64)]) -> Polyconvexity {
             CHARRIER,
         ),
         "neo-hooke-isochoric" | "gent" | "arruda-boyce" | "fung-isotropic" => yes(
-            "a convex, rising function of J^(-2/3) I1, and a convex one of J",
+            "a convex, increasing function of J^(-2/3) I1, and a convex function of J",
             CHARRIER,
         ),
         "murnaghan" | "tait" => yes(
@@ -132,7 +132,7 @@ pub fn polyconvexity(law: &str, parameters: &[(&str, f64)]) -> Polyconvexity {
             CHARRIER,
         ),
         "mie-grueneisen" if value("mu") == 0.0 => no(
-            "without a deviator it is a function of J alone, whose pressure turns back in tension",
+            "without a deviator it is a function of J alone, and its pressure is not monotonic in tension",
             BALL,
         ),
         "yeoh" if all_not_negative(&["c10", "c20", "c30"]) => yes(
@@ -140,7 +140,7 @@ pub fn polyconvexity(law: &str, parameters: &[(&str, f64)]) -> Polyconvexity {
             CHARRIER,
         ),
         "holzapfel-gasser-ogden-switch" => yes(
-            "convex, rising functions of J^(-2/3) I1 and of the stretch of fibers in tension, and a convex one of J",
+            "convex, increasing functions of J^(-2/3) I1 and of the stretch of fibers in tension, and a convex function of J",
             SCHROEDER_NEFF,
         ),
         _ => UNKNOWN,

@@ -117,8 +117,8 @@ impl std::fmt::Display for StateError {
         let (why, hint) = match self.trouble {
             Trouble::Undefined => (
                 "",
-                "roots, logarithms and real powers need positive numbers, quotients a divisor that is not zero; only a side that \
-                 if(condition, value, otherwise) does not take may be undefined",
+                "roots, logarithms and real powers need positive numbers, quotients a nonzero divisor; only a side that \
+                 if(condition, value, otherwise) does not select may be undefined",
             ),
             Trouble::Jump => (
                 ": the energies of its two sides differ",
@@ -182,7 +182,7 @@ pub enum Problem {
     #[error("the formula is empty")]
     Empty,
     /// The text is too long.
-    #[error("the formula has {characters} characters; admitted are {limit}")]
+    #[error("the formula has {characters} characters; at most {limit} are allowed")]
     TooLong {
         /// Length of the text in characters.
         characters: usize,
@@ -190,7 +190,7 @@ pub enum Problem {
         limit: usize,
     },
     /// Parentheses, signs, powers or calls are nested too deeply.
-    #[error("more than {limit} levels of parentheses, calls, signs or powers within each other")]
+    #[error("more than {limit} levels of nested parentheses, calls, signs or powers")]
     TooDeep {
         /// Largest admissible depth of nesting.
         limit: usize,
@@ -382,7 +382,7 @@ impl Problem {
                 fixed("arguments are separated by commas, decimals by points")
             }
             Self::ConditionAsNumber => {
-                fixed("conditions stand first in if(condition, value, otherwise)")
+                fixed("a condition is the first argument of if(condition, value, otherwise)")
             }
             Self::NumberAsCondition => fixed("compare with <, <=, > or >=: if(J < 1, a, b)"),
             Self::ChainedComparison => fixed("write a < b and b < c"),

@@ -149,7 +149,7 @@ impl<'a> Parser<'a> {
             Token::Sign("&&") => Some("write and"),
             Token::Sign("||") => Some("write or; abs(...) for an absolute value"),
             Token::Sign(",") => {
-                Some("arguments belong into the parentheses of a function; decimals have a point")
+                Some("arguments belong in the parentheses of a function; decimals use a point")
             }
             Token::Sign(")") => Some("remove it, or open it earlier"),
             Token::Sign("(") => Some("products need a `*`"),

@@ -59,7 +59,7 @@ pub const VARIABLES: &[VariableGroup] = &[
     VariableGroup {
         names: &["I6", "I7"],
         label: "I6, I7",
-        meaning: "the same of the fibers at fiber2-angle",
+        meaning: "a . C a and a . C^2 a of the fibers a at fiber2-angle (degrees, in the plane)",
         kind: VariableKind::Objective,
     },
     VariableGroup {
@@ -171,7 +171,7 @@ pub const FUNCTIONS: &[FunctionWord] = &[
     word("ramp", "the same as macaulay", Arity::One),
     word(
         "heaviside",
-        "0 below zero, 1 above; at zero a jump",
+        "0 below zero, 1 above, with a jump at zero",
         Arity::One,
     ),
     word(

@@ -26,7 +26,7 @@ const STRETCHES: (f64, f64) = (1e-6, 1e6);
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum KinematicsError {
     /// A component is not a finite number.
-    #[error("the deformation gradient holds {value}, which is not a finite number")]
+    #[error("the deformation gradient contains {value}, which is not a finite number")]
     NotFinite {
         /// Component that is not finite.
         value: f64,
@@ -59,7 +59,7 @@ pub enum KinematicsError {
         largest: f64,
     },
     /// Start and end of a path are equal.
-    #[error("the path leads from a state to itself")]
+    #[error("the start and the end of the path are equal")]
     EmptyPath,
     /// A loading has no state with free faces on the branch that begins at the reference.
     #[error("at the stretch {stretch} the loading has no state on its branch")]

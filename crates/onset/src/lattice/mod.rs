@@ -42,7 +42,7 @@ pub type Fractional<const D: usize> = SVector<f64, D>;
 pub enum LatticeError {
     /// The spacing is not a positive finite length.
     #[error(
-        "the particle spacing is {value:?}; it must be positive, and its square neither over- nor underflow"
+        "the particle spacing is {value:?}; it must be positive, and its square must neither over- nor underflow"
     )]
     Spacing {
         /// Value of the spacing.
@@ -79,7 +79,7 @@ pub enum LatticeError {
     },
     /// The primitive vectors do not span space.
     #[error(
-        "the primitive vectors {vectors:?} do not span space, or not within the range of numbers"
+        "the primitive vectors {vectors:?} do not span space, or only beyond the range of double precision"
     )]
     Dependent {
         /// Components of the primitive vectors, one vector after the other.
@@ -119,7 +119,7 @@ pub enum LatticeError {
     NoSites,
     /// Two points of the set coincide, so their Voronoi cells are undefined.
     #[error(
-        "points {first} and {second} of the cell coincide; expected points apart from each other"
+        "points {first} and {second} of the cell coincide; expected distinct points"
     )]
     CoincidentPoints {
         /// Index of the first point.

@@ -103,8 +103,8 @@ pub enum MaterialError {
     },
     /// The branch of plane-stress states that begins at the reference ends before this state.
     #[error(
-        "there is no state of plane stress at this deformation: the branch of states without traction across that begins at the reference ends at \
-         {reached:.3} of the way, where the stretch across is {stretch:.6}"
+        "there is no state of plane stress at this deformation: the branch of states with traction-free faces that begins at the reference ends at \
+         {reached:.3} of the path, where the through-thickness stretch is {stretch:.6}"
     )]
     PlaneStressEnds {
         /// Fraction of the path to the state that was reached.

@@ -93,14 +93,14 @@ impl PlaneStress {
         let across = match dimension {
             1 => ACROSS_BAR,
             2 => ACROSS_SHEET,
-            _ => return refused("a body in three dimensions has no direction across it"),
+            _ => return refused("a three-dimensional body has no through-thickness direction"),
         };
         if law
             .integrated_tangent(&DeformationGradient::identity())?
             .is_some()
         {
             return refused(
-                "its stress is integrated in time, along which the faces would have to be free of traction",
+                "its stress is integrated in time, and its faces would have to stay traction-free during the integration",
             );
         }
         let mut sheet = Self {

@@ -52,7 +52,7 @@ const SPIN: Parameter = Parameter::new(
     "1",
     1.0,
     Admitted::Any,
-    "factor of the spin that turns the stress: 1 for Jaumann's rate; -1 for a code that has its sign wrong, whose stress turns against the material",
+    "factor of the spin that rotates the stress: 1 for the Jaumann rate, -1 for a code with a sign error, whose stress rotates against the material",
 );
 
 pub(super) const JAUMANN: Law = Law {

@@ -349,7 +349,7 @@ impl Metal {
         Err(MaterialError::OutsideDomain {
             what: "the flow stress",
             value,
-            expected: format!("softening has used it up at the plastic strain {slip:?}"),
+            expected: format!("softening has exhausted it at the plastic strain {slip:?}"),
         })
     }
 

@@ -107,7 +107,7 @@ pub enum PlasticityError {
         least: f64,
     },
     /// The strength has fallen to zero.
-    #[error("the strength is used up: it has fallen to zero at the plastic shear strain {slip}")]
+    #[error("the strength is exhausted: it has fallen to zero at the plastic shear strain {slip}")]
     Exhausted {
         /// Slip at which the strength vanishes.
         slip: f64,
@@ -135,7 +135,7 @@ pub enum PlasticityError {
     NotFinite,
     /// The initial stress is at or beyond the yield surface.
     #[error(
-        "the confinement {confinement} itself makes the material yield; expected a pressure within the yield surface"
+        "the material yields under the confinement {confinement} alone; expected a pressure within the yield surface"
     )]
     Confinement {
         /// Confining pressure of the loading.

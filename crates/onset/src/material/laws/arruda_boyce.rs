@@ -34,7 +34,7 @@ pub(in super::super) const LAW: Law = Law {
             "1",
             5.147_815_070_493_5,
             Admitted::Positive,
-            "stretch at which the chains lock, the root of their links",
+            "chain stretch at locking, the square root of the number of links",
         ),
         Parameter::new("kappa", "stress", 100.0, Admitted::Positive, "bulk modulus"),
     ],

@@ -21,7 +21,7 @@ const fn bulk(default: f64) -> Parameter {
         "stress",
         default,
         Admitted::Positive,
-        "bulk modulus, rho c0^2 with the speed of sound of the volume alone",
+        "bulk modulus, rho c0^2 with the bulk speed of sound c0",
     )
 }
 
@@ -76,7 +76,7 @@ pub(in super::super) const TAIT: Law = Law {
             "1",
             0.137,
             Admitted::Positive,
-            "compression 1 - J in which kappa tait-c + p grows e-fold",
+            "increase of the compression 1 - J that multiplies kappa tait-c + p by e",
         ),
     ],
     domain: "all J > 0; liquids and polymers, mostly at J < 1; polyconvex; with mu = 0 a fluid, not strongly elliptic",

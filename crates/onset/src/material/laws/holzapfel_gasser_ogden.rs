@@ -59,7 +59,7 @@ pub(in super::super) const SWITCHED: Law = Law {
     name: "holzapfel-gasser-ogden-switch",
     formula: "as holzapfel-gasser-ogden; fibers with x < 0 bear nothing",
     domain: "all J > 0; arteries, fibers that bear no compression; at x = 0 the tangent is that of x > 0",
-    small_strains: "as holzapfel-gasser-ogden where fibers are stretched, and in the reference itself; the matrix alone where they \
+    small_strains: "as holzapfel-gasser-ogden for stretched fibers, and in the reference itself; the matrix alone if they \
                     are shortened",
     make: |p| boxed(Ok(HolzapfelGasserOgden::new(p, true))),
     ..LAW

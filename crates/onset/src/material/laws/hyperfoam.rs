@@ -92,7 +92,7 @@ impl Hyperfoam {
             return Err(MaterialError::Parameter {
                 name: "an exponent of hyperfoam",
                 value: 0.0,
-                expected: "a number other than 0 where the modulus is not 0".to_owned(),
+                expected: "a nonzero number if the modulus is nonzero".to_owned(),
             });
         }
         MaterialError::positive("mu1 + mu2 + mu3", shear_modulus(p))?;

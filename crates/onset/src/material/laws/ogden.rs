@@ -70,7 +70,7 @@ impl Ogden {
             return Err(MaterialError::Parameter {
                 name: "an exponent of ogden",
                 value: 0.0,
-                expected: "a number other than 0 where the modulus is not 0".to_owned(),
+                expected: "a nonzero number if the modulus is nonzero".to_owned(),
             });
         }
         MaterialError::positive("1/2 sum of mu_p alpha_p", shear_modulus(p))?;

@@ -20,7 +20,7 @@ const fn poisson(name: &'static str, default: f64, meaning: &'static str) -> Par
 
 pub(in super::super) const LAW: Law = Law {
     name: "saint-venant-orthotropic",
-    formula: "W = 1/2 E : C : E, E = (C - 1)/2, C from young1, nu12 = -E22/E11 under a pull along axis 1, ..., shear12, ...",
+    formula: "W = 1/2 E : C : E, E = (C - 1)/2, C from young1, nu12 = -E22/E11 under tension along axis 1, ..., shear12, ...",
     parameters: &[
         young("young1", 140.0, "Young's modulus along material axis 1"),
         young("young2", 10.0, "Young's modulus along material axis 2"),
@@ -28,17 +28,17 @@ pub(in super::super) const LAW: Law = Law {
         poisson(
             "nu12",
             0.3,
-            "contraction along axis 2 under a pull along axis 1",
+            "contraction along axis 2 under tension along axis 1",
         ),
         poisson(
             "nu13",
             0.3,
-            "contraction along axis 3 under a pull along axis 1",
+            "contraction along axis 3 under tension along axis 1",
         ),
         poisson(
             "nu23",
             0.4,
-            "contraction along axis 3 under a pull along axis 2",
+            "contraction along axis 3 under tension along axis 2",
         ),
         young("shear12", 5.0, "shear modulus in the plane of axes 1 and 2"),
         young("shear13", 5.0, "shear modulus in the plane of axes 1 and 3"),
@@ -62,9 +62,9 @@ pub(in super::super) const LAW: Law = Law {
         let stiffness = stiffness(p);
         if !is_positive(&stiffness) {
             return Err(MaterialError::Parameter {
-                name: "the least of young1 / nu12^2, young1 / nu13^2 and young2 / nu23^2",
+                name: "the smallest of young1 / nu12^2, young1 / nu13^2 and young2 / nu23^2",
                 value: (p[0] / (p[3] * p[3])).min(p[0] / (p[4] * p[4])).min(p[1] / (p[5] * p[5])),
-                expected: "moduli and contractions with a positive definite stiffness, so that every strain costs energy".to_owned(),
+                expected: "moduli and contractions with a positive definite stiffness, so that every strain has positive energy".to_owned(),
             });
         }
         boxed(Ok(Quadratic(QuadraticForm::new(stiffness, p[9]))))
