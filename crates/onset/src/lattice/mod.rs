@@ -118,9 +118,7 @@ pub enum LatticeError {
     #[error("the cell holds no particle; at least one is needed")]
     NoSites,
     /// Two points of the set coincide, so their Voronoi cells are undefined.
-    #[error(
-        "points {first} and {second} of the cell coincide; expected distinct points"
-    )]
+    #[error("points {first} and {second} of the cell coincide; expected distinct points")]
     CoincidentPoints {
         /// Index of the first point.
         first: usize,
