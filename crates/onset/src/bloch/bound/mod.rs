@@ -33,7 +33,7 @@ use pencil::Pencil;
 
 /// Accepted difference between the bound and the minimum of a measure, over the scale of the measure. It is well above rounding.
 pub(super) const GAP: f64 = 4e-7;
-/// Largest useful difference between the bound and the minimum, over the scale of the measure; a lower bound is discarded.
+/// Largest useful difference between the bound and the minimum, over the scale of the measure. A bound farther below is discarded.
 pub(super) const WIDEST_GAP: f64 = 0.1;
 /// Maximum work for the bound of the scaled measure, in units of [`Pencil::cost`]: about two seconds of one core.
 pub(super) const BUDGET: usize = 25_000_000;

@@ -28,7 +28,7 @@ const MOMENT_TOLERANCE: f64 = 1e-6;
 const VALLEY_MOMENT_TOLERANCE: f64 = 2e-4;
 /// Largest value in a valley, as a fraction of the largest moment.
 const VALLEY_VALUE_RATIO: f64 = 1e-5;
-/// Diameter of a region as a phase; wells are usually wider.
+/// Radius of a region as a phase; wells are usually wider.
 const REGION_PHASE: f64 = 0.55;
 /// Relative difference of symmetric images: smaller differences of values, over the largest moment, are rounding.
 const IMAGE_TOLERANCE: f64 = 1e-10;

@@ -10,7 +10,7 @@ const SAMPLED_DIRECTIONS: usize = 16;
 const NEWTON_STEPS: usize = 6;
 /// Largest relative height of the second well above the first at which it is followed too.
 const RIVAL_WELL_HEIGHT: f64 = 0.2;
-/// Largest last step of a converged descent.
+/// Largest last step of a converged descent, in the doubled angle (radians).
 const STEP_TOLERANCE: f64 = 1e-6;
 /// Relative rounding error of a slope, over the value.
 const SLOPE_ROUNDING: f64 = 1e-13;

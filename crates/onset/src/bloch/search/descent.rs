@@ -526,6 +526,7 @@ fn minimum_on_face<const D: usize>(
     corners: &[SVector<f64, D>],
     at: &impl Fn(&SVector<f64, D>) -> Candidate<D>,
 ) -> Candidate<D> {
+    /// Number of rings of points between the center and the rim.
     const RINGS: usize = 6;
     let count = corners.len();
     let middle: SVector<f64, D> = corners.iter().sum::<SVector<f64, D>>() / count.max(1) as f64;
@@ -572,7 +573,7 @@ pub(super) fn coordinate_search<const D: usize>(
             break;
         }
         let count = 3_usize.pow(D as u32);
-        // The middle shift is no move.
+        // The middle shift moves nothing.
         let better = (0..count)
             .filter(|shift| 2 * shift + 1 != count)
             .map(|shift| {
