@@ -91,10 +91,10 @@ impl<const D: usize> StrainRows<D> {
         nullity * self.modes_per_column() > translations
     }
 
-    /// Returns true if a zero-energy mode lies close to a wave vector from a search with small strains.
-    pub(crate) fn has_zero_mode_near(&self, k: &SVector<f64, D>) -> bool {
+    /// Returns the wave vector of the zero-energy mode close to a wave vector from a search with small strains.
+    pub(crate) fn zero_mode_near(&self, k: &SVector<f64, D>) -> Option<SVector<f64, D>> {
         let is_small = self.smallest(k) <= ROOT_STRAIN_RATIO * self.slope * k.norm();
-        is_small && self.polished(k, ROOT_DISTANCE_RATIO * k.norm()).is_some()
+        is_small.then(|| self.polished(k, ROOT_DISTANCE_RATIO * k.norm()))?
     }
 
     /// Computes a wave vector at which `R` has a kernel, by Newton's method within the distance `reach` of the start.

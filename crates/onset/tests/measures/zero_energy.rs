@@ -589,11 +589,13 @@ fn points_lines_and_the_whole_zone_are_told_apart() {
     let zeros: Vec<_> = bricks.modes.iter().filter(|m| m.is_zero()).collect();
     assert_eq!(zeros.len(), 1, "{zeros:?}");
     assert_eq!((zeros[0].extent, zeros[0].nullity), (Extent::Line, 3));
-    let on_edge = zeros[0]
-        .wave_vector
-        .iter()
-        .filter(|k| (k.abs() - TAU / 2.0).abs() < 1e-9);
-    assert_eq!(on_edge.count(), 2, "{:?}", zeros[0].wave_vector);
+    // The shortest is the middle of an edge.
+    let mut place = zeros[0].wave_vector.map(|k| k.abs() / TAU);
+    place.as_mut_slice().sort_by(f64::total_cmp);
+    assert!(
+        (place - SVector::from([0.0, 0.5, 0.5])).amax() < 1e-9,
+        "{place}"
+    );
     // Four points in a cell follow two velocities of a node: most motions of theirs move nothing, at every wave vector.
     let choices = MaterialPointChoices {
         per_side: 2,
@@ -633,4 +635,48 @@ fn what_a_control_sees_has_no_zero_energy_modes_left() {
         assert_eq!(modes.zero_extent, None, "{control:?}");
         assert!(modes.is_complete);
     }
+}
+
+/// Zero-energy modes of a lattice whose strains vanish on lines that cross, with the length of their shortest wave in units of `TAU` over the cube's edge.
+fn assert_crossing_lines(scheme: &dyn Discretization<3>, edge: f64, points: usize, shortest: f64) {
+    let zeros = found(scheme, &*laws().remove(0)).modes;
+    let zeros: Vec<_> = zeros.iter().filter(|mode| mode.is_zero()).collect();
+    let of = |extent| zeros.iter().filter(move |mode| mode.extent == extent);
+    assert_eq!(of(Extent::Point).count(), points, "{zeros:?}");
+    assert_eq!(of(Extent::Line).count(), 1, "{zeros:?}");
+    assert_eq!(zeros.len(), points + 1, "{zeros:?}");
+    for line in of(Extent::Line) {
+        let length = line.wave.norm() * edge / TAU;
+        assert!((length - shortest).abs() < 1e-8, "{length}");
+    }
+}
+
+/// Nearest neighbors of face-centered cubes: `s_x (c_y + c_z) = 0` and cyclic, `s` and `c` of half the phases. Beside L these are the lines X-W-X, the
+/// shortest wave X.
+#[test]
+fn lines_that_cross_are_one_set_and_no_surface() {
+    let edge = 2.0_f64.sqrt();
+    let faces = Crystal::of(LatticeKind::FaceCenteredCubic, 1.0).expect("a crystal");
+    assert_crossing_lines(&total_lagrangian(faces, 1.2), edge, 4, 1.0);
+}
+
+/// The half vectors of two by two by two face-centered cells with nearest neighbors: seven wave vectors with three modes each. Translations are none.
+#[test]
+fn translations_are_no_zero_energy_modes_where_lines_cross_at_rest() {
+    let faces = Crystal::<3>::of(LatticeKind::FaceCenteredCubic, 1.0).expect("a crystal");
+    let half = faces.lattice().reciprocal() * 0.5;
+    let eight = faces.supercell([2; 3]).expect("a supercell");
+    let modes = found(&total_lagrangian(eight, 1.2), &*laws().remove(0)).modes;
+    let at_rest: Vec<_> = modes
+        .iter()
+        .filter(|mode| mode.wave_vector.norm() == 0.0)
+        .collect();
+    assert_eq!(at_rest.len(), 1, "{at_rest:?}");
+    assert_eq!(at_rest[0].nullity, 21);
+    // The shortest of the seven are L, half the shortest reciprocal vectors.
+    let shortest = half
+        .column_iter()
+        .map(|k| k.norm())
+        .fold(f64::INFINITY, f64::min);
+    assert!((at_rest[0].wave.norm() - shortest).abs() < 1e-9);
 }

@@ -1,20 +1,21 @@
 //! All zero-energy modes: the wave vectors at which the strain operator has a kernel.
 //!
 //! The zone is divided until each part either surely has no such wave vector, by bounds on the strain operator, or lies in the
-//! neighborhood of one that Newton's method has found and that is surely alone there. Where zero-energy modes fill lines or
-//! surfaces the division ends at a small size.
+//! neighborhood of one that Newton's method has found and that is surely alone there. Lines of zero-energy modes are followed from
+//! one of their wave vectors; next to lines and surfaces the division ends at a small size.
 
 mod places;
 mod root;
 
-use crate::algebra::{Complex, Each, array_of};
+use crate::algebra::{Complex, Each, array_of, sort_by_value};
 use crate::lattice::Crystal;
-use crate::scheme::{StrainOperator, StrainRows};
-use crate::verdict::Displacements;
+use crate::scheme::{Singular, StrainRows};
+use crate::verdict::{Displacements, is_first};
 use nalgebra::{DMatrix, SVector};
 use places::Places;
 use root::Root;
 use std::collections::VecDeque;
+use std::f64::consts::PI;
 
 /// Parts of the zone, in units of the reciprocal vectors: the first ones, those from which Newton's method starts, those at which a
 /// line or surface is followed no further, and the smallest.
@@ -30,6 +31,13 @@ const NEAR: f64 = 1e-4;
 const FRACTION: f64 = 1.0 / 24.0;
 /// The distance at which it is tried whether a root goes on.
 const CONTINUED: f64 = 0.02;
+/// Length of the steps along a line, in units of the smallest parts next to it, and largest correction of a step, relative to its length.
+const STRIDE: f64 = 2.0;
+const ASIDE: f64 = 0.45;
+/// Wave vectors of high symmetry, where lines often meet: multiples of this fraction of the reciprocal vectors.
+const SYMMETRIC: f64 = 0.25;
+/// Sine of the smallest angle between different directions.
+const LEAST_SINE: f64 = 0.1;
 /// Distances, in units of the reciprocal vectors, within which a wave vector is that of a zero-energy mode.
 const POINT: f64 = 1e-3;
 /// What is seen of a wave, over its size, where its wave vector is known to the square root of rounding.
@@ -40,6 +48,12 @@ const BUDGET: f64 = 2e8;
 const LAST: f64 = 0.1;
 /// What Newton's method and its root cost, in units of one matrix.
 const SOUGHT: f64 = 6.0;
+/// Largest distance of neighboring wave vectors of a line or surface, in units of the smallest parts next to it.
+const NEIGHBORS: f64 = 6.0;
+/// Number of starts, the shortest known roots, from which the shortest wave of a line or surface is computed.
+const STARTS: usize = 12;
+/// Number of directions tested on a half circle around a root of a surface. Lines that cross do not pass through all of them.
+const AROUND: usize = 8;
 /// Wave vectors of no symmetry, in units of the reciprocal vectors.
 const GENERIC: [[f64; 3]; 3] = [
     [0.237_068_1, 0.396_871_4, 0.141_592_7],
@@ -88,27 +102,25 @@ pub(super) struct ZeroMode<const D: usize> {
 }
 
 /// All of them, of `k` and `-k` one, and whether that is sure.
-pub(super) struct ZeroModes<const D: usize> {
-    rows: StrainRows<D>,
+pub(super) struct ZeroModes<'a, const D: usize> {
+    rows: &'a StrainRows<D>,
     pub(super) modes: Vec<ZeroMode<D>>,
     pub(super) is_complete: bool,
 }
 
-impl<const D: usize> ZeroModes<D> {
+impl<'a, const D: usize> ZeroModes<'a, D> {
     /// `folded` takes a wave vector to the first zone.
     pub(super) fn new(
         crystal: &Crystal<D>,
-        strain: &StrainOperator<D>,
+        rows: &'a StrainRows<D>,
         folded: impl Fn(&SVector<f64, D>) -> SVector<f64, D>,
     ) -> Self {
-        let rows = StrainRows::new(crystal, strain);
-        let mut search = Search::new(crystal, &rows);
+        let mut search = Search::new(crystal, rows);
         let (mut modes, mut is_complete) = (Vec::new(), true);
         match search.everywhere() {
             Some(mode) => modes.push(mode),
             None => {
                 is_complete = search.divide();
-                modes.extend(search.at_rest());
                 modes.extend(search.modes(&folded));
             }
         }
@@ -146,6 +158,13 @@ impl<const D: usize> ZeroModes<D> {
     }
 }
 
+/// Wave vector of a line or surface.
+#[derive(Clone, Copy)]
+struct Place<const D: usize> {
+    wave_vector: SVector<f64, D>,
+    extent: Extent,
+}
+
 /// A part of the zone, in units of the reciprocal vectors.
 #[derive(Clone, Copy)]
 struct Part<const D: usize> {
@@ -159,9 +178,9 @@ struct Search<'a, const D: usize> {
     /// The length of the shortest reciprocal vector.
     shortest: f64,
     isolated: Vec<Root<D>>,
-    /// Points of lines and surfaces.
-    continued: Vec<Root<D>>,
+    continued: Vec<Place<D>>,
     continued_places: Places<D>,
+    surface_places: Places<D>,
     spent: f64,
 }
 
@@ -175,6 +194,7 @@ impl<'a, const D: usize> Search<'a, D> {
             isolated: Vec::new(),
             continued: Vec::new(),
             continued_places: Places::new(crystal.lattice()),
+            surface_places: Places::new(crystal.lattice()),
             spent: 0.0,
         }
     }
@@ -221,9 +241,7 @@ impl<'a, const D: usize> Search<'a, D> {
 
     /// Divides half of the zone until all of it is known; whether that could be.
     fn divide(&mut self) -> bool {
-        if let Some(root) = self.rows.root(&SVector::zeros()) {
-            self.add(root);
-        }
+        self.add_symmetric();
         let mut parts: VecDeque<Part<D>> = self.first().into();
         let mut is_complete = true;
         // When the budget is spent, roots are sought in every so manieth part, all over the zone.
@@ -264,6 +282,28 @@ impl<'a, const D: usize> Search<'a, D> {
             parts.extend(self.halves(&part, &edges));
         }
         is_complete
+    }
+
+    /// Adds the roots at wave vectors of high symmetry.
+    fn add_symmetric(&mut self) {
+        let n = SYMMETRIC.recip().round() as usize;
+        for index in 0..(n / 2 + 1) * n.pow(D as u32 - 1) {
+            let mut rest = index;
+            let mut place = SVector::zeros();
+            for i in (0..D).rev() {
+                place[i] = (rest % n) as f64 * SYMMETRIC;
+                rest /= n;
+            }
+            let k = self.wave_vector(&place);
+            self.spent += self.rows.cost();
+            let is_known =
+                |root: &Root<D>| self.distance(&root.wave_vector, &k) < 1e-6 * self.shortest;
+            if !self.isolated.iter().any(is_known)
+                && let Some(root) = self.rows.root(&k)
+            {
+                self.add(root);
+            }
+        }
     }
 
     /// Of how many of the last parts one is searched, so that it takes no longer than it may.
@@ -344,38 +384,93 @@ impl<'a, const D: usize> Search<'a, D> {
         if is_root { tried } else { k }
     }
 
-    /// Adds a root; whether it goes on.
+    /// Adds a root, with the lines through it. Returns true for a root of a line or surface, and false for isolated roots and crossings of lines.
     fn add(&mut self, mut root: Root<D>) -> bool {
-        if root
-            .flat
-            .iter()
-            .any(|direction| self.goes_on(&root, direction))
-        {
-            self.continued_places.add(&root.wave_vector);
-            self.continued.push(root);
+        let k = root.wave_vector;
+        let ways = root.flat.iter().flat_map(|way| [*way, -way]);
+        let ways: Vec<SVector<f64, D>> = ways.filter(|way| self.goes_on(&k, way)).collect();
+        if !ways.is_empty() && self.is_on_surface(&root) {
+            self.surface_places.add(&k);
+            self.add_place(k, Extent::Surface);
             return true;
         }
-        if !root.flat.is_empty() {
-            root.alone_within = MULTIPLE * self.shortest;
+        // Where lines cross, slopes vanish in directions that no line has.
+        let is_on_line = !ways.is_empty() && pairs_of(&root.flat).next().is_none();
+        if is_on_line {
+            self.add_place(k, Extent::Line);
+        } else {
+            if !root.flat.is_empty() {
+                root.alone_within = MULTIPLE * self.shortest;
+            }
+            self.isolated.push(root);
         }
-        self.isolated.push(root);
-        false
+        for way in ways {
+            self.follow(k, way);
+        }
+        is_on_line
     }
 
-    /// Whether there are roots next to a root along a direction.
-    fn goes_on(&self, root: &Root<D>, direction: &SVector<f64, D>) -> bool {
+    fn add_place(&mut self, wave_vector: SVector<f64, D>, extent: Extent) {
+        self.continued_places.add(&wave_vector);
+        self.continued.push(Place {
+            wave_vector,
+            extent,
+        });
+    }
+
+    /// Follows a line from a root along a direction, up to known roots.
+    fn follow(&mut self, mut k: SVector<f64, D>, mut way: SVector<f64, D>) {
+        let longest = STRIDE * FOLLOWED[D - 1] * self.shortest;
+        while self.spent <= BUDGET {
+            let sizes = [1.0, 0.5, 0.25].map(|share| share * longest);
+            self.spent += SOUGHT * self.rows.cost();
+            let step = sizes.into_iter().find_map(|size| {
+                let next = self.rows.polished(&(k + way * size), ASIDE * size)?;
+                Some((next, size))
+            });
+            let Some((next, _)) =
+                step.filter(|(next, size)| !self.continued_places.has_within(ASIDE * size, next))
+            else {
+                return;
+            };
+            way = (next - k).normalize();
+            k = next;
+            self.add_place(k, Extent::Line);
+        }
+    }
+
+    /// Returns true if there are roots close to a root along a direction.
+    fn goes_on(&self, k: &SVector<f64, D>, way: &SVector<f64, D>) -> bool {
         let far = CONTINUED * self.shortest;
-        [far, -far].iter().any(|step| {
-            let beside = root.wave_vector + direction * *step;
-            self.rows.polished(&beside, 0.5 * far).is_some()
+        self.rows.polished(&(k + way * far), 0.5 * far).is_some()
+    }
+
+    /// Returns true if a root is part of a surface: there are roots along every direction of a plane. Crossing lines have roots along some directions only.
+    fn is_on_surface(&self, root: &Root<D>) -> bool {
+        let near = NEIGHBORS * FOLLOWED[D - 1] * self.shortest;
+        let k = &root.wave_vector;
+        let mut pairs = pairs_of(&root.flat);
+        D == 3
+            && pairs
+                .any(|(a, b)| self.surface_places.has_within(near, k) || self.has_plane(k, &a, &b))
+    }
+
+    /// Returns true if there are roots all around a root in the plane of two directions.
+    fn has_plane(&self, k: &SVector<f64, D>, a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
+        let across = (b - a * a.dot(b)).normalize();
+        let far = CONTINUED * self.shortest;
+        (0..AROUND).all(|n| {
+            let (sine, cosine) = (PI * n as f64 / AROUND as f64).sin_cos();
+            let beside = k + (a * cosine + across * sine) * far;
+            self.rows.polished(&beside, 0.15 * far).is_some()
         })
     }
 
     /// Whether a root at which slopes vanish is one of a line or surface: where lines cross, they vanish in directions that no line
     /// has. Between such a root and the next one of a line are others.
     fn is_on_line(&self, root: &Root<D>) -> bool {
-        let ways = self.continued.iter();
-        let ways = ways.map(|other| self.way(&root.wave_vector, &other.wave_vector));
+        let others = self.continued.iter();
+        let ways = others.map(|other| self.way(&root.wave_vector, &other.wave_vector));
         let nearest = ways.min_by(|a, b| a.norm().total_cmp(&b.norm()));
         let is_between = |way: &SVector<f64, D>| {
             let halfway = root.wave_vector + way * 0.5;
@@ -384,84 +479,115 @@ impl<'a, const D: usize> Search<'a, D> {
         !root.flat.is_empty() && nearest.as_ref().is_some_and(is_between)
     }
 
-    /// Modes at `k = 0` other than the translations, which only cells with several particles have.
-    fn at_rest(&self) -> Option<ZeroMode<D>> {
-        let zero = SVector::zeros();
-        let root = self.isolated.iter().find(|root| root.wave_vector == zero)?;
+    /// Zero-energy mode of a root, rigid translations at `k = 0` excluded; `None` if nothing is left.
+    fn mode(&self, root: &Root<D>, extent: Extent) -> Option<ZeroMode<D>> {
+        let at_rest = root.wave_vector.norm() == 0.0;
+        let translations = if at_rest { D } else { 0 };
         let free = root.kernel.ncols() * self.rows.modes_per_column();
-        let nullity = free.checked_sub(D).filter(|nullity| *nullity > 0)?;
-        // The part of the kernel that is no translation, of the vector that has the most of it.
-        let internal = (0..root.kernel.ncols()).map(|n| {
-            let particles = self.of_particles(&root.kernel, n);
-            let count = Complex::new(particles.len() as f64, 0.0);
-            let mean = particles.iter().sum::<SVector<Complex, D>>() / count;
-            particles.iter().map(|own| own - mean).collect::<Vec<_>>()
-        });
-        let size = |particles: &Vec<SVector<Complex, D>>| -> f64 {
-            particles.iter().map(|own| own.norm_squared()).sum()
+        let nullity = free.checked_sub(translations).filter(|free| *free > 0)?;
+        let span = if at_rest {
+            self.without_translations(root)
+        } else {
+            self.span(root)
         };
         Some(ZeroMode {
-            wave_vector: zero,
-            extent: Extent::Point,
+            wave_vector: root.wave_vector,
+            extent,
             nullity,
-            span: vec![internal.max_by(|a, b| size(a).total_cmp(&size(b)))?],
+            span,
         })
     }
 
-    /// The others, shortest wave vectors first: each isolated one, and of lines and surfaces that are connected one.
+    /// Isolated modes, and the shortest wave of each connected line or surface; points first, then by wavelength.
     fn modes(&self, folded: &impl Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<ZeroMode<D>> {
-        let is_elsewhere =
-            |root: &&Root<D>| root.wave_vector.norm() > 0.0 && !self.is_on_line(root);
-        let mode = |root: &Root<D>, extent| ZeroMode {
+        let isolated = self.isolated.iter();
+        let (crossings, alone): (Vec<_>, Vec<_>) = isolated.partition(|root| self.is_on_line(root));
+        let alone = alone.into_iter();
+        let alone = alone.filter_map(|root| self.mode(root, Extent::Point));
+        let mut modes: Vec<ZeroMode<D>> = alone.collect();
+        let crossings = crossings.into_iter().map(|root| Place {
             wave_vector: root.wave_vector,
-            extent,
-            nullity: root.kernel.ncols() * self.rows.modes_per_column(),
-            span: self.span(root),
-        };
-        let isolated = self.isolated.iter().filter(is_elsewhere);
-        let mut modes: Vec<ZeroMode<D>> = isolated.map(|root| mode(root, Extent::Point)).collect();
-        for component in self.components() {
-            let shortest = component.iter().min_by(|a, b| {
-                let length = |root: &Root<D>| folded(&root.wave_vector).norm();
-                length(a).total_cmp(&length(b))
-            });
-            let extent = extent_of(&component);
-            modes.extend(shortest.map(|root| mode(root, extent)));
+            extent: Extent::Line,
+        });
+        for set in connected(
+            self.crystal,
+            self.continued.iter().copied().chain(crossings),
+        ) {
+            modes.extend(self.shortest(&set, folded));
         }
+        let length = |mode: &ZeroMode<D>| folded(&mode.wave_vector).norm();
         modes.sort_by(|a, b| {
-            let length = |mode: &ZeroMode<D>| folded(&mode.wave_vector).norm();
             let order = a.extent.cmp(&b.extent);
             order.then(length(a).total_cmp(&length(b)))
         });
         modes
     }
 
-    /// The connected lines and surfaces.
-    fn components(&self) -> Vec<Vec<&Root<D>>> {
-        // Points are as far apart as small parts are wide, several times.
-        let near = 6.0 * FOLLOWED[D - 1];
-        let beside = |a: &Root<D>, b: &Root<D>| {
-            let is_near = |difference: SVector<f64, D>| {
-                let x = self.crystal.lattice().fractional(&difference);
-                x.map(|x| x - x.round()).amax() <= near
-            };
-            is_near(a.wave_vector - b.wave_vector) || is_near(a.wave_vector + b.wave_vector)
-        };
-        let mut left: Vec<&Root<D>> = self.continued.iter().collect();
-        let mut components = Vec::new();
-        while let Some(first) = left.pop() {
-            let mut component = vec![first];
-            let mut next = 0;
-            while next < component.len() {
-                let own = component[next];
-                let (joined, others) = left.into_iter().partition(|other| beside(own, other));
-                component.extend::<Vec<&Root<D>>>(joined);
-                left = others;
-                next += 1;
+    /// Shortest wave vector of a connected line or surface, by descents from its shortest known roots.
+    fn shortest(
+        &self,
+        set: &[Place<D>],
+        folded: &impl Fn(&SVector<f64, D>) -> SVector<f64, D>,
+    ) -> Option<ZeroMode<D>> {
+        let extent = set.iter().map(|place| place.extent).max()?;
+        let mut places: Vec<SVector<f64, D>> = set.iter().map(|place| place.wave_vector).collect();
+        sort_by_value(&mut places, |k| folded(k).norm());
+        let found = places.into_iter().take(STARTS).filter_map(|k| {
+            let root = self.rows.root(&self.rounded(k))?;
+            let bottom = self.descended(root, folded);
+            Some((folded(&bottom.wave_vector), self.mode(&bottom, extent)?))
+        });
+        let first = found.max_by(|a, b| is_first(&a.0, &b.0));
+        first.map(|(_, mode)| mode)
+    }
+
+    /// Root with the locally shortest wave vector, by descent along the line or surface of a root.
+    fn descended(
+        &self,
+        mut best: Root<D>,
+        folded: &impl Fn(&SVector<f64, D>) -> SVector<f64, D>,
+    ) -> Root<D> {
+        let mut size = CONTINUED * self.shortest;
+        while size > 1e-9 * self.shortest {
+            let k = folded(&best.wave_vector);
+            let parts = best
+                .flat
+                .iter()
+                .map(|direction| direction * direction.dot(&k));
+            let way = -parts.sum::<SVector<f64, D>>();
+            let length = way.norm();
+            if length <= 1e-12 * self.shortest {
+                break;
             }
-            components.push(component);
+            let step = way * (size.min(length) / length);
+            let next = self.rows.polished(&(k + step), step.norm());
+            let next = next.and_then(|next| self.rows.root(&self.rounded(next)));
+            match next.filter(|next| folded(&next.wave_vector).norm() < k.norm() * (1.0 - 1e-14)) {
+                Some(next) => best = next,
+                None => size *= 0.5,
+            }
         }
-        components
+        best
+    }
+
+    /// Modes at `k = 0` that are orthogonal to the translations.
+    fn without_translations(&self, root: &Root<D>) -> Vec<Displacements<D>> {
+        let mut rest = root.kernel.clone();
+        for mut column in rest.column_iter_mut() {
+            for i in 0..D {
+                let own = (i..column.len()).step_by(D);
+                let count = Complex::from(own.len() as f64);
+                let mean = own.clone().map(|row| column[row]).sum::<Complex>() / count;
+                own.for_each(|row| column[row] -= mean);
+            }
+        }
+        // The basis is orthonormal: singular values are zero or one.
+        let Some(singular) = Singular::of(rest) else {
+            return Vec::new();
+        };
+        let count = singular.values.iter().filter(|value| **value > 0.5).count();
+        let basis = singular.range(singular.values.len() - count).into_owned();
+        (0..count).map(|n| self.of_particles(&basis, n)).collect()
     }
 
     /// Displacements of the particles of a cell in modes that span all of a root.
@@ -490,16 +616,40 @@ impl<'a, const D: usize> Search<'a, D> {
     }
 }
 
-/// How far a connected set extends: as most of its points say, for where lines cross slopes vanish in more directions.
-fn extent_of<const D: usize>(component: &[&Root<D>]) -> Extent {
-    let with = |count: usize| {
-        let tangents = component.iter().map(|root| root.tangents);
-        tangents.filter(|tangents| *tangents == count).count()
+/// Pairs of different directions.
+fn pairs_of<const D: usize>(
+    ways: &[SVector<f64, D>],
+) -> impl Iterator<Item = (SVector<f64, D>, SVector<f64, D>)> {
+    let pairs = (0..ways.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let pairs = pairs.map(|(i, j)| (ways[i], ways[j]));
+    pairs.filter(|(a, b)| (b - a * a.dot(b)).norm() > LEAST_SINE)
+}
+
+/// Connected sets of the wave vectors of lines and surfaces.
+fn connected<const D: usize>(
+    crystal: &Crystal<D>,
+    places: impl Iterator<Item = Place<D>>,
+) -> Vec<Vec<Place<D>>> {
+    let beside = |a: &Place<D>, b: &Place<D>| {
+        let is_near = |difference: SVector<f64, D>| {
+            let x = crystal.lattice().fractional(&difference);
+            x.map(|x| x - x.round()).amax() <= NEIGHBORS * FOLLOWED[D - 1]
+        };
+        is_near(a.wave_vector - b.wave_vector) || is_near(a.wave_vector + b.wave_vector)
     };
-    let surfaces: usize = (2..=D).map(with).sum();
-    if D == 3 && surfaces > with(1) + with(0) {
-        Extent::Surface
-    } else {
-        Extent::Line
+    let mut left: Vec<Place<D>> = places.collect();
+    let mut sets = Vec::new();
+    while let Some(first) = left.pop() {
+        let mut set = vec![first];
+        let mut next = 0;
+        while next < set.len() {
+            let own = set[next];
+            let (joined, others) = left.into_iter().partition(|other| beside(&own, other));
+            set.extend::<Vec<Place<D>>>(joined);
+            left = others;
+            next += 1;
+        }
+        sets.push(set);
     }
+    sets
 }

@@ -25,8 +25,6 @@ pub(super) struct Root<const D: usize> {
     pub(super) alone_within: f64,
     /// Where no slope resists: unit directions in which a root may go on.
     pub(super) flat: Vec<SVector<f64, D>>,
-    /// In how many directions the whole kernel goes on.
-    pub(super) tangents: usize,
 }
 
 impl<const D: usize> StrainRows<D> {
@@ -49,11 +47,6 @@ impl<const D: usize> StrainRows<D> {
             .map(|a| turned.iter().map(|b| a.ad_mul(b)).collect())
             .collect();
         let flat_square = (FLAT * self.slope).powi(2);
-        let together = SMatrix::<f64, D, D>::from_fn(|i, j| products[i][j].trace().re);
-        let tangents = eigen(&together)
-            .into_iter()
-            .filter(|(value, _)| *value <= flat_square)
-            .count();
         let found = directional(&products, count);
         let least = found
             .first()
@@ -67,7 +60,6 @@ impl<const D: usize> StrainRows<D> {
             // Directions are sampled: a little less.
             alone_within: surroundings.alone_within(0.9 * least, self.curvature),
             flat: flat.map(|(_, direction)| direction).collect(),
-            tangents,
         })
     }
 }
