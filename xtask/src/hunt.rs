@@ -74,6 +74,14 @@ const SUBJECTS: &[Subject] = &[
         cases: 120,
     },
     Subject {
+        name: "weakest",
+        claim: "a dense search of the zone finds no wave weaker than the reported weakest wave",
+        package: "onset",
+        program: "hunt",
+        test: "no_wave_of_any_method_is_weaker",
+        cases: 200,
+    },
+    Subject {
         name: "transfers",
         claim: "no wave of a random transfer of material points grows faster in discrete time, or needs a shorter step, than the search over the zone says",
         package: "onset",

@@ -22,7 +22,7 @@ use crate::scheme::{Discretization, FiniteBodies, PeriodicPatch};
 use crate::time_step::{Integrator, TransferredWaves, WaveParts};
 use crate::verdict::{
     Assessment, Ground, Judged, PathError, PathScan, Probe, StateWaves, Survey, SurveyedState,
-    scan_discretization,
+    WeakestMode, scan_discretization,
 };
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use std::sync::{Arc, OnceLock};
@@ -338,6 +338,10 @@ impl<const D: usize> Analysis for Body<D> {
         integrator: Integrator,
     ) -> Result<f64, MethodError> {
         self.survey()?.critical_time_step(f, integrator)
+    }
+
+    fn weakest(&self) -> Result<Option<WeakestMode<3>>, MethodError> {
+        Ok(self.survey()?.weakest().map(|mode| mode.in_3d()))
     }
 
     fn spurious_modes(&self, threshold: f64) -> Result<SpuriousModes<3>, MethodError> {

@@ -90,10 +90,17 @@ impl<const D: usize> InSpace for Assessment<D> {
             spectrum: self.spectrum.in_3d(),
             zero_energy: self.zero_energy,
             gradient_norm: self.gradient_norm,
-            weakest: self.weakest.map(|mode| WeakestMode {
-                wave_vector: mode.wave_vector.in_3d(),
-                relative_frequency_squared: mode.relative_frequency_squared,
-            }),
+        }
+    }
+}
+
+impl<const D: usize> InSpace for WeakestMode<D> {
+    type Shown = WeakestMode<3>;
+
+    fn in_3d(&self) -> WeakestMode<3> {
+        WeakestMode {
+            wave_vector: self.wave_vector.in_3d(),
+            relative_frequency_squared: self.relative_frequency_squared,
         }
     }
 }

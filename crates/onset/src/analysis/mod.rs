@@ -20,7 +20,8 @@ use crate::motion::{BodyError, BodyMotion, BodyParticles, Contact, Grip, PatchMo
 use crate::scheme::MethodChoices;
 use crate::time_step::{Integrator, WaveParts};
 use crate::verdict::{
-    Assessment, Judged, PathError, PathScan, Probe, SurveyedState, probe_material, scan_material,
+    Assessment, Judged, PathError, PathScan, Probe, SurveyedState, WeakestMode, probe_material,
+    scan_material,
 };
 use body::{Body, acoustic_eigenvalues, acoustic_minimum};
 use nalgebra::{DMatrix, SMatrix, SVector};
@@ -197,6 +198,12 @@ pub trait Analysis: Send + Sync {
         f: &DeformationGradient,
         integrator: Integrator,
     ) -> Result<f64, MethodError>;
+
+    /// Returns the weakest wave of the reference configuration; see [`Survey::weakest`](crate::verdict::Survey::weakest).
+    ///
+    /// # Errors
+    /// [`MethodError`] if material or method cannot be evaluated.
+    fn weakest(&self) -> Result<Option<WeakestMode<3>>, MethodError>;
 
     /// Returns the zero-energy and weakly controlled modes of the reference configuration.
     ///

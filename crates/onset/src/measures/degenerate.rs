@@ -4,9 +4,6 @@ use crate::algebra::Complex;
 use crate::verdict::Displacements;
 use nalgebra::SVector;
 
-/// Squared frequencies that differ by less, relative to the largest, belong to degenerate modes.
-pub(super) const DEGENERATE: f64 = 1e-9;
-
 /// One mode of the space that degenerate modes span, which an eigenvalue problem leaves to chance: the part in it of the simplest wave that
 /// it holds at least half of. Simple are, in this order, particles that all move along the wave vector, particles of a cell that part
 /// along it, and the same along each axis. The part of a symmetric wave in a space that the symmetries keep is as symmetric as the wave.

@@ -12,12 +12,14 @@ mod path;
 mod probe;
 mod survey;
 mod unfolding;
+mod weakest;
 
 pub use mechanism::Mechanism;
 pub use path::{Crossing, Onset, PathError, PathScan, scan_discretization, scan_material};
 pub use probe::{Phase, Probe, probe_material};
 pub use survey::{Ground, Judged, StateWaves, Survey, SurveyedState};
-pub(crate) use unfolding::{Displacements, Slowest, Unfolding, continuum, per_particle};
+pub(crate) use unfolding::{Displacements, Slowest, Unfolding, continuum, is_first};
+pub(crate) use weakest::{Bottom, WeakestSearch};
 
 use crate::bloch::{SpectrumSummary, Stability};
 use crate::continuum::{AcousticMinimum, Ellipticity, Stiffness};
@@ -139,9 +141,6 @@ pub struct Assessment<const D: usize> {
     /// `sum_q V_q |B_q|^2 / (V0 |k|^2)` with `k` in the coordinates of the kernel: near one for long waves, zero for a
     /// zero-energy mode. `None` where the discretization has no such gradient.
     pub gradient_norm: Option<f64>,
-    /// The mode that is controlled least, of the softest one and those of alternating neighbors. `None` where none of them can be compared with a wave of the
-    /// material, and of laws and linearizations without an answer at rest.
-    pub weakest: Option<WeakestMode<D>>,
 }
 
 /// The wave of a stable state that strains nothing.
@@ -158,6 +157,9 @@ pub enum ZeroEnergyWave {
     },
 }
 
+/// Limit of weakly controlled waves: frequency relative to the material's slowest wave with the same wave vector, in the reference configuration.
+pub const WEAK: f64 = 0.1;
+
 /// A mode of the reference configuration that is slow beside the material's wave that it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WeakestMode<const D: usize> {
@@ -165,6 +167,13 @@ pub struct WeakestMode<const D: usize> {
     pub wave_vector: SVector<f64, D>,
     /// Its squared frequency over that of the material.
     pub relative_frequency_squared: f64,
+}
+
+impl<const D: usize> WeakestMode<D> {
+    /// Frequency relative to the material's slowest wave, from 0 (no energy, or growing) to 1 (not slower).
+    pub fn relative_frequency(&self) -> f64 {
+        self.relative_frequency_squared.clamp(0.0, 1.0).sqrt()
+    }
 }
 
 /// The scale `c^2` of wave speeds: the largest acoustic eigenvalue of the material in the reference state over the

@@ -1,9 +1,10 @@
 //! A discretization and a material, asked about states: what the states share is computed once.
 
 use super::unfolding::slower;
+use super::weakest::{WeakestSearch, Well};
 use super::{
-    Assessment, MaterialAssessment, Phase, Probe, Unfolding, Verdict, WeakestMode, ZeroEnergyWave,
-    decided, finite,
+    Assessment, MaterialAssessment, Phase, Probe, Unfolding, Verdict, WEAK, WeakestMode,
+    ZeroEnergyWave, decided, finite,
 };
 use crate::algebra::Complex;
 use crate::bloch::{
@@ -13,6 +14,7 @@ use crate::bloch::{
 use crate::continuum::{AcousticMinimum, Stiffness, plane_minimum};
 use crate::cores::of_each;
 use crate::kinematics::DeformationGradient;
+use crate::lattice::BrillouinZone;
 use crate::lattice::inverse_of;
 use crate::material::{Hyperelastic, PlaneTangent, has_major_symmetry};
 use crate::method::MethodError;
@@ -105,8 +107,9 @@ pub struct Ground<const D: usize> {
     reference: OnceLock<Result<WaveSystem<D>, MethodError>>,
     /// What the discretization sees of waves, whatever the law.
     strains: OnceLock<Result<Strains<D>, MethodError>>,
-    /// The wave of alternating neighbors that is slowest at rest beside the material.
-    alternating: OnceLock<Option<WeakestMode<D>>>,
+    /// Minima of the relative frequency on a grid, and the weakest wave of the reference configuration.
+    wells: OnceLock<Vec<Well<D>>>,
+    weakest: OnceLock<Option<WeakestMode<D>>>,
 }
 
 /// A wave vector, with how much of a gradient a discretization sees there.
@@ -123,7 +126,7 @@ struct Strains<const D: usize> {
 impl<const D: usize> Strains<D> {
     /// Whether a mode is one without strain, or beside one.
     fn misses(&self, mode: &Mode<D>) -> bool {
-        !mode.is_long_wave && self.rows.has_zero_mode_near(&mode.wave_vector)
+        !mode.is_long_wave && self.rows.zero_mode_near(&mode.wave_vector).is_some()
     }
 }
 
@@ -318,7 +321,8 @@ impl<'a, const D: usize> Survey<'a, D> {
                 moments: None,
                 reference: OnceLock::new(),
                 strains: OnceLock::new(),
-                alternating: OnceLock::new(),
+                wells: OnceLock::new(),
+                weakest: OnceLock::new(),
             }),
         })
     }
@@ -511,7 +515,6 @@ impl<'a, const D: usize> Survey<'a, D> {
             material,
             zero_energy: zero_energy.filter(|_| verdict == Verdict::ZeroEnergy),
             gradient_norm: norms.and_then(|norms| Some(norms.first()?.1)),
-            weakest: self.weakest(&spectrum.softest),
             spectrum,
         })
     }
@@ -741,7 +744,7 @@ impl<'a, const D: usize> Survey<'a, D> {
     ) -> Result<bool, MethodError> {
         match self.discretization.gradient_norms(f, &[(*k, false)])? {
             Some(norms) => Ok(norms.iter().any(|norm| *norm <= ZERO_ENERGY)),
-            None => Ok(self.strains()?.rows.has_zero_mode_near(k)),
+            None => Ok(self.strains()?.rows.zero_mode_near(k).is_some()),
         }
     }
 
@@ -759,34 +762,39 @@ impl<'a, const D: usize> Survey<'a, D> {
         strains.as_ref().map_err(Clone::clone)
     }
 
-    /// Of the modes at rest with the wave vector of one, and those of alternating neighbors, the slowest beside the material.
-    /// `None` where nothing can be compared: also of a law or a linearization that has no answer at rest, as a law with a kink there.
-    fn weakest(&self, softest: &Mode<D>) -> Option<WeakestMode<D>> {
-        let unfolding = self.unfolding().ok()?;
-        let known = |k: &SVector<f64, D>| unfolding.slowest(k).known();
-        let of_alternating = || {
-            let least = self.alternating().map(|k| known(&k)).fold(None, slower);
-            least.map(|mode| unfolding.bottom(mode))
+    /// Returns the weakest wave of the reference configuration: the wave with the lowest frequency relative to the material's slowest wave with the same wave
+    /// vector, zero-energy modes included. `None` if the slowest waves of the material have no energy (shear waves of a fluid), or if the law is not
+    /// differentiable in the reference configuration.
+    ///
+    /// The weakest wave depends on method and law only; it is computed once for all states.
+    pub fn weakest(&self) -> Option<WeakestMode<D>> {
+        let searched = || {
+            let search = self.weakest_search().ok()?;
+            let bottoms = search.bottoms(WEAK * WEAK);
+            let modes = bottoms.iter().map(|bottom| search.mode(bottom));
+            modes.reduce(slower)
         };
-        let alternating = *self.ground.alternating.get_or_init(of_alternating);
-        match softest.is_long_wave {
-            true => alternating,
-            false => slower(known(&softest.wave_vector), alternating),
-        }
+        *self.ground.weakest.get_or_init(searched)
+    }
+
+    /// Search for the weakest waves.
+    ///
+    /// # Errors
+    /// [`MethodError`] when the material or the discretization cannot be evaluated.
+    pub(crate) fn weakest_search(&self) -> Result<WeakestSearch<'_, D>, MethodError> {
+        Ok(WeakestSearch {
+            unfolding: Unfolding::new(self.discretization, self.material, self.reference()?)?,
+            zone: BrillouinZone::new(*self.discretization.crystal().lattice()),
+            rows: &self.strains()?.rows,
+            alternating: &self.strains()?.alternating,
+            wells: &self.ground.wells,
+        })
     }
 
     /// The wave vectors of alternating neighbors, of different cells or of one.
     fn alternating(&self) -> impl Iterator<Item = SVector<f64, D>> {
         let lattice = self.discretization.crystal().lattice();
         lattice.alternating().chain([SVector::zeros()])
-    }
-
-    /// The modes at rest beside the plane waves of the material.
-    ///
-    /// # Errors
-    /// [`MethodError`] when the material or the discretization cannot be evaluated.
-    pub(crate) fn unfolding(&self) -> Result<Unfolding<'_, D>, MethodError> {
-        Unfolding::new(self.discretization, self.material, self.reference()?)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Modes of a discretization at rest beside the plane waves of the material: which wave a mode is, and how much slower than that of the material.
 
 use super::WeakestMode;
-use crate::algebra::{Complex, Each, array_of, settled};
+use crate::algebra::{Complex, Each, array_of};
 use crate::bloch::WaveSystem;
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
@@ -22,6 +22,8 @@ const HELD: f64 = 0.5;
 const ON_FACE: f64 = 1e-9;
 /// To what wave vectors are rounded before they are put in order, over the largest.
 const ROUNDED: f64 = 1e-7;
+/// Relative error of the components of a wave vector at the end of a descent.
+const TIED: f64 = 1e-5;
 /// Squared frequencies that differ by less from the next, relative to the largest, are equal: where forces have an energy, and where they have none, as
 /// vectors of closer ones are not told apart there.
 const DEGENERATE: [f64; 2] = [1e-12, 1e-9];
@@ -31,8 +33,6 @@ const REST: f64 = 0.5;
 const AS_SLOW: [f64; 2] = [1e-6, 1e-12];
 /// Waves of the material whose squared frequency is smaller, beside that of its fastest wave along the same vector, have no energy to be compared with.
 const WITHOUT_ENERGY: f64 = 1e-12;
-/// First steps downhill, over the reciprocal vectors.
-const STEP: f64 = 0.05;
 /// Where each mode takes as long as all values: how many of the lowest are asked, and up to which share of the largest squared frequency of the waves that they can be.
 const LOWEST: (usize, f64) = (24, 0.25);
 
@@ -74,39 +74,39 @@ impl<const D: usize> Slowest<D> {
         }
     }
 
-    /// The mode, of `k` and `-k` the one that points forward; `None` where nothing can be compared.
-    pub(super) fn known(&self) -> Option<WeakestMode<D>> {
+    /// Wave vector with a positive first nonzero component; `k` and `-k` are equivalent.
+    pub(super) fn forward(&self) -> SVector<f64, D> {
         let is_there = |x: &&f64| x.abs() > ON_FACE * self.wave.amax();
         let sign = self.wave.iter().find(is_there).map_or(1.0, |x| x.signum());
-        self.ratio.is_finite().then_some(WeakestMode {
-            // Adding zero makes of -0 a 0.
-            wave_vector: self.wave.map(|x| sign * x + 0.0),
-            relative_frequency_squared: self.ratio,
-        })
+        // Adding zero turns -0 into 0.
+        self.wave.map(|x| sign * x + 0.0)
     }
 }
 
-/// The slower one of two modes, if there are any; of those as slow the one farther along the first axis.
-pub(super) fn slower<const D: usize>(
-    one: Option<WeakestMode<D>>,
-    other: Option<WeakestMode<D>>,
-) -> Option<WeakestMode<D>> {
-    let (Some(a), Some(b)) = (one, other) else {
-        return one.or(other);
-    };
+/// Returns the slower mode. Ties are broken by the longer wave, then by the larger first component of the wave vector.
+pub(super) fn slower<const D: usize>(a: WeakestMode<D>, b: WeakestMode<D>) -> WeakestMode<D> {
     let [ratio, other_ratio] = [a, b].each(|mode| mode.relative_frequency_squared);
     let [relative, absolute] = AS_SLOW;
     let apart = relative * ratio.abs().max(other_ratio.abs()) + absolute;
-    let is_first = match other_ratio - ratio {
+    let is_slower = match other_ratio - ratio {
         difference if difference.abs() > apart => difference > 0.0,
-        _ => is_ahead(&a.wave_vector, &b.wave_vector).is_ge(),
+        _ => is_first(&a.wave_vector, &b.wave_vector).is_ge(),
     };
-    Some(if is_first { a } else { b })
+    if is_slower { a } else { b }
+}
+
+/// Order of wave vectors: shorter ones are greater, then those with a larger first component.
+pub(crate) fn is_first<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> Ordering {
+    let [long, other] = [a, b].each(|k| k.norm());
+    match (long - other).abs() > TIED * long.max(other) {
+        true => other.total_cmp(&long),
+        false => is_ahead(a, b),
+    }
 }
 
 /// Which one of two wave vectors is farther along the first axis along which they differ.
 fn is_ahead<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> Ordering {
-    let rounding = ON_FACE * a.amax().max(b.amax());
+    let rounding = TIED * a.amax().max(b.amax());
     let mut apart = a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > rounding);
     apart
         .next()
@@ -154,15 +154,47 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         }
     }
 
-    /// The bottom of the well of ratios that a mode lies in; of large cells the mode itself.
-    pub(super) fn bottom(&self, mode: WeakestMode<D>) -> WeakestMode<D> {
-        if self.system.size() > LOWEST.0 {
-            return mode;
+    /// Number of particles in a cell.
+    pub(super) fn sites(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Displacements of the modes of equal frequency that a branch belongs to.
+    pub(crate) fn modes_with(&self, k: &SVector<f64, D>, branch: usize) -> Vec<Displacements<D>> {
+        let modes = self.system.modes(k);
+        let groups = self.groups(&modes).into_iter();
+        let own = groups
+            .map(|(numbers, _)| numbers)
+            .find(|numbers| numbers.contains(&branch));
+        let numbers = own.unwrap_or(branch..branch + 1);
+        modes[numbers]
+            .iter()
+            .map(|(_, mode)| per_particle(mode))
+            .collect()
+    }
+
+    /// Longest plane wave among the images of `k` that contributes to the given modes; translations at `k = 0` are excluded.
+    pub(crate) fn wave_of(
+        &self,
+        k: &SVector<f64, D>,
+        modes: &[Displacements<D>],
+    ) -> SVector<f64, D> {
+        if self.positions.len() == 1 {
+            return self.first_image(k);
         }
-        let steps = self.zone.lattice().reciprocal() * STEP;
-        let start = (mode.relative_frequency_squared, mode.wave_vector);
-        let (_, bottom) = settled(&|k| self.slowest(k).ratio, start, &steps);
-        slower(Some(mode), self.slowest(&bottom).known()).unwrap_or(mode)
+        let mut images = self.images(k);
+        images.retain(|g| !self.is_long(&(k + g)));
+        let held = self.held(&images, modes);
+        held.first().map_or(*k, |n| k + images[*n])
+    }
+
+    /// Among the images of `k` and `-k` of the same length, the wave vector with the largest first component.
+    pub(super) fn first_image(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
+        let images = self.zone.bounding_vectors().iter().map(|g| k - g);
+        let is_as_long = |other: &SVector<f64, D>| other.norm() <= k.norm() * (1.0 + ON_FACE);
+        let images = images.filter(is_as_long).chain([*k]);
+        let both = images.flat_map(|image| [image, -image]);
+        both.max_by(|a, b| is_ahead(a, b)).unwrap_or(*k)
     }
 
     /// The same of a cell with several particles: of the waves `k + G` that as many particles can have, modes are the longest one of which they have at
@@ -208,11 +240,15 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         slowest
     }
 
+    /// Largest difference of equal squared frequencies, relative to the largest.
+    fn degenerate(&self) -> f64 {
+        DEGENERATE[usize::from(!self.system.is_hermitian())]
+    }
+
     /// Which modes have equal frequencies, with the largest squared one. They are sorted by it.
     fn groups(&self, modes: &[(Complex, DVector<Complex>)]) -> Vec<(Range<usize>, f64)> {
         let sizes = modes.iter().map(|(value, _)| value.norm());
-        let share = DEGENERATE[usize::from(!self.system.is_hermitian())];
-        let apart = share * sizes.fold(0.0, f64::max);
+        let apart = self.degenerate() * sizes.fold(0.0, f64::max);
         let mut groups: Vec<(Range<usize>, f64)> = Vec::new();
         for (n, (value, _)) in modes.iter().enumerate() {
             match groups.last_mut() {
@@ -235,8 +271,19 @@ impl<'a, const D: usize> Unfolding<'a, D> {
             return (0..size).collect();
         }
         let values = self.system.omega_squared(k);
-        let is_asked = |n: &usize| [0, D].contains(n) || values[*n].re < share * largest;
-        (0..most).filter(is_asked).collect()
+        let is_asked = |n: usize| [0, D].contains(&n) || n < most && values[n].re < share * largest;
+        // Modes of equal frequency are taken together.
+        let sizes = values.iter().map(|value| value.norm());
+        let apart = self.degenerate() * sizes.fold(0.0, f64::max);
+        let mut groups: Vec<Range<usize>> = Vec::new();
+        for n in 0..size {
+            match groups.last_mut() {
+                Some(own) if (values[n - 1] - values[n]).norm() <= apart => own.end = n + 1,
+                _ => groups.push(n..n + 1),
+            }
+        }
+        let asked = groups.into_iter().filter(|own| own.clone().any(is_asked));
+        asked.flatten().collect()
     }
 
     /// Which of some waves modes of equal frequency are.
@@ -323,7 +370,7 @@ pub(crate) fn continuum<const D: usize>(
 pub(crate) type Displacements<const D: usize> = Vec<SVector<Complex, D>>;
 
 /// Those of the particles, of the components of all of them.
-pub(crate) fn per_particle<const D: usize>(displacements: &DVector<Complex>) -> Displacements<D> {
+fn per_particle<const D: usize>(displacements: &DVector<Complex>) -> Displacements<D> {
     (0..displacements.len() / D)
         .map(|particle| SVector::from_fn(|i, _| displacements[D * particle + i]))
         .collect()

@@ -176,20 +176,29 @@ fn method(number: usize, coefficient: f64, particles: KernelMethodChoices) -> Me
     }
 }
 
+/// Assessment, lattice, and squared relative frequency of the weakest wave.
+type Answer<const D: usize> = (Assessment<D>, BravaisLattice<D>, f64);
+
 fn answer<const D: usize>(
     method: &MethodChoices,
     law: &dyn Hyperelastic,
     f: &DeformationGradient,
-) -> Option<(Assessment<D>, BravaisLattice<D>)> {
+) -> Option<Answer<D>> {
     let discretization = method.discretization::<D>().ok()?;
     let survey = Survey::new(&*discretization, law).ok()?;
-    Some((survey.assess(f).ok()?, *discretization.crystal().lattice()))
+    let weakest = survey.weakest();
+    let weak = weakest.map_or(0.0, |mode| mode.relative_frequency_squared);
+    Some((
+        survey.assess(f).ok()?,
+        *discretization.crystal().lattice(),
+        weak,
+    ))
 }
 
 /// What differs between the answers of two descriptions, of which the second is mapped by an orthogonal matrix.
 fn differences<const D: usize>(
-    (a, lattice): &(Assessment<D>, BravaisLattice<D>),
-    (b, other): &(Assessment<D>, BravaisLattice<D>),
+    (a, lattice, weak): &Answer<D>,
+    (b, other, weak_mapped): &Answer<D>,
     map: &SMatrix<f64, D, D>,
 ) -> Vec<String> {
     let mut found = Vec::new();
@@ -199,10 +208,6 @@ fn differences<const D: usize>(
         told("verdict", word(a), word(b));
     }
     let fastest = a.spectrum.maximum_omega;
-    let weak = |own: &Assessment<D>| {
-        own.weakest
-            .map_or(0.0, |mode| mode.relative_frequency_squared)
-    };
     // The lattice Laplacian takes as many of the shortest vectors as there are dimensions; where there are more, it knows directions.
     let k = SVector::<f64, D>::from_fn(|i, _| [0.3, 0.7, 1.1][i]);
     let is_measured = {
@@ -217,7 +222,7 @@ fn differences<const D: usize>(
             fastest.powi(2),
         ),
         ("frequency", fastest, b.spectrum.maximum_omega, fastest),
-        ("weak share", weak(a), weak(b), 1.0),
+        ("weak share", *weak, *weak_mapped, 1.0),
     ];
     let grows = !a.spectrum.is_stable();
     if is_measured {

@@ -6,6 +6,7 @@ mod methods;
 mod named;
 mod spectra;
 mod transfers;
+mod weakest;
 
 #[path = "../shared/hunt.rs"]
 mod hunt;

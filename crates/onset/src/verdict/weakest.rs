@@ -1,0 +1,237 @@
+//! Weakest waves: minima of the relative frequency over the zone, in the reference configuration.
+//!
+//! The relative frequency is the frequency of a mode divided by the frequency of the material's slowest wave with the same wave vector. It depends on method
+//! and law only, not on the state.
+
+use super::{Slowest, Unfolding, WeakestMode};
+use crate::algebra::{is_well, settled, settled_along, sort_by_value};
+use crate::lattice::BrillouinZone;
+use crate::scheme::StrainRows;
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use std::sync::OnceLock;
+
+/// Grid points along a reciprocal vector: halves, thirds, quarters and their parts are among them, except for the largest cells.
+const GRID: [usize; 3] = [96, 24, 12];
+/// Smallest number of grid points with several particles in a cell.
+const LEAST_GRID: usize = 6;
+/// Number of the deepest wells that are followed to their bottom, weakly controlled or not.
+const DEEPEST: usize = 4;
+/// Largest distance from a kink, in grid steps: for a grid minimum, and for the end of a descent.
+const KINK_DISTANCES: [f64; 2] = [1.0, 0.1];
+/// Offset of additional starts along a kink, in grid steps. The ratio is lower where more kinks meet, so that a descent does not leave a corner.
+const KINK_OFFSET: f64 = 0.35;
+/// Largest squared ratio of a start, relative to the lowest known squared ratio.
+const START_RATIO: f64 = 4.0;
+/// Largest number of kinks near a well that are combined.
+const MOST_FACES: usize = 6;
+/// Squared relative frequency below which a zero-energy mode is looked for.
+const SMALL_RATIO: f64 = 1e-4;
+
+/// A minimum of the relative frequency.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bottom<const D: usize> {
+    /// Squared relative frequency; zero for a zero-energy mode.
+    pub(crate) ratio: f64,
+    /// Wave vector in the zone; 1/length.
+    pub(crate) wave_vector: SVector<f64, D>,
+}
+
+/// A minimum of the squared relative frequency on the grid of wave vectors.
+pub(super) type Well<const D: usize> = (f64, SVector<f64, D>);
+
+/// Search for the weakest waves.
+pub(crate) struct WeakestSearch<'a, const D: usize> {
+    pub(crate) unfolding: Unfolding<'a, D>,
+    pub(crate) zone: BrillouinZone<D>,
+    pub(crate) rows: &'a StrainRows<D>,
+    /// Wave vectors of alternating neighbors that have zero-energy modes; 1/length.
+    pub(super) alternating: &'a [SVector<f64, D>],
+    /// Minima on the grid, from [`wells`](Self::wells), which takes most of the time.
+    pub(super) wells: &'a OnceLock<Vec<Well<D>>>,
+}
+
+impl<const D: usize> WeakestSearch<'_, D> {
+    fn ratio(&self, k: &SVector<f64, D>) -> f64 {
+        self.unfolding.slowest(k).ratio
+    }
+
+    /// Number of grid points along a reciprocal vector: with several particles in a cell, whose zone is smaller, about as dense.
+    pub(crate) fn points(&self) -> usize {
+        let mut points = GRID[D - 1];
+        let mut sites = self.unfolding.sites();
+        while points > LEAST_GRID && sites >= 1 << D {
+            points /= 2;
+            sites >>= D;
+        }
+        points
+    }
+
+    /// Minima of the squared relative frequency on the grid, the lowest first.
+    fn wells(&self) -> Vec<Well<D>> {
+        let n = self.points();
+        let reciprocal = self.zone.lattice().reciprocal();
+        let count = n.pow(D as u32);
+        // Half of the grid suffices: k and -k are equivalent.
+        let half = (n / 2 + 1) * (count / n);
+        let wave_vector = |index: usize| {
+            let mut rest = index;
+            let mut fractional = SVector::<f64, D>::zeros();
+            for i in (0..D).rev() {
+                fractional[i] = (rest % n) as f64 / n as f64;
+                rest /= n;
+            }
+            reciprocal * fractional
+        };
+        let values: Vec<f64> = (0..half)
+            .map(|index| self.ratio(&wave_vector(index)))
+            .collect();
+        let wells = (0..half).filter(|index| is_well::<D>(&values, *index, n));
+        let mut wells: Vec<Well<D>> = wells
+            .map(|index| (values[index], wave_vector(index)))
+            .collect();
+        sort_by_value(&mut wells, |well| well.0);
+        wells
+    }
+
+    /// Minima of the relative frequency, the lowest first: the deepest ones, and all whose squared ratio may be below `limit`.
+    pub(crate) fn bottoms(&self, limit: f64) -> Vec<Bottom<D>> {
+        let steps = self.zone.lattice().reciprocal() / self.points() as f64;
+        let alternating = self.alternating.iter().map(|k| Bottom {
+            ratio: 0.0,
+            wave_vector: self.zone.folded(k),
+        });
+        let mut bottoms: Vec<Bottom<D>> = alternating.collect();
+        let mut followed = 0;
+        for &(value, k) in self.wells.get_or_init(|| self.wells()) {
+            if let Some(zero) = self.zero(value, &k) {
+                bottoms.push(zero);
+                continue;
+            }
+            let is_followed = followed < DEEPEST || value < 1.5 * limit;
+            if is_followed {
+                followed += 1;
+                let (ratio, k) = self.bottom((value, k), &steps);
+                let bottom = Bottom {
+                    ratio,
+                    wave_vector: self.zone.folded(&k),
+                };
+                bottoms.push(self.zero(ratio, &k).unwrap_or(bottom));
+            }
+        }
+        sort_by_value(&mut bottoms, |bottom| bottom.ratio);
+        bottoms
+    }
+
+    /// Zero-energy mode at a wave vector with a small squared ratio, or close to it.
+    fn zero(&self, ratio: f64, k: &SVector<f64, D>) -> Option<Bottom<D>> {
+        if ratio.abs() > SMALL_RATIO {
+            return None;
+        }
+        let wave_vector = self.zone.folded(k);
+        let known = |wave_vector| Bottom {
+            ratio: 0.0,
+            wave_vector,
+        };
+        if wave_vector.norm() * self.rows.spacing < SMALL_RATIO {
+            let rest = SVector::zeros();
+            return self.rows.has_zero_mode_at(&rest).then(|| known(rest));
+        }
+        let root = self.rows.zero_mode_near(&wave_vector)?;
+        Some(known(self.zone.folded(&root)))
+    }
+
+    /// Bottom of a well in the closed zone. The ratio has kinks where the shortest wave with a wave vector changes, among others on the faces of the
+    /// zone: minima lie between kinks, on one, or where several meet, and each of these sets is searched by itself.
+    fn bottom(
+        &self,
+        start: (f64, SVector<f64, D>),
+        steps: &SMatrix<f64, D, D>,
+    ) -> (f64, SVector<f64, D>) {
+        let at = |k: &SVector<f64, D>| self.ratio(k);
+        let size = steps.column_iter().map(|step| step.norm());
+        let size = size.fold(0.0, f64::max);
+        let inside = settled(&at, start, steps);
+        let mut best = inside;
+        // Cells with several particles have many kinks: only kinks at the end of the descent are searched.
+        let from = match self.unfolding.sites() {
+            1 => 0,
+            _ => 1,
+        };
+        let ends = [start, inside].into_iter().zip(KINK_DISTANCES).skip(from);
+        for ((_, k), near) in ends {
+            let Slowest {
+                wave, from_others, ..
+            } = self.unfolding.slowest(&k);
+            let distance = |g: &SVector<f64, D>| (0.5 * g.norm() - wave.dot(g) / g.norm()).abs();
+            let mut faces = from_others;
+            faces.retain(|g| distance(g) < near * size);
+            sort_by_value(&mut faces, distance);
+            faces.truncate(MOST_FACES);
+            for which in 1_usize..1 << faces.len() {
+                let chosen: Vec<SVector<f64, D>> = (0..faces.len())
+                    .filter(|i| which >> i & 1 == 1)
+                    .map(|i| faces[i])
+                    .collect();
+                let Some((place, tangents)) = stratum(&wave, &chosen) else {
+                    continue;
+                };
+                let tangents: Vec<SVector<f64, D>> = tangents.iter().map(|t| t * size).collect();
+                let beside = tangents
+                    .iter()
+                    .flat_map(|t| [-KINK_OFFSET, KINK_OFFSET].map(|x| place + t * x));
+                for k in beside.chain([place]) {
+                    let value = at(&k);
+                    if value > START_RATIO * best.0 {
+                        continue;
+                    }
+                    let found = settled_along(&at, (value, k), &tangents);
+                    if found.0 < best.0 {
+                        best = found;
+                    }
+                }
+            }
+        }
+        best
+    }
+
+    /// The wave of the material that a bottom is, with its squared ratio.
+    pub(super) fn mode(&self, bottom: &Bottom<D>) -> WeakestMode<D> {
+        let wave = match self.unfolding.sites() {
+            1 => self.unfolding.first_image(&bottom.wave_vector),
+            _ => self.unfolding.slowest(&bottom.wave_vector).forward(),
+        };
+        WeakestMode {
+            wave_vector: wave,
+            relative_frequency_squared: bottom.ratio,
+        }
+    }
+}
+
+/// Where several faces of the zone meet, `k.G = |G|^2/2`: the point nearest to a wave vector, and unit tangents. `None` where one
+/// of the faces is no further restriction.
+fn stratum<const D: usize>(
+    k: &SVector<f64, D>,
+    faces: &[SVector<f64, D>],
+) -> Option<(SVector<f64, D>, Vec<SVector<f64, D>>)> {
+    if faces.len() > D {
+        return None;
+    }
+    let normals = DMatrix::from_fn(faces.len(), D, |row, i| faces[row][i] / faces[row].norm());
+    let short = DVector::from_fn(faces.len(), |row, _| {
+        0.5 * faces[row].norm() - k.dot(&faces[row]) / faces[row].norm()
+    });
+    // Rows of zeros make the decomposition show the tangents too.
+    let square = normals.clone().resize(D, D, 0.0);
+    let svd = square.try_svd(true, true, f64::EPSILON, 1000)?;
+    let right = svd.v_t.as_ref()?;
+    let is_normal = |n: &usize| svd.singular_values[*n] > 1e-6;
+    if (0..D).filter(is_normal).count() < faces.len() {
+        return None;
+    }
+    let step = svd.solve(&short.resize_vertically(D, 0.0), 1e-6).ok()?;
+    let place = k + SVector::from_fn(|i, _| step[i]);
+    let tangents = (0..D)
+        .filter(|n| !is_normal(n))
+        .map(|n| SVector::from_fn(|i, _| right[(n, i)]));
+    Some((place, tangents.collect()))
+}
