@@ -69,6 +69,7 @@ def state(
     F: ArrayLike | None = None,
     certify: bool = False,
     tolerance: float = 1e-3,
+    weak: float = 0.1,
 ) -> State:
     """Is a state stable, and if not, is the instability physical or numerical? ``onset state``.
 
@@ -77,14 +78,15 @@ def state(
 
     The state has principal stretches along the axes (`stretch`, shape (D,) to (3,)), or a deformation gradient `F` of shape (3, 3), or (D, D). With `certify`
     stability or instability is proved, with a bound or a witness, in ``answer.certificate``; `tolerance`, without dimension, is from where on the measure of
-    an undecided state counts as away from zero.
+    an undecided state counts as away from zero. A stable state is told to be weakly controlled if a wave of the reference configuration, ``answer.discretization.weakest_mode``,
+    has less than the share `weak` of the frequency of the material's slowest wave with the same wave vector.
 
     A state at which the law or the method is not defined is an `InputError`.
     """
     problem = problem_of(material, method)
     proof = between(tolerance, "tolerance", 0.0, np.nextafter(1.0, 0.0), "a number above 0 and below 1, for example 1e-3")
     given, gradient = state_as_typed(F, stretch)
-    answer = State(problem.state(given, gradient, proof if switch(certify, "certify") else None))
+    answer = State(problem.state(given, gradient, proof if switch(certify, "certify") else None, share(weak, "weak")))
     here = np.ascontiguousarray(answer.deformation_gradient, dtype=np.float64).reshape(1, 9)
     return answer._with_spectrum(lambda k: _waves_at(problem, here, k))._of(lambda: Cell.of(problem, given, gradient, here))
 
@@ -420,7 +422,7 @@ def modes(
     method: MethodLike = None,
     material: MaterialLike = None,
     *,
-    weak: float = 0.5,
+    weak: float = 0.1,
     cells: int = 8,
     amplitude: float = 0.2,
 ) -> Modes:

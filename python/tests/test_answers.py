@@ -96,7 +96,9 @@ def of_state(chance: random.Random) -> Question:
     given, words = state(chance, dimension)
     certify = chance.random() < 0.1
     proof = ["--certify"] if certify else []
-    return lambda: onset.state(law, own, certify=certify, **given), ["state", *law_words, *own_words, *words, *proof]  # type: ignore[arg-type]
+    weak = chance.uniform(0.05, 0.9)
+    typed = ["state", *law_words, *own_words, *words, *proof, "--weak", repr(weak)]
+    return lambda: onset.state(law, own, certify=certify, weak=weak, **given), typed  # type: ignore[arg-type]
 
 
 def of_waves(chance: random.Random) -> Question:

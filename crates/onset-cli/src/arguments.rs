@@ -5,6 +5,7 @@ use crate::printing::PrintingArguments;
 use clap::{ArgGroup, Args, Parser, Subcommand};
 use clap_complete::Shell;
 use onset_study::audit::Convention;
+use onset_study::compare::Thresholds;
 use onset_study::criteria::{Lateral, Mode, Range as Stretches};
 use onset_study::figure::ColorMap;
 use onset_study::limit::Integrator;
@@ -263,6 +264,9 @@ pub enum Command {
             help_heading = "Proof"
         )]
         tolerance: f64,
+        /// Limit of weakly controlled waves.
+        #[command(flatten)]
+        weak: WeakArgument,
         /// Verdicts with which the command fails.
         #[command(flatten)]
         failing: FailingArguments,
@@ -489,14 +493,22 @@ pub struct FailingArguments {
     pub fail_on: Option<FailOn>,
 }
 
+/// Limit of weakly controlled waves.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct WeakArgument {
+    /// A wave with less than this share of the frequency of the material's slowest wave is weakly controlled.
+    #[arg(id = "weak", long, value_name = "SHARE", default_value_t = Thresholds::default().weak, value_parser = share, help_heading = "Limits")]
+    pub share: f64,
+}
+
 /// Limits of what counts as wrong.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct ThresholdArguments {
-    /// A wave with less than this share of the frequency of the material's slowest wave is too weakly controlled.
-    #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = share, help_heading = "Limits")]
-    pub weak: f64,
+    /// Limit of weakly controlled waves.
+    #[command(flatten)]
+    pub weak: WeakArgument,
     /// Verdicts may be wrong on this share of the window of states.
-    #[arg(long, value_name = "SHARE", default_value_t = 0.005, value_parser = share, help_heading = "Limits")]
+    #[arg(long, value_name = "SHARE", default_value_t = Thresholds::default().wrong, value_parser = share, help_heading = "Limits")]
     pub wrong: f64,
 }
 
@@ -847,9 +859,9 @@ pub struct ModesArguments {
     /// The problem.
     #[command(flatten)]
     pub problem: ProblemArguments,
-    /// List waves slower than this share of the material's slowest wave.
-    #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = share)]
-    pub weak: f64,
+    /// Limit of weakly controlled waves.
+    #[command(flatten)]
+    pub weak: WeakArgument,
     /// Cells of the patch that is drawn and exported, along each primitive vector.
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=512))]
     pub cells: u16,
@@ -879,7 +891,7 @@ pub struct TuneArguments {
     #[command(flatten)]
     pub thresholds: ThresholdArguments,
     /// The instability is masked where the method's onset comes later than the material's by more than this share of its strain.
-    #[arg(long, value_name = "SHARE", default_value_t = 0.02, value_parser = share, help_heading = "Limits")]
+    #[arg(long, value_name = "SHARE", default_value_t = Thresholds::default().later, value_parser = share, help_heading = "Limits")]
     pub later: f64,
     /// Folder for tune.csv, tune.svg and tune.png; nothing is written without it.
     #[arg(long, value_name = "DIR")]
@@ -972,10 +984,10 @@ pub struct RecommendArguments {
     #[command(flatten)]
     pub thresholds: ThresholdArguments,
     /// Long waves may feel a stiffness that is wrong by this share.
-    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, help_heading = "Limits")]
+    #[arg(long, value_name = "SHARE", default_value_t = Thresholds::default().long_waves, value_parser = share, help_heading = "Limits")]
     pub long_waves: f64,
     /// Wavelength at which frequencies are compared, in particle spacings: 4, 8 or 16.
-    #[arg(long, value_name = "N", default_value_t = 8.0, value_parser = wavelength, help_heading = "Limits")]
+    #[arg(long, value_name = "N", default_value_t = Thresholds::default().wavelength, value_parser = wavelength, help_heading = "Limits")]
     pub wavelength: f64,
     /// The energy of a user-defined material; short for material.model=formula and material.energy.
     #[arg(long, value_name = "FORMULA", allow_hyphen_values = true)]

@@ -27,7 +27,7 @@ use indicatif::ProgressBar;
 use onset_study::Verdict;
 use onset_study::answers::{
     Course, CrossingAnswer, Diagram, PathAnswer, PathSamples, Problem, ProblemError, StateAnswer,
-    Strain, Waves,
+    StateQuestion, Strain, Waves,
 };
 use onset_study::boundary::Tracing;
 use onset_study::catalog::{self, KeyList};
@@ -89,6 +89,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             strain,
             certify,
             tolerance,
+            weak,
             failing,
             #[cfg(feature = "explore")]
             open,
@@ -99,10 +100,11 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             }
             let problem = problem.build()?;
             let strain = strain.build(&problem)?;
-            let found = match certify {
-                true => StateAnswer::certified(&problem, &strain, tolerance),
-                false => StateAnswer::new(&problem, &strain),
+            let question = StateQuestion {
+                certified: certify.then_some(tolerance),
+                weak: weak.share,
             };
+            let found = StateAnswer::asked(&problem, &strain, &question);
             let answer = match (found, &failing.fail_on) {
                 (Err(error), Some(fail_on)) if fail_on.has_undefined() => {
                     printing::tell(format_args!("error: {}", Failure::from(error).message));
@@ -268,7 +270,7 @@ impl ThresholdArguments {
     /// Limits with the given values, and defaults for the others.
     fn thresholds(self) -> Thresholds {
         Thresholds {
-            weak: self.weak,
+            weak: self.weak.share,
             wrong: self.wrong,
             ..Thresholds::default()
         }

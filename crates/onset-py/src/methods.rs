@@ -41,7 +41,7 @@ pub fn recommend(
 ) -> PyResult<Answer> {
     let assigned = Assigned::from(given);
     interrupt::answer(py, move || {
-        let comparison = match file {
+        let mut comparison = match file {
             Some(file) => comparison(&file, &assigned, &libraries)?,
             None => {
                 let panel = dimension.checked_sub(1).and_then(|n| PANELS.get(n));
@@ -53,10 +53,11 @@ pub fn recommend(
                 of_law(Comparison::parse(name, text, &assigned.texts)?, &assigned)
             }
         };
-        let mut table = evaluated(&comparison)?;
         let (weak, wrong, long_waves, wavelength) = limits;
+        comparison.override_weak(weak);
+        let mut table = evaluated(&comparison)?;
         table.thresholds = Thresholds {
-            weak,
+            weak: table.thresholds.weak,
             wrong,
             long_waves,
             wavelength,

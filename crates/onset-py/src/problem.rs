@@ -11,7 +11,7 @@ use onset::kinematics::DeformationGradient;
 use onset_study::Verdict;
 use onset_study::answers::{
     self, Course, CrossingAnswer, Diagram, PathAnswer, PathSamples, ProblemError, StateAnswer,
-    Strain, Waves,
+    StateQuestion, Strain, Waves,
 };
 use onset_study::criteria::{Lateral, Mode};
 use onset_study::limit::{Integrator, LimitAnswer, LimitQuestion};
@@ -168,14 +168,16 @@ impl Problem {
         stretch: Option<String>,
         components: Option<String>,
         certify: Option<f64>,
+        weak: f64,
     ) -> PyResult<Answer> {
         let problem = Arc::clone(&self.0);
         interrupt::answer(py, move || {
             let strain = strain(&problem, stretch.as_deref(), components.as_deref())?;
-            let answer = match certify {
-                Some(tolerance) => StateAnswer::certified(&problem, &strain, tolerance)?,
-                None => StateAnswer::new(&problem, &strain)?,
+            let question = StateQuestion {
+                certified: certify,
+                weak,
             };
+            let answer = StateAnswer::asked(&problem, &strain, &question)?;
             Answer::of(&answer, &answer)
         })
     }

@@ -28,7 +28,7 @@ pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
     if let Some((low, high)) = arguments.stretches {
         assignments.push(format!("compare.stretches={low},{high}"));
     }
-    let comparison = match &arguments.file {
+    let mut comparison = match &arguments.file {
         Some(file) => read(file, &assignments, &arguments.trust.trust())?,
         None => {
             let (name, text) = PANELS[usize::from(arguments.dimension) - 1];
@@ -37,8 +37,10 @@ pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
     };
     let output = arguments.out.as_deref();
     let output = output.map(|out| Output::at(out, &FILES)).transpose()?;
+    comparison.override_weak(arguments.thresholds.weak.share);
     let mut table = evaluated(&comparison)?;
     table.thresholds = Thresholds {
+        weak: table.thresholds.weak,
         long_waves: arguments.long_waves,
         wavelength: arguments.wavelength,
         ..arguments.thresholds.thresholds()

@@ -11,7 +11,7 @@ use std::process::ExitCode;
 pub fn modes(arguments: &ModesArguments) -> Result<ExitCode, Failure> {
     let settings = arguments.problem.settings()?;
     let question = ModesQuestion {
-        weak: arguments.weak,
+        weak: arguments.weak.share,
         cells: usize::from(arguments.cells),
         amplitude: arguments.amplitude,
         is_exported: arguments.out.is_some(),

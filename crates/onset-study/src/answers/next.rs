@@ -9,7 +9,7 @@ pub(super) fn next(settings: &Settings, verdict: Verdict, has_one_particle: bool
     if settings.material.is_handed() {
         return Vec::new();
     }
-    let coefficient = coefficient(settings, has_one_particle);
+    let coefficient = stabilization(settings, has_one_particle);
     let modes = format!("onset modes{}", assignments(settings, None));
     let tune =
         coefficient.map(|key| format!("onset tune {key}{}", assignments(settings, Some(key))));
@@ -23,7 +23,7 @@ pub(super) fn next(settings: &Settings, verdict: Verdict, has_one_particle: bool
 }
 
 /// Stabilization coefficient that the method uses.
-fn coefficient(settings: &Settings, has_one_particle: bool) -> Option<&'static str> {
+pub(crate) fn stabilization(settings: &Settings, has_one_particle: bool) -> Option<&'static str> {
     let candidates = match settings.method.method {
         Family::TotalLagrangianSph => ["discretization.penalty"].as_slice(),
         Family::UpdatedSph => &["discretization.artificial-stress"],

@@ -3,7 +3,9 @@
 use super::mode::{critical_mode, finite_wave_vector};
 use super::notes::is_unstressed;
 use super::problem::Problem;
-use super::state::{SpaceAnswer, list};
+use super::remedy::remedy;
+use super::state::{SpaceAnswer, WeakestModeAnswer, list};
+use crate::compare::percent;
 use crate::number::{told, vector};
 use crate::settings::{Family, Units};
 use nalgebra::SVector;
@@ -12,9 +14,6 @@ use onset::continuum::{AcousticMinimum, Ellipticity};
 use onset::kinematics::DeformationGradient;
 use onset::method::Frame;
 use onset::verdict::{Assessment, Mechanism, Verdict, ZeroEnergyWave};
-
-/// Largest squared frequency ratio of a weakly controlled mode.
-const WEAK_RATIO_SQUARED: f64 = 0.05;
 
 /// Squared frequency ratio that is zero to rounding.
 const RATIO_ROUNDING: f64 = 1e-9;
@@ -41,6 +40,7 @@ pub(super) fn of(
     problem: &Problem,
     assessment: &Assessment<3>,
     in_3d: Option<&SpaceAnswer>,
+    weakest: Option<&WeakestModeAnswer>,
     f: &DeformationGradient,
     units: Units,
 ) -> String {
@@ -68,16 +68,17 @@ pub(super) fn of(
     };
     match assessment.verdict {
         Verdict::Stable => {
-            let weak = match &assessment.weakest {
-                Some(mode) if mode.relative_frequency_squared < WEAK_RATIO_SQUARED => {
-                    let wave = self::wave(&mode.wave_vector, along, units);
-                    match mode.relative_frequency_squared {
-                        square if square < -RATIO_ROUNDING => {
+            let weak = match weakest {
+                Some(answer) if answer.relative_frequency < answer.weak => {
+                    let wave = self::wave(&answer.mode.wave_vector, along, units);
+                    match answer.mode.relative_frequency_squared < -RATIO_ROUNDING {
+                        true => {
                             format!(" In the reference configuration a mode grows, though: {wave}.")
                         }
-                        square => format!(
-                            " A mode is weakly controlled: in the reference configuration a wave, {wave}, has {} times the frequency of the material's slowest.",
-                            told(square.max(0.0).sqrt())
+                        false => format!(
+                            " Weakly controlled: in the reference configuration a wave ({wave}) has {} of the frequency of the material's slowest wave, less than {}.",
+                            percent(answer.relative_frequency),
+                            percent(answer.weak)
                         ),
                     }
                 }
@@ -141,8 +142,11 @@ pub(super) fn of(
             } else {
                 format!("The {vanishes} for a wave ({which}).")
             };
+            let remedy = remedy(problem, f).map_or(String::new(), |settings| {
+                format!(" With {settings} no wave has zero energy at this state.")
+            });
             format!(
-                "Not usable without stabilization{although}: zero-energy modes. {unseen}{undecided}"
+                "Not usable without stabilization{although}: zero-energy modes. {unseen}{undecided}{remedy}"
             )
         }
         Verdict::Numerical => {

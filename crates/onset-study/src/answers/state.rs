@@ -10,6 +10,7 @@ use super::next::next;
 use super::notes::{buckling, notes};
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
+use crate::compare::percent;
 use crate::methods::reduced;
 use crate::number::{counted, told, told_below, told_of, vector};
 use crate::settings::{Effective, Family, Value};
@@ -21,7 +22,9 @@ use onset::continuum::{AcousticMinimum, Ellipticity};
 use onset::kinematics::DeformationGradient;
 use onset::material::Response;
 use onset::method::MethodError;
-use onset::verdict::{Assessment, MaterialAssessment, Mechanism, SurveyedState, Verdict};
+use onset::verdict::{
+    Assessment, MaterialAssessment, Mechanism, SurveyedState, Verdict, WEAK, WeakestMode,
+};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -245,7 +248,7 @@ pub struct DiscretizationAnswer {
     /// Squared norm of the discrete gradient of the softest mode relative to the exact gradient; zero for a zero-energy mode. `None` if the
     /// discretization has no such gradient.
     pub gradient_norm: Option<f64>,
-    /// Weakest mode: the softest mode, or a mode with alternating neighbors.
+    /// Weakest wave of the reference configuration; `onset modes` finds the same one.
     pub weakest_mode: Option<WeakestModeAnswer>,
     /// Numbers of particles of the cell of the settings and of its primitive cell, if that is smaller.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -259,6 +262,39 @@ pub struct WeakestModeAnswer {
     pub wave_vector: Vec<f64>,
     /// Frequency relative to the slowest wave of the material.
     pub relative_frequency: f64,
+    /// Limit of weakly controlled waves.
+    pub weak: f64,
+    #[serde(skip)]
+    pub(super) mode: WeakestMode<3>,
+}
+
+impl WeakestModeAnswer {
+    fn new(dimension: usize, mode: &WeakestMode<3>, weak: f64) -> Self {
+        Self {
+            wave_vector: list(dimension, &mode.wave_vector),
+            relative_frequency: mode.relative_frequency(),
+            weak,
+            mode: *mode,
+        }
+    }
+}
+
+/// Options of `onset state`.
+#[derive(Clone, Copy, Debug)]
+pub struct StateQuestion {
+    /// Tolerance of the proof, if stability is to be proved: larger undecided measures are not near zero.
+    pub certified: Option<f64>,
+    /// Limit of weakly controlled waves, a relative frequency.
+    pub weak: f64,
+}
+
+impl Default for StateQuestion {
+    fn default() -> Self {
+        Self {
+            certified: None,
+            weak: WEAK,
+        }
+    }
 }
 
 impl StateAnswer {
@@ -267,8 +303,20 @@ impl StateAnswer {
     /// # Errors
     /// [`ProblemError`] when the method or the material cannot be evaluated there.
     pub fn new(problem: &Problem, strain: &Strain) -> Result<Self, ProblemError> {
+        Self::asked(problem, strain, &StateQuestion::default())
+    }
+
+    /// Answers for one state with the options of `question`.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when the method or the material cannot be evaluated there.
+    pub fn asked(
+        problem: &Problem,
+        strain: &Strain,
+        question: &StateQuestion,
+    ) -> Result<Self, ProblemError> {
         let assessment = problem.analysis.assess(&strain.0)?;
-        Self::of(problem, strain, &assessment)
+        answer(problem, strain, &assessment, question)
     }
 
     /// Answers for an assessed state.
@@ -280,20 +328,7 @@ impl StateAnswer {
         strain: &Strain,
         assessment: &Assessment<3>,
     ) -> Result<Self, ProblemError> {
-        answer(problem, strain, assessment, None)
-    }
-
-    /// Answers with proofs for a state. Undecided measures are not near zero if they exceed `tolerance`.
-    ///
-    /// # Errors
-    /// [`ProblemError`] when the method or the material cannot be evaluated there.
-    pub fn certified(
-        problem: &Problem,
-        strain: &Strain,
-        tolerance: f64,
-    ) -> Result<Self, ProblemError> {
-        let assessment = problem.analysis.assess(&strain.0)?;
-        answer(problem, strain, &assessment, Some(tolerance))
+        answer(problem, strain, assessment, &StateQuestion::default())
     }
 }
 
@@ -301,7 +336,7 @@ fn answer(
     problem: &Problem,
     strain: &Strain,
     assessment: &Assessment<3>,
-    tolerance: Option<f64>,
+    question: &StateQuestion,
 ) -> Result<StateAnswer, ProblemError> {
     let f = &strain.0;
     let analysis = &*problem.analysis;
@@ -311,14 +346,18 @@ fn answer(
     let is_of_space = problem.material.dimension() == 3;
     let response = &assessment.material.response;
     let in_3d = is_of_space.then(|| SpaceAnswer::new(response));
+    let weakest = analysis
+        .weakest()?
+        .map(|mode| WeakestModeAnswer::new(analysis.dimension(), &mode, question.weak));
     let mut sentence = sentence::of(
         problem,
         assessment,
         in_3d.as_ref(),
+        weakest.as_ref(),
         f,
         problem.settings.units(),
     );
-    if let Some(tolerance) = tolerance {
+    if let Some(tolerance) = question.certified {
         let proved = analysis.certify(f, tolerance)?;
         let proved_3d = is_of_space.then(|| certify_3d(&*problem.material, f, tolerance));
         let proved_3d = proved_3d.transpose().map_err(MethodError::from)?;
@@ -338,7 +377,7 @@ fn answer(
             corrected != searched,
         ));
     }
-    let discretization = discretization_answer(problem, assessment, f)?;
+    let discretization = discretization_answer(problem, assessment, weakest, f)?;
     let mut notes = notes(&problem.settings, &*problem.material);
     notes.extend(waves_in_the_plane(problem, strain));
     notes.extend(buckling(
@@ -419,6 +458,7 @@ fn material_answer(
 fn discretization_answer(
     problem: &Problem,
     assessment: &Assessment<3>,
+    weakest_mode: Option<WeakestModeAnswer>,
     f: &DeformationGradient,
 ) -> Result<DiscretizationAnswer, ProblemError> {
     let analysis = &*problem.analysis;
@@ -475,10 +515,7 @@ fn discretization_answer(
         long_wave_minimum_scaled: spectrum.long_wave.scaled,
         long_wave_direction: list(&spectrum.long_wave.wave_vector),
         gradient_norm: assessment.gradient_norm,
-        weakest_mode: assessment.weakest.map(|mode| WeakestModeAnswer {
-            wave_vector: list(&mode.wave_vector),
-            relative_frequency: mode.relative_frequency_squared.max(0.0).sqrt(),
-        }),
+        weakest_mode,
         reduced_cell: reduced(&problem.settings),
     })
 }
@@ -696,6 +733,17 @@ impl std::fmt::Display for StateAnswer {
             &of("largest frequency"),
             format!("{}{step}", units.of(told(d.maximum_omega), "1/s")),
         )?;
+        if let Some(mode) = &d.weakest_mode {
+            line(
+                &of("weakest wave"),
+                format!(
+                    "{} of the frequency of the material's slowest wave, at {} (reference configuration); weakly controlled below {}",
+                    percent(mode.relative_frequency),
+                    units.of(vector(&mode.wave_vector), "1/m"),
+                    percent(mode.weak)
+                ),
+            )?;
+        }
         for (name, text) in d.discrete_time.iter().flat_map(|own| own.lines(units)) {
             line(&of(name), text)?;
         }

@@ -77,7 +77,10 @@ impl Table {
             material: comparison.common.material.model.name().to_owned(),
             dimension: comparison.dimension(),
             options: comparison.options.clone(),
-            thresholds: Thresholds::default(),
+            thresholds: Thresholds {
+                weak: comparison.options.weak,
+                ..Thresholds::default()
+            },
             evidence: Evidence::Searched,
             rows: candidates.map(|own| scope.run(|| row(own))).collect(),
         })

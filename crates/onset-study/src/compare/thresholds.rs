@@ -20,7 +20,7 @@ pub struct Thresholds {
 impl Default for Thresholds {
     fn default() -> Self {
         Self {
-            weak: 0.1,
+            weak: onset::verdict::WEAK,
             wrong: 0.005,
             long_waves: 0.05,
             later: 0.02,

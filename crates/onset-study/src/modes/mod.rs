@@ -17,6 +17,7 @@ use nalgebra::SVector;
 use onset::algebra::Complex;
 use onset::analysis::{Analysis, PatchParticle, ReducedCell};
 use onset::measures::{Extent, SpuriousMode};
+use onset::verdict::WEAK;
 use serde::Serialize;
 use std::fmt;
 
@@ -39,7 +40,7 @@ pub struct ModesQuestion {
 impl Default for ModesQuestion {
     fn default() -> Self {
         Self {
-            weak: 0.5,
+            weak: WEAK,
             cells: 8,
             amplitude: 0.2,
             is_exported: false,

@@ -10,6 +10,7 @@ use super::{
 use crate::compare::PANELS;
 use crate::number::counted;
 use onset::time_step::Integrator;
+use onset::verdict::WEAK;
 use serde::Serialize;
 use toml::de::{DeArray, DeTable, DeValue};
 
@@ -72,7 +73,7 @@ impl Default for CompareSettings {
             states: 12,
             tension: 3.0,
             compression: 0.4,
-            weak: 0.5,
+            weak: WEAK,
             integrator: Integrator::KickDriftKick,
         }
     }
@@ -124,6 +125,13 @@ const EXAMPLE: &str = "for example\n\n    [[methods]]\n    name = \"SPH\"\n    f
                        [[methods]]\n    name = \"total-Lagrangian SPH\"\n    quadrature = \"nodal\"\n";
 
 impl Comparison {
+    /// Replaces the limit of weakly controlled waves of the file by the limit of a command, unless that is the default.
+    pub fn override_weak(&mut self, weak: f64) {
+        if weak != WEAK {
+            self.options.weak = weak;
+        }
+    }
+
     /// Reads a comparison, and applies assignments such as `material.model=blatz-ko` or `compare.states=24` to the shared settings.
     ///
     /// # Errors

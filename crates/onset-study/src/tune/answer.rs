@@ -1,7 +1,7 @@
 //! Effect of a stabilization coefficient, and the recommended value.
 
 use super::TuneQuestion;
-use crate::answers::{Evidence, OF_LATTICE, ProblemError, notes};
+use crate::answers::{Evidence, OF_LATTICE, ProblemError, notes, stabilization};
 use crate::compare::{Measured, OF_TUNING, Thresholds, outcome, percent};
 use crate::csv;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
@@ -14,6 +14,13 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;
 use std::sync::Arc;
+
+/// Coefficients that damp waves and have no stiffness.
+const DAMPING: [&str; 3] = [
+    "discretization.viscosity",
+    "discretization.velocity-smoothing",
+    "discretization.hourglass-viscosity",
+];
 
 /// Number of bisections for the smallest sufficient value.
 const HALVINGS: usize = 12;
@@ -104,6 +111,7 @@ impl TuneAnswer {
         let options = CompareSettings {
             stretches: question.stretches,
             states: 8,
+            weak: limits.weak,
             ..CompareSettings::default()
         };
         let measured = |value: f64| {
@@ -149,9 +157,30 @@ impl TuneAnswer {
                 }
                 all.push(found);
             }
+            // What is printed must be sufficient, too.
+            let printed = tried(rounded_up(high));
             recommended = Some(high);
+            if printed.is_sufficient(&limits) && !printed.masks(&limits) {
+                recommended = Some(printed.value);
+                all.retain(|one| one.value != high);
+                all.push(printed);
+            }
         }
         all.sort_by(|a, b| a.value.total_cmp(&b.value));
+        let is_ever_sufficient = all.iter().any(|one| one.is_sufficient(&limits));
+        let mut notes = notes(settings, &*material);
+        if !is_ever_sufficient && DAMPING.contains(&question.key()) {
+            // Artificial stress has no stiffness in a body without stress.
+            let is_stiffness = |key: &&str| *key != "discretization.artificial-stress";
+            let stiffness = stabilization(settings, true).filter(is_stiffness);
+            let stiffness = stiffness.map_or(String::new(), |key| {
+                format!("; {key} is a stiffness that can be tuned")
+            });
+            notes.push(format!(
+                "{} is a damping without stiffness: it slows waves that grow, and leaves zero-energy modes and the frequencies of weak ones as they are{stiffness}",
+                question.key()
+            ));
+        }
         Ok(Self {
             key: question.key(),
             recommended,
@@ -168,10 +197,10 @@ impl TuneAnswer {
                         .map(|one| one.value),
                 })
                 .collect(),
-            is_ever_sufficient: all.iter().any(|one| one.is_sufficient(&limits)),
+            is_ever_sufficient,
             tried: all,
             evidence: Evidence::Searched,
-            notes: notes(settings, &*material),
+            notes,
             settings: settings.effective().without(question.key()),
         })
     }
@@ -299,6 +328,13 @@ impl TuneAnswer {
         files.extend(self.figure().files("tune")?);
         Ok(files)
     }
+}
+
+/// The next number of six digits that is no smaller than a positive one.
+fn rounded_up(value: f64) -> f64 {
+    let unit = 10.0_f64.powf(value.log10().floor() - 5.0);
+    let rounded = format!("{:.5e}", (value / unit).ceil() * unit);
+    rounded.parse().unwrap_or(value)
 }
 
 impl fmt::Display for TuneAnswer {
