@@ -289,3 +289,66 @@ fn invalid_questions_about_modes_are_refused() {
         assert!(answer.stderr.contains(fact), "{line}: {}", answer.stderr);
     }
 }
+
+#[test]
+fn states_modes_and_tune_have_one_weakest_wave_and_one_limit() {
+    let hexagons = "set method=peridynamics set lattice=hexagonal set bonds=correspondence set control=penalty \
+                    set control-coefficient=0.1 set horizon=2 --set material.model=blatz-ko";
+    let modes = document(&format!("modes {hexagons}"));
+    let state = document(&format!("state --stretch 1,1 {hexagons}"));
+    let weakest = number(&modes, "/weakest");
+    assert!((weakest - 0.092_460_7).abs() < 1e-6, "{weakest}");
+    let own = "/discretization/weakest_mode/relative_frequency";
+    assert_eq!(number(&state, own), weakest);
+    assert_eq!(number(&state, "/discretization/weakest_mode/weak"), 0.1);
+    let sentence = |line: &str| {
+        document(line)["sentence"]
+            .as_str()
+            .expect("a text")
+            .to_owned()
+    };
+    let usual = sentence(&format!("state --stretch 1,1 {hexagons}"));
+    assert!(usual.contains("Weakly controlled"), "{usual}");
+    let lower = sentence(&format!("state --stretch 1,1 --weak 0.09 {hexagons}"));
+    assert!(!lower.contains("Weakly controlled"), "{lower}");
+    // The tuned value is sufficient in a state, too.
+    let points = "set support=1.7 set approximation=mls --set material.model=blatz-ko";
+    let tuned = document(&format!(
+        "tune discretization.stress-point-weight --range 0.05,0.95 {points}"
+    ));
+    let value = number(&tuned, "/recommended");
+    assert!((value - 0.305_17).abs() < 5e-5, "{value}");
+    let state = document(&format!(
+        "state --stretch 1,1 {points} set stress-point-weight={value}"
+    ));
+    assert!(number(&state, own) >= 0.1, "{state}");
+}
+
+#[test]
+fn the_remedy_for_zero_energy_modes_of_material_points_removes_them() {
+    let points =
+        "state --stretch 1.02,0.99 set method=mpm set lattice=square set unknowns=particles";
+    for (given, remedy) in [
+        ("set transfer=flip", vec!["transfer=apic"]),
+        (
+            "set transfer=flip set points-per-side=1",
+            vec!["transfer=apic", "points-per-side=2"],
+        ),
+    ] {
+        let answer = document(&format!("{points} {given}"));
+        assert_eq!(answer["verdict"], "zero-energy", "{given}");
+        let sentence = answer["sentence"].as_str().expect("a text");
+        let keys: Vec<String> = remedy
+            .iter()
+            .map(|own| format!("discretization.{own}"))
+            .collect();
+        let expected = format!("With {} no wave", keys.join(" and "));
+        assert!(sentence.contains(&expected), "{sentence}");
+        let set: String = remedy.iter().map(|own| format!(" set {own}")).collect();
+        assert_eq!(
+            document(&format!("{points}{set}"))["verdict"],
+            "stable",
+            "{set}"
+        );
+    }
+}

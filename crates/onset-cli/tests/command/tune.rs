@@ -118,3 +118,17 @@ fn a_limited_address_space_costs_no_time() {
         .expect("sh");
     assert_eq!(String::from_utf8_lossy(&limited.stdout), free.stdout);
 }
+
+#[test]
+fn the_answer_on_a_viscosity_says_that_it_has_no_stiffness() {
+    let text = onset_line(&format!("tune discretization.viscosity {PENALTY}")).stdout;
+    for fact in [
+        "discretization.viscosity is a damping without stiffness",
+        "discretization.penalty is a stiffness that can be tuned",
+    ] {
+        assert!(text.contains(fact), "{text}");
+    }
+    let text = onset_line("tune discretization.viscosity set method=updated-sph").stdout;
+    assert!(text.contains("a damping without stiffness"), "{text}");
+    assert!(!text.contains("can be tuned"), "{text}");
+}

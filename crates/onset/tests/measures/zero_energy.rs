@@ -658,6 +658,11 @@ fn lines_that_cross_are_one_set_and_no_surface() {
     let edge = 2.0_f64.sqrt();
     let faces = Crystal::of(LatticeKind::FaceCenteredCubic, 1.0).expect("a crystal");
     assert_crossing_lines(&total_lagrangian(faces, 1.2), edge, 4, 1.0);
+    // Body-centered cubes: `s_x (c_y c_z + c_x) = 0` and cyclic. Beside P these are the lines H-N-H, which all meet at H.
+    let bodies = lattice::<3>(LatticeKind::BodyCenteredCubic);
+    let edge = 2.0 / 3.0_f64.sqrt();
+    let family = correspondence(bodies, 1.2, Influence::Constant);
+    assert_crossing_lines(&family, edge, 1, 0.5_f64.sqrt());
 }
 
 /// The half vectors of two by two by two face-centered cells with nearest neighbors: seven wave vectors with three modes each. Translations are none.
