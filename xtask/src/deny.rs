@@ -1,16 +1,16 @@
-//! Licences, sources and advisories of all crates that are linked: `cargo deny`, by the rules in `deny.toml`.
+//! Licences, sources and advisories of all linked crates: `cargo deny` with the rules in `deny.toml`.
 
 use crate::python::{environment, succeed};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The package of the tool, where it is not installed.
+/// Requirements with the package of the tool, for machines without it.
 const PACKAGE: &str = "xtask/deny.txt";
 
-/// Sees to the tool: that of the system, or one in an environment.
+/// Installed tool, or the tool in a Python environment.
 ///
 /// # Errors
-/// What cannot be had, in words.
+/// Description of the missing tool.
 pub fn tool() -> Result<PathBuf, String> {
     let own = Command::new("cargo-deny").arg("--version").output();
     if own.is_ok_and(|output| output.status.success()) {
@@ -21,16 +21,16 @@ pub fn tool() -> Result<PathBuf, String> {
     Ok(interpreter.with_file_name(name))
 }
 
-/// Checks what needs no network: licences, sources, versions and bans.
+/// Checks that need no network: licences, sources, versions and bans.
 ///
 /// # Errors
-/// What failed, in words.
+/// Description of the failure.
 pub fn check(tool: &Path) -> Result<(), String> {
     eprintln!("== dependencies: cargo deny");
     checked(tool, &["licenses", "sources", "bans"])
 }
 
-/// Checks the advisories of the database on this machine; `None` if `cargo deny fetch` has not fetched one.
+/// Checks the advisories of the local database; `None` if `cargo deny fetch` has not fetched one.
 pub fn advisories(tool: &Path) -> Option<Result<(), String>> {
     let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     let home = home.or_else(|| Some(std::env::home_dir()?.join(".cargo")))?;

@@ -74,7 +74,7 @@ fn listen_always() -> Result<(), ctrlc::Error> {
     })
 }
 
-/// How long the end may take: a message can meet a full pipe.
+/// Time limit for the end of the process, since a message may block on a full pipe.
 const END: Duration = Duration::from_millis(200);
 
 fn end_at_once(answer: Option<&Answer>) -> ! {

@@ -20,10 +20,10 @@ const GRACE: Duration = Duration::from_millis(200);
 /// Stack size of a thread, equal to the usual stack of the main thread; bytes.
 const STACK_BYTES: usize = 8 << 20;
 
-/// Interrupts of a computation.
+/// Interrupts of a computation by Ctrl-C.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt {
-    /// Number of interrupts.
+    /// Number of interrupts received.
     count: Arc<AtomicU8>,
     /// True if the computation saves its progress before it ends.
     saves: Arc<AtomicBool>,
@@ -35,7 +35,7 @@ impl Interrupt {
         self.count.load(Ordering::Relaxed) > 0
     }
 
-    /// From now on the first interrupt lets the computation save its progress; the second ends it.
+    /// Lets the first interrupt save the progress of the computation, and the second end it.
     pub fn save_first(&self) {
         self.saves.store(true, Ordering::Relaxed);
     }

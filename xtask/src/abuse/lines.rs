@@ -1,4 +1,4 @@
-//! Command lines and formulas made of words that fit and words that do not, and odd terminals.
+//! Random command lines and formulas, and unusual terminals.
 
 use super::running::{Fault, Place};
 use super::{Programs, Random};
@@ -95,7 +95,7 @@ const WORDS: &[&str] = &[
 ];
 const STUDY: &str = "[discretization]\nmethod = \"updated-sph\"\n[[axes]]\nquantity = \"stretch-1\"\nrange = [0.8, 1.2]\nstates = 4\n[[axes]]\nquantity = \"stretch-2\"\nrange = [0.8, 1.2]\nstates = 4\n";
 
-/// A command line of random words ends with a documented exit code.
+/// Checks that a random command line ends with a documented exit code.
 pub(super) fn command_line(
     programs: &Programs,
     place: &Place,
@@ -117,7 +117,7 @@ const TOKENS: &[&str] = &[
     "det(", "\u{3bb}", " ", "0/0", "..", "pow(", "((((((((", "1^1^1^1^",
 ];
 
-/// An energy of random tokens is evaluated or refused.
+/// Checks that an energy of random tokens is evaluated or refused.
 pub(super) fn formula(
     programs: &Programs,
     place: &Place,
@@ -139,7 +139,7 @@ pub(super) fn formula(
     place.run(command).map(drop)
 }
 
-/// Commands at terminals that are narrow, dumb or gone.
+/// Checks commands at terminals that are narrow, dumb or gone.
 pub(super) fn terminal(
     programs: &Programs,
     place: &Place,

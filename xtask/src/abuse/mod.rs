@@ -1,5 +1,6 @@
-//! Programs treated badly: killed, interrupted, forked, fed with damaged files, odd arrays and half requests, at odd terminals. Each must end in time, without a
-//! panic or an abort, and leave whole files.
+//! Abuse of the programs: kills, signals, forks, damaged files, unusual arrays, incomplete requests and unusual terminals.
+//!
+//! Each program must end in time, without a panic or an abort, and leave complete files.
 
 mod files;
 mod lines;
@@ -15,11 +16,11 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// What is abused, and by what.
+/// Programs under test.
 pub(crate) struct Programs {
-    /// The command.
+    /// Executable of the command.
     onset: PathBuf,
-    /// An interpreter with the package; `None` where there is none.
+    /// Interpreter with the package, or `None` if there is no such interpreter.
     python: Option<PathBuf>,
 }
 
@@ -29,7 +30,7 @@ impl Programs {
     }
 }
 
-/// A kind of abuse: one case in a folder of its own.
+/// Kind of abuse; each case runs in a separate folder.
 struct Kind {
     name: &'static str,
     case: fn(&Programs, &Place, &mut Random) -> Result<(), Fault>,
@@ -71,7 +72,7 @@ const PYTHON: Kind = Kind {
     case: talk::arrays,
 };
 
-/// What came of a kind of abuse.
+/// Results of one kind of abuse.
 #[derive(Default)]
 struct Tally {
     cases: AtomicU64,
@@ -81,7 +82,7 @@ struct Tally {
 /// Abuses the programs for some minutes, with the tests' build of the command and the package of the last `cargo xtask python`.
 ///
 /// # Errors
-/// What failed, in words.
+/// Description of the failures.
 pub fn run(arguments: &[String]) -> Result<(), String> {
     let (mut time, mut seed) = (Duration::from_secs(180), 1);
     let mut rest = arguments.iter();
@@ -98,10 +99,10 @@ pub fn run(arguments: &[String]) -> Result<(), String> {
     abused(time, seed)
 }
 
-/// The same within a minute, as a part of the tests.
+/// Abuses the programs for less than a minute, as part of the tests.
 ///
 /// # Errors
-/// What failed, in words.
+/// Description of the failures.
 pub fn test() -> Result<(), String> {
     abused(Duration::from_secs(45), 1)
 }
@@ -202,7 +203,7 @@ impl Random {
         all[self.below(all.len())]
     }
 
-    /// A time up to some milliseconds.
+    /// Random time below the given number of milliseconds.
     pub(crate) fn pause(&mut self, most: usize) -> Duration {
         Duration::from_millis(self.below(most) as u64)
     }
