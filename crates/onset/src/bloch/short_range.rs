@@ -29,8 +29,9 @@ pub(super) struct ShortRange<const D: usize> {
 }
 
 impl<const D: usize> ShortRange<D> {
-    /// Computes the coordinates from the vectors along which forces act (lattice coordinates) and the magnitudes of the forces. Returns `None` if the
-    /// given basis is short enough, or if the forces do not span space.
+    /// Computes the coordinates from the vectors along which forces act (lattice coordinates) and the magnitudes of the forces.
+    ///
+    /// Returns `None` if the given basis is short enough, or if the forces do not span space.
     pub(super) fn of(
         lattice: &BravaisLattice<D>,
         forces: &[(SVector<f64, D>, f64)],

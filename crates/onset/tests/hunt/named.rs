@@ -259,7 +259,9 @@ fn relative_motion_of_the_particles_of_a_cell_has_a_finite_growth_rate() {
 }
 
 /// The two particles of a cell are mirror images with respect to each other's neighbors, so that both have the gradient `F = G + s b^T` of a uniform
-/// gradient `G` and a relative shift `s`. If `s` is opposite to `a`, waves `a N^T` along `N = b` cause no strain, for any material.
+/// gradient `G` and a relative shift `s`.
+///
+/// If `s` is opposite to `a`, waves `a N^T` along `N = b` cause no strain, for any material.
 #[test]
 fn long_waves_of_two_particles_with_one_gradient_have_no_stiffness_along_one_direction() {
     let cell = 2.0_f64.sqrt();
@@ -290,8 +292,9 @@ fn long_waves_of_two_particles_with_one_gradient_have_no_stiffness_along_one_dir
     assert!(of_length(0.1) > 0.0 && of_length(0.1) < 0.1 * 0.01);
 }
 
-/// If weights do not add up to one, translations cause strain. Here the mean displacement of two particles does, and their relative displacement is
-/// free. The long-wave limit is not the limit of translations.
+/// If weights do not add up to one, translations cause strain.
+///
+/// Here the mean displacement of two particles does, and their relative displacement is free. The long-wave limit is not the limit of translations.
 #[test]
 fn no_long_wave_grows_if_translations_cost_energy_and_an_internal_displacement_is_free() {
     let cell = 2.0_f64.sqrt();

@@ -5,8 +5,9 @@ use super::phase;
 use crate::algebra::{Complex, array_of};
 use nalgebra::{SMatrix, SVector};
 
-/// Side lengths of the region of long waves, in reciprocal vectors, where the scaled measure is a quotient of small numbers. In cones the remainders
-/// of the polynomials are larger, but narrow cones start with more boxes in the rest of the zone.
+/// Side lengths of the region of long waves, in reciprocal vectors, where the scaled measure is a quotient of small numbers.
+///
+/// In cones the remainders of the polynomials are larger, but narrow cones start with more boxes in the rest of the zone.
 const CONE_LENGTHS: [f64; 2] = [0.125, 0.25];
 /// Largest share of the box budget for the initial boxes.
 const INITIAL_BOX_SHARE: f64 = 0.05;

@@ -4,8 +4,9 @@ use crate::algebra::{Pack, WIDEST};
 use crate::material::PlaneTangent;
 use pulp::Simd;
 
-/// Coefficients of `(D_11 + D_22) / 2`, `(D_11 - D_22) / 2` and `D_12` as linear functions of `H_11`, `H_12`, `H_22`, for many tangents. One column
-/// for each coefficient, padded with zeros to a multiple of [`WIDEST`].
+/// Coefficients of `(D_11 + D_22) / 2`, `(D_11 - D_22) / 2` and `D_12` as linear functions of `H_11`, `H_12`, `H_22`, for many tangents.
+///
+/// One column for each coefficient, padded with zeros to a multiple of [`WIDEST`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Columns {
     coefficients: [[Vec<f64>; 3]; 3],

@@ -1062,8 +1062,10 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .filter(move |index| grid_coordinates::<D>(*index, n).iter().all(is_symmetric))
     }
 
-    /// Wave vectors near a point of high symmetry, in one dimension only. Folded branches that nearly cross there bend within a fraction of a grid
-    /// step. In higher dimensions their number would be comparable to the size of the grid.
+    /// Wave vectors near a point of high symmetry, in one dimension only.
+    ///
+    /// Folded branches that nearly cross there bend within a fraction of a grid step. In higher dimensions their number would be comparable to the
+    /// size of the grid.
     fn beside(&self, k: &SVector<f64, D>) -> impl Iterator<Item = SVector<f64, D>> {
         let step = self.search.reference().reciprocal().column(0) / self.waves.resolution() as f64;
         let near = RELAXED_RAY_STEPS.each(|share| [k - step * share, k + step * share]);
