@@ -328,7 +328,7 @@ const ROWS: &[Row] = &[
             ),
             (
                 "material-points",
-                "f_i = -sum_p v_p sigma_p grad N_i(x_p) on a square or cubic grid, whatever the lattice",
+                "f_i = -sum_p v_p sigma_p grad N_i(x_p) on a square or cubic grid, for any lattice",
                 "Sulsky, Chen, Schreyer 1994",
             ),
         ],

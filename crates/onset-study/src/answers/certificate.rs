@@ -9,7 +9,7 @@ use std::fmt;
 /// Proofs about material and discretization.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CertificateAnswer {
-    /// Tolerance of the measures; values within it of zero are left undecided.
+    /// Distance from zero within which an undecided measure is reported as near zero.
     pub tolerance: f64,
     /// Whether the verdict differs from the verdict of the search.
     pub corrects_the_search: bool,

@@ -298,7 +298,7 @@ const SAMPLES: usize = 97;
 pub struct PathSample {
     /// Path parameter, 0 at the start, 1 at the end.
     pub parameter: f64,
-    /// Coordinate of the state, see [`PathSamples::abscissa`].
+    /// Coordinate of the state along the path, with the label [`PathSamples::abscissa`].
     pub abscissa: f64,
     /// Deformation gradient `F_iJ`, by rows.
     pub deformation_gradient: [[f64; 3]; 3],

@@ -32,7 +32,7 @@ pub struct BodyStepAnswer {
 }
 
 impl FiniteBodyAnswer {
-    /// Returns the time step for finite bodies at a state with the given critical step of its waves; `None` if none is known.
+    /// Returns the time step for finite bodies at a state with the given critical step of its waves; `None` if it is unknown.
     ///
     /// # Errors
     /// [`ProblemError`] when material or method cannot be evaluated there.

@@ -1,4 +1,4 @@
-//! Sentences for verdicts.
+//! Sentences that state and explain a verdict.
 
 use super::mode::{critical_mode, finite_wave_vector};
 use super::notes::is_unstressed;

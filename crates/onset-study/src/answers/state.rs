@@ -155,7 +155,7 @@ pub struct SpaceAnswer {
     pub growth: Ellipticity,
     /// Rounding error of the smallest eigenvalue.
     pub rounding: f64,
-    /// Lower bound of the eigenvalues over all directions, in floating point. For proofs in interval arithmetic see the certificate.
+    /// Lower bound of the eigenvalues over all directions, in floating point. The certificate contains proofs in interval arithmetic.
     pub bound: f64,
     /// Reference direction `N` of the wave.
     pub direction: [f64; 3],
@@ -624,7 +624,7 @@ impl std::fmt::Display for StateAnswer {
         }
         line(&of("strongly elliptic"), self.ellipticity())?;
         let stiffness = material.stiffness;
-        // Eigenvalues are compared with their own rounding error, because the bulk stiffness may be larger by any factor.
+        // The rounding error of the eigenvalue is the scale, because the bulk stiffness may be larger by any factor.
         let eigenvalue = |value: f64, rounding: f64| {
             let significant = if value.abs() <= rounding { 0.0 } else { value };
             units.of(told(significant), "Pa")

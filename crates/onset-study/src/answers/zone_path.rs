@@ -37,7 +37,7 @@ pub(super) struct Stop {
 pub(super) struct ZonePath(pub(super) Vec<Vec<Stop>>);
 
 impl ZonePath {
-    /// Adds a chain, and joins it to the last one if it starts at its end.
+    /// Appends a chain. If it starts at the end of the last chain, the two are joined.
     fn add(&mut self, chain: Vec<Stop>) {
         let follows = |last: &Vec<Stop>| {
             let ends = last.last().zip(chain.first());

@@ -19,7 +19,7 @@ pub struct TangentFinding {
     pub expected_error: f64,
     /// Reading that fits at all states, or `None`.
     pub identified: Option<Match>,
-    /// Other readings that also fit at these states, with as few mistakes.
+    /// Other readings that fit equally well at these states, with the same number of mistakes.
     pub indistinguishable: Vec<Match>,
     /// Reading that fits at some of the states, if none fits at all of them.
     pub in_part: Option<Partial>,
@@ -41,7 +41,7 @@ pub struct Partial {
     /// Convention and mistakes, with the error.
     #[serde(flatten)]
     pub reading: Match,
-    /// Number of states at which it fits, among those with accurate differences.
+    /// Number of states at which it fits, of the states with accurate differences.
     pub fits: usize,
     /// Number of states with accurate differences.
     pub of: usize,

@@ -32,7 +32,7 @@ pub enum CriteriaError {
     Material(#[from] MaterialError),
     /// The incompressible response is known only for isotropic laws.
     #[error(
-        "{law} is not isotropic; expected an isotropic law beside --incompressible\n  hint: leave --incompressible out, a large bulk modulus comes near to it"
+        "{law} is not isotropic; expected an isotropic law with --incompressible\n  hint: leave --incompressible out; a large bulk modulus is a good approximation"
     )]
     NotIsotropic {
         /// Name of the law.
@@ -40,8 +40,8 @@ pub enum CriteriaError {
     },
     /// The incompressible response needs a law with an energy, which can be split into an isochoric and a volumetric part.
     #[error(
-        "{law} has no energy, so that its incompressible response is not known; expected a law with one beside --incompressible\n  hint: leave --incompressible out, a large bulk \
-         modulus comes near to it"
+        "{law} has no energy, so that its incompressible response is not known; expected a law with an energy for --incompressible\n  hint: leave --incompressible out; a large bulk \
+         modulus is a good approximation"
     )]
     NoEnergy {
         /// Name of the law.
@@ -413,7 +413,7 @@ impl Question {
     ///
     /// # Errors
     /// [`CriteriaError::NotIsotropic`] if the law is anisotropic, [`CriteriaError::NoEnergy`] if its stress depends on the path,
-    /// [`CriteriaError::ChangesVolume`] if none of the modes keeps the volume.
+    /// [`CriteriaError::ChangesVolume`] if every mode changes the volume.
     pub fn incompressible(mut self) -> Result<Self, CriteriaError> {
         if !self.law.isotropic {
             return Err(CriteriaError::NotIsotropic {
@@ -710,7 +710,7 @@ fn nominal_stress(loading: Loading, state: &PathState) -> f64 {
     }
 }
 
-/// Offsets before a change at which its state is taken if the path has none at the change itself, relative to `ln lambda`.
+/// Relative offsets in `ln lambda` before a change, tried in order if the path has no state at the change itself.
 const BEFORE: [f64; 4] = [1e-12, 1e-11, 1e-9, 1e-7];
 
 fn side(path: &LoadingPath<'_>, loading: Loading, track: Option<&Track>) -> SideAnswer {

@@ -1,6 +1,6 @@
 //! Picture as a list of painted outlines and words, written as SVG or PNG.
 //!
-//! Both use the same outlines, glyphs included, so that they look the same in every viewer.
+//! Both use the same outlines, glyphs included, and appear the same in every viewer.
 
 use super::{Color, Dash, FigureError, font, palette};
 use std::collections::BTreeMap;

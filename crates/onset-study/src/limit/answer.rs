@@ -120,7 +120,7 @@ pub struct LimitAnswer {
     pub integrator: Option<&'static str>,
     /// Kind of body of the critical steps: infinite lattice, or body of the study.
     pub critical_time_step_of: String,
-    /// Stable step of finite bodies with the present value; `null` if none is known.
+    /// Stable step of finite bodies with the present value; `null` if it is unknown.
     pub finite_bodies: Option<FiniteBodyAnswer>,
     /// Deformation gradient `F_iJ` of the state, by rows.
     pub deformation_gradient: [[f64; 3]; 3],
@@ -368,7 +368,7 @@ impl LimitAnswer {
             Some((one.value, alone))
         })?;
         Some(format!(
-            "these are steps of waves; points that lose their neighbors on the grid, or never had some, need shorter ones, with {} = {} below {} (`onset state` tells it)",
+            "these are steps of waves; points without neighbors on the grid need shorter steps, with {} = {} below {} (see `onset state`)",
             self.key,
             self.value(told(value)),
             self.step(step)

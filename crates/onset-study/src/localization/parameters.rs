@@ -470,7 +470,7 @@ impl PlasticSettings {
             let origin = Origin::CommandLine(format!("--set {}", assignments.join(" --set ")));
             return Err(SettingError::new(
                 origin,
-                format!("{MODEL} = {UMAT} is a user material of its own"),
+                format!("{MODEL} = {UMAT} is a separate user material"),
             )
             .hint("leave material.model out, and name the library: --set material.library=./my_umat.so"));
         }

@@ -115,7 +115,7 @@ impl ModesAnswer {
         ((x[0], x[1]), (x[0] + 2.0 * u[0], x[1] + 2.0 * u[1]))
     }
 
-    /// Perspective view with balls, paler with distance, lines between neighbors, and the axes.
+    /// Perspective view: balls that fade with distance, lines between neighbors, and the axes.
     fn panel_in_space(&self, mode: &ShownMode, title: &str) -> Panel {
         let shown = self.shown(mode);
         let places: Vec<[f64; 3]> = shown.iter().map(|n| mode.positions[*n]).collect();

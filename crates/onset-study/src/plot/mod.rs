@@ -47,7 +47,7 @@ pub struct Plot<'a> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Lines {
     /// Traced curves, or the edges of cells if tracing takes too long or leaves gaps, or if an axis varies the material or the method, so that each
-    /// state would need its own preparation.
+    /// state would need a separate preparation.
     #[default]
     Best,
     /// Traced curves, without a time limit and even with gaps.
@@ -153,10 +153,10 @@ impl PlotError {
     }
 }
 
-/// Figure of stores.
+/// Figure of stored maps, with a list of incomplete stores.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawn {
-    /// Figure.
+    /// Figure of the maps.
     pub figure: Figure,
     /// Stores with tiles that are not yet computed.
     pub unfinished: Vec<Unfinished>,

@@ -104,7 +104,7 @@ impl Model {
         matches!(self, Self::Law(law) if law.symmetry == Symmetry::Isotropic)
     }
 
-    /// Parameters of the model; empty if the model has named parameters of the user.
+    /// Parameters of the model; empty if the user names the parameters.
     pub fn parameters(self) -> &'static [Parameter] {
         match self {
             Self::Law(law) => law.parameters,

@@ -217,7 +217,7 @@ impl Table {
         }
     }
 
-    /// Constants; missing ones are zero, as in ANSYS.
+    /// Constants, with zeros for missing constants as in ANSYS.
     fn constants(&self, count: usize) -> Result<Vec<f64>, Trouble> {
         if self.constants.len() > count || self.constants.is_empty() {
             return Err(Trouble::new(

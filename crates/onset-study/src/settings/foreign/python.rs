@@ -368,7 +368,7 @@ fn ogden(call: &Call) -> Result<ForeignLaw, Trouble> {
     Ok(ForeignLaw::ogden(call.line, &call.title, &terms, &volume))
 }
 
-/// Five terms of the series of the chain, with `C1` as the modulus and `limit` as the locking stretch.
+/// Arruda-Boyce law with five terms of its series, `C1` as the modulus and `limit` as the locking stretch.
 fn arruda_boyce(call: &Call) -> Result<ForeignLaw, Trouble> {
     call.only(&["C1", "limit"])?;
     let (modulus, locking) = (call.one("C1")?, call.one("limit")?);
