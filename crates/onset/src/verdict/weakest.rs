@@ -18,10 +18,6 @@ const LEAST_GRID: usize = 6;
 const DEEPEST: usize = 4;
 /// Largest distance from a kink, in grid steps: for a grid minimum, and for the end of a descent.
 const KINK_DISTANCES: [f64; 2] = [1.0, 0.1];
-/// Offset of additional starts along a kink, in grid steps. The ratio is lower where more kinks meet, so that a descent does not leave a corner.
-const KINK_OFFSET: f64 = 0.35;
-/// Largest squared ratio of a start, relative to the lowest known squared ratio.
-const START_RATIO: f64 = 4.0;
 /// Largest number of kinks near a well that are combined.
 const MOST_FACES: usize = 6;
 /// Squared relative frequency below which a zero-energy mode is looked for.
@@ -152,13 +148,7 @@ impl<const D: usize> WeakestSearch<'_, D> {
         let size = size.fold(0.0, f64::max);
         let inside = settled(&at, start, steps);
         let mut best = inside;
-        // Cells with several particles have many kinks: only kinks at the end of the descent are searched.
-        let from = match self.unfolding.sites() {
-            1 => 0,
-            _ => 1,
-        };
-        let ends = [start, inside].into_iter().zip(KINK_DISTANCES).skip(from);
-        for ((_, k), near) in ends {
+        for ((_, k), near) in [start, inside].into_iter().zip(KINK_DISTANCES) {
             let Slowest {
                 wave, from_others, ..
             } = self.unfolding.slowest(&k);
@@ -176,18 +166,9 @@ impl<const D: usize> WeakestSearch<'_, D> {
                     continue;
                 };
                 let tangents: Vec<SVector<f64, D>> = tangents.iter().map(|t| t * size).collect();
-                let beside = tangents
-                    .iter()
-                    .flat_map(|t| [-KINK_OFFSET, KINK_OFFSET].map(|x| place + t * x));
-                for k in beside.chain([place]) {
-                    let value = at(&k);
-                    if value > START_RATIO * best.0 {
-                        continue;
-                    }
-                    let found = settled_along(&at, (value, k), &tangents);
-                    if found.0 < best.0 {
-                        best = found;
-                    }
+                let found = settled_along(&at, (at(&place), place), &tangents);
+                if found.0 < best.0 {
+                    best = found;
                 }
             }
         }
