@@ -86,6 +86,31 @@ const FIGURES: &[Step] = &[
             "target/comparison",
         ],
     ),
+    (
+        "map",
+        &[
+            "run",
+            "--release",
+            "--",
+            "map",
+            "studies/foam-material-points.toml",
+            "--out",
+            "target/foam.zarr",
+            "--overwrite",
+        ],
+    ),
+    (
+        "figure of the map",
+        &[
+            "run",
+            "--release",
+            "--",
+            "plot",
+            "target/foam.zarr",
+            "--out",
+            "target/foam.svg",
+        ],
+    ),
 ];
 
 fn main() -> ExitCode {
@@ -290,9 +315,10 @@ fn copy_figures() -> bool {
     ];
     let reproduced = reproduced.map(|name| (format!("target/reproduction/{name}.svg"), name));
     let compared = ("target/comparison/compare.svg".to_owned(), "methods-2d");
+    let mapped = ("target/foam.svg".to_owned(), "foam-material-points");
     reproduced
         .into_iter()
-        .chain([compared])
+        .chain([compared, mapped])
         .all(|(from, name)| {
             let to = format!("book/src/figures/{name}.svg");
             std::fs::create_dir_all("book/src/figures")

@@ -5,6 +5,7 @@ use crate::printing::PrintingArguments;
 use clap::{ArgGroup, Args, Parser, Subcommand};
 use clap_complete::Shell;
 use onset_study::audit::Convention;
+use onset_study::brief::Brief;
 use onset_study::compare::Thresholds;
 use onset_study::criteria::{Lateral, Mode, Range as Stretches};
 use onset_study::figure::ColorMap;
@@ -267,6 +268,9 @@ pub enum Command {
         /// Limit of weakly controlled waves.
         #[command(flatten)]
         weak: WeakArgument,
+        /// How much is printed.
+        #[command(flatten)]
+        detail: DetailArguments,
         /// Verdicts with which the command fails.
         #[command(flatten)]
         failing: FailingArguments,
@@ -510,6 +514,27 @@ pub struct ThresholdArguments {
     /// Verdicts may be wrong on this share of the window of states.
     #[arg(long, value_name = "SHARE", default_value_t = Thresholds::default().wrong, value_parser = share, help_heading = "Limits")]
     pub wrong: f64,
+}
+
+/// How much of an answer is printed.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct DetailArguments {
+    /// Print the whole answer; by default at most 12 lines.
+    #[arg(long, help_heading = "Printing")]
+    pub all: bool,
+    /// Print all settings with their defaults after a short answer.
+    #[arg(long, conflicts_with = "all", help_heading = "Printing")]
+    pub settings: bool,
+}
+
+impl DetailArguments {
+    /// The text of an answer.
+    pub fn text(self, answer: &impl Brief) -> String {
+        match self.all {
+            true => answer.to_string().trim_end().to_owned(),
+            false => answer.brief().text(self.settings),
+        }
+    }
 }
 
 /// Acceptance tests of a particle code.
@@ -823,6 +848,9 @@ pub struct CriteriaArguments {
     /// Folder for criteria.svg and criteria.png; no figure when left out.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// How much is printed.
+    #[command(flatten)]
+    pub detail: DetailArguments,
 }
 
 /// A card.
@@ -851,6 +879,9 @@ pub struct CompareArguments {
     /// What the file may load.
     #[command(flatten)]
     pub trust: TrustArguments,
+    /// How much is printed.
+    #[command(flatten)]
+    pub detail: DetailArguments,
 }
 
 /// A question for spurious modes.
@@ -896,6 +927,9 @@ pub struct TuneArguments {
     /// Folder for tune.csv, tune.svg and tune.png; nothing is written without it.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// How much is printed.
+    #[command(flatten)]
+    pub detail: DetailArguments,
 }
 
 /// A setting that a time step limits.
@@ -1001,6 +1035,9 @@ pub struct RecommendArguments {
     /// What the file may load.
     #[command(flatten)]
     pub trust: TrustArguments,
+    /// How much is printed.
+    #[command(flatten)]
+    pub detail: DetailArguments,
 }
 
 /// A map.

@@ -90,6 +90,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             certify,
             tolerance,
             weak,
+            detail,
             failing,
             #[cfg(feature = "explore")]
             open,
@@ -112,7 +113,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
                 }
                 (found, _) => found?,
             };
-            let printed = printing::print(&answer, answer.to_string().trim_end(), None)?;
+            let printed = printing::print(&answer, &detail.text(&answer), None)?;
             Ok(match failing.fail_on {
                 Some(fail_on) => fail_on.code([(Some(answer.verdict.name()), 1)]),
                 None => printed,
@@ -453,7 +454,8 @@ fn with_files(answer: &impl Display, files: &[PathBuf]) -> String {
 
 /// Writes the files of an answer if requested, then prints the answer, or its table.
 fn print_with_files<E: Display>(
-    answer: &(impl Display + serde::Serialize),
+    answer: &impl serde::Serialize,
+    answer_text: &str,
     output: Option<Output>,
     files: impl FnOnce() -> Result<Files, E>,
     csv: Option<String>,
@@ -462,7 +464,7 @@ fn print_with_files<E: Display>(
         Some(output) => output.write(&files().map_err(Failure::machine)?)?,
         None => Vec::new(),
     };
-    printing::print(answer, &with_files(answer, &written), csv)
+    printing::print(answer, &with_files(&answer_text, &written), csv)
 }
 
 /// Loading path of the arguments.

@@ -6,6 +6,7 @@
 pub mod answers;
 pub mod audit;
 pub mod boundary;
+pub mod brief;
 pub mod catalog;
 pub mod compare;
 pub mod criteria;

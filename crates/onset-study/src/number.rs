@@ -1,7 +1,7 @@
 //! Printing of numbers: six significant digits for any magnitude, and zero for rounding errors.
 
 /// Number of significant digits in texts; JSON has all 17.
-const DIGITS: usize = 6;
+pub(crate) const DIGITS: usize = 6;
 /// Largest rounding error relative to the numbers in the computation.
 const ROUNDING_FRACTION: f64 = 1e-12;
 
@@ -14,11 +14,16 @@ const ROUNDING_FRACTION: f64 = 1e-12;
 /// assert_eq!(told(2.39119876), "2.3912");
 /// ```
 pub fn told(value: f64) -> String {
+    told_with(value, DIGITS)
+}
+
+/// Formats a computed number with the given number of significant digits.
+pub(crate) fn told_with(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return exact(value + 0.0);
     }
     // Rounded first, because 999999.7 has six digits before the point, but seven after rounding.
-    let rounded: f64 = format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value);
+    let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
     exact(rounded)
 }
 

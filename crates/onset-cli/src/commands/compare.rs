@@ -19,7 +19,8 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     let output = arguments.out.as_deref();
     let output = output.map(|out| Output::at(out, &FILES)).transpose()?;
     let table = evaluated(&comparison)?;
-    print_with_files(&table, output, || table.files(), Some(table.csv()))
+    let shown = arguments.detail.text(&table);
+    print_with_files(&table, &shown, output, || table.files(), Some(table.csv()))
 }
 
 /// Ranks the methods of a file, or all built-in methods.
@@ -53,7 +54,7 @@ pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
     let ranking = recommendation.csv();
     print(
         &recommendation,
-        &with_files(&recommendation, &written),
+        &with_files(&arguments.detail.text(&recommendation), &written),
         Some(ranking),
     )
 }

@@ -15,7 +15,14 @@ pub fn criteria(arguments: &CriteriaArguments) -> Result<ExitCode, Failure> {
     let names = ["criteria.svg", "criteria.png"];
     let output = output.map(|out| Output::at(out, &names)).transpose()?;
     let answer = question.answer().map_err(Failure::input)?;
-    print_with_files(&answer, output, || answer.figure().files("criteria"), None)
+    let shown = arguments.detail.text(&answer);
+    print_with_files(
+        &answer,
+        &shown,
+        output,
+        || answer.figure().files("criteria"),
+        None,
+    )
 }
 
 /// Evaluates the safe range card of a law.
@@ -25,7 +32,7 @@ pub fn card(arguments: &CardArguments) -> Result<ExitCode, Failure> {
     let output = arguments.out.as_deref();
     let output = output.map(|out| Output::at(out, &names)).transpose()?;
     let card = question.card().map_err(Failure::input)?;
-    print_with_files(&card, output, || card.files(), None)
+    print_with_files(&card, &card.to_string(), output, || card.files(), None)
 }
 
 fn question(arguments: &LawArguments) -> Result<Question, Failure> {

@@ -28,5 +28,11 @@ pub fn limit(arguments: &LimitArguments) -> Result<ExitCode, Failure> {
         bar.inc(1);
     })?;
     bar.finish_and_clear();
-    print_with_files(&answer, output, || answer.files(), Some(answer.csv()))
+    print_with_files(
+        &answer,
+        &answer.to_string(),
+        output,
+        || answer.files(),
+        Some(answer.csv()),
+    )
 }

@@ -25,5 +25,12 @@ pub fn tune(arguments: &TuneArguments) -> Result<ExitCode, Failure> {
         bar.inc(1);
     })?;
     bar.finish_and_clear();
-    print_with_files(&answer, output, || answer.files(), Some(answer.csv()))
+    let shown = arguments.detail.text(&answer);
+    print_with_files(
+        &answer,
+        &shown,
+        output,
+        || answer.files(),
+        Some(answer.csv()),
+    )
 }

@@ -21,7 +21,7 @@ fn a_state_reports_the_steps_of_the_lattice_of_finite_bodies_and_of_the_body() {
     let finite = number(own, "/finite_bodies/time_step");
     assert!((0.75 * STEP..STEP).contains(&finite), "{finite}");
     assert_eq!(own["finite_bodies"]["proved"], false);
-    let text = onset_line(&format!("state {} --stretch 1,1", &*file)).stdout;
+    let text = onset_line(&format!("state {} --stretch 1,1 --all", &*file)).stdout;
     for fact in [
         LATTICE,
         "400 particles: stable below 0.671839",
@@ -123,7 +123,7 @@ fn the_spacing_of_material_points_is_the_cell_size() {
     let own = &answer["discretization"];
     assert_close(number(own, "/grid_cell"), 0.5, 1e-15);
     assert_close(number(own, "/point_spacing"), 0.25, 1e-15);
-    let text = onset_line(line).stdout;
+    let text = onset_line(&format!("{line} --all")).stdout;
     assert!(
         text.contains("grid cells of 0.5, points 0.25 apart"),
         "{text}"

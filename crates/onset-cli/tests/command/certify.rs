@@ -29,7 +29,7 @@ fn a_stable_state_is_certified_by_a_bound_below_the_result_of_the_search() {
 
 #[test]
 fn an_unstable_state_is_certified_by_a_growing_wave() {
-    let line = "state --stretch 1.2,1.0 --certify set frame=eulerian";
+    let line = "state --stretch 1.2,1.0 --certify --all set frame=eulerian";
     let state = document(line);
     assert_eq!(state["verdict"], "numerical");
     let proof = &state["certificate"]["discretization"];
@@ -46,7 +46,7 @@ fn an_unstable_state_is_certified_by_a_growing_wave() {
 #[test]
 fn a_material_that_is_elliptic_only_in_the_plane_is_reported_and_proved_as_such() {
     // The ratio is one between the in-plane stretches, and above 2 + sqrt 3 to the third stretch.
-    let line = "state --stretch 0.25,0.25 --set material.model=blatz-ko --certify";
+    let line = "state --stretch 0.25,0.25 --set material.model=blatz-ko --certify --all";
     let state = document(line);
     assert_eq!(state["material"]["elliptic"], true);
     let space = &state["material_3d"];

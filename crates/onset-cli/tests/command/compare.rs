@@ -39,7 +39,15 @@ fn assert_refused(text: &str, facts: &[&str]) {
 fn twenty_methods_are_compared_in_one_table() {
     let folder = Scratch::new("twenty");
     let out = folder.display().to_string();
-    let arguments = ["compare", PLANE, "--set", "compare.states=2", "--out", &out];
+    let arguments = [
+        "compare",
+        PLANE,
+        "--all",
+        "--set",
+        "compare.states=2",
+        "--out",
+        &out,
+    ];
     let answer = onset(&arguments);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     let csv = std::fs::read_to_string(folder.join("compare.csv")).expect("a file");

@@ -191,6 +191,7 @@ fn a_limit_along_jumps_is_reported_as_an_upper_bound() {
         "material.model=neo-hooke",
         "--mode",
         "equibiaxial",
+        "--all",
     ];
     let answer = onset(&arguments);
     assert!(answer.stdout.contains(" ≤ 4.24336 "), "{}", answer.stdout);
@@ -550,6 +551,7 @@ fn tables_have_plain_numbers_in_aligned_columns_and_constants_in_order() {
         "material.model=ogden",
         "--mode",
         "hydrostatic",
+        "--all",
     ]);
     let text = &ogden.stdout;
     let place = |name: &str| text.find(&format!("{name} = ")).expect("a constant");

@@ -167,8 +167,9 @@ impl WitnessAnswer {
     }
 }
 
-impl fmt::Display for CertificateAnswer {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl CertificateAnswer {
+    /// What is proved of the material, of the material in 3D, and of the discretization.
+    fn lines(&self) -> impl Iterator<Item = (&'static str, String)> {
         let rows = [
             ("material", Some(&self.material), ["direction", "c |k|"]),
             (
@@ -182,11 +183,24 @@ impl fmt::Display for CertificateAnswer {
                 ["wave vector", "c/h"],
             ),
         ];
+        rows.into_iter()
+            .filter_map(|(name, proved, [wave, rate])| Some((name, proved?.line(wave, rate))))
+    }
+
+    /// Rows of the short answer.
+    pub(super) fn short(&self) -> impl Iterator<Item = (&'static str, String)> {
+        self.lines().enumerate().map(|(n, (name, line))| {
+            let row = if n == 0 { "proofs" } else { "" };
+            (row, format!("{name} {line}"))
+        })
+    }
+}
+
+impl fmt::Display for CertificateAnswer {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "proofs")?;
-        for (name, proved, [wave, rate]) in rows {
-            if let Some(proved) = proved {
-                write!(formatter, "\n  {name:<22}{}", proved.line(wave, rate))?;
-            }
+        for (name, line) in self.lines() {
+            write!(formatter, "\n  {name:<22}{line}")?;
         }
         Ok(())
     }

@@ -35,13 +35,20 @@ impl Evidence {
     }
 }
 
-impl fmt::Display for Evidence {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Evidence {
+    /// The kind of evidence, and what it rests on.
+    pub(crate) fn words(self) -> String {
         let how = match self {
             Self::Proved => "in intervals over the continuous zone",
             Self::Bounded => "from below in floating point over the continuous zone",
             Self::Searched => "on a grid and by descent, without a bound",
         };
-        write!(formatter, "{:<24}{} {how}", "evidence", self.name())
+        format!("{} {how}", self.name())
+    }
+}
+
+impl fmt::Display for Evidence {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{:<24}{}", "evidence", self.words())
     }
 }

@@ -17,6 +17,7 @@ mod path;
 mod problem;
 mod remedy;
 mod sentence;
+mod short;
 mod state;
 mod summary;
 mod zone_path;

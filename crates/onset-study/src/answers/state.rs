@@ -533,7 +533,7 @@ pub(super) fn rows(matrix: &SMatrix<f64, 3, 3>) -> [[f64; 3]; 3] {
 
 impl StateAnswer {
     /// Describes whether the state is strongly elliptic.
-    fn ellipticity(&self) -> String {
+    pub(super) fn ellipticity(&self) -> String {
         let material = &self.material;
         match (material.ellipticity, &self.material_3d) {
             (Ellipticity::Undecided, _) => format!(
@@ -560,7 +560,7 @@ impl StateAnswer {
     }
 
     /// Components computed across a sheet or bar with traction-free faces, with their name.
-    fn found_across(&self) -> Option<(&'static str, String)> {
+    pub(super) fn found_across(&self) -> Option<(&'static str, String)> {
         let is_membrane =
             self.material.parameters.get("plane") == Some(&Value::Word("membrane".to_owned()));
         if self.material_3d.is_some() || is_membrane {
@@ -592,7 +592,16 @@ impl StateAnswer {
         ))
     }
 
-    fn named_verdict(&self) -> String {
+    /// An eigenvalue of the acoustic tensor with its unit; zero if it is smaller than its rounding error.
+    ///
+    /// The largest stiffness, of changes of volume, says nothing about that: it may be larger by any factor.
+    pub(super) fn eigenvalue(&self, value: f64, rounding: f64) -> String {
+        let significant = if value.abs() <= rounding { 0.0 } else { value };
+        self.settings.units().of(told(significant), "Pa")
+    }
+
+    /// The verdict with its mechanism.
+    pub(super) fn named_verdict(&self) -> String {
         let verdict = self.verdict.title();
         match self.mechanism {
             Some(mechanism) => format!("{verdict} ({})", mechanism.name()),
@@ -624,11 +633,7 @@ impl std::fmt::Display for StateAnswer {
         }
         line(&of("strongly elliptic"), self.ellipticity())?;
         let stiffness = material.stiffness;
-        // The rounding error of the eigenvalue is the scale, because the bulk stiffness may be larger by any factor.
-        let eigenvalue = |value: f64, rounding: f64| {
-            let significant = if value.abs() <= rounding { 0.0 } else { value };
-            units.of(told(significant), "Pa")
-        };
+        let eigenvalue = |value, rounding| self.eigenvalue(value, rounding);
         line(
             &of("smallest eigenvalue"),
             format!(
@@ -790,7 +795,7 @@ impl std::fmt::Display for StateAnswer {
 
 impl MaterialAnswer {
     /// The Cauchy stress, with out-of-plane shears if they are not zero.
-    fn stresses(&self) -> String {
+    pub(super) fn stresses(&self) -> String {
         let stiffness = self.stiffness;
         let plane = [(0, 0), (1, 1), (0, 1), (2, 2)];
         let out = [(0, 2), (1, 2)].into_iter();

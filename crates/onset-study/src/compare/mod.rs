@@ -7,6 +7,7 @@ mod figure;
 mod page;
 mod rank;
 mod row;
+mod short;
 mod table;
 mod thresholds;
 

@@ -5,6 +5,7 @@ mod card;
 mod figure;
 mod html;
 mod sentence;
+mod short;
 
 pub use card::{BoxAnswer, CardAnswer, CardError, Limits};
 pub use onset::criteria::{Lateral, Mode, Range};

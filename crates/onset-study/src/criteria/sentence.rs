@@ -29,8 +29,8 @@ impl Display for CriteriaAnswer {
                     formatter,
                     "  {:<width$} {:>16} {:>16}   {}",
                     answer.criterion.name(),
-                    cell(answer, &answer.compression),
-                    cell(answer, &answer.tension),
+                    cell(answer, &answer.compression, number::DIGITS),
+                    cell(answer, &answer.tension, number::DIGITS),
                     witnesses(answer)
                 )?;
             }
@@ -136,16 +136,21 @@ fn is_of_an_empty_term(law: &super::LawAnswer, name: &str) -> bool {
 
 /// Heading of the answer, with moduli and notes.
 pub(super) fn opening(law: &super::LawAnswer) -> String {
-    let moduli = law.moduli.map_or(String::new(), |moduli| {
-        let pascal = law.units.values().find(|unit| **unit == "Pa");
-        let unit = pascal.map_or(String::new(), |unit| format!(" {unit}"));
-        let [shear, bulk] = moduli.map(|modulus| number::told(modulus) + &unit);
-        match law.incompressible {
-            true => format!("\nAt small strains: shear modulus {shear}."),
-            false => format!("\nAt small strains: shear modulus {shear}, bulk modulus {bulk}."),
-        }
+    let moduli = moduli(law).map_or(String::new(), |moduli| {
+        format!("\nAt small strains: {moduli}.")
     });
     format!("{}.{moduli}{}", heading(law), told(&law.notes))
+}
+
+/// Moduli at small strains; `None` if the law is not isotropic or has stress at `F = 1`.
+pub(super) fn moduli(law: &super::LawAnswer) -> Option<String> {
+    let pascal = law.units.values().find(|unit| **unit == "Pa");
+    let unit = pascal.map_or(String::new(), |unit| format!(" {unit}"));
+    let [shear, bulk] = law.moduli?.map(|modulus| number::told(modulus) + &unit);
+    Some(match law.incompressible {
+        true => format!("shear modulus {shear}"),
+        false => format!("shear modulus {shear}, bulk modulus {bulk}"),
+    })
 }
 
 /// Knowledge about polyconvexity, in a line.
@@ -161,7 +166,7 @@ pub(super) fn polyconvexity(known: &super::PolyconvexityAnswer) -> String {
     }
 }
 
-fn cell(answer: &CriterionAnswer, side: &SideAnswer) -> String {
+pub(super) fn cell(answer: &CriterionAnswer, side: &SideAnswer, digits: usize) -> String {
     match side.limit {
         _ if !answer.defined => "not defined".to_owned(),
         None => "never".to_owned(),
@@ -179,7 +184,7 @@ fn cell(answer: &CriterionAnswer, side: &SideAnswer) -> String {
             };
             format!(
                 "{bound}{}{}",
-                number::told(limit),
+                number::told_with(limit, digits),
                 if again { "*" } else { "" }
             )
         }

@@ -2,9 +2,11 @@
 
 use super::TuneQuestion;
 use crate::answers::{Evidence, OF_LATTICE, ProblemError, notes, stabilization};
+use crate::brief::{Brief, Short};
 use crate::compare::{Measured, OF_TUNING, Thresholds, outcome, percent};
 use crate::csv;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
+use crate::number;
 use crate::output::{Files, text};
 use crate::range::middle;
 use crate::settings::{CompareSettings, Effective, Settings};
@@ -286,7 +288,7 @@ impl TuneAnswer {
             format!(
                 "\n\
                      body of the study: with all of these values at least {}",
-                crate::number::told_below(least)
+                number::told_below(least)
             )
         })
     }
@@ -337,59 +339,105 @@ fn rounded_up(value: f64) -> f64 {
     rounded.parse().unwrap_or(value)
 }
 
-impl fmt::Display for TuneAnswer {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl TuneAnswer {
+    /// The answer in a sentence.
+    fn sentence(&self) -> String {
+        let key = self.key;
         match self.recommended {
-            Some(value) => writeln!(
-                formatter,
-                "{} = {}: the smallest value found that removes the spurious modes and does not mask the material's instability\n",
-                self.key,
-                crate::number::told(value)
-            )?,
-            None if self.is_ever_sufficient => writeln!(
-                formatter,
-                "no value of {} removes the spurious modes without masking the material's instability\n",
-                self.key
-            )?,
-            None => writeln!(
-                formatter,
-                "no value of {} in the range removes the spurious modes\n",
-                self.key
-            )?,
+            Some(value) => format!(
+                "{key} = {}: the smallest value found that removes the spurious modes and does not mask the material's instability",
+                number::told(value)
+            ),
+            None if self.is_ever_sufficient => format!(
+                "no value of {key} removes the spurious modes without masking the material's instability"
+            ),
+            None => format!("no value of {key} in the range removes the spurious modes"),
         }
-        writeln!(
-            formatter,
+    }
+
+    /// A value in a line of the table.
+    fn line(&self, one: &Tried) -> String {
+        let value = number::told(one.value);
+        match &one.measured {
+            Ok(m) => format!(
+                "  {value:>11}  {:>10}  {:>8.4}  {:>6.2} %  {:>8.2} %  {:>8.4}  {}",
+                m.zero_modes,
+                m.weakest,
+                100.0 * m.fidelity.false_instability,
+                100.0 * m.fidelity.suppressed_instability,
+                m.courant,
+                match (
+                    one.is_sufficient(&self.thresholds),
+                    one.masks(&self.thresholds)
+                ) {
+                    (true, false) => "sufficient",
+                    (true, true) => "sufficient, but masks",
+                    (false, false) => "not sufficient",
+                    (false, true) => "not sufficient, and masks",
+                }
+            ),
+            Err(why) => format!("  {value:>11}  {}", why.lines().next().unwrap_or_default()),
+        }
+    }
+
+    /// The head of the table.
+    fn head() -> String {
+        format!(
             "  {:>11}  {:>10}  {:>8}  {:>8}  {:>10}  {:>8}  verdict",
             "value", "zero modes", "weakest", "false", "suppressed", "Courant"
-        )?;
+        )
+    }
+
+    /// The ends of the range, the recommended value and its neighbors.
+    fn decisive(&self) -> Vec<&Tried> {
+        let recommended = self
+            .recommended
+            .and_then(|value| self.tried.iter().position(|one| one.value == value));
+        let last = self.tried.len().saturating_sub(1);
+        let kept = |n: usize| {
+            n == 0 || n == last || recommended.map_or(n == last / 2, |at| n.abs_diff(at) <= 1)
+        };
+        let tried = self.tried.iter().enumerate();
+        tried
+            .filter(|(n, _)| kept(*n))
+            .map(|(_, one)| one)
+            .collect()
+    }
+}
+
+impl Brief for TuneAnswer {
+    fn brief(&self) -> Short {
+        let limits = &self.thresholds;
+        let shown = self.decisive();
+        let lines = shown.iter().map(|one| self.line(one));
+        let mut short = Short::new(format!("{}.", self.sentence()))
+            .table(std::iter::once(Self::head()).chain(lines))
+            .row(
+                0,
+                "limits",
+                format!(
+                    "weakest at least {} (--weak), false and suppressed at most {} (--wrong)",
+                    percent(limits.weak),
+                    percent(limits.wrong)
+                ),
+            )
+            .row(1, "Courant", format!("c dt / h; {OF_LATTICE}"));
+        if self.tried.len() > shown.len() {
+            let others = self.tried.len() - shown.len();
+            short = short.row(2, "values", format!("{} others: --all", others));
+        }
+        short
+            .notes(&self.notes)
+            .settings("settings", self.settings.caption())
+    }
+}
+
+impl fmt::Display for TuneAnswer {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(formatter, "{}\n", self.sentence())?;
+        writeln!(formatter, "{}", Self::head())?;
         for one in &self.tried {
-            match &one.measured {
-                Ok(m) => writeln!(
-                    formatter,
-                    "  {:>11}  {:>10}  {:>8.4}  {:>6.2} %  {:>8.2} %  {:>8.4}  {}",
-                    crate::number::told(one.value),
-                    m.zero_modes,
-                    m.weakest,
-                    100.0 * m.fidelity.false_instability,
-                    100.0 * m.fidelity.suppressed_instability,
-                    m.courant,
-                    match (
-                        one.is_sufficient(&self.thresholds),
-                        one.masks(&self.thresholds)
-                    ) {
-                        (true, false) => "sufficient",
-                        (true, true) => "sufficient, but masks",
-                        (false, false) => "not sufficient",
-                        (false, true) => "not sufficient, and masks",
-                    }
-                )?,
-                Err(why) => writeln!(
-                    formatter,
-                    "  {:>11}  {}",
-                    crate::number::told(one.value),
-                    why.lines().next().unwrap_or_default()
-                )?,
-            }
+            writeln!(formatter, "{}", self.line(one))?;
         }
         let limits = &self.thresholds;
         writeln!(
@@ -406,10 +454,8 @@ impl fmt::Display for TuneAnswer {
             self.body()
         )?;
         for one in &self.dependence {
-            let value = one
-                .recommended
-                .map_or("none".to_owned(), crate::number::told);
-            let limit = crate::number::told(one.value);
+            let value = one.recommended.map_or("none".to_owned(), number::told);
+            let limit = number::told(one.value);
             writeln!(formatter, "  --{} {limit}: {value}", one.threshold)?;
         }
         for note in &self.notes {

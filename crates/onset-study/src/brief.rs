@@ -1,0 +1,253 @@
+//! Short form of an answer: at most [`LINES`] lines of at most [`WIDTH`] characters.
+//!
+//! The command line prints it by default. The full text of an answer is its `Display`.
+
+use std::fmt::Display;
+
+/// Largest number of lines, without the settings.
+pub const LINES: usize = 12;
+/// Largest number of characters in a line.
+pub const WIDTH: usize = 100;
+/// Width of the names of rows.
+const NAME: usize = 12;
+/// Number of lines that notes leave to a table: its head and the most important lines.
+const LEAST_OF_TABLE: usize = 4;
+
+/// An answer with a short form.
+pub trait Brief: Display {
+    /// The short form.
+    fn brief(&self) -> Short;
+}
+
+/// Parts of a short answer, from which as much is printed as fits.
+#[derive(Clone, Debug, Default)]
+pub struct Short {
+    sentence: String,
+    table: Vec<String>,
+    rows: Vec<Row>,
+    notes: Vec<String>,
+    settings: Vec<(&'static str, String)>,
+}
+
+/// A named line.
+#[derive(Clone, Debug)]
+struct Row {
+    name: &'static str,
+    text: String,
+    /// Rows of the largest rank are left out first.
+    rank: u8,
+}
+
+impl Short {
+    /// A short answer that begins with a sentence.
+    pub(crate) fn new(sentence: impl Into<String>) -> Self {
+        Self {
+            sentence: sentence.into(),
+            ..Self::default()
+        }
+    }
+
+    /// Adds a row; rows of the largest rank are left out first.
+    pub(crate) fn row(mut self, rank: u8, name: &'static str, text: impl Into<String>) -> Self {
+        let text = text.into();
+        self.rows.push(Row { name, text, rank });
+        self
+    }
+
+    /// Adds a table: its head, then its lines, the most important ones first.
+    pub(crate) fn table(mut self, lines: impl IntoIterator<Item = String>) -> Self {
+        self.table.extend(lines);
+        self
+    }
+
+    /// Adds notes; each of them is shown, with its beginning at least.
+    pub(crate) fn notes(mut self, notes: &[String]) -> Self {
+        self.notes.extend_from_slice(notes);
+        self
+    }
+
+    /// Adds a line that `--settings` shows.
+    pub(crate) fn settings(mut self, name: &'static str, text: impl Into<String>) -> Self {
+        self.settings.push((name, text.into()));
+        self
+    }
+
+    /// The text; with the settings after it if `has_settings`.
+    pub fn text(&self, has_settings: bool) -> String {
+        let mut lines = wrapped(&self.sentence, 0);
+        lines.push(String::new());
+        // The last line says how to see the rest.
+        let mut left = LINES.saturating_sub(lines.len() + 1);
+        let rows: Vec<Vec<String>> = self.rows.iter().map(Row::lines).collect();
+        let kept = |rank: u8| {
+            let own = self.rows.iter().zip(&rows);
+            let own = own.filter(|(row, _)| row.rank == rank);
+            own.map(|(_, lines)| lines.len()).sum::<usize>()
+        };
+        let room = left.saturating_sub(kept(0) + self.table.len().min(LEAST_OF_TABLE));
+        let notes = self.shown_notes(room);
+        left = left.saturating_sub(notes.len());
+        let table = self.cut_table(left.saturating_sub(kept(0)));
+        left = left.saturating_sub(table.len());
+        let mut is_shown = vec![false; rows.len()];
+        let mut order: Vec<usize> = (0..rows.len()).collect();
+        order.sort_by_key(|n| self.rows[*n].rank);
+        for n in order {
+            if rows[n].len() <= left {
+                left -= rows[n].len();
+                is_shown[n] = true;
+            }
+        }
+        lines.extend(table);
+        let shown = rows.into_iter().zip(is_shown).filter(|(_, shown)| *shown);
+        lines.extend(shown.flat_map(|(own, _)| own));
+        lines.extend(notes);
+        lines.push(
+            named(
+                "more",
+                "--all: all numbers; --settings: settings and defaults; --json: 17 digits",
+            )
+            .concat(),
+        );
+        if has_settings {
+            lines.push(String::new());
+            for (name, text) in self.settings.iter().filter(|(_, text)| !text.is_empty()) {
+                lines.extend(named(name, text));
+            }
+        }
+        lines.join("\n")
+    }
+
+    /// The notes in a number of lines; the beginning of each if they do not fit.
+    ///
+    /// Notes limit the validity of an answer, so that none is left out. A command in a note stays on one line, where it can be copied.
+    fn shown_notes(&self, room: usize) -> Vec<String> {
+        let whole = |note: &String| match note.contains("--set ") {
+            true => vec![format!("note: {note}")],
+            false => wrapped(&format!("note: {note}"), "note: ".len()),
+        };
+        let notes: Vec<Vec<String>> = self.notes.iter().map(whole).collect();
+        let count: usize = notes.iter().map(Vec::len).sum();
+        if count <= room {
+            return notes.concat();
+        }
+        let begin = |mut lines: Vec<String>| {
+            let is_cut = lines.len() > 1;
+            let mut line = lines.swap_remove(0);
+            if is_cut {
+                line = line.chars().take(WIDTH - 2).chain([' ', '…']).collect();
+            }
+            line
+        };
+        notes.into_iter().map(begin).collect()
+    }
+
+    /// The lines of the table that fit into a number of lines.
+    fn cut_table(&self, room: usize) -> Vec<String> {
+        if self.table.len() <= room {
+            return self.table.clone();
+        }
+        let shown = room.saturating_sub(1);
+        let mut lines = self.table[..shown].to_vec();
+        lines.push(format!("... and {} more", self.table.len() - shown));
+        lines
+    }
+}
+
+impl Row {
+    fn lines(&self) -> Vec<String> {
+        named(self.name, &self.text)
+    }
+}
+
+/// A text with its name, wrapped.
+fn named(name: &str, text: &str) -> Vec<String> {
+    wrapped(&format!("{name:<NAME$}{text}"), NAME)
+}
+
+/// Lines of at most [`WIDTH`] characters; all but the first one are indented. A word that is longer is cut.
+pub(crate) fn wrapped(text: &str, indent: usize) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut line = String::new();
+    // The spaces of the name are kept: only the text behind them is divided.
+    let (name, text) = text.split_at(text.char_indices().nth(indent).map_or(0, |(at, _)| at));
+    line.push_str(name);
+    let mut is_empty = true;
+    for word in text.split_whitespace() {
+        let width = line.chars().count() + usize::from(!is_empty) + word.chars().count();
+        if width > WIDTH && !is_empty {
+            lines.push(std::mem::replace(&mut line, " ".repeat(indent)));
+            is_empty = true;
+        }
+        if !is_empty {
+            line.push(' ');
+        }
+        let room = WIDTH - line.chars().count();
+        match word.chars().count() <= room {
+            true => line.push_str(word),
+            false => {
+                line.extend(word.chars().take(room - 1));
+                line.push('…');
+            }
+        }
+        is_empty = false;
+    }
+    lines.push(line);
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LINES, Short, WIDTH, wrapped};
+
+    #[test]
+    fn a_short_answer_never_exceeds_its_lines_and_its_width() {
+        let long = "word ".repeat(200);
+        let answer = Short::new("A sentence of several words. ".repeat(8))
+            .row(0, "verdict", "stable")
+            .row(3, "stress", long.clone())
+            .row(1, "material", "x".repeat(300))
+            .table((0..40).map(|n| format!("line {n}")))
+            .notes(&[
+                long.clone(),
+                "short".to_owned(),
+                format!("run --set {long}"),
+            ])
+            .settings("material", "by default");
+        let text = answer.text(false);
+        assert!(text.lines().count() <= LINES, "{text}");
+        assert!(
+            text.lines().all(|line| line.chars().count() <= WIDTH),
+            "{text}"
+        );
+        assert!(text.contains("verdict     stable"), "{text}");
+        assert!(text.contains("more"), "{text}");
+        assert!(!text.contains("by default"), "{text}");
+        assert!(answer.text(true).contains("material    by default"));
+    }
+
+    #[test]
+    fn rows_of_the_largest_rank_are_left_out_first_and_the_order_is_kept() {
+        let mut answer = Short::new("One.");
+        for rank in [9, 1, 2, 3, 4, 5, 6, 7, 8, 10] {
+            answer = answer.row(rank, "row", format!("of rank {rank}"));
+        }
+        let text = answer.text(false);
+        let ranks: Vec<&str> = text
+            .lines()
+            .filter(|line| line.starts_with("row"))
+            .collect();
+        let expected =
+            [9, 1, 2, 3, 4, 5, 6, 7, 8].map(|rank| format!("row         of rank {rank}"));
+        assert_eq!(ranks, expected);
+    }
+
+    #[test]
+    fn lines_are_divided_between_words_and_indented() {
+        let lines = wrapped(&"abcd ".repeat(30), 0);
+        assert_eq!(lines.len(), 2);
+        assert!(lines.iter().all(|line| line.ends_with("abcd")));
+        let lines = wrapped(&format!("name  {}", "abcd ".repeat(30)), 6);
+        assert!(lines[0].starts_with("name  abcd") && lines[1].starts_with("      abcd"));
+    }
+}

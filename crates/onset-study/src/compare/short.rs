@@ -1,0 +1,155 @@
+//! Short forms of a comparison and of a recommendation.
+
+use super::rank::{Ranked, recommended};
+use super::{Measured, Recommendation, Table};
+use crate::brief::{Brief, Short};
+use crate::number::counted;
+
+/// Columns of the short table, by their heads.
+const SHOWN: [&str; 6] = [
+    "zero modes",
+    "disp. 8",
+    "uni. +",
+    "equi. +",
+    "false",
+    "Courant",
+];
+/// Largest width of the name of a method.
+const NAME: usize = 33;
+
+impl Brief for Table {
+    fn brief(&self) -> Short {
+        let ranking = recommended(self);
+        let mut columns = self.columns();
+        columns.retain(|column| SHOWN.contains(&column.head.as_str()));
+        let cells = |m: &Measured| -> Vec<String> {
+            columns.iter().map(|column| (column.cell)(m)).collect()
+        };
+        let heads: Vec<String> = columns.iter().map(|column| column.head.clone()).collect();
+        let rows: Vec<(&Ranked, Option<Vec<String>>)> = ranking
+            .iter()
+            .map(|ranked| {
+                let mut rows = self.rows.iter();
+                let row = rows.find(|row| row.name == ranked.name);
+                let measured = row.and_then(|row| row.measured.as_ref().ok());
+                (ranked, measured.map(cells))
+            })
+            .collect();
+        let widths: Vec<usize> = (0..heads.len())
+            .map(|n| {
+                let own = rows
+                    .iter()
+                    .filter_map(|(_, cells)| Some(cells.as_ref()?[n].chars().count()));
+                own.max().unwrap_or(0).max(heads[n].chars().count())
+            })
+            .collect();
+        let line = |name: &str, cells: &[String], rule: &str| {
+            let cells = cells.iter().zip(&widths);
+            let cells: String = cells
+                .map(|(cell, width)| format!("  {cell:>width$}"))
+                .collect();
+            format!("{:NAME$}{cells}  {rule}", cut(name))
+                .trim_end()
+                .to_owned()
+        };
+        let lines = rows.iter().map(|(ranked, cells)| {
+            let rule = ranked.excluded.as_ref();
+            match (cells, rule) {
+                (Some(cells), rule) => line(
+                    &ranked.name,
+                    cells,
+                    &rule.map_or(String::new(), |(rule, _)| format!("rule {rule}")),
+                ),
+                (None, rule) => {
+                    let why = rule.map_or("", |(_, why)| why);
+                    let text = format!("{:NAME$}  {why}", cut(&ranked.name));
+                    text.chars().take(crate::brief::WIDTH).collect()
+                }
+            }
+        });
+        let mut short = Short::new(self.summary(&ranking))
+            .table(std::iter::once(line("method, best first", &heads, "excluded by")).chain(lines))
+            .row(
+                0,
+                "rules",
+                "onset recommend; columns, compression and other wavelengths: --all",
+            )
+            .notes(&self.all_notes());
+        if let Some(first) = self.rows.first() {
+            short = short.settings("material", first.settings.law());
+        }
+        for row in &self.rows {
+            short = short.settings("method", format!("{}: {}", row.name, row.settings.method()));
+        }
+        short
+    }
+}
+
+impl Table {
+    /// How many methods can be recommended, and which one is best.
+    fn summary(&self, ranking: &[Ranked]) -> String {
+        let good = ranking.iter().filter(|ranked| ranked.excluded.is_none());
+        let names: Vec<&str> = good.map(|ranked| ranked.name.as_str()).collect();
+        let [low, high] = self.options.stretches;
+        let (of, all) = (names.len(), counted(self.rows.len(), "method"));
+        let what = format!("{} at stretches from {low} to {high}", self.material);
+        match names.first() {
+            Some(best) => format!("{of} of {all} can be recommended for {what}; best: {best}."),
+            None => format!("None of {all} can be recommended for {what}."),
+        }
+    }
+}
+
+impl Brief for Recommendation {
+    fn brief(&self) -> Short {
+        let good = self
+            .ranking
+            .iter()
+            .filter(|ranked| ranked.excluded.is_none());
+        let good = good.enumerate().map(|(n, ranked)| {
+            let measure = ranked.measure(4);
+            format!("{:>2}  {:NAME$}  {measure}", n + 1, cut(&ranked.name))
+        });
+        let mut short = Short::new(self.table.summary(&self.ranking)).table(good);
+        let rules = [
+            "not usable in the reference state or on the window",
+            "zero-energy or weakly controlled modes",
+            "unstable where the material is elliptic",
+            "stable where the material is not elliptic",
+            "inconsistent long-wavelength moduli",
+        ];
+        let mut is_first = true;
+        for (n, rule) in rules.into_iter().enumerate() {
+            let is_excluded = |ranked: &&Ranked| {
+                let mut by = ranked.excluded.iter();
+                by.any(|(by, _)| *by == n + 1)
+            };
+            let names: Vec<&str> = self
+                .ranking
+                .iter()
+                .filter(is_excluded)
+                .map(|ranked| ranked.name.as_str())
+                .collect();
+            if !names.is_empty() {
+                let text = match names.len() {
+                    1..=2 => names.join(", "),
+                    many => format!("{}, {} and {} more", names[0], names[1], many - 2),
+                };
+                let name = if is_first { "excluded" } else { "" };
+                short = short.row(1, name, format!("{rule}: {text}"));
+                is_first = false;
+            }
+        }
+        short
+            .notes(&self.table.all_notes())
+            .settings("material", &self.table.material)
+    }
+}
+
+/// The name of a method, cut to the width of its column.
+fn cut(name: &str) -> String {
+    match name.chars().count() <= NAME {
+        true => name.to_owned(),
+        false => name.chars().take(NAME - 1).chain(['…']).collect(),
+    }
+}
