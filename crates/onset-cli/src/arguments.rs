@@ -12,6 +12,7 @@ use onset_study::figure::ColorMap;
 use onset_study::limit::Integrator;
 use onset_study::localization::PARAMETERS;
 use onset_study::map::Part;
+use onset_study::settings::Admitted::Positive;
 use onset_study::settings::Program;
 use onset_study::settings::{BODY_KEYS, COMPARISON_KEYS, GRIP_KEYS, KEYS, Key, did_you_mean};
 use onset_study::simulate::Stepper;
@@ -317,7 +318,7 @@ pub enum Command {
     Path {
         /// The problem.
         #[command(flatten)]
-        problem: ProblemArguments,
+        given: GivenArguments,
         /// The path.
         #[command(flatten)]
         course: CourseArguments,
@@ -346,7 +347,7 @@ pub enum Command {
     /// The available options, with formulas, parameters and sources
     List {
         /// materials, planes, methods, lattices, kernels, approximations, quadratures, frames, backgrounds, current-lattices, support-sizes,
-        /// linearizations; formula for the language of typed laws; aliases for common names; keys, or method with a NAME;
+        /// linearizations; criteria of stability; formula for the language of typed laws; aliases for common names; keys, or method with a NAME;
         /// everything when left out.
         topic: Option<String>,
         /// With `method`: the method whose keys are listed, for example total-lagrangian-sph.
@@ -362,6 +363,9 @@ pub enum Command {
         /// Set a key of the study, overriding the file, for example map.tile=128 (may be given several times).
         #[arg(long = "set", value_name = "KEY=VALUE")]
         assignments: Vec<String>,
+        /// That FILE is a block.
+        #[command(flatten)]
+        block: RefusedBlockArguments,
         /// What the file may load.
         #[command(flatten)]
         trust: TrustArguments,
@@ -382,6 +386,9 @@ pub enum Command {
         /// Folder for boundary.geojson and boundary.csv; nothing is written without it.
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
+        /// That FILE is a block.
+        #[command(flatten)]
+        block: RefusedBlockArguments,
         /// What the file may load.
         #[command(flatten)]
         trust: TrustArguments,
@@ -470,6 +477,7 @@ pub struct CourseArguments {
     #[arg(long, value_name = "WHAT", value_parser = lateral, requires = "mode", help_heading = "Path")]
     pub lateral: Option<Lateral>,
     /// Start: two or three stretches, or the components F11,F12,F21,F22; with --mode one stretch [default: 1], in simple shear gamma [default: 0].
+    /// A program (abaqus, ansys, felupe or hyperelastic) says that FILE is a block of it, beside a start (may be given twice).
     #[arg(
         long,
         value_name = "L1,L2",
@@ -477,7 +485,10 @@ pub struct CourseArguments {
         required_unless_present = "mode",
         help_heading = "Path"
     )]
-    pub from: Option<String>,
+    pub from: Vec<String>,
+    /// The material of FILE where that is a block, by its name in Abaqus, its number in ANSYS [default: the first one with a law].
+    #[arg(long, value_name = "NAME", requires = "from", help_heading = "Problem")]
+    pub material: Option<String>,
     /// End, likewise.
     #[arg(
         long,
@@ -695,12 +706,12 @@ fn stepper(text: &str) -> Result<Stepper, String> {
     Stepper::named(text).ok_or_else(|| expected(text, "available are", &Stepper::names()))
 }
 
-/// A positive number as typed.
+/// A time as typed, or a share of one.
 fn positive(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
-        _ => Err("expected a positive number, for example 0.05".to_owned()),
-    }
+    let number = text.trim().parse::<f64>().ok();
+    number
+        .filter(|number| Positive.holds(*number, "time"))
+        .ok_or_else(|| format!("expected {}, for example 0.05", Positive.expected("time")))
 }
 
 fn stepping(text: &str) -> Result<Stepping, String> {
@@ -809,28 +820,12 @@ pub struct ExploreArguments {
 /// A law, and the stretches of interest.
 #[derive(Debug, Args)]
 pub struct LawArguments {
-    /// A study file whose law is meant, - for standard input [default: the law of --set alone].
-    pub file: Option<PathBuf>,
-    /// FILE is a block of another program, abaqus (*HYPERELASTIC ...), ansys (TB,HYPER ...), felupe (fem.Hyperelastic(fem.ogden, mu=...))
-    /// or hyperelastic (ThirdOrderDeformation(C10=...)), whose constants are read with the meaning that they have there.
-    #[arg(long, value_name = "PROGRAM", requires = "file")]
-    pub from: Option<Program>,
-    /// The material of FILE, by its name in Abaqus, its number in ANSYS [default: the first one with a law].
-    #[arg(long, value_name = "NAME", requires = "from")]
-    pub material: Option<String>,
-    /// Set a key, for example material.model=blatz-ko (may be given several times).
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub assignments: Vec<String>,
-    /// The energy of a user-defined material, for example "mu/2*(I1 - 3 - 2*ln(J))"; its parameters are set by
-    /// --set material.mu=1. Short for material.model=formula and material.energy.
-    #[arg(long, value_name = "FORMULA", allow_hyphen_values = true)]
-    pub energy: Option<String>,
+    /// The law.
+    #[command(flatten)]
+    pub problem: ProblemArguments,
     /// The smallest and the largest stretch.
     #[arg(long, value_name = "A,B", default_value = "0.1,10", value_parser = stretches)]
     pub range: Stretches,
-    /// What the file may load.
-    #[command(flatten)]
-    pub trust: TrustArguments,
     /// Ask the incompressible response of an isotropic law: J = 1, the pressure follows from a free face, the volumetric part does not count.
     #[arg(long)]
     pub incompressible: bool,
@@ -876,6 +871,9 @@ pub struct CompareArguments {
     /// Set a key of what all methods have in common, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
+    /// That FILE is a block.
+    #[command(flatten)]
+    pub block: BlockArguments,
     /// What the file may load.
     #[command(flatten)]
     pub trust: TrustArguments,
@@ -947,7 +945,7 @@ pub struct LimitArguments {
     /// The state [default: F = 1].
     #[command(flatten)]
     pub strain: StrainArguments,
-    /// Smallest and largest value that is looked at, in SI where the settings have units [default: 1e-6 to 1e6 times the present value].
+    /// Smallest and largest value that is looked at, in SI where the settings have units [default: 1e-6 to 1e6 times the present value, within the range of the key].
     #[arg(long, value_name = "LOW,HIGH", value_parser = interval, allow_hyphen_values = true)]
     pub range: Option<(f64, f64)>,
     /// The share of the critical step that the step may be.
@@ -1008,9 +1006,9 @@ fn window(text: &str) -> Result<(f64, f64), String> {
 pub struct RecommendArguments {
     /// The available methods, as for `compare` [default: those that the program knows for the dimension].
     pub file: Option<PathBuf>,
-    /// Number of space dimensions, where no file says it.
-    #[arg(long, value_name = "D", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3), conflicts_with = "file")]
-    pub dimension: u8,
+    /// Number of space dimensions, where no study says it [default: 2].
+    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u8).range(1..=3))]
+    pub dimension: Option<u8>,
     /// Smallest and largest stretch that the simulation will see, for example 0.8,1.6; short for compare.stretches.
     #[arg(long, value_name = "LOW,HIGH", value_parser = window, allow_hyphen_values = true)]
     pub stretches: Option<(f64, f64)>,
@@ -1032,6 +1030,9 @@ pub struct RecommendArguments {
     /// Set a key of what all methods have in common, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
+    /// That FILE is a block.
+    #[command(flatten)]
+    pub block: BlockArguments,
     /// What the file may load.
     #[command(flatten)]
     pub trust: TrustArguments,
@@ -1064,6 +1065,9 @@ pub struct MapArguments {
     /// Set a key of the study, for example discretization.support=1.6 or map.adaptive=true (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
+    /// That FILE is a block.
+    #[command(flatten)]
+    pub block: RefusedBlockArguments,
     /// What the file may load.
     #[command(flatten)]
     pub trust: TrustArguments,
@@ -1198,6 +1202,17 @@ fn tolerance(text: &str) -> Result<f64, String> {
 /// Material and discretization.
 #[derive(Debug, Args)]
 pub struct ProblemArguments {
+    /// What is set.
+    #[command(flatten)]
+    pub given: GivenArguments,
+    /// That FILE is a block.
+    #[command(flatten)]
+    pub block: BlockArguments,
+}
+
+/// A study, and what is set beside it.
+#[derive(Debug, Args)]
+pub struct GivenArguments {
     /// A study file whose material and discretization are meant, - for standard input [default: those of --set alone].
     pub file: Option<PathBuf>,
     /// Set a key, for example material.model=blatz-ko (may be given several times).
@@ -1215,6 +1230,31 @@ pub struct ProblemArguments {
     /// What the file may load.
     #[command(flatten)]
     pub trust: TrustArguments,
+}
+
+/// A block of another program in the place of a study.
+#[derive(Clone, Debug, Default, Args)]
+pub struct BlockArguments {
+    /// FILE is a block of another program, abaqus (*HYPERELASTIC ...), ansys (TB,HYPER ...), felupe (fem.Hyperelastic(fem.ogden, mu=...))
+    /// or hyperelastic (ThirdOrderDeformation(C10=...)), whose constants are read with the meaning that they have there.
+    #[arg(
+        long,
+        value_name = "PROGRAM",
+        requires = "file",
+        help_heading = "Problem"
+    )]
+    pub from: Option<Program>,
+    /// The material of FILE, by its name in Abaqus, its number in ANSYS [default: the first one with a law].
+    #[arg(long, value_name = "NAME", requires = "from", help_heading = "Problem")]
+    pub material: Option<String>,
+}
+
+/// A block of another program where the axes of a study are needed: refused, with the reason.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct RefusedBlockArguments {
+    /// FILE is a block of another program.
+    #[arg(long, value_name = "PROGRAM", hide = true)]
+    pub from: Option<Program>,
 }
 
 /// The state. That one is given is told by who needs it: a body may start at rest.

@@ -16,8 +16,8 @@ mod tune;
 mod verify;
 
 use crate::arguments::{
-    Arguments, Command, CourseArguments, ProblemArguments, StrainArguments, ThresholdArguments,
-    TrustArguments, VerifyTask,
+    Arguments, BlockArguments, Command, CourseArguments, GivenArguments, ProblemArguments,
+    StrainArguments, ThresholdArguments, TrustArguments, VerifyTask,
 };
 use crate::fail_on::FailOn;
 use crate::patience::{self, bar};
@@ -36,7 +36,9 @@ use onset_study::criteria::{Lateral, Mode};
 use onset_study::input;
 use onset_study::output::{Files, Output, OutputError, text};
 use onset_study::reproduce;
-use onset_study::settings::{MaterialSettings, SettingError, Settings, Study, Trust, did_you_mean};
+use onset_study::settings::{
+    MaterialSettings, Program, SettingError, Settings, Study, Trust, did_you_mean, law_of,
+};
 use std::fmt::Display;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -137,13 +139,14 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             }
         }
         Command::Path {
-            problem,
+            given,
             course: asked,
             out,
             failing,
         } => {
-            let problem = problem.build()?;
-            let course = course(&asked, &problem)?;
+            let (block, start) = asked.block()?;
+            let problem = ProblemArguments { given, block }.build()?;
+            let course = course(&asked, start, &problem)?;
             path(&problem, &course, out.as_deref(), failing.fail_on.as_ref())
         }
         #[cfg(feature = "explore")]
@@ -156,8 +159,9 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         Command::Check {
             files,
             assignments,
+            block,
             trust,
-        } => check::check(&files, &assignments, &trust.trust()),
+        } => check::check(&files, &assignments, block.from, &trust.trust()),
         Command::Audit(arguments) => audit::audit(&arguments),
         Command::UmatUtilities => {
             printing::only_text("Fortran")?;
@@ -171,13 +175,14 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             assignments,
             flutter,
             out,
+            block,
             trust,
         } => {
             let tracing = Tracing {
                 flutter,
                 fidelity: true,
             };
-            let study = study(&file, &assignments, &trust.trust())?;
+            let study = study(&file, &assignments, block.from, &trust.trust())?;
             boundary::boundary(&study, tracing, out.as_deref())
         }
         Command::Compare(arguments) => compare::compare(&arguments),
@@ -258,13 +263,103 @@ fn unreadable(name: &str, error: std::io::Error) -> Failure {
 }
 
 /// Reads a study and applies assignments; a library is loaded only if the user allows it.
-pub fn study(file: &Path, assignments: &[String], trust: &Trust) -> Result<Study, Failure> {
+pub fn study(
+    file: &Path,
+    assignments: &[String],
+    block: Option<Program>,
+    trust: &Trust,
+) -> Result<Study, Failure> {
     let (name, text) = source(file)?;
+    if let Some(why) = without_axes(&name, &text, block) {
+        return Err(Failure::input(why));
+    }
     let mut study = Study::parse(&name, &text)
         .and_then(|study| study.override_with(assignments))
         .map_err(Failure::input)?;
     study.settings.material = permitted(study.settings.material, trust)?;
     Ok(study)
+}
+
+/// Why a block of another program cannot take the place of a study with axes; `None` of what is no block.
+pub fn without_axes(name: &str, text: &str, block: Option<Program>) -> Option<String> {
+    let program = block.or_else(|| program_of(text))?.name();
+    Some(format!(
+        "{name} is an input block of {program}, and this command needs a study with [[axes]]\n  hint: write the keys that `onset criteria {name} --from {program}` prints under [material] of a study; state, path, criteria and others take the block itself"
+    ))
+}
+
+/// The program that a text is written for, where it is none of this program's studies.
+fn program_of(text: &str) -> Option<Program> {
+    // What is wrong with a study is said of it, whatever its comments speak of.
+    let is_section = |line: &str| {
+        let sections = [
+            "[material",
+            "[discretization",
+            "[[axes",
+            "[body",
+            "[[methods",
+        ];
+        sections
+            .iter()
+            .any(|section| line.trim_start().starts_with(section))
+    };
+    (!text.lines().any(is_section)).then(|| Program::of_text(text))?
+}
+
+/// What a file and assignments say: the text of a study, or a block of another program in assignments.
+struct Read {
+    name: String,
+    text: String,
+    assignments: Vec<String>,
+    /// What is known of the block, and what its law is called.
+    notes: Vec<String>,
+    title: Option<String>,
+}
+
+impl Read {
+    /// A file with what is set beside it.
+    fn of(
+        file: Option<&Path>,
+        block: &BlockArguments,
+        mut assignments: Vec<String>,
+    ) -> Result<Self, Failure> {
+        let (name, text) = file.map_or_else(|| Ok(Default::default()), source)?;
+        let Some(program) = block.from else {
+            return Ok(Self {
+                name,
+                text,
+                assignments,
+                notes: Vec::new(),
+                title: None,
+            });
+        };
+        let wanted = block.material.as_deref();
+        let read = law_of(program, &name, &text, wanted, &assignments).map_err(Failure::input)?;
+        assignments.splice(0..0, read.assignments);
+        Ok(Self {
+            name: String::new(),
+            text: String::new(),
+            assignments,
+            notes: read.notes,
+            title: read.name,
+        })
+    }
+
+    /// What is wrong with a study; of a block that is not said to be one, that it is.
+    fn failure(&self, error: SettingError) -> Failure {
+        match program_of(&self.text).map(Program::name) {
+            Some(program) => Failure::input(format!(
+                "{} is not a study, but an input block of {program}\n  hint: add --from {program}",
+                self.name
+            )),
+            None => Failure::input(error),
+        }
+    }
+
+    /// The law with what is known of the block, if the user allows what it loads.
+    fn law(self, material: MaterialSettings, trust: &Trust) -> Result<MaterialSettings, Failure> {
+        permitted(material.read_with(self.notes, self.title), trust)
+    }
 }
 
 impl ThresholdArguments {
@@ -283,22 +378,6 @@ impl TrustArguments {
     pub fn trust(&self) -> Trust {
         Trust::of_user(&self.libraries)
     }
-}
-
-/// Law of a study file or of the defaults, with assignments applied; a library is loaded only if the user allows it.
-fn law(
-    file: Option<&Path>,
-    assignments: &[String],
-    trust: &Trust,
-) -> Result<MaterialSettings, Failure> {
-    let (name, text) = match file {
-        Some(file) => source(file)?,
-        None => Default::default(),
-    };
-    let law = MaterialSettings::of_file(&name, &text, assignments);
-    let law = permitted(law.map_err(Failure::input)?, trust)?;
-    law.check_parameters().map_err(Failure::input)?;
-    Ok(law)
 }
 
 /// Material settings whose library the user allows.
@@ -342,31 +421,34 @@ impl ProblemArguments {
         self.settings_with(&[])
     }
 
+    /// The study or the block, with what is set beside it.
+    fn read(&self) -> Result<Read, Failure> {
+        let GivenArguments {
+            file,
+            assignments,
+            energy,
+            ..
+        } = &self.given;
+        let assignments = with_energy(assignments, energy.as_deref())?;
+        Read::of(file.as_deref(), &self.block, assignments)
+    }
+
     /// Material settings without a method.
     fn law(&self) -> Result<MaterialSettings, Failure> {
-        let assignments = with_energy(&self.assignments, self.energy.as_deref())?;
-        law(self.file.as_deref(), &assignments, &self.trust.trust())
+        let read = self.read()?;
+        let law = MaterialSettings::of_file(&read.name, &read.text, &read.assignments);
+        let law = law.map_err(|error| read.failure(error))?;
+        let law = read.law(law, &self.given.trust.trust())?;
+        law.check_parameters().map_err(Failure::input)?;
+        Ok(law)
     }
 
     /// Settings in which the keys `open` will be varied.
     fn settings_with(&self, open: &[&str]) -> Result<Settings, Failure> {
-        let (name, text) = match &self.file {
-            Some(file) => source(file)?,
-            None => Default::default(),
-        };
-        self.settings_in(&name, &text, open)
-    }
-
-    /// Settings from the text of a file.
-    fn settings_of(&self, name: &str, text: &str) -> Result<Settings, Failure> {
-        self.settings_in(name, text, &[])
-    }
-
-    fn settings_in(&self, name: &str, text: &str, open: &[&str]) -> Result<Settings, Failure> {
-        let assignments = with_energy(&self.assignments, self.energy.as_deref())?;
-        let settings = Settings::of_file(name, text, &assignments, open);
-        let mut settings = settings.map_err(Failure::input)?;
-        settings.material = permitted(settings.material, &self.trust.trust())?;
+        let read = self.read()?;
+        let settings = Settings::of_file(&read.name, &read.text, &read.assignments, open);
+        let mut settings = settings.map_err(|error| read.failure(error))?;
+        settings.material = read.law(settings.material, &self.given.trust.trust())?;
         Ok(settings)
     }
 }
@@ -467,9 +549,43 @@ fn print_with_files<E: Display>(
     printing::print(answer, &with_files(&answer_text, &written), csv)
 }
 
+impl CourseArguments {
+    /// That the file is a block, where `--from` says so, and the start.
+    fn block(&self) -> Result<(BlockArguments, Option<&str>), Failure> {
+        let (programs, starts): (Vec<&String>, Vec<&String>) = self
+            .from
+            .iter()
+            .partition(|from| from.parse::<Program>().is_ok());
+        if programs.len() > 1 || starts.len() > 1 {
+            return Err(Failure::input(
+                "--from is given twice\n  hint: give one start and, where FILE is a block of another program, that program",
+            ));
+        }
+        if self.material.is_some() && programs.is_empty() {
+            return Err(Failure::input(
+                "--material has no effect: FILE is no block of another program\n  hint: leave --material out, or say whose block it is, for example --from abaqus",
+            ));
+        }
+        if starts.is_empty() && self.mode.is_none() {
+            return Err(Failure::input(
+                "the path has no start\n  hint: add --from with two stretches, for example --from 1,1, or a loading, --mode uniaxial",
+            ));
+        }
+        let block = BlockArguments {
+            from: programs.first().and_then(|program| program.parse().ok()),
+            material: self.material.clone(),
+        };
+        Ok((block, starts.first().map(|start| start.as_str())))
+    }
+}
+
 /// Loading path of the arguments.
-fn course(arguments: &CourseArguments, problem: &Problem) -> Result<Course, Failure> {
-    let (extent, from) = (problem.extent(), arguments.from.as_deref());
+fn course(
+    arguments: &CourseArguments,
+    from: Option<&str>,
+    problem: &Problem,
+) -> Result<Course, Failure> {
+    let extent = problem.extent();
     let Some(mode) = arguments.mode else {
         let from = Strain::of_either("--from", from.unwrap_or_default(), extent)?;
         let to = Strain::of_either("--to", &arguments.to, extent)?;

@@ -45,7 +45,12 @@ struct Answer<'a> {
 /// Computes a map, or the requested tiles.
 pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
     let trust = arguments.trust.trust();
-    let study = study(&arguments.file, &arguments.assignments, &trust)?;
+    let study = study(
+        &arguments.file,
+        &arguments.assignments,
+        arguments.block.from,
+        &trust,
+    )?;
     let plan = Plan::new(&study)?;
     let tiles = plan.tiles(arguments.tiles.clone())?;
     let path = arguments

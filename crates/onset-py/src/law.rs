@@ -26,8 +26,6 @@ const BATCH_STATES: usize = 256;
 #[pyclass(frozen, module = "onset._onset")]
 pub struct Law {
     settings: MaterialSettings,
-    /// Notes on a law read from an input block of another program.
-    notes: Vec<String>,
 }
 
 /// The assignments that a block of another program stands for, and what there is to know of it.
@@ -63,7 +61,9 @@ impl Law {
                 settings.take(law);
             }
             trusted(&mut settings, &libraries)?;
-            Ok(Self { settings, notes })
+            Ok(Self {
+                settings: settings.read_with(notes, None),
+            })
         })
     }
 
@@ -176,10 +176,9 @@ impl Law {
         let range = Range::new(low, high).map_err(Failure::input)?;
         let modes = modes.iter().map(|name| mode_named(name));
         let modes = modes.collect::<Result<Vec<_>, _>>()?;
-        let (material, notes) = (self.settings.clone(), self.notes.clone());
+        let material = self.settings.clone();
         interrupt::answer(py, move || {
             let question = Question::new(&material, range, &modes).map_err(Failure::input)?;
-            let question = question.with_notes(notes);
             match incompressible {
                 true => question.incompressible().map_err(Failure::input),
                 false => Ok(question),

@@ -3,6 +3,7 @@
 use crate::settings::{
     KEYS, Key, Model, Origin, SettingError, Settings, Value, aliases, study_keys,
 };
+use onset::criteria::Criterion;
 use onset::formula::{FUNCTIONS, VARIABLES};
 use onset::kernel::Kernel;
 use onset::material::{Law, Parameter};
@@ -111,7 +112,7 @@ impl From<&Parameter> for ParameterEntry {
             name: parameter.name,
             unit: parameter.unit,
             default: parameter.default,
-            expected: parameter.admitted.to_string(),
+            expected: parameter.expected(),
             meaning: parameter.meaning,
         }
     }
@@ -694,8 +695,28 @@ pub fn topics() -> Vec<Topic> {
     [materials, kernels]
         .into_iter()
         .chain(ROWS.iter().map(topic))
-        .chain([language(), typed_words()])
+        .chain([criteria(), language(), typed_words()])
         .collect()
+}
+
+/// Criteria of stability, as `onset criteria` names them.
+fn criteria() -> Topic {
+    static DEFINITIONS: LazyLock<Vec<(Criterion, String)>> = LazyLock::new(|| {
+        let told = |own: Criterion| (own, format!("{}: {}", own.title(), own.definition()));
+        Criterion::ALL.into_iter().map(told).collect()
+    });
+    let entry = |(criterion, definition): &'static (Criterion, String)| Entry {
+        name: criterion.name(),
+        formula: definition,
+        source: criterion.source(),
+        law: None,
+        kernel: None,
+    };
+    Topic {
+        name: "criteria",
+        key: "of onset criteria and card",
+        entries: DEFINITIONS.iter().map(entry).collect(),
+    }
 }
 
 /// Other common names of words, and their meaning.
@@ -897,8 +918,8 @@ mod tests {
         let mut of_words = 0;
         for topic in topics() {
             let Some(key) = KEYS.iter().find(|key| key.name == topic.key) else {
-                // The aliases contain words of several keys.
-                assert_eq!(topic.name, "aliases");
+                // The aliases contain words of several keys, the criteria those of answers.
+                assert!(["aliases", "criteria"].contains(&topic.name));
                 continue;
             };
             if key.kind == Kind::Text {

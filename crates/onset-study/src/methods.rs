@@ -14,21 +14,11 @@ use onset::scheme::{
     BondModel, Formulation, MaterialPointChoices, MethodChoices, PeridynamicsChoices, Transfer,
     ZeroEnergyControl,
 };
-use std::ops::RangeInclusive;
-
-/// Numbers within these bounds have finite powers, such as the cube of the density in the forces of SPH, for any moduli.
-const MODERATE: RangeInclusive<f64> = 1e-30..=1e30;
 
 /// Returns the method that settings describe.
-///
-/// # Errors
-/// [`MethodError::Setting`] for lengths (and for densities, if forces are divided by their powers) that are so large or small that another unit is
-/// needed.
-pub fn method(settings: &Settings) -> Result<MethodChoices, MethodError> {
-    require_moderate_units(settings)?;
-    require_a_step(settings)?;
+pub fn method(settings: &Settings) -> MethodChoices {
     let particles = || Box::new(settings.discretization.clone());
-    Ok(match settings.method.method {
+    match settings.method.method {
         Family::Kernel => MethodChoices::Kernel(particles()),
         Family::TotalLagrangianSph => {
             MethodChoices::TotalLagrangianSph(particles(), total_lagrangian(settings))
@@ -40,12 +30,12 @@ pub fn method(settings: &Settings) -> Result<MethodChoices, MethodError> {
         Family::MaterialPoints => {
             MethodChoices::MaterialPoints(particles(), material_points(settings))
         }
-    })
+    }
 }
 
 /// Numbers of particles of the cell in the settings and of its primitive cell, if that is smaller.
 pub(crate) fn reduced(settings: &Settings) -> Option<ReducedCell> {
-    reduced_cell(&method(settings).ok()?)
+    reduced_cell(&method(settings))
 }
 
 /// Hint for a method that cannot be evaluated, to be appended to the message; empty if the message suffices.
@@ -94,51 +84,6 @@ pub fn hint(error: &MethodError) -> &'static str {
              density are not that large or small"
         }
         _ => "",
-    }
-}
-
-fn require_moderate_units(settings: &Settings) -> Result<(), MethodError> {
-    let spacing = (
-        "spacing",
-        settings.discretization.spacing,
-        "a number from 1e-30 to 1e30: choose another unit of length",
-    );
-    let density = (
-        "density",
-        settings.discretization.density,
-        "a number from 1e-30 to 1e30: choose another unit of mass",
-    );
-    let is_divided = settings.method.method == Family::UpdatedSph;
-    for (name, value, expected) in std::iter::once(spacing).chain(is_divided.then_some(density)) {
-        // The method itself refuses numbers that are not positive or not finite.
-        if value > 0.0 && value.is_finite() && !MODERATE.contains(&value) {
-            return Err(MethodError::Setting {
-                name,
-                value,
-                expected,
-            });
-        }
-    }
-    Ok(())
-}
-
-/// Longest time step whose products with frequencies have finite squares.
-const LONGEST: f64 = 1e100;
-
-/// Checks that the time step for growth rates is admissible.
-fn require_a_step(settings: &Settings) -> Result<(), MethodError> {
-    match settings.method.time_step {
-        value if value < 0.0 => Err(MethodError::Setting {
-            name: "time-step",
-            value,
-            expected: "a positive number, or 0 for half of the largest stable step",
-        }),
-        value if value > LONGEST => Err(MethodError::Setting {
-            name: "time-step",
-            value,
-            expected: "at most 1e100",
-        }),
-        _ => Ok(()),
     }
 }
 

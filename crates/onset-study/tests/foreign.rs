@@ -550,14 +550,13 @@ fn ignored_keywords_of_a_deck_are_listed_with_their_lines() {
     let second = notes(Program::Abaqus, deck, Some("b"));
     assert!(second.contains("material.c10=0.7"), "{second}");
     assert!(law_of(Program::Abaqus, "a deck", deck, Some("C"), &[]).is_err());
-    let foam = notes(
-        Program::Abaqus,
-        "*HYPERFOAM, N=1, POISSON=0.1\n0.2, 8.0",
-        None,
-    );
+    let foam = "*MATERIAL, NAME=FOAM\n*HYPERFOAM, N=1, POISSON=0.1\n0.2, 8.0";
+    let refused = law_of(Program::Abaqus, "a deck", foam, None, &[]).expect_err("POISSON");
     assert!(
-        foam.contains("POISSON=0.1 of *HYPERFOAM (line 1)"),
-        "{foam}"
+        refused
+            .to_string()
+            .contains("a deck:2:1: *HYPERFOAM has POISSON=0.1 beside constants"),
+        "{refused}"
     );
     let ansys = "TB,HYPER,1,1,2,MOONEY\nTBDATA,1,0.4,0.1,0.02\nTB,PRONY,1,1,1,SHEAR\nTBDATA,1,0.3,0.1\nTB,HYPER,2,1,,NEO\nTBDATA,1,2,0.02";
     let first = notes(Program::Ansys, ansys, None);

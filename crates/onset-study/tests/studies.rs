@@ -220,7 +220,7 @@ fn the_book_describes_every_law_like_the_library() {
                 parameter.name,
                 parameter.unit,
                 parameter.default,
-                parameter.admitted,
+                parameter.expected(),
                 parameter.meaning
             );
         }

@@ -1,9 +1,11 @@
 //! `onset check` and `onset schema`: validation of study files, and their JSON schema.
 
-use super::{Failure, source};
+use super::{Failure, source, without_axes};
 use crate::printing::{Format, format, only_text, print, print_text};
 use onset_study::answers::StudySummary;
-use onset_study::settings::{Origin, SettingError, Study, Trust, schema as schema_of_studies};
+use onset_study::settings::{
+    Origin, Program, SettingError, Study, Trust, schema as schema_of_studies,
+};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -64,11 +66,12 @@ impl Mistake {
 pub fn check(
     files: &[PathBuf],
     assignments: &[String],
+    block: Option<Program>,
     trust: &Trust,
 ) -> Result<ExitCode, Failure> {
     let entries: Vec<Entry> = files
         .iter()
-        .map(|file| match summary(file, assignments, trust) {
+        .map(|file| match summary(file, assignments, block, trust) {
             Ok(summary) => Entry::Valid(Box::new(summary)),
             Err(mistake) => Entry::Invalid(mistake),
         })
@@ -93,10 +96,14 @@ pub fn check(
 fn summary(
     file: &Path,
     assignments: &[String],
+    block: Option<Program>,
     trust: &Trust,
 ) -> Result<StudySummary, Box<Mistake>> {
     let named = file.display().to_string();
     let (name, text) = source(file).map_err(|failure| Mistake::new(&named, failure.message))?;
+    if let Some(why) = without_axes(&name, &text, block) {
+        return Err(Mistake::new(&name, why));
+    }
     let study = Study::parse_any(&name, &text)
         .and_then(|study| study.override_with(assignments))
         .map_err(|error| Mistake::of_setting(&name, error))?

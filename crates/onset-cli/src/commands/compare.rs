@@ -1,7 +1,7 @@
 //! `onset compare` and `onset recommend`: comparison and ranking of methods.
 
-use super::{Failure, print_with_files, progress, source, with_energy, with_files};
-use crate::arguments::{CompareArguments, RecommendArguments};
+use super::{Failure, Read, print_with_files, progress, with_energy, with_files};
+use crate::arguments::{BlockArguments, CompareArguments, RecommendArguments};
 use crate::printing::print;
 use onset_study::compare::{PANELS, Recommendation, Table, Thresholds};
 use onset_study::output::Output;
@@ -15,7 +15,8 @@ const FILES: [&str; 4] = ["compare.html", "compare.csv", "compare.svg", "compare
 /// Compares the methods of a file.
 pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     let trust = arguments.trust.trust();
-    let comparison = read(&arguments.file, &arguments.assignments, &trust)?;
+    let (file, assignments) = (&arguments.file, arguments.assignments.clone());
+    let comparison = read(Some(file), &arguments.block, None, assignments, &trust)?;
     let output = arguments.out.as_deref();
     let output = output.map(|out| Output::at(out, &FILES)).transpose()?;
     let table = evaluated(&comparison)?;
@@ -29,13 +30,13 @@ pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
     if let Some((low, high)) = arguments.stretches {
         assignments.push(format!("compare.stretches={low},{high}"));
     }
-    let mut comparison = match &arguments.file {
-        Some(file) => read(file, &assignments, &arguments.trust.trust())?,
-        None => {
-            let (name, text) = PANELS[usize::from(arguments.dimension) - 1];
-            Comparison::parse(name, text, &assignments).map_err(Failure::input)?
-        }
-    };
+    let mut comparison = read(
+        arguments.file.as_deref(),
+        &arguments.block,
+        arguments.dimension,
+        assignments,
+        &arguments.trust.trust(),
+    )?;
     let output = arguments.out.as_deref();
     let output = output.map(|out| Output::at(out, &FILES)).transpose()?;
     comparison.override_weak(arguments.thresholds.weak.share);
@@ -59,12 +60,33 @@ pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
     )
 }
 
-fn read(file: &Path, assignments: &[String], trust: &Trust) -> Result<Comparison, Failure> {
-    let (name, text) = source(file)?;
-    let comparison = Comparison::parse(&name, &text, assignments).map_err(Failure::input)?;
-    let comparison = comparison.allowing(trust);
-    let permitted = comparison.common.material.permitted();
-    permitted.map_err(Failure::input).map(|()| comparison)
+/// The comparison of a file, or of the methods that the program knows in a number of dimensions.
+fn read(
+    file: Option<&Path>,
+    block: &BlockArguments,
+    dimension: Option<u8>,
+    assignments: Vec<String>,
+    trust: &Trust,
+) -> Result<Comparison, Failure> {
+    let mut read = Read::of(file, block, assignments)?;
+    match (file, block.from, dimension) {
+        (Some(_), None, Some(_)) => {
+            return Err(Failure::input(
+                "--dimension has no effect: the file says the number of dimensions\n  hint: leave --dimension out",
+            ));
+        }
+        (Some(_), None, None) => {}
+        (_, _, dimension) => {
+            let panel = PANELS[usize::from(dimension.unwrap_or(2)) - 1];
+            (read.name, read.text) = (panel.0.to_owned(), panel.1.to_owned());
+        }
+    }
+    let comparison = Comparison::parse(&read.name, &read.text, &read.assignments);
+    let mut comparison = comparison
+        .map_err(|error| read.failure(error))?
+        .allowing(trust);
+    comparison.common.material = read.law(comparison.common.material, trust)?;
+    Ok(comparison)
 }
 
 fn evaluated(comparison: &Comparison) -> Result<Table, Failure> {

@@ -12,18 +12,19 @@ use std::process::ExitCode;
 /// Serves the page for a study, a stored map or a question.
 pub fn explore(arguments: &ExploreArguments) -> Result<ExitCode, Failure> {
     printing::only_text("the address of the page")?;
-    let trust = arguments.problem.trust.trust();
+    let trust = arguments.problem.given.trust.trust();
     let port = arguments.port;
     let is_shown = !arguments.no_browser;
     if let Some(map) = arguments
         .problem
+        .given
         .file
         .as_deref()
         .filter(|file| file.is_dir())
     {
-        if !arguments.problem.assignments.is_empty() || arguments.problem.energy.is_some() {
+        if !is_plain(&arguments.problem) {
             return Err(Failure::input(
-                "a stored map has its settings\n  hint: leave out --set and --energy",
+                "a stored map has its settings\n  hint: leave out --set, --energy and --from",
             ));
         }
         let stored = Stored::open(map).map_err(|error| match error.is_input() {
@@ -37,10 +38,16 @@ pub fn explore(arguments: &ExploreArguments) -> Result<ExitCode, Failure> {
     serve(&link, port, is_shown, trust, None)
 }
 
+/// Returns true if nothing but a study is given.
+fn is_plain(problem: &ProblemArguments) -> bool {
+    let given = &problem.given;
+    given.assignments.is_empty() && given.energy.is_none() && problem.block.from.is_none()
+}
+
 /// Initial content: a study with its window, or the assignments.
 fn first(problem: &ProblemArguments) -> Result<Link, Failure> {
-    let is_plain = problem.assignments.is_empty() && problem.energy.is_none();
-    if let Some(link) = problem.file.as_deref().and_then(address) {
+    let is_plain = is_plain(problem);
+    if let Some(link) = problem.given.file.as_deref().and_then(address) {
         return match is_plain {
             true => link.map_err(Failure::input),
             false => Err(Failure::input(
@@ -48,7 +55,7 @@ fn first(problem: &ProblemArguments) -> Result<Link, Failure> {
             )),
         };
     }
-    match (&problem.file, is_plain) {
+    match (&problem.given.file, is_plain) {
         (None, true) => Ok(Link::Nothing),
         (Some(file), true) => {
             let (_, text) = source(file)?;
@@ -75,7 +82,7 @@ pub fn at_state(problem: &ProblemArguments, strain: &StrainArguments) -> Result<
     let mut question = Question::of_settings(&settings);
     question.stretch = strain.stretch.clone().unwrap_or_default();
     // A library given on the command line itself is trusted.
-    let mut trust = problem.trust.clone();
+    let mut trust = problem.given.trust.clone();
     if let Some(Value::Word(library)) = settings.material.given("library") {
         trust.libraries.push(library.into());
     }

@@ -1,6 +1,6 @@
 //! `onset simulate`: simulations of patches, compared with predictions, and of bodies.
 
-use super::{Failure, source, with_files};
+use super::{Failure, with_files};
 use crate::arguments::SimulateArguments;
 use crate::interrupt;
 use crate::patience::{self, bar};
@@ -30,11 +30,7 @@ impl From<SimulateError> for Failure {
 
 /// Runs a patch, or the body of the study.
 pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
-    let (name, text) = match &arguments.problem.file {
-        Some(file) => source(file)?,
-        None => Default::default(),
-    };
-    let problem = Problem::new(arguments.problem.settings_of(&name, &text)?)?;
+    let problem = arguments.problem.build()?;
     let place = arguments.out.as_ref().map(|folder| Place {
         folder: folder.clone(),
         is_resumed: arguments.resume,

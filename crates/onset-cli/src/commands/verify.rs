@@ -1,6 +1,6 @@
 //! `onset verify`: acceptance tests for particle codes.
 
-use super::{Failure, permitted, source, with_energy, with_files};
+use super::{Failure, with_files};
 use crate::arguments::{DeckArguments, VerifyTask};
 use crate::printing::print;
 use onset_study::answers::{Strain, numbers};
@@ -73,19 +73,15 @@ fn settings(
     arguments: &DeckArguments,
 ) -> Result<(Settings, StateSettings), Failure> {
     let problem = &arguments.problem;
-    let assignments = with_energy(&problem.assignments, problem.energy.as_deref())?;
-    let (name, text) = match &problem.file {
-        Some(file) => source(file)?,
-        None => Default::default(),
-    };
+    let given = problem.read()?;
     let dialect: Vec<(&str, &str)> = code
         .dialect()
         .iter()
         .map(|choice| (choice.key, choice.value))
         .collect();
-    let read = Settings::of_dialect(&name, &text, &dialect, &assignments);
-    let (mut settings, state) = read.map_err(Failure::input)?;
-    settings.material = permitted(settings.material, &problem.trust.trust())?;
+    let read = Settings::of_dialect(&given.name, &given.text, &dialect, &given.assignments);
+    let (mut settings, state) = read.map_err(|error| given.failure(error))?;
+    settings.material = given.law(settings.material, &problem.given.trust.trust())?;
     Ok((settings, state))
 }
 

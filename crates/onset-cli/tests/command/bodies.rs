@@ -1,6 +1,6 @@
 //! Time steps of finite bodies, and studies with a body.
 
-use super::{Written, assert_close, document, number, onset, onset_line};
+use super::{Scratch, Written, assert_close, document, number, onset, onset_line};
 
 /// A free block of corrected total-Lagrangian SPH. Its critical step is in `validation/bodies.json`.
 const BLOCK: &str = "[material]\nmodel = 'neo-hooke'\nyoung = 1.0\npoisson = 0.45\n\
@@ -130,4 +130,30 @@ fn the_spacing_of_material_points_is_the_cell_size() {
     );
     let keys = onset_line("list method material-points").stdout;
     assert!(keys.contains("side of a grid cell"), "{keys}");
+}
+
+#[test]
+fn a_map_of_a_study_with_a_body_says_whose_time_steps_it_stores() {
+    let axis =
+        |name: &str| format!("[[axes]]\nquantity = '{name}'\nrange = [0.9, 1.1]\nstates = 2\n");
+    let text = format!(
+        "[discretization]\nmethod = 'total-lagrangian-sph'\nlattice = 'square'\npenalty = 0.1\n[body]\nshape = 'block'\nsize = [5, 5]\n{}{}",
+        axis("stretch-1"),
+        axis("stretch-2")
+    );
+    let (file, store) = (Written::new("body.toml", &text), Scratch::new("body.zarr"));
+    let note = "time steps of the map are those of the infinite lattice";
+    let map = |more: &str| {
+        onset_line(&format!(
+            "map {file} --out {} --overwrite {more}",
+            store.display()
+        ))
+    };
+    for answer in [map(""), map("--json"), onset_line(&format!("check {file}"))] {
+        assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+        assert!(answer.stdout.contains(note), "{}", answer.stdout);
+    }
+    let without = map("--set map.outputs=growth_rate");
+    assert_eq!(without.code, Some(0), "{}", without.stderr);
+    assert!(!without.stdout.contains(note), "{}", without.stdout);
 }

@@ -1,6 +1,6 @@
 //! `onset compare` and `onset recommend`.
 
-use super::{Scratch, number, onset};
+use super::{Scratch, Written, number, onset};
 use serde_json::Value;
 
 /// Built-in comparison of methods in 2D, on a few states.
@@ -161,7 +161,7 @@ fn a_misspelled_key_in_an_assignment_to_a_comparison_gets_a_suggestion() {
     for (assignment, fact) in [
         ("compare.stats=3", "did you mean `compare.states`"),
         ("compare.stretches=2,1", "two positive numbers"),
-        ("compare.tension=0.5", "more than 1"),
+        ("compare.tension=0.5", "a number above 1 and below 1e6"),
     ] {
         let answer = onset(&["compare", PLANE, "--set", assignment]);
         assert_eq!(answer.code, Some(2), "{assignment}");
@@ -223,4 +223,45 @@ fn invalid_windows_are_refused() {
             answer.stderr
         );
     }
+}
+
+#[test]
+fn a_method_without_axes_and_a_body_are_compared_and_ranked() {
+    let pmb = "[material]\nmodel = 'neo-hooke'\nyoung = 3e9\npoisson = 0.25\n[discretization]\nmethod = 'peridynamics'\n\
+               lattice = 'simple-cubic'\nhorizon = 3.0427\ndensity = 1200\nspacing = 6.5737e-4\n[compare]\nstates = 2\n";
+    let block = "[material]\nmodel = 'neo-hooke'\nyoung = 1.0\npoisson = 0.45\n[discretization]\nmethod = 'total-lagrangian-sph'\n\
+                 lattice = 'square'\nkernel = 'cubic-spline'\nsupport = 2.6\ncorrected = true\npenalty = 0.1\n[body]\nshape = 'block'\n\
+                 size = [20, 20]\n[compare]\nstates = 2\n";
+    let (pmb, block) = (
+        Written::new("pmb.toml", pmb),
+        Written::new("block.toml", block),
+    );
+    let answer = |command: &str, file: &str| -> Value {
+        let window = [
+            "--set",
+            "compare.tension=1.1",
+            "--set",
+            "compare.compression=0.9",
+        ];
+        let answer = onset(&[&[command, file, "--json"], &window[..]].concat());
+        assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+        serde_json::from_str(&answer.stdout).expect("a document")
+    };
+    let own = |table: &Value| -> Value {
+        let row = table["rows"][0].clone();
+        assert_eq!(row["name"], "the study's own method");
+        row["measured"].clone()
+    };
+    let error = own(&answer("compare", &pmb))["long_wave_error"].as_f64();
+    // 123 whole volumes within the horizon.
+    assert!(
+        (error.expect("a number") - 0.0502).abs() < 5e-5,
+        "{error:?}"
+    );
+    let measured = own(&answer("recommend", &block)["table"]);
+    // The largest eigenvalue of the stiffness of the free block, assembled elsewhere: omega = 2.97690025.
+    let step = measured["body"]["time_step"].as_f64().expect("a step");
+    assert!((step * 2.976_900_25 / 2.0 - 1.0).abs() < 1e-6, "{step}");
+    let of_lattice = measured["critical_time_step"].as_f64().expect("a step");
+    assert!((of_lattice - 1.25763).abs() < 1e-5, "{of_lattice}");
 }

@@ -170,7 +170,7 @@ fn list_names_every_law_with_formula_parameters_and_source() {
     for fact in [
         "blatz-ko",
         "W = mu/2",
-        "mu = 32 (stress): shear modulus; a positive finite number",
+        "mu = 32 (stress): shear modulus; a positive number from 1e-20 to 1e20",
         "Trans. Soc. Rheol.",
         "c1 = 0.1256",
     ] {

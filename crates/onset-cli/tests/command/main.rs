@@ -2,6 +2,7 @@
 
 mod aliases;
 mod audit;
+mod blocks;
 mod bodies;
 mod boundary;
 mod certify;

@@ -271,6 +271,8 @@ fn a_negative_poisson_ratio_is_reported_and_a_nearly_incompressible_law_is_no_fl
         "--set material.model=neo-hooke-isochoric --set material.shear=1 --set material.bulk=0.1";
     for question in [
         "state --stretch 1.01,1",
+        "state --stretch 1.01,1 --set material.plane=stress",
+        "state --stretch 1.01 --set material.plane=stress set lattice=chain",
         "criteria --mode uniaxial",
         "card --mode uniaxial",
     ] {

@@ -275,7 +275,7 @@ fn invalid_questions_about_modes_are_refused() {
         ),
         (
             "modes set method=total-lagrangian-sph set penalty=-1",
-            "zero or a positive",
+            "a number from 0 to 1e6",
         ),
         ("modes set method=spectral", "kernel | total-lagrangian-sph"),
         (

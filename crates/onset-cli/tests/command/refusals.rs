@@ -207,7 +207,7 @@ fn supports_that_hold_too_few_or_too_many_particles_are_refused() {
     for support in ["0.9", "1"] {
         assert_assignment_refused(&[&format!("discretization.support={support}")], &too_few);
     }
-    for support in ["1e3", "1e9", "1e300"] {
+    for support in ["1e3", "1e4"] {
         assert_assignment_refused(
             &[&format!("discretization.support={support}")],
             &["admitted", "hint: reduce"],
@@ -243,7 +243,11 @@ fn numbers_of_the_discretization_must_be_positive_and_finite() {
                 &[&format!("discretization.{key}={value}")],
                 &[
                     &format!("discretization.{key}"),
-                    "expected a positive finite number",
+                    "cannot be",
+                    match key {
+                        "support" => "expected a positive number from 0.001 to 10000",
+                        _ => "expected a positive number from 1e-20 to 1e20",
+                    },
                 ],
             );
         }
@@ -259,16 +263,27 @@ fn parameters_of_the_material_must_be_admissible() {
         ("material.c1=-1", "c1 + c2 is"),
         ("material.c1=-0.01012", "c1 + c2 is 0"),
         ("material.c2=-0.2", "c1 + c2 is"),
-        ("material.c1=nan", "c1 is NaN"),
-        ("material.c2=inf", "c2 is inf"),
-        ("material.lambda=1e400", "lambda is inf"),
+        ("material.c1=1e21", "c1 is 1e21"),
     ] {
         assert_assignment_refused(&[assignment], &["material parameter", fact, "expected"]);
     }
-    for mu in ["-1", "0", "nan", "inf"] {
+    for mu in ["-1", "0", "1e-21", "1e21"] {
         assert_assignment_refused(
             &["material.model=blatz-ko", &format!("material.mu={mu}")],
-            &["material parameter mu", "expected a positive finite number"],
+            &[
+                "material parameter mu",
+                "expected a positive number from 1e-20 to 1e20",
+            ],
+        );
+    }
+    for (assignment, fact) in [
+        ("material.c1=nan", "`material.c1` cannot be NaN"),
+        ("material.c2=inf", "`material.c2` cannot be inf"),
+        ("material.lambda=1e400", "`material.lambda` cannot be inf"),
+    ] {
+        assert_assignment_refused(
+            &[assignment],
+            &[fact, "expected a number from -1e20 to 1e20 (stress)"],
         );
     }
 }
@@ -541,7 +556,10 @@ fn a_value_that_no_method_allows_is_not_compared() {
     let study = Written::new("methods.toml", text);
     assert_line_refused(
         &format!("compare {}", &*study),
-        &["methods.toml:4:", "discretization.penalty is -1"],
+        &[
+            "methods.toml:4:",
+            "`discretization.penalty` cannot be -1; expected a number from 0",
+        ],
     );
 }
 

@@ -78,7 +78,7 @@ fn invalid_lattices_are_refused_with_a_hint() {
         ),
         (
             "state --stretch 1.1,1 set lattice=rectangular set aspect=-1",
-            "a positive finite number",
+            "a positive number from 0.001 to 1000",
         ),
         (
             "state --stretch 1.1,1 set lattice=simple-cubic",

@@ -33,6 +33,7 @@ pub(crate) use finite_body::hint_on_body;
 pub use finite_body::{BodyStepAnswer, FiniteBodyAnswer, OF_LATTICE};
 pub use moving::{MovingMode, MovingParticle};
 pub(crate) use next::{assigned, stabilization};
+pub(crate) use notes::note_on_mapped_body;
 pub use notes::{moduli, notes, notes_on_law, notes_on_method};
 pub(crate) use notes::{notes_on_patch, zero_energy};
 pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};

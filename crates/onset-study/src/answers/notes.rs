@@ -2,7 +2,7 @@
 
 use crate::methods::reduced;
 use crate::number::{counted, told, told_of};
-use crate::settings::{Bonds, Family, MaterialSettings, Model, Settings, Units};
+use crate::settings::{Bonds, Family, MaterialSettings, Model, Settings, Study, Units};
 use nalgebra::Matrix3;
 use onset::analysis::ReducedCell;
 use onset::continuum::ROUNDING;
@@ -15,15 +15,17 @@ const UNSTRESSED: f64 = 1e-9;
 /// State with different stretches. A law without shear stiffness only at `F = 1` has some here.
 const STRETCHED: [f64; 3] = [1.1, 1.0, 0.95];
 
-/// Notes on a law: stress at `F = 1`, no shear stiffness, a negative Poisson's ratio, or a tangent that depends on the path.
+/// Notes on a law: stress at `F = 1`, no shear stiffness, a negative Poisson's ratio, a tangent that depends on the path, and the block of another program
+/// from which the law was read.
 pub fn notes_on_law(settings: &MaterialSettings, material: &dyn Hyperelastic) -> Vec<String> {
     let notes = [
         stress_at_rest(material),
         fluid(material),
-        auxetic(material),
+        auxetic(settings, material),
         note_on_path(settings.model),
     ];
-    notes.into_iter().flatten().collect()
+    let read = settings.notes().iter().cloned();
+    notes.into_iter().flatten().chain(read).collect()
 }
 
 fn is_stressed(material: &dyn Hyperelastic) -> bool {
@@ -102,23 +104,47 @@ pub fn moduli(material: &dyn Hyperelastic) -> Option<[f64; 2]> {
 }
 
 /// Note on a negative Poisson's ratio of an isotropic law at `F = 1`.
-fn auxetic(material: &dyn Hyperelastic) -> Option<String> {
+fn auxetic(settings: &MaterialSettings, material: &dyn Hyperelastic) -> Option<String> {
+    if material.dimension() == 1 {
+        // The modulus of a bar says nothing of its width.
+        return auxetic(settings, &*settings.build().ok()?);
+    }
     let response = material.undeformed().ok()?;
     let stiffness = |k: usize| response.tangent[(0, 0, k, k)];
     let ratio = match material.dimension() {
-        1 => return None,
         2 => stiffness(1) / stiffness(0),
         _ => stiffness(1) / (stiffness(0) + stiffness(1)),
     };
     // At -1 the bulk modulus is zero.
     let is_auxetic = ratio > -1.0 && ratio < -UNSTRESSED;
-    let shear = is_auxetic.then(|| moduli(material)).flatten()?[0];
-    (shear > 0.0).then(|| {
+    let shear = is_auxetic.then(|| match material.dimension() {
+        2 => shear_of_plane(&response),
+        _ => moduli(material).map(|[shear, _]| shear),
+    });
+    (shear.flatten()? > 0.0).then(|| {
         format!(
             "auxetic: Poisson's ratio at F = 1 is {}, so that the material widens when it is stretched and narrows when it is compressed",
             told(ratio)
         )
     })
+}
+
+/// Shear modulus of the response of a sheet or membrane at `F = 1` that is isotropic in its plane and unstressed.
+fn shear_of_plane(response: &Response) -> Option<f64> {
+    let c = |i: usize, j: usize, k: usize, l: usize| response.tangent[(i, j, k, l)];
+    let shear = c(0, 1, 0, 1);
+    let largest = response.tangent.largest();
+    let vanish = [
+        c(0, 0, 0, 0) - c(1, 1, 1, 1),
+        c(0, 0, 0, 1),
+        c(1, 1, 0, 1),
+        c(0, 0, 0, 0) - c(0, 0, 1, 1) - 2.0 * shear,
+        response.cauchy().amax(),
+    ];
+    vanish
+        .iter()
+        .all(|part| part.abs() <= UNSTRESSED * largest)
+        .then_some(shear)
 }
 
 /// Note on laws whose tangent depends on the path.
@@ -217,6 +243,16 @@ pub fn notes_on_method(settings: &Settings) -> Vec<String> {
         .into_iter()
         .chain(notes_on_bonds(settings))
         .collect()
+}
+
+/// Note on the time steps of a map whose study has a body.
+pub(crate) fn note_on_mapped_body(study: &Study) -> Option<String> {
+    let has_steps = !study.axes.is_empty() && study.map.outputs.hold("critical_time_step");
+    (has_steps && study.settings.body.is_some()).then(|| {
+        "the time steps of the map are those of the infinite lattice: the body of the study has free faces and can need a smaller one, which `onset state` \
+         and `onset limit` compute"
+            .to_owned()
+    })
 }
 
 /// Notes for the simulation of a patch, which keeps the cells of the settings.

@@ -435,7 +435,7 @@ impl Problem {
         settings: Settings,
         material: Arc<dyn Hyperelastic>,
     ) -> Result<Self, ProblemError> {
-        let built = method(&settings).and_then(|method| analysis(&method, Arc::clone(&material)));
+        let built = analysis(&method(&settings), Arc::clone(&material));
         let analysis = built.map_err(|error| ProblemError::of(&settings, error))?;
         Ok(Self {
             analysis,
@@ -449,7 +449,7 @@ impl Problem {
     /// # Errors
     /// [`ProblemError`] when the method is invalid.
     pub fn described(&self) -> Result<Self, ProblemError> {
-        let method = method(&self.settings)?;
+        let method = method(&self.settings);
         Ok(Self {
             analysis: described_analysis(&method, Arc::clone(&self.material))?,
             settings: self.settings.clone(),

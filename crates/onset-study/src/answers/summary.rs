@@ -1,7 +1,7 @@
 //! Summary of a study before it is computed.
 
 use super::finite_body::BodyStepAnswer;
-use super::notes::notes;
+use super::notes::{note_on_mapped_body, notes};
 use super::problem::{Problem, ProblemError};
 use crate::map::{Forecast, PATIENCE, edge, tiling};
 use crate::number::{counted, told_below};
@@ -132,10 +132,16 @@ impl StudySummary {
             evaluations: forecast.map(|forecast| forecast.evaluations),
             seconds_per_state: forecast.map(|forecast| forecast.seconds_per_state),
             seconds: forecast.map(|forecast| forecast.seconds()),
-            notes: study.settings.law().map_or_else(
-                |_| Vec::new(),
-                |material| notes(&study.settings, &*material),
-            ),
+            notes: study
+                .settings
+                .law()
+                .map_or_else(
+                    |_| Vec::new(),
+                    |material| notes(&study.settings, &*material),
+                )
+                .into_iter()
+                .chain(note_on_mapped_body(study))
+                .collect(),
             warnings: warnings(study, &samples)
                 .into_iter()
                 .chain(not_loaded.map(|error| error.to_string()))

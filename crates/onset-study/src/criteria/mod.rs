@@ -377,7 +377,7 @@ impl Question {
         Ok(Self {
             law: LawAnswer {
                 model: settings.model.name().to_owned(),
-                name: None,
+                name: settings.title().map(str::to_owned),
                 parameters: parameters
                     .map(|(name, value)| (name.to_owned(), document(value)))
                     .collect(),
@@ -396,18 +396,6 @@ impl Question {
                 false => Loading::ALL.into_iter().filter(asked).collect(),
             },
         })
-    }
-
-    /// Replaces the title of the law.
-    pub fn with_name(mut self, name: Option<String>) -> Self {
-        self.law.name = name;
-        self
-    }
-
-    /// Adds remarks on the law for the reader.
-    pub fn with_notes(mut self, notes: Vec<String>) -> Self {
-        self.law.notes.extend(notes);
-        self
     }
 
     /// Evaluates the incompressible response of the law: the volumetric part is dropped, and the pressure follows from a traction-free face.

@@ -124,7 +124,7 @@ fn field(settings: &Settings, key: &'static Key, value: Value, is_default: bool)
     if let Some(parameter) = of_law {
         entry.meaning = parameter.meaning;
         entry.default = parameter.default.to_string();
-        entry.expects = parameter.admitted.to_string();
+        entry.expects = parameter.expected();
     }
     Field {
         key: entry,
@@ -136,10 +136,14 @@ fn field(settings: &Settings, key: &'static Key, value: Value, is_default: bool)
     }
 }
 
-/// Range of a slider: the limits of the law, or otherwise a multiple of the default; it includes the value.
+/// Range of a slider: a multiple of the default within the limits of the key or law; it includes the value.
 fn slider(key: &Key, parameter: Option<&Parameter>, value: &Value) -> Option<[f64; 2]> {
-    if let Some([least, most]) = key.kind.limits() {
-        return Some([f64::from(least), f64::from(most)]);
+    let limits = match parameter {
+        Some(parameter) => parameter.admitted.limits(parameter.unit),
+        None => key.kind.limits()?,
+    };
+    if key.kind.takes() == Some("whole") {
+        return Some(limits);
     }
     key.unit()?;
     let value = value.number()?;
@@ -151,19 +155,19 @@ fn slider(key: &Key, parameter: Option<&Parameter>, value: &Value) -> Option<[f6
         0.0 => 1.0,
         size => size,
     };
+    let [least, most] = limits;
     let [low, high] = match parameter.map(|parameter| parameter.admitted) {
-        Some(Admitted::Fraction) => [0.0, 1.0],
-        Some(Admitted::Between(low, high)) if low.is_finite() && high.is_finite() => {
-            let margin = 1e-3 * (high - low);
-            [low + margin, high - margin]
+        Some(Admitted::Fraction) => limits,
+        Some(Admitted::Between(..)) => {
+            let margin = 1e-3 * (most - least);
+            [least + margin, most - margin]
         }
         Some(Admitted::Positive) => [size / 50.0, 3.0 * size],
-        Some(Admitted::NotNegative) => [0.0, 3.0 * size],
-        None if key.kind.is_positive() => [size / 5.0, 3.0 * size],
+        None if least > 0.0 => [size / 5.0, 3.0 * size],
         None if usual == 0.0 => [0.0, 2.0 * size],
         _ => [-3.0 * size, 3.0 * size],
     };
-    Some([low.min(value), high.max(value)])
+    Some([low.max(least).min(value), high.min(most).max(value)])
 }
 
 /// Parameters of a user-defined energy without a value.

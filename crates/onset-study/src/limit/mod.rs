@@ -22,7 +22,7 @@ const DEFAULT_RANGE_RATIO: f64 = 1e6;
 /// The time step, as a value with a unit.
 static TIME_STEP: Key = Key {
     name: "--time-step",
-    kind: Kind::Positive("time"),
+    kind: Kind::Number("time", crate::settings::Admitted::Positive),
     meaning: "the time step that must be stable",
     read_with: &[],
 };
@@ -131,10 +131,11 @@ impl LimitQuestion {
         let present = present.filter(|value| *value > 0.0);
         present
             .map(|value| {
-                [
-                    value / DEFAULT_RANGE_RATIO,
-                    (value * DEFAULT_RANGE_RATIO).min(f64::MAX),
-                ]
+                let ends = [value / DEFAULT_RANGE_RATIO, value * DEFAULT_RANGE_RATIO];
+                match self.key.kind.limits() {
+                    Some([least, most]) => ends.map(|end| end.clamp(least, most)),
+                    None => ends,
+                }
             })
             .ok_or_else(|| {
                 let origin = Origin::CommandLine(self.key.name.to_owned());

@@ -4,6 +4,7 @@ use super::LocalizationError;
 use crate::settings::{
     Key, Kind, MaterialSettings, Origin, SettingError, Settings, Units, Value, units, unknown_key,
 };
+use onset::material::Admitted::{Any, Between, Fraction, NotNegative, Positive, Within};
 use onset::material::MaterialError;
 use onset::plasticity::{
     Bands, CamClay, DeformationTheory, DruckerPrager, Elasticity, EllipticCap, FlowLaw, Gurson,
@@ -131,119 +132,119 @@ pub const PARAMETERS: &[Parameter] = &[
     ),
     parameter(
         "plasticity.shear-modulus",
-        Kind::Positive("stress"),
+        Kind::Number("stress", Positive),
         "10000",
         "elastic shear modulus G",
     )
     .only_with(MODEL, WITH_ELASTICITY),
     parameter(
         "plasticity.poisson-ratio",
-        Kind::Number("1"),
+        Kind::Number("1", Between(-1.0, 0.5)),
         "0.2",
-        "Poisson's ratio, above -1 and below 0.5",
+        "Poisson's ratio",
     )
     .only_with(MODEL, WITH_ELASTICITY),
     parameter(
         "plasticity.friction",
-        Kind::Number("1"),
+        Kind::Number("1", NotNegative),
         "0.6",
-        "pressure coefficient mu of the yield surface, not negative",
+        "pressure coefficient mu of the yield surface",
     )
     .only_with(MODEL, &["drucker-prager"]),
     parameter(
         "plasticity.dilatancy",
-        Kind::Number("1"),
+        Kind::Number("1", Any),
         "0.2",
         "dilatancy beta of the flow; equal to the friction for associated flow",
     )
     .only_with(MODEL, &["drucker-prager"]),
     parameter(
         "plasticity.friction-angle",
-        Kind::Number("1"),
+        Kind::Number("1", Within(0.0, 90.0)),
         "30",
         "angle of friction phi in degrees",
     )
     .only_with(MODEL, &["mohr-coulomb"]),
     parameter(
         "plasticity.dilation-angle",
-        Kind::Number("1"),
+        Kind::Number("1", Between(-90.0, 90.0)),
         "10",
         "dilation angle psi in degrees; equal to the friction angle for associated flow",
     )
     .only_with(MODEL, &["mohr-coulomb"]),
     parameter(
         "plasticity.r0",
-        Kind::Positive("1"),
+        Kind::Number("1", Positive),
         "1",
         "ratio of widthwise to thickness strain in tension along axis 1 (3 is normal to the sheet)",
     )
     .only_with(MODEL, &["hill-1948"]),
     parameter(
         "plasticity.r90",
-        Kind::Positive("1"),
+        Kind::Number("1", Positive),
         "1",
         "the same in tension along axis 2",
     )
     .only_with(MODEL, &["hill-1948"]),
     parameter(
         "plasticity.kinematic-modulus",
-        Kind::Number("stress"),
+        Kind::Number("stress", Any),
         "200",
         "modulus c of the back stress: its slope in shear, in addition to hardening of the strength",
     )
     .only_with(MODEL, &["kinematic"]),
     parameter(
         "plasticity.recovery",
-        Kind::Number("1"),
+        Kind::Number("1", NotNegative),
         "0",
         "recovery b of the back stress, which tends to c/b in shear; 0: none",
     )
     .only_with(MODEL, &["kinematic"]),
     parameter(
         "plasticity.voids",
-        Kind::Number("1"),
+        Kind::Number("1", Fraction),
         "0.01",
         "volume fraction of voids at first yield",
     )
     .only_with(MODEL, &["gurson"]),
     parameter(
         "plasticity.q1",
-        Kind::Positive("1"),
+        Kind::Number("1", Positive),
         "1.5",
         "Tvergaard's constant q1; 1 for Gurson's law as published",
     )
     .only_with(MODEL, &["gurson"]),
     parameter(
         "plasticity.q2",
-        Kind::Positive("1"),
+        Kind::Number("1", Positive),
         "1",
         "Tvergaard's constant q2",
     )
     .only_with(MODEL, &["gurson"]),
     parameter(
         "plasticity.critical-slope",
-        Kind::Positive("1"),
+        Kind::Number("1", Positive),
         "1",
         "slope M of the critical state line, q = M p",
     )
     .only_with(MODEL, &["cam-clay"]),
     parameter(
         "plasticity.cap-start",
-        Kind::Number("stress"),
+        Kind::Number("stress", NotNegative),
         "20",
         "pressure L at which the cap begins",
     )
     .only_with(MODEL, &["cap"]),
     parameter(
         "plasticity.preconsolidation",
-        Kind::Positive("stress"),
+        Kind::Number("stress", Positive),
         "100",
         "pressure at which the material yields without shear; it grows with compaction",
     )
     .only_with(MODEL, &["cam-clay", "cap"]),
     parameter(
         "plasticity.compressibility",
-        Kind::Positive("1"),
+        Kind::Number("1", Positive),
         "0.05",
         "plastic compaction in which that pressure grows by e, (lambda - kappa)/(1 + e) of soil mechanics",
     )
@@ -257,44 +258,44 @@ pub const PARAMETERS: &[Parameter] = &[
     .only_with(MODEL, HARDENING_WITH_SLIP),
     parameter(
         "plasticity.strength",
-        Kind::Positive("stress"),
+        Kind::Number("stress", Positive),
         "20",
         "yield stress in pure shear at first yield: for j2 1/sqrt(3) of the tensile yield stress, for mohr-coulomb c cos(phi), for gurson of the matrix",
     )
     .only_with(MODEL, WITH_STRENGTH),
     parameter(
         "plasticity.hardening-modulus",
-        Kind::Number("stress"),
+        Kind::Number("stress", Any),
         "2000",
         "plastic modulus h, the slope in shear (for j2 a third of the slope in tension); for peak the slope that decays",
     )
     .only_with(HARDENING, &["linear", "peak"]),
     parameter(
         "plasticity.saturation",
-        Kind::Number("stress"),
+        Kind::Number("stress", NotNegative),
         "10",
         "strength after large slip; below the strength for softening",
     )
     .only_with(HARDENING, &["voce"]),
     parameter(
         "plasticity.residual",
-        Kind::Number("stress"),
+        Kind::Number("stress", NotNegative),
         "10",
         "strength after large slip",
     )
     .only_with(HARDENING, &["peak"]),
     parameter(
         "plasticity.reference-slip",
-        Kind::Positive("1"),
+        Kind::Number("1", Positive),
         "0.05",
         "plastic shear strain in which hardening fades by 1/e; power: that counts as one",
     )
     .only_with(HARDENING, &["voce", "power", "peak"]),
     parameter(
         "plasticity.exponent",
-        Kind::Number("1"),
+        Kind::Number("1", Within(-100.0, 1.0)),
         "0.1",
-        "exponent of the power law, at most 1; negative for softening",
+        "exponent of the power law; negative for softening",
     )
     .only_with(HARDENING, &["power"]),
     parameter(
@@ -312,7 +313,7 @@ pub const PARAMETERS: &[Parameter] = &[
     ),
     parameter(
         "plasticity.strain-ratio",
-        Kind::Number("1"),
+        Kind::Number("1", Within(-1.0, 1.0)),
         "0",
         "strain along axis 2 by that along axis 1, above -1 and at most 1",
     )
@@ -347,13 +348,13 @@ pub const PARAMETERS: &[Parameter] = &[
     ),
     parameter(
         CONFINEMENT,
-        Kind::Number("stress"),
+        Kind::Number("stress", NotNegative),
         "0",
         "initial pressure, kept by constant lateral stresses; with cam-clay half of plasticity.preconsolidation unless it is set",
     ),
     parameter(
         "plasticity.slip",
-        Kind::Positive("1"),
+        Kind::Number("1", Within(1e-9, 1e3)),
         "0.2",
         "plastic shear strain at the end of the path",
     ),
@@ -808,7 +809,10 @@ mod tests {
         assert!(
             error("plasticity.exponent=0.2").contains("only with plasticity.hardening = power")
         );
-        assert!(error("plasticity.strength=-1").contains("expected a positive number (stress)"));
+        assert!(
+            error("plasticity.strength=-1")
+                .contains("expected a positive number from 1e-20 to 1e20 (stress)")
+        );
         assert!(error("plasticity.strength").contains("not an assignment"));
         assert!(error("plasticity.model=umat").contains("material.library"));
         assert!(error("material.library=a.so").contains("only with plasticity.model = umat"));

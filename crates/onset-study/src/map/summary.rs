@@ -4,7 +4,7 @@ use super::fields::verdicts;
 use super::proved::Proofs;
 pub use super::proved::Proved;
 use super::record::{Outcomes, Proof};
-use crate::answers::Evidence;
+use crate::answers::{Evidence, note_on_mapped_body};
 use crate::number::counted;
 use crate::settings::Study;
 use onset::verdict::Verdict;
@@ -122,6 +122,9 @@ pub struct Summary {
     pub seconds: f64,
     /// States computed by this run per second.
     pub states_per_second: f64,
+    /// What a reader of the map must know.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
 }
 
 impl Summary {
@@ -166,6 +169,7 @@ impl Summary {
             tiles,
             seconds,
             states_per_second: tally.fresh as f64 / seconds.max(f64::MIN_POSITIVE),
+            notes: note_on_mapped_body(study).into_iter().collect(),
         }
     }
 
@@ -237,6 +241,8 @@ impl fmt::Display for Summary {
                 self.tiles
             )?;
         }
-        Ok(())
+        self.notes
+            .iter()
+            .try_for_each(|note| write!(formatter, "\nnote: {note}"))
     }
 }

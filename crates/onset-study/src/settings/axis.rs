@@ -1,6 +1,7 @@
 //! The axes of a study: which quantity a map varies, over which range, in how many states.
 
-use super::{KEYS, Key, Kind, Units, units};
+use super::key::OF_ANY_DIMENSION;
+use super::{KEYS, Key, Kind, Units, Value, units};
 
 /// Quantity that an axis varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,28 +72,30 @@ impl Quantity {
         }
     }
 
+    /// Kind of the key that sets the quantity. The law itself restricts its parameters.
+    fn kind(self) -> Kind {
+        match self {
+            Self::Setting(key) if key.is_parameter() => {
+                Kind::Number(key.unit().unwrap_or("1"), OF_ANY_DIMENSION)
+            }
+            Self::Setting(key) => key.kind,
+            _ => Key::named(&self.key_name()).map_or(Kind::Text, |key| key.kind),
+        }
+    }
+
     /// Description of the admissible values.
     pub fn expects(self) -> String {
-        match self {
-            Self::Rotation => "an angle from -2 pi to 2 pi (rad)".to_owned(),
-            Self::Shear => Kind::Number("1").expects(),
-            Self::Stretch(_) => Kind::Positive("1").expects(),
-            Self::Setting(key) => key.expects(),
-        }
+        self.kind().expects()
+    }
+
+    /// The smallest and the largest value.
+    pub fn limits(self) -> Option<[f64; 2]> {
+        self.kind().limits()
     }
 
     /// Returns true if the quantity can have this value.
     pub fn admits(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Self::Stretch(_) => value > 0.0,
-                Self::Shear => true,
-                Self::Rotation => value.abs() <= std::f64::consts::TAU,
-                Self::Setting(key) => match key.kind {
-                    Kind::Positive(_) => value > 0.0,
-                    _ => true,
-                },
-            }
+        self.kind().accepts(&Value::Number(value))
     }
 }
 

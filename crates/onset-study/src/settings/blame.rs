@@ -126,7 +126,7 @@ impl Settings {
 
     /// Refuses values that no method admits. A support that is too small only for this method is not checked here.
     pub(super) fn check_admitted(&self) -> Result<(), SettingError> {
-        let checked = method(self).and_then(|method| check_method(&method));
+        let checked = check_method(&method(self));
         let error = checked.err().filter(|error| {
             matches!(
                 error,

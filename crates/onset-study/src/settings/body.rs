@@ -6,6 +6,7 @@ use super::toml::{File, described, in_order, typed};
 use super::{Key, Kind, Origin, SettingError, Units, Value, units, unknown_key};
 use crate::input;
 use crate::number::counted;
+use onset::material::Admitted::{Any, NotNegative, Positive};
 use onset::motion::{BodyParticles, Contact, Grip, Notch, PlacedParticle, Shape};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -25,49 +26,49 @@ pub const BODY_KEYS: &[Key] = &[
     ),
     key(
         "body.size",
-        Kind::Numbers,
+        Kind::Numbers("1", Any),
         "sides in spacings, from the origin on: of a bar its length and its width, of a block or a plate one for each dimension",
     )
     .only_with(&[&[is("body.shape", BLOCKS)]]),
     key(
         "body.hole",
-        Kind::Positive("1"),
+        Kind::Number("1", Positive),
         "radius in spacings of a round hole in the middle of a plate",
     )
     .only_with(&[&[is("body.shape", &["plate"])]]),
     key(
         "body.notch",
-        Kind::Numbers,
+        Kind::Numbers("1", Any),
         "depth and width in spacings of a notch in a plate, at the middle of its first side, from below",
     )
     .only_with(&[&[is("body.shape", &["plate"])]]),
     key(
         "body.radius",
-        Kind::Positive("1"),
+        Kind::Number("1", Positive),
         "outer radius in spacings; the center is at the origin",
     )
     .only_with(&[&[is("body.shape", ROUND)]]),
     key(
         "body.inner-radius",
-        Kind::Positive("1"),
+        Kind::Number("1", Positive),
         "inner radius of a ring in spacings",
     )
     .only_with(&[&[is("body.shape", &["ring"])]]),
     key(
         "body.height",
-        Kind::Positive("1"),
+        Kind::Number("1", Positive),
         "height in spacings of a disk or a ring in three dimensions, from zero on",
     )
     .only_with(&[&[is("body.shape", ROUND)]]),
     key(
         "body.second",
-        Kind::Numbers,
+        Kind::Numbers("1", Any),
         "shift of a second copy of the shape, a vector in spacings with a number for each dimension",
     )
     .only_with(&[&[is("body.shape", CUT)]]),
     key(
         "body.contact",
-        Kind::Positive("1"),
+        Kind::Number("1", Positive),
         "stiffness of the contact between pieces of total-Lagrangian particles, relative to the material; no contact when left out",
     ),
     key(
@@ -85,27 +86,27 @@ const RIM: f64 = 1e-9;
 pub const GRIP_KEYS: &[Key] = &[
     key(
         "grips.from",
-        Kind::Numbers,
+        Kind::Numbers("1", Any),
         "lower corner of the box that holds the gripped particles in the reference state, in spacings",
     ),
     key(
         "grips.to",
-        Kind::Numbers,
+        Kind::Numbers("1", Any),
         "upper corner of the box, in spacings",
     ),
     key(
         "grips.velocity",
-        Kind::Numbers,
+        Kind::Numbers("length/time", Any),
         "velocity that the particles are given, a number for each dimension (length/time)",
     ),
     key(
         "grips.ramp",
-        Kind::Number("time"),
+        Kind::Number("time", NotNegative),
         "time in which the velocity rises smoothly from zero; immediately when left out",
     ),
     key(
         "grips.until",
-        Kind::Number("time"),
+        Kind::Number("time", NotNegative),
         "time at which the grip lets its particles go with the velocity that they have, 0 for particles that only start with it; never when left out",
     ),
 ];

@@ -1,6 +1,6 @@
 //! Comparisons of several methods for one material, from TOML.
 
-use super::key::key;
+use super::key::{STRETCH, key};
 use super::renamed;
 use super::study;
 use super::toml::{File, described, in_order, list, read_keys, scalar, typed};
@@ -9,6 +9,8 @@ use super::{
 };
 use crate::compare::PANELS;
 use crate::number::counted;
+use onset::kinematics::STRETCHES;
+use onset::material::Admitted::{Between, Positive};
 use onset::time_step::Integrator;
 use onset::verdict::WEAK;
 use serde::Serialize;
@@ -18,7 +20,7 @@ use toml::de::{DeArray, DeTable, DeValue};
 pub const COMPARISON_KEYS: &[Key] = &[
     key(
         "compare.stretches",
-        Kind::Numbers,
+        Kind::Numbers("1", STRETCH),
         "smallest and largest stretch of the states for which verdicts are compared",
     ),
     key(
@@ -28,17 +30,17 @@ pub const COMPARISON_KEYS: &[Key] = &[
     ),
     key(
         "compare.tension",
-        Kind::Positive("1"),
-        "largest stretch of the search for onsets in tension; more than 1",
+        Kind::Number("1", Between(1.0, STRETCHES.1)),
+        "largest stretch of the search for onsets in tension",
     ),
     key(
         "compare.compression",
-        Kind::Positive("1"),
-        "smallest stretch of the search for onsets in compression; less than 1",
+        Kind::Number("1", Between(STRETCHES.0, 1.0)),
+        "smallest stretch of the search for onsets in compression",
     ),
     key(
         "compare.weak",
-        Kind::Positive("1"),
+        Kind::Number("1", Positive),
         "waves slower than this share of the material's slowest wave are listed as weakly controlled",
     ),
     key(

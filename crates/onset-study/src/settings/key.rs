@@ -7,6 +7,8 @@ use super::moduli::{MODULI, is_modulus};
 use super::needs::{Cases, is, is_not};
 use super::renamed;
 use super::{MapSettings, Model, OUTPUTS, Plane, StateSettings, Value, aliases, word_of};
+use onset::kinematics::STRETCHES;
+use onset::material::Admitted::{self, Any, Between, Positive, Within};
 use onset::material::Parameter;
 use onset::method::KernelMethodChoices;
 use onset::time_step::Integrator;
@@ -20,10 +22,8 @@ pub enum Kind {
     Words(&'static [&'static str]),
     /// One word of a list, or a text of another kind.
     WordsOr(&'static [&'static str], &'static str),
-    /// A finite number, in a unit.
-    Number(&'static str),
-    /// A positive finite number, in a unit.
-    Positive(&'static str),
+    /// A number in a unit, within limits.
+    Number(&'static str, Admitted),
     /// A whole number between two limits.
     Whole(u32, u32),
     /// A power of two between two limits.
@@ -32,8 +32,8 @@ pub enum Kind {
     Switch,
     /// An arbitrary text, such as a formula.
     Text,
-    /// A list of finite numbers.
-    Numbers,
+    /// A list of numbers in a unit, each within limits.
+    Numbers(&'static str, Admitted),
     /// A list of some of these words.
     Subset(&'static [&'static str]),
 }
@@ -48,13 +48,18 @@ impl Kind {
         match self {
             Self::Words(words) => words.join(" | "),
             Self::WordsOr(words, other) => format!("{} | {other}", words.join(" | ")),
-            Self::Number(unit) => with_unit("a number", unit),
-            Self::Positive(unit) => with_unit("a positive number", unit),
+            Self::Number(unit, admitted) => with_unit(&admitted.expected(unit), unit),
             Self::Whole(least, most) => format!("a whole number from {least} to {most}"),
             Self::PowerOfTwo(least, most) => format!("a power of two from {least} to {most}"),
             Self::Switch => "true | false".to_owned(),
             Self::Text => "a text".to_owned(),
-            Self::Numbers => "a list of numbers".to_owned(),
+            Self::Numbers(unit, admitted) => {
+                let numbers = admitted.expected(unit).replacen("number", "numbers", 1);
+                with_unit(
+                    &format!("a list of{}", numbers.trim_start_matches('a')),
+                    unit,
+                )
+            }
             Self::Subset(words) => format!("a list of some of {}, each once", words.join(", ")),
         }
     }
@@ -63,24 +68,24 @@ impl Kind {
     pub fn takes(self) -> Option<&'static str> {
         match self {
             Self::Words(_) => None,
-            Self::Number(_) | Self::Positive(_) => Some("number"),
+            Self::Number(..) => Some("number"),
             Self::Whole(..) | Self::PowerOfTwo(..) => Some("whole"),
             Self::Switch => Some("switch"),
-            Self::WordsOr(..) | Self::Text | Self::Numbers | Self::Subset(_) => Some("text"),
+            Self::WordsOr(..) | Self::Text | Self::Numbers(..) | Self::Subset(_) => Some("text"),
         }
     }
 
-    /// Smallest and largest value of a whole number.
-    pub fn limits(self) -> Option<[u32; 2]> {
+    /// Smallest and largest number; `None` if the key takes no number.
+    pub fn limits(self) -> Option<[f64; 2]> {
         match self {
-            Self::Whole(least, most) | Self::PowerOfTwo(least, most) => Some([least, most]),
+            Self::Whole(least, most) | Self::PowerOfTwo(least, most) => {
+                Some([least, most].map(f64::from))
+            }
+            Self::Number(unit, admitted) | Self::Numbers(unit, admitted) => {
+                Some(admitted.limits(unit))
+            }
             _ => None,
         }
-    }
-
-    /// Returns true if numbers must be positive.
-    pub fn is_positive(self) -> bool {
-        matches!(self, Self::Positive(_))
     }
 
     /// Returns true if the value is of this kind.
@@ -98,10 +103,11 @@ impl Kind {
                 let is_known = |n: usize| words.contains(&chosen[n].as_str());
                 (0..chosen.len()).all(|n| is_known(n) && is_new(n))
             }
-            (Self::Numbers, Value::Numbers(numbers)) => numbers.iter().all(|n| n.is_finite()),
-            (kind, Value::Number(number)) if number.is_finite() => match kind {
-                Self::Number(_) => true,
-                Self::Positive(_) => *number > 0.0,
+            (Self::Numbers(unit, admitted), Value::Numbers(numbers)) => {
+                numbers.iter().all(|number| admitted.holds(*number, unit))
+            }
+            (kind, Value::Number(number)) => match kind {
+                Self::Number(unit, admitted) => admitted.holds(*number, unit),
                 Self::Whole(least, most) => whole(*number, least, most),
                 Self::PowerOfTwo(least, most) => {
                     whole(*number, least, most) && (*number as u32).is_power_of_two()
@@ -110,7 +116,7 @@ impl Kind {
                 | Self::WordsOr(..)
                 | Self::Switch
                 | Self::Text
-                | Self::Numbers
+                | Self::Numbers(..)
                 | Self::Subset(_) => false,
             },
             _ => false,
@@ -189,21 +195,44 @@ fn parameter_keys() -> Vec<Key> {
                 Some((model, own.find(|own| own.name == parameter.name)?))
             })
         };
-        // The law itself restricts the number, because a user-defined model may use the name for another parameter.
-        let kind = Kind::Number(parameter.unit);
+        let kind = Kind::Number(parameter.unit, hull(of_name().map(|(_, own)| own)));
         keys.push(key(name.leak(), kind, meaning(of_name()).leak()));
     }
-    for (name, unit, meaning) in MODULI {
+    for (name, unit, admitted, meaning) in MODULI {
         let name = format!("material.{name}").leak();
-        keys.push(key(name, Kind::Number(unit), meaning));
+        keys.push(key(name, Kind::Number(unit, admitted), meaning));
     }
     keys
 }
 
+/// Union of the ranges of a parameter in all laws. The law itself restricts the number further, and a user-defined model may use the name for another
+/// parameter.
+fn hull(parameters: impl Iterator<Item = &'static Parameter>) -> Admitted {
+    let mut all = parameters.map(|own| (own.admitted, own.admitted.limits(own.unit)));
+    let Some((first, [mut low, mut high])) = all.next() else {
+        return Any;
+    };
+    let mut is_one = true;
+    for (other, limits) in all {
+        is_one &= other == first;
+        (low, high) = (low.min(limits[0]), high.max(limits[1]));
+    }
+    if is_one { first } else { Within(low, high) }
+}
+
+/// Range of positive ratios.
+const RATIO: Admitted = Within(1e-3, 1e3);
+/// Range of principal stretches.
+pub(super) const STRETCH: Admitted = Within(STRETCHES.0, STRETCHES.1);
+/// Range of support radii and horizons in spacings.
+pub(super) const IN_SPACINGS: Admitted = Within(1e-3, 1e4);
+/// Range of the parameters of a user-defined model.
+pub(super) const OF_ANY_DIMENSION: Admitted = Within(-1e30, 1e30);
+
 /// Key that sets the support in smoothing lengths; the support is the setting in effect.
 static SMOOTHING_LENGTH: Key = key(
     aliases::SMOOTHING_LENGTH,
-    Kind::Positive("1"),
+    Kind::Number("1", Positive),
     "smoothing length over the spacing, h/dx: sets discretization.support to R0/h times it, with the support radius R0 over the \
      smoothing length h of the kernel (2 for the cubic spline)",
 )
@@ -264,19 +293,19 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     .only_with(LATTICE),
     key(
         "discretization.aspect",
-        Kind::Positive("1"),
+        Kind::Number("1", RATIO),
         "rectangular lattice: the second side over the first",
     )
     .only_with(&[&[is("discretization.lattice", &["rectangular"])]]),
     key(
         "discretization.vectors",
-        Kind::Numbers,
+        Kind::Numbers("1", Any),
         "oblique and triclinic lattice: components of the primitive vectors in spacings, one vector after the other",
     )
     .only_with(&[&[is("discretization.lattice", &["oblique", "triclinic"])]]),
     key(
         "discretization.basis",
-        Kind::Numbers,
+        Kind::Numbers("1", Any),
         "more particles in the cell, the first being at the origin: their lattice coordinates, one particle after the other",
     )
     .only_with(CRYSTAL),
@@ -288,7 +317,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     .only_with(CRYSTAL),
     key(
         "discretization.perturbation",
-        Kind::Number("1"),
+        Kind::Number("1", Within(0.0, 0.5)),
         "largest random offset of a particle along each axis, in spacings",
     )
     .only_with(CRYSTAL),
@@ -300,12 +329,12 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     .only_with(DISORDERED),
     key(
         "discretization.spacing",
-        Kind::Positive("length"),
+        Kind::Number("length", Positive),
         "distance of nearest particles or nodes (for material points, the side of a grid cell); the unit of vectors and support",
     ),
     key(
         "discretization.density",
-        Kind::Positive("mass/volume"),
+        Kind::Number("mass/volume", Positive),
         "reference density",
     ),
     key(
@@ -316,7 +345,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     .only_with(WEIGHTED),
     key(
         "discretization.support",
-        Kind::Positive("1"),
+        Kind::Number("1", IN_SPACINGS),
         "support radius in units of discretization.spacing, D_mx",
     )
     .only_with(WEIGHTED),
@@ -349,7 +378,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     .only_with(KERNEL_METHOD),
     key(
         "discretization.stress-point-weight",
-        Kind::Positive("1"),
+        Kind::Number("1", Between(0.0, 1.0)),
         "fraction of the cell's volume at the stress points, below 1; Voronoi volumes unless it is set",
     )
     .only_with(&[&[is("discretization.quadrature", &["stress-points"])]]),
@@ -361,7 +390,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     .only_with(&[&[is("discretization.quadrature", &["gauss"])]]),
     key(
         "discretization.points",
-        Kind::Numbers,
+        Kind::Numbers("1", Any),
         "for each point its lattice coordinates and its fraction of the cell's volume, in one list; \
          the fractions add up to 1",
     )
@@ -408,27 +437,27 @@ const DISCRETIZATION_KEYS: &[Key] = &[
 pub const STATE_KEYS: &[Key] = &[
     key(
         "state.stretch-1",
-        Kind::Positive("1"),
+        Kind::Number("1", STRETCH),
         "first stretch, where no axis varies it",
     ),
     key(
         "state.stretch-2",
-        Kind::Positive("1"),
+        Kind::Number("1", STRETCH),
         "second stretch, where no axis varies it",
     ),
     key(
         "state.stretch-3",
-        Kind::Positive("1"),
+        Kind::Number("1", STRETCH),
         "third stretch (in two dimensions out of the plane), where no axis varies it",
     ),
     key(
         "state.shear",
-        Kind::Number("1"),
+        Kind::Number("1", Any),
         "amount of shear, where no axis varies it",
     ),
     key(
         "state.rotation",
-        Kind::Number("rad"),
+        Kind::Number("rad", Any),
         "angle of the lattice against the load about the third axis, where no axis varies it",
     ),
 ];
@@ -453,7 +482,7 @@ pub const MAP_KEYS: &[Key] = &[
     ),
     key(
         "map.tolerance",
-        Kind::Positive("1"),
+        Kind::Number("1", Within(1e-9, 1.0)),
         "how far from the boundary a certified state may stay undecided",
     )
     .only_with(&[&[is("map.certify", &["true"])]]),
@@ -491,7 +520,11 @@ fn free_parameter(name: &str) -> &'static Key {
     known.entry(name.to_owned()).or_insert_with(|| {
         let name: &'static str = name.to_owned().leak();
         let meaning = "a user-defined parameter";
-        Box::leak(Box::new(key(name, Kind::Number("1"), meaning)))
+        Box::leak(Box::new(key(
+            name,
+            Kind::Number("1", OF_ANY_DIMENSION),
+            meaning,
+        )))
     })
 }
 
@@ -567,7 +600,7 @@ impl Key {
     /// Unit or dimension of a number; `1` if dimensionless.
     pub fn unit(&self) -> Option<&'static str> {
         match self.kind {
-            Kind::Number(unit) | Kind::Positive(unit) => Some(unit),
+            Kind::Number(unit, _) => Some(unit),
             _ => None,
         }
     }

@@ -1,6 +1,7 @@
 //! The material as set: a model with its parameters.
 
 use super::error::{Origin, SettingError, nearest};
+use super::key::OF_ANY_DIMENSION;
 use super::model::{LIBRARY, sum};
 use super::{
     HandedLaw, Key, Kind, Model, Settings, TRUST_VARIABLE, Trust, Units, Value, aliases, moduli,
@@ -46,6 +47,10 @@ pub struct MaterialSettings {
     allowed: Option<PathBuf>,
     /// Law that the calling program defines.
     pub(super) handed: Option<HandedLaw>,
+    /// Notes on the block of another program from which the law was read.
+    notes: Vec<String>,
+    /// Title of the law, if it differs from the name of its model.
+    title: Option<String>,
 }
 
 impl MaterialSettings {
@@ -63,7 +68,25 @@ impl MaterialSettings {
             with_units: BTreeSet::new(),
             allowed: None,
             handed: None,
+            notes: Vec::new(),
+            title: None,
         }
+    }
+
+    /// Sets the notes and the title of a law that was read from a block of another program.
+    pub fn read_with(mut self, notes: Vec<String>, title: Option<String>) -> Self {
+        (self.notes, self.title) = (notes, title);
+        self
+    }
+
+    /// Notes on the block of another program from which the law was read.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Title of the law, if it differs from the name of its model.
+    pub(crate) fn title(&self) -> Option<&str> {
+        self.title.as_deref()
     }
 
     /// Returns true for a law of the calling program, which no file or command can name.
@@ -177,7 +200,9 @@ impl MaterialSettings {
     /// Sets a key of the material other than its model; returns false if the value is of a wrong kind. The law itself checks numbers.
     pub(super) fn set(&mut self, key: &'static Key, value: &Value, origin: Origin) -> bool {
         let takes = match key.kind {
-            Kind::Number(_) | Kind::Positive(_) => value.number().is_some(),
+            Kind::Number(..) => value
+                .number()
+                .is_some_and(|number| OF_ANY_DIMENSION.holds(number, "1")),
             kind => kind.accepts(value),
         };
         let name = key.parts().1;

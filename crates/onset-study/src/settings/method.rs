@@ -1,8 +1,9 @@
 //! Families of methods, and the settings of all families except the kernel methods.
 
 use super::Value;
-use super::key::{Key, Kind, key};
+use super::key::{IN_SPACINGS, Key, Kind, key};
 use super::needs::{Cases, is, is_not};
+use onset::material::Admitted::{Any, Fraction, NotNegative, Within};
 use onset::method::CurrentLattice;
 use onset::scheme::conforming::SmoothingDomain;
 use onset::scheme::element::{ElementMass, ElementMesh, HourglassScale, Integration};
@@ -363,7 +364,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     .only_with(UPDATED_SPH),
     key(
         "discretization.penalty",
-        Kind::Number("1"),
+        Kind::Number("1", NotNegative),
         "total-Lagrangian SPH: coefficient of the zero-energy-mode penalty (Ganzenmueller)",
     )
     .only_with(TOTAL_SPH),
@@ -376,7 +377,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     .only_with(PENALIZED),
     key(
         "discretization.viscosity",
-        Kind::Number("1"),
+        Kind::Number("1", NotNegative),
         "SPH: linear coefficient of artificial viscosity (Monaghan)",
     )
     .only_with(SPH),
@@ -388,19 +389,19 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     .only_with(VISCOUS),
     key(
         "discretization.artificial-stress",
-        Kind::Number("1"),
+        Kind::Number("1", NotNegative),
         "updated SPH: coefficient of artificial stress (Gray, Monaghan, Swift)",
     )
     .only_with(UPDATED_SPH),
     key(
         "discretization.artificial-stress-exponent",
-        Kind::Number("1"),
+        Kind::Number("1", Within(0.0, 100.0)),
         "updated SPH: exponent of artificial stress",
     )
     .only_with(ARTIFICIALLY_STRESSED),
     key(
         "discretization.velocity-smoothing",
-        Kind::Number("1"),
+        Kind::Number("1", NotNegative),
         "SPH: coefficient of smoothed velocities (XSPH)",
     )
     .only_with(SPH),
@@ -435,13 +436,13 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     .only_with(MULTILINEAR),
     key(
         "discretization.hourglass-stiffness",
-        Kind::Number("1"),
+        Kind::Number("1", NotNegative),
         "finite elements: coefficient of hourglass stiffness (Flanagan, Belytschko)",
     )
     .only_with(ONE_POINT),
     key(
         "discretization.hourglass-viscosity",
-        Kind::Number("1"),
+        Kind::Number("1", NotNegative),
         "finite elements: coefficient of hourglass viscosity (Flanagan, Belytschko)",
     )
     .only_with(ONE_POINT),
@@ -465,13 +466,13 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     .only_with(CONFORMING),
     key(
         "discretization.modification",
-        Kind::Number("1"),
-        "conforming nodal integration: coefficient of the modification (M-SCNI), from 0 to 1",
+        Kind::Number("1", Fraction),
+        "conforming nodal integration: coefficient of the modification (M-SCNI)",
     )
     .only_with(CONFORMING),
     key(
         "discretization.horizon",
-        Kind::Positive("1"),
+        Kind::Number("1", IN_SPACINGS),
         "peridynamics: the horizon in particle spacings, which disorder leaves as they are",
     )
     .only_with(PERIDYNAMICS),
@@ -507,7 +508,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     .only_with(CORRESPONDENCE),
     key(
         "discretization.control-coefficient",
-        Kind::Number("1"),
+        Kind::Number("1", NotNegative),
         "correspondence peridynamics: coefficient of the control",
     )
     .only_with(CONTROL),
@@ -525,7 +526,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     .only_with(SEVERAL_POINTS),
     key(
         "discretization.offset",
-        Kind::Number("1"),
+        Kind::Number("1", Any),
         "material points: a shift of all of them along each axis, in spacings",
     )
     .only_with(POINTS),
@@ -555,13 +556,13 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     .only_with(OF_POINTS),
     key(
         "discretization.flip-share",
-        Kind::Number("1"),
+        Kind::Number("1", Fraction),
         "material points: fraction of its velocity that a point keeps in a step, from 0 (PIC) to 1 (FLIP)",
     )
     .only_with(FLIP),
     key(
         "discretization.time-step",
-        Kind::Number("time"),
+        Kind::Number("time", NotNegative),
         "material points: time step for growth rates and onset simulate; 0 for half of the largest stable step",
     )
     .only_with(TRANSFERRED),

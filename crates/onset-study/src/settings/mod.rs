@@ -44,6 +44,7 @@ pub use method::{Bonds, Control, Family, MethodSettings, Unknowns, Velocities};
 pub use model::{HandedLaw, Model, OwnModel};
 pub use needs::{Cases, Need, Unmet};
 pub use notes::notes_on_settings;
+pub use onset::material::Admitted;
 pub(crate) use renamed::topic as renamed_topic;
 pub use renamed::{renamed_command, verdict as verdict_named};
 pub use schema::schema;
@@ -338,8 +339,19 @@ impl Settings {
         let key = renamed::of_word(key, value);
         let (name, typed) = (key.name, value);
         let wrong = |origin: Origin| {
-            SettingError::new(origin, format!("`{name}` cannot be {typed}"))
-                .hint(format!("expected {} ({})", key.expects(), key.meaning))
+            // What is tried along a range is refused with the message alone.
+            let (range, hint) = match (key.kind.limits(), typed.is_measure()) {
+                (Some(_), true) => (
+                    format!("; expected {}", key.expects()),
+                    key.meaning.to_owned(),
+                ),
+                _ => (
+                    String::new(),
+                    format!("expected {} ({})", key.expects(), key.meaning),
+                ),
+            };
+            SettingError::new(origin, format!("`{name}` cannot be {typed}{range}"))
+                .hint(hint)
                 .nearest_word(key.name, typed, key.words())
         };
         let measured = units::converted(key, typed, &origin)?;
@@ -347,17 +359,14 @@ impl Settings {
         let meant = aliases::meant(key, typed, &origin)?;
         let value = measured.as_ref().unwrap_or(&*meant);
         self.check_support_is_set_once(name, &origin)?;
-        let number = value.number();
+        // The law itself restricts its parameters, because a user-defined model may use the name for another one.
+        let accepted = Some(value).filter(|value| key.kind.accepts(value));
+        let number = accepted.and_then(Value::number);
+        let numbers = || accepted.and_then(Value::numbers).map(<[f64]>::to_vec);
         let discretization = &mut self.discretization;
         let done = match name {
             "discretization.aspect" => assign(&mut discretization.aspect, number),
-            "discretization.vectors" => assign(
-                &mut discretization.vectors,
-                match value {
-                    Value::Numbers(numbers) => Some(numbers.clone()),
-                    _ => None,
-                },
-            ),
+            "discretization.vectors" => assign(&mut discretization.vectors, numbers()),
             "discretization.spacing" => assign(&mut discretization.spacing, number),
             "discretization.density" => assign(&mut discretization.density, number),
             "discretization.support" => {
@@ -365,8 +374,7 @@ impl Settings {
                 assign(&mut discretization.support, number)
             }
             aliases::SMOOTHING_LENGTH => {
-                let length = number.filter(|_| key.kind.accepts(value));
-                let length = length.map(|length| Some((length, origin.clone())));
+                let length = number.map(|length| Some((length, origin.clone())));
                 assign(&mut self.smoothing_length, length)
             }
             "discretization.lattice" => {
@@ -391,21 +399,12 @@ impl Settings {
             }
             "discretization.gauss-points" => assign(
                 &mut discretization.gauss_points,
-                // A whole number from 1 to 4.
-                number
-                    .filter(|_| key.kind.accepts(value))
-                    .map(|number| number as u32),
+                number.map(|number| number as u32),
             ),
-            "discretization.points" => assign(
-                &mut discretization.points,
-                value.numbers().map(<[f64]>::to_vec),
-            ),
-            "discretization.basis" => assign(
-                &mut discretization.basis,
-                value.numbers().map(<[f64]>::to_vec),
-            ),
+            "discretization.points" => assign(&mut discretization.points, numbers()),
+            "discretization.basis" => assign(&mut discretization.basis, numbers()),
             "discretization.cells" | "discretization.seed" => {
-                let whole = number.filter(|_| key.kind.accepts(value)).map(|n| n as u32);
+                let whole = number.map(|number| number as u32);
                 let target = match name {
                     "discretization.cells" => &mut discretization.cells,
                     _ => &mut discretization.seed,
@@ -574,7 +573,7 @@ impl Value {
         let word = || Self::Word(text.trim_matches('"').to_owned());
         match (expected, text, text.parse()) {
             (Some(Kind::Text), _, _) => word(),
-            (Some(Kind::Numbers), _, _) => numbers(text).map_or_else(word, Self::Numbers),
+            (Some(Kind::Numbers(..)), _, _) => numbers(text).map_or_else(word, Self::Numbers),
             (Some(Kind::Subset(_)), _, _) => Self::Words(words(text)),
             (_, "true", _) => Self::Switch(true),
             (_, "false", _) => Self::Switch(false),
@@ -640,7 +639,11 @@ impl std::fmt::Display for Value {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             // An exponent avoids hundreds of digits.
-            Self::Number(number) if number.abs() >= 1e16 => write!(formatter, "{number:e}"),
+            Self::Number(number)
+                if number.abs() >= 1e16 || (*number != 0.0 && number.abs() < 1e-6) =>
+            {
+                write!(formatter, "{number:e}")
+            }
             Self::Number(number) => write!(formatter, "{number}"),
             Self::Word(word) => write!(formatter, "\"{word}\""),
             Self::Switch(on) => write!(formatter, "{on}"),

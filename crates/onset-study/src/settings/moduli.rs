@@ -3,28 +3,32 @@
 //! The stiffness of a law at small strains is linear in its parameters with the dimension of a stress. The parameters in the shear modulus are
 //! multiplied by one factor, so that they keep their default ratios. The remaining parameters in the bulk modulus are multiplied by another factor.
 
-use onset::material::{Law, Symmetry};
+use onset::material::{Admitted, Law, Symmetry};
 
 /// The names, in the order of the documentation.
-pub(super) const MODULI: [(&str, &str, &str); 4] = [
+pub(super) const MODULI: [(&str, &str, Admitted, &str); 4] = [
     (
         "young",
         "stress",
+        Admitted::Positive,
         "Young's modulus at small strains, together with one of poisson, bulk or shear, instead of the law's parameters",
     ),
     (
         "poisson",
         "1",
+        Admitted::Between(-1.0, 0.5),
         "Poisson's ratio at small strains, together with one of young, bulk or shear",
     ),
     (
         "bulk",
         "stress",
+        Admitted::Positive,
         "bulk modulus at small strains, together with one of young, poisson or shear",
     ),
     (
         "shear",
         "stress",
+        Admitted::Positive,
         "shear modulus at small strains, together with one of young, poisson or bulk",
     ),
 ];
@@ -50,15 +54,11 @@ fn shear_and_bulk(given: &[(&str, f64)]) -> Result<(f64, f64), String> {
             .find(|(own, _)| *own == name)
             .map(|(_, value)| *value)
     };
-    if let Some(nu) = of("poisson").filter(|nu| !(-1.0 < *nu && *nu < 0.5)) {
-        return Err(format!(
-            "material.poisson is {nu}; expected a number above -1 and below 0.5"
-        ));
-    }
-    for name in ["young", "bulk", "shear"] {
-        if let Some(value) = of(name).filter(|value| !(*value > 0.0 && value.is_finite())) {
+    for (name, unit, admitted, _) in MODULI {
+        if let Some(value) = of(name).filter(|value| !admitted.holds(*value, unit)) {
             return Err(format!(
-                "material.{name} is {value}; expected a positive number"
+                "material.{name} is {value:?}; expected {}",
+                admitted.expected(unit)
             ));
         }
     }

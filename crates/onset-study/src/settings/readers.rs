@@ -102,7 +102,7 @@ fn values(key: &Key) -> Vec<String> {
         Kind::Words(words) | Kind::WordsOr(words, _) => words,
         Kind::Switch => &["true", "false"],
         Kind::Whole(..) => &["2", "3"],
-        Kind::Numbers => match key.name {
+        Kind::Numbers(..) => match key.name {
             "discretization.vectors" => &["1,0.1,0,1"],
             "discretization.basis" => &["0.4,0.45"],
             _ => &["0.2,0.1,1"],

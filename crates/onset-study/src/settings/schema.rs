@@ -138,18 +138,19 @@ fn keys_of(model: Model) -> Value {
 
 /// Schema of a parameter of a law.
 fn number(parameter: &Parameter) -> Value {
-    let mut number = match parameter.admitted {
-        Admitted::Any => json!({}),
-        Admitted::Positive => json!({ "exclusiveMinimum": 0 }),
-        Admitted::NotNegative => json!({ "minimum": 0 }),
-        Admitted::Fraction => json!({ "minimum": 0, "maximum": 1 }),
-        Admitted::Between(low, high) => {
-            json!({ "exclusiveMinimum": low, "exclusiveMaximum": high })
-        }
-    };
+    let mut number = limits(parameter.admitted, parameter.unit);
     number["description"] = described(parameter.meaning, Some(parameter.unit));
     number["default"] = parameter.default.into();
     number
+}
+
+/// Range of a number.
+fn limits(admitted: Admitted, unit: &str) -> Value {
+    let [low, high] = admitted.limits(unit);
+    match admitted {
+        Admitted::Between(..) => json!({ "exclusiveMinimum": low, "exclusiveMaximum": high }),
+        _ => json!({ "minimum": low, "maximum": high }),
+    }
 }
 
 /// Description with its unit.
@@ -168,16 +169,22 @@ fn measure() -> Value {
 /// Schema of the value of a key.
 fn property(key: &Key) -> Value {
     let mut property = match key.kind {
-        Kind::Number(unit) if unit != "1" => json!({ "anyOf": [{ "type": "number" }, measure()] }),
-        Kind::Positive(unit) if unit != "1" => {
-            json!({ "anyOf": [{ "type": "number", "exclusiveMinimum": 0 }, measure()] })
+        Kind::Number(unit, admitted) => {
+            // The law limits its parameters.
+            let mut number = match key.is_parameter() {
+                true => json!({}),
+                false => limits(admitted, unit),
+            };
+            number["type"] = "number".into();
+            match unit {
+                "1" => number,
+                _ => json!({ "anyOf": [number, measure()] }),
+            }
         }
         Kind::Words(words) => json!({ "enum": words }),
         Kind::WordsOr(words, other) => {
             json!({ "anyOf": [{ "enum": words }, { "type": "string", "title": other }] })
         }
-        Kind::Number(_) => json!({ "type": "number" }),
-        Kind::Positive(_) => json!({ "type": "number", "exclusiveMinimum": 0 }),
         Kind::Whole(least, most) => {
             json!({ "type": "integer", "minimum": least, "maximum": most })
         }
@@ -191,7 +198,11 @@ fn property(key: &Key) -> Value {
         Kind::Subset(words) => {
             json!({ "type": "array", "items": { "enum": words }, "uniqueItems": true })
         }
-        Kind::Numbers => json!({ "type": "array", "items": { "type": "number" } }),
+        Kind::Numbers(unit, admitted) => {
+            let mut number = limits(admitted, unit);
+            number["type"] = "number".into();
+            json!({ "type": "array", "items": number })
+        }
     };
     property["description"] = described(key.meaning, key.unit());
     if let default @ (Value::Bool(_) | Value::Number(_) | Value::String(_)) = key.default_json() {
@@ -233,9 +244,25 @@ fn methods() -> Value {
 fn axes() -> Value {
     let all = || Quantity::all().chain([Quantity::Setting(smoothing_length())]);
     let names: Vec<&str> = all().map(Quantity::name).collect();
-    let positive: Vec<&str> = all()
-        .filter(|quantity| !quantity.admits(0.0))
-        .map(Quantity::name)
+    let mut by_limits: Vec<([f64; 2], Vec<&str>)> = Vec::new();
+    for quantity in all() {
+        let Some(limits) = quantity.limits() else {
+            continue;
+        };
+        match by_limits.iter_mut().find(|(own, _)| *own == limits) {
+            Some((_, names)) => names.push(quantity.name()),
+            None => by_limits.push((limits, vec![quantity.name()])),
+        }
+    }
+    let limited: Vec<Value> = by_limits
+        .into_iter()
+        .map(|([low, high], names)| {
+            let ends = json!({ "minimum": low, "maximum": high });
+            json!({
+                "if": { "properties": { "quantity": { "enum": names } } },
+                "then": { "properties": { "range": { "items": ends } } }
+            })
+        })
         .collect();
     let (least, most) = STATES;
     json!({
@@ -267,22 +294,7 @@ fn axes() -> Value {
             },
             "required": ["quantity", "range", "states"],
             "additionalProperties": false,
-            "allOf": [
-                {
-                    "if": { "properties": { "quantity": { "enum": positive } } },
-                    "then": { "properties": { "range": { "items": { "exclusiveMinimum": 0 } } } }
-                },
-                {
-                    "if": { "properties": { "quantity": { "const": Quantity::Rotation.name() } } },
-                    "then": {
-                        "properties": {
-                            "range": {
-                                "items": { "minimum": -std::f64::consts::TAU, "maximum": std::f64::consts::TAU }
-                            }
-                        }
-                    }
-                }
-            ]
+            "allOf": limited
         }
     })
 }

@@ -112,7 +112,7 @@ pub(super) fn typed(
     file: &File<'_>,
 ) -> Result<Value, SettingError> {
     let typed = match known.kind {
-        Kind::Numbers => list(value.get_ref()).map(Value::Numbers),
+        Kind::Numbers(..) => list(value.get_ref()).map(Value::Numbers),
         Kind::Subset(_) => words(value.get_ref()).map(Value::Words),
         _ => scalar(value.get_ref()),
     };

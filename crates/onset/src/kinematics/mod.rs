@@ -20,7 +20,7 @@ use thiserror::Error;
 pub struct DeformationGradient<R = f64>([[R; 3]; 3]);
 
 /// Smallest and largest admissible principal stretch.
-const STRETCHES: (f64, f64) = (1e-6, 1e6);
+pub const STRETCHES: (f64, f64) = (1e-6, 1e6);
 
 /// Error of a deformation that is not admissible.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -48,7 +48,7 @@ pub enum KinematicsError {
     /// A principal stretch is too extreme for double precision to distinguish a stiffness from rounding.
     #[error(
         "the deformation is too extreme for double precision: principal stretches from {smallest:.1e} to {largest:.1e}, \
-         admitted are {} to {}",
+         admitted are {:e} to {:e}",
         STRETCHES.0,
         STRETCHES.1
     )]

@@ -7,41 +7,76 @@ use crate::algebra::array_of;
 /// Admissible values of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Admitted {
-    /// All finite numbers, including zero.
+    /// All numbers up to the largest magnitude of the unit: 1e20 with a dimension, 1e6 without, one turn for angles.
     Any,
-    /// Positive finite numbers, excluding zero.
+    /// Positive numbers between that magnitude and its reciprocal.
     Positive,
-    /// Nonnegative finite numbers, including zero.
+    /// Numbers from zero up to that magnitude.
     NotNegative,
     /// Numbers from 0 to 1.
     Fraction,
     /// Numbers between two limits, which are excluded.
     Between(f64, f64),
+    /// Numbers between two limits, which are admitted.
+    Within(f64, f64),
 }
 
+/// No limit is a NaN.
+impl Eq for Admitted {}
+
+/// Largest magnitude of a number with a unit, and reciprocal of the smallest positive one: third powers of products of such numbers neither
+/// overflow nor underflow, and the SI values of atoms and of planets are within.
+const LARGEST_WITH_UNIT: f64 = 1e20;
+/// Largest magnitude of a number without unit, and reciprocal of the smallest positive one.
+const LARGEST_WITHOUT: f64 = 1e6;
+/// Degrees of a full turn.
+const TURN: f64 = 360.0;
+
 impl Admitted {
-    /// Returns true if a value is admissible.
-    pub fn holds(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Self::Any => true,
-                Self::Positive => value > 0.0,
-                Self::NotNegative => value >= 0.0,
-                Self::Fraction => (0.0..=1.0).contains(&value),
-                Self::Between(low, high) => low < value && value < high,
-            }
+    /// The smallest and the largest admitted number in a unit.
+    pub fn limits(self, unit: &str) -> [f64; 2] {
+        let largest = match unit {
+            "1" => LARGEST_WITHOUT,
+            "deg" => TURN,
+            "rad" => std::f64::consts::TAU,
+            _ => LARGEST_WITH_UNIT,
+        };
+        match self {
+            Self::Any => [-largest, largest],
+            Self::Positive => [largest.recip(), largest],
+            Self::NotNegative => [0.0, largest],
+            Self::Fraction => [0.0, 1.0],
+            Self::Between(low, high) | Self::Within(low, high) => [low, high],
+        }
+    }
+
+    /// Returns true if a number in a unit is admitted.
+    pub fn holds(self, value: f64, unit: &str) -> bool {
+        let [low, high] = self.limits(unit);
+        match self {
+            Self::Between(..) => low < value && value < high,
+            _ => (low..=high).contains(&value),
+        }
+    }
+
+    /// The admitted numbers in a unit, in words: `a positive number from 1e-20 to 1e20`.
+    pub fn expected(self, unit: &str) -> String {
+        let limits = self.limits(unit);
+        let [low, high] = limits.map(|limit| written(limit, unit));
+        match self {
+            Self::Between(..) => format!("a number above {low} and below {high}"),
+            _ if limits[0] > 0.0 => format!("a positive number from {low} to {high}"),
+            _ => format!("a number from {low} to {high}"),
+        }
     }
 }
 
-impl std::fmt::Display for Admitted {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Any => write!(formatter, "a finite number"),
-            Self::Positive => write!(formatter, "a positive finite number"),
-            Self::NotNegative => write!(formatter, "zero or a positive finite number"),
-            Self::Fraction => write!(formatter, "a number from 0 to 1"),
-            Self::Between(low, high) => write!(formatter, "a number above {low} and below {high}"),
-        }
+/// A limit as one types it, angles in multiples of pi.
+fn written(limit: f64, unit: &str) -> String {
+    match limit.abs() {
+        _ if unit == "rad" => format!("{} pi", limit / std::f64::consts::PI),
+        0.0 | 1e-3..1e5 => limit.to_string(),
+        _ => format!("{limit:e}"),
     }
 }
 
@@ -76,6 +111,16 @@ impl Parameter {
             admitted,
             meaning,
         }
+    }
+
+    /// Returns true if the parameter can have a value.
+    pub fn holds(&self, value: f64) -> bool {
+        self.admitted.holds(value, self.unit)
+    }
+
+    /// The values that the parameter can have, in words.
+    pub fn expected(&self) -> String {
+        self.admitted.expected(self.unit)
     }
 }
 
@@ -231,10 +276,10 @@ impl Law {
     /// Checks parameters in their order; for the constructors of laws.
     pub(super) fn check(&self, values: &[f64]) -> Result<(), MaterialError> {
         let refused = |(parameter, value): (&Parameter, &f64)| {
-            (!parameter.admitted.holds(*value)).then(|| MaterialError::Parameter {
+            (!parameter.holds(*value)).then(|| MaterialError::Parameter {
                 name: parameter.name,
                 value: *value,
-                expected: parameter.admitted.to_string(),
+                expected: parameter.expected(),
             })
         };
         match self.parameters.iter().zip(values).find_map(refused) {

@@ -149,13 +149,13 @@ impl MaterialError {
 
     /// Checks that a combination of parameters, named by its formula, is positive and finite.
     fn positive(name: &'static str, value: f64) -> Result<f64, Self> {
-        if Admitted::Positive.holds(value) {
+        if value > 0.0 && value.is_finite() {
             Ok(value)
         } else {
             Err(Self::Parameter {
                 name,
                 value,
-                expected: Admitted::Positive.to_string(),
+                expected: "a positive number".to_owned(),
             })
         }
     }

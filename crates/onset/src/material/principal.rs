@@ -304,7 +304,7 @@ fn mixed(discs: &[Interval; 3], normal: &mut [[Interval; 3]; 3], shear: &mut [In
             settle(&mut normal[i][j], if i == j { own } else { other });
         }
         for own_shear in shear.iter_mut() {
-            settle(own_shear, 0.5 * (own - other));
+            settle(own_shear, own - other);
         }
     }
     let pair = PAIRS
@@ -321,7 +321,7 @@ fn mixed(discs: &[Interval; 3], normal: &mut [[Interval; 3]; 3], shear: &mut [In
         for (a, b) in [(i, k), (k, i), (j, k), (k, j)] {
             settle(&mut normal[a][b], beside);
         }
-        settle(&mut shear[p], 0.5 * (own - other));
+        settle(&mut shear[p], own - other);
         let others: [usize; 2] = [(p + 1) % 3, (p + 2) % 3];
         let middle = shear[others[0]].midpoint();
         others
@@ -364,11 +364,15 @@ fn in_axes<R: Real>(c: &[[R; 3]; 3], bounds: &[[Interval; 3]; 3]) -> Option<[[R;
     Some(triple(&turned, &|x, i, j| x * t(i, j)))
 }
 
-/// Merges intervals that overlap.
+/// Merges intervals that overlap or lie close together. With the relative width `w` and the relative gap `g`, the quotient of differences that gives a shear
+/// stiffness has the error `w / g`, and the mean over both intervals an error of order `g`.
 fn merged(mut discs: [Interval; 3]) -> [Interval; 3] {
     for _ in 0..3 {
         for (i, j) in PAIRS {
-            if discs[i].low <= discs[j].high && discs[j].low <= discs[i].high {
+            let gap = (discs[i].low - discs[j].high).max(discs[j].low - discs[i].high);
+            let width = discs[i].width() + discs[j].width();
+            let size = discs[i].high.max(discs[j].high);
+            if gap <= 0.0 || gap * gap <= 0.1 * width * size {
                 let both = discs[i].hull(discs[j]);
                 (discs[i], discs[j]) = (both, both);
             }

@@ -482,6 +482,16 @@ fn van_der_waals(block: &Block<'_>, title: &str) -> Result<ForeignLaw, Trouble> 
 
 /// Foam energy `2 mu_i/alpha_i^2 (sum lambda^alpha_i - 3 + (J^(-alpha_i beta_i) - 1)/beta_i)` with `beta_i = nu_i/(1 - 2 nu_i)`.
 fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
+    // An argument of fits: "valid only when testData = ON" (Abaqus Scripting Reference Guide, Hyperfoam object).
+    if let Some(nu) = block.value("POISSON") {
+        return Err(Trouble::new(
+            block.line,
+            format!(
+                "*HYPERFOAM has POISSON={nu} beside constants; Abaqus takes POISSON with TEST DATA INPUT only"
+            ),
+            "leave POISSON out: the Poisson's ratios nu1, nu2, ... are the last constants (after mu1, alpha1, mu2, alpha2, ...), and zero where they are missing",
+        ));
+    }
     let n = block.count("N", 3)?;
     let c = block.constants(3 * n)?;
     let mut constants = Vec::new();

@@ -288,5 +288,5 @@ fn built(settings: &Settings) -> Result<(), MethodError> {
     if !settings.material.is_library() {
         settings.law()?;
     }
-    check_method(&method(settings)?)
+    check_method(&method(settings))
 }

@@ -246,7 +246,10 @@ fn range(
     let has_units = measured.is_some();
     match measured.or_else(|| list(value.get_ref())).as_deref() {
         Some([low, high]) => match [low, high].into_iter().find(|end| !quantity.admits(**end)) {
-            Some(end) => Err(wrong(format!("{} cannot be {end}", quantity.name()))),
+            Some(end) => {
+                let end = Value::Number(*end);
+                Err(wrong(format!("{} cannot be {end}", quantity.name())))
+            }
             None if low >= high => Err(wrong(format!(
                 "the range of {} leads from {low} to {high}; the first number must be smaller",
                 quantity.name()
