@@ -33,7 +33,8 @@ def numbers(value: ArrayLike, what: str) -> Floats:
         raise InputError(f"{what} cannot be read as numbers: {error}") from error
     if array.dtype.kind not in "fiu":
         raise TypeError(f"{what} holds {array.dtype}; expected numbers")
-    return np.ascontiguousarray(array, dtype=np.float64)
+    # The interface of buffers refuses what is not aligned.
+    return np.require(np.ascontiguousarray(array, dtype=np.float64), requirements="A")
 
 
 def number(value: object, what: str) -> float:

@@ -105,4 +105,5 @@ def test_masked_values_are_refused_and_other_layouts_are_read() -> None:
     assert not unaligned.flags.aligned
     for other in [STATES[:6].astype(">f8"), np.asfortranarray(STATES[:6]), np.repeat(STATES[:6], 2, axis=0)[::2], unaligned]:
         assert np.array_equal(onset.verdicts(method=SPH, stretch=other).codes, plain)
+    assert np.array_equal(onset.omega_squared(None, SPH, k=unaligned, stretch=(1.1, 1)), onset.omega_squared(None, SPH, k=STATES[:6], stretch=(1.1, 1)))
     assert onset.verdicts(method=SPH, stretch=np.zeros((0, 2))).codes.shape == (0,)

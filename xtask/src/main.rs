@@ -1,6 +1,7 @@
 //! Tasks of the workspace: `cargo xtask test`, `verify`, `simulate`, `hunt`, `figures`, `readme`, `schema`, `wheel`, `python`, `page`, `book`,
 //! `bench` and `timings`.
 
+#[cfg(unix)]
 mod abuse;
 mod bench;
 mod book;
@@ -121,6 +122,7 @@ fn main() -> ExitCode {
             let arguments: Vec<String> = std::env::args().skip(2).collect();
             reported(hunt::run(&arguments))
         }
+        #[cfg(unix)]
         Some("abuse") => {
             let arguments: Vec<String> = std::env::args().skip(2).collect();
             reported(abuse::run(&arguments))
@@ -201,7 +203,7 @@ fn test() -> bool {
             && reported(paper())
             && reported(environments.map(|_| ()))
             && python_and_page(browser.is_ok())
-            && (cfg!(windows) || reported(abuse::test()));
+            && abused();
         (mdbook, browser, done)
     });
     if let Err(error) = mdbook {
@@ -253,6 +255,16 @@ fn paper() -> Result<(), String> {
     let command = wheel::command()?;
     eprintln!("== the paper: onset reproduce");
     python::succeed(Command::new(command).args(["reproduce", "--out", "target/reproduction"]))
+}
+
+#[cfg(unix)]
+fn abused() -> bool {
+    reported(abuse::test())
+}
+
+#[cfg(not(unix))]
+fn abused() -> bool {
+    true
 }
 
 /// Checks for a machine without a Fortran compiler.

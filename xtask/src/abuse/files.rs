@@ -65,7 +65,10 @@ fn below(folder: &Path) -> Result<Vec<PathBuf>, Fault> {
 }
 
 fn damage(path: &Path, random: &mut Random) -> Result<(), Fault> {
-    let mut bytes = fs::read(path).unwrap_or_default();
+    if path.is_dir() {
+        return Ok(());
+    }
+    let mut bytes = fs::read(path)?;
     let place = random.below(bytes.len());
     match random.below(8) {
         0 => bytes.truncate(place),

@@ -3,12 +3,18 @@
 use std::fmt;
 use std::fs::{self, File};
 use std::io;
+use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 /// Longer than this nothing may take.
 pub(crate) const HANG: Duration = Duration::from_secs(10);
+/// Numbers of signals: of Ctrl-C, of a closed terminal, of a batch system, and that which nobody hears.
+pub(crate) const INTERRUPT: i32 = 2;
+pub(crate) const HANGUP: i32 = 1;
+pub(crate) const TERMINATE: i32 = 15;
+pub(crate) const KILL: i32 = 9;
 /// Exit codes that are documented: done, failed, refused, verdict, interrupted.
 const CODES: [i32; 5] = [0, 1, 2, 3, 130];
 
@@ -76,7 +82,7 @@ impl Place {
             line,
             out,
             error,
-            signalled: false,
+            signals: Vec::new(),
         })
     }
 
@@ -84,7 +90,7 @@ impl Place {
     pub(crate) fn run(&self, command: Command) -> Result<Ended, Fault> {
         let mut running = self.started(command)?;
         if running.ends_within(Duration::from_secs(3))?.is_none() {
-            running.signal("-INT")?;
+            running.signal(INTERRUPT)?;
         }
         running.ended()
     }
@@ -102,24 +108,25 @@ pub(crate) struct Running {
     line: String,
     out: PathBuf,
     error: PathBuf,
-    signalled: bool,
+    signals: Vec<i32>,
 }
 
 /// How a program ended.
 pub(crate) struct Ended {
     pub(crate) code: Option<i32>,
     pub(crate) stdout: String,
-    /// Why that is a fault, in words of the command line.
+    pub(crate) stderr: String,
+    /// The command line.
     pub(crate) line: String,
 }
 
 impl Running {
-    /// Sends a signal by its option of `kill`.
-    pub(crate) fn signal(&mut self, signal: &str) -> Result<(), Fault> {
-        self.signalled |= signal == "-KILL";
+    /// Sends a signal.
+    pub(crate) fn signal(&mut self, signal: i32) -> Result<(), Fault> {
+        self.signals.push(signal);
         let number = self.child.id().to_string();
         Command::new("kill")
-            .args([signal, &number])
+            .args([format!("-{signal}"), number])
             .stderr(Stdio::null())
             .status()?;
         Ok(())
@@ -150,7 +157,10 @@ impl Running {
         let (stdout, stderr) = (read(&self.out)?, read(&self.error)?);
         let code = status.code();
         let is_documented = code.is_some_and(|code| CODES.contains(&code));
-        let is_killed = code.is_none() && self.signalled;
+        // A signal that comes before the program listens ends it.
+        let is_killed = status
+            .signal()
+            .is_some_and(|signal| self.signals.contains(&signal));
         if stderr.contains("panicked")
             || stderr.contains("a defect")
             || !(is_documented || is_killed)
@@ -161,6 +171,7 @@ impl Running {
         Ok(Ended {
             code,
             stdout,
+            stderr,
             line: self.line.clone(),
         })
     }

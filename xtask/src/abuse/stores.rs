@@ -1,6 +1,6 @@
 //! Commands that are interrupted or killed at any time: what is written is whole, and goes on to the same bytes.
 
-use super::running::{Fault, Place, Running};
+use super::running::{Fault, HANGUP, INTERRUPT, KILL, Place, Running, TERMINATE};
 use super::{Programs, Random};
 use std::collections::BTreeMap;
 use std::fs;
@@ -47,13 +47,13 @@ pub(super) fn interrupted(
     if running.ends_within(random.pause(1500))?.is_some() {
         return running.ended().map(drop);
     }
-    let signal = random.of(&["-INT", "-TERM", "-HUP"]);
+    let signal = [INTERRUPT, TERMINATE, HANGUP][random.below(3)];
     running.signal(signal)?;
     let since = Instant::now();
     let ended = running.ended()?;
     if since.elapsed() > HEARD {
         return Err(Fault::Hang(format!(
-            "{:.1} s after {signal}: {}",
+            "{:.1} s after signal {signal}: {}",
             since.elapsed().as_secs_f64(),
             ended.line
         )));
@@ -80,18 +80,12 @@ const KILLED: &[(&str, &str)] = &[
 /// A command that was killed at any time goes on to the bytes of one that was not.
 pub(super) fn killed(programs: &Programs, place: &Place, random: &mut Random) -> Result<(), Fault> {
     let (line, again) = KILLED[random.below(KILLED.len())];
-    let whole = super::running::Place::new(random.word())?;
+    let whole = Place::new(random.word())?;
     for folder in [place, &whole] {
         folder.write("study.toml", STUDY)?;
         folder.write("compare.toml", COMPARISON)?;
     }
     let complete = whole.started(words(programs, line))?.ended()?;
-    if complete.code != Some(0) {
-        return Err(Fault::Abort(format!(
-            "exit code {:?}: {}",
-            complete.code, complete.line
-        )));
-    }
     for _ in 0..1 + random.below(3) {
         let started = if place.path().join("out").exists() {
             again
@@ -100,12 +94,12 @@ pub(super) fn killed(programs: &Programs, place: &Place, random: &mut Random) ->
         };
         let mut running: Running = place.started(words(programs, started))?;
         if running.ends_within(random.pause(1200))?.is_none() {
-            running.signal("-KILL")?;
+            running.signal(KILL)?;
         }
         running.ended()?;
     }
     let rest = place.started(words(programs, again))?.ended()?;
-    if rest.code != Some(0) {
+    if rest.code != complete.code {
         return Err(Fault::Torn(format!(
             "exit code {:?} after a kill: {}",
             rest.code, rest.line

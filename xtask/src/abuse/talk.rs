@@ -1,6 +1,6 @@
 //! Half requests to the page, and odd arrays and forks in Python.
 
-use super::running::{Fault, HANG, Place};
+use super::running::{Fault, HANG, INTERRUPT, Place};
 use super::{Programs, Random};
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -64,7 +64,7 @@ pub(super) fn half_requests(
         }
     };
     drop(open);
-    running.signal("-INT")?;
+    running.signal(INTERRUPT)?;
     running.ended()?;
     match answered {
         true => Ok(()),
@@ -98,9 +98,9 @@ pub(super) fn arrays(programs: &Programs, place: &Place, random: &mut Random) ->
     let ended = place.started(command)?.ended()?;
     match (ended.code, ended.stdout.trim_end().lines().next_back()) {
         (Some(0), Some("done")) => Ok(()),
-        (code, told) => Err(Fault::Abort(format!(
-            "exit code {code:?}, {told:?}: {}",
-            ended.line
+        (code, _) => Err(Fault::Abort(format!(
+            "exit code {code:?}: {}\n{}",
+            ended.line, ended.stderr
         ))),
     }
 }
