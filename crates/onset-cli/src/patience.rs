@@ -21,15 +21,20 @@ pub fn begin(doing: &'static str) {
         .replace(shown);
 }
 
-/// Clears the display; required before other output.
+/// Clears display and bar; required before other output.
 pub fn end() {
     drop(SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take());
+    if let Some(bar) = BAR.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        bar.finish_and_clear();
+    }
 }
 
-/// How often a bar is drawn, whether or not it has moved.
+/// Time between two updates of a bar.
 const TICK: Duration = Duration::from_millis(200);
 
-/// A bar that shows a number of steps and the time on a terminal, and is cleared at its end.
+static BAR: Mutex<Option<ProgressBar>> = Mutex::new(None);
+
+/// Progress bar for a number of steps, on a terminal only; it is cleared at its end.
 pub fn bar(steps: u64, template: &str) -> ProgressBar {
     if is_quiet() {
         return ProgressBar::hidden();
@@ -39,10 +44,13 @@ pub fn bar(steps: u64, template: &str) -> ProgressBar {
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         .with_finish(ProgressFinish::AndClear);
     bar.enable_steady_tick(TICK);
+    BAR.lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .replace(bar.clone());
     bar
 }
 
-/// A sign of life until it is dropped.
+/// Progress display, shown until dropped.
 struct Patience {
     done: Option<Sender<()>>,
     shown: Option<JoinHandle<()>>,

@@ -14,6 +14,7 @@ use onset_study::simulate::{
 };
 use std::process::ExitCode;
 use std::str::FromStr;
+use std::sync::OnceLock;
 use std::time;
 
 /// How long a step may take after an interrupt of a run that is not kept.
@@ -43,7 +44,7 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
             let question = patch(arguments, &problem)?;
             let progress = Progress::new(is_kept);
             let answer = run(&problem, &question, place.as_ref(), &progress)?;
-            progress.bar.finish_and_clear();
+            progress.finish();
             print(&answer, &with_files(&answer, &answer.files), None)?;
             match answer.interrupted {
                 true => Ok(interrupted(answer.steps_taken, is_kept)),
@@ -54,7 +55,7 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
             let question = body_question(arguments, &problem, body)?;
             let progress = Progress::new(is_kept);
             let answer = run_body(&problem, &question, place.as_ref(), &progress)?;
-            progress.bar.finish_and_clear();
+            progress.finish();
             print(&answer, &with_files(&answer, &answer.files), None)?;
             match answer.interrupted {
                 true => Ok(interrupted(answer.steps_taken, is_kept)),
@@ -173,25 +174,36 @@ fn whole<T: FromStr>(option: &str, text: &str) -> Result<Vec<T>, Failure> {
 
 /// Shows the steps of a run on a terminal, and lets an interrupt save them.
 struct Progress {
-    bar: ProgressBar,
+    bar: OnceLock<ProgressBar>,
     is_kept: bool,
 }
 
 impl Progress {
     fn new(is_kept: bool) -> Self {
-        let bar = bar(
-            0,
-            "{bar:32} {percent:>3} % of {human_len} steps, {per_sec}, {eta} left",
-        );
+        let bar = OnceLock::new();
         Self { bar, is_kept }
+    }
+
+    /// Ends the set-up and shows the bar.
+    fn begun(&self, steps: u64) -> ProgressBar {
+        patience::end();
+        self.answer_interrupts();
+        let template = "{bar:32} {percent:>3} % of {human_len} steps, {per_sec}, {eta} left";
+        bar(steps, template)
+    }
+
+    fn finish(&self) {
+        if let Some(bar) = self.bar.get() {
+            bar.finish_and_clear();
+        }
     }
 
     /// From now on an interrupt ends the run after a step, with what there is.
     fn answer_interrupts(&self) {
         let (told, at_end, patience) = match self.is_kept {
             true => (
-                Some("writing a checkpoint; interrupt again to end at once"),
-                "interrupted; the same command with --resume goes on from the last checkpoint",
+                Some("writing a checkpoint; interrupt again to end immediately"),
+                "interrupted; the same command with --resume continues from the last checkpoint",
                 None,
             ),
             false => (
@@ -207,7 +219,7 @@ impl Progress {
         };
         if let Err(error) = interrupt::answer_with(answer) {
             tell(format_args!(
-                "note: an interrupt ends this run at once: {error}"
+                "note: an interrupt ends this run without a checkpoint: {error}"
             ));
         }
     }
@@ -215,12 +227,8 @@ impl Progress {
 
 impl Watch for Progress {
     fn advance(&self, done: u64, all: u64) {
-        if self.bar.length() != Some(all) {
-            patience::end();
-            self.answer_interrupts();
-            self.bar.set_length(all);
-        }
-        self.bar.set_position(done);
+        let bar = self.bar.get_or_init(|| self.begun(all));
+        bar.set_position(done);
     }
 
     fn is_interrupted(&self) -> bool {
