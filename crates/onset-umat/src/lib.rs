@@ -43,9 +43,20 @@ pub use readable::{message, readable};
 pub use umat::{Outcome, Umat, UmatSettings};
 pub use voigt::{VOIGT, tensor_of_voigt, voigt_of_tensor};
 
-/// Ends all processes of routines with their children, and removes all private folders.
+/// Runs a program to its end. What it leaves running ends with it, and all of it by [`end_all`], except on Windows.
 ///
-/// For a process that ends without dropping its values, as on a signal. It can run no routine afterwards.
+/// # Errors
+/// [`std::io::Error`] if the program cannot be started or waited for.
+pub fn run(command: &mut std::process::Command) -> std::io::Result<std::process::ExitStatus> {
+    #[cfg(unix)]
+    return process::run(command);
+    #[cfg(not(unix))]
+    command.status()
+}
+
+/// Ends all processes of routines and programs with their children, and removes all private folders.
+///
+/// For a process that ends without dropping its values, as on a signal. It can run no routine or program afterwards.
 pub fn end_all() {
     #[cfg(unix)]
     process::end_all();

@@ -66,14 +66,39 @@ fn checked_copy(settings: &UmatSettings, copy: &Path) -> Result<String, UmatErro
     }
 }
 
-/// Process groups of all routines, each with the process that started it. The first process of each group still exists.
+/// Process groups of all routines and programs, each with the process that started it. The first process of each group still exists.
 static GROUPS: Mutex<Vec<(u32, Pid)>> = Mutex::new(Vec::new());
 
 fn groups() -> MutexGuard<'static, Vec<(u32, Pid)>> {
     GROUPS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Ends the processes of all routines with their children. No routine can be started afterwards.
+/// Starts a command in a process group. An interrupt at the terminal reaches only this process, which then ends the group.
+fn started(command: &mut Command) -> io::Result<Child> {
+    // Held meanwhile, so that `end_all` misses no child.
+    let mut groups = groups();
+    let child = command.process_group(0).spawn()?;
+    groups.push((std::process::id(), Pid::from_child(&child)));
+    Ok(child)
+}
+
+/// Runs a program to its end, and ends what it leaves running.
+pub fn run(command: &mut Command) -> io::Result<ExitStatus> {
+    let mut child = started(command)?;
+    let group = Pid::from_child(&child);
+    // The child is reaped last, so that its number remains reserved for the group.
+    let options = WaitIdOptions::EXITED | WaitIdOptions::NOWAIT;
+    while let Err(error) = waitid(WaitId::Pid(group), options) {
+        if error != rustix::io::Errno::INTR {
+            break;
+        }
+    }
+    let _ = kill_process_group(group, Signal::KILL);
+    groups().retain(|(_, other)| *other != group);
+    child.wait()
+}
+
+/// Ends the processes of all routines and programs with their children. None can be started afterwards.
 pub fn end_all() {
     let groups = groups();
     let own = std::process::id();
@@ -107,7 +132,8 @@ impl Process {
         let fingerprint = checked_copy(settings, &copy)?;
         let (socket, theirs) = UnixStream::pair().map_err(not_started)?;
         let (reader, writer) = io::pipe().map_err(not_started)?;
-        let child = Command::new(&program)
+        let mut command = Command::new(&program);
+        command
             .args([OsStr::new(MODE), library.as_os_str(), copy.as_os_str()])
             .env(
                 "ONSET_UMAT_DIRECTORY",
@@ -116,12 +142,10 @@ impl Process {
             .current_dir(folder.path())
             .stdin(Stdio::from(OwnedFd::from(theirs)))
             .stdout(writer.try_clone().map_err(not_started)?)
-            .stderr(writer)
-            // An interrupt at the terminal reaches only this process, which then ends the group.
-            .process_group(0)
-            .spawn()
-            .map_err(not_started)?;
-        groups().push((std::process::id(), Pid::from_child(&child)));
+            .stderr(writer);
+        let child = started(&mut command).map_err(not_started)?;
+        // The ends of the pipe that belong to the child.
+        drop(command);
         let mut process = Self {
             starter: std::process::id(),
             child,

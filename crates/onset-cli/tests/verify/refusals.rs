@@ -248,6 +248,56 @@ fn problems_beyond_the_capabilities_of_a_code_are_refused() {
     }
 }
 
+/// An interrupt of the command alone also ends the program that it has started, with the children of that.
+#[cfg(unix)]
+#[test]
+fn a_program_ends_with_the_command_that_runs_it() {
+    use std::process::Command;
+    use std::time::{Duration, Instant};
+    let smd = "--code lammps-smd-ulsph --stretch 1.05,1.05 --wave-vector 3.141592653589793,0 --energy K*(J-ln(J)) --set material.K=1";
+    let place = deck(smd);
+    let program = place.path().join("slow.sh");
+    place.write(
+        "slow.sh",
+        "#!/bin/sh\nsleep 600 &\necho $$ > started\nsleep 600\n",
+    );
+    let made = Command::new("chmod").arg("+x").arg(&program).status();
+    assert!(made.expect("chmod").success());
+    let mut running = Command::new(env!("CARGO_BIN_EXE_onset"))
+        .args([
+            "verify",
+            "run",
+            text(place.path()),
+            "--program",
+            text(&program),
+        ])
+        .spawn()
+        .expect("the command starts");
+    let begin = Instant::now();
+    let group = loop {
+        let started = std::fs::read_to_string(place.path().join("started"));
+        match started.map(|number| number.trim().to_owned()) {
+            Ok(number) if !number.is_empty() => break number,
+            _ => assert!(begin.elapsed() < Duration::from_secs(60), "not started"),
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    };
+    let number = running.id().to_string();
+    let sent = Command::new("kill").args(["-INT", &number]).status();
+    assert!(sent.expect("kill").success());
+    assert_eq!(running.wait().expect("an end").code(), Some(130));
+    let left = || {
+        let left = Command::new("pgrep").args(["-g", &group]).output();
+        String::from_utf8_lossy(&left.expect("pgrep").stdout).into_owned()
+    };
+    // What was killed is reaped soon.
+    let end = Instant::now() + Duration::from_secs(10);
+    while !left().is_empty() && Instant::now() < end {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert_eq!(left(), "");
+}
+
 #[test]
 fn codes_are_listed_with_their_deviations() {
     let answer = verify("codes", &[]);

@@ -48,18 +48,18 @@ pub fn run(folder: &Path, program: Option<&Path>) -> Result<Judgment, VerifyErro
         Err(error) if error.kind() != ErrorKind::NotFound => return Err(unwritable(error)),
         _ => {}
     }
-    let status = Command::new(&program)
+    let mut command = Command::new(&program);
+    command
         .args(usual.arguments)
         .current_dir(folder)
         .stdin(Stdio::null())
         .stdout(printed)
-        .stderr(errors)
-        .status()
-        .map_err(|source| VerifyError::NotInstalled {
-            program: program.display().to_string(),
-            source,
-            hint: usual.install,
-        })?;
+        .stderr(errors);
+    let status = onset_umat::run(&mut command).map_err(|source| VerifyError::NotInstalled {
+        program: program.display().to_string(),
+        source,
+        hint: usual.install,
+    })?;
     if !status.success() {
         let printed = std::fs::read(&log).unwrap_or_default();
         let printed = String::from_utf8_lossy(&printed).into_owned();
