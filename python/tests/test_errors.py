@@ -199,31 +199,6 @@ def test_no_call_ends_otherwise_than_in_an_answer_or_an_exception_of_ours() -> N
 # Where the tests run in the background, interrupts may be ignored by inheritance: the programs listen to them again.
 
 
-def test_an_interrupt_ends_what_takes_long() -> None:
-    program = textwrap.dedent(
-        """
-        import signal, numpy, onset
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-        stretches = numpy.random.default_rng(1).uniform(0.7, 1.5, (500_000, 2))
-        print("begun", flush=True)
-        try:
-            onset.verdicts("neo-hooke", onset.Method("updated-sph", lattice="square"), stretch=stretches)
-        except KeyboardInterrupt:
-            print("ended", flush=True)
-        """
-    )
-    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
-        assert running.stdout is not None
-        assert running.stdout.readline() == "begun\n"
-        try:
-            running.wait(3)
-        except subprocess.TimeoutExpired:
-            pass
-        running.send_signal(signal.SIGINT)
-        out, err = running.communicate(timeout=30)
-    assert (out, err, running.returncode) == ("ended\n", "", 0)
-
-
 def test_an_interrupted_map_goes_on_to_the_same_store(tmp_path: Path) -> None:
     study = onset.Study.of(
         "neo-hooke",

@@ -50,7 +50,7 @@ def test_a_law_that_asks_questions_itself_is_answered() -> None:
 
 
 LONG = """
-import onset, signal, sys, time
+import numpy, onset, signal, time
 law = onset.Material("modified-mooney-rivlin")
 cell = onset.Method("total-lagrangian-sph", lattice="hexagonal", cells=4, perturbation=0.1)
 large = onset.Method("updated-sph", cells=12, perturbation=0.1)
@@ -73,6 +73,7 @@ print(time.process_time() - used)
 
 CALLS = {
     "tune": 'onset.tune(cell, "penalty", material=law)',
+    "verdicts": 'onset.verdicts(law, onset.Method("updated-sph"), stretch=numpy.random.default_rng(1).uniform(0.7, 1.5, (500_000, 2)))',
     "state": "onset.state(law, large, stretch=(1.1, 0.9))",
     "modes": "onset.modes(large)",
     "bands": "onset.bands(law, large, stretch=(1.1, 0.9))",

@@ -78,12 +78,12 @@ fn listen_always() -> Result<(), ctrlc::Error> {
 const END: Duration = Duration::from_millis(200);
 
 fn end_at_once(answer: Option<&Answer>) -> ! {
+    onset_umat::end_all();
+    onset_study::output::end_all();
     std::thread::spawn(|| {
         std::thread::sleep(END);
         std::process::exit(i32::from(CODE));
     });
-    onset_umat::end_all();
-    onset_study::output::end_all();
     patience::end();
     if let Some(told) = answer.and_then(|answer| answer.at_end.as_ref()) {
         tell(told);

@@ -43,6 +43,8 @@ impl PrivateFolder {
     pub fn new(parent: &Path, prefix: &str) -> io::Result<Self> {
         sweep(parent, prefix);
         for _ in 0..MAX_ATTEMPTS {
+            // Held meanwhile, so that `remove_all` misses no folder.
+            let mut own = own();
             let folder = made(parent, prefix)?;
             let lock = File::open(folder.path()).ok();
             let is_taken = lock.as_ref().is_some_and(|lock| {
@@ -51,7 +53,7 @@ impl PrivateFolder {
             // Another process may have removed the folder before it was locked.
             if !is_taken && folder.path().is_dir() {
                 let maker = std::process::id();
-                own().push((maker, folder.path().to_owned()));
+                own.push((maker, folder.path().to_owned()));
                 return Ok(Self {
                     folder,
                     maker,
@@ -71,10 +73,14 @@ impl PrivateFolder {
 impl Drop for PrivateFolder {
     fn drop(&mut self) {
         let path = self.folder.path();
-        own().retain(|(_, other)| other != path);
-        if self.maker != std::process::id() {
-            self.folder.disable_cleanup(true);
+        // Held meanwhile, so that the process does not end between both.
+        let mut own = own();
+        if self.maker == std::process::id() {
+            drop(fs::remove_dir_all(path));
         }
+        own.retain(|(_, other)| other != path);
+        drop(own);
+        self.folder.disable_cleanup(true);
     }
 }
 
@@ -98,8 +104,9 @@ pub(crate) fn remove_all() {
     let own = own();
     let maker = std::process::id();
     for (_, folder) in own.iter().filter(|(other, _)| *other == maker) {
-        // A failure is ignored: the content has no further use.
-        drop(fs::remove_dir_all(folder));
+        // Another thread may still write into it. A failure is ignored: the content has no further use.
+        let is_removed = || fs::remove_dir_all(folder).is_ok() || !folder.exists();
+        let _ = (0..MAX_ATTEMPTS).any(|_| is_removed());
     }
     std::mem::forget(own);
 }

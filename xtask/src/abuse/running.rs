@@ -8,8 +8,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// Longer than this nothing may take.
-pub(crate) const HANG: Duration = Duration::from_secs(10);
+/// Longest time that anything may take: ten seconds, and more on a machine that does other work too.
+pub(crate) fn longest() -> Duration {
+    let load = fs::read_to_string("/proc/loadavg").unwrap_or_default();
+    let load = load.split(' ').next().and_then(|load| load.parse().ok());
+    let cores = std::thread::available_parallelism().map_or(1.0, |cores| cores.get() as f64);
+    Duration::from_secs_f64(10.0 * (load.unwrap_or(0.0) / cores).max(1.0))
+}
+
 /// Numbers of signals: of Ctrl-C, of a closed terminal, of a batch system, and that which nobody hears.
 pub(crate) const INTERRUPT: i32 = 2;
 pub(crate) const HANGUP: i32 = 1;
@@ -148,7 +154,7 @@ impl Running {
 
     /// Waits for the end and judges it.
     pub(crate) fn ended(mut self) -> Result<Ended, Fault> {
-        let Some(status) = self.ends_within(HANG)? else {
+        let Some(status) = self.ends_within(longest())? else {
             self.child.kill()?;
             self.child.wait()?;
             return Err(Fault::Hang(self.line.clone()));

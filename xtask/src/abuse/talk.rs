@@ -1,6 +1,6 @@
 //! Half requests to the page, and odd arrays and forks in Python.
 
-use super::running::{Fault, HANG, INTERRUPT, Place};
+use super::running::{Fault, INTERRUPT, Place, longest};
 use super::{Programs, Random};
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -38,7 +38,7 @@ pub(super) fn half_requests(
             .and_then(|rest| rest.split('/').next());
         match found.and_then(|address| address.parse().ok()) {
             Some(address) => break address,
-            None if begun.elapsed() > HANG => {
+            None if begun.elapsed() > longest() => {
                 return Err(Fault::Hang(
                     "explore --no-browser prints no address".to_owned(),
                 ));
@@ -59,7 +59,7 @@ pub(super) fn half_requests(
     let answered = loop {
         match asked(address) {
             Ok(text) if text.starts_with("HTTP/1.1 200") => break true,
-            _ if since.elapsed() > HANG => break false,
+            _ if since.elapsed() > longest() => break false,
             _ => std::thread::sleep(Duration::from_millis(20)),
         }
     };
@@ -76,7 +76,7 @@ pub(super) fn half_requests(
 
 fn asked(address: SocketAddr) -> std::io::Result<String> {
     let mut stream = TcpStream::connect(address)?;
-    stream.set_read_timeout(Some(HANG))?;
+    stream.set_read_timeout(Some(longest()))?;
     write!(
         stream,
         "GET / HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n"

@@ -2,7 +2,7 @@
 
 use super::VerifyError;
 use crate::answers::Problem;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, SVector};
 use onset::algebra::Complex;
 use onset::kinematics::DeformationGradient;
 use onset::time_step::Stepping;
@@ -136,12 +136,11 @@ fn without_rate(
 ) -> Result<VerifyError, VerifyError> {
     let waves = problem.analysis.waves(f)?;
     let of_continuum = waves.continuum_omega_squared(k);
-    let reciprocal = problem.analysis.reciprocal();
-    let longest = reciprocal.iter().map(|b| b.norm()).fold(0.0, f64::max);
-    let is_translation = waves
-        .folded(k)
-        .iter()
-        .all(|x| x.abs() <= MATRIX_TOLERANCE * longest);
+    let vector = SVector::from_fn(|i, _| k.get(i).copied().unwrap_or(0.0));
+    let fractional = problem.analysis.fractional(&vector).into_iter();
+    let is_translation = fractional
+        .map(|x| (x - x.round()).abs())
+        .all(|distance| distance <= MATRIX_TOLERANCE);
     let (why, hint) = if is_translation {
         (
             "its wave vector is zero or a reciprocal vector: all particles move alike",
