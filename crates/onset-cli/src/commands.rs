@@ -280,7 +280,7 @@ pub fn study(
     Ok(study)
 }
 
-/// Why a block of another program cannot take the place of a study with axes; `None` of what is no block.
+/// Reason why an input block of another program cannot replace a study with axes; `None` for a study.
 pub fn without_axes(name: &str, text: &str, block: Option<Program>) -> Option<String> {
     let program = block.or_else(|| program_of(text))?.name();
     Some(format!(
@@ -288,9 +288,9 @@ pub fn without_axes(name: &str, text: &str, block: Option<Program>) -> Option<St
     ))
 }
 
-/// The program that a text is written for, where it is none of this program's studies.
+/// Foreign program whose format a text has, or `None` for studies.
 fn program_of(text: &str) -> Option<Program> {
-    // What is wrong with a study is said of it, whatever its comments speak of.
+    // A study is recognized first, so that its errors are reported even if its comments mention another program.
     let is_section = |line: &str| {
         let sections = [
             "[material",
@@ -306,18 +306,18 @@ fn program_of(text: &str) -> Option<Program> {
     (!text.lines().any(is_section)).then(|| Program::of_text(text))?
 }
 
-/// What a file and assignments say: the text of a study, or a block of another program in assignments.
+/// Input of a file and assignments: the text of a study, or the assignments that represent a block of another program.
 struct Read {
     name: String,
     text: String,
     assignments: Vec<String>,
-    /// What is known of the block, and what its law is called.
+    /// Notes on the block, and the name of its law.
     notes: Vec<String>,
     title: Option<String>,
 }
 
 impl Read {
-    /// A file with what is set beside it.
+    /// Reads a file and applies assignments.
     fn of(
         file: Option<&Path>,
         block: &BlockArguments,
@@ -345,7 +345,7 @@ impl Read {
         })
     }
 
-    /// What is wrong with a study; of a block that is not said to be one, that it is.
+    /// Error in a study, or a hint that the file is a block of another program.
     fn failure(&self, error: SettingError) -> Failure {
         match program_of(&self.text).map(Program::name) {
             Some(program) => Failure::input(format!(
@@ -356,7 +356,7 @@ impl Read {
         }
     }
 
-    /// The law with what is known of the block, if the user allows what it loads.
+    /// Material settings with the notes on the block, if the user allows its library.
     fn law(self, material: MaterialSettings, trust: &Trust) -> Result<MaterialSettings, Failure> {
         permitted(material.read_with(self.notes, self.title), trust)
     }
@@ -421,7 +421,7 @@ impl ProblemArguments {
         self.settings_with(&[])
     }
 
-    /// The study or the block, with what is set beside it.
+    /// Study or block, with assignments applied.
     fn read(&self) -> Result<Read, Failure> {
         let GivenArguments {
             file,
@@ -550,7 +550,7 @@ fn print_with_files<E: Display>(
 }
 
 impl CourseArguments {
-    /// That the file is a block, where `--from` says so, and the start.
+    /// Block named by `--from`, if it names a program, and the start of the path.
     fn block(&self) -> Result<(BlockArguments, Option<&str>), Failure> {
         let (programs, starts): (Vec<&String>, Vec<&String>) = self
             .from

@@ -132,7 +132,7 @@ fn resuming(arguments: &MapArguments, path: &Path) -> String {
     command
 }
 
-/// States that are done, on a terminal.
+/// Number of finished states, on a terminal.
 struct Progress(ProgressBar);
 
 impl Watch for Progress {

@@ -69,7 +69,7 @@ impl Patience {
             bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
             bar.set_message(doing);
             bar.enable_steady_tick(TICK);
-            // Until the sender is dropped.
+            // Waits until the sender is dropped.
             let _ = waiting.recv();
             bar.finish_and_clear();
         });

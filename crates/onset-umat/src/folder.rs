@@ -43,7 +43,7 @@ impl PrivateFolder {
     pub fn new(parent: &Path, prefix: &str) -> io::Result<Self> {
         sweep(parent, prefix);
         for _ in 0..MAX_ATTEMPTS {
-            // Held meanwhile, so that `remove_all` misses no folder.
+            // The lock is held meanwhile, so that `remove_all` misses no folder.
             let mut own = own();
             let folder = made(parent, prefix)?;
             let lock = File::open(folder.path()).ok();
@@ -73,7 +73,7 @@ impl PrivateFolder {
 impl Drop for PrivateFolder {
     fn drop(&mut self) {
         let path = self.folder.path();
-        // Held meanwhile, so that the process does not end between both.
+        // The lock is held meanwhile, so that the process does not end in between.
         let mut own = own();
         if self.maker == std::process::id() {
             drop(fs::remove_dir_all(path));

@@ -75,7 +75,7 @@ fn groups() -> MutexGuard<'static, Vec<(u32, Pid)>> {
 
 /// Starts a command in a process group. An interrupt at the terminal reaches only this process, which then ends the group.
 fn started(command: &mut Command) -> io::Result<Child> {
-    // Held meanwhile, so that `end_all` misses no child.
+    // The lock is held meanwhile, so that `end_all` misses no child.
     let mut groups = groups();
     let child = command.process_group(0).spawn()?;
     groups.push((std::process::id(), Pid::from_child(&child)));

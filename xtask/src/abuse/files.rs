@@ -1,4 +1,4 @@
-//! Files that are cut short, changed or of another kind.
+//! Damaged input files: truncated, changed, or of another format.
 
 use super::running::{Fault, Place};
 use super::{Programs, Random};
@@ -20,7 +20,7 @@ const LINES: &[&str] = &[
     "boundary study.toml",
 ];
 
-/// Commands answer or refuse what is damaged.
+/// Checks that commands answer or refuse damaged files.
 pub(super) fn damaged(
     programs: &Programs,
     place: &Place,
@@ -36,7 +36,7 @@ pub(super) fn damaged(
     made.args(["map", "study.toml", "--quiet", "--out", "map.zarr"]);
     place.run(made)?;
     let mut all = below(place.path())?;
-    // The output of commands is not theirs to read.
+    // The recorded output of commands is not damaged.
     all.retain(|path| !path.ends_with(".stdout") && !path.ends_with(".stderr"));
     for _ in 0..1 + random.below(3) {
         let path = &all[random.below(all.len())];

@@ -1,4 +1,4 @@
-//! Programs that are started, watched and ended.
+//! Start, observation and end of programs.
 
 use std::fmt;
 use std::fs::{self, File};
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// Longest time that anything may take: ten seconds, and more on a machine that does other work too.
+/// Longest time for any program to end: ten seconds, and more on a loaded machine.
 pub(crate) fn longest() -> Duration {
     let load = fs::read_to_string("/proc/loadavg").unwrap_or_default();
     let load = load.split(' ').next().and_then(|load| load.parse().ok());
@@ -16,21 +16,21 @@ pub(crate) fn longest() -> Duration {
     Duration::from_secs_f64(10.0 * (load.unwrap_or(0.0) / cores).max(1.0))
 }
 
-/// Numbers of signals: of Ctrl-C, of a closed terminal, of a batch system, and that which nobody hears.
+/// Numbers of signals: of Ctrl-C, of a closed terminal, of a batch system, and the one that cannot be handled.
 pub(crate) const INTERRUPT: i32 = 2;
 pub(crate) const HANGUP: i32 = 1;
 pub(crate) const TERMINATE: i32 = 15;
 pub(crate) const KILL: i32 = 9;
-/// Exit codes that are documented: done, failed, refused, verdict, interrupted.
+/// Documented exit codes: done, failed, refused, verdict, interrupted.
 const CODES: [i32; 5] = [0, 1, 2, 3, 130];
 
-/// What is wrong with how a program ended.
+/// Fault in the end of a program.
 pub(crate) enum Fault {
-    /// It did not end in time.
+    /// The program did not end in time.
     Hang(String),
-    /// It ended by a panic, an abort or a signal that nobody sent.
+    /// The program ended by a panic, an abort, or a signal from outside the test.
     Abort(String),
-    /// A file is neither old nor new.
+    /// A file is neither the old nor the new one.
     Torn(String),
 }
 
@@ -51,7 +51,7 @@ impl From<io::Error> for Fault {
     }
 }
 
-/// A folder of a case, removed at its end.
+/// Folder of a case, removed when it ends.
 pub(crate) struct Place(PathBuf);
 
 impl Place {
@@ -72,7 +72,7 @@ impl Place {
         Ok(path)
     }
 
-    /// A command in this folder, whose output goes to files here.
+    /// Starts a command in this folder, with its output in files.
     pub(crate) fn started(&self, mut command: Command) -> Result<Running, Fault> {
         let line = format!("{command:?}");
         let [out, error] = ["stdout", "stderr"].map(|name| self.0.join(format!(".{name}")));
@@ -92,7 +92,7 @@ impl Place {
         })
     }
 
-    /// Runs a command to its end; one that takes its time is interrupted.
+    /// Runs a command to its end, and interrupts a slow one.
     pub(crate) fn run(&self, command: Command) -> Result<Ended, Fault> {
         let mut running = self.started(command)?;
         if running.ends_within(Duration::from_secs(3))?.is_none() {
@@ -108,7 +108,7 @@ impl Drop for Place {
     }
 }
 
-/// A program that runs.
+/// Running program.
 pub(crate) struct Running {
     child: Child,
     line: String,
@@ -117,17 +117,17 @@ pub(crate) struct Running {
     signals: Vec<i32>,
 }
 
-/// How a program ended.
+/// Result of a program.
 pub(crate) struct Ended {
     pub(crate) code: Option<i32>,
     pub(crate) stdout: String,
     pub(crate) stderr: String,
-    /// The command line.
+    /// Command line, for the report of a fault.
     pub(crate) line: String,
 }
 
 impl Running {
-    /// Sends a signal.
+    /// Sends a signal to the program.
     pub(crate) fn signal(&mut self, signal: i32) -> Result<(), Fault> {
         self.signals.push(signal);
         let number = self.child.id().to_string();
@@ -138,7 +138,7 @@ impl Running {
         Ok(())
     }
 
-    /// Waits for the end, up to a time.
+    /// Waits for the end for at most the given time.
     pub(crate) fn ends_within(&mut self, time: Duration) -> Result<Option<ExitStatus>, Fault> {
         let end = Instant::now() + time;
         loop {
@@ -152,7 +152,7 @@ impl Running {
         }
     }
 
-    /// Waits for the end and judges it.
+    /// Waits for the end and checks the exit.
     pub(crate) fn ended(mut self) -> Result<Ended, Fault> {
         let Some(status) = self.ends_within(longest())? else {
             self.child.kill()?;
@@ -163,7 +163,7 @@ impl Running {
         let (stdout, stderr) = (read(&self.out)?, read(&self.error)?);
         let code = status.code();
         let is_documented = code.is_some_and(|code| CODES.contains(&code));
-        // A signal that comes before the program listens ends it.
+        // A signal before the program handles signals ends it.
         let is_killed = status
             .signal()
             .is_some_and(|signal| self.signals.contains(&signal));

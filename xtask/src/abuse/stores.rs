@@ -1,4 +1,4 @@
-//! Commands that are interrupted or killed at any time: what is written is whole, and goes on to the same bytes.
+//! Interrupts and kills at any time: written files are complete, and a resumed command produces the same bytes.
 
 use super::running::{Fault, HANGUP, INTERRUPT, KILL, Place, Running, TERMINATE, longest};
 use super::{Programs, Random};
@@ -11,7 +11,7 @@ const STUDY: &str = "[discretization]\nsupport = 1.6\n[[axes]]\nquantity = \"str
 const COMPARISON: &str = "[compare]\nstretches = [0.95, 1.05]\nstates = 4\ntension = 1.1\ncompression = 0.9\n[[methods]]\nname = \"nodes\"\nlattice = \"square\"\nquadrature = \"nodal\"\n[[methods]]\nname = \"sph\"\nmethod = \"updated-sph\"\n";
 const IRREGULAR: &str = "[compare]\nstretches = [0.9, 1.1]\nstates = 6\n[[methods]]\nname = \"irregular\"\nmethod = \"updated-sph\"\ncells = 6\nperturbation = 0.1\n";
 
-/// Commands that take longer than a test, each with what it is.
+/// Command lines that take longer than a test.
 const LONG: &[&str] = &[
     "state --stretch 1.1,0.9 --set discretization.method=updated-sph --set discretization.cells=12 --set discretization.perturbation=0.1",
     "modes --set discretization.method=updated-sph --set discretization.cells=8 --set discretization.perturbation=0.1 --out out",
@@ -27,7 +27,7 @@ const LONG: &[&str] = &[
     "explore --no-browser",
 ];
 
-/// A signal at any time ends a command soon, and leaves no half of a file.
+/// Checks that a signal at any time ends a command soon, without incomplete files.
 pub(super) fn interrupted(
     programs: &Programs,
     place: &Place,
@@ -45,7 +45,7 @@ pub(super) fn interrupted(
     }
     let signal = [INTERRUPT, TERMINATE, HANGUP][random.below(3)];
     running.signal(signal)?;
-    // One that comes before the program listens can be lost.
+    // A signal before the program handles signals can be lost.
     if running.ends_within(longest() / 4)?.is_none() {
         running.signal(signal)?;
     }
@@ -53,7 +53,7 @@ pub(super) fn interrupted(
     no_rest(place.path())
 }
 
-/// Commands that write, and what goes on after a kill.
+/// Commands that write files, each with the command that resumes it.
 const KILLED: &[(&str, &str)] = &[
     (
         "map study.toml --out out",
@@ -69,7 +69,7 @@ const KILLED: &[(&str, &str)] = &[
     ),
 ];
 
-/// A command that was killed at any time goes on to the bytes of one that was not.
+/// Checks that a command killed at any time is resumed to the bytes of an undisturbed run.
 pub(super) fn killed(programs: &Programs, place: &Place, random: &mut Random) -> Result<(), Fault> {
     let (line, again) = KILLED[random.below(KILLED.len())];
     let whole = Place::new(random.word())?;
@@ -142,7 +142,7 @@ fn tree(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, Fault> {
     Ok(all)
 }
 
-/// No file is left that a command writes beside the place of another.
+/// Checks that no temporary files are left next to the output.
 fn no_rest(folder: &Path) -> Result<(), Fault> {
     let left = fs::read_dir(folder)?.flatten();
     let mut left = left.map(|entry| entry.file_name().to_string_lossy().into_owned());

@@ -1,4 +1,4 @@
-//! Half requests to the page, and odd arrays and forks in Python.
+//! Incomplete requests to the page, and unusual arrays and forks in Python.
 
 use super::running::{Fault, INTERRUPT, Place, longest};
 use super::{Programs, Random};
@@ -7,7 +7,7 @@ use std::net::{SocketAddr, TcpStream};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-/// Beginnings of requests; the rest never comes.
+/// Beginnings of requests that are never completed.
 const HEADS: &[&[u8]] = &[
     b"",
     b"G",
@@ -20,7 +20,7 @@ const HEADS: &[&[u8]] = &[
     b"GET / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nffffffffffffffff\r\n",
 ];
 
-/// The page answers its owner whatever others send.
+/// Checks that the page answers its owner despite incomplete requests of others.
 pub(super) fn half_requests(
     programs: &Programs,
     place: &Place,
@@ -49,7 +49,7 @@ pub(super) fn half_requests(
     let mut open = Vec::new();
     for _ in 0..random.below(100) {
         let mut stream = TcpStream::connect(address)?;
-        // One that was closed already is refused here.
+        // The server may have closed the connection already.
         let _ = stream.write_all(random.of(HEADS));
         if random.below(2) == 0 {
             open.push(stream);
@@ -86,7 +86,7 @@ fn asked(address: SocketAddr) -> std::io::Result<String> {
     Ok(String::from_utf8_lossy(&bytes[..count]).into_owned())
 }
 
-/// Calls with arrays of any kind, in forked processes too, answer or raise an exception.
+/// Checks that calls with any arrays, also in forked processes, return or raise an exception.
 pub(super) fn arrays(programs: &Programs, place: &Place, random: &mut Random) -> Result<(), Fault> {
     let Some(python) = &programs.python else {
         return Ok(());

@@ -60,7 +60,7 @@ pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
     )
 }
 
-/// The comparison of a file, or of the methods that the program knows in a number of dimensions.
+/// Comparison in a file, or the built-in methods for a number of dimensions.
 fn read(
     file: Option<&Path>,
     block: &BlockArguments,

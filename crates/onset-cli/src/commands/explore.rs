@@ -38,7 +38,7 @@ pub fn explore(arguments: &ExploreArguments) -> Result<ExitCode, Failure> {
     serve(&link, port, is_shown, trust, None)
 }
 
-/// Returns true if nothing but a study is given.
+/// Returns true if only a study is given.
 fn is_plain(problem: &ProblemArguments) -> bool {
     let given = &problem.given;
     given.assignments.is_empty() && given.energy.is_none() && problem.block.from.is_none()

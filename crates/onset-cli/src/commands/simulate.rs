@@ -17,7 +17,7 @@ use std::str::FromStr;
 use std::sync::OnceLock;
 use std::time;
 
-/// How long a step may take after an interrupt of a run that is not kept.
+/// Longest time of a step after an interrupt, for a run without output files.
 const PATIENCE: time::Duration = time::Duration::from_millis(200);
 
 impl From<SimulateError> for Failure {
@@ -172,7 +172,7 @@ fn whole<T: FromStr>(option: &str, text: &str) -> Result<Vec<T>, Failure> {
     })
 }
 
-/// Shows the steps of a run on a terminal, and lets an interrupt save them.
+/// Progress of a run on a terminal; an interrupt saves the run.
 struct Progress {
     bar: OnceLock<ProgressBar>,
     is_kept: bool,
@@ -198,7 +198,7 @@ impl Progress {
         }
     }
 
-    /// From now on an interrupt ends the run after a step, with what there is.
+    /// Lets an interrupt end the run after the current step.
     fn answer_interrupts(&self) {
         let (told, at_end, patience) = match self.is_kept {
             true => (

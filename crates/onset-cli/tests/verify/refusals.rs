@@ -248,7 +248,7 @@ fn problems_beyond_the_capabilities_of_a_code_are_refused() {
     }
 }
 
-/// An interrupt of the command alone also ends the program that it has started, with the children of that.
+/// An interrupt of the command alone also ends the program that it has started, with its children.
 #[cfg(unix)]
 #[test]
 fn a_program_ends_with_the_command_that_runs_it() {
@@ -290,7 +290,7 @@ fn a_program_ends_with_the_command_that_runs_it() {
         let left = Command::new("pgrep").args(["-g", &group]).output();
         String::from_utf8_lossy(&left.expect("pgrep").stdout).into_owned()
     };
-    // What was killed is reaped soon.
+    // Killed processes are reaped soon.
     let end = Instant::now() + Duration::from_secs(10);
     while !left().is_empty() && Instant::now() < end {
         std::thread::sleep(Duration::from_millis(20));

@@ -86,7 +86,7 @@ impl Brief for Table {
 }
 
 impl Table {
-    /// How many methods can be recommended, and which one is best.
+    /// Sentence on the number of recommended methods and the best of them.
     fn summary(&self, ranking: &[Ranked]) -> String {
         let good = ranking.iter().filter(|ranked| ranked.excluded.is_none());
         let names: Vec<&str> = good.map(|ranked| ranked.name.as_str()).collect();
@@ -146,7 +146,7 @@ impl Brief for Recommendation {
     }
 }
 
-/// The name of a method, cut to the width of its column.
+/// Name of a method, cut to the width of its column.
 fn cut(name: &str) -> String {
     match name.chars().count() <= NAME {
         true => name.to_owned(),

@@ -122,7 +122,7 @@ pub struct Summary {
     pub seconds: f64,
     /// States computed by this run per second.
     pub states_per_second: f64,
-    /// What a reader of the map must know.
+    /// Notes on the map.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
 }
