@@ -720,7 +720,7 @@ mod tests {
             let words: Vec<String> = match (key.words(), key.kind) {
                 ([], Kind::Whole(least, _)) => vec![least.max(2).to_string()],
                 ([], Kind::Switch) => vec!["true".to_owned()],
-                ([], _) => vec!["1.5".to_owned()],
+                ([], _) => vec!["0.4".to_owned()],
                 (words, _) => words.iter().map(|word| (*word).to_owned()).collect(),
             };
             for word in words {
