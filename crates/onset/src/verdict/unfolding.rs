@@ -194,7 +194,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         let is_as_long = |other: &SVector<f64, D>| other.norm() <= k.norm() * (1.0 + ON_FACE);
         let images = images.filter(is_as_long).chain([*k]);
         let both = images.flat_map(|image| [image, -image]);
-        both.max_by(|a, b| is_ahead(a, b)).unwrap_or(*k)
+        both.max_by(is_ahead).unwrap_or(*k)
     }
 
     /// The same of a cell with several particles: of the waves `k + G` that as many particles can have, modes are the longest one of which they have at
