@@ -1,7 +1,6 @@
-//! Stable? Why not? Material or method?
+//! Origin of instability at a state: the material or the discretization.
 //!
-//! A [`Verdict`] compares one state of the continuum with one of the discretization and is never
-//! given without its evidence, the [`Assessment`].
+//! A [`Verdict`] compares the stability of continuum and discretization at one state. [`assess`] returns it with the evidence, an [`Assessment`].
 
 pub mod boundary;
 pub mod fidelity;
@@ -29,7 +28,7 @@ use crate::method::MethodError;
 use crate::scheme::Discretization;
 use nalgebra::SVector;
 
-/// The origin of the first instability.
+/// Origin of the first instability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -41,14 +40,13 @@ pub enum Verdict {
     Stable,
     /// Ellipticity is lost, and the long waves of the discretization grow too: the instability is the material's.
     Physical,
-    /// No wave grows, but the method has zero-energy modes: the strains that it sees of its softest wave, or of one of alternating neighbors,
-    /// vanish, so that nothing but the stress of the state, if anything, resists it.
+    /// No wave grows, but the method has zero-energy modes: the softest wave or a wave of alternating neighbors has no strain. Only the stress of the
+    /// state can resist it.
     ZeroEnergy,
-    /// An instability of the discretization: modes grow although the material has not lost
-    /// ellipticity, or although the long waves, where the material's instability would show, do not.
-    /// Its [`Mechanism`] tells how.
+    /// Instability of the discretization. Modes grow although the material has not lost ellipticity, or although the long waves, which would show an
+    /// instability of the material, do not grow. The cause is given by [`Mechanism`].
     Numerical,
-    /// Ellipticity is lost, but the discretization is stable: it suppresses the material's instability.
+    /// Ellipticity is lost, but the discretization is stable: it suppresses the material instability.
     Suppressed,
 }
 
@@ -62,7 +60,7 @@ impl Verdict {
         Self::Suppressed,
     ];
 
-    /// The verdict in words.
+    /// Title of the verdict in sentences and tables.
     pub fn title(self) -> &'static str {
         match self {
             Self::ZeroEnergy => "zero-energy modes",
@@ -70,7 +68,7 @@ impl Verdict {
         }
     }
 
-    /// The word used in files, on the command line and in legends.
+    /// Name of the verdict in files, in legends and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Stable => "stable",
@@ -82,17 +80,17 @@ impl Verdict {
     }
 }
 
-/// What the continuum does at a state.
+/// Response and ellipticity of the continuum at a state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialAssessment<const D: usize> {
-    /// Energy, stress and tangent.
+    /// Energy density, stress and tangent.
     pub response: Response,
-    /// The smallest acoustic eigenvalue over all directions, and complex ones: whether waves grow; units of stress.
+    /// Smallest acoustic eigenvalue over all directions, with any complex eigenvalues; units of stress. They decide whether waves grow.
     pub minimum: AcousticMinimum<D>,
-    /// Whether the state is strongly elliptic. Where the tangent has major symmetry it is the sign of the smallest eigenvalue; elsewhere strong
-    /// ellipticity can be lost without a wave that grows.
+    /// Whether the state is strongly elliptic. For tangents with major symmetry this is the sign of the smallest eigenvalue; for other tangents
+    /// strong ellipticity can be lost although no wave grows.
     pub ellipticity: Ellipticity,
-    /// The mean Cauchy stress within the `D` dimensions; positive in tension.
+    /// Mean Cauchy stress within the `D` dimensions; positive in tension.
     pub mean_stress: f64,
 }
 
@@ -108,7 +106,7 @@ impl<const D: usize> MaterialAssessment<D> {
         Ok(Self::of(material.response(f)?))
     }
 
-    /// The same of a response.
+    /// Assesses the continuum with a known response.
     pub fn of(response: Response) -> Self {
         let stiffness = Stiffness::<D>::of(&response);
         let minimum = stiffness.minimum();
@@ -126,33 +124,34 @@ impl<const D: usize> MaterialAssessment<D> {
     }
 }
 
-/// A verdict with its evidence.
+/// Verdict on a state with its evidence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assessment<const D: usize> {
-    /// The verdict.
+    /// Verdict on the state.
     pub verdict: Verdict,
-    /// The continuum.
+    /// Response and ellipticity of the continuum.
     pub material: MaterialAssessment<D>,
-    /// The discretization.
+    /// Spectrum of the discretization.
     pub spectrum: SpectrumSummary<D>,
-    /// Of the verdict [`Verdict::ZeroEnergy`]: which wave it is that strains nothing.
+    /// Zero-energy mode of the verdict [`Verdict::ZeroEnergy`]; `None` for other verdicts.
     pub zero_energy: Option<ZeroEnergyWave>,
-    /// The squared norm of the discrete gradient of the softest mode over that of the exact gradient,
-    /// `sum_q V_q |B_q|^2 / (V0 |k|^2)` with `k` in the coordinates of the kernel: near one for long waves, zero for a
-    /// zero-energy mode. `None` where the discretization has no such gradient.
+    /// Ratio of squared gradient norms, discrete over exact, of the softest mode: `sum_q V_q |B_q|^2 / (V0 |k|^2)` with `k` in the coordinates of the
+    /// kernel.
+    ///
+    /// It is near one for long waves, and zero for a zero-energy mode. `None` if the discretization has no such gradient.
     pub gradient_norm: Option<f64>,
 }
 
-/// The wave of a stable state that strains nothing.
+/// Zero-energy mode of a stable state: a wave without strain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ZeroEnergyWave {
-    /// The softest one.
+    /// Softest mode of the state.
     Softest,
-    /// One of alternating neighbors, another than the softest.
+    /// Mode of alternating neighbors that is not the softest mode.
     Alternating {
-        /// How many wave vectors of alternating neighbors strain nothing.
+        /// Number of wave vectors of alternating neighbors with a zero-energy mode.
         count: usize,
-        /// At how many of them the stress of the state resists all modes.
+        /// Number of these wave vectors at which the stress of the state resists all modes.
         resisted: usize,
     },
 }
@@ -160,12 +159,12 @@ pub enum ZeroEnergyWave {
 /// Limit of weakly controlled waves: frequency relative to the material's slowest wave with the same wave vector, in the reference configuration.
 pub const WEAK: f64 = 0.1;
 
-/// A mode of the reference configuration that is slow beside the material's wave that it is.
+/// Mode of the reference configuration that is slow compared with the wave of the material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WeakestMode<const D: usize> {
-    /// The wave vector of that wave; 1/length. The discretization knows it up to reciprocal vectors.
+    /// Wave vector of the material wave; 1/length. The discretization determines it up to reciprocal vectors.
     pub wave_vector: SVector<f64, D>,
-    /// Its squared frequency over that of the material.
+    /// Squared frequency over the squared frequency of the material wave.
     pub relative_frequency_squared: f64,
 }
 
@@ -176,11 +175,12 @@ impl<const D: usize> WeakestMode<D> {
     }
 }
 
-/// The scale `c^2` of wave speeds: the largest acoustic eigenvalue of the material in the reference state over the
-/// reference density. Length^2/time^2.
+/// Squared wave speed `c^2` of the scaled measures, length^2/time^2.
+///
+/// It is the largest acoustic eigenvalue of the material in the reference state over the reference density.
 ///
 /// # Errors
-/// [`MaterialError`] when the response of the material in the reference state is not finite, or carries no waves.
+/// [`MaterialError`] when the response of the material in the reference state is not finite, or its largest acoustic eigenvalue is not positive.
 pub fn speed_squared<const D: usize>(
     discretization: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
@@ -190,10 +190,10 @@ pub fn speed_squared<const D: usize>(
     speed_squared_of(eigenvalue, discretization.density())
 }
 
-/// `c^2` of which powers neither over- nor underflow.
+/// Range of `c^2` whose powers neither overflow nor underflow.
 const SPEED_SQUARED: [f64; 2] = [1e-200, 1e200];
 
-/// The scale of wave speeds from the largest acoustic eigenvalue and the density.
+/// Squared wave speed from the largest acoustic eigenvalue and the density.
 fn speed_squared_of(eigenvalue: f64, density: f64) -> Result<f64, MaterialError> {
     let speed_squared = eigenvalue / density;
     if eigenvalue.is_nan() || eigenvalue <= 0.0 {
@@ -212,7 +212,7 @@ fn speed_squared_of(eigenvalue: f64, density: f64) -> Result<f64, MaterialError>
 /// Assesses a material and a discretization at a homogeneous state: [`Survey::assess`] for one state.
 ///
 /// # Errors
-/// [`MethodError`] when one of them cannot be evaluated there.
+/// [`MethodError`] when the material or the discretization cannot be evaluated there.
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -238,7 +238,7 @@ pub fn assess<const D: usize>(
     Survey::new(discretization, material)?.assess(f)
 }
 
-/// A spectrum, unless its numbers over- or underflow.
+/// Returns the spectrum, or an error if its scaled measures overflow or underflow.
 fn finite<const D: usize>(spectrum: SpectrumSummary<D>) -> Result<SpectrumSummary<D>, MethodError> {
     let scaled = [spectrum.softest.scaled, spectrum.long_wave.scaled];
     if scaled.iter().any(|measure| measure.is_nan()) {
@@ -248,14 +248,14 @@ fn finite<const D: usize>(spectrum: SpectrumSummary<D>) -> Result<SpectrumSummar
     }
 }
 
-/// The verdict on what is known of material and particles.
+/// Verdict from the stability of the material and of the discretization.
 pub(crate) fn decided(
     material_grows: bool,
     is_stable: bool,
     has_zero_mode: bool,
     long_waves_grow: bool,
 ) -> Verdict {
-    // A material at the margin has no wave that grows: there is none to miss or to follow.
+    // A material at the margin of ellipticity has no growing wave that the discretization could suppress or share.
     match (material_grows, is_stable) {
         (false, true) if has_zero_mode => Verdict::ZeroEnergy,
         (false, true) => Verdict::Stable,
@@ -265,7 +265,7 @@ pub(crate) fn decided(
     }
 }
 
-/// The verdict on a state and how perturbations of the discretization develop: [`Survey::judge`] for one state.
+/// Returns the verdict and the stability at a state: [`Survey::judge`] for one state.
 ///
 /// # Errors
 /// [`MethodError`] when the discretization or the material cannot be evaluated there.

@@ -1,4 +1,6 @@
-//! A discretization and a material, asked about states: what the states share is computed once.
+//! Survey of the states of one discretization and one material.
+//!
+//! Results that do not depend on the state (wave speed, Brillouin zone, reference waves, zero-energy modes) are computed once and shared.
 
 use super::unfolding::slower;
 use super::weakest::{WeakestSearch, Well};
@@ -23,58 +25,58 @@ use crate::time_step::{Integrator, TransferredWaves, critical_time_step};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::sync::{Arc, OnceLock};
 
-/// Scaled measures of stable states up to which stress alone may hold the softest mode.
+/// Largest scaled measure of a stable state whose softest mode is tested for zero energy: above it, the stress alone cannot provide the stiffness.
 const SOFT: f64 = 0.05;
 
-/// Squared frequencies that are smaller, over the largest one, are zero to rounding.
+/// Squared frequencies below this fraction of the largest one are zero to rounding.
 const UNRESISTED: f64 = 1e-13;
 
-/// What a map shows of a state.
+/// Verdict on a state with the measures that maps draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurveyedState<const D: usize> {
-    /// The verdict.
+    /// Verdict on the state.
     pub verdict: Verdict,
-    /// How perturbations of the discretization develop.
+    /// Stability of the discretization: stable, or unstable by divergence or flutter.
     pub stability: Stability,
-    /// The smallest acoustic eigenvalue of the material, and complex ones: whether its waves grow.
+    /// Smallest acoustic eigenvalue of the material, with any complex eigenvalues. They decide whether plane waves of the material grow.
     pub acoustic: AcousticMinimum<D>,
-    /// The smallest scaled measure `Re omega^2 / (c^2 |k|_h^2)`, long waves included; see [`SpectrumSummary::softest`].
+    /// Smallest scaled measure `Re omega^2 / (c^2 |k|_h^2)`, long waves included; see [`SpectrumSummary::softest`].
     pub scaled_minimum: f64,
-    /// Its wave vector; the unit direction for long waves. 1/length.
+    /// Wave vector of the softest mode, 1/length; its unit direction if the mode is a long wave.
     pub wave_vector: SVector<f64, D>,
-    /// Whether it is the limit of long waves.
+    /// Whether the softest mode is the long-wave limit.
     pub is_long_wave: bool,
-    /// The smallest limit of long waves.
+    /// Smallest scaled measure in the long-wave limit `k -> 0`.
     pub long_wave_minimum: f64,
-    /// Whether the limit is negative beyond rounding, or long waves flutter as those of the material do.
+    /// Whether the long-wave limit is negative beyond rounding, or long waves flutter like waves of the material.
     pub long_waves_grow: bool,
-    /// The smallest `Re omega^2`, zero (the translation) where none is below. 1/time^2.
+    /// Smallest `Re omega^2`, at most zero because of the translations. 1/time^2.
     pub lowest_omega_squared: f64,
-    /// The growth rate of the fastest growing mode, zero when stable. 1/time.
+    /// Growth rate of the fastest growing mode, zero for a stable state. 1/time.
     pub growth_rate: f64,
-    /// The largest frequency. 1/time.
+    /// Largest frequency. 1/time.
     pub maximum_omega: f64,
 }
 
 impl<const D: usize> SurveyedState<D> {
-    /// The critical time step of central differences without damping, `2 / omega_max`.
+    /// Critical time step of central differences without damping, `2 / omega_max`.
     pub fn critical_time_step(&self) -> f64 {
         2.0 / self.maximum_omega
     }
 }
 
-/// A verdict, without the evidence.
+/// Verdict on a state without its evidence, as returned by [`Survey::judge_beside`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Judged<const D: usize> {
-    /// The verdict.
+    /// Verdict on the state.
     pub verdict: Verdict,
-    /// How perturbations of the discretization develop.
+    /// Stability of the discretization: stable, or unstable by divergence or flutter.
     pub stability: Stability,
-    /// The wave vector of a wave with `Re omega^2 < 0`, where one was found: not the fastest growing one. 1/length.
+    /// Wave vector of a growing wave (`Re omega^2 < 0`), if one was found. It need not be the fastest growing wave. 1/length.
     pub witness: Option<SVector<f64, D>>,
 }
 
-/// A discretization and a material, ready to be asked about many states.
+/// Survey of the states of one discretization and one material.
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -95,52 +97,53 @@ pub struct Survey<'a, const D: usize> {
     ground: Arc<Ground<D>>,
 }
 
-/// What all states of a discretization and a material share: what a [`Survey`] spends its time on before the first state, to be kept where
-/// a survey cannot be, because it borrows.
+/// Data that all states of a discretization and a material share.
+///
+/// A [`Survey`] computes them before its first state. They borrow nothing and can be kept where a survey cannot; see [`Survey::on`].
 #[derive(Clone)]
 pub struct Ground<const D: usize> {
     speed_squared: f64,
-    /// The zone of the reference lattice.
+    /// Search over the Brillouin zone of the reference lattice.
     search: ZoneSearch<D>,
     moments: Option<Arc<GradientMoments<D>>>,
-    /// The reference state, in which zero-energy modes are told from unstable ones.
+    /// Plane waves in the reference configuration. They distinguish zero-energy modes from unstable modes.
     reference: OnceLock<Result<WaveSystem<D>, MethodError>>,
-    /// What the discretization sees of waves, whatever the law.
+    /// Strains of plane waves; independent of the material.
     strains: OnceLock<Result<Strains<D>, MethodError>>,
-    /// Minima of the relative frequency on a grid, and the weakest wave of the reference configuration.
+    /// Local minima of the relative frequency on a grid in the reference configuration.
     wells: OnceLock<Vec<Well<D>>>,
     weakest: OnceLock<Option<WeakestMode<D>>>,
 }
 
-/// A wave vector, with how much of a gradient a discretization sees there.
+/// Wave vector, with the ratio of the discrete to the exact gradient norm.
 type GradientNorm<const D: usize> = (SVector<f64, D>, f64);
 
-/// What a discretization sees of waves at rest.
+/// Strains of plane waves at the quadrature points in the reference configuration.
 #[derive(Clone, Debug)]
 struct Strains<const D: usize> {
     rows: StrainRows<D>,
-    /// The wave vectors at which alternating neighbors, of different cells or of one, move without strain.
+    /// Wave vectors of strain-free modes in which neighbors alternate, within a cell or between cells.
     alternating: Vec<SVector<f64, D>>,
 }
 
 impl<const D: usize> Strains<D> {
-    /// Whether a mode is one without strain, or beside one.
+    /// Returns true if a strain-free mode exists at or near the wave vector of this mode.
     fn misses(&self, mode: &Mode<D>) -> bool {
         !mode.is_long_wave && self.rows.zero_mode_near(&mode.wave_vector).is_some()
     }
 }
 
-/// The plane waves of a state, ready to be searched.
+/// Equations of plane waves at a state, with the search over their Brillouin zone.
 #[derive(Clone, Debug)]
 pub enum StateWaves<const D: usize> {
-    /// Of one particle a cell, by the discretization's own way.
+    /// Waves of lattices with one particle per cell, from [`Discretization::direct_waves`].
     Direct(Box<DirectWaves<D>>),
-    /// Of any number of particles, with the zone that holds their wave vectors.
+    /// Waves of cells with any number of particles, with the search over the zone of their wave vectors.
     System(Box<(WaveSystem<D>, ZoneSearch<D>)>),
 }
 
 impl<const D: usize> StateWaves<D> {
-    /// Those of a discretization and a material; `zone` holds the wave vectors of the reference lattice.
+    /// Creates the waves of a discretization and a material; `zone` returns the search over the zone of the reference lattice.
     ///
     /// # Errors
     /// [`MethodError`] when discretization or material cannot be evaluated there.
@@ -158,7 +161,7 @@ impl<const D: usize> StateWaves<D> {
         Ok(Self::System(Box::new((waves, zone()))))
     }
 
-    /// `D(k)`, of which the eigenvalues are `omega^2` without damping. 1/time^2.
+    /// Dynamical matrix `D(k)`; its eigenvalues are `omega^2` without damping. 1/time^2.
     pub fn dynamical_matrix_at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
         match self {
             Self::Direct(waves) => {
@@ -177,7 +180,7 @@ impl<const D: usize> StateWaves<D> {
         }
     }
 
-    /// Whether no mode of a wave vector has `omega = 0`, to rounding beside the largest frequency; translations are left out.
+    /// Returns true if all modes of a wave vector except translations have frequencies above rounding of the largest frequency.
     fn resist(&self, k: &SVector<f64, D>, maximum_omega: f64) -> bool {
         let values = self.omega_squared(k).into_iter();
         let mut sizes: Vec<f64> = values.map(|value| value.norm()).collect();
@@ -187,7 +190,7 @@ impl<const D: usize> StateWaves<D> {
         sizes.get(translations).is_none_or(|size| *size > rounding)
     }
 
-    /// All `omega` of a wave vector, damping included; without damping each with its opposite. 1/time.
+    /// All `omega` of a wave vector, damping included. Without damping, `omega` and `-omega` are both listed. 1/time.
     pub fn frequencies(&self, k: &SVector<f64, D>) -> Vec<Complex> {
         match self {
             Self::Direct(waves) => {
@@ -198,7 +201,7 @@ impl<const D: usize> StateWaves<D> {
         }
     }
 
-    /// The extremes over the zone, damping left out.
+    /// Extremes of the spectrum over the zone, without damping.
     ///
     /// # Errors
     /// [`MethodError::NotFinite`] when they over- or underflow.
@@ -212,7 +215,9 @@ impl<const D: usize> StateWaves<D> {
         })
     }
 
-    /// The same, but for flutter that grows more slowly than what diverges; that of long waves is told where it is asked about.
+    /// Like [`Self::spectrum`], except that flutter which grows more slowly than the divergence of a state may be omitted.
+    ///
+    /// Flutter of long waves is then omitted too, unless `asks_about_long_waves` requests it.
     fn extremes(&self, asks_about_long_waves: bool) -> Result<SpectrumSummary<D>, MethodError> {
         finite(match self {
             Self::Direct(waves) => waves.search.extremes(&waves.matrix, asks_about_long_waves),
@@ -223,7 +228,7 @@ impl<const D: usize> StateWaves<D> {
         })
     }
 
-    /// The same with a lower bound of the scaled measure wherever equations allow one.
+    /// Like [`Self::spectrum`], with a lower bound of the scaled measure for all equations that allow one.
     ///
     /// # Errors
     /// [`MethodError::NotFinite`] when they over- or underflow.
@@ -237,7 +242,7 @@ impl<const D: usize> StateWaves<D> {
         })
     }
 
-    /// The search over the zone that holds their wave vectors.
+    /// Search over the zone of the wave vectors.
     pub fn search(&self) -> &ZoneSearch<D> {
         match self {
             Self::Direct(waves) => &waves.search,
@@ -245,7 +250,9 @@ impl<const D: usize> StateWaves<D> {
         }
     }
 
-    /// Extremes with the waves that represent all of equal measure; `to_spatial` takes reference wave vectors to the deformed lattice.
+    /// Replaces the extreme waves by the representatives of all waves with equal measures.
+    ///
+    /// `to_spatial` maps reference wave vectors to the deformed lattice.
     fn represented(
         &self,
         found: SpectrumSummary<D>,
@@ -268,8 +275,10 @@ impl<const D: usize> StateWaves<D> {
         self.search().represented(&waves, found)
     }
 
-    /// Whether a mode grows, and how, with a measure whose sign it is, of an unstable state that of a witness; with the softest mode
-    /// of a stable state whose measure is at most `soft`. Witnesses of the states beside it are tried first.
+    /// Returns whether a mode grows, and by divergence or flutter, with a measure whose sign decides stability.
+    ///
+    /// For an unstable state it is the measure of a witness. For a stable state the softest mode is returned if its measure is at most `soft`.
+    /// `beside`: witnesses of neighboring states, tried first.
     ///
     /// # Errors
     /// [`MethodError::NotFinite`] when frequencies over- or underflow.
@@ -283,7 +292,7 @@ impl<const D: usize> StateWaves<D> {
             Self::System(waves) => {
                 waves.0.check_mass()?;
                 let judgment = waves.1.judgment_of(&waves.0, soft, beside);
-                // Frequencies that over- or underflow are told by the measure.
+                // The measure is NaN if frequencies over- or underflow.
                 match judgment.measure.is_nan() {
                     true => Err(MethodError::NotFinite),
                     false => Ok(judgment),
@@ -292,7 +301,7 @@ impl<const D: usize> StateWaves<D> {
         }
     }
 
-    /// Whether long waves of an unstable state grow as those of the material.
+    /// Returns true if long waves of an unstable state grow like waves of the material.
     fn long_waves_grow(&self, stability: Stability, material: &AcousticMinimum<D>) -> bool {
         match self {
             Self::Direct(waves) => waves.search.long_waves_grow(&waves.matrix, material),
@@ -302,10 +311,10 @@ impl<const D: usize> StateWaves<D> {
 }
 
 impl<'a, const D: usize> Survey<'a, D> {
-    /// For some states.
+    /// Creates the survey of a discretization and a material.
     ///
     /// # Errors
-    /// [`MethodError`] when the response of the material in the reference state is not finite, or carries no waves.
+    /// [`MethodError`] when the response of the material in the reference state is not finite, or its largest acoustic eigenvalue is not positive.
     pub fn new(
         discretization: &'a dyn Discretization<D>,
         material: &'a dyn Hyperelastic,
@@ -327,7 +336,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         })
     }
 
-    /// On the ground of another survey, which must have been of the same discretization and the same material.
+    /// Creates a survey from the shared data of another survey, which must have the same discretization and material.
     pub fn on(
         ground: Arc<Ground<D>>,
         discretization: &'a dyn Discretization<D>,
@@ -340,13 +349,15 @@ impl<'a, const D: usize> Survey<'a, D> {
         }
     }
 
-    /// What its states share.
+    /// Returns the data that all states share.
     pub fn ground(&self) -> Arc<Ground<D>> {
         Arc::clone(&self.ground)
     }
 
-    /// For so many states that a preparation of some hundredths of a second pays. With Lagrangian kernels in the plane a state
-    /// then costs about two microseconds in the company of others, see [`Survey::states`]; with others it changes nothing.
+    /// Prepares the survey for many states, in some hundredths of a second.
+    ///
+    /// For Lagrangian kernels in the plane, [`Survey::states`] then takes about two microseconds per state. Other discretizations need no preparation
+    /// and are returned unchanged.
     ///
     /// ```
     /// use onset::kinematics::DeformationGradient;
@@ -372,22 +383,22 @@ impl<'a, const D: usize> Survey<'a, D> {
         Ok(self)
     }
 
-    /// The discretization.
+    /// Discretization of the survey.
     pub fn discretization(&self) -> &'a dyn Discretization<D> {
         self.discretization
     }
 
-    /// The material.
+    /// Material of the survey.
     pub fn material(&self) -> &'a dyn Hyperelastic {
         self.material
     }
 
-    /// The search over the zone of the reference lattice.
+    /// Search over the zone of the reference lattice.
     pub fn search(&self) -> &ZoneSearch<D> {
         &self.ground.search
     }
 
-    /// The equations of plane waves in the reference state.
+    /// Equations of plane waves in the reference configuration.
     ///
     /// # Errors
     /// [`MethodError`] when material or discretization cannot be evaluated there.
@@ -400,13 +411,13 @@ impl<'a, const D: usize> Survey<'a, D> {
         reference.as_ref().map_err(Clone::clone)
     }
 
-    /// The scale `c^2` of wave speeds: the largest acoustic eigenvalue of the material in the reference state over the reference density.
-    /// Length^2/time^2.
+    /// Squared wave speed `c^2` of the scaled measures: the largest acoustic eigenvalue of the material in the reference state over the reference
+    /// density. Length^2/time^2.
     pub fn speed_squared(&self) -> f64 {
         self.ground.speed_squared
     }
 
-    /// The plane waves of a state.
+    /// Plane waves at a state, with their search.
     ///
     /// # Errors
     /// [`MethodError`] when discretization or material cannot be evaluated there.
@@ -416,7 +427,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         StateWaves::of(self.discretization, self.material, f, speed_squared, zone)
     }
 
-    /// The extremes of the spectrum at a state.
+    /// Extremes of the spectrum at a state, without damping.
     ///
     /// # Errors
     /// [`MethodError`] when discretization or material cannot be evaluated there.
@@ -425,7 +436,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         Ok(waves.represented(waves.spectrum()?, self.to_spatial(f)))
     }
 
-    /// From reference wave vectors to those in the deformed lattice, `F^-T`; nothing for particles that have not moved.
+    /// Map from reference wave vectors to the deformed lattice, `F^-T`; the identity if the wave vectors already belong to the deformed lattice.
     fn to_spatial(&self, f: &DeformationGradient) -> SMatrix<f64, D, D> {
         let inverse = match self.discretization.is_regular() {
             true => None,
@@ -434,7 +445,8 @@ impl<'a, const D: usize> Survey<'a, D> {
         inverse.unwrap_or_else(SMatrix::identity)
     }
 
-    /// The waves of a state in steps of time, where the discretization has a step of its own; see [`Discretization::transferred`].
+    /// Returns the waves of a state in discrete time, or `None` if the discretization does not define a time step; see
+    /// [`Discretization::transferred`].
     ///
     /// # Errors
     /// [`MethodError`] when discretization or material cannot be evaluated there.
@@ -445,13 +457,15 @@ impl<'a, const D: usize> Survey<'a, D> {
         self.discretization.transferred(self.material, f)
     }
 
-    /// Whether the discretization has a step of its own, whatever the integrator.
+    /// Returns true if the discretization defines its time stepping, so that no integrator applies.
     pub fn is_transferred(&self) -> bool {
         let rest = DeformationGradient::identity();
         self.transferred(&rest).is_ok_and(|waves| waves.is_some())
     }
 
-    /// The largest stable time step of an integrator at a state, damping included; of a discretization with a step of its own that of it. Time.
+    /// Largest stable time step of an integrator at a state, damping included. Time.
+    ///
+    /// For discretizations that define their time stepping, it is the critical time step of this scheme, for any integrator.
     ///
     /// # Errors
     /// [`MethodError`] when discretization or material cannot be evaluated there.
@@ -467,13 +481,13 @@ impl<'a, const D: usize> Survey<'a, D> {
         Ok(critical_time_step(&system, integrator, self.search()))
     }
 
-    /// Whether forces depend on velocities, so that integrators have different time steps.
+    /// Returns true if forces depend on velocities. The critical time steps of the integrators then differ.
     pub fn is_damped(&self) -> bool {
         let is_damped = |waves: &WaveSystem<D>| waves.damping().is_some();
         !self.discretization.is_undamped() && self.reference().is_ok_and(is_damped)
     }
 
-    /// The largest stable time steps of the integrators at a state, where damping makes them differ; none otherwise.
+    /// Largest stable time steps of all integrators at a state; empty without damping.
     ///
     /// # Errors
     /// [`MethodError`] when material or discretization cannot be evaluated there.
@@ -490,7 +504,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         Ok(of_each(Integrator::ALL.to_vec(), step))
     }
 
-    /// The verdict on a state with its evidence.
+    /// Assesses a state: the verdict with its evidence.
     ///
     /// # Errors
     /// [`MethodError`] when discretization or material cannot be evaluated there.
@@ -519,8 +533,9 @@ impl<'a, const D: usize> Survey<'a, D> {
         })
     }
 
-    /// The verdict on a state and how perturbations of the discretization develop, without the evidence: the same as
-    /// [`Survey::assess`] says, several times faster where one witness of an instability is enough.
+    /// Returns the verdict and the stability of a state, without the evidence.
+    ///
+    /// The result agrees with [`Survey::assess`]. It is several times cheaper if one witness of an instability is enough.
     ///
     /// # Errors
     /// [`MethodError`] when discretization or material cannot be evaluated there.
@@ -529,8 +544,9 @@ impl<'a, const D: usize> Survey<'a, D> {
         Ok((judged.verdict, judged.stability))
     }
 
-    /// The same of one of many states, given the witnesses of the states beside it, if these have some: where they are those of this state
-    /// too, none is searched for.
+    /// Like [`Survey::judge`], with the witnesses of neighboring states, if known.
+    ///
+    /// If one of them is a witness of this state too, the search is skipped.
     ///
     /// # Errors
     /// As for [`Survey::judge`].
@@ -542,7 +558,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         let acoustic = Stiffness::<D>::at(self.material, f)?.minimum();
         let material_grows = acoustic.has_growing_waves();
         let waves = self.waves(f)?;
-        // Whether a mode has no energy takes the mode itself.
+        // The test for zero energy needs the mode.
         let soft = match (material_grows, &waves) {
             (true, _) => f64::NEG_INFINITY,
             (false, StateWaves::Direct(waves)) => SOFT.max(waves.search.tolerance(&waves.matrix)),
@@ -555,7 +571,7 @@ impl<'a, const D: usize> Survey<'a, D> {
             ..
         } = waves.judgment(soft, beside)?;
         let is_stable = stability == Stability::Stable;
-        // Only where both are unstable do the long waves tell to whom it belongs.
+        // Long waves decide the origin of the instability only if material and discretization are both unstable.
         let long_waves_grow =
             material_grows && !is_stable && waves.long_waves_grow(stability, &acoustic);
         let has_zero_mode =
@@ -567,11 +583,12 @@ impl<'a, const D: usize> Survey<'a, D> {
         })
     }
 
-    /// The phase of the particles at a state, with the scaled measure `Re omega^2 / (c^2 |k|_h^2)` of the softest wave
-    /// (of an unstable state that of a witness). Dimensionless.
+    /// Returns the phase of the discretization at a state, with the scaled measure `Re omega^2 / (c^2 |k|_h^2)` of the softest wave. Dimensionless.
+    ///
+    /// For an unstable state it is the measure of a witness.
     ///
     /// # Errors
-    /// [`MethodError`] when the state cannot be evaluated for another reason than its support or the law's domain, which are
+    /// [`MethodError`] when the state cannot be evaluated. Lack of support and states outside the domain of the law are no errors, but
     /// [`Phase::Undefined`].
     pub fn probe(&self, f: &DeformationGradient) -> Result<Probe, MethodError> {
         let waves = self.waves(f);
@@ -588,7 +605,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         Ok((phase, judgment.measure))
     }
 
-    /// What a map shows of a state: as [`Survey::assess`] says.
+    /// Returns the verdict on a state and the measures that maps draw, as [`Survey::assess`] finds them.
     ///
     /// # Errors
     /// [`MethodError`] when the discretization or the material cannot be evaluated there.
@@ -602,8 +619,9 @@ impl<'a, const D: usize> Survey<'a, D> {
         }
     }
 
-    /// What a map shows of many states, each as [`Survey::state`] says: to the last digit the same in any company, and with
-    /// Lagrangian kernels in the plane many times faster than one by one.
+    /// Returns the result of [`Survey::state`] for each state, identical in every digit.
+    ///
+    /// With Lagrangian kernels in the plane it is many times faster than separate calls.
     pub fn states(
         &self,
         states: &[DeformationGradient],
@@ -634,7 +652,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         surveyed: &mut Vec<Result<SurveyedState<D>, MethodError>>,
     ) {
         let tangents = self.material.plane_tangents(states);
-        // Without major symmetry waves are no form in the moments alone.
+        // The moments determine the waves only if the tangent has major symmetry.
         let known: Vec<PlaneTangent> = tangents
             .iter()
             .filter_map(|tangent| tangent.as_ref().ok().copied())
@@ -672,8 +690,9 @@ impl<'a, const D: usize> Survey<'a, D> {
         ))
     }
 
-    /// Whether the softest mode of a stable state, where it is known, or a wave of alternating neighbors is a zero-energy mode: it strains nothing, whatever the law.
-    /// What resists it at the state, if anything does, is its stress, which can make another wave near it the softest.
+    /// Returns true if the softest mode of a stable state or a mode of alternating neighbors is a zero-energy mode: a mode without strain.
+    ///
+    /// Only the stress of the state can resist such a mode. It can make another wave nearby the softest.
     fn has_zero_mode(
         &self,
         f: &DeformationGradient,
@@ -687,7 +706,8 @@ impl<'a, const D: usize> Survey<'a, D> {
         Ok(!strains.alternating.is_empty() || is_softest())
     }
 
-    /// Which of them it is, of a stable state with these norms of gradients.
+    /// Zero-energy mode of a stable state: its softest mode, or modes of alternating neighbors. `norms` are the gradient norms of
+    /// [`Self::gradient_norms`].
     fn zero_energy_wave(
         &self,
         norms: Option<&[GradientNorm<D>]>,
@@ -718,7 +738,8 @@ impl<'a, const D: usize> Survey<'a, D> {
         Ok((!alternating.is_empty()).then_some(wave))
     }
 
-    /// The norms of gradients of the softest mode, where it is known, and of alternating neighbors, with the wave vectors; where the discretization has such gradients.
+    /// Gradient norms of the softest mode, if given, and of alternating neighbors, with their wave vectors; `None` if the discretization has no such
+    /// gradients.
     fn gradient_norms(
         &self,
         f: &DeformationGradient,
@@ -733,7 +754,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         Ok(norms.map(|norms| vectors.zip(norms).collect()))
     }
 
-    /// Returns true if a wave exists at this wave vector whose strain is zero at every quadrature point, whatever the law.
+    /// Returns true if a wave with this wave vector has zero strain at every quadrature point, for any material.
     ///
     /// # Errors
     /// [`MethodError`] when the discretization cannot be evaluated there.
@@ -791,7 +812,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         })
     }
 
-    /// The wave vectors of alternating neighbors, of different cells or of one.
+    /// Wave vectors at which neighbors can alternate, within a cell (`k = 0`) or between cells.
     fn alternating(&self) -> impl Iterator<Item = SVector<f64, D>> {
         let lattice = self.discretization.crystal().lattice();
         lattice.alternating().chain([SVector::zeros()])

@@ -1,4 +1,7 @@
-//! Modes of a discretization at rest beside the plane waves of the material: which wave a mode is, and how much slower than that of the material.
+//! Unfolding of the modes of a discretization in the reference configuration.
+//!
+//! Each mode is assigned to a plane wave of the material, and their frequencies are compared. Modes of a cell with several particles determine their
+//! wave vectors only up to reciprocal vectors.
 
 use super::WeakestMode;
 use crate::algebra::{Complex, Each, array_of};
@@ -14,57 +17,60 @@ use std::cmp::Ordering;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-/// Waves longer than this, in units of the reciprocal vectors, are as good as infinitely long.
+/// Largest component of the wave vector of a long wave, in units of the reciprocal vectors. Long waves are not compared.
 const LONG: f64 = 1e-3;
-/// Modes count as a wave if they hold at least this part of what they hold most of.
+/// Smallest squared amplitude of a wave that is assigned to a group of modes, relative to the largest squared amplitude.
 const HELD: f64 = 0.5;
-/// What a wave vector may be short of a face of the zone, relative to it, and be on it.
+/// Relative tolerance for wave vectors on a face of the zone.
 const ON_FACE: f64 = 1e-9;
-/// To what wave vectors are rounded before they are put in order, over the largest.
+/// Rounding of wave numbers before sorting, relative to the largest.
 const ROUNDED: f64 = 1e-7;
 /// Relative error of the components of a wave vector at the end of a descent.
 const TIED: f64 = 1e-5;
-/// Squared frequencies that differ by less from the next, relative to the largest, are equal: where forces have an energy, and where they have none, as
-/// vectors of closer ones are not told apart there.
+/// Largest difference of degenerate squared frequencies, relative to the largest: for symmetric, then for nonsymmetric forces. Eigenvectors of
+/// nonsymmetric matrices do not separate closer eigenvalues.
 const DEGENERATE: [f64; 2] = [1e-12, 1e-9];
-/// The part of unit displacements that is more than a translation.
+/// Smallest sum of squared displacements of normalized modes after the translations are subtracted; smaller remainders are zero.
 const REST: f64 = 0.5;
-/// Ratios of squared frequencies that differ by less, relative to each other or beside one, are the same.
+/// Relative and absolute tolerance of equal ratios of squared frequencies.
 const AS_SLOW: [f64; 2] = [1e-6, 1e-12];
-/// Waves of the material whose squared frequency is smaller, beside that of its fastest wave along the same vector, have no energy to be compared with.
+/// Largest squared frequency of a material wave without energy, as a fraction of the squared frequency of the fastest wave with the same wave vector.
 const WITHOUT_ENERGY: f64 = 1e-12;
-/// Where each mode takes as long as all values: how many of the lowest are asked, and up to which share of the largest squared frequency of the waves that they can be.
+/// Number of branches computed, and the largest squared frequency of further branches as a fraction of the largest of the material waves. For
+/// nonsymmetric matrices a single eigenvector is as expensive as all eigenvalues.
 const LOWEST: (usize, f64) = (24, 0.25);
 
-/// The modes of a discretization at rest, each beside the plane wave of the material that it is. Those of a cell with several particles are known up
-/// to reciprocal vectors: they are unfolded.
+/// Unfolding of the modes of a discretization in the reference configuration.
+///
+/// Assigns each mode to a plane wave of the material. The wave vectors of modes of cells with several particles are known up to reciprocal vectors.
 pub(crate) struct Unfolding<'a, const D: usize> {
-    /// The places of the particles of a cell; length.
+    /// Positions of the particles of a cell; length.
     positions: Vec<SVector<f64, D>>,
-    /// The distance of the nearest particles; length.
+    /// Distance of nearest particles; length.
     spacing: f64,
     system: &'a WaveSystem<D>,
     density: f64,
     zone: BrillouinZone<D>,
-    /// The reciprocal vectors whose bisectors are faces of the zone, not only touch it.
+    /// Reciprocal vectors whose bisectors contain faces of the zone; others only touch it.
     faces: Vec<SVector<f64, D>>,
     stiffness: Stiffness<D>,
 }
 
-/// The mode of a wave vector that is slowest beside the wave of the material that it is.
+/// Slowest mode of a wave vector, relative to the wave of the material.
 pub(crate) struct Slowest<const D: usize> {
-    /// Its squared frequency over that of the material; infinite where nothing can be compared.
+    /// Squared frequency over the squared frequency of the material; infinite if no mode can be compared.
     pub(crate) ratio: f64,
-    /// The number of its branch.
+    /// Branch of the mode.
     pub(crate) branch: usize,
-    /// Which wave of the material it is; 1/length.
+    /// Wave vector of the material wave; 1/length.
     pub(crate) wave: SVector<f64, D>,
-    /// What leads to it from others that it is as well, and shorter: the normals of planes across which another one is the longest.
+    /// Differences of `wave` to the shorter material waves that the mode also contains: normals of planes across which another wave becomes the
+    /// longest.
     pub(crate) from_others: Vec<SVector<f64, D>>,
 }
 
 impl<const D: usize> Slowest<D> {
-    /// Where nothing is compared.
+    /// Result if no mode can be compared.
     fn none(wave: SVector<f64, D>) -> Self {
         Self {
             ratio: f64::INFINITY,
@@ -104,7 +110,7 @@ pub(crate) fn is_first<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>)
     }
 }
 
-/// Which one of two wave vectors is farther along the first axis along which they differ.
+/// Order of wave vectors by the first component that differs.
 fn is_ahead<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> Ordering {
     let rounding = TIED * a.amax().max(b.amax());
     let mut apart = a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > rounding);
@@ -114,7 +120,7 @@ fn is_ahead<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> Orderin
 }
 
 impl<'a, const D: usize> Unfolding<'a, D> {
-    /// Of the linearized system of a discretization and a material at rest.
+    /// Creates the unfolding from the linearized equations of motion in the reference configuration.
     ///
     /// # Errors
     /// [`MethodError`] when the material cannot be evaluated.
@@ -137,7 +143,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         })
     }
 
-    /// The mode of a wave vector that is slowest beside the material.
+    /// Returns the slowest mode of a wave vector, relative to the material.
     pub(crate) fn slowest(&self, k: &SVector<f64, D>) -> Slowest<D> {
         let k = self.zone.folded(k);
         if self.positions.len() > 1 {
@@ -159,7 +165,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         self.positions.len()
     }
 
-    /// Displacements of the modes of equal frequency that a branch belongs to.
+    /// Displacements of all modes with the frequency of the given branch.
     pub(crate) fn modes_with(&self, k: &SVector<f64, D>, branch: usize) -> Vec<Displacements<D>> {
         let modes = self.system.modes(k);
         let groups = self.groups(&modes).into_iter();
@@ -197,8 +203,10 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         both.max_by(is_ahead).unwrap_or(*k)
     }
 
-    /// The same of a cell with several particles: of the waves `k + G` that as many particles can have, modes are the longest one of which they have at
-    /// least half as much as of any. Modes of equal frequency are asked together, as what an eigenvalue problem makes of them is left to chance.
+    /// Slowest mode of a cell with several particles.
+    ///
+    /// A group of modes is assigned to the longest of the waves `k + G` whose squared amplitude is at least [`HELD`] times the largest. Modes of
+    /// equal frequency form one group, because an eigenvalue solver returns an arbitrary basis of their space.
     fn unfolded(&self, k: &SVector<f64, D>) -> Slowest<D> {
         let is_long = self.is_long(k);
         let mut images = self.images(k);
@@ -209,7 +217,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         let modes = self.system.modes_of(k, |_| branches.clone());
         let mut slowest = Slowest::none(*k);
         for (numbers, value) in self.groups(&modes) {
-            // All others are faster, too fast to be slower beside the material.
+            // All remaining modes are too fast to have a smaller ratio.
             if value >= slowest.ratio.max(0.0) * largest {
                 break;
             }
@@ -245,7 +253,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         DEGENERATE[usize::from(!self.system.is_hermitian())]
     }
 
-    /// Which modes have equal frequencies, with the largest squared one. They are sorted by it.
+    /// Ranges of modes with equal frequencies, each with its largest squared frequency. `modes` are sorted by squared frequency.
     fn groups(&self, modes: &[(Complex, DVector<Complex>)]) -> Vec<(Range<usize>, f64)> {
         let sizes = modes.iter().map(|(value, _)| value.norm());
         let apart = self.degenerate() * sizes.fold(0.0, f64::max);
@@ -262,8 +270,10 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         groups
     }
 
-    /// The branches that are asked: all where forces have an energy. Elsewhere each mode takes as long as all values, and of large cells the lowest ones are
-    /// asked, and the lowest one above the longest waves.
+    /// Branches whose modes are computed: all for symmetric forces and small cells.
+    ///
+    /// For other large cells, each mode is as expensive as all frequencies. The lowest branches are computed, and the first branch above the longest
+    /// waves.
     fn branches(&self, k: &SVector<f64, D>, largest: f64) -> Vec<usize> {
         let (most, share) = LOWEST;
         let size = self.system.size();
@@ -272,7 +282,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         }
         let values = self.system.omega_squared(k);
         let is_asked = |n: usize| [0, D].contains(&n) || n < most && values[n].re < share * largest;
-        // Modes of equal frequency are taken together.
+        // Degenerate modes are computed together.
         let sizes = values.iter().map(|value| value.norm());
         let apart = self.degenerate() * sizes.fold(0.0, f64::max);
         let mut groups: Vec<Range<usize>> = Vec::new();
@@ -286,7 +296,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         asked.flatten().collect()
     }
 
-    /// Which of some waves modes of equal frequency are.
+    /// Indices of the waves `k + G` that a group of modes of equal frequency contains with a large amplitude.
     fn held(&self, images: &[SVector<f64, D>], modes: &[Displacements<D>]) -> Vec<usize> {
         let share = |g: &SVector<f64, D>| -> f64 {
             let phases = self
@@ -310,8 +320,9 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         self.zone.lattice().fractional(k).amax() < LONG
     }
 
-    /// The reciprocal vectors that lead from a wave vector to the waves that particles so far apart can have, those to the longest waves first: the zone of
-    /// a lattice with a nearest distance `h` lies within `pi sqrt(D) / h`, that of squares and cubes with its corners.
+    /// Reciprocal vectors `G` of all waves `k + G` that the particle spacing can resolve, longest waves first.
+    ///
+    /// The zone of a lattice with nearest distance `h` lies within `pi sqrt(D) / h`. Corners of square and cubic zones are at this distance.
     fn images(&self, k: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
         let lattice = self.zone.lattice();
         let shortest = PI * (D as f64).sqrt() / self.spacing;
@@ -325,7 +336,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
             images = images.into_iter().flat_map(along).collect();
         }
         images.retain(|g| (k + g).norm() <= shortest * (1.0 + ON_FACE) || g.norm() == 0.0);
-        // Of those as long the one that is farther along the first axis comes first.
+        // Waves of equal length are sorted by decreasing components.
         let rounded = |x: f64| (x / (ROUNDED * shortest)).round() as i64;
         images.sort_by_key(|g| {
             let wave = k + g;
@@ -335,15 +346,16 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         images
     }
 
-    /// The squared frequency of the material's slowest wave; zero where it has no energy, as the shear waves of a fluid.
+    /// Squared frequency of the slowest wave of the material; zero if the wave has no energy, as shear waves of fluids.
     fn material(&self, k: &SVector<f64, D>) -> f64 {
         let values = continuum(&self.stiffness, self.density, k);
         let is_resisted = values[0] > WITHOUT_ENERGY * values[D - 1];
         if is_resisted { values[0] } else { 0.0 }
     }
 
-    /// That of the longest wave of a wave vector in the zone. On the boundary there are several with the same length: the fastest of them is taken, for which the
-    /// ratio is least.
+    /// Squared frequency of the material for the shortest equivalent of a wave vector in the zone.
+    ///
+    /// On the boundary several equivalents have the same length. The fastest of them is used; it gives the smallest ratio.
     fn longest(&self, k: &SVector<f64, D>) -> f64 {
         let on_face = |g: &&SVector<f64, D>| k.dot(g) >= (0.5 - ON_FACE) * g.norm_squared();
         let images = self.zone.bounding_vectors().iter().filter(on_face);
@@ -353,7 +365,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
     }
 }
 
-/// The squared frequencies of the continuum at a wave vector, in increasing order; 1/time^2.
+/// Squared frequencies of the continuum at a wave vector, in increasing order; 1/time^2.
 pub(crate) fn continuum<const D: usize>(
     stiffness: &Stiffness<D>,
     density: f64,
@@ -366,17 +378,17 @@ pub(crate) fn continuum<const D: usize>(
     values
 }
 
-/// The displacements of the particles of a cell in a mode.
+/// Displacements of the particles of a cell in a mode.
 pub(crate) type Displacements<const D: usize> = Vec<SVector<Complex, D>>;
 
-/// Those of the particles, of the components of all of them.
+/// Splits a mode into the displacements of the particles.
 fn per_particle<const D: usize>(displacements: &DVector<Complex>) -> Displacements<D> {
     (0..displacements.len() / D)
         .map(|particle| SVector::from_fn(|i, _| displacements[D * particle + i]))
         .collect()
 }
 
-/// Takes translations from modes of a cell, which are long waves; whether something is left.
+/// Subtracts translations from modes of a cell. Returns true if displacements remain.
 fn without_translations<const D: usize>(modes: &mut [Displacements<D>]) -> bool {
     let size = |mode: &Displacements<D>| -> f64 { mode.iter().map(|own| own.norm_squared()).sum() };
     let mut rest = 0.0;
@@ -389,7 +401,7 @@ fn without_translations<const D: usize>(modes: &mut [Displacements<D>]) -> bool 
     rest >= REST
 }
 
-/// A squared frequency over that of the material, where that has one.
+/// Ratio of a squared frequency to the exact one; infinite if the exact one is zero.
 fn over(found: f64, exact: f64) -> f64 {
     match exact > 0.0 {
         true => found / exact,
@@ -397,7 +409,7 @@ fn over(found: f64, exact: f64) -> f64 {
     }
 }
 
-/// The reciprocal vectors of the faces: half of each is nearer to zero than to any other reciprocal vector.
+/// Reciprocal vectors of the faces: the half of each is closer to zero than to any other reciprocal vector.
 fn faces_of<const D: usize>(zone: &BrillouinZone<D>) -> Vec<SVector<f64, D>> {
     let all = zone.bounding_vectors();
     let is_face = |g: &&SVector<f64, D>| {
