@@ -20,7 +20,7 @@ use onset_study::verify::Stepping;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// A key with what it expects and means.
+/// Help entry of a key: its meaning with the default, and the expected values.
 fn line(key: &Key) -> String {
     let default = match key.default_value().as_str() {
         "" => String::new(),
@@ -30,15 +30,15 @@ fn line(key: &Key) -> String {
     entry(key.name, &meaning, &key.expects())
 }
 
-/// Where the meaning of a key begins, and where it is broken at the latest.
+/// First column of the text of an entry, and its last column.
 const INDENT: usize = 34;
 const WIDTH: usize = 100;
 
-/// A name with what it means and expects, in lines of their own below each other.
+/// Help entry: the name, then its meaning, then the expected values, each on separate lines.
 fn entry(name: &str, meaning: &str, expects: &str) -> String {
     let mut text = format!("  {name:<31}");
     for (n, part) in [meaning, expects].into_iter().enumerate() {
-        // The name takes the place of the first indent, and goes on beyond it where it is long.
+        // The name replaces the first indent; a long name extends beyond it.
         let mut column = match n {
             0 => text.chars().count(),
             _ => WIDTH,
@@ -70,7 +70,7 @@ fn law_keys() -> String {
         .partition(|key| key.name == "material.model");
     let lines = |keys: Vec<&Key>| keys.into_iter().map(line).collect::<String>();
     format!(
-        "Keys of --set:\n{}  {:<31} a parameter of the law, one of {}\n{:34}`onset list materials` tells which it has; or two of\n\
+        "Keys of --set:\n{}  {:<31} a parameter of the law, one of {}\n{:34}`onset list materials` lists the parameters of each law; or two of\n\
          {:34}young, poisson, bulk and shear\n{}",
         lines(model),
         "material.<parameter>",
@@ -86,14 +86,14 @@ fn keys() -> String {
     let own = KEYS.iter().filter(|key| key.parts().0 == "discretization");
     let own: String = own.map(line).collect();
     format!(
-        "{}{own}\n`onset list method NAME` tells which keys a method reads. Values with dimensions may have units, and then all must: \
+        "{}{own}\n`onset list method NAME` lists the keys of a method. If one value has a unit, all values with dimensions need one: \
          material.mu=80GPa, discretization.spacing=1mm, discretization.density=7850kg/m^3. Common names such as tlsph, \
-         fem or fcc are read: `onset list aliases`.\n",
+         fem or fcc are accepted: `onset list aliases`.\n",
         law_keys()
     )
 }
 
-/// Examples, and behind them in the long help the keys.
+/// Examples followed by the keys, for the long help.
 fn with_keys(examples: &str, keys: &str) -> String {
     format!("{examples}\n\n{keys}")
 }
@@ -155,7 +155,7 @@ const SIMULATE_EXAMPLES: &str = "Examples:
   onset simulate STUDY.toml --stretch 1.2,0.9 --cells 16 --mode noise --steps 20000 --out run --resume
   onset simulate studies/bodies/notched-plate.toml --time 60 --amplitude 0.01 --out plate
 
-Exit codes: 0 agrees (or a body has come to its end), 1 differs or the motion breaks down, 3 undecided, 2 the input is wrong, 130 interrupted.";
+Exit codes: 0 agrees (or the run of a body is complete), 1 differs or the motion breaks down, 3 undecided, 2 the input is wrong, 130 interrupted.";
 const AUDIT_EXAMPLES: &str = "Examples:
   onset audit --set material.model=ogden
   onset audit --set material.model=umat --set material.library=./my_umat.so --strict
@@ -185,7 +185,7 @@ const BOUNDARY_EXAMPLES: &str = "Examples:
 /// The keys of comparisons, from the one table that defines them.
 fn comparison_keys() -> String {
     format!(
-        "Keys of [compare] and --set, beside those of [material] and [discretization]:\n{}\
+        "Keys of [compare] and --set, in addition to the keys of [material] and [discretization]:\n{}\
          A method in [[methods]] has a name and keys of [discretization].\n",
         COMPARISON_KEYS.iter().map(line).collect::<String>()
     )
@@ -195,7 +195,7 @@ fn comparison_keys() -> String {
 fn body_keys() -> String {
     let of = |keys: &[Key]| keys.iter().map(line).collect::<String>();
     format!(
-        "\nKeys of [body] in a study:\n{}\nKeys of [[grips]], as many as there are:\n{}",
+        "\nKeys of [body] in a study:\n{}\nKeys of each [[grips]]:\n{}",
         of(BODY_KEYS),
         of(GRIP_KEYS)
     )
@@ -218,12 +218,12 @@ fn plastic_parameters() -> String {
         )
     };
     format!(
-        "Keys of --set:\n{}\nStresses may have units, and then all must: plasticity.shear-modulus=80GPa, plasticity.strength=200MPa.\n",
+        "Keys of --set:\n{}\nIf one stress has a unit, all stresses need one: plasticity.shear-modulus=80GPa, plasticity.strength=200MPa.\n",
         PARAMETERS.iter().map(line).collect::<String>()
     )
 }
 
-/// Where are your material and your discretization stable, and is an instability physical or numerical?
+/// Finds where materials and particle methods are stable, and whether an instability is physical or numerical
 #[derive(Debug, Parser)]
 #[command(
     name = "onset",
@@ -232,30 +232,29 @@ fn plastic_parameters() -> String {
     arg_required_else_help = true
 )]
 pub struct Arguments {
-    /// What to do.
     #[command(subcommand)]
     pub command: Command,
-    /// How to print.
+    /// Format and amount of the output.
     #[command(flatten)]
     pub printing: PrintingArguments,
 }
 
-/// The commands.
+/// Commands of the program `onset`.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Is this state stable, and if not, is it physical or numerical?
+    /// Classify one state: stable, or unstable for a physical or a numerical reason
     #[command(after_help = STATE_EXAMPLES, after_long_help = with_keys(STATE_EXAMPLES, &keys()))]
     State {
-        /// The problem.
+        /// Material and discretization of the problem.
         #[command(flatten)]
         problem: ProblemArguments,
-        /// The state.
+        /// Homogeneous state of deformation.
         #[command(flatten)]
         strain: StrainArguments,
         /// Prove stability or instability, with a bound or a witness.
         #[arg(long, help_heading = "Proof")]
         certify: bool,
-        /// From where the measure of an undecided state counts as away from zero.
+        /// Smallest measure of an undecided state that counts as different from zero.
         #[arg(
             long,
             value_name = "T",
@@ -269,40 +268,39 @@ pub enum Command {
         /// Limit of weakly controlled waves.
         #[command(flatten)]
         weak: WeakArgument,
-        /// How much is printed.
+        /// Length of the printed answer.
         #[command(flatten)]
         detail: DetailArguments,
-        /// Verdicts with which the command fails.
+        /// Verdicts that end the command with exit code 3.
         #[command(flatten)]
         failing: FailingArguments,
-        /// Show the state in the page of `onset explore` instead of printing it.
+        /// Show the state on the page of `onset explore` instead of printing it.
         #[cfg(feature = "explore")]
         #[arg(long, conflicts_with_all = ["certify", "fail_on", "deformation_gradient"])]
         open: bool,
     },
-    /// A page in the browser: the map of a method, and what is known of the state that is clicked
+    /// Explore the map of a method, and any state on it, in the browser
     ///
-    /// Material and method are chosen with sliders and lists; beside the map stand the sentence, stresses, the acoustic tensor, dispersion and the
-    /// moving mode. The page is served on this machine alone, and asks no other server.
+    /// Sliders and lists select the material and the method. For the state that is clicked, the page shows the verdict in a sentence, the stresses,
+    /// the acoustic tensor, the dispersion and the moving mode. The page is served on this machine only and contacts no other server.
     #[cfg(feature = "explore")]
     #[command(after_help = EXPLORE_EXAMPLES)]
     Explore(ExploreArguments),
-    /// Frequencies of plane waves: of one wave vector, or along a path
+    /// Compute frequencies of plane waves for one wave vector or along a path
     #[command(group(ArgGroup::new("waves").required(true).args(["wave_vector", "path"])))]
     #[command(after_help = DISPERSION_EXAMPLES, after_long_help = with_keys(DISPERSION_EXAMPLES, &keys()))]
     Dispersion {
-        /// The problem.
+        /// Material and discretization of the problem.
         #[command(flatten)]
         problem: ProblemArguments,
-        /// The state.
+        /// Homogeneous state of deformation.
         #[command(flatten)]
         strain: StrainArguments,
         /// Reference wave vector, for example 2.0,1.1 (in units of 1/length).
         #[arg(long, value_name = "K1,K2", allow_hyphen_values = true)]
         wave_vector: Option<String>,
-        /// Draw a dispersion diagram along the points of high symmetry that the state tells apart, or along a path of your own: their
-        /// names (G-M-K-G), or points in units of the reciprocal vectors ("0,0; 0.5,0; K"). The line through the critical wave
-        /// vector k* is added.
+        /// Draw a dispersion diagram. Its path connects the inequivalent points of high symmetry, or the given points: names (G-M-K-G), or
+        /// coordinates in units of the reciprocal vectors ("0,0; 0.5,0; K"). The line through the critical wave vector k* is added.
         #[arg(
             long,
             value_name = "POINTS",
@@ -313,48 +311,48 @@ pub enum Command {
         #[arg(long, value_name = "DIR", conflicts_with = "wave_vector")]
         out: Option<PathBuf>,
     },
-    /// Where along a path of deformations or a loading is stability lost?
+    /// Find where stability is lost along a path of deformations or a loading
     #[command(after_help = PATH_EXAMPLES, after_long_help = with_keys(PATH_EXAMPLES, &keys()))]
     Path {
-        /// The problem.
+        /// Material and discretization of the problem.
         #[command(flatten)]
         given: GivenArguments,
-        /// The path.
+        /// Path of deformations or loading.
         #[command(flatten)]
         course: CourseArguments,
         /// Folder for path.csv, path.svg and path.png: softest mode and smallest acoustic eigenvalue along the path; nothing is written
         /// without it.
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
-        /// Verdicts with which the command fails.
+        /// Verdicts that end the command with exit code 3.
         #[command(flatten)]
         failing: FailingArguments,
     },
-    /// Where does a plastic material localize, in which band, at which angle?
+    /// Find where a plastic material localizes, with the band and its angle
     #[command(after_help = LOCALIZE_EXAMPLES, after_long_help = with_keys(LOCALIZE_EXAMPLES, &plastic_parameters()))]
     Localize(LocalizeArguments),
-    /// The verdict on every state of a study, into a Zarr store; resumable
+    /// Compute the verdicts on all states of a study into a Zarr store; resumable
     #[command(after_help = MAP_EXAMPLES)]
     Map(MapArguments),
-    /// Where along standard loadings is each stability criterion lost?
+    /// Find where each stability criterion is lost along standard loadings
     ///
-    /// Ellipticity, Hill, Drucker, Baker-Ericksen, largest load and others, with traction-free faces solved for.
+    /// The criteria are ellipticity, Hill, Drucker, Baker-Ericksen, the largest load and others. The stretches of traction-free faces are solved for.
     #[command(after_help = CRITERIA_EXAMPLES, after_long_help = with_keys(CRITERIA_EXAMPLES, &law_keys()))]
     Criteria(CriteriaArguments),
-    /// The safe range of a law: stretches within which it is strongly elliptic
+    /// Compute the safe range of a law: the stretches at which it is strongly elliptic
     #[command(after_help = CARD_EXAMPLES, after_long_help = with_keys(CARD_EXAMPLES, &law_keys()))]
     Card(CardArguments),
-    /// The available options, with formulas, parameters and sources
+    /// List the available options with formulas, parameters and sources
     List {
-        /// materials, planes, methods, lattices, kernels, approximations, quadratures, frames, backgrounds, current-lattices, support-sizes,
-        /// linearizations; criteria of stability; formula for the language of typed laws; aliases for common names; keys, or method with a NAME;
-        /// everything when left out.
+        /// Topic: materials, planes, methods, lattices, kernels, approximations, quadratures, frames, backgrounds, current-lattices, support-sizes,
+        /// linearizations, criteria (of stability), formula (the language of typed laws), aliases (common names), keys, or method with a NAME
+        /// [default: all topics].
         topic: Option<String>,
-        /// With `method`: the method whose keys are listed, for example total-lagrangian-sph.
+        /// For the topic method: the method whose keys are listed, for example total-lagrangian-sph.
         #[arg(requires = "topic")]
         name: Option<String>,
     },
-    /// Is a study file valid, what does it ask for, what will it cost?
+    /// Check that study files are valid, and estimate their cost
     #[command(after_help = CHECK_EXAMPLES)]
     Check {
         /// Study files, - for standard input.
@@ -363,16 +361,16 @@ pub enum Command {
         /// Set a key of the study, overriding the file, for example map.tile=128 (may be given several times).
         #[arg(long = "set", value_name = "KEY=VALUE")]
         assignments: Vec<String>,
-        /// That FILE is a block.
+        /// Material block of another program in FILE.
         #[command(flatten)]
         block: RefusedBlockArguments,
-        /// What the file may load.
+        /// Libraries that the file may load.
         #[command(flatten)]
         trust: TrustArguments,
     },
-    /// Where in the plane of a study do material and particles lose stability?
+    /// Trace the stability boundaries of material and particles in the plane of a study
     ///
-    /// With the distance of the two boundaries, and the areas of false and suppressed instability.
+    /// Also computes the distance between the two boundaries, and the areas of false and suppressed instability.
     #[command(after_help = BOUNDARY_EXAMPLES)]
     Boundary {
         /// A study file with two axes, - for standard input.
@@ -380,75 +378,74 @@ pub enum Command {
         /// Set a key of the study, overriding the file, for example discretization.support=1.6 (may be given several times).
         #[arg(long = "set", value_name = "KEY=VALUE")]
         assignments: Vec<String>,
-        /// Tell flutter from divergence: trace the boundary between them too.
+        /// Trace the boundary between flutter and divergence, too.
         #[arg(long)]
         flutter: bool,
         /// Folder for boundary.geojson and boundary.csv; nothing is written without it.
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
-        /// That FILE is a block.
+        /// Material block of another program in FILE.
         #[command(flatten)]
         block: RefusedBlockArguments,
-        /// What the file may load.
+        /// Libraries that the file may load.
         #[command(flatten)]
         trust: TrustArguments,
     },
-    /// Several methods side by side for one material
+    /// Compare several methods for one material
     ///
-    /// Spurious modes, errors of frequencies, onsets, fidelity, time step, cost.
+    /// Lists the spurious modes, errors of frequencies, onsets of instability, fidelity, time step and cost of each method.
     #[command(after_help = COMPARE_EXAMPLES, after_long_help = with_keys(COMPARE_EXAMPLES, &comparison_keys()))]
     Compare(CompareArguments),
-    /// Which method for this material and these stretches?
+    /// Recommend a method for a material and a range of stretches
     ///
-    /// Methods ranked by rules that are printed, with what other limits in them would change.
+    /// Ranks the methods by rules, which are printed, and shows how other limits in the rules would change the ranking.
     #[command(after_help = RECOMMEND_EXAMPLES, after_long_help = with_keys(RECOMMEND_EXAMPLES, &comparison_keys()))]
     Recommend(RecommendArguments),
-    /// Zero-energy and weakly controlled modes of a method, drawn, animated, exported
+    /// Find zero-energy and weakly controlled modes of a method; draw, animate and export them
     #[command(after_help = MODES_EXAMPLES, after_long_help = with_keys(MODES_EXAMPLES, &keys()))]
     Modes(ModesArguments),
-    /// The smallest coefficient of a stabilization that is sufficient
+    /// Find the smallest sufficient coefficient of a stabilization
     ///
-    /// It removes the spurious modes and does not mask the instability of the material.
+    /// A sufficient stabilization removes the spurious modes and does not mask the instability of the material.
     #[command(after_help = TUNE_EXAMPLES, after_long_help = with_keys(TUNE_EXAMPLES, &keys()))]
     Tune(TuneArguments),
-    /// Which modulus, spacing or coefficient does a time step admit?
+    /// Find the modulus, spacing or coefficient that a time step admits
     ///
-    /// The values of a setting with which a given time step is below the critical one of a state.
+    /// Computes the values of a setting for which the given time step is below the critical time step of a state.
     #[command(after_help = LIMIT_EXAMPLES, after_long_help = with_keys(LIMIT_EXAMPLES, &keys()))]
     Limit(LimitArguments),
-    /// Does a particle code do what is predicted?
+    /// Test a particle code against the prediction for one wave
     ///
-    /// A wave is seeded, run and measured: decks, runs and readings for LAMMPS (SMD, PERI), PySPH and any other code.
+    /// Writes a deck that seeds the wave, runs it, and measures the rate of the wave: for LAMMPS (SMD, PERI), PySPH and any other code.
     #[command(after_help = VERIFY_EXAMPLES)]
     Verify {
-        /// What to do.
         #[command(subcommand)]
         task: VerifyTask,
     },
-    /// See a prediction in motion: the particles of a periodic patch, step by step
+    /// Simulate the particles of a periodic patch or of a body, step by step
     ///
-    /// A patch of cells about a homogeneous state, one wave or noise, the nonlinear forces of the method: the measured rate of a wave beside the
-    /// predicted one in discrete time, with histories, fields and checkpoints.
-    /// Of a study with a body that body instead, with its grips.
+    /// A patch of cells moves about a homogeneous state under the nonlinear forces of the method, and starts with one wave or with noise. The
+    /// measured rate of the wave is compared with the rate predicted in discrete time. Histories, fields and checkpoints are written. For a study
+    /// with a body, the body and its grips are simulated instead.
     #[command(after_help = SIMULATE_EXAMPLES, after_long_help = with_keys(SIMULATE_EXAMPLES, &(keys() + &body_keys())))]
     Simulate(Box<SimulateArguments>),
-    /// Draw stored maps: verdicts and boundaries, or a field; overlays
+    /// Draw stored maps: verdicts and boundaries, a field, or an overlay
     ///
-    /// Verdicts with the boundaries of material and particles, or a field; several stores in one overlay.
+    /// Draws the verdicts with the boundaries of material and particles, or one field. Several stores are drawn as one overlay.
     #[command(after_help = PLOT_EXAMPLES)]
     Plot(PlotArguments),
-    /// Does a law have an energy, and is its tangent consistent?
+    /// Check that a law has an energy and a consistent tangent
     #[command(after_help = AUDIT_EXAMPLES, after_long_help = with_keys(AUDIT_EXAMPLES, &law_keys()))]
     Audit(AuditArguments),
     /// Print Abaqus's utility routines in Fortran, to compile with a UMAT
     ///
-    /// SINV, SPRINC, ROTSIG, XIT and others, for a UMAT that calls them.
+    /// The routines are SINV, SPRINC, ROTSIG, XIT and others, for a UMAT that calls them.
     UmatUtilities,
     /// Print the JSON Schema of study files, for editors and other programs
     Schema,
     /// Print a script that completes commands and options in a shell
     Completions {
-        /// bash, zsh, fish, elvish or powershell.
+        /// Shell: bash, zsh, fish, elvish or powershell.
         shell: Shell,
     },
     /// Write manual pages, one for each command
@@ -465,19 +462,19 @@ pub enum Command {
     },
 }
 
-/// A path of deformations.
+/// Path of deformations, or a loading.
 #[derive(Debug, Args)]
 pub struct CourseArguments {
-    /// A loading: uniaxial, equibiaxial, planar, simple-shear or hydrostatic; --from and --to are then its imposed stretches, in simple shear the amount of
-    /// shear gamma.
+    /// Loading: uniaxial, equibiaxial, planar, simple-shear or hydrostatic. With a loading, --from and --to are its imposed stretches, or the amount
+    /// of shear gamma in simple shear.
     #[arg(long, value_name = "MODE", value_parser = mode, help_heading = "Path")]
     pub mode: Option<Mode>,
-    /// What holds the other directions: free (no traction on lateral faces), plane-stress, plane-strain or held [default: the freest that
-    /// the mode has].
+    /// Condition on the other directions: free (no traction on lateral faces), plane-stress, plane-strain or held [default: the least constrained
+    /// condition of the loading].
     #[arg(long, value_name = "WHAT", value_parser = lateral, requires = "mode", help_heading = "Path")]
     pub lateral: Option<Lateral>,
-    /// Start: two or three stretches, or the components F11,F12,F21,F22; with --mode one stretch [default: 1], in simple shear gamma [default: 0].
-    /// A program (abaqus, ansys, felupe or hyperelastic) says that FILE is a block of it, beside a start (may be given twice).
+    /// Start: two or three stretches, or the components F11,F12,F21,F22; with --mode one stretch [default: 1], or gamma in simple shear [default: 0].
+    /// The name of a program (abaqus, ansys, felupe or hyperelastic) states that FILE is a block of this program (give --from twice for both).
     #[arg(
         long,
         value_name = "L1,L2",
@@ -486,10 +483,10 @@ pub struct CourseArguments {
         help_heading = "Path"
     )]
     pub from: Vec<String>,
-    /// The material of FILE where that is a block, by its name in Abaqus, its number in ANSYS [default: the first one with a law].
+    /// Material in FILE if FILE is a block: its name in Abaqus, its number in ANSYS [default: the first material with a law].
     #[arg(long, value_name = "NAME", requires = "from", help_heading = "Problem")]
     pub material: Option<String>,
-    /// End, likewise.
+    /// End of the path, in the same form as the start.
     #[arg(
         long,
         value_name = "L1,L2",
@@ -499,11 +496,11 @@ pub struct CourseArguments {
     pub to: String,
 }
 
-/// Verdicts with which a command fails.
+/// Verdicts that end a command with exit code 3.
 #[derive(Debug, Args)]
 pub struct FailingArguments {
-    /// End with exit code 3 when a state has one of these verdicts, for continuous integration: stable, physical, zero-energy, numerical,
-    /// suppressed, undefined; or unstable, unfaithful, any.
+    /// Exit with code 3 if a state has one of these verdicts, for continuous integration: stable, physical, zero-energy, numerical, suppressed,
+    /// undefined; or a group of them: unstable, unfaithful, any.
     #[arg(long, value_name = "VERDICTS", value_parser = FailOn::parse)]
     pub fail_on: Option<FailOn>,
 }
@@ -511,26 +508,26 @@ pub struct FailingArguments {
 /// Limit of weakly controlled waves.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct WeakArgument {
-    /// A wave with less than this share of the frequency of the material's slowest wave is weakly controlled.
+    /// Limit of weakly controlled waves: largest ratio of their frequency to the frequency of the slowest material wave.
     #[arg(id = "weak", long, value_name = "SHARE", default_value_t = Thresholds::default().weak, value_parser = share, help_heading = "Limits")]
     pub share: f64,
 }
 
-/// Limits of what counts as wrong.
+/// Limits between acceptable and wrong results.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct ThresholdArguments {
     /// Limit of weakly controlled waves.
     #[command(flatten)]
     pub weak: WeakArgument,
-    /// Verdicts may be wrong on this share of the window of states.
+    /// Largest accepted share of states with a wrong verdict.
     #[arg(long, value_name = "SHARE", default_value_t = Thresholds::default().wrong, value_parser = share, help_heading = "Limits")]
     pub wrong: f64,
 }
 
-/// How much of an answer is printed.
+/// Length of a printed answer.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct DetailArguments {
-    /// Print the whole answer; by default at most 12 lines.
+    /// Print the whole answer instead of at most 12 lines.
     #[arg(long, help_heading = "Printing")]
     pub all: bool,
     /// Print all settings with their defaults after a short answer.
@@ -539,7 +536,7 @@ pub struct DetailArguments {
 }
 
 impl DetailArguments {
-    /// The text of an answer.
+    /// Returns the text of an answer.
     pub fn text(self, answer: &impl Brief) -> String {
         match self.all {
             true => answer.to_string().trim_end().to_owned(),
@@ -554,55 +551,55 @@ pub enum VerifyTask {
     /// Write a deck: one predicted wave, seeded as velocities
     #[command(after_help = VERIFY_EXAMPLES, after_long_help = with_keys(VERIFY_EXAMPLES, &keys()))]
     Deck(Box<DeckArguments>),
-    /// Run a deck where the code is installed, and read it
+    /// Run a deck with the installed code, and read the output
     Run {
-        /// The folder of the deck.
+        /// Folder of the deck.
         deck: PathBuf,
-        /// The program that runs it [default: lmp, or python3 for PySPH].
+        /// Program that runs the deck [default: lmp, or python3 for PySPH].
         #[arg(long, value_name = "PATH")]
         program: Option<PathBuf>,
     },
-    /// Read an output: does the measured rate agree with the predicted one?
+    /// Read an output, and compare the measured with the predicted rate
     Read {
-        /// The output, or the folder of the deck.
+        /// Output file, or folder of the deck.
         output: PathBuf,
-        /// The case of the deck [default: case.json beside the output].
+        /// Case file of the deck [default: case.json in the folder of the output].
         #[arg(long, value_name = "FILE")]
         case: Option<PathBuf>,
     },
-    /// The codes with their dialects: their choices, and how they deviate from the papers
+    /// List the supported codes: their choices, and how they deviate from the papers
     Codes,
 }
 
-/// A deck.
+/// Command-line arguments of `onset verify deck`.
 #[derive(Debug, Args)]
 pub struct DeckArguments {
-    /// The code: lammps-smd-tlsph, lammps-smd-ulsph, lammps-peri, pysph, or plain for any other.
+    /// Code: lammps-smd-tlsph, lammps-smd-ulsph, lammps-peri, pysph, or plain for any other code.
     #[arg(long, value_name = "NAME")]
     pub code: String,
-    /// The problem. What the code has settled need not be set.
+    /// Material and discretization of the problem. The code fixes some settings, which can be omitted.
     #[command(flatten)]
     pub problem: ProblemArguments,
-    /// Principal stretches along the axes [default: those of the study].
+    /// Principal stretches along the axes [default: the stretches of the study].
     #[arg(long, value_name = "L1,L2", allow_hyphen_values = true)]
     pub stretch: Option<String>,
     /// Reference wave vector, for example 3.141592654,0 (in units of 1/length).
     #[arg(long, value_name = "K1,K2", allow_hyphen_values = true)]
     pub wave_vector: String,
-    /// Which of its waves, counted from 1 by increasing omega^2.
+    /// Number of the wave with this wave vector, counted from 1 by increasing omega^2.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub branch: usize,
-    /// Time step [default: what resolves the wave well].
+    /// Time step [default: a step that resolves the wave well].
     #[arg(long, value_name = "DT", value_parser = positive)]
     pub time_step: Option<f64>,
-    /// Time steps [default: most of a period, or four e-foldings].
+    /// Number of time steps [default: most of a period, or four e-folding times].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(32..=1_000_000))]
     pub steps: Option<u32>,
-    /// The relative difference of rates that counts as agreement [default: what the code has been seen to keep].
+    /// Largest relative difference between the rates that counts as agreement [default: the accuracy known for the code].
     #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
-    /// How the code takes a time step, with --code plain: velocity-verlet, extrapolated-stress, late-density or late-acceleration
-    /// [default: velocity-verlet].
+    /// Time stepping of the code, with --code plain: velocity-verlet, extrapolated-stress, late-density or late-acceleration [default:
+    /// velocity-verlet].
     #[arg(long, value_name = "NAME", value_parser = stepping)]
     pub stepping: Option<Stepping>,
     /// Folder for the deck and its case.json.
@@ -610,22 +607,21 @@ pub struct DeckArguments {
     pub out: PathBuf,
 }
 
-/// A simulation.
+/// Command-line arguments of `onset simulate`.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("length").args(["steps", "time"])))]
 #[command(group(ArgGroup::new("size").args(["fraction", "time_step"])))]
 pub struct SimulateArguments {
-    /// The problem.
+    /// Material and discretization of the problem.
     #[command(flatten)]
     pub problem: ProblemArguments,
-    /// The state; of a body its start.
+    /// Homogeneous state of deformation, or the initial state of a body.
     #[command(flatten)]
     pub strain: StrainArguments,
-    /// Cells of the patch along each primitive vector: one number, or one for each [default: 8].
+    /// Number of cells of the patch along the primitive vectors: one number for all, or one for each [default: 8].
     #[arg(long, value_name = "N", help_heading = "Patch")]
     pub cells: Option<String>,
-    /// What moves at the start: critical, the wave of the patch with the least omega^2, or noise, of which that wave is measured.
-    /// [default: critical]
+    /// Initial motion: critical, the wave of the patch with the smallest omega^2; or noise, in which the same wave is measured [default: critical].
     #[arg(long, value_name = "MODE", value_parser = ["critical", "noise"], help_heading = "Patch")]
     pub mode: Option<String>,
     /// Seed this wave instead, by its reference wave vector (in units of 1/length); it must fit into the patch.
@@ -637,7 +633,7 @@ pub struct SimulateArguments {
         help_heading = "Patch"
     )]
     pub wave_vector: Option<String>,
-    /// Seed this wave instead, by how many times it turns along each side of the patch.
+    /// Seed this wave instead, by its number of wavelengths along each side of the patch.
     #[arg(
         long,
         value_name = "N1,N2",
@@ -646,35 +642,36 @@ pub struct SimulateArguments {
         help_heading = "Patch"
     )]
     pub turns: Option<String>,
-    /// Which of the waves with this wave vector, counted from 1 by increasing omega^2 [default: 1].
+    /// Number of the wave with this wave vector, counted from 1 by increasing omega^2 [default: 1].
     #[arg(long, value_name = "N", help_heading = "Patch")]
     pub branch: Option<usize>,
-    /// The largest displacement at the start, in particle spacings; of a body at random [default: 1e-6, of a body 0].
+    /// Largest initial displacement, in particle spacings; random displacements for a body [default: 1e-6, or 0 for a body].
     #[arg(long, value_name = "A", value_parser = share, allow_negative_numbers = true, help_heading = "Patch")]
     pub amplitude: Option<f64>,
-    /// The seed of the noise [default: 1].
+    /// Seed of the random noise [default: 1].
     #[arg(long, value_name = "S", help_heading = "Patch")]
     pub seed: Option<u64>,
-    /// Steps [default: about a period of the wave, four e-folding times of growth or one of decay; a body must be told].
+    /// Number of time steps [default: about a period of the wave, four e-folding times of growth or one of decay; no default for a body].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Time")]
     pub steps: Option<u64>,
-    /// Time, instead of steps.
+    /// Duration, instead of a number of steps.
     #[arg(long, value_name = "T", value_parser = positive, help_heading = "Time")]
     pub time: Option<f64>,
-    /// The step over the largest stable one for the waves of the patch [default: 0.5, less for a wave that grows fast].
+    /// Ratio of the time step to the largest stable step for the waves of the patch [default: 0.5, less for a wave that grows fast].
     #[arg(long, value_name = "SHARE", value_parser = positive, help_heading = "Time")]
     pub fraction: Option<f64>,
-    /// The step itself, instead of that [default of a transfer of material points: discretization.time-step where that is set].
+    /// Time step, instead of --fraction [default for a transfer of material points: discretization.time-step, if set].
     #[arg(long, value_name = "DT", value_parser = positive, help_heading = "Time")]
     pub time_step: Option<f64>,
-    /// Run a step above the largest stable one all the same.
+    /// Allow a time step above the largest stable step.
     #[arg(long, help_heading = "Time")]
     pub supercritical: bool,
-    /// kick-drift-kick (velocity-verlet), central-differences (leapfrog, symplectic-euler), predictor-corrector (midpoint), sixth-order, a
-    /// composition of nine steps of the first, or an explicit Runge-Kutta method: forward-euler, heun, rk3, rk4, carpenter-kennedy, rdpk3-35, rdpk3-49 [default: kick-drift-kick; bodies have central-differences, transfers of material points a step of their own].
+    /// Integrator: kick-drift-kick (velocity-verlet), central-differences (leapfrog, symplectic-euler), predictor-corrector (midpoint), sixth-order
+    /// (nine steps of kick-drift-kick), or an explicit Runge-Kutta method: forward-euler, heun, rk3, rk4, carpenter-kennedy, rdpk3-35, rdpk3-49
+    /// [default: kick-drift-kick; central-differences for bodies; a transfer of material points defines its step].
     #[arg(long, value_name = "NAME", value_parser = stepper, help_heading = "Time")]
     pub integrator: Option<Stepper>,
-    /// The relative difference of rates that counts as agreement [default: 1e-6].
+    /// Largest relative difference between the rates that counts as agreement [default: 1e-6].
     #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
     /// Folder for history.csv, fields and checkpoints; nothing is written without it.
@@ -683,13 +680,14 @@ pub struct SimulateArguments {
     /// Steps between lines of the history [default: about 400 lines].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Files")]
     pub every: Option<u64>,
-    /// How many fields are written (field-0000.vtu, ... and fields.pvd), from the start to the end [default: 11].
+    /// Number of fields written from start to end (field-0000.vtu, ... and fields.pvd) [default: 11].
     #[arg(long, requires = "out", value_name = "N", value_parser = clap::value_parser!(u64).range(0..=10_000), help_heading = "Files")]
     pub fields: Option<u64>,
-    /// Steps between checkpoints [default: every five seconds].
+    /// Steps between checkpoints [default: a checkpoint every five seconds].
     #[arg(long, requires = "out", value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Files")]
     pub checkpoint: Option<u64>,
-    /// Go on from the checkpoint in the folder, begin where there is none; the files become those of a run that never ended.
+    /// Resume from the checkpoint in the folder, or start a new run without a checkpoint. The files are identical to the files of an uninterrupted
+    /// run.
     #[arg(
         long,
         requires = "out",
@@ -697,7 +695,7 @@ pub struct SimulateArguments {
         help_heading = "Files"
     )]
     pub resume: bool,
-    /// Begin anew where there is a checkpoint.
+    /// Start a new run even if the folder has a checkpoint.
     #[arg(long, requires = "out", help_heading = "Files")]
     pub overwrite: bool,
 }
@@ -706,7 +704,7 @@ fn stepper(text: &str) -> Result<Stepper, String> {
     Stepper::named(text).ok_or_else(|| expected(text, "available are", &Stepper::names()))
 }
 
-/// A time as typed, or a share of one.
+/// Parses a positive time, or a ratio of times.
 fn positive(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok();
     number
@@ -719,27 +717,27 @@ fn stepping(text: &str) -> Result<Stepping, String> {
     known.ok_or_else(|| expected(text, "available are", &Stepping::ALL.map(Stepping::name)))
 }
 
-/// What to draw of which stores.
+/// Command-line arguments of `onset plot`.
 #[derive(Debug, Args)]
 pub struct PlotArguments {
-    /// Stores that `onset map` has written.
+    /// Stores written by `onset map`.
     #[arg(value_name = "STORE", required = true)]
     pub stores: Vec<PathBuf>,
-    /// What to show: verdict, or a field of numbers such as scaled_minimum, growth_rate, acoustic_minimum,
-    /// critical_time_step or lowest_omega_squared; of a certified map also certainty and certainty_material.
+    /// Quantity to draw: verdict, or a numerical field such as scaled_minimum, growth_rate, acoustic_minimum, critical_time_step or
+    /// lowest_omega_squared; for a certified map also certainty and certainty_material.
     #[arg(long, value_name = "FIELD", default_value = "verdict")]
     pub field: String,
-    /// Trace the boundaries however long it takes, with gaps where they cannot be followed [default: for ten seconds, and only where no
-    /// axis varies material or method and they are found without gaps].
+    /// Trace the boundaries without a time limit, with gaps where they cannot be followed [default: trace for ten seconds, only if no axis varies the
+    /// material or the method, and use the result only if it has no gaps].
     #[arg(long, conflicts_with = "no_trace")]
     pub trace: bool,
     /// Do not trace the boundaries; take them from the cells of the map.
     #[arg(long)]
     pub no_trace: bool,
-    /// Title of the figure [default: that of the study].
+    /// Title of the figure [default: the title of the study].
     #[arg(long, value_name = "TEXT", help_heading = "Look")]
     pub title: Option<String>,
-    /// Width and height of a panel in pixels, of which an inch has 96; with stretches on both axes the largest, for example 420,315.
+    /// Width and height of a panel in pixels (96 per inch), for example 420,315. With stretches on both axes they are upper limits.
     #[arg(long, value_name = "W,H", value_parser = size, help_heading = "Look")]
     pub size: Option<(f64, f64)>,
     /// Limits of the horizontal axis.
@@ -748,17 +746,16 @@ pub struct PlotArguments {
     /// Limits of the vertical axis.
     #[arg(long, value_name = "LOW,HIGH", value_parser = limits, allow_hyphen_values = true, help_heading = "Look")]
     pub y_limits: Option<(f64, f64)>,
-    /// Numbers at the ends of the color bar of a field; those beyond take the end colors [default: those that all but 1 % lie between].
+    /// Values at the ends of the color bar of a field; values beyond have the end colors [default: the limits of the middle 99 % of the values].
     #[arg(long, value_name = "LOW,HIGH", value_parser = limits, allow_hyphen_values = true, help_heading = "Look")]
     pub limits: Option<(f64, f64)>,
-    /// Colors of a field: viridis, cividis, grey, or red-blue with white at zero [default: red-blue where there are negative numbers,
-    /// otherwise viridis].
+    /// Colors of a field: viridis, cividis, grey, or red-blue with white at zero [default: red-blue if values are negative, otherwise viridis].
     #[arg(long, value_name = "NAME", value_parser = color_map, help_heading = "Look")]
     pub color_map: Option<ColorMap>,
-    /// Where to write: NAME.svg or NAME.png (both are written), NAME.pdf (all three), or a folder for map.svg and map.png.
+    /// Output file: NAME.svg or NAME.png (both are written), NAME.pdf (all three are written), or a folder for map.svg and map.png.
     #[arg(long, value_name = "PATH", default_value = ".")]
     pub out: PathBuf,
-    /// What the stores may load.
+    /// Libraries that the stores may load.
     #[command(flatten)]
     pub trust: TrustArguments,
 }
@@ -793,65 +790,65 @@ fn color_map(text: &str) -> Result<ColorMap, String> {
     known.ok_or_else(|| expected(text, "available are", &ColorMap::ALL.map(ColorMap::name)))
 }
 
-/// What files may load.
+/// Libraries that files may load.
 #[derive(Clone, Debug, Args)]
 pub struct TrustArguments {
-    /// Let a file load this library (material.library), or one in this folder: a library is a program, which runs with your rights. The
-    /// variable ONSET_ALLOW_LIBRARY does so for good. (May be given several times.)
+    /// Allow files to load this library (material.library), or any library in this folder (may be given several times). A library is a program that
+    /// runs with your permissions. The environment variable ONSET_ALLOW_LIBRARY allows it permanently.
     #[arg(long = "allow-library", value_name = "PATH")]
     pub libraries: Vec<PathBuf>,
 }
 
-/// The page.
+/// Command-line arguments of `onset explore`.
 #[cfg(feature = "explore")]
 #[derive(Debug, Args)]
 pub struct ExploreArguments {
-    /// What is shown first; the FILE can also be a stored map, or an address that a page of another run has given.
+    /// Problem shown first; FILE can also be a stored map, or an address from the page of another run.
     #[command(flatten)]
     pub problem: ProblemArguments,
-    /// Port on the loopback address [default: a new one each time].
+    /// Port on the loopback address [default: any free port].
     #[arg(long, value_name = "PORT")]
     pub port: Option<u16>,
-    /// Print the address, and start no browser.
+    /// Print the address without starting a browser.
     #[arg(long)]
     pub no_browser: bool,
 }
 
-/// A law, and the stretches of interest.
+/// Material law, and the stretches of interest.
 #[derive(Debug, Args)]
 pub struct LawArguments {
-    /// The law.
+    /// Material law and its parameters.
     #[command(flatten)]
     pub problem: ProblemArguments,
-    /// The smallest and the largest stretch.
+    /// Smallest and largest stretch.
     #[arg(long, value_name = "A,B", default_value = "0.1,10", value_parser = stretches)]
     pub range: Stretches,
-    /// Ask the incompressible response of an isotropic law: J = 1, the pressure follows from a free face, the volumetric part does not count.
+    /// Use the incompressible response of an isotropic law: J = 1, the pressure follows from a free face, and the volumetric part is ignored.
     #[arg(long)]
     pub incompressible: bool,
-    /// Only loadings of this mode: uniaxial, equibiaxial, planar, simple-shear or hydrostatic (may be given several times).
+    /// Include only loadings of this mode: uniaxial, equibiaxial, planar, simple-shear or hydrostatic (may be given several times).
     #[arg(long = "mode", value_name = "MODE", value_parser = mode)]
     pub modes: Vec<Mode>,
 }
 
-/// Stability criteria.
+/// Command-line arguments of `onset criteria`.
 #[derive(Debug, Args)]
 pub struct CriteriaArguments {
-    /// The law.
+    /// Material law and its parameters.
     #[command(flatten)]
     pub law: LawArguments,
-    /// Folder for criteria.svg and criteria.png; no figure when left out.
+    /// Folder for criteria.svg and criteria.png; no figure is written without it.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// How much is printed.
+    /// Length of the printed answer.
     #[command(flatten)]
     pub detail: DetailArguments,
 }
 
-/// A card.
+/// Command-line arguments of `onset card`.
 #[derive(Debug, Args)]
 pub struct CardArguments {
-    /// The law.
+    /// Material law and its parameters.
     #[command(flatten)]
     pub law: LawArguments,
     /// Folder for card.html, card.json, card.svg and card.png; nothing is written without it.
@@ -859,39 +856,38 @@ pub struct CardArguments {
     pub out: Option<PathBuf>,
 }
 
-/// A comparison.
+/// Command-line arguments of `onset compare`.
 #[derive(Debug, Args)]
 pub struct CompareArguments {
-    /// The comparison: a material and `[[methods]]`; or a study, whose method is compared with those that the program knows;
-    /// - for standard input.
+    /// Comparison file with a material and `[[methods]]`, or a study whose method is compared with the built-in methods; - for standard input.
     pub file: PathBuf,
     /// Folder for compare.html, compare.csv, compare.svg and compare.png; nothing is written without it.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Set a key of what all methods have in common, for example material.model=blatz-ko (may be given several times).
+    /// Set a key for all methods, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
-    /// That FILE is a block.
+    /// Material block of another program in FILE.
     #[command(flatten)]
     pub block: BlockArguments,
-    /// What the file may load.
+    /// Libraries that the file may load.
     #[command(flatten)]
     pub trust: TrustArguments,
-    /// How much is printed.
+    /// Length of the printed answer.
     #[command(flatten)]
     pub detail: DetailArguments,
 }
 
-/// A question for spurious modes.
+/// Command-line arguments of `onset modes`.
 #[derive(Debug, Args)]
 pub struct ModesArguments {
-    /// The problem.
+    /// Material and discretization of the problem.
     #[command(flatten)]
     pub problem: ProblemArguments,
     /// Limit of weakly controlled waves.
     #[command(flatten)]
     pub weak: WeakArgument,
-    /// Cells of the patch that is drawn and exported, along each primitive vector.
+    /// Number of cells along each primitive vector of the patch that is drawn and exported.
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=512))]
     pub cells: u16,
     /// Largest displacement of the exported fields, in particle spacings.
@@ -902,53 +898,54 @@ pub struct ModesArguments {
     pub out: Option<PathBuf>,
 }
 
-/// A coefficient to tune.
+/// Command-line arguments of `onset tune`.
 #[derive(Debug, Args)]
 pub struct TuneArguments {
-    /// The coefficient, a key that takes a number, for example discretization.stress-point-weight.
+    /// Coefficient to tune: a key with a numerical value, for example discretization.stress-point-weight.
     pub key: String,
-    /// The problem.
+    /// Material and discretization of the problem.
     #[command(flatten)]
     pub problem: ProblemArguments,
-    /// Smallest and largest value that is looked at.
+    /// Smallest and largest value in the search.
     #[arg(long, value_name = "LOW,HIGH", default_value = "0,1", value_parser = interval, allow_hyphen_values = true)]
     pub range: (f64, f64),
-    /// Smallest and largest stretch of the states on which verdicts are compared.
+    /// Smallest and largest stretch of the states where verdicts are compared.
     #[arg(long, value_name = "LOW,HIGH", default_value = "0.7,1.5", value_parser = window, allow_hyphen_values = true)]
     pub stretches: (f64, f64),
-    /// Limits of what counts as sufficient.
+    /// Limits for a sufficient stabilization.
     #[command(flatten)]
     pub thresholds: ThresholdArguments,
-    /// The instability is masked where the method's onset comes later than the material's by more than this share of its strain.
+    /// Largest accepted delay of the onset, relative to the strain at the onset of the material; a later onset is masked.
     #[arg(long, value_name = "SHARE", default_value_t = Thresholds::default().later, value_parser = share, help_heading = "Limits")]
     pub later: f64,
     /// Folder for tune.csv, tune.svg and tune.png; nothing is written without it.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// How much is printed.
+    /// Length of the printed answer.
     #[command(flatten)]
     pub detail: DetailArguments,
 }
 
-/// A setting that a time step limits.
+/// Command-line arguments of `onset limit`.
 #[derive(Debug, Args)]
 pub struct LimitArguments {
-    /// The time step that must be stable, with a unit where the settings have units, for example 0.01 or "1 us".
+    /// Time step that must be stable, with a unit if the settings have units, for example 0.01 or "1 us".
     #[arg(long, value_name = "DT", allow_hyphen_values = true)]
     pub time_step: String,
-    /// The setting, a key that takes a number, for example material.young or discretization.spacing.
+    /// Setting to vary: a key with a numerical value, for example material.young or discretization.spacing.
     #[arg(long, value_name = "KEY")]
     pub vary: String,
-    /// The problem.
+    /// Material and discretization of the problem.
     #[command(flatten)]
     pub problem: ProblemArguments,
-    /// The state [default: F = 1].
+    /// Homogeneous state of deformation [default: F = 1].
     #[command(flatten)]
     pub strain: StrainArguments,
-    /// Smallest and largest value that is looked at, in SI where the settings have units [default: 1e-6 to 1e6 times the present value, within the range of the key].
+    /// Smallest and largest value in the search, in SI units if the settings have units [default: 1e-6 to 1e6 times the present value, within the
+    /// range of the key].
     #[arg(long, value_name = "LOW,HIGH", value_parser = interval, allow_hyphen_values = true)]
     pub range: Option<(f64, f64)>,
-    /// The share of the critical step that the step may be.
+    /// Safety factor: largest accepted ratio of the time step to the critical time step.
     #[arg(long, value_name = "SHARE", default_value_t = 1.0, value_parser = share)]
     pub safety: f64,
     /// Integrator: central-differences (leapfrog, symplectic-euler), kick-drift-kick (velocity-verlet), predictor-corrector, forward-euler,
@@ -960,12 +957,12 @@ pub struct LimitArguments {
     pub out: Option<PathBuf>,
 }
 
-/// An integrator as typed.
+/// Parses the name of an integrator.
 fn integrator(text: &str) -> Result<Integrator, String> {
     Integrator::named(text).ok_or_else(|| expected(text, "available are", &Integrator::NAMES))
 }
 
-/// A share as typed.
+/// Parses a share: a number above 0 and at most 1.
 fn share(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(number) if number > 0.0 && number <= 1.0 => Ok(number),
@@ -973,7 +970,7 @@ fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A wavelength as typed.
+/// Parses a wavelength in particle spacings.
 fn wavelength(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok();
     number
@@ -981,7 +978,7 @@ fn wavelength(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "expected 4, 8 or 16".to_owned())
 }
 
-/// An interval as typed.
+/// Parses an interval of two finite numbers.
 fn interval(text: &str) -> Result<(f64, f64), String> {
     let ends = text.split_once(',').and_then(|(low, high)| {
         let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
@@ -991,7 +988,7 @@ fn interval(text: &str) -> Result<(f64, f64), String> {
         .ok_or_else(|| "expected two numbers, the smaller one first, for example 0,1".to_owned())
 }
 
-/// A window of stretches as typed.
+/// Parses an interval of positive stretches.
 fn window(text: &str) -> Result<(f64, f64), String> {
     interval(text)
         .ok()
@@ -1001,21 +998,21 @@ fn window(text: &str) -> Result<(f64, f64), String> {
         })
 }
 
-/// A question for a method.
+/// Command-line arguments of `onset recommend`.
 #[derive(Debug, Args)]
 pub struct RecommendArguments {
-    /// The available methods, as for `compare` [default: those that the program knows for the dimension].
+    /// File of the available methods, as for `onset compare` [default: the built-in methods for the dimension].
     pub file: Option<PathBuf>,
-    /// Number of space dimensions, where no study says it [default: 2].
+    /// Number of space dimensions, unless a study sets it [default: 2].
     #[arg(long, value_name = "D", value_parser = clap::value_parser!(u8).range(1..=3))]
     pub dimension: Option<u8>,
-    /// Smallest and largest stretch that the simulation will see, for example 0.8,1.6; short for compare.stretches.
+    /// Smallest and largest stretch expected in the simulation, for example 0.8,1.6; short for compare.stretches.
     #[arg(long, value_name = "LOW,HIGH", value_parser = window, allow_hyphen_values = true)]
     pub stretches: Option<(f64, f64)>,
-    /// Limits in the rules.
+    /// Limits in the rules of the ranking.
     #[command(flatten)]
     pub thresholds: ThresholdArguments,
-    /// Long waves may feel a stiffness that is wrong by this share.
+    /// Largest accepted relative error of the stiffness of long waves.
     #[arg(long, value_name = "SHARE", default_value_t = Thresholds::default().long_waves, value_parser = share, help_heading = "Limits")]
     pub long_waves: f64,
     /// Wavelength at which frequencies are compared, in particle spacings: 4, 8 or 16.
@@ -1027,64 +1024,64 @@ pub struct RecommendArguments {
     /// Folder for the whole comparison as compare.html, compare.csv, compare.svg and compare.png; nothing is written without it.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Set a key of what all methods have in common, for example material.model=blatz-ko (may be given several times).
+    /// Set a key for all methods, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
-    /// That FILE is a block.
+    /// Material block of another program in FILE.
     #[command(flatten)]
     pub block: BlockArguments,
-    /// What the file may load.
+    /// Libraries that the file may load.
     #[command(flatten)]
     pub trust: TrustArguments,
-    /// How much is printed.
+    /// Length of the printed answer.
     #[command(flatten)]
     pub detail: DetailArguments,
 }
 
-/// A map.
+/// Command-line arguments of `onset map`.
 #[derive(Debug, Args)]
 pub struct MapArguments {
-    /// The study, - for standard input.
+    /// Study file, - for standard input.
     pub file: PathBuf,
     /// Folder of the store [default: the name of the study file, with .zarr, in the current folder].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Compute these tiles only: A to B - 1, or share M of N, whose tiles lie evenly among all. Tiles that are done are kept. Processes that run at
-    /// the same time need no parts: see --resume.
+    /// Compute only these tiles: A to B - 1, or share M of N, whose tiles are spread evenly over the map. Finished tiles are kept. Concurrent
+    /// processes can share the work without this option: see --resume.
     #[arg(long, value_name = "A..B | M/N", value_parser = Part::from_str)]
     pub tiles: Option<Part>,
-    /// Resume a store of the same study; create it where there is none. Several processes with this option share the work on one store.
+    /// Resume a store of the same study, or create it. Several processes with this option share the work on one store.
     #[arg(long)]
     pub resume: bool,
-    /// Verdicts with which the command fails.
+    /// Verdicts that end the command with exit code 3.
     #[command(flatten)]
     pub failing: FailingArguments,
-    /// Replace a store of onset, whatever it holds.
+    /// Overwrite a store of onset, even of another study.
     #[arg(long, conflicts_with_all = ["resume", "tiles"])]
     pub overwrite: bool,
     /// Set a key of the study, for example discretization.support=1.6 or map.adaptive=true (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
-    /// That FILE is a block.
+    /// Material block of another program in FILE.
     #[command(flatten)]
     pub block: RefusedBlockArguments,
-    /// What the file may load.
+    /// Libraries that the file may load.
     #[command(flatten)]
     pub trust: TrustArguments,
 }
 
-/// A plastic material and its loading.
+/// Command-line arguments of `onset localize`.
 #[derive(Debug, Args)]
 pub struct LocalizeArguments {
-    /// The law: drucker-prager, j2, mohr-coulomb, hill-1948, kinematic, gurson, cam-clay, cap, damage, deformation-theory or umat (with a
-    /// material's keys library, properties, state-variables); short for --set plasticity.model=MODEL.
+    /// Plastic law: drucker-prager, j2, mohr-coulomb, hill-1948, kinematic, gurson, cam-clay, cap, damage, deformation-theory or umat (with the keys
+    /// library, properties and state-variables of a material); short for --set plasticity.model=MODEL.
     #[arg(long, value_name = "MODEL")]
     pub model: Option<String>,
-    /// uniaxial-stress, uniaxial-strain, plane-strain, pure-shear, triaxial-compression or sheet-stretch; short for
-    /// --set plasticity.path=PATH.
+    /// Loading: uniaxial-stress, uniaxial-strain, plane-strain, pure-shear, triaxial-compression or sheet-stretch; short for --set
+    /// plasticity.path=PATH.
     #[arg(long, value_name = "PATH")]
     pub path: Option<String>,
-    /// tension or compression; short for --set plasticity.load=LOAD.
+    /// Sense of the loading: tension or compression; short for --set plasticity.load=LOAD.
     #[arg(long, value_name = "LOAD")]
     pub load: Option<String>,
     /// Set a parameter, for example plasticity.friction=0.7, or material.library=./my_umat.so with --model umat (may be given several times).
@@ -1095,7 +1092,7 @@ pub struct LocalizeArguments {
     pub out: Option<PathBuf>,
 }
 
-/// A range of stretches as typed.
+/// Parses a range of stretches that contains 1.
 fn stretches(text: &str) -> Result<Stretches, String> {
     let numbers = text.split_once(',').and_then(|(low, high)| {
         let number = |text: &str| text.trim().parse::<f64>().ok();
@@ -1107,25 +1104,25 @@ fn stretches(text: &str) -> Result<Stretches, String> {
     }
 }
 
-/// What is said of a word that is none of those that there are.
+/// Error for an unknown word: the available names, and the most similar name.
 fn expected(typed: &str, what: &str, names: &[&str]) -> String {
     let meant = did_you_mean(typed, names.iter().copied());
     format!("{what} {}{meant}", names.join(", "))
 }
 
-/// A mode of loading as typed.
+/// Parses the name of a loading.
 fn mode(text: &str) -> Result<Mode, String> {
     let named = Mode::ALL.into_iter().find(|mode| mode.name() == text);
     named.ok_or_else(|| expected(text, "expected one of", &Mode::ALL.map(Mode::name)))
 }
 
-/// An audit.
+/// Command-line arguments of `onset audit`.
 #[derive(Debug, Args)]
 pub struct AuditArguments {
-    /// The material.
+    /// Material law and its parameters.
     #[command(flatten)]
     pub problem: ProblemArguments,
-    /// How large the strains of the states are, unless states are given.
+    /// Magnitude of the strains of the states, unless states are given.
     #[arg(
         long,
         value_name = "E",
@@ -1151,16 +1148,15 @@ pub struct AuditArguments {
         help_heading = "States"
     )]
     pub deformation_gradient: Vec<String>,
-    /// The tangent of a law of onset's own, taken as if delivered in this convention [default: first-piola]; a UMAT's is
-    /// jaumann-kirchhoff.
+    /// Convention in which the tangent of a built-in law is checked [default: first-piola]; the tangent of a UMAT is always jaumann-kirchhoff.
     #[arg(long = "as", value_name = "CONVENTION", value_parser = convention)]
     pub convention: Option<Convention>,
-    /// End with exit code 1 when a check fails.
+    /// Exit with code 1 if a check fails.
     #[arg(long)]
     pub strict: bool,
 }
 
-/// What holds the other directions, as typed.
+/// Parses the condition on the other directions.
 fn lateral(text: &str) -> Result<Lateral, String> {
     let all = [
         Lateral::Free,
@@ -1172,7 +1168,7 @@ fn lateral(text: &str) -> Result<Lateral, String> {
     named.ok_or_else(|| expected(text, "expected one of", &all.map(Lateral::name)))
 }
 
-/// A convention as typed.
+/// Parses the name of a tangent convention.
 fn convention(text: &str) -> Result<Convention, String> {
     Convention::of_name(text).ok_or_else(|| {
         expected(
@@ -1183,7 +1179,7 @@ fn convention(text: &str) -> Result<Convention, String> {
     })
 }
 
-/// The size of strains as typed.
+/// Parses a magnitude of strains.
 fn strain(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(number) if number > 0.0 && number <= 0.8 => Ok(number),
@@ -1191,7 +1187,7 @@ fn strain(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A tolerance as typed.
+/// Parses a tolerance between 0 and 1.
 fn tolerance(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(number) if number > 0.0 && number < 1.0 => Ok(number),
@@ -1199,21 +1195,21 @@ fn tolerance(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Material and discretization.
+/// Material and discretization of a problem.
 #[derive(Debug, Args)]
 pub struct ProblemArguments {
-    /// What is set.
+    /// Study file and settings of the problem.
     #[command(flatten)]
     pub given: GivenArguments,
-    /// That FILE is a block.
+    /// Material block of another program in FILE.
     #[command(flatten)]
     pub block: BlockArguments,
 }
 
-/// A study, and what is set beside it.
+/// Study file and additional settings.
 #[derive(Debug, Args)]
 pub struct GivenArguments {
-    /// A study file whose material and discretization are meant, - for standard input [default: those of --set alone].
+    /// Study file with the material and the discretization, - for standard input [default: settings of --set only].
     pub file: Option<PathBuf>,
     /// Set a key, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Problem")]
@@ -1227,16 +1223,16 @@ pub struct GivenArguments {
         help_heading = "Problem"
     )]
     pub energy: Option<String>,
-    /// What the file may load.
+    /// Libraries that the file may load.
     #[command(flatten)]
     pub trust: TrustArguments,
 }
 
-/// A block of another program in the place of a study.
+/// Block of another program instead of a study.
 #[derive(Clone, Debug, Default, Args)]
 pub struct BlockArguments {
-    /// FILE is a block of another program, abaqus (*HYPERELASTIC ...), ansys (TB,HYPER ...), felupe (fem.Hyperelastic(fem.ogden, mu=...))
-    /// or hyperelastic (ThirdOrderDeformation(C10=...)), whose constants are read with the meaning that they have there.
+    /// FILE is a block of another program: abaqus (*HYPERELASTIC ...), ansys (TB,HYPER ...), felupe (fem.Hyperelastic(fem.ogden, mu=...)) or
+    /// hyperelastic (ThirdOrderDeformation(C10=...)). Its constants are read as this program defines them.
     #[arg(
         long,
         value_name = "PROGRAM",
@@ -1244,12 +1240,12 @@ pub struct BlockArguments {
         help_heading = "Problem"
     )]
     pub from: Option<Program>,
-    /// The material of FILE, by its name in Abaqus, its number in ANSYS [default: the first one with a law].
+    /// Material in FILE: its name in Abaqus, its number in ANSYS [default: the first material with a law].
     #[arg(long, value_name = "NAME", requires = "from", help_heading = "Problem")]
     pub material: Option<String>,
 }
 
-/// A block of another program where the axes of a study are needed: refused, with the reason.
+/// Block of another program for a command that needs the axes of a study; refused with the reason.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct RefusedBlockArguments {
     /// FILE is a block of another program.
@@ -1257,11 +1253,11 @@ pub struct RefusedBlockArguments {
     pub from: Option<Program>,
 }
 
-/// The state. That one is given is told by who needs it: a body may start at rest.
+/// Homogeneous state of deformation. Optional here, because a body may start undeformed; commands that need a state check for it.
 #[derive(Debug, Args)]
 #[group(required = false, multiple = false)]
 pub struct StrainArguments {
-    /// Principal stretches along the axes, for example 1.2,0.9 (a third one is the stretch out of plane).
+    /// Principal stretches along the axes, for example 1.2,0.9 (a third number is the out-of-plane stretch).
     #[arg(
         long,
         value_name = "L1,L2",
