@@ -1,22 +1,23 @@
-//! A change of phase between two places on a line, narrowed down.
+//! Bracketing of a change of phase between two points of a line.
 
 use super::{Phase, Probe};
 
-/// A place on a line with what is there.
+/// Parameter of a point on a line, with the phase and the measure there.
 pub(crate) type Knot = (f64, Probe);
 
-/// What became of a change between two places.
+/// Result of narrowing a change of phase.
 pub(crate) enum Narrowed {
-    /// Two places, one in each phase: first that of the first one.
+    /// Bracket of the change: its end in the first phase, then its end in the second.
     Change(Knot, Knot),
-    /// A place between them in another phase.
+    /// A point between the ends in a third phase.
     Third(Knot),
 }
 
-/// Narrows a change of phase down to a tolerance, or to neighboring numbers. Interpolates the measure (the ITP method of Oliveira and
-/// Takahashi, ACM Trans. Math. Softw. 47, 2020, which but for rounding never needs more than one step above bisection) where its sign is that of
-/// the phase, and bisects where it is not. The measure of an unstable state is that of any wave that grows and may
-/// jump, so that there the line through the last two stable places takes its place as soon as there are two.
+/// Narrows a change of phase to a bracket of length `tolerance`, or to neighboring floating-point numbers.
+///
+/// If the sign of the measure agrees with the phase, the measure is interpolated; otherwise the bracket is bisected. Interpolation uses the ITP
+/// method (Oliveira and Takahashi, ACM Trans. Math. Softw. 47, 2020). Apart from rounding it needs at most one step more than bisection. The measure
+/// of an unstable state belongs to any growing wave and may jump. Once two stable points are known, the line through them replaces it.
 pub(crate) fn narrow<E>(
     at: &dyn Fn(f64) -> Result<Probe, E>,
     (mut left, mut right): (Knot, Knot),
@@ -29,7 +30,7 @@ pub(crate) fn narrow<E>(
     let mut older: Option<Knot> = None;
     let mut least = 0.9 * tolerance;
     while (left.0 - right.0).abs() > tolerance {
-        // Within the rounding of the measure it tells nothing: ever longer steps from there.
+        // Within its rounding the measure gives no distance: the steps from there are doubled.
         let stable = [left, right]
             .into_iter()
             .find(|knot| knot.1.0 == Phase::Stable);
@@ -45,7 +46,7 @@ pub(crate) fn narrow<E>(
             None => next(left, right),
         };
         let is_end = |x: f64| x == left.0 || x == right.0;
-        // A measure of zero to rounding leads to an end.
+        // A measure that is zero to rounding interpolates to an end.
         let x = if is_end(x) {
             0.5 * (left.0 + right.0)
         } else {
@@ -70,8 +71,7 @@ pub(crate) fn narrow<E>(
     Ok(Narrowed::Change(left, right))
 }
 
-/// A place beyond the change of phase with the measure on the line through two places before it, where that has the other
-/// sign.
+/// Returns `far` with the measure on the line through two points before the change, if this measure has the opposite sign.
 fn extrapolated(older: Knot, near: Knot, far: Knot) -> Knot {
     let slope = (near.1.1 - older.1.1) / (near.0 - older.0);
     let measure = near.1.1 + slope * (far.0 - near.0);
@@ -82,11 +82,13 @@ fn extrapolated(older: Knot, near: Knot, far: Knot) -> Knot {
     }
 }
 
-/// The next place to ask: the regula falsi, pulled towards the middle by at most `budget`, and by a length at least: the places close around a change
-/// that is met.
+/// Next point to evaluate, by regula falsi.
+///
+/// The point is moved towards the middle by at least `least`, so that both ends of the bracket close in on the change, and by as much as `budget`
+/// requires.
 fn interpolated(left: Knot, right: Knot, start: f64, least: f64, budget: f64) -> f64 {
     let middle = 0.5 * (left.0 + right.0);
-    // What is stable has no measure below zero but by rounding.
+    // Negative measures of stable states are rounding errors.
     let measure = |knot: Knot| match knot.1.0 {
         Phase::Stable => knot.1.1.max(0.0),
         _ => knot.1.1,
@@ -115,7 +117,7 @@ mod tests {
     use crate::verdict::{Phase, Probe};
     use std::cell::Cell;
 
-    /// Narrows the change of phases that a measure tells, with how often it is asked.
+    /// Narrows the change of phase of a measure on `[0, 1]`; returns the bracket and the number of evaluations.
     fn narrowed(phase: impl Fn(f64) -> Probe, tolerance: f64) -> (f64, f64, usize) {
         let asked = Cell::new(0);
         let at = |x: f64| {

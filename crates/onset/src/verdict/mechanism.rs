@@ -1,9 +1,9 @@
-//! How a discretization loses stability where its material does not.
+//! Mechanisms of numerical instability.
 
 use super::{Assessment, Verdict};
 use crate::bloch::Stability;
 
-/// The mechanism of a numerical instability.
+/// Mechanism of a numerical instability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -11,21 +11,20 @@ use crate::bloch::Stability;
     serde(rename_all = "kebab-case")
 )]
 pub enum Mechanism {
-    /// Divergence, `Re omega^2 < 0`, of waves of finite length alone at a mean stress that is not negative (Swegle, Hicks and Attaway, J. Comput.
-    /// Phys. 116 (1995) 123).
+    /// Divergence (`Re omega^2 < 0`) of waves of finite length only, at zero or tensile mean stress (Swegle, Hicks and Attaway, J. Comput. Phys. 116
+    /// (1995) 123).
     Tensile,
-    /// The same at a negative mean stress.
+    /// Divergence of waves of finite length only, at compressive mean stress.
     Compressive,
-    /// Growing oscillations: `omega^2` is complex, its real part nowhere negative. Only operators that are not Hermitian flutter.
+    /// Growing oscillations: some `omega^2` are complex, and no real part is negative. Only non-Hermitian operators flutter.
     Flutter,
-    /// Divergence, `Re omega^2 < 0`, where the long-wavelength moduli of the discretization are not strongly elliptic and those of the material
-    /// are, whichever wave grows fastest.
+    /// Divergence (`Re omega^2 < 0`) with long-wavelength moduli that are not strongly elliptic, although the moduli of the material are. The fastest
+    /// growing wave can have any length.
     LongWave,
 }
 
 impl Mechanism {
-    /// The mechanism of an instability, by how it develops, whether long waves grow, and the mean Cauchy stress; stress
-    /// positive in tension.
+    /// Mechanism of an instability, from its kind (divergence or flutter), the growth of long waves and the mean Cauchy stress, positive in tension.
     pub fn of(stability: Stability, long_waves_grow: bool, mean_stress: f64) -> Self {
         if stability == Stability::Flutter {
             Self::Flutter
@@ -38,7 +37,7 @@ impl Mechanism {
         }
     }
 
-    /// The word used in documents.
+    /// Name of the mechanism in output documents.
     pub fn name(self) -> &'static str {
         match self {
             Self::Tensile => "tensile",
@@ -50,7 +49,7 @@ impl Mechanism {
 }
 
 impl<const D: usize> Assessment<D> {
-    /// The mechanism of the instability; `None` unless the verdict is [`Verdict::Numerical`].
+    /// Mechanism of the instability; `None` unless the verdict is [`Verdict::Numerical`].
     ///
     /// ```
     /// use onset::kinematics::DeformationGradient;
@@ -66,7 +65,7 @@ impl<const D: usize> Assessment<D> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn mechanism(&self) -> Option<Mechanism> {
-        // The verdict is not numerical where long waves of the material grow as well.
+        // If waves of the material and long waves of the discretization both grow, the verdict is physical.
         let long_waves_grow = self.spectrum.long_waves_grow(&self.material.minimum);
         let stability = self.spectrum.stability();
         let mechanism = || Mechanism::of(stability, long_waves_grow, self.material.mean_stress);

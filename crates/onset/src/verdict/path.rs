@@ -1,4 +1,4 @@
-//! Where stability is lost, and regained, along a path of deformations.
+//! Losses and recoveries of stability along a path of deformations.
 
 use super::Survey;
 use super::change::{Knot, Narrowed, narrow};
@@ -9,32 +9,31 @@ use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use thiserror::Error;
 
-/// Intervals in which a path is first looked at. Within an interval, dips of the stability measure that
-/// do not change its sign at the ends are followed too.
+/// Number of intervals in which a path is sampled. Dips of the stability measure within an interval are searched even if both ends are in one phase.
 const INTERVALS: usize = 256;
-/// How often the first and the last interval are halved towards their ends.
+/// Number of halvings of the first and the last interval towards the ends of the path.
 const HALVINGS: i32 = 24;
-/// How near to each other the parameters on both sides of a crossing are.
+/// Length of the bracket of a crossing, in path parameters.
 const CLOSE: f64 = 1e-15;
-/// How near to the bottom of a dip is sought, in parts of the interval.
+/// Accuracy of the bottom of a dip, as a fraction of the interval.
 const DIP: f64 = 1e-7;
 
-/// A change of phase between two parameters of the path.
+/// Change of phase along a path, bracketed by two parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// Phase before.
+    /// Phase before the crossing.
     pub from: Phase,
-    /// Phase behind.
+    /// Phase after the crossing.
     pub to: Phase,
-    /// The last parameter known to be in the phase `from`.
+    /// Last parameter known to be in the phase `from`.
     pub before: f64,
-    /// The first parameter known to be in the phase `to`.
+    /// First parameter known to be in the phase `to`.
     pub behind: f64,
 }
 
 impl Crossing {
-    /// A parameter that lies in the unstable phase (or else behind the crossing), at which the critical mode
-    /// can be evaluated.
+    /// Parameter in the unstable phase, at which the critical mode can be evaluated. If neither phase or both are unstable, it is the first one after
+    /// the crossing.
     pub fn witness(&self) -> f64 {
         if self.from.is_unstable() && !self.to.is_unstable() {
             self.before
@@ -43,32 +42,32 @@ impl Crossing {
         }
     }
 
-    /// The parameter of the crossing, the middle of its bracket.
+    /// Parameter of the crossing: the midpoint of its bracket.
     pub fn parameter(&self) -> f64 {
         0.5 * (self.before + self.behind)
     }
 }
 
-/// All changes of phase along a path.
+/// Phase at the start of a path and all changes of phase along it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathScan {
-    /// Phase at the start.
+    /// Phase at the start of the path.
     pub start: Phase,
     /// Crossings by increasing parameter.
     pub crossings: Vec<Crossing>,
 }
 
-/// The first instability of a path.
+/// First instability of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Onset {
-    /// The start is unstable already.
+    /// The path starts in an unstable state.
     AtStart,
-    /// At a crossing.
+    /// Stability is lost at a crossing.
     At(Crossing),
 }
 
 impl PathScan {
-    /// The phase behind an onset: how it is unstable.
+    /// Phase that begins at an onset: divergence or flutter.
     pub fn phase_behind(&self, onset: &Onset) -> Phase {
         match onset {
             Onset::AtStart => self.start,
@@ -76,7 +75,7 @@ impl PathScan {
         }
     }
 
-    /// The first instability, if there is one.
+    /// Returns the first instability, or `None` if no state of the path is unstable.
     pub fn onset(&self) -> Option<Onset> {
         if self.start.is_unstable() {
             return Some(Onset::AtStart);
@@ -89,28 +88,28 @@ impl PathScan {
     }
 }
 
-/// Why a path cannot be followed.
+/// Error at a state of a path.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum PathError {
-    /// It leaves the admissible deformations.
+    /// The path leaves the admissible deformations.
     #[error("the path leaves the admissible deformations at s = {parameter}: {source}")]
     Kinematics {
-        /// The parameter.
+        /// Path parameter of the state.
         parameter: f64,
-        /// What is wrong there.
+        /// Error at this state.
         source: KinematicsError,
     },
-    /// The method or the material fails there for a reason that is no change of stability.
+    /// The method or the material cannot be evaluated, and the state is not merely undefined.
     #[error("at s = {parameter}: {source}")]
     Method {
-        /// The parameter.
+        /// Path parameter of the state.
         parameter: f64,
-        /// What is wrong there.
+        /// Error at this state.
         source: MethodError,
     },
 }
 
-/// All losses and returns of strong ellipticity along a path, for perturbations in `D` dimensions.
+/// Finds all losses and recoveries of strong ellipticity along a path, for perturbations in `D` dimensions.
 ///
 /// ```
 /// use onset::kinematics::{DeformationGradient, StraightPath};
@@ -132,10 +131,10 @@ pub fn scan_material<const D: usize>(
     scan_states(path, |f| Ok(probe_material::<D>(material, f)?))
 }
 
-/// All losses and returns of the stability of a discretization along a path.
+/// Finds all losses and recoveries of stability of a discretization along a path.
 ///
 /// # Errors
-/// [`PathError`] when a state cannot be evaluated for another reason than its support.
+/// [`PathError`] when a state cannot be evaluated. States without support are no errors, but [`Phase::Undefined`].
 pub fn scan_discretization<const D: usize>(
     survey: &Survey<'_, D>,
     path: &dyn DeformationPath,
@@ -143,7 +142,6 @@ pub fn scan_discretization<const D: usize>(
     scan_states(path, |f| survey.probe(f))
 }
 
-/// All changes of phase along a path, from the answers to its states.
 fn scan_states(
     path: &dyn DeformationPath,
     probe: impl Fn(&DeformationGradient) -> Result<Probe, MethodError>,
@@ -160,8 +158,9 @@ fn scan_states(
     })
 }
 
-/// Where a path is first looked at: at equal distances, and between the first two and the last two of them
-/// ever nearer to the ends, since on a long path the change of stability is often near an end.
+/// Parameters at which a path is sampled.
+///
+/// They are equidistant, with a geometric refinement towards both ends: on a long path stability often changes near an end.
 fn parameters() -> Vec<f64> {
     let equal = (0..=INTERVALS).map(|n| n as f64 / INTERVALS as f64);
     let near: Vec<f64> = (1..=HALVINGS)
@@ -186,8 +185,8 @@ fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, Pa
     for n in 1..parameters.len() - 1 {
         let [left, middle, right] = [probes[n - 1], probes[n], probes[n + 1]];
         if left.0 == middle.0 && middle.0 == right.0 && middle.0 != Phase::Undefined {
-            // A stable stretch can dip below zero between the knots, an unstable one rise above.
-            // It is followed when its bottom can be that far below the middle, by the slopes beside it.
+            // In a stable interval the measure can be negative between the samples, and in an unstable one positive. The extremum is searched if the
+            // slopes on both sides permit a change of sign.
             let sign = if middle.0 == Phase::Unstable {
                 -1.0
             } else {
@@ -213,7 +212,7 @@ fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, Pa
     })
 }
 
-/// A parameter with another phase than that in the middle of an interval, met on the way to where `sign * measure` is smallest.
+/// Searches the minimum of `sign * measure` in an interval. Returns the first parameter on the way whose phase differs from the phase in the middle.
 fn change_in_dip(
     probe: &impl Fn(f64) -> Result<Probe, PathError>,
     (own, measure): Probe,
@@ -231,7 +230,7 @@ fn change_in_dip(
         .transpose()
 }
 
-/// Down to neighboring floating-point parameters, or 1e-15 apart. A third phase met on the way splits the bracket.
+/// Narrows a change of phase to a bracket of length 1e-15, or to neighboring floating-point parameters. A third phase in between splits the bracket.
 fn refine(
     probe: &impl Fn(f64) -> Result<Probe, PathError>,
     before: Knot,

@@ -1,10 +1,10 @@
-//! Which phase, and how far from the next one?
+//! Stability phase of a state, with a measure of its distance from the next phase.
 
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError};
 
-/// Stable, unstable, or not defined.
+/// Stability phase of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -14,21 +14,21 @@ use crate::material::{Hyperelastic, MaterialError};
 pub enum Phase {
     /// No perturbation grows.
     Stable,
-    /// Some perturbations oscillate with growing amplitude; `Re omega^2` is nowhere negative.
+    /// Some perturbations oscillate with growing amplitude, and no `Re omega^2` is negative.
     Flutter,
-    /// Some perturbation grows without bound in one direction, `Re omega^2 < 0`.
+    /// Some perturbation diverges: `Re omega^2 < 0`.
     Unstable,
-    /// The method cannot be evaluated: too few (or too many) neighbors in the support; or the law is not defined there.
+    /// The method cannot be evaluated, because particles have too few or too many neighbors in the support, or the law is not defined at this state.
     Undefined,
 }
 
 impl Phase {
-    /// Whether some perturbation grows.
+    /// Returns true if some perturbation grows.
     pub fn is_unstable(self) -> bool {
         matches!(self, Self::Flutter | Self::Unstable)
     }
 
-    /// The word used in files and in legends.
+    /// Name of the phase in files and legends.
     pub fn name(self) -> &'static str {
         match self {
             Self::Stable => "stable",
@@ -39,13 +39,14 @@ impl Phase {
     }
 }
 
-/// A phase with a measure whose sign it is, where there is one: positive when stable, negative when unstable, not a
-/// number when undefined. It is continuous where the method and its critical wave are.
+/// Phase of a state with a stability measure: positive if stable, negative if unstable, NaN if undefined.
+///
+/// Flutter may have no measure of this sign. The measure is continuous where the method and its critical wave are continuous.
 pub type Probe = (Phase, f64);
 
-/// Whether waves of a material grow at a state for perturbations in `D` dimensions, with the smallest acoustic
-/// eigenvalue over all directions; units of stress. Where that is zero to rounding none grows, as in a fluid; where complex ones grow and no others, it is
-/// flutter.
+/// Phase of a material at a state, for perturbations in `D` dimensions, with its smallest acoustic eigenvalue over all directions; units of stress.
+///
+/// If the eigenvalue is zero to rounding, as in a fluid, no wave grows. If waves grow for complex eigenvalues only, the phase is flutter.
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;

@@ -20,7 +20,7 @@ const DEEPEST: usize = 4;
 const KINK_DISTANCES: [f64; 2] = [1.0, 0.1];
 /// Largest number of kinks near a well that are combined.
 const MOST_FACES: usize = 6;
-/// Squared relative frequency below which a zero-energy mode is looked for.
+/// Squared relative frequency below which a zero-energy mode is searched.
 const SMALL_RATIO: f64 = 1e-4;
 
 /// A minimum of the relative frequency.
@@ -51,7 +51,8 @@ impl<const D: usize> WeakestSearch<'_, D> {
         self.unfolding.slowest(k).ratio
     }
 
-    /// Number of grid points along a reciprocal vector: with several particles in a cell, whose zone is smaller, about as dense.
+    /// Number of grid points along a reciprocal vector. It is smaller for cells with several particles, whose zone is smaller: the density of points
+    /// is similar.
     pub(crate) fn points(&self) -> usize {
         let mut points = GRID[D - 1];
         let mut sites = self.unfolding.sites();
@@ -178,7 +179,7 @@ impl<const D: usize> WeakestSearch<'_, D> {
         best
     }
 
-    /// The wave of the material that a bottom is, with its squared ratio.
+    /// Material wave of a bottom, with its squared ratio.
     pub(super) fn mode(&self, bottom: &Bottom<D>) -> WeakestMode<D> {
         let wave = match self.unfolding.sites() {
             1 => self.unfolding.first_image(&bottom.wave_vector),
@@ -191,8 +192,9 @@ impl<const D: usize> WeakestSearch<'_, D> {
     }
 }
 
-/// Where several faces of the zone meet, `k.G = |G|^2/2`: the point nearest to a wave vector, and unit tangents. `None` where one
-/// of the faces is no further restriction.
+/// Intersection of several faces of the zone, `k.G = |G|^2/2`: its point nearest to a wave vector, and unit tangents.
+///
+/// `None` if a face contains the intersection of the others, or if they do not intersect.
 fn stratum<const D: usize>(
     k: &SVector<f64, D>,
     faces: &[SVector<f64, D>],
@@ -204,7 +206,7 @@ fn stratum<const D: usize>(
     let short = DVector::from_fn(faces.len(), |row, _| {
         0.5 * faces[row].norm() - k.dot(&faces[row]) / faces[row].norm()
     });
-    // Rows of zeros make the decomposition show the tangents too.
+    // The rows of zeros make the decomposition include the tangents.
     let square = normals.clone().resize(D, D, 0.0);
     let svd = square.try_svd(true, true, f64::EPSILON, 1000)?;
     let right = svd.v_t.as_ref()?;

@@ -1,4 +1,4 @@
-//! Where two smooth branches of a curve meet.
+//! Corners: intersections of two smooth branches of a curve.
 
 use super::follow::{Heading, Node, SWEEP, heading_behind};
 use super::line::{Field, Sides};
@@ -8,17 +8,18 @@ use super::plane::{
 use crate::algebra::Each;
 use std::f64::consts::PI;
 
-/// How far apart the points are from which a branch is extended; the next one is tried when the branches do not meet.
+/// Spacings of the points from which a branch is extended. The next one is tried if the branches do not meet.
 const SPACINGS: [f64; 3] = [2e-5, 2e-6, 2e-7];
-/// How far the boundary may be from where the branches meet.
+/// Largest distance of the boundary from the intersection of the branches.
 const AGREEMENT: f64 = 1e-9;
 
-/// How far beyond a step two more points are taken, in steps, and how narrow their brackets are.
+/// Distance of two further points beyond a step, as a fraction of the step, and the length of their brackets.
 const BEYOND: f64 = 0.05;
 const ROUGH: f64 = 1e-10;
 
-/// How far ahead the corner is within a step that turns: where the branch at its end, extended backward, meets the curve
-/// as it runs at its start. `None` when they do not meet within the step.
+/// Distance to a corner within a step that turns; `None` if the branches do not meet within the step.
+///
+/// The curve from the start is extended with its curvature, the branch at the end of the step backward. Their intersection is the corner.
 pub(super) fn ahead<E>(
     field: &Field<'_, E>,
     sides: Sides,
@@ -50,8 +51,10 @@ pub(super) fn ahead<E>(
     Ok(corner.map(|(t, _)| distance(heading.at, before.at(t))))
 }
 
-/// The corner between a heading and a point that is behind it, with the first vertices of the branch behind, and the
-/// heading at the last of them. `None` when the branches are not smooth there.
+/// Corner between a heading and a point after it.
+///
+/// Returns the corner with the first vertices of the next branch, and the heading at the last of these vertices; `None` if the branches are not
+/// smooth there.
 pub(super) fn around<E>(
     field: &Field<'_, E>,
     sides: Sides,
@@ -88,7 +91,7 @@ pub(super) fn around<E>(
             };
             let heading = heading_behind(next.at, first.at, second.at);
             let mut nodes = vec![corner];
-            // The branch can begin at the corner itself.
+            // The branch may begin at the corner.
             if distance(next.at, at) > 1e-3 * spacing {
                 nodes.push(next);
             }
@@ -99,7 +102,7 @@ pub(super) fn around<E>(
     Ok(None)
 }
 
-/// Where the curve leaves a small circle.
+/// Point at which the curve leaves a small circle.
 fn on_circle<E>(
     field: &Field<'_, E>,
     sides: Sides,
@@ -114,7 +117,7 @@ fn on_circle<E>(
         .map(|(turn, accuracy)| Node::regular(circle(turn), accuracy * radius)))
 }
 
-/// A parabola through three points of a branch, the first one nearest to the corner, at the parameters 0, 1, 2.
+/// Parabola through three points of a branch, the first one nearest to the corner, at the parameters 0, 1 and 2.
 struct Branch([Point; 3]);
 
 impl Branch {
@@ -132,7 +135,7 @@ impl Branch {
         [0, 1].each(|i| (0..3).map(|n| weights[n] * self.0[n][i]).sum())
     }
 
-    /// The parameters at which two branches meet.
+    /// Parameters of the intersection of two branches.
     fn crossing(&self, other: &Self) -> Option<(f64, f64)> {
         let (mut t, mut s) = (0.0, 0.0);
         for _ in 0..30 {
@@ -153,7 +156,7 @@ impl Branch {
         Some((t, s))
     }
 
-    /// Where two branches meet, near the first point of each, and the slopes of both there, away from it.
+    /// Intersection of two branches near their first points, with the slopes of both there, away from the corner.
     fn meeting(&self, other: &Self) -> Option<(Point, [Point; 2])> {
         let (t, s) = self.crossing(other)?;
         let is_near = (-2.0..=0.2).contains(&t) && (-2.0..=0.2).contains(&s);
@@ -161,8 +164,8 @@ impl Branch {
     }
 }
 
-/// The point of the boundary on the bisector of the corner, and its distance from where the branches meet; `None` when
-/// there is none near.
+/// Point of the boundary on the bisector of the corner, with its distance from the intersection of the branches; `None` if the boundary is too far
+/// from it.
 fn snapped<E>(
     field: &Field<'_, E>,
     sides: Sides,
@@ -170,7 +173,7 @@ fn snapped<E>(
     [before, behind]: [Point; 2],
     bracket: f64,
 ) -> Result<Option<(Point, f64)>, E> {
-    // The direction of travel through the corner, and what is to the left of it.
+    // Direction through the corner, and the direction to its left.
     let through = minus(unit(behind), unit(before));
     if length(through) < 1e-3 {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! Along a curve, step by step, from a point on it.
+//! Tracing of a curve step by step from a point on it.
 
 use super::corner;
 use super::line::{Field, Found, Sides};
@@ -11,27 +11,28 @@ use super::{Crossing, Curve, End, Fineness, Vertex};
 use crate::verdict::{Phase, Probe};
 use std::f64::consts::{PI, TAU};
 
-/// A turn, in radians, beyond what the curvature foretells: a corner if it persists in steps as short as `CORNER_STEP`.
+/// Largest turn of a smooth step beyond the prediction of the curvature, in radians. A larger turn is a corner if it persists in steps as short as
+/// [`CORNER_STEP`].
 const TURN: f64 = 2e-3;
 const CORNER_STEP: f64 = 1e-5;
-/// How often a corner within a step is foretold before steps are just made shorter.
+/// Number of predictions of a corner within a step, after which the steps are only shortened.
 const MISSES: usize = 3;
-/// How far before a corner that is foretold a step ends, in distances to it.
+/// Distance from a predicted corner at which a step ends, as a fraction of the distance to the corner.
 const SHORT_OF: f64 = 0.02;
-/// Shorter steps, as behind a corner, may grow faster.
+/// Length below which steps, as after a corner, may grow faster.
 const SHORT_STEP: f64 = 1e-3;
-/// Shorter steps say nothing on the curvature.
+/// Length below which steps do not determine the curvature.
 const SMOOTH_STEP: f64 = 1e-7;
-/// Shorter steps are not taken: whatever stops the curve is there.
+/// Shortest step. An obstacle within it ends the curve.
 const SHORTEST: f64 = 1e-10;
-/// How far from straight on the curve is sought on the circle of a step.
+/// Largest turn of the curve on the circle of a step, in radians.
 pub(super) const SWEEP: f64 = 2.9;
-/// How far beside a corner a curve is begun.
+/// Distance from a corner at which a curve is started.
 const BESIDE: f64 = 3e-3;
-/// Directions in which a curve is first looked for around its seed.
+/// Number of directions around a seed in which a curve is searched.
 const RAYS: usize = 24;
 
-/// A vertex in units of the window.
+/// Vertex in units of the window.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
     pub(super) at: Point,
@@ -49,17 +50,17 @@ impl Node {
     }
 }
 
-/// How the curve runs at a point.
+/// Tangent and curvature of the curve at a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Heading {
     pub(super) at: Point,
-    /// The direction of the tangent.
+    /// Angle of the tangent, in radians.
     pub(super) angle: f64,
-    /// Positive when it turns left.
+    /// Curvature, positive for a left turn.
     pub(super) curvature: f64,
 }
 
-/// Follows the curve through a crossing in both directions; `None` when no curve leaves it.
+/// Traces the curve through a crossing in both directions; `None` if no curve leaves it.
 pub(super) fn follow<E>(
     field: &Field<'_, E>,
     fineness: &Fineness,
@@ -118,7 +119,7 @@ pub(super) fn follow<E>(
                     nodes.extend(forward.into_iter().skip(1));
                     (nodes, Some([first, last]))
                 }
-                // Closed backward, it holds what was followed forward.
+                // A curve that closes backward contains the forward part.
                 None => (nodes, None),
             }
         }
@@ -126,7 +127,7 @@ pub(super) fn follow<E>(
     Ok((nodes.len() > 1).then(|| curve(field, crossing.sides, &nodes, ends)))
 }
 
-/// Where to begin: at the seed, or beside it when it is a corner, which is then found like any other.
+/// Start of a curve: the seed, or a point near it if the seed is a corner. The corner is then found like any other.
 fn beginning<E>(
     field: &Field<'_, E>,
     fineness: &Fineness,
@@ -184,19 +185,19 @@ fn curve<E>(field: &Field<'_, E>, sides: Sides, nodes: &[Node], ends: Option<[En
     }
 }
 
-/// The two directions in which a curve leaves its seed.
+/// Directions in which a curve leaves its seed.
 #[derive(Clone, Copy)]
 struct Start {
     forward: Option<Heading>,
     backward: Option<Heading>,
-    /// How much the curve turns within the circle on which it was looked for, and the radius of that circle.
+    /// Turn of the curve within the circle of the search, and the radius of the circle.
     bend: f64,
     step: f64,
     is_corner: bool,
 }
 
 impl Start {
-    /// Looks around on ever smaller circles until just one curve, about straight, passes through.
+    /// Searches on smaller and smaller circles for a single, nearly straight curve.
     fn around<E>(
         field: &Field<'_, E>,
         fineness: &Fineness,
@@ -217,7 +218,7 @@ impl Start {
         Ok(best.map(Self::with_corner))
     }
 
-    /// Where the curve bends on the smallest circle still, the seed is a corner and the chords are the tangents.
+    /// If the curve bends even on the smallest circle, the seed is a corner and the chords are the tangents.
     fn with_corner(mut self) -> Self {
         self.is_corner = self.bend.abs() >= TURN;
         if self.is_corner {
@@ -231,7 +232,7 @@ impl Start {
         self
     }
 
-    /// The start on one circle.
+    /// Searches the start on one circle.
     fn on_circle<E>(
         field: &Field<'_, E>,
         fineness: &Fineness,
@@ -240,7 +241,7 @@ impl Start {
     ) -> Result<Option<Self>, E> {
         let (at, sides) = (crossing.at, crossing.sides);
         let line = |angle: f64| plus(at, radius, direction(angle));
-        // Turned a little, so that no ray runs along the grid.
+        // Rotated slightly, so that no ray is parallel to the grid.
         let angle = |n: usize| angle_of(crossing.along) + 0.1 + TAU * n as f64 / RAYS as f64;
         let around: Vec<Option<Probe>> = (0..RAYS)
             .map(|n| field.at(line(angle(n))))
@@ -289,7 +290,7 @@ impl Start {
             }
             _ => (0.0, 0.0),
         };
-        // The tangent is halfway between the two chords.
+        // The tangent bisects the angle of the two chords.
         let heading = |angle: f64, sign: f64| Heading {
             at,
             angle: angle - sign * 0.5 * bend,
@@ -305,21 +306,20 @@ impl Start {
     }
 }
 
-/// What a step came to.
+/// Result of a step.
 enum Step {
-    /// Two more vertices, the second one with its heading; the turn that was not foretold, and the distance of chord and
-    /// curve.
+    /// Two further vertices and the heading at the second; the turn beyond the prediction, and the distance of the chord from the curve.
     Taken {
         nodes: [Node; 2],
         heading: Heading,
         excess: f64,
         deviation: f64,
     },
-    /// The curve turns more than its curvature foretells.
+    /// The curve turns more than its curvature predicts.
     Turns(Node),
-    /// The chord is that far from the curve.
+    /// The chord is too far from the curve, by this distance.
     Bends(f64),
-    /// A third phase, or `None` for the edge of the window.
+    /// The step meets a third phase, or the edge of the window (`None`).
     Meets(Option<Phase>),
     /// The curve was not found.
     Lost,
@@ -333,19 +333,19 @@ struct Walker<'a, 'f, E> {
     heading: Heading,
     start: Heading,
     step: f64,
-    /// The turn of the last step that was not foretold.
+    /// Turn of the last step beyond the prediction.
     excess: f64,
     travelled: f64,
     nodes: Vec<Node>,
     asked: usize,
-    /// How many steps in a row have turned.
+    /// Number of successive steps that turned.
     misses: usize,
-    /// The length of the next step, when this one ends just before a corner.
+    /// Length of the next step, if this step ends just before a corner.
     onward: Option<f64>,
 }
 
 impl<E> Walker<'_, '_, E> {
-    /// Walks to the end; `None` when the curve is closed.
+    /// Traces the curve to its end; `None` if it is closed.
     fn walk(&mut self, traced: &mut Traced) -> Result<Option<End>, E> {
         let longest = 1.0 / self.fineness.cells.into_iter().max().unwrap_or(2).max(2) as f64;
         loop {
@@ -394,7 +394,7 @@ impl<E> Walker<'_, '_, E> {
         }
     }
 
-    /// After a step that turns: a shorter one, to just before the corner where that can be foretold.
+    /// Shortens the step after one that turned; if the corner can be predicted, the step ends just before it.
     fn approach(&mut self, beyond: Point) -> Result<(), E> {
         let shortest = 0.99 * CORNER_STEP;
         let ahead = if self.misses < MISSES {
@@ -405,7 +405,7 @@ impl<E> Walker<'_, '_, E> {
         self.misses += 1;
         (self.step, self.onward) = match ahead {
             Some(ahead) => {
-                // Far enough for what the foretold place is off, and near enough to turn around the sharpest tip.
+                // Larger than the error of the prediction, and small enough to turn around the sharpest tip.
                 let margin = (SHORT_OF * ahead).max(0.8 * CORNER_STEP);
                 let step = (ahead - margin).min(0.9 * self.step);
                 (step.max(shortest), Some(margin * 0.99 / 0.8))
@@ -415,7 +415,7 @@ impl<E> Walker<'_, '_, E> {
         Ok(())
     }
 
-    /// One step of the current length.
+    /// Tries one step of the current length.
     fn try_step(&self) -> Result<Step, E> {
         let Heading {
             at,
@@ -461,7 +461,7 @@ impl<E> Walker<'_, '_, E> {
         })
     }
 
-    /// The point of the curve over the middle of a chord, with its distance from it.
+    /// Point of the curve across the middle of a chord, with its distance from the chord.
     fn between(&self, to: Point) -> Result<Option<(Node, f64)>, E> {
         let at = self.heading.at;
         let chord = minus(to, at);
@@ -482,7 +482,6 @@ impl<E> Walker<'_, '_, E> {
             .map(|(x, accuracy)| (Node::regular(line(x), accuracy), x.abs())))
     }
 
-    /// Adds vertices.
     fn push(&mut self, nodes: &[Node], traced: &mut Traced) {
         for node in nodes {
             if let Some(last) = self.nodes.last() {
@@ -493,7 +492,7 @@ impl<E> Walker<'_, '_, E> {
         }
     }
 
-    /// Closes the curve if its start is next.
+    /// Closes the curve if its start is within the next step.
     fn closes(&mut self, traced: &mut Traced) -> Result<bool, E> {
         let ahead = minus(self.start.at, self.heading.at);
         let left = length(ahead);
@@ -532,7 +531,7 @@ impl<E> Walker<'_, '_, E> {
         for axis in 0..2 {
             for edge in [0.0, 1.0] {
                 let room = (edge - at[axis]) / ahead[axis];
-                // The seed itself can lie on the edge.
+                // The seed can lie on the edge.
                 if at[axis] == edge && (ahead[axis] > 0.0) == (edge > 0.5) && self.nodes.len() == 1
                 {
                     return Ok(true);
@@ -575,7 +574,7 @@ impl<E> Walker<'_, '_, E> {
         Ok(false)
     }
 
-    /// The last vertex has come as near to the edge as steps go.
+    /// Moves the last vertex onto the edge, which it has reached to the shortest step.
     fn snap_to_edge(&mut self) -> End {
         if let Some(last) = self.nodes.last_mut() {
             for x in &mut last.at {
@@ -589,7 +588,7 @@ impl<E> Walker<'_, '_, E> {
         End::Edge
     }
 
-    /// Goes around a corner between the current point and one that is a short step away.
+    /// Passes a corner between the current point and a point that is one short step away.
     fn turn(&mut self, next: Node, traced: &mut Traced) -> Result<(), E> {
         let corner = corner::around(
             self.field,
@@ -599,7 +598,7 @@ impl<E> Walker<'_, '_, E> {
             self.fineness.bracket,
         )?;
         let (nodes, heading) = corner.unwrap_or_else(|| {
-            // Without two smooth branches: the corner is where it was noticed.
+            // Without two smooth branches the corner is placed where the turn was found.
             let along = minus(next.at, self.heading.at);
             let node = Node {
                 accuracy: length(along),
@@ -620,7 +619,7 @@ impl<E> Walker<'_, '_, E> {
     }
 }
 
-/// The heading at the last of three points of a curve.
+/// Heading at the last of three points of a curve.
 pub(super) fn heading_behind(a: Point, b: Point, c: Point) -> Heading {
     let (first, second) = (angle_of(minus(b, a)), angle_of(minus(c, b)));
     Heading {

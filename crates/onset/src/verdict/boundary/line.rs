@@ -1,4 +1,4 @@
-//! The phase along a line: where does it change?
+//! Changes of phase along a line.
 
 use super::Window;
 use super::plane::Point;
@@ -6,24 +6,24 @@ use crate::verdict::change::{Knot, Narrowed, narrow};
 use crate::verdict::{Phase, Probe};
 use std::cell::Cell;
 
-/// The phases over the window, in units of the window; counts how often it is asked.
+/// Phases in the window, in units of the window, with the number of evaluations.
 pub(super) struct Field<'a, E> {
     pub(super) window: Window,
     pub(super) probe: &'a (dyn Fn([f64; 2]) -> Result<Probe, E> + Sync),
     asked: Cell<usize>,
 }
 
-/// What a search along a line came to.
+/// Result of a search along a line.
 pub(super) enum Found {
-    /// Two places, one in each phase: first that on the left, then that on the right.
+    /// Bracket of a change of phase: its end in the left phase, then its end in the right phase.
     Change(Knot, Knot),
-    /// Another phase, or `None` beyond the edge of the window.
+    /// A third phase, or `None` at the edge of the window.
     Other(Option<Phase>),
-    /// The same phase all along.
+    /// No change of phase.
     Nothing,
 }
 
-/// The phases to the left and to the right of a curve.
+/// Phases to the left and to the right of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Sides {
     pub(super) left: Phase,
@@ -59,7 +59,7 @@ impl<'a, E> Field<'a, E> {
         self.asked.get()
     }
 
-    /// What is at a point; `None` outside the window.
+    /// Phase and measure at a point; `None` outside the window.
     pub(super) fn at(&self, u: Point) -> Result<Option<Probe>, E> {
         if !u.iter().all(|x| (0.0..=1.0).contains(x)) {
             return Ok(None);
@@ -68,7 +68,7 @@ impl<'a, E> Field<'a, E> {
         (self.probe)(self.window.point(u)).map(Some)
     }
 
-    /// From a guess outward with doubling steps until the phase changes; the line leads leftward.
+    /// Searches a change of phase from a guess outward, with doubling steps. The parameter of the line increases towards the left phase.
     pub(super) fn march(
         &self,
         line: &dyn Fn(f64) -> Point,
@@ -103,19 +103,19 @@ impl<'a, E> Field<'a, E> {
                 });
             }
             last = knot;
-            // Not so far that a narrow phase is stepped over.
+            // Longer steps could miss a narrow phase.
             step = (2.0 * step).min(0.1 * limit);
         }
     }
 
-    /// [`narrow`] along a line.
+    /// Narrows a change of phase along a line; see [`narrow`].
     pub(super) fn narrow(
         &self,
         line: &dyn Fn(f64) -> Point,
         knots: (Knot, Knot),
         tolerance: f64,
     ) -> Result<Found, E> {
-        // No error is told of a place outside of the window.
+        // `Err(None)` marks points outside the window.
         let at = |x: f64| self.at(line(x)).map_err(Some)?.ok_or(None);
         match narrow(&at, knots, tolerance) {
             Ok(Narrowed::Change(left, right)) => Ok(Found::Change(left, right)),
@@ -125,7 +125,7 @@ impl<'a, E> Field<'a, E> {
         }
     }
 
-    /// [`Field::march`], then [`Field::narrow`].
+    /// Finds and narrows a change of phase: [`Field::march`], then [`Field::narrow`].
     pub(super) fn locate(
         &self,
         line: &dyn Fn(f64) -> Point,
@@ -141,7 +141,7 @@ impl<'a, E> Field<'a, E> {
 }
 
 impl Found {
-    /// The middle of a change and half of its length.
+    /// Middle of the bracket of a change, and half its length.
     pub(super) fn place(&self) -> Option<(f64, f64)> {
         match self {
             Self::Change(left, right) => {

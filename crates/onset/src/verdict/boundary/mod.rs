@@ -1,6 +1,11 @@
-//! Boundaries between phases as curves in a window of two parameters, followed from point to point.
+//! Boundaries between phases as curves in a window of two parameters.
 //!
-//! 1. `seeds` looks at the nodes of a grid, follows dips of the measure between them, and lists pieces of lines on which
+//! 1. `seeds` evaluates the nodes of a grid, searches dips of the measure between them, and lists segments on which the phase
+//!    changes.
+//! 2. `follow` traces a curve from each change of phase that lies on no known curve. Each step brackets the change of phase on a
+//!    circle and checks the middle of the chord. The step is short enough for the chord to stay near the curve, and for the turn
+//!    to agree with the curvature.
+//! 3. `corner` extends two smooth branches to their intersection if the curve turns abruptly within arbitrarily short steps.
 //!    the phase changes.
 //! 2. Each change that no curve explains yet starts one: `follow` steps along it on circles, on which the change of phase
 //!    is bracketed, and checks the middle of every chord. A step is as long as the chord stays near the curve and the
@@ -8,7 +13,7 @@
 //! 3. Where it turns at once, however short the step, there is a `corner`: two smooth branches are extended to where they
 //!    meet.
 //!
-//! Only phases decide, so that boundaries at which the measure jumps are followed too; the measure makes it fast.
+//! Only phases decide, so that boundaries at which the measure jumps are traced too. The measure accelerates the search.
 
 mod corner;
 mod follow;
@@ -25,20 +30,20 @@ use line::{Field, Sides};
 use plane::{Point, distance};
 use traced::Traced;
 
-/// How many curves may use up their budgets.
+/// Number of curve budgets available to all curves together.
 const BUDGETS: usize = 4;
 
-/// A rectangle of two parameters.
+/// Rectangle in the plane of two parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
-    /// The smallest values of the two.
+    /// Smallest values of the two parameters.
     pub low: [f64; 2],
-    /// The largest values of the two.
+    /// Largest values of the two parameters.
     pub high: [f64; 2],
 }
 
 impl Window {
-    /// The parameters at a point in units of the window, `[0, 1]^2`; its edges are met exactly.
+    /// Parameters at a point in units of the window, `[0, 1]^2`. The edges are mapped exactly.
     pub fn point(&self, unit: [f64; 2]) -> [f64; 2] {
         [0, 1].each(|i| {
             if unit[i] == 1.0 {
@@ -49,29 +54,30 @@ impl Window {
         })
     }
 
-    /// The lengths of its edges.
+    /// Lengths of the edges of the window.
     pub fn size(&self) -> [f64; 2] {
         [self.high[0] - self.low[0], self.high[1] - self.low[1]]
     }
 
-    /// Its area, in the product of the units of the two parameters.
+    /// Area of the window, in the product of the units of the two parameters.
     pub fn area(&self) -> f64 {
         let [width, height] = self.size();
         width * height
     }
 }
 
-/// How finely a boundary is traced. Lengths are in units of the window.
+/// Resolution of a traced boundary. Lengths are in units of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fineness {
-    /// Cells of the grid of seeds along the two parameters.
+    /// Number of grid cells along each parameter.
     pub cells: [usize; 2],
-    /// How far a chord may be from the curve.
+    /// Largest distance of a chord from the curve.
     pub chord: f64,
-    /// How narrow the bracket of a vertex is.
+    /// Length of the bracket of a vertex.
     pub bracket: f64,
-    /// How many states may be asked for one curve; a curve that needs more ends with [`End::Budget`]. For all curves
-    /// together four times as many; what is found later stays unresolved.
+    /// Largest number of states evaluated for one curve; a curve that needs more ends with [`End::Budget`].
+    ///
+    /// All curves together may use four times this number. Changes of phase found later stay unresolved.
     pub budget: usize,
 }
 
@@ -86,57 +92,57 @@ impl Default for Fineness {
     }
 }
 
-/// A point of a curve.
+/// Point of a boundary curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex {
-    /// The two parameters.
+    /// Values of the two parameters.
     pub point: [f64; 2],
-    /// Half of the length of its bracket, in the larger of the two parameters' units.
+    /// Half the length of the bracket, in the larger of the two parameters' units.
     pub accuracy: f64,
     /// Whether two smooth branches meet here.
     pub is_corner: bool,
 }
 
-/// Why an open curve ends.
+/// Reason for the end of an open curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// At the edge of the window.
+    /// The curve leaves the window.
     Edge,
     /// A third phase begins.
     Phase(Phase),
-    /// It runs into a curve that has been traced, or into itself.
+    /// The curve meets a traced curve or itself.
     Meets,
-    /// The curve could not be followed any further.
+    /// The continuation of the curve was not found.
     Lost,
-    /// It took more states than admitted.
+    /// The curve exceeded its budget of states.
     Budget,
 }
 
-/// A boundary between two phases.
+/// Boundary curve between two phases.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// The phase to the left of the direction in which the vertices run, the more stable one.
+    /// Phase to the left of the direction of the vertices; the more stable of the two.
     pub left: Phase,
-    /// The phase to the right.
+    /// Phase to the right of the direction of the vertices.
     pub right: Phase,
-    /// The vertices; the last one of a closed curve is its first.
+    /// Vertices along the curve. The last vertex of a closed curve equals its first.
     pub vertices: Vec<Vertex>,
-    /// Why it starts and ends where it does; `None` when it is closed.
+    /// Reasons for the two ends of the curve; `None` if it is closed.
     pub ends: Option<[End; 2]>,
 }
 
 impl Curve {
-    /// Whether it ends where it starts.
+    /// Returns true if the curve is closed.
     pub fn is_closed(&self) -> bool {
         self.ends.is_none()
     }
 
-    /// The points alone.
+    /// Points of the vertices.
     pub fn points(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         self.vertices.iter().map(|vertex| vertex.point)
     }
 
-    /// The arc length of the polygon, in the parameters as they are.
+    /// Length of the polygon of the vertices, in the units of the parameters.
     pub fn length(&self) -> f64 {
         let pairs = self.vertices.windows(2);
         pairs
@@ -144,7 +150,7 @@ impl Curve {
             .sum()
     }
 
-    /// The points at which smooth branches meet.
+    /// Points at which two smooth branches meet.
     pub fn corners(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         let inner = if self.is_closed() { 1 } else { 0 };
         let vertices = self.vertices.iter().skip(inner);
@@ -153,24 +159,24 @@ impl Curve {
             .map(|vertex| vertex.point)
     }
 
-    /// The largest half bracket of its vertices.
+    /// Largest half bracket of the vertices.
     pub fn accuracy(&self) -> f64 {
         let accuracies = self.vertices.iter().map(|vertex| vertex.accuracy);
         accuracies.fold(0.0, f64::max)
     }
 }
 
-/// All boundaries in a window.
+/// All boundary curves in a window.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Boundary {
-    /// The curves.
+    /// Traced boundary curves.
     pub curves: Vec<Curve>,
-    /// Points at which the phase changes, but from which no curve could be followed.
+    /// Points at which the phase changes and from which no curve could be traced.
     pub unresolved: Vec<[f64; 2]>,
 }
 
 impl Boundary {
-    /// Whether every change of phase that was seen lies on a curve that was followed to its end.
+    /// Returns true if every change of phase that was found lies on a curve that was traced to its end.
     pub fn is_complete(&self) -> bool {
         let ends = self.curves.iter().filter_map(|curve| curve.ends).flatten();
         self.unresolved.is_empty()
@@ -179,7 +185,7 @@ impl Boundary {
                 .any(|end| matches!(end, End::Lost | End::Budget))
     }
 
-    /// The curves between two defined phases: where stability is lost or regained.
+    /// Curves on which stability is lost or regained. Boundaries of the undefined phase are excluded.
     pub fn of_stability(&self) -> impl Iterator<Item = &Curve> {
         self.curves.iter().filter(|curve| {
             curve.left != Phase::Undefined
@@ -189,10 +195,10 @@ impl Boundary {
     }
 }
 
-/// All curves in a window along which the phase changes.
+/// Traces all curves in a window along which the phase changes.
 ///
-/// Components are found that a node of the grid tells from its neighbor, or of which the measure shows a dip between
-/// them. Corners that turn by less than 2e-3 radians are not marked.
+/// A component is found if neighboring nodes of the grid lie on different sides of it, or if the measure has a dip between nodes. Corners that turn
+/// by less than 2e-3 radians are not marked.
 ///
 /// ```
 /// use onset::verdict::Phase;
@@ -211,7 +217,7 @@ impl Boundary {
 /// ```
 ///
 /// # Errors
-/// What the probe reports.
+/// Errors of the probe.
 pub fn trace_boundary<E>(
     window: Window,
     fineness: &Fineness,
@@ -224,10 +230,10 @@ pub fn trace_boundary<E>(
     trace_boundary_from(window, fineness, &grid, probe)
 }
 
-/// The same from probes at [`grid_points`], which can be taken in parallel.
+/// Like [`trace_boundary`], with known probes at the [`grid_points`], which can be evaluated in parallel.
 ///
 /// # Errors
-/// What the probe reports.
+/// Errors of the probe.
 pub fn trace_boundary_from<E>(
     window: Window,
     fineness: &Fineness,
@@ -257,11 +263,12 @@ pub fn trace_boundary_from<E>(
     Ok(boundary)
 }
 
-/// The first change of phase found between two points, bracketed to `1e-13` of the window; `None` when both are of one
-/// phase, or one is outside.
+/// Change of phase between two points, bracketed to `1e-13` of the window.
+///
+/// If several are found, the nearest to `from` is returned. `None` if both points are in one phase, or if one is outside the window.
 ///
 /// # Errors
-/// What the probe reports.
+/// Errors of the probe.
 pub fn located_between<E>(
     window: Window,
     probe: &(dyn Fn([f64; 2]) -> Result<Probe, E> + Sync),
@@ -283,17 +290,17 @@ pub fn located_between<E>(
     Ok(nearest.map(|crossing| window.point(crossing.at)))
 }
 
-/// A change of phase on a piece of a line, in units of the window.
+/// Change of phase on a segment, in units of the window.
 #[derive(Clone, Copy, Debug)]
 struct Crossing {
     at: Point,
-    /// The unit direction of the line, towards the left phase.
+    /// Unit direction of the line, towards the left phase.
     along: Point,
     sides: Sides,
     accuracy: f64,
 }
 
-/// The order of phases: the more stable one is to the left.
+/// Order of phases, most stable first: of two phases the more stable is on the left.
 fn rank(phase: Phase) -> u8 {
     match phase {
         Phase::Stable => 0,

@@ -1,6 +1,6 @@
-//! Points of the plane, in units of the window.
+//! Vector algebra in the plane, in units of the window.
 
-/// A point or a difference of points.
+/// Point, or difference of two points.
 pub(super) type Point = [f64; 2];
 
 pub(super) fn plus(a: Point, scale: f64, b: Point) -> Point {
@@ -15,7 +15,7 @@ pub(super) fn dot(a: Point, b: Point) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// The third component of `a x b`: positive when `b` points to the left of `a`.
+/// Third component of `a x b`: positive if `b` points to the left of `a`.
 pub(super) fn cross(a: Point, b: Point) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
@@ -28,7 +28,7 @@ pub(super) fn distance(a: Point, b: Point) -> f64 {
     length(minus(a, b))
 }
 
-/// What lies to the left of a direction.
+/// Vector turned to the left by a right angle.
 pub(super) fn left_of(a: Point) -> Point {
     [-a[1], a[0]]
 }
@@ -47,13 +47,13 @@ pub(super) fn direction(angle: f64) -> Point {
     [cosine, sine]
 }
 
-/// The angle in `(-pi, pi]` that equals another up to full turns.
+/// Angle reduced by full turns to `[-pi, pi]`.
 pub(super) fn wrapped(angle: f64) -> f64 {
     let turns = (angle / std::f64::consts::TAU).round();
     angle - turns * std::f64::consts::TAU
 }
 
-/// The distance of a point from a straight piece.
+/// Distance of a point from a segment.
 pub(super) fn distance_to_piece(p: Point, (a, b): (Point, Point)) -> f64 {
     let along = minus(b, a);
     let square = dot(along, along);
@@ -65,7 +65,7 @@ pub(super) fn distance_to_piece(p: Point, (a, b): (Point, Point)) -> f64 {
     distance(p, plus(a, t, along))
 }
 
-/// The signed curvature of the circle through three points, positive when it turns left.
+/// Signed curvature of the circle through three points, positive for a left turn.
 pub(super) fn curvature(a: Point, b: Point, c: Point) -> f64 {
     let product = distance(a, b) * distance(b, c) * distance(a, c);
     if product > 0.0 {

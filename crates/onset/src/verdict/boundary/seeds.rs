@@ -1,4 +1,4 @@
-//! Where to begin: pieces of lines on which the phase changes.
+//! Seeds of boundary curves: segments on which the phase changes.
 
 use super::line::{Field, Found, Sides};
 use super::plane::{Point, distance, minus, plus, unit};
@@ -7,14 +7,14 @@ use crate::algebra::{Each, lowest_between};
 use crate::verdict::change::Knot;
 use crate::verdict::{Phase, Probe};
 
-/// How near to the bottom of a dip along a line is sought, in parts of it, and evaluations spent on one in the plane.
+/// Accuracy of the bottom of a dip along a line, as a fraction of the line, and the number of evaluations of a search in the plane.
 const DIP: f64 = 2e-6;
 const PLANE_STEPS: usize = 160;
 
-/// A piece of a line with a change of phase, from its one end to the other.
+/// Segment with a change of phase: its two ends.
 pub(super) type Seed = ((Point, Probe), (Point, Probe));
 
-/// The nodes of the grid of seeds, the first parameter running fastest.
+/// Nodes of the grid of seeds. The first parameter varies fastest.
 pub fn grid_points(window: Window, fineness: &Fineness) -> Vec<[f64; 2]> {
     let grid = Grid::new(fineness);
     (0..grid.len())
@@ -22,7 +22,7 @@ pub fn grid_points(window: Window, fineness: &Fineness) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The grid in units of the window.
+/// Grid of seeds in units of the window.
 #[derive(Clone, Copy)]
 struct Grid {
     columns: usize,
@@ -48,7 +48,7 @@ impl Grid {
     }
 }
 
-/// All pieces with a change of phase: edges of the grid whose ends differ, and dips.
+/// Returns all segments with a change of phase: edges of the grid with different phases at their ends, and dips.
 pub(super) fn seeds<E>(
     field: &Field<'_, E>,
     fineness: &Fineness,
@@ -91,7 +91,7 @@ pub(super) fn seeds<E>(
     Ok(seeds)
 }
 
-/// The sign with which the measure dips towards the other phase, where it can.
+/// Sign for which `sign * measure` decreases towards the other phase; `None` if the measure does not predict a change.
 fn sign(phase: Phase) -> Option<f64> {
     match phase {
         Phase::Stable => Some(1.0),
@@ -100,8 +100,9 @@ fn sign(phase: Phase) -> Option<f64> {
     }
 }
 
-/// A change of phase between nodes of the same phase: where the measure of the middle one is less than those beside it,
-/// and its bottom can be that far below by the slopes.
+/// Searches a change of phase between three nodes of one phase.
+///
+/// The search starts if the measure of the middle node is a minimum and the slopes on both sides permit a change of sign.
 fn dip_along<E>(
     field: &Field<'_, E>,
     [left, middle, right]: [(Point, Probe); 3],
@@ -129,8 +130,9 @@ fn dip_along<E>(
     Ok(other.map_or_else(Vec::new, |other| vec![(left, other), (other, right)]))
 }
 
-/// A change of phase near a node whose measure is less than that of all around it: an island between the lines of the
-/// grid. Sought by a coordinate search with shrinking steps.
+/// Searches an island of another phase between the lines of the grid, near a node whose measure is below that of all its neighbors.
+///
+/// The search moves along the coordinates with decreasing steps.
 fn dip_in_plane<E>(
     field: &Field<'_, E>,
     grid: Grid,
@@ -186,7 +188,7 @@ fn dip_in_plane<E>(
     Ok(None)
 }
 
-/// The changes of phase on a seed; a third phase met on the way splits it.
+/// Returns the changes of phase on a seed. A third phase in between splits the seed.
 pub(super) fn crossings<E>(
     field: &Field<'_, E>,
     fineness: &Fineness,
@@ -206,7 +208,7 @@ pub(super) fn crossings<E>(
         };
         let along = unit(minus(left.0, right.0));
         let origin = right.0;
-        // The end itself, not the end to rounding: it may lie on the edge of the window.
+        // The exact end without rounding: it may lie on the edge of the window.
         let line = |x: f64| {
             if x == size {
                 left.0

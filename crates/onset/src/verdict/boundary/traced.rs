@@ -1,4 +1,4 @@
-//! What has been traced: which places are explained by a curve already.
+//! Index of traced curves, to recognize points that lie on one of them.
 
 use super::line::Sides;
 use super::plane::{Point, cross, distance, distance_to_piece, minus, plus};
@@ -6,17 +6,17 @@ use super::plane::{Point, cross, distance, distance_to_piece, minus, plus};
 /// Bins along each edge of the window.
 const BINS: usize = 64;
 
-/// A chord of a curve.
+/// Chord of a traced curve.
 #[derive(Clone, Copy, Debug)]
 struct Chord {
     ends: (Point, Point),
     sides: Sides,
-    /// Which curve, and the arc length along it.
+    /// Number of the curve, and the arc length along it.
     curve: usize,
     place: f64,
 }
 
-/// The chords of all curves, in bins.
+/// Chords of all curves, sorted into bins.
 pub(super) struct Traced {
     chords: Vec<Chord>,
     bins: Vec<Vec<u32>>,
@@ -26,7 +26,7 @@ pub(super) struct Traced {
 }
 
 impl Traced {
-    /// For chords that are at most `chord` from their curve.
+    /// Creates an empty index for chords within a distance `chord` of their curve.
     pub(super) fn new(chord: f64) -> Self {
         Self {
             chords: Vec::new(),
@@ -37,18 +37,18 @@ impl Traced {
         }
     }
 
-    /// A new curve begins; its places are counted from zero.
+    /// Begins a new curve; arc length is measured from its first point.
     pub(super) fn begin(&mut self) {
         self.curves += 1;
         self.place = 0.0;
     }
 
-    /// The curve is continued from its first point in the other direction, by places below zero.
+    /// Continues the curve from its first point in the other direction, with negative arc lengths.
     pub(super) fn turn(&mut self) {
         self.place = 0.0;
     }
 
-    /// Adds a chord of the current curve, whose `sides` are those of its direction.
+    /// Adds a chord of the current curve. `sides` are the phases left and right of its direction.
     pub(super) fn add(&mut self, ends: (Point, Point), sides: Sides, is_backward: bool) {
         let step = distance(ends.0, ends.1);
         let place = self.place;
@@ -71,12 +71,12 @@ impl Traced {
         }
     }
 
-    /// Whether a change of phase lies on a curve: near a chord between the same phases, the same way round.
+    /// Returns true if a change of phase lies on a traced curve: near a chord between the two phases, with each on the same side.
     pub(super) fn explains(&self, at: Point, along: Point, sides: Sides) -> bool {
         self.near(at, self.tolerance).any(|chord| {
             let direction = minus(chord.ends.1, chord.ends.0);
             let turn = cross(direction, along) / distance(chord.ends.0, chord.ends.1);
-            // A line that grazes the curve tells nothing of its direction.
+            // A line nearly parallel to the chord does not define its sides.
             if turn.abs() < 0.05 {
                 chord.sides == sides || chord.sides == sides.swapped()
             } else if turn > 0.0 {
@@ -87,8 +87,8 @@ impl Traced {
         })
     }
 
-    /// Whether a curve that has come to `at` after a step runs into one that has been traced the same way round, other
-    /// than the stretch of its own that it has just left.
+    /// Returns true if a step of the current curve to `at` meets a traced curve with the same phases on the same sides. The segment that the curve
+    /// has just left is excluded.
     pub(super) fn is_met(&self, at: Point, step: Point, sides: Sides) -> bool {
         let size = step[0].hypot(step[1]);
         let reach = self.tolerance.min(0.05 * size);
@@ -117,7 +117,7 @@ fn bin(x: f64) -> usize {
     ((x * BINS as f64).max(0.0) as usize).min(BINS - 1)
 }
 
-/// Removes vertices that crowd, as they do before a corner or an end, keeping the first, the last and those marked.
+/// Removes crowded vertices, as before a corner or an end. The first, the last and the marked vertices are kept.
 pub(super) fn thinned<T: Copy>(
     vertices: &[T],
     at: impl Fn(&T) -> Point,
@@ -128,7 +128,7 @@ pub(super) fn thinned<T: Copy>(
     for (index, vertex) in vertices.iter().enumerate() {
         let is_end = index == 0 || index + 1 == vertices.len();
         if is_end || is_kept(vertex) {
-            // The neighbor of a marked vertex gives way to it.
+            // Neighbors too close to a marked vertex are removed.
             while kept.len() > 1
                 && kept
                     .last()
@@ -147,7 +147,6 @@ pub(super) fn thinned<T: Copy>(
     kept
 }
 
-/// The middle of two points.
 pub(super) fn middle(a: Point, b: Point) -> Point {
     plus(a, 0.5, minus(b, a))
 }

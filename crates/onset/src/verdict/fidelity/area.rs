@@ -1,31 +1,31 @@
-//! Areas in which material and discretization differ, from their boundaries.
+//! Areas in which the stability of material and discretization differs, from their boundaries.
 
 use crate::algebra::sort_by_value;
 use crate::verdict::Phase;
 use crate::verdict::boundary::{Boundary, Window};
 
-/// Areas in a window; in the product of the units of the two parameters.
+/// Areas in a window, in the product of the units of the two parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Areas {
-    /// The whole window.
+    /// Area of the window.
     pub window: f64,
-    /// Where the material is strongly elliptic.
+    /// Area in which the material is strongly elliptic.
     pub elliptic: f64,
-    /// Where the material is strongly elliptic, but the particles are unstable.
+    /// Area of false instability: the material is strongly elliptic, and the particles are unstable.
     pub false_instability: f64,
-    /// Where the material is not strongly elliptic, but the particles are stable.
+    /// Area of suppressed instability: the material is not strongly elliptic, and the particles are stable.
     pub suppressed_instability: f64,
-    /// Where the discretization is not defined.
+    /// Area in which the discretization is not defined.
     pub undefined: f64,
 }
 
 impl Areas {
-    /// The area of false instability as a share of the elliptic area; NaN without one.
+    /// Area of false instability as a fraction of the elliptic area; NaN if the elliptic area is zero.
     pub fn false_share(&self) -> f64 {
         self.false_instability / self.elliptic
     }
 
-    /// The area of suppressed instability as a share of the elliptic area; NaN without one.
+    /// Area of suppressed instability as a fraction of the elliptic area; NaN if the elliptic area is zero.
     pub fn suppressed_share(&self) -> f64 {
         self.suppressed_instability / self.elliptic
     }
@@ -46,12 +46,12 @@ impl Areas {
     }
 }
 
-/// A chord that rises from left to right in the first parameter, with the phases below and above it.
+/// Chord directed towards increasing first parameter, with the phases below and above it.
 #[derive(Clone, Copy)]
 struct Piece {
     from: [f64; 2],
     to: [f64; 2],
-    /// 0 of the material, 1 of the particles.
+    /// Boundary of the chord: 0 for the material, 1 for the particles.
     of: usize,
     below: Phase,
     above: Phase,
@@ -63,7 +63,7 @@ impl Piece {
         self.from[1] + t * (self.to[1] - self.from[1])
     }
 
-    /// Where it crosses another one, if it does.
+    /// First parameter of the intersection with another chord, if they intersect.
     fn crossing(&self, other: &Self) -> Option<f64> {
         let (low, high) = (self.from[0].max(other.from[0]), self.to[0].min(other.to[0]));
         let (a, b) = (
@@ -74,8 +74,10 @@ impl Piece {
     }
 }
 
-/// The areas, exact for the polygons of two boundaries in the same window. `phases` are those of material and particles at
-/// a point; asked where no curve tells, or two contradict each other.
+/// Computes the areas, exactly for the polygons of two boundaries in the same window.
+///
+/// `phases` returns the phases of material and particles at a point. It is called where no curve determines them, or where two curves contradict each
+/// other.
 ///
 /// ```
 /// use onset::verdict::Phase;
@@ -101,7 +103,7 @@ impl Piece {
 /// ```
 ///
 /// # Errors
-/// What `phases` reports.
+/// Errors of `phases`.
 pub fn areas<E>(
     window: Window,
     boundaries: [&Boundary; 2],
@@ -161,8 +163,8 @@ pub fn areas<E>(
     Ok(areas)
 }
 
-/// Strips that no chord of one kind crosses. Each is asked in its middle, as far as can be from the chords, which cut off a little of
-/// what they enclose.
+/// Strips that no chord of one boundary crosses. Their phase is evaluated in the middle, far from the chords, which cut off a little of the area that
+/// they enclose.
 fn uncrossed(window: Window, pieces: &[Piece], of: usize) -> Vec<[f64; 2]> {
     let (mut strips, mut reached) = (Vec::new(), window.low[0]);
     for piece in pieces.iter().filter(|piece| piece.of == of) {
@@ -177,7 +179,7 @@ fn uncrossed(window: Window, pieces: &[Piece], of: usize) -> Vec<[f64; 2]> {
     strips
 }
 
-/// The phase below the `n`-th crossing by the curves of one kind on both sides; `None` when they contradict each other.
+/// Phase below the `n`-th intersection, from the curves of one boundary on both sides; `None` if they contradict each other.
 fn between(crossed: &[(f64, Piece)], n: usize, of: usize) -> Option<Phase> {
     let is_of = |(_, piece): &&(f64, Piece)| piece.of == of;
     let below = crossed[..n].iter().rev().find(is_of).map(|c| c.1.above);
@@ -188,7 +190,7 @@ fn between(crossed: &[(f64, Piece)], n: usize, of: usize) -> Option<Phase> {
     }
 }
 
-/// All chords, by the smaller first parameter.
+/// Chords of both boundaries, sorted by the smaller first parameter.
 fn pieces(boundaries: [&Boundary; 2]) -> Vec<Piece> {
     let mut pieces = Vec::new();
     for (of, boundary) in boundaries.into_iter().enumerate() {
@@ -217,7 +219,7 @@ fn pieces(boundaries: [&Boundary; 2]) -> Vec<Piece> {
     pieces
 }
 
-/// The first parameters at which a chord begins, ends or crosses another.
+/// First parameters at which a chord begins, ends or crosses another chord.
 fn breaks(window: Window, pieces: &[Piece]) -> Vec<f64> {
     let mut breaks = vec![window.low[0], window.high[0]];
     let mut active: Vec<&Piece> = Vec::new();

@@ -1,24 +1,23 @@
-//! The Hausdorff distance of polygons.
+//! Hausdorff distance of polygons.
 
 use crate::algebra::Each;
 
 type Point = [f64; 2];
 type Piece = (Point, Point);
 
-/// How far one set of curves is from another, and where.
+/// Distance of one set of curves from another, and the point where it is attained.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
-    /// The largest distance of a point of the one from the nearest point of the other.
+    /// Largest distance of a point of the first set from the nearest point of the second.
     pub distance: f64,
-    /// That point.
+    /// Point of the first set at this distance.
     pub at: [f64; 2],
 }
 
-/// The largest distance of a point on the polygons `from` to the polygons `to`, `sup_a inf_b |a - b|`, to `tolerance`.
-/// `None` when one of them is empty.
+/// Largest distance of a point on the polygons `from` to the polygons `to`, `sup_a inf_b |a - b|`, with an error of at most `tolerance`.
 ///
-/// The Hausdorff distance is the larger one of both directions. Every chord is halved until the distance of its ends
-/// bounds that of all its points: the distance to one straight piece is largest at an end.
+/// The Hausdorff distance is the larger of the two directed distances. Each chord is bisected until the distances of its ends bound the distances of
+/// all its points: the distance from one segment is largest at an end. `None` if one set is empty.
 ///
 /// ```
 /// use onset::verdict::fidelity::directed_distance;
@@ -77,7 +76,7 @@ fn pieces(polygons: &[Vec<Point>]) -> Vec<Piece> {
     polygons.iter().flat_map(of_one).collect()
 }
 
-/// The nearest piece and its distance.
+/// Nearest segment and its distance.
 fn nearest(p: Point, targets: &[Piece]) -> (usize, f64) {
     let distances = targets.iter().map(|target| distance(p, *target));
     distances

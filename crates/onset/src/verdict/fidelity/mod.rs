@@ -1,8 +1,8 @@
-//! How faithful a discretization is to its material, over a window of two parameters.
+//! Fidelity of a discretization to its material in a window of two parameters.
 //!
-//! *False instability* is where the material is strongly elliptic and the particles are not stable; *suppressed instability*
-//! where the material is not and the particles are. How far the boundaries are apart is measured as the Hausdorff distance
-//! and, as the paper does, along rays from the reference state.
+//! *False instability* is the region where the material is strongly elliptic and the particles are unstable. *Suppressed instability* is the region
+//! where the material is not strongly elliptic and the particles are stable. The distance of the boundaries is measured as the Hausdorff distance
+//! and, as in the paper, along rays from the reference state.
 
 mod area;
 mod distance;

@@ -1,30 +1,31 @@
-//! Where stability is lost along a ray.
+//! Loss of stability along a ray.
 
 use crate::algebra::sort_by_value;
 use crate::verdict::boundary::{Boundary, Window, located_between};
 use crate::verdict::{Phase, Probe};
 
-/// What a ray meets first.
+/// First change along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RayOnset {
-    /// Unstable from the start.
+    /// The ray starts in an unstable state.
     AtStart,
     /// Stability is lost at this distance, in units of the ray's direction.
     At(f64),
     /// The method is not defined beyond this distance.
     Undefined(f64),
-    /// Nothing within the window.
+    /// The ray stays stable within the window.
     None,
 }
 
-/// A part of the window within which a crossing is not told from the start itself.
+/// Smallest distance of a crossing that is distinguished from the start, as a fraction of the window.
 const START: f64 = 1e-5;
 
-/// The first loss of stability along `origin + s direction`, `s > 0`: found on the boundary's polygons, then bracketed with
-/// the probe that they were traced with, to `1e-13` of the window.
+/// First loss of stability along `origin + s direction`, `s > 0`.
+///
+/// It is found on the polygons of the boundary, then bracketed to `1e-13` of the window with the probe that traced them.
 ///
 /// # Errors
-/// What the probe reports.
+/// Errors of the probe.
 pub fn onset_along<E>(
     window: Window,
     boundary: &Boundary,
@@ -32,7 +33,7 @@ pub fn onset_along<E>(
     (origin, direction): ([f64; 2], [f64; 2]),
 ) -> Result<RayOnset, E> {
     let size = window.size();
-    // Units of the ray that correspond to the whole window.
+    // Length of the window in units of the direction.
     let reach = size[0].max(size[1]) / direction[0].hypot(direction[1]);
     let at = |s: f64| [0, 1].map(|i| origin[i] + s * direction[i]);
     let mut crossings: Vec<(f64, Phase)> = Vec::new();
@@ -42,7 +43,7 @@ pub fn onset_along<E>(
                 crossing(origin, direction, pair[0].point, pair[1].point)
                 && s > START * reach
             {
-                // Coming from the right side of the curve one gets to its left.
+                // A crossing from the right side of a curve leads to its left.
                 crossings.push((s, if is_leftward { curve.left } else { curve.right }));
             }
         }
