@@ -15,11 +15,11 @@ const LEAST_OF_TABLE: usize = 4;
 
 /// An answer with a short form.
 pub trait Brief: Display {
-    /// The short form.
+    /// Short form of this answer.
     fn brief(&self) -> Short;
 }
 
-/// Parts of a short answer, from which as much is printed as fits.
+/// Parts of a short answer. The least important ones are left out if they exceed its lines.
 #[derive(Clone, Debug, Default)]
 pub struct Short {
     sentence: String,
@@ -29,7 +29,7 @@ pub struct Short {
     settings: Vec<(&'static str, String)>,
 }
 
-/// A named line.
+/// A line with a name at its beginning.
 #[derive(Clone, Debug)]
 struct Row {
     name: &'static str,
@@ -76,7 +76,7 @@ impl Short {
     pub fn text(&self, has_settings: bool) -> String {
         let mut lines = wrapped(&self.sentence, 0);
         lines.push(String::new());
-        // The last line says how to see the rest.
+        // The last line names the options for more.
         let mut left = LINES.saturating_sub(lines.len() + 1);
         let rows: Vec<Vec<String>> = self.rows.iter().map(Row::lines).collect();
         let kept = |rank: u8| {
@@ -120,7 +120,7 @@ impl Short {
 
     /// The notes in a number of lines; the beginning of each if they do not fit.
     ///
-    /// Notes limit the validity of an answer, so that none is left out. A command in a note stays on one line, where it can be copied.
+    /// Notes limit the validity of an answer and are never left out. A command in a note stays on one line, so that it can be copied.
     fn shown_notes(&self, room: usize) -> Vec<String> {
         let whole = |note: &String| match note.contains("--set ") {
             true => vec![format!("note: {note}")],
@@ -165,7 +165,7 @@ fn named(name: &str, text: &str) -> Vec<String> {
     wrapped(&format!("{name:<NAME$}{text}"), NAME)
 }
 
-/// Lines of at most [`WIDTH`] characters; all but the first one are indented. A word that is longer is cut.
+/// Lines of at most [`WIDTH`] characters, indented after the first. Longer words are cut.
 pub(crate) fn wrapped(text: &str, indent: usize) -> Vec<String> {
     let mut lines = Vec::new();
     let mut line = String::new();

@@ -41,7 +41,7 @@ fn shown(text: &str) -> Vec<Shown> {
 
 #[test]
 fn consoles_in_the_readme_show_the_output_of_their_commands() {
-    consoles_of("README.md", "readme", 6);
+    consoles_of("README.md", "readme", 5);
 }
 
 #[test]

@@ -46,6 +46,16 @@ impl Brief for StateAnswer {
                 own.largest_time_step
                     .map(|step| format!("below {} (infinite lattice)", time(step))),
             ),
+            None if !d.damped_time_steps.is_empty() => {
+                steps.extend(
+                    d.damped_time_steps
+                        .iter()
+                        .map(|(integrator, step)| match *step {
+                            0.0 => format!("none ({integrator}, with damping)"),
+                            step => format!("below {} ({integrator}, with damping)", time(step)),
+                        }),
+                );
+            }
             None => steps.extend(d.critical_time_step.map(|step| {
                 format!(
                     "below {} (central differences, infinite lattice)",
