@@ -6,6 +6,7 @@ mod abuse;
 mod bench;
 mod book;
 mod deny;
+mod english;
 mod fortran;
 mod hunt;
 mod npm;
@@ -135,6 +136,10 @@ fn main() -> ExitCode {
         Some("python") => reported(wheel::test()),
         Some("page") => reported(page::run()),
         Some("book") => reported(book::run()),
+        Some("english") => {
+            let names: Vec<String> = std::env::args().skip(2).collect();
+            reported(english::check(&names))
+        }
         Some("schema") => write_schema(),
         Some("readme") => reported(readme::run()),
         Some("figures") => run(FIGURES, &[]) && copy_figures(),
@@ -144,7 +149,7 @@ fn main() -> ExitCode {
         Some("timings") => reported(timings::run()),
         _ => {
             eprintln!(
-                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask verify [--all]    predictions against LAMMPS (with --all PySPH too), and the table of the book\n       cargo xtask simulate          every method in motion beside its prediction, and the table of the book\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N] [--release]   checks on random cases, as long as one likes\n       cargo xtask abuse [--minutes N] [--seed N]   kills, signals, damaged files, half requests, odd arrays and terminals, counted\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask readme            what the commands in README.md and of the published fits print, filled in\n       cargo xtask wheel             the Python package, target/wheels\n       cargo xtask python            the tests of the Python package\n       cargo xtask page              the page of `onset explore`, built and driven by a browser\n       cargo xtask book              the book, built with its links checked: target/book\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
+                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask verify [--all]    predictions against LAMMPS (with --all PySPH too), and the table of the book\n       cargo xtask simulate          every method in motion beside its prediction, and the table of the book\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N] [--release]   checks on random cases, as long as one likes\n       cargo xtask abuse [--minutes N] [--seed N]   kills, signals, damaged files, half requests, odd arrays and terminals, counted\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask readme            what the commands in README.md and of the published fits print, filled in\n       cargo xtask wheel             the Python package, target/wheels\n       cargo xtask python            the tests of the Python package\n       cargo xtask page              the page of `onset explore`, built and driven by a browser\n       cargo xtask book              the book, built with its links checked: target/book\n       cargo xtask english [PATH]    places in docs, messages and pages that a native reader would send back\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
             );
             return ExitCode::from(2);
         }
@@ -187,9 +192,10 @@ fn test() -> bool {
     let (mdbook, browser, done) = std::thread::scope(|scope| {
         // Tools for the last steps are installed while the first steps run.
         let tools_of_last = scope.spawn(|| (book::tools(), page::tools(), wheel::environments()));
-        let first = deny
-            .as_ref()
-            .map_or(true, |tool| reported(deny::check(tool)))
+        let first = reported(english::check(&[]))
+            && deny
+                .as_ref()
+                .map_or(true, |tool| reported(deny::check(tool)))
             && advisories
                 .as_ref()
                 .is_none_or(|found| reported(found.clone()))
