@@ -1,4 +1,4 @@
-"""Makes the page of the book on every name of the package, from the docstrings: ``python python/reference.py``."""
+"""Generates the page of the book on every public name from the docstrings: ``python python/reference.py``."""
 
 from __future__ import annotations
 
@@ -14,35 +14,36 @@ PAGE = PACKAGE.parents[1] / "book" / "src" / "how-to" / "python-reference.md"
 INTRODUCTION = """\
 # Python: every name
 
-All that `import onset` has; [In Python](python.md) shows how it is used. The page is made from the docstrings, which `help(onset.state)` shows as well.
+All public names of `import onset`. [In Python](python.md) shows how they are used. The page is generated from the docstrings, which `help(onset.state)`
+also prints.
 
-In shapes `D` is the number of dimensions of the lattice (1, 2 or 3), `branches` that of the waves with one wave vector (`D` for each particle of a cell), and
-`...` are any further axes, or none. Units are named by their dimension: stresses are in that of the parameters of the material, lengths in that of the spacing.
-Where settings have units, answers are in SI. Symbols are those of [Conventions](../conventions.md), verdicts those of [Words](../words.md#verdicts); the names
-of types are [explained at the end](#types).\
+In shapes `D` is the number of dimensions of the lattice (1, 2 or 3), `branches` is the number of waves with one wave vector (`D` for each particle of a cell), and
+`...` are further axes, if any. Units are given by their dimension: stresses have the unit of the material parameters, lengths the unit of the spacing.
+If settings have units, answers are in SI. [Conventions](../conventions.md) defines the symbols, [Words](../words.md#verdicts) the verdicts; the types are
+[explained at the end](#types).\
 """
 SETTINGS = """\
-Materials and methods are frozen, equal where they say the same, and can be keys of dictionaries. Earlier names of keys and values are read with a
-`UserWarning`, and so is the state of a study where a question has one of its own.\
+Materials and methods are immutable and hashable; two of them are equal if their settings are equal. Obsolete names of keys and values are accepted with a
+`UserWarning`. A `UserWarning` is also issued for the state of a study if the function takes another state.\
 """
 QUESTIONS = """\
-`material` is a `Material`, the name of a law or a formula, `method` a `Method` or the name of a family; left out they are those that the command takes by
-default. A state is either `stretch`, the principal stretches along the axes, shape (D,) to (3,), those that are missing being 1, or the deformation gradient
+`material` is a `Material`, the name of a law or a formula; `method` is a `Method` or the name of a family. If omitted, they are the defaults of the
+command. A state is either `stretch`, the principal stretches along the axes, shape (D,) to (3,), with missing stretches 1, or the deformation gradient
 `F`, shape (3, 3), or (D, D) without strain out of the D dimensions.
 
-What is asked wrongly is an `InputError` (of a setting a `SettingError`), an argument of a wrong type a `TypeError`, and what the machine refuses a
+Invalid input raises an `InputError` (for a setting, a `SettingError`), an argument of a wrong type a `TypeError`, and a failure with valid input a
 `MachineError`.\
 """
 ANSWERS = """\
-Questions return them. All are frozen `Answer`s, made of `Record`s, but for `Verdicts` and `Dispersion`, which hold arrays. `plot` needs matplotlib, and is an
-`OnsetError` without it.\
+The functions above return these classes. All are immutable `Answer`s that consist of `Record`s, except `Verdicts` and `Dispersion`, which contain arrays.
+`plot` needs matplotlib, and raises an `OnsetError` without it.\
 """
-ERRORS = "They can be pickled, and so pass from one process to another."
-TYPES = "Of other packages are `ArrayLike` and `NDArray` (`numpy.typing`), `Axes` (`matplotlib.axes`) and `xarray.Dataset`."
+ERRORS = "The exceptions can be pickled and passed between processes."
+TYPES = "Types of other packages are `ArrayLike` and `NDArray` (`numpy.typing`), `Axes` (`matplotlib.axes`) and `xarray.Dataset`."
 
-EXPORTS = "What `mode` of an answer with waves returns. [In Python](python.md) shows it in motion."
+EXPORTS = "The method `mode` of an answer with waves returns a `Mode`. [In Python](python.md) shows it in motion."
 
-#: The parts of the page: the module of each, and what holds for all that is in it.
+#: Parts of the page: the module of each, and an introduction.
 PARTS = {
     "Settings": ("_settings", SETTINGS),
     "Questions": ("_ask", QUESTIONS),
@@ -53,7 +54,7 @@ PARTS = {
 
 
 class Module:
-    """A module of the package as it is written."""
+    """Source of a module of the package."""
 
     def __init__(self, name: str) -> None:
         self.text = (PACKAGE / f"{name}.py").read_text(encoding="utf-8")
@@ -65,20 +66,20 @@ class Module:
         return ast.get_source_segment(self.text, node) or "" if node is not None else ""
 
     def comment(self, node: ast.stmt) -> str:
-        """What stands after ``#:`` above a statement."""
+        """Returns the comment after ``#:`` above a statement."""
         start = end = node.lineno - 1
         while self.lines[start - 1].lstrip().startswith("#:"):
             start -= 1
         return "\n".join(line.strip().removeprefix("#: ") for line in self.lines[start:end])
 
     def call(self, function: ast.FunctionDef, name: str) -> str:
-        """How a function is called under a name, and what it returns."""
+        """Returns the signature of a function under a name."""
         head = textwrap.dedent("\n".join(self.lines[function.lineno - 1 : function.body[0].lineno - 1]))
         rest = head.removeprefix(f"def {function.name}").removesuffix(":").removesuffix(" -> None")
         return name + re.sub(r"(?<=\()(\s*)(self|cls)(,\s*|(?=\)))", r"\1", rest, count=1)
 
     def members(self, owner: ast.ClassDef, name: str) -> Iterator[tuple[str, str]]:
-        """Attributes, properties and methods of a class under its name, with what is told of them; also those of a base that is not public."""
+        """Yields attributes, properties and methods of a class and of its private bases under its name, with their descriptions."""
         for node in owner.body:
             match node:
                 case ast.AnnAssign():
@@ -93,27 +94,34 @@ class Module:
                         call = f"{node.name}: {self.written(node.returns)}"
                     else:
                         call = " ".join(self.call(node, node.name).split()).replace("( ", "(").replace(", )", ")")
-                    yield f"{name}.{call}" if "classmethod" in kinds else call, ast.get_docstring(node) or ""
+                    yield f"{name}.{call}" if "classmethod" in kinds else call, markdown(ast.get_docstring(node) or "")
         for base in owner.bases:
             if isinstance(base, ast.Name) and base.id.startswith("_"):
                 yield from self.members(self.classes[base.id], name)
 
 
     def head(self, owner: ast.ClassDef) -> str:
-        """The first line of a class, with the public bases."""
+        """Returns the first line of a class, with the public bases."""
         bases = [base for name in owner.bases for base in self.public(self.written(name))]
         return f"class {owner.name}({', '.join(bases)})" if bases else f"class {owner.name}"
 
     def public(self, base: str) -> list[str]:
-        """A base, or those of one that is not public."""
+        """Returns a public base, or the public bases of a private base."""
         if not base.startswith("_"):
             return [base]
         return [known for name in self.classes[base].bases for known in self.public(self.written(name))]
 
 
 def block(code: str) -> str:
-    """Code that is shown and not run."""
+    """Returns a code block that is not executed."""
     return f"```python,ignore\n{code}\n```"
+
+
+def markdown(docstring: str) -> str:
+    """Returns a docstring with its NumPy sections as Markdown lists."""
+    text = re.sub(r"^(Parameters|Returns|Raises)\n-+\n", r"**\1**\n\n", docstring, flags=re.MULTILINE)
+    text = re.sub(r"^(\S[^\n]*)\n    (?=\S)", r"- `\1`: ", text, flags=re.MULTILINE)
+    return re.sub(r"^    (?=\S)", "  ", text, flags=re.MULTILINE)
 
 
 def item(code: str, told: str) -> str:
@@ -121,13 +129,13 @@ def item(code: str, told: str) -> str:
 
 
 def link(name: str) -> str:
-    """A public name that leads to its heading."""
+    """Returns a public name with a link to its heading."""
     return f"[`{name}`](#{name if name.islower() else f'class-{name.lower()}'})"
 
 
 def entry(module: Module, node: ast.ClassDef | ast.FunctionDef, is_made: bool) -> list[str]:
-    """What the page has of a function or a class; how a class is made, where readers make it."""
-    told = ast.get_docstring(node) or ""
+    """Returns the entry of a function or a class; `is_made` adds the constructor of a class."""
+    told = markdown(ast.get_docstring(node) or "")
     if isinstance(node, ast.FunctionDef):
         return [f"### `{node.name}`", block(f"def {module.call(node, node.name)}"), told]
     maker = next((made for made in node.body if isinstance(made, ast.FunctionDef) and made.name == "__init__"), None)
@@ -137,14 +145,14 @@ def entry(module: Module, node: ast.ClassDef | ast.FunctionDef, is_made: bool) -
 
 
 def types(modules: list[Module], page: str, public: list[str]) -> Iterator[str]:
-    """The types on the page that are no public names."""
+    """Yields the types on the page that are not public names."""
     for module in modules:
         for node in module.body:
             match node:
                 case ast.Assign(targets=[ast.Name(id=name)]):
                     code, told = module.written(node), module.comment(node)
                 case ast.ClassDef(name=name):
-                    code, told = f"class {name}", ast.get_docstring(node) or ""
+                    code, told = f"class {name}", markdown(ast.get_docstring(node) or "")
                 case _:
                     continue
             if told and name not in public and re.search(rf"[:\[|,>] ?{name}\b", page):
@@ -152,7 +160,7 @@ def types(modules: list[Module], page: str, public: list[str]) -> Iterator[str]:
 
 
 def page() -> str:
-    """The page, in Markdown."""
+    """Returns the page in Markdown."""
     names = next(node.value for node in Module("__init__").body if isinstance(node, ast.Assign) and isinstance(node.value, ast.List))
     public: list[str] = ast.literal_eval(names)
     modules = {name: Module(name) for name in ("_arrays", *(module for module, _ in PARTS.values()))}

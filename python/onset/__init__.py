@@ -1,7 +1,7 @@
 """Is this instability physical or numerical?
 
-``onset`` takes a material and a particle method (SPH, total-Lagrangian SPH, RKPM, peridynamics, MPM and their relatives) and answers for every
-state of deformation, with the evidence. The questions of the command ``onset`` are functions here::
+``onset`` takes a material and a particle method (SPH, total-Lagrangian SPH, RKPM, peridynamics, MPM and their relatives) and gives the answer for every
+state of deformation, with the evidence. The commands of ``onset`` are functions here::
 
     import onset
     sph = onset.Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6)
@@ -9,8 +9,8 @@ state of deformation, with the evidence. The questions of the command ``onset`` 
     answer = onset.state(rubber, sph, stretch=(1.1, 1.0))
     print(answer.verdict, answer.growth_rate, answer.wave_vector)
 
-Answers have named attributes, ``print`` as the command prints, and are drawn by ``plot()``. Settings are keyword arguments with the names of the keys of
-study files. What is wrong is an ``onset.OnsetError`` with the text and the hint of the command.
+Answers have named attributes; ``print`` prints the text of the command, and ``plot()`` draws them. Settings are keyword arguments with the names of the keys
+of study files. Errors are ``onset.OnsetError`` with the text and the hint of the command.
 """
 
 from ._answers import (

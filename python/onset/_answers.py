@@ -1,4 +1,4 @@
-"""Answers: the documents that the command prints with ``--json``, as objects with named attributes."""
+"""Answers as objects with named attributes: the documents that the command prints with ``--json``."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 
 class Record(Mapping[str, Any]):
-    """A part of an answer, frozen: ``part.growth_rate`` is ``part["growth_rate"]``.
+    """Part of an answer, immutable: ``part.growth_rate`` is ``part["growth_rate"]``.
 
-    Lists of numbers are arrays, complex numbers complex, lists of parts tuples. Numbers that do not exist are NaN in arrays and ``None`` alone. Names with
-    hyphens or dots are attributes with underscores; those that Python has taken get one behind (``crossing.from_``). A name that is not there is an
-    `AttributeError` that tells those that are.
+    Lists of numbers are arrays, complex numbers are ``complex``, and lists of parts are tuples. Missing numbers are NaN in arrays, and ``None``
+    otherwise. Names with hyphens or dots become attributes with underscores; names reserved by Python get an underscore at the end
+    (``crossing.from_``). An unknown name is an `AttributeError`, which lists the names of the part.
     """
 
     __slots__ = ("_fields",)
@@ -44,7 +44,7 @@ class Record(Mapping[str, Any]):
         return len(self._fields)
 
     def __getattr__(self, name: str) -> Any:
-        # What notebooks and copies look for is none of the document.
+        # Special names, which notebooks and `copy` request, are not fields of the document.
         if name.startswith("_"):
             raise AttributeError(name)
         fields = self._fields
@@ -74,7 +74,7 @@ class Record(Mapping[str, Any]):
         return Record, (self._fields,)
 
     def to_dict(self) -> dict[str, Any]:
-        """The same as plain dictionaries, lists and numbers, as in the document."""
+        """Returns the part as plain dictionaries, lists and numbers, as in the document."""
         return cast("dict[str, Any]", json.loads(json.dumps(self._fields)))
 
 
@@ -87,7 +87,7 @@ def _is_complex(value: object) -> bool:
 
 
 def _value(value: Any) -> Any:
-    """A value of a document: arrays of numbers, complex numbers, parts."""
+    """Converts a value of a document to an array, a complex number or a part."""
     if isinstance(value, dict):
         return complex(value["re"], value["im"]) if _is_complex(value) else Record(value)
     if isinstance(value, list):
@@ -97,7 +97,7 @@ def _value(value: Any) -> Any:
 
 
 def _array(items: list[Any]) -> Any:
-    """An array where all items are numbers, or lists of one length of them; otherwise nothing."""
+    """Returns an array if all items are numbers, or lists of numbers of equal length; otherwise ``None``."""
     flat: list[Any] = items
     shape = [len(items)]
     while flat and all(isinstance(item, list) for item in flat):
@@ -115,10 +115,10 @@ def _array(items: list[Any]) -> Any:
 
 
 class Answer(Record):
-    """An answer of a command.
+    """Answer of a command.
 
-    ``str(answer)`` is the text that the command prints, ``answer.json`` its document of ``--json`` to the last byte, ``answer.csv`` its
-    table; ``answer.save(folder)`` writes the files of ``--out``.
+    ``str(answer)`` is the text that the command prints, ``answer.json`` the document of ``--json``, identical in every byte, and ``answer.csv`` the
+    table. ``answer.save(folder)`` writes the files of ``--out``.
     """
 
     __slots__ = ("_answer", "_files")
@@ -143,12 +143,12 @@ class Answer(Record):
 
     @property
     def json(self) -> str:
-        """The document that the command prints with ``--json``."""
+        """Document that the command prints with ``--json``."""
         return self._answer.json
 
     @property
     def csv(self) -> str:
-        """The table that the command prints with ``--format csv``."""
+        """Table that the command prints with ``--format csv``."""
         return self._answer.csv
 
     def __str__(self) -> str:
@@ -159,18 +159,24 @@ class Answer(Record):
 
     @asks
     def files(self) -> dict[str, bytes]:
-        """The files that the command writes with ``--out``, their contents by name; made once."""
+        """Returns the contents of the files that the command writes with ``--out``, by name. They are computed once."""
         if self._files is None:
             object.__setattr__(self, "_files", self._answer.files())
         return dict(self._files or {})
 
     @asks
     def save(self, folder: str | os.PathLike[str]) -> list[str]:
-        """Writes the files of ``--out`` into a folder, and returns their paths. A `MachineError` where they cannot be written."""
+        """Writes the files of ``--out`` into a folder, and returns their paths.
+
+        Raises
+        ------
+        MachineError
+            If the files cannot be written.
+        """
         return self._answer.save(place(folder, "folder"))
 
     def _picture(self) -> str | None:
-        """The figure as SVG, where there is one that can be drawn."""
+        """Returns the figure as SVG, or ``None`` if the answer has no figure."""
         try:
             files = self.files()
         except Exception:
@@ -187,17 +193,23 @@ class Answer(Record):
         )
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws the figure of the answer; into `ax`, where it is given. An answer without one is an `OnsetError`."""
+        """Draws the figure of the answer into `ax`, or into a new figure.
+
+        Raises
+        ------
+        OnsetError
+            If the answer has no figure.
+        """
         from . import _plots
 
         return _plots.picture(self.files(), ax)
 
 
 class _Moving(Answer):
-    """An answer with waves, which move particles."""
+    """Answer with waves, which can be exported as moving particles."""
 
     __slots__ = ("_cell",)
-    #: The particles that the waves move.
+    #: Cell of particles that the waves displace.
     _cell: Callable[[], Cell]
 
     def _of(self, cell: Callable[[], Cell]) -> Self:
@@ -205,7 +217,7 @@ class _Moving(Answer):
         return self
 
     def _mode(self, k: Floats, matrix: Complexes, branch: int, cells: int | Sequence[int] | None, amplitude: float) -> Mode:
-        """A branch of a dynamical matrix; the first is 1."""
+        """Returns a branch of a dynamical matrix, counted from 1."""
         cell = self._cell()
         values, vectors = cell.waves(matrix)
         own = whole(branch, "branch", 1, len(values)) - 1
@@ -213,24 +225,24 @@ class _Moving(Answer):
 
 
 class State(_Moving):
-    """The verdict on a state with its evidence, in the parts ``material``, ``material_3d`` (not in plane stress) and ``discretization``."""
+    """Verdict on a state with its evidence, in the parts ``material``, ``material_3d`` (not in plane stress) and ``discretization``."""
 
     __slots__ = ("_spectrum",)
     _spectrum: Callable[[Floats], tuple[Complexes, Floats]]
 
     @property
     def verdict(self) -> str:
-        """``stable``, ``physical``, ``numerical``, ``zero-energy`` or ``suppressed``."""
+        """Verdict: ``stable``, ``physical``, ``numerical``, ``zero-energy`` or ``suppressed``."""
         return cast(str, self._fields["verdict"])
 
     @property
     def mechanism(self) -> str | None:
-        """Of a numerical instability: ``tensile``, ``compressive``, ``flutter`` or ``long-wave``; otherwise ``None``."""
+        """Mechanism of a numerical instability: ``tensile``, ``compressive``, ``flutter`` or ``long-wave``; ``None`` for other verdicts."""
         return cast("str | None", self._fields["mechanism"])
 
     @property
     def sentence(self) -> str:
-        """The verdict in plain English."""
+        """Verdict as an English sentence."""
         return cast(str, self._fields["sentence"])
 
     @property
@@ -240,32 +252,35 @@ class State(_Moving):
 
     @property
     def growth_rate(self) -> float:
-        """That of the fastest growing wave, ``max |Im omega|``, 0 where none grows; 1/time."""
+        """Growth rate of the fastest growing wave, ``max |Im omega|``, 0 if no wave grows; 1/time."""
         return cast(float, self._fields["discretization"]["growth_rate"])
 
     @property
     def wave_vector(self) -> Floats:
-        """The reference wave vector of the softest or fastest growing wave, shape (D,); 1/length."""
+        """Reference wave vector of the fastest growing wave, or of the softest wave of a stable state, shape (D,); 1/length."""
         return np.array(self._fields["discretization"]["wave_vector"], dtype=np.float64)
 
     @property
     def critical_time_step(self) -> float | None:
-        """The largest stable time step of central differences, ``2/omega_max``, or of a transfer of material points, of the infinite lattice: free faces and distorted cells need less; time. ``None`` where nothing oscillates."""
+        """Critical time step of the infinite lattice, ``2/omega_max`` for central differences; time. ``None`` if no wave oscillates.
+
+        For a transfer of material points it is the largest stable step of the transfer. Free faces and distorted cells need a smaller step.
+        """
         return cast("float | None", self._fields["discretization"]["critical_time_step"])
 
     @property
     def finite_bodies(self) -> dict[str, Any] | None:
-        """A ``time_step`` for finite bodies of the lattice, whether it is ``proved``, and its ``ground``; ``None`` where nothing is known of them."""
+        """Stable ``time_step`` for finite bodies of the lattice, whether it is ``proved``, and its ``ground``; ``None`` if no step is known."""
         return cast("dict[str, Any] | None", self._fields["discretization"]["finite_bodies"])
 
     @property
     def cauchy(self) -> Floats:
-        """The Cauchy stress ``P F^T / det F``, shape (3, 3); stress."""
+        """Cauchy stress ``P F^T / det F``, shape (3, 3); stress."""
         return np.array(self._fields["material"]["cauchy"], dtype=np.float64)
 
     @property
     def minimum_acoustic_eigenvalue(self) -> float:
-        """The smallest eigenvalue of the acoustic tensor ``Q_ik = A_iJkL N_J N_L`` over all directions ``N`` in the dimensions of the lattice; stress."""
+        """Smallest eigenvalue of the acoustic tensor ``Q_ik = A_iJkL N_J N_L`` over all directions ``N`` in the dimensions of the lattice; stress."""
         return cast(float, self._fields["material"]["minimum_acoustic_eigenvalue"])
 
     @property
@@ -275,9 +290,14 @@ class State(_Moving):
 
     @asks
     def mode(self, *, cells: int | Sequence[int] | None = None, amplitude: float = 0.1) -> Mode:
-        """The fastest growing wave, or the softest of a stable state, on a patch of particles: see `Mode`, and `Waves.mode` for the arguments.
+        """Returns the fastest growing wave, or the softest wave of a stable state, on a patch of particles.
 
-        An ``InputError`` where it is the limit of long waves, which has no one wavelength.
+        The parameters are described under `Waves.mode`.
+
+        Raises
+        ------
+        InputError
+            If the wave is the limit of long waves, which has no wavelength.
         """
         cell, k = self._cell(), self.wave_vector
         values, vectors = cell.waves(cell.dynamical_matrix(k))
@@ -295,57 +315,81 @@ class State(_Moving):
         return self
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws ``omega^2`` (1/time^2) of particles and continuum along the wave vector of the softest wave, and beyond it."""
+        """Draws ``omega^2`` (1/time^2) of particles and continuum along the wave vector of the softest wave, up to twice its length."""
         from . import _plots
 
         return _plots.along_wave(self.wave_vector, self._spectrum, ax)
 
 
 class Waves(_Moving):
-    """The waves with one wave vector."""
+    """Waves of a state with one wave vector."""
 
     __slots__ = ()
 
     @asks
     def mode(self, branch: int = 1, *, cells: int | Sequence[int] | None = None, amplitude: float = 0.1) -> Mode:
-        """A wave on a patch of particles, to be exported: see `Mode`.
+        """Returns a wave on a patch of particles, for export: see `Mode`.
 
-        `branch` counts from 1 by increasing real part of ``omega^2``. `cells` of the patch along each primitive vector, one number or D; by default the fewest, of 4 to 24,
-        that hold whole wavelengths, and 12 where none of them do. `amplitude` is the largest displacement, in particle spacings, above 0 and at most 1. An ``InputError``
-        for arguments that cannot be.
+        Parameters
+        ----------
+        branch
+            Number of the wave, counted from 1 by increasing real part of ``omega^2``.
+        cells
+            Number of cells along the primitive vectors, one number or D; by default the smallest number from 4 to 24 that contains whole wavelengths,
+            or 12.
+        amplitude
+            Largest displacement in particle spacings, above 0 and at most 1.
+
+        Raises
+        ------
+        InputError
+            If an argument is out of range.
         """
         return self._mode(np.array(self._fields["wave_vector"], dtype=np.float64), self.dynamical_matrix, branch, cells, amplitude)
 
     @property
     def omega_squared(self) -> Complexes:
-        """``omega^2`` of the particles, ``omega^2 g = D(k) g``, by increasing real part, shape (branches,); 1/time^2."""
+        """Squared frequencies of the particles, ``omega^2 g = D(k) g``, by increasing real part, shape (branches,); 1/time^2."""
         return np.asarray(_value(self._fields["omega_squared"]), dtype=np.complex128)
 
     @property
     def continuum_omega_squared(self) -> Floats:
-        """``omega^2`` of the continuum, ``rho_0 omega^2 g = Q(k) g``, shape (D,); 1/time^2."""
+        """Squared frequencies of the continuum, ``rho_0 omega^2 g = Q(k) g``, shape (D,); 1/time^2."""
         return np.array(self._fields["continuum_omega_squared"], dtype=np.float64)
 
     @property
     def dynamical_matrix(self) -> Complexes:
-        """The dynamical matrix ``D(k)``, shape (branches, branches); 1/time^2."""
+        """Dynamical matrix ``D(k)``, shape (branches, branches); 1/time^2."""
         return np.asarray(_value(self._fields["dynamical_matrix"]), dtype=np.complex128)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws ``omega^2`` of the particles beside those of the continuum."""
+        """Draws ``omega^2`` (1/time^2) of particles and continuum for comparison."""
         from . import _plots
 
         return _plots.levels(self.omega_squared, self.continuum_omega_squared, ax)
 
 
 class Bands(_Moving):
-    """The dispersion relation at ``n`` samples along a path through the zone; ``critical`` is the critical wave, ``density_of_states`` the density of states."""
+    """Dispersion relation at ``n`` samples along a path through the zone, with the critical wave ``critical`` and the ``density_of_states``."""
 
     __slots__ = ()
 
     @asks
     def mode(self, at: int | str, branch: int = 1, *, cells: int | Sequence[int] | None = None, amplitude: float = 0.1) -> Mode:
-        """A wave of the path on a patch of particles: of the sample with the index `at`, or of the first corner of that name. Other arguments as of `Waves.mode`."""
+        """Returns a wave of the path on a patch of particles.
+
+        Parameters
+        ----------
+        at
+            Index of a sample, or the name of a corner of the path; the first corner with this name is used.
+        branch, cells, amplitude
+            Parameters of `Waves.mode`.
+
+        Raises
+        ------
+        InputError
+            If the path has no such sample or corner, or an argument is out of range.
+        """
         if isinstance(at, str):
             at = {"G": "Γ", "Gamma": "Γ"}.get(at, at.replace("'", "′"))
             if at not in self.labels:
@@ -357,15 +401,24 @@ class Bands(_Moving):
 
     @asks
     def to_yaml(self, path: str | os.PathLike[str] | None = None, *, symbol: str = "X") -> str:
-        """The bands in the layout of phonopy's ``band.yaml``, as a text; written into a file where `path` is given.
+        """Returns the bands in the layout of phonopy's ``band.yaml``, and writes them into a file if `path` is given.
 
-        ``frequency`` is ``sign(omega^2) sqrt(|omega^2|) / (2 pi)`` in 1/time: below zero stands a wave that grows without oscillating, by its growth
-        rate over ``2 pi``. Flutter has no place in the layout: an ``InputError`` where an ``omega^2`` is complex beyond rounding. ``eigenvector`` has
-        real and imaginary parts of ``e = sqrt(m) u`` of length 1, three for each particle of the cell, zero beyond the dimensions of the lattice;
-        particles move by ``Re(e exp(i k.X)) / sqrt(m)``. There are as many bands as branches. ``lattice``, ``reciprocal_lattice`` (without ``2 pi``) and
-        ``distance`` are those of the current configuration, with a vector as long as the particle spacing in each direction without waves; ``q-position`` is in
-        units of the reciprocal vectors, where reference and current configuration agree. Each segment has both of its ends. ``mass`` is per unit of the
-        dimensions that are left out. All particles have one chemical `symbol`, by default that of no element. A ``MachineError`` where the file cannot be written.
+        - ``frequency`` is ``sign(omega^2) sqrt(|omega^2|) / (2 pi)`` in 1/time. A negative frequency denotes a wave that grows without oscillation;
+          its magnitude is the growth rate over ``2 pi``.
+        - ``eigenvector`` has the real and imaginary parts of ``e = sqrt(m) u`` of length 1: three for each particle of the cell, zero beyond the
+          dimensions of the lattice. Particles move by ``Re(e exp(i k.X)) / sqrt(m)``. The number of bands is the number of branches.
+        - ``lattice``, ``reciprocal_lattice`` (without ``2 pi``) and ``distance`` refer to the current configuration. Each direction without waves has
+          a vector with the length of the particle spacing.
+        - ``q-position`` is in units of the reciprocal vectors, in which reference and current configuration agree. Each segment contains both of its
+          ends.
+        - ``mass`` is per unit of the omitted dimensions. All particles have one chemical `symbol`; the default denotes no element.
+
+        Raises
+        ------
+        InputError
+            If an ``omega^2`` is complex beyond rounding (flutter), which the layout cannot represent.
+        MachineError
+            If the file cannot be written.
         """
         text = band_yaml(self, self._cell(), symbol)
         if path is not None:
@@ -374,75 +427,76 @@ class Bands(_Moving):
 
     @property
     def k(self) -> Floats:
-        """The reference wave vectors of the samples, shape (n, D); 1/length."""
+        """Reference wave vectors of the samples, shape (n, D); 1/length."""
         return np.array([sample["wave_vector"] for sample in self._fields["samples"]], dtype=np.float64)
 
     @property
     def lengths(self) -> Floats:
-        """Length along the path of each sample, shape (n,); 1/length."""
+        """Arc length of each sample along the path, shape (n,); 1/length."""
         return np.array(self._fields["lengths"], dtype=np.float64)
 
     @property
     def omega_squared(self) -> Complexes:
-        """``omega^2`` of the particles by increasing real part, shape (n, branches); 1/time^2."""
+        """Squared frequencies of the particles by increasing real part, shape (n, branches); 1/time^2."""
         return np.asarray(_value([sample["omega_squared"] for sample in self._fields["samples"]]), dtype=np.complex128)
 
     @property
     def continuum_omega_squared(self) -> Floats:
-        """``omega^2`` of the continuum, shape (n, D); 1/time^2."""
+        """Squared frequencies of the continuum, shape (n, D); 1/time^2."""
         return np.array([sample["continuum_omega_squared"] for sample in self._fields["samples"]], dtype=np.float64)
 
     @property
     def dynamical_matrices(self) -> Complexes:
-        """``D(k)`` of the samples, shape (n, branches, branches); 1/time^2."""
+        """Dynamical matrices ``D(k)`` of the samples, shape (n, branches, branches); 1/time^2."""
         return np.asarray(_value([sample["dynamical_matrix"] for sample in self._fields["samples"]]), dtype=np.complex128)
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """The names of the corners, as they stand below a diagram."""
+        """Names of the corners of the path, as in the diagram."""
         return tuple(corner["name"] for corner in self._fields["corners"])
 
     @property
     def corners(self) -> Floats:
-        """The lengths of the corners along the path, shape (corners,); 1/length."""
+        """Arc lengths of the corners along the path, shape (corners,); 1/length."""
         return np.array([corner["length"] for corner in self._fields["corners"]], dtype=np.float64)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws frequencies along the path; waves that grow stand below zero, by their growth rate."""
+        """Draws frequencies along the path; growing waves are drawn below zero, at minus their growth rate."""
         from . import _plots
 
         return _plots.bands(self, ax)
 
 
 class Path(Answer):
-    """Where along a path stability is lost and regained.
+    """Loss and recovery of stability along a path.
 
-    ``material_onset`` and ``discretization_onset`` are the first losses, ``None`` where there is none: parameter, deformation gradient, Cauchy stress and wave.
-    ``material_crossings`` and ``discretization_crossings`` are all changes.
+    ``material_onset`` and ``discretization_onset`` are the first losses, with parameter, deformation gradient, Cauchy stress and wave, or ``None``.
+    ``material_crossings`` and ``discretization_crossings`` contain all changes between stable and unstable.
     """
 
     __slots__ = ()
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws the softest mode of the particles and the smallest acoustic eigenvalue of the material along the path, side by side in the place of `ax`.
+        """Draws the softest mode of the particles and the smallest acoustic eigenvalue of the material along the path.
 
-        Dashed lines are the changes between stable and unstable. The first of the two axes is returned."""
+        The two diagrams replace `ax`, side by side; the first of them is returned. Dashed lines mark the changes between stable and unstable.
+        """
         from . import _plots
 
         return _plots.path(self.files()["path.csv"].decode(), self, ax)
 
 
 class Boundary(Answer):
-    """Where in the plane of a study material and particles lose stability, and how far apart the two boundaries are: ``fidelity``."""
+    """Boundaries in the plane of a study where material and particles lose stability; ``fidelity`` contains the distance between them."""
 
     __slots__ = ()
 
     def geojson(self) -> dict[str, Any]:
-        """The curves in the coordinates of the axes, as a FeatureCollection: the file ``boundary.geojson``."""
+        """Returns the curves in the coordinates of the axes as a FeatureCollection: the file ``boundary.geojson``."""
         return cast("dict[str, Any]", json.loads(self.files()["boundary.geojson"]))
 
     def curves(self) -> list[tuple[str, Floats]]:
-        """Whose boundary each curve is, ``material`` or ``discretization``, and its points, shape (n, 2), in the units of the axes."""
+        """Returns the owner of each curve, ``material`` or ``discretization``, and its points, shape (n, 2), in the units of the axes."""
         told = []
         for feature in self.geojson()["features"]:
             points = feature["geometry"]["coordinates"]
@@ -458,27 +512,41 @@ class Boundary(Answer):
 
 
 class Modes(_Moving):
-    """The zero-energy and weakly controlled modes of a method: ``modes``, each with ``wave_vector`` (1/length), ``fractional`` (in units of the reciprocal
-    vectors) and ``relative_frequency``, whether it ``fits`` the patch that is drawn, and in ``fit`` the patch that it fits; ``complete`` is whether none can have been missed.
+    """Zero-energy and weakly controlled modes of a method, in ``modes``.
+
+    Each mode has ``wave_vector`` (1/length), ``fractional`` (in units of the reciprocal vectors) and ``relative_frequency``. ``fits`` states whether
+    the mode fits into the patch that is drawn, and ``fit`` is a patch into which it fits. ``complete`` states that no mode can have been missed.
     """
 
     __slots__ = ()
 
     @asks
     def mode(self, number: int = 1, branch: int = 1, *, cells: int | Sequence[int] | None = None, amplitude: float = 0.1) -> Mode:
-        """A mode in the reference configuration on a patch of particles: that with a `number` in the list, which counts from 1.
+        """Returns a mode in the reference configuration on a patch of particles.
 
-        `branch` counts the waves of its wave vector by increasing ``|omega^2|``: of a mode with the nullity n the first n have no energy. Other arguments as of
-        `Waves.mode`.
+        Parameters
+        ----------
+        number
+            Number of the mode in the list, counted from 1.
+        branch
+            Number of the wave with this wave vector, counted by increasing ``|omega^2|``. For a mode of nullity n, the first n waves have zero
+            energy.
+        cells, amplitude
+            Parameters of `Waves.mode`.
+
+        Raises
+        ------
+        InputError
+            If the method has no spurious modes, or an argument is out of range.
         """
         listed = self._fields["modes"]
         if not listed:
             raise InputError("there are no spurious modes")
         k = np.array(listed[whole(number, "number", 1, len(listed)) - 1]["wave_vector"], dtype=np.float64)
         cell = self._cell()
-        # Uniform displacements have no energy either.
+        # Uniform displacements also have zero energy.
         is_uniform = float(np.linalg.norm(k)) * cell.spacing < 1e-9
-        # A mode without energy is told from others by them.
+        # Scale of nonzero eigenvalues, to identify zero-energy modes.
         size = float(np.max(np.abs(cell.dynamical_matrix(k + 0.5 / cell.spacing))))
         values, vectors = cell.waves(cell.dynamical_matrix(k), size=size, without_translations=is_uniform)
         own = int(np.argsort(np.abs(values), kind="stable")[whole(branch, "branch", 1, len(values)) - 1])
@@ -486,61 +554,62 @@ class Modes(_Moving):
 
 
 class Criteria(Answer):
-    """Where along ``loadings`` each stability criterion is lost, and where the criteria disagree: ``disagreements``."""
+    """Loss of each stability criterion along ``loadings``, and ``disagreements`` between the criteria."""
 
     __slots__ = ()
 
 
 class Card(Answer):
-    """The safe range of a law: ``symmetric_box`` and ``widest_box`` of principal stretches, ``None`` where there is none, and limits along ``loadings``."""
+    """Safe range of a law: ``symmetric_box`` and ``widest_box`` of principal stretches, each a box or ``None``, and limits along ``loadings``."""
 
     __slots__ = ()
 
 
 class Localization(Answer):
-    """Where along a loading a plastic material localizes, in which band: ``first_yield``, ``strong_ellipticity_lost`` and ``localization``, ``None`` where it does
-    not come to it; moduli and stresses in the unit of stress, angles in degrees.
+    """Localization of a plastic material along a loading: ``first_yield``, ``strong_ellipticity_lost`` and ``localization`` with its band.
+
+    Events that do not occur are ``None``. Moduli and stresses are in the unit of stress, angles in degrees.
     """
 
     __slots__ = ()
 
 
 class Comparison(Answer):
-    """Methods side by side: ``rows``, each with what was ``measured``, or a ``note`` why it could not be."""
+    """Comparison of methods: ``rows``, each with the ``measured`` values, or a ``note`` with the reason why the method could not be measured."""
 
     __slots__ = ()
 
 
 class Recommendation(Answer):
-    """Methods ranked by ``rules``: ``ranking``, the recommended ones first and best first; the others have ``excluded``."""
+    """Ranking of methods by ``rules``: in ``ranking``, recommended methods come first, starting with the best; the others have ``excluded``."""
 
     __slots__ = ()
 
 
 class Tuning(Answer):
-    """The smallest coefficient that is sufficient, and all values that were ``tried``."""
+    """Smallest sufficient coefficient of a stabilization, and all values ``tried``."""
 
     __slots__ = ()
 
     @property
     def recommended(self) -> float | None:
-        """The smallest value found that removes the spurious modes and masks nothing, in the unit of the key; ``None`` where none does."""
+        """Smallest value found that removes the spurious modes and masks no instability, in the unit of the key, or ``None``."""
         return cast("float | None", self._fields["recommended"])
 
 
 class Limit(Answer):
-    """The values of a setting that admit a time step, ``admitted``, and all values that were ``tried``, each with its ``critical_time_step`` and ``verdict``."""
+    """Values of a setting that admit a time step, in ``admitted``, and all values ``tried`` with their ``critical_time_step`` and ``verdict``."""
 
     __slots__ = ()
 
     @property
     def intervals(self) -> list[tuple[float, float]]:
-        """The values that admit the step, each interval as its smallest and largest one, in the unit of the key."""
+        """Smallest and largest value of each interval of admitted values, in the unit of the key."""
         return [(own["from"]["value"], own["to"]["value"]) for own in self.to_dict()["admitted"]]
 
 
 class Audit(Answer):
-    """Whether a law has an energy, and a consistent tangent: ``checks``, each with ``name``, ``outcome``, relative ``error`` and ``finding``."""
+    """Existence of an energy and consistency of the tangent: ``checks``, each with ``name``, ``outcome``, relative ``error`` and ``finding``."""
 
     __slots__ = ()
 
@@ -550,7 +619,13 @@ class Audit(Answer):
         return cast(bool, self._fields["consistent"])
 
     def raise_for_error(self) -> Audit:
-        """The audit itself; an `InputError` with its text where a check fails."""
+        """Returns the audit if no check fails.
+
+        Raises
+        ------
+        InputError
+            If a check fails; the message is the text of the audit.
+        """
         if not self.consistent:
             raise InputError(str(self))
         return self
@@ -563,70 +638,72 @@ class Audit(Answer):
 
 
 class Simulation(Answer):
-    """A patch of particles in motion beside its prediction: ``outcome`` is ``agrees``, ``differs`` or ``undecided``; rates, ``predicted`` and ``measured``, in
-    1/time.
+    """Simulation of a patch of particles, compared with its prediction.
+
+    ``outcome`` is ``agrees``, ``differs`` or ``undecided``; the rates ``predicted`` and ``measured`` are in 1/time.
     """
 
     __slots__ = ()
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws the measured rate beside the predicted one."""
+        """Draws the measured and the predicted rate for comparison."""
         from . import _plots
 
         return _plots.rates(self, ax)
 
 
 class Mapped(Answer):
-    """What came of a map: numbers and shares of the ``verdicts``, and the store."""
+    """Summary of a map: number and share of states for each verdict in ``verdicts``, and the store."""
 
     __slots__ = ()
 
     @property
     def store(self) -> str:
-        """The folder of the store, as it was given."""
+        """Folder of the store, as given."""
         return cast(str, self._fields["store"])
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws how many states of the map have which verdict."""
+        """Draws the number of states of the map for each verdict."""
         from . import _plots
 
         return _plots.shares(self, ax)
 
 
 class Verdicts:
-    """Verdicts on many states: arrays of the shape (...) of the states, vectors with one more index. Numbers that do not exist are NaN."""
+    """Verdicts on many states, as arrays of the shape (...) of the states; vectors have an additional axis. Missing numbers are NaN."""
 
-    #: The words of the verdicts, of which `codes` are the places.
+    #: Names of the verdicts, in the order of `codes`.
     names: tuple[str, ...] = tuple(_onset.verdict_names())
 
     def __init__(self, columns: Mapping[str, bytes], shape: tuple[int, ...], dimension: int) -> None:
         def of(name: str) -> Floats:
             return received(columns[name], shape)
 
-        #: The places of the verdicts in `names`, shape (...).
+        #: Indices of the verdicts in `names`, shape (...).
         self.codes: NDArray[np.int8] = of("verdict").astype(np.int8)
-        #: The smallest ``Re omega^2 / (c^2 |k|_h^2)`` over the zone, shape (...); without dimension.
+        #: Smallest ``Re omega^2 / (c^2 |k|_h^2)`` over the zone, shape (...); dimensionless.
         self.scaled_minimum: Floats = of("scaled_minimum")
-        #: The smallest ``Re omega^2`` over the zone, shape (...); 1/time^2.
+        #: Smallest ``Re omega^2`` over the zone, shape (...); 1/time^2.
         self.lowest_omega_squared: Floats = of("lowest_omega_squared")
-        #: That of the fastest growing wave, zero where none grows, shape (...); 1/time.
+        #: Growth rate of the fastest growing wave, zero if no wave grows, shape (...); 1/time.
         self.growth_rate: Floats = of("growth_rate")
-        #: The largest stable time step of central differences, ``2/omega_max``, of the infinite lattice: free faces and distorted cells need less; shape (...); time.
+        #: Critical time step of the infinite lattice, ``2/omega_max`` for central differences, shape (...); time. Free faces and distorted cells need a
+        #: smaller step.
         self.critical_time_step: Floats = of("critical_time_step")
-        #: The smallest acoustic eigenvalue of the continuum, shape (...); stress.
+        #: Smallest acoustic eigenvalue of the continuum, shape (...); stress.
         self.acoustic_minimum: Floats = of("acoustic_minimum")
-        #: The reference wave vector of `scaled_minimum`, shape (..., D); 1/length.
+        #: Reference wave vector of `scaled_minimum`, shape (..., D); 1/length.
         self.wave_vector: Floats = received(columns["wave_vector"], (*shape, dimension))
-        #: The reference direction of `acoustic_minimum`, a unit vector, shape (..., D).
+        #: Reference direction of `acoustic_minimum`, a unit vector, shape (..., D).
         self.acoustic_direction: Floats = received(columns["acoustic_direction"], (*shape, dimension))
 
     @property
     def verdict(self) -> NDArray[np.str_]:
-        """The verdicts in words, shape (...)."""
+        """Verdicts by name, shape (...)."""
         return np.array(self.names)[self.codes]
 
     def count(self) -> dict[str, int]:
-        """How many states have which verdict."""
+        """Returns the number of states for each verdict."""
         counts = np.bincount(self.codes.ravel(), minlength=len(self.names))
         return {name: int(count) for name, count in zip(self.names, counts, strict=True)}
 
@@ -642,31 +719,31 @@ class Verdicts:
         return f"<table>{rows}</table>"
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws how many states have which verdict."""
+        """Draws the number of states for each verdict."""
         from . import _plots
 
         return _plots.bars(list(self.count()), list(self.count().values()), "states", ax)
 
 
 class Dispersion:
-    """Waves of one state with many wave vectors."""
+    """Waves of one state at many wave vectors."""
 
     def __init__(self, k: Floats, omega_squared: Complexes, continuum: Floats) -> None:
-        #: The reference wave vectors, shape (..., D); 1/length.
+        #: Reference wave vectors, shape (..., D); 1/length.
         self.k: Floats = k
-        #: ``omega^2`` of the particles by increasing real part, shape (..., branches); 1/time^2.
+        #: Squared frequencies of the particles by increasing real part, shape (..., branches); 1/time^2.
         self.omega_squared: Complexes = omega_squared
-        #: ``omega^2`` of the continuum, shape (..., D); 1/time^2.
+        #: Squared frequencies of the continuum, shape (..., D); 1/time^2.
         self.continuum_omega_squared: Floats = continuum
 
     @property
     def frequencies(self) -> Floats:
-        """``Re omega``, shape (..., branches); 1/time."""
+        """Frequencies ``Re omega``, shape (..., branches); 1/time."""
         return np.asarray(np.sqrt(self.omega_squared).real, dtype=np.float64)
 
     @property
     def growth_rates(self) -> Floats:
-        """How fast waves grow, ``|Im omega|``, zero where they do not, shape (..., branches); 1/time."""
+        """Growth rates ``|Im omega|``, zero for waves that do not grow, shape (..., branches); 1/time."""
         return np.asarray(np.abs(np.sqrt(self.omega_squared).imag), dtype=np.float64)
 
     def __repr__(self) -> str:

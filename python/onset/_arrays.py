@@ -1,4 +1,4 @@
-"""Numbers as they are given, made into arrays of doubles, and back."""
+"""Conversion of arguments to arrays of doubles, and of results to arrays."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._errors import InputError, MachineError
 
-#: An array of doubles.
+#: Array of doubles.
 Floats = NDArray[np.float64]
-#: An array of complex numbers of two doubles.
+#: Array of complex numbers of two doubles.
 Complexes = NDArray[np.complex128]
 
 
 def numbers(value: ArrayLike, what: str) -> Floats:
-    """An array of doubles in the order of its indices; `what` is the argument, for messages."""
+    """Returns an array of doubles in the order of its indices; `what` is the name of the argument in messages."""
     parts = value if isinstance(value, (list, tuple)) else (value,)
     masked = sum(int(np.ma.getmaskarray(part).sum()) for part in parts if isinstance(part, np.ma.MaskedArray))
     if masked:
@@ -33,12 +33,12 @@ def numbers(value: ArrayLike, what: str) -> Floats:
         raise InputError(f"{what} cannot be read as numbers: {error}") from error
     if array.dtype.kind not in "fiu":
         raise TypeError(f"{what} holds {array.dtype}; expected numbers")
-    # The interface of buffers refuses what is not aligned.
+    # The buffer protocol requires aligned memory.
     return np.require(np.ascontiguousarray(array, dtype=np.float64), requirements="A")
 
 
 def number(value: object, what: str) -> float:
-    """One number."""
+    """Returns a single number."""
     array = numbers(value, what)  # type: ignore[arg-type]
     if array.size != 1:
         raise InputError(f"{what} has {array.size} numbers; expected one")
@@ -46,7 +46,7 @@ def number(value: object, what: str) -> float:
 
 
 def between(value: object, what: str, low: float, high: float, expected: str) -> float:
-    """One number above `low` and at most `high`."""
+    """Returns a number above `low` and at most `high`."""
     single = number(value, what)
     if not low < single <= high:
         raise InputError(f"{what} is {single!r}; expected {expected}")
@@ -54,17 +54,17 @@ def between(value: object, what: str, low: float, high: float, expected: str) ->
 
 
 def share(value: object, what: str) -> float:
-    """A number above 0 and at most 1."""
+    """Returns a number above 0 and at most 1."""
     return between(value, what, 0.0, 1.0, "a number above 0 and at most 1, for example 0.5")
 
 
 def positive(value: object, what: str) -> float:
-    """A positive finite number."""
+    """Returns a positive finite number."""
     return between(value, what, 0.0, np.finfo(np.float64).max, "a positive number, for example 0.05")
 
 
 def pair(value: object, what: str) -> tuple[float, float]:
-    """Two finite numbers, the smaller one first."""
+    """Returns two finite numbers, the smaller number first."""
     array = numbers(value, what)  # type: ignore[arg-type]
     if array.shape != (2,) or not np.all(np.isfinite(array)) or not array[0] < array[1]:
         raise InputError(f"{what} expects two numbers, the smaller one first, for example (0.5, 2)")
@@ -72,7 +72,7 @@ def pair(value: object, what: str) -> tuple[float, float]:
 
 
 def whole(value: object, what: str, low: int, high: int) -> int:
-    """A whole number between two limits."""
+    """Returns an integer between two limits, limits included."""
     single = number(value, what)
     if not (low <= single <= high and single == int(single)):
         raise InputError(f"{what} is {single!r}; expected a whole number from {low} to {high}")
@@ -80,12 +80,12 @@ def whole(value: object, what: str, low: int, high: int) -> int:
 
 
 def alone(value: object) -> object:
-    """What an array without axes holds; all else as it is."""
+    """Returns the item of an array without axes; other values are returned unchanged."""
     return value.item() if isinstance(value, np.ndarray) and value.ndim == 0 else value
 
 
 def switch(value: object, what: str) -> bool:
-    """True or False."""
+    """Returns a truth value; numbers are refused."""
     value = alone(value)
     if isinstance(value, (bool, np.bool_)):
         return bool(value)
@@ -93,7 +93,7 @@ def switch(value: object, what: str) -> bool:
 
 
 def place(value: object, what: str) -> str:
-    """A file or a folder."""
+    """Returns the path of a file or a folder."""
     if not isinstance(value, (str, os.PathLike)):
         raise TypeError(f"{what} is {type(value).__name__}; expected a path")
     try:
@@ -118,7 +118,7 @@ def write(text: str, path: object, what: str) -> None:
 
 
 def listed(value: object, what: str) -> list[Any]:
-    """The items of a list."""
+    """Returns the items of an iterable as a list."""
     if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
         raise TypeError(f"{what} is {type(value).__name__}; expected a list")
     try:
@@ -128,7 +128,7 @@ def listed(value: object, what: str) -> list[Any]:
 
 
 def names(given: Iterable[str], what: str) -> list[str]:
-    """Texts; a single one stands for a list of it."""
+    """Returns a list of texts; a single text becomes a list."""
     told = [given] if isinstance(given, str) else listed(given, what)
     if not all(isinstance(name, str) for name in told):
         raise TypeError(f"{what} expects texts")
@@ -136,15 +136,15 @@ def names(given: Iterable[str], what: str) -> list[str]:
 
 
 def typed(array: Floats) -> str:
-    """Numbers separated by commas, so that they are read back exactly."""
+    """Returns numbers separated by commas, with all digits."""
     return ",".join(repr(float(x)) for x in array.ravel())
 
 
 def deformations(F: ArrayLike | None, stretch: ArrayLike | None, dimension: int) -> tuple[Floats, tuple[int, ...]]:
-    """Deformation gradients as rows of nine components, and the shape of the states.
+    """Returns deformation gradients as rows of nine components, and the shape of the states.
 
-    `F` has the shape (..., 3, 3), or (..., D, D) with no strain out of the D dimensions; `stretch` has principal stretches along the
-    axes, shape (..., D) to (..., 3), those that are missing being 1.
+    `F` has the shape (..., 3, 3), or (..., D, D) without strain out of the D dimensions. `stretch` has principal stretches along the axes, shape
+    (..., D) to (..., 3); missing stretches are 1.
     """
     if (F is None) == (stretch is None):
         raise InputError("a state has `stretch` or `F`; give one of them")
@@ -170,7 +170,7 @@ def deformations(F: ArrayLike | None, stretch: ArrayLike | None, dimension: int)
 
 
 def state(F: ArrayLike | None, stretch: ArrayLike | None) -> tuple[str | None, str | None]:
-    """One state as it is typed on the command line: its stretches, or the components of `F`."""
+    """Returns one state in the notation of the command line: its stretches, or the components of `F`."""
     if (F is None) == (stretch is None):
         raise InputError("a state has `stretch` or `F`; give one of them")
     if stretch is not None:
@@ -182,7 +182,7 @@ def state(F: ArrayLike | None, stretch: ArrayLike | None) -> tuple[str | None, s
 
 
 def components(F: ArrayLike) -> str:
-    """One deformation gradient as it is typed."""
+    """Returns one deformation gradient in the notation of the command line."""
     given = numbers(F, "F")
     if given.ndim not in (0, 2) or given.ndim == 2 and given.shape[0] != given.shape[1]:
         raise InputError(f"F has the shape {given.shape}; expected (D, D) or (3, 3)")
@@ -190,5 +190,5 @@ def components(F: ArrayLike) -> str:
 
 
 def received(data: bytes, shape: Sequence[int]) -> Floats:
-    """An array of what the compiled part returns."""
+    """Returns an array from bytes of the compiled part."""
     return np.frombuffer(data, dtype=np.float64).reshape(tuple(shape))

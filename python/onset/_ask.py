@@ -1,4 +1,4 @@
-"""Questions of the command as functions."""
+"""Functions that correspond to the commands of ``onset``."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ from ._settings import (
 if TYPE_CHECKING:
     import xarray
 
-#: Larger counts are no counts.
+#: Largest count; doubles represent all integers up to it exactly.
 MOST = 2**53
 
 
@@ -71,17 +71,31 @@ def state(
     tolerance: float = 1e-3,
     weak: float = 0.1,
 ) -> State:
-    """Is a state stable, and if not, is the instability physical or numerical? ``onset state``.
+    """Stability of one state, and whether an instability is physical or numerical: ``onset state``.
 
-    The discretization is stable where all ``omega^2`` of its dynamical matrix ``D(k)`` are real and nonnegative, for all ``k`` of the zone; the material where
-    it is strongly elliptic, ``A_iJkL g_i N_J g_k N_L > 0`` for all ``g, N``.
+    The discretization is stable if all ``omega^2`` of its dynamical matrix ``D(k)`` are real and nonnegative for all ``k`` of the zone. The material
+    is stable if it is strongly elliptic: ``A_iJkL g_i N_J g_k N_L > 0`` for all ``g, N``.
 
-    The state has principal stretches along the axes (`stretch`, shape (D,) to (3,)), or a deformation gradient `F` of shape (3, 3), or (D, D). With `certify`
-    stability or instability is proved, with a bound or a witness, in ``answer.certificate``; `tolerance`, without dimension, is from where on the measure of
-    an undecided state counts as away from zero. A stable state is told to be weakly controlled if a wave of the reference configuration, ``answer.discretization.weakest_mode``,
-    has less than the share `weak` of the frequency of the material's slowest wave with the same wave vector.
+    Parameters
+    ----------
+    material, method
+        Material law and discretization; the defaults of the command if omitted.
+    stretch
+        Principal stretches along the axes, shape (D,) to (3,); missing stretches are 1.
+    F
+        Deformation gradient instead of `stretch`, shape (3, 3) or (D, D).
+    certify
+        Prove stability or instability, with a bound or a witness, in ``answer.certificate``.
+    tolerance
+        Smallest measure (dimensionless) of an undecided state that counts as different from zero.
+    weak
+        Limit of weakly controlled waves: largest ratio of their frequency to the frequency of the slowest material wave with the same wave vector. It
+        is compared with ``answer.discretization.weakest_mode``, in the reference configuration.
 
-    A state at which the law or the method is not defined is an `InputError`.
+    Raises
+    ------
+    InputError
+        If the law or the method is not defined at the state.
     """
     problem = problem_of(material, method)
     proof = between(tolerance, "tolerance", 0.0, np.nextafter(1.0, 0.0), "a number above 0 and below 1, for example 1e-3")
@@ -92,7 +106,7 @@ def state(
 
 
 def _waves_at(problem: _onset.Problem, states: Floats, k: Floats) -> tuple[Complexes, Floats]:
-    """Waves of particles and continuum of one state at wave vectors of shape (n, D)."""
+    """Returns the waves of particles and continuum of one state at wave vectors of shape (n, D)."""
     k = np.ascontiguousarray(k)
     particles = received(problem.omega_squared(states, k), (len(k), problem.branches * 2)).view(np.complex128)
     continuum = received(problem.continuum_omega_squared(states, k), (len(k), problem.dimension))
@@ -100,7 +114,7 @@ def _waves_at(problem: _onset.Problem, states: Floats, k: Floats) -> tuple[Compl
 
 
 def _wave_vectors(k: ArrayLike, dimension: int) -> tuple[Floats, tuple[int, ...]]:
-    """Wave vectors as rows, and the shape of what is around them."""
+    """Returns wave vectors as rows, and the shape of the other axes."""
     given = numbers(k, "k")
     if given.ndim == 0 or given.shape[-1] != dimension:
         raise InputError(f"k has the shape {given.shape}; expected (..., {dimension})")
@@ -116,10 +130,25 @@ def dispersion(
     stretch: ArrayLike | None = None,
     F: ArrayLike | None = None,
 ) -> Dispersion:
-    """Plane waves ``g exp(i omega t + i k.X)`` of one state at many wave vectors: ``omega^2 g = D(k) g`` of the particles, ``rho_0 omega^2 g = Q(k) g`` of the
-    continuum.
+    """Plane waves ``g exp(i omega t + i k.X)`` of one state at many wave vectors.
 
-    `k` are reference wave vectors of shape (..., D); 1/length. Many states are an `InputError`: ``onset.omega_squared`` takes them.
+    The particles satisfy ``omega^2 g = D(k) g``, and the continuum ``rho_0 omega^2 g = Q(k) g``.
+
+    Parameters
+    ----------
+    material, method
+        Material law and discretization; the defaults of the command if omitted.
+    k
+        Reference wave vectors, shape (..., D); 1/length.
+    stretch
+        Principal stretches along the axes, shape (D,) to (3,); missing stretches are 1.
+    F
+        Deformation gradient instead of `stretch`, shape (3, 3) or (D, D).
+
+    Raises
+    ------
+    InputError
+        If more than one state is given; ``onset.omega_squared`` accepts many states.
     """
     problem = problem_of(material, method)
     states, shape = deformations(F, stretch, problem.dimension)
@@ -142,10 +171,23 @@ def omega_squared(
     stretch: ArrayLike | None = None,
     F: ArrayLike | None = None,
 ) -> Complexes:
-    """The ``omega^2`` of the particles, ``omega^2 g = D(k) g``, by increasing real part, of many states at many wave vectors.
+    """Squared frequencies ``omega^2 g = D(k) g`` of the particles, for many states and many wave vectors.
 
-    States are `F` of shape (..., 3, 3) or (..., D, D), or `stretch` of shape (..., D) to (..., 3); reference wave vectors `k` of shape (n, D) or (D,) in
-    1/length. The result has the shape (..., n, branches), or (..., branches) with one wave vector; 1/time^2.
+    Parameters
+    ----------
+    material, method
+        Material law and discretization; the defaults of the command if omitted.
+    k
+        Reference wave vectors, shape (n, D) or (D,); 1/length.
+    stretch
+        Principal stretches of the states, shape (..., D) to (..., 3).
+    F
+        Deformation gradients instead of `stretch`, shape (..., 3, 3) or (..., D, D).
+
+    Returns
+    -------
+    Complexes
+        ``omega^2`` by increasing real part, shape (..., n, branches), or (..., branches) for one wave vector; 1/time^2.
     """
     problem = problem_of(material, method)
     states, shape = deformations(F, stretch, problem.dimension)
@@ -163,10 +205,23 @@ def dynamical_matrix(
     stretch: ArrayLike | None = None,
     F: ArrayLike | None = None,
 ) -> Complexes:
-    """The dynamical matrix ``D(k)``, whose eigenvalues are ``omega^2`` and whose eigenvectors are the polarizations of the particles of a cell.
+    """Dynamical matrix ``D(k)``: its eigenvalues are ``omega^2``, its eigenvectors the polarizations of the particles of a cell.
 
-    States and wave vectors as of ``onset.omega_squared``. The result has the shape (..., n, branches, branches), or (..., branches, branches) with one wave
-    vector; 1/time^2.
+    Parameters
+    ----------
+    material, method
+        Material law and discretization; the defaults of the command if omitted.
+    k
+        Reference wave vectors, shape (n, D) or (D,); 1/length.
+    stretch
+        Principal stretches of the states, shape (..., D) to (..., 3).
+    F
+        Deformation gradients instead of `stretch`, shape (..., 3, 3) or (..., D, D).
+
+    Returns
+    -------
+    Complexes
+        ``D(k)``, shape (..., n, branches, branches), or (..., branches, branches) for one wave vector; 1/time^2.
     """
     problem = problem_of(material, method)
     states, shape = deformations(F, stretch, problem.dimension)
@@ -185,9 +240,18 @@ def waves(
     stretch: ArrayLike | None = None,
     F: ArrayLike | None = None,
 ) -> Waves:
-    """The waves with one wave vector, ``omega^2 g = D(k) g``: ``onset dispersion --wave-vector``.
+    """Waves with one wave vector, ``omega^2 g = D(k) g``: ``onset dispersion --wave-vector``.
 
-    `wave_vector` is the reference wave vector, shape (D,); 1/length.
+    Parameters
+    ----------
+    material, method
+        Material law and discretization; the defaults of the command if omitted.
+    wave_vector
+        Reference wave vector, shape (D,); 1/length.
+    stretch
+        Principal stretches along the axes, shape (D,) to (3,); missing stretches are 1.
+    F
+        Deformation gradient instead of `stretch`, shape (3, 3) or (D, D).
     """
     problem = problem_of(material, method)
     given, gradient = state_as_typed(F, stretch)
@@ -204,10 +268,24 @@ def bands(
     F: ArrayLike | None = None,
     path: str | None = None,
 ) -> Bands:
-    """The dispersion relation ``omega(k)`` along a path through the zone, with the density of states: ``onset dispersion --path``.
+    """Dispersion relation ``omega(k)`` along a path through the zone, with the density of states: ``onset dispersion --path``.
 
-    `path` are names of points of high symmetry (``"G-M-K-G"``), or points in units of the reciprocal vectors (``"0,0; 0.5,0; K"``); along
-    all that the state tells apart when left out. A name that the zone does not have is an `InputError` that tells those it has.
+    Parameters
+    ----------
+    material, method
+        Material law and discretization; the defaults of the command if omitted.
+    stretch
+        Principal stretches along the axes, shape (D,) to (3,); missing stretches are 1.
+    F
+        Deformation gradient instead of `stretch`, shape (3, 3) or (D, D).
+    path
+        Names of points of high symmetry (``"G-M-K-G"``), or points in units of the reciprocal vectors (``"0,0; 0.5,0; K"``); all inequivalent points
+        of high symmetry if omitted.
+
+    Raises
+    ------
+    InputError
+        If the zone has no point with a given name; the message lists the names.
     """
     problem = problem_of(material, method)
     given, gradient = state_as_typed(F, stretch)
@@ -224,12 +302,25 @@ def path(
     mode: str | None = None,
     lateral: str | None = None,
 ) -> Path:
-    """Where along a path of deformations is stability lost, and regained? ``onset path``.
+    """Loss and recovery of stability along a path of deformations: ``onset path``.
 
-    `from_` and `to` are stretches, or deformation gradients of shape (D, D) or (3, 3). With `mode` (``uniaxial``, ``equibiaxial``, ``planar``,
-    ``simple-shear``, ``hydrostatic``) they are its imposed stretches, `from_` being 1 when left out; in simple shear they are amounts of shear, `from_`
-    being 0. `lateral` is what holds the other directions: ``free``, ``plane-stress``, ``plane-strain`` or ``held``, when left out the freest that the mode
-    has. `lateral` without `mode` is an `InputError`.
+    Parameters
+    ----------
+    material, method
+        Material law and discretization; the defaults of the command if omitted.
+    to, from_
+        End and start of the path: stretches, or deformation gradients of shape (D, D) or (3, 3). With `mode` both are imposed stretches (`from_` is 1
+        if omitted), or amounts of shear in simple shear (`from_` is 0 if omitted).
+    mode
+        Loading: ``uniaxial``, ``equibiaxial``, ``planar``, ``simple-shear`` or ``hydrostatic``.
+    lateral
+        Condition on the other directions: ``free``, ``plane-stress``, ``plane-strain`` or ``held``; the least constrained condition of the loading if
+        omitted.
+
+    Raises
+    ------
+    InputError
+        If `lateral` is given without `mode`.
     """
     problem = problem_of(material, method)
     if mode is not None:
@@ -244,7 +335,7 @@ def path(
 
 
 def _end(given: ArrayLike, what: str) -> str:
-    """The end of a path as it is typed."""
+    """Returns the end of a path in the notation of the command line."""
     array = numbers(given, what)
     return components(array) if array.ndim == 2 else typed(array)
 
@@ -257,10 +348,23 @@ def verdicts(
     *,
     stretch: ArrayLike | None = None,
 ) -> Verdicts:
-    """Verdicts on many states: `F` of shape (..., 3, 3) or (..., D, D), or `stretch` of shape (..., D) to (..., 3).
+    """Verdicts on many states, computed as in a map, on all cores and without the interpreter's lock.
 
-    Each state is what a map has of it, computed on all cores without the interpreter's lock. A state at which the law or the method is not defined has the
-    verdict ``undefined``; one that is no deformation, ``det F <= 0``, is an `InputError`.
+    A state at which the law or the method is not defined has the verdict ``undefined``.
+
+    Parameters
+    ----------
+    material, method
+        Material law and discretization; the defaults of the command if omitted.
+    F
+        Deformation gradients, shape (..., 3, 3) or (..., D, D).
+    stretch
+        Principal stretches instead of `F`, shape (..., D) to (..., 3).
+
+    Raises
+    ------
+    InputError
+        If a state is not a deformation, ``det F <= 0``.
     """
     problem = problem_of(material, method)
     states, shape = deformations(F, stretch, problem.dimension)
@@ -295,19 +399,56 @@ def simulate(
     resume: bool = False,
     overwrite: bool = False,
 ) -> Simulation:
-    """A prediction in motion: the particles of a periodic patch, step by step, and the measured rate of a wave: ``onset simulate``.
+    """Simulation of the particles of a periodic patch, and the measured rate of a wave: ``onset simulate``.
 
-    - The patch has `cells` along each primitive vector. What moves at the start is its critical wave, with ``mode="noise"`` all particles at random by `seed`, or
-      the wave with the reference `wave_vector` (shape (D,); 1/length) or with so many `turns` along each side, of which `branch` counts from 1 by increasing
-      ``omega^2``. `amplitude` is the largest displacement at the start, in particle spacings.
-    - It takes `steps`, or the `time`; when left out about a period, four e-folding times of growth or one of decay. A step is the `fraction` of the largest
-      stable one, 0.5 or less when left out, or the `time_step` (time) itself, of a transfer ``discretization.time-step`` where that is set; above the largest stable one only if `supercritical`. The `integrator` is ``kick-drift-kick``
-      (when left out), ``central-differences``, ``predictor-corrector``, ``sixth-order`` or a Runge-Kutta method as in `limit`; a transfer of material points has a step of its own, and takes none.
-    - Rates that differ by less than the share `tolerance` agree.
-    - With `out`, a folder, the history is written `every` so many steps, so many `fields`, and a checkpoint each `checkpoint` steps (five seconds when left
-      out), from which `resume` goes on; `overwrite` begins anew.
+    Parameters
+    ----------
+    material, method
+        Material law and discretization; the defaults of the command if omitted.
+    stretch
+        Principal stretches along the axes, shape (D,) to (3,); missing stretches are 1.
+    F
+        Deformation gradient instead of `stretch`, shape (3, 3) or (D, D).
+    cells
+        Number of cells along the primitive vectors, one number or D.
+    mode
+        Initial motion: ``"critical"``, the critical wave of the patch, or ``"noise"``, random displacements.
+    wave_vector
+        Reference wave vector of the initial wave instead of `mode`, shape (D,); 1/length.
+    turns
+        Number of wavelengths of the initial wave along each side of the patch, instead of `wave_vector`.
+    branch
+        Number of the wave with this wave vector, counted from 1 by increasing ``omega^2``.
+    amplitude
+        Largest initial displacement, in particle spacings.
+    seed
+        Seed of the random displacements.
+    steps, time
+        Number of steps, or duration; if both are omitted, about a period, four e-folding times of growth or one of decay.
+    fraction, time_step
+        Time step as a fraction of the largest stable step, or as a time; 0.5 or less of the largest stable step if both are omitted, or
+        ``discretization.time-step`` for a transfer of material points, if set.
+    supercritical
+        Allow a time step above the largest stable step.
+    integrator
+        ``kick-drift-kick`` (if omitted), ``central-differences``, ``predictor-corrector``, ``sixth-order`` or a Runge-Kutta method of
+        ``onset.limit``. A transfer of material points defines its step and accepts no integrator.
+    tolerance
+        Largest relative difference between rates that agree.
+    out
+        Folder for the history, the fields and the checkpoints.
+    every, fields, checkpoint
+        Number of steps between lines of the history, number of fields, and number of steps between checkpoints (a checkpoint every five seconds if
+        omitted).
+    resume, overwrite
+        Resume from the checkpoint in `out`, or start a new run.
 
-    A wave that does not fit into the patch is an `InputError` that names the nearest one that does, a motion that breaks down a `MachineError`.
+    Raises
+    ------
+    InputError
+        If a wave does not fit into the patch; the message contains the nearest wave that does.
+    MachineError
+        If the motion breaks down.
     """
     problem = problem_of(material, method)
     given, gradient = state_as_typed(F, stretch)
@@ -351,10 +492,18 @@ def criteria(
     modes: Iterable[str] = (),
     incompressible: bool = False,
 ) -> Criteria:
-    """Where along standard loadings is each stability criterion of a law lost? ``onset criteria``.
+    """Loss of each stability criterion of a law along standard loadings: ``onset criteria``.
 
-    `range` are the smallest and the largest stretch, `modes` the modes of loading (``uniaxial``, ``equibiaxial``, ``planar``, ``simple-shear``,
-    ``hydrostatic``), all when left out. `incompressible` asks the incompressible response of an isotropic law.
+    Parameters
+    ----------
+    material
+        Material law; the default of the command if omitted.
+    range
+        Smallest and largest stretch.
+    modes
+        Modes of loading: ``uniaxial``, ``equibiaxial``, ``planar``, ``simple-shear``, ``hydrostatic``; all if omitted.
+    incompressible
+        Use the incompressible response of an isotropic law.
     """
     return Criteria(material_of(material)._law().criteria(_two(range, "range"), names(modes, "modes"), switch(incompressible, "incompressible")))
 
@@ -367,9 +516,9 @@ def card(
     modes: Iterable[str] = (),
     incompressible: bool = False,
 ) -> Card:
-    """The safe range of a law: stretches within which it is strongly elliptic, for all loadings and for standard ones: ``onset card``.
+    """Safe range of a law, the stretches at which it is strongly elliptic: ``onset card``.
 
-    Arguments as of ``onset.criteria``.
+    The range is computed for all loadings and for standard loadings. The parameters are described under ``onset.criteria``.
     """
     return Card(material_of(material)._law().card(_two(range, "range"), names(modes, "modes"), switch(incompressible, "incompressible")))
 
@@ -390,12 +539,25 @@ def audit(
     F: Sequence[ArrayLike] = (),
     convention: str | None = None,
 ) -> Audit:
-    """Does a law have an energy, and is its tangent consistent? ``onset audit``.
+    """Checks that a law has an energy and a consistent tangent: ``onset audit``.
 
-    It checks ``P_iJ = dW/dF_iJ``, ``A_iJkL = dP_iJ/dF_kL``, objectivity, the work around closed loops and more, by finite differences. `strain` is how large the
-    strains of the states are, above 0 and at most 0.8, unless states are given: a list `stretch` of stretches, or `F` of deformation gradients. `convention`
-    takes the tangent of a law of onset's own as if delivered in it: ``first-piola``, ``jaumann-kirchhoff``, ``truesdell``, ...; another word is an
-    `InputError` that tells all.
+    The checks use finite differences: ``P_iJ = dW/dF_iJ``, ``A_iJkL = dP_iJ/dF_kL``, objectivity, the work around closed loops, and more.
+
+    Parameters
+    ----------
+    material
+        Material law; the default of the command if omitted.
+    strain
+        Magnitude of the strains of the states, above 0 and at most 0.8, unless states are given.
+    stretch, F
+        List of states: principal stretches, or deformation gradients.
+    convention
+        Convention in which the tangent of a built-in law is checked: ``first-piola``, ``jaumann-kirchhoff``, ``truesdell``, ...
+
+    Raises
+    ------
+    InputError
+        If the convention is unknown; the message lists the names.
     """
     size = between(strain, "strain", 0.0, 0.8, "a number above 0 and at most 0.8, for example 0.05")
     stretches = [typed(numbers(one, "stretch")) for one in listed(stretch, "stretch")]
@@ -404,12 +566,18 @@ def audit(
 
 @asks
 def localize(model: str | None = None, path: str | None = None, load: str | None = None, **parameters: Value) -> Localization:
-    """When does a plastic material localize, in which band, at which angle? ``onset localize``.
+    """Localization of a plastic material along a loading, with the band and its angle: ``onset localize``.
 
-    A band with the normal ``n`` can form where ``det(n.L.n) = 0`` with the tangent ``L`` of continued flow.
+    A band with the normal ``n`` can form where ``det(n.L.n) = 0``, with the tangent ``L`` of continued flow.
 
-    Keywords are the keys of ``[plasticity]``: ``onset.localize("drucker-prager", "plane-strain", friction=0.7)``. Stresses are in any unit, or have one.
-    With the model ``"umat"`` those of the routine are ``library``, ``properties``, ``state_variables``, ``time_limit`` and ``memory_limit``.
+    Parameters
+    ----------
+    model, path, load
+        Plastic law, path of loading, and its sense, tension or compression.
+    **parameters
+        Keys of ``[plasticity]``: ``onset.localize("drucker-prager", "plane-strain", friction=0.7)``. Stresses are in any consistent unit, or all have
+        a unit. For the model ``"umat"``, the keys of the routine are ``library``, ``properties``, ``state_variables``, ``time_limit`` and
+        ``memory_limit``.
     """
     named = {"model": model, "path": path, "load": load} | parameters
     routine = {"library", "properties", "state_variables", "time_limit", "memory_limit"}
@@ -428,8 +596,16 @@ def modes(
 ) -> Modes:
     """Zero-energy and weakly controlled modes of a method in the reference configuration: ``onset modes``.
 
-    Waves slower than the share `weak` of the material's slowest wave with the same wave vector are listed. `cells` along each primitive vector and
-    `amplitude`, the largest displacement in particle spacings, are those of the patch that is drawn and exported by ``save``.
+    Parameters
+    ----------
+    method, material
+        Discretization and material law; the defaults of the command if omitted.
+    weak
+        Largest ratio of the frequency of a listed wave to the frequency of the slowest material wave with the same wave vector.
+    cells
+        Number of cells along each primitive vector of the patch that is drawn, and exported by ``save``.
+    amplitude
+        Largest displacement of the drawn and exported modes, in particle spacings.
     """
     settings = [*material_of(material)._assigned(), *method_of(method).assignments]
     answer = Modes(_onset.modes(settings, None, [], share(weak, "weak"), whole(cells, "cells", 1, 512), share(amplitude, "amplitude")))
@@ -453,11 +629,28 @@ def tune(
     wrong: float = 0.005,
     later: float = 0.02,
 ) -> Tuning:
-    """The smallest coefficient of a stabilization that removes the spurious modes and does not mask the material's instability: ``onset tune``.
+    """Smallest sufficient coefficient of a stabilization: ``onset tune``.
 
-    `key` is one of ``[discretization]`` that takes a number: ``onset.tune(method, "penalty")``; it is sought in `range`, in the unit of the key. The limits are
-    `weak`, the share of the frequency of the material's slowest wave below which a wave is weakly controlled, `wrong`, the share of the window of `stretches`
-    on which verdicts may be wrong, and `later`, by which share of its strain the method's onset may come later than the material's.
+    A sufficient coefficient removes the spurious modes and does not mask the instability of the material.
+
+    Parameters
+    ----------
+    method
+        Discretization.
+    key
+        Key of ``[discretization]`` with a numerical value: ``onset.tune(method, "penalty")``.
+    material
+        Material law; the default of the command if omitted.
+    range
+        Smallest and largest value in the search, in the unit of the key.
+    stretches
+        Smallest and largest stretch of the states where verdicts are compared.
+    weak
+        Limit of weakly controlled waves, relative to the frequency of the slowest material wave.
+    wrong
+        Largest accepted share of states with a wrong verdict.
+    later
+        Largest accepted delay of the onset, relative to the strain at the onset of the material.
     """
     if not isinstance(key, str):
         raise TypeError(f"key is {type(key).__name__}; expected the name of a key")
@@ -480,14 +673,32 @@ def limit(
     safety: float = 1.0,
     integrator: str = "kick-drift-kick",
 ) -> Limit:
-    """Which modulus, spacing or coefficient does a time step admit? ``onset limit``.
+    """Values of a modulus, spacing or coefficient that a time step admits: ``onset limit``.
 
-    `vary` is a key that takes a number, ``"material.young"`` or ``"discretization.spacing"``. Sought are its values with which `time_step` (time; a text has a
-    unit, ``"1 us"``) is at most `safety` times the critical step of the state, at ``F = 1`` unless `stretch` or `F` is given. Values are looked at from 1e-6 to
-    1e6 times the present one, or in `range`, in the unit of the key. The integrators ``central-differences``, ``kick-drift-kick`` and ``predictor-corrector``
-    differ with damping only; the Runge-Kutta methods are ``forward-euler``, ``heun``, ``rk3``, ``rk4``, ``carpenter-kennedy``, ``rdpk3-35`` and ``rdpk3-49``.
+    A value is admitted if `time_step` is at most `safety` times the critical time step of the state.
 
-    A key that is not read, or of which no value can be evaluated, is an `InputError`.
+    Parameters
+    ----------
+    material, method
+        Material law and discretization; the defaults of the command if omitted.
+    vary
+        Key with a numerical value, ``"material.young"`` or ``"discretization.spacing"``.
+    time_step
+        Time step; time. A text has a unit, ``"1 us"``.
+    stretch, F
+        State, as in ``onset.state``; ``F = 1`` if omitted.
+    range
+        Smallest and largest value in the search, in the unit of the key; 1e-6 to 1e6 times the present value if omitted.
+    safety
+        Safety factor, above 0 and at most 1.
+    integrator
+        ``central-differences``, ``kick-drift-kick`` or ``predictor-corrector``, which differ only with damping; or a Runge-Kutta method:
+        ``forward-euler``, ``heun``, ``rk3``, ``rk4``, ``carpenter-kennedy``, ``rdpk3-35`` or ``rdpk3-49``.
+
+    Raises
+    ------
+    InputError
+        If the method does not read the key, or no value of the key can be evaluated.
     """
     if not isinstance(vary, str):
         raise TypeError(f"vary is {type(vary).__name__}; expected the name of a key")
@@ -500,12 +711,12 @@ def limit(
     return Limit(problem.limit(vary, step, given, ends, share(safety, "safety"), integrator))
 
 
-#: Methods that are compared: a list, a dictionary with names, or a file.
+#: Methods to compare: a list, a dictionary with names, or a file.
 Methods = Sequence[MethodLike] | Mapping[str, MethodLike] | os.PathLike[str] | str
 
 
 def _comparison(methods: Methods, material: MaterialLike, options: Mapping[str, Value]) -> tuple[tuple[str, str], list[_onset.Function]]:
-    """A comparison as a file, and the law beside it that no file can hold."""
+    """Returns a comparison as a file, and the law separately if it consists of Python functions."""
     if isinstance(methods, (str, os.PathLike)):
         if material is not None or options:
             raise InputError("a file says all of a comparison\n  hint: use `set` to change it")
@@ -532,11 +743,25 @@ def compare(
     allow_library: Iterable[str | os.PathLike[str]] = (),
     **options: Value,
 ) -> Comparison:
-    """Several methods side by side for one material: ``onset compare``.
+    """Comparison of several methods for one material: ``onset compare``.
 
-    `methods` are a list, a dictionary with names, or a file. Options are the keys of ``[compare]``, ``stretches=(0.7, 1.5)``; `set` are assignments as
-    after ``--set``. A file says all of a comparison: material or options beside it are an `InputError`. Libraries that it names are loaded only if they are
-    in `allow_library`.
+    Parameters
+    ----------
+    methods
+        List, dictionary with names, or file.
+    material
+        Material law; the default of the command if omitted.
+    set
+        Assignments as after ``--set``.
+    allow_library
+        Libraries that a file may load.
+    **options
+        Keys of ``[compare]``: ``stretches=(0.7, 1.5)``.
+
+    Raises
+    ------
+    InputError
+        If `methods` is a file, which is a complete comparison, and a material or options are also given.
     """
     libraries = [place(path, "allow_library") for path in listed(allow_library, "allow_library")]
     file, law = _comparison(methods, material, options)
@@ -557,11 +782,28 @@ def recommend(
     set: Iterable[str] = (),
     allow_library: Iterable[str | os.PathLike[str]] = (),
 ) -> Recommendation:
-    """Which method for this material and these stretches? ``onset recommend``.
+    """Ranking of methods for a material and a range of stretches: ``onset recommend``.
 
-    Of `methods`, as ``onset.compare`` takes them, or of those that the program knows for the `dimension`; `stretches` are the smallest and the largest of
-    interest. Limits are those of ``onset.tune``; `long_waves` is by which share the long-wavelength moduli may be wrong, `wavelength` at which frequencies are
-    compared: 4, 8 or 16 particle spacings.
+    Parameters
+    ----------
+    material
+        Material law; the default of the command if omitted.
+    methods
+        Methods, as for ``onset.compare``; the built-in methods for the `dimension` if omitted.
+    dimension
+        Number of space dimensions.
+    stretches
+        Smallest and largest stretch of interest.
+    weak, wrong
+        Limits, as for ``onset.tune``.
+    long_waves
+        Largest accepted relative error of the long-wavelength moduli.
+    wavelength
+        Wavelength at which frequencies are compared: 4, 8 or 16 particle spacings.
+    set
+        Assignments as after ``--set``.
+    allow_library
+        Libraries that a file may load.
     """
     settings: list[str | _onset.Function] = [*names(set, "set")]
     if stretches is not None:
@@ -582,31 +824,36 @@ def recommend(
 
 @asks
 def boundary(study: Study | str | os.PathLike[str], *, flutter: bool = False) -> Boundary:
-    """Where in the plane of a study do material and particles lose stability? ``onset boundary``.
+    """Boundaries in the plane of a study where material and particles lose stability: ``onset boundary``.
 
-    The `study`, or its file, has two axes. `flutter` tells flutter (``omega^2`` complex) from divergence (``omega^2 < 0``), and traces the boundary between
-    them too.
+    Parameters
+    ----------
+    study
+        Study with two axes, or its file.
+    flutter
+        Also trace the boundary between flutter (complex ``omega^2``) and divergence (``omega^2 < 0``).
     """
     return Boundary(study_of(study)._study.boundary(switch(flutter, "flutter")))
 
 
 class Future(Protocol):
-    """What an executor returns."""
+    """Result of a task of an executor."""
 
     def result(self) -> Any:
-        """Waits for the end."""
+        """Waits for the result of the task."""
 
     def cancel(self) -> Any:
-        """Does not begin what has not begun."""
+        """Cancels the task unless it has started."""
 
 
 class Executor(Protocol):
-    """Whatever begins a function with arguments elsewhere, by ``submit(function, *arguments)``: an executor of ``concurrent.futures`` with processes, a Dask
-    client.
+    """Object with ``submit(function, *arguments)``, which runs a function elsewhere.
+
+    Examples are an executor of ``concurrent.futures`` with processes, and a Dask client.
     """
 
     def submit(self, function: Callable[..., int], /, *arguments: Any) -> Future:
-        """Begins it."""
+        """Submits a function with its arguments."""
 
 
 @asks
@@ -619,13 +866,29 @@ def map_into(
     overwrite: bool = False,
     executor: Executor | None = None,
 ) -> Mapped:
-    """Computes the map of a study into the store `out`, and tells what came of it: ``onset map``.
+    """Computes the map of a study into the store `out`, and returns a summary: ``onset map``.
 
-    `tiles` are the first and the one after the last of those that are computed, or a share of all, ``"1/8"`` to ``"8/8"``, whose tiles lie evenly among them;
-    several processes may do parts of one store at the same time.
-    Ctrl-C ends the map; tiles that are stored stay, and `resume` computes the rest. With an `executor`, anything with a ``submit`` whose workers see `out`, each tile is a task; what lost workers leave is
-    computed here in the end. A store that exists is refused, unless `resume` or `tiles` go on with it or
-    `overwrite` replaces it.
+    Ctrl-C interrupts the map. Stored tiles are kept, and `resume` computes the others.
+
+    Parameters
+    ----------
+    out
+        Folder of the store.
+    study
+        Study, or its file.
+    tiles
+        First tile, and the tile after the last; or a share, ``"1/8"`` to ``"8/8"``, whose tiles are spread evenly over the map. Several processes may
+        compute parts of one store concurrently.
+    resume, overwrite
+        Resume an existing store, or replace it.
+    executor
+        Object with ``submit`` whose workers have access to `out`. Each tile is a task; the tiles of lost workers are computed in this process at the
+        end.
+
+    Raises
+    ------
+    InputError
+        If the store exists, unless `resume` or `tiles` resume it or `overwrite` replaces it.
     """
     part = None
     if isinstance(tiles, str):
@@ -648,8 +911,8 @@ def map_into(
 
 
 def _elsewhere(executor: Executor, study: Study, folder: str, tiles: int) -> None:
-    """Lets an executor compute all tiles."""
-    # Of one run: a scheduler that remembers results must not take those of an earlier store.
+    """Computes all tiles with an executor."""
+    # Unique for each run: a scheduler with a cache must not reuse the results of an earlier store.
     run = uuid4().hex
     futures = [executor.submit(_tile, study, folder, tile, run) for tile in range(tiles)]
     try:
@@ -667,7 +930,7 @@ def _elsewhere(executor: Executor, study: Study, folder: str, tiles: int) -> Non
 
 
 def _tile(study: Study, folder: str, tile: int, run: str) -> int:
-    """Computes one tile of a store, in a process of an executor; it may be repeated. `run` tells tasks of different runs apart."""
+    """Computes one tile of a store in a process of an executor; it may be repeated. `run` distinguishes tasks of different runs."""
     study._study.map(folder, f"{tile}..{tile + 1}", True, False)
     return tile
 
@@ -682,8 +945,10 @@ def map(
     overwrite: bool = False,
     executor: Executor | None = None,
 ) -> xarray.Dataset:
-    """Computes the map of a study into the store `out`, and opens it: the dataset of ``xarray.open_zarr(out)``, with coordinates, units and
-    attributes. Arguments as of ``onset.map_into``. Needs xarray and zarr.
+    """Computes the map of a study into the store `out`, and opens it as a dataset.
+
+    The result is the dataset of ``xarray.open_zarr(out)``, with coordinates, units and attributes. The parameters are described under
+    ``onset.map_into``. Requires xarray and zarr.
     """
     map_into(out, study, tiles=tiles, resume=resume, overwrite=overwrite, executor=executor)
     return open_map(out)
@@ -691,9 +956,14 @@ def map(
 
 @asks
 def open_map(store: str | os.PathLike[str]) -> xarray.Dataset:
-    """The dataset of a store that ``onset map`` has written: fields over the axes of the study, with coordinates, units and attributes.
+    """Opens a store of ``onset map`` as a dataset: fields over the axes of the study, with coordinates, units and attributes.
 
-    Needs xarray and zarr; without them it is an `OnsetError`, and an `InputError` where there is no such store.
+    Raises
+    ------
+    OnsetError
+        If xarray or zarr is not installed.
+    InputError
+        If the store does not exist.
     """
     folder = place(store, "store")
     try:
@@ -710,13 +980,19 @@ def open_map(store: str | os.PathLike[str]) -> xarray.Dataset:
 
 @asks
 def keys(section: str = "") -> dict[str, str]:
-    """The keys of settings by name, each with what it means and expects; those of one section, ``material``, ``discretization``, ``state`` or ``map``."""
+    """Keys of settings by name, each with its meaning and the expected values.
+
+    Parameters
+    ----------
+    section
+        ``material``, ``discretization``, ``state`` or ``map``; all sections if omitted.
+    """
     if not isinstance(section, str):
         raise TypeError(f"section is {type(section).__name__}; expected a name")
     return {name: f"{meaning}: {expects}" for name, expects, meaning in _onset.keys() if name.startswith(section)}
 
 
 def models() -> list[str]:
-    """The names of the laws of the library, as ``onset list materials`` has them."""
+    """Names of the built-in laws, as in ``onset list materials``."""
     return _onset.models()
 

@@ -1,4 +1,4 @@
-"""What goes wrong: one family of exceptions, with the texts and hints of the command."""
+"""Exceptions of the package, with the texts and hints of the command."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from . import _onset
 P = ParamSpec("P")
 T = TypeVar("T")
 
-#: The file, line and column where a setting was made.
+#: File, line and column of a setting.
 Place = tuple[str, int, int]
 
 
 class OnsetError(Exception):
-    """Why there is no answer: the family of all of them. ``str`` gives what the command prints after ``error:``."""
+    """Base class of all exceptions of the package. ``str`` returns the text that the command prints after ``error:``."""
 
-    #: What is wrong, without hint and notes.
+    #: Description of the error, without hint and notes.
     message: str
-    #: What to do; ``None`` where nothing is known.
+    #: Remedy, or ``None``.
     hint: str | None
-    #: What is known beside it.
+    #: Additional information.
     notes: tuple[str, ...]
 
     def __init__(self, text: str, key: str | None = None, place: Place | None = None) -> None:
@@ -50,15 +50,15 @@ class OnsetError(Exception):
 
 
 class InputError(OnsetError, ValueError):
-    """What was asked cannot be answered: exit code 2 of the command. Also a `ValueError`."""
+    """Invalid input: exit code 2 of the command. Also a `ValueError`."""
 
 
 class SettingError(InputError):
-    """A setting that cannot be accepted: a key, a value, or a line of a file."""
+    """Invalid setting: a key, a value, or a line of a file."""
 
-    #: The key, where it is known: ``discretization.support``.
+    #: Key, for example ``discretization.support``; ``None`` if unknown.
     key: str | None
-    #: The file, line and column where it was made; ``None`` where it was an argument.
+    #: File, line and column of the setting; ``None`` for an argument.
     place: Place | None
 
     def __init__(self, text: str, key: str | None = None, place: Place | None = None) -> None:
@@ -68,11 +68,11 @@ class SettingError(InputError):
 
 
 class MachineError(OnsetError, RuntimeError):
-    """What was asked is right, and could not be done: a file, a store, a motion that breaks down; exit code 1 of the command. Also a `RuntimeError`."""
+    """Failure with valid input: a file, a store, or a motion that breaks down; exit code 1 of the command. Also a `RuntimeError`."""
 
 
 class _Asked(local):
-    """How many of our functions a thread is in."""
+    """Number of nested calls of public functions in a thread."""
 
     depth = 0
 
@@ -81,9 +81,9 @@ _asked = _Asked()
 
 
 def asks(function: Callable[P, T]) -> Callable[P, T]:
-    """Makes everything that an argument can be wrong with one of our exceptions, and earlier names warnings where we were asked.
+    """Decorator of public functions: converts errors in arguments to exceptions of the package, and reports obsolete names as warnings.
 
-    Where an exception passes, what there is to know of earlier names goes with it.
+    An exception carries the reports on obsolete names as notes.
     """
 
     @wraps(function)
@@ -106,7 +106,7 @@ def asks(function: Callable[P, T]) -> Callable[P, T]:
 
 
 def _told(function: Callable[P, T], *arguments: P.args, **named: P.kwargs) -> T:
-    """What a function answers; what an argument is wrong with is one of our exceptions."""
+    """Calls a function, and converts errors in arguments to exceptions of the package."""
     try:
         return function(*arguments, **named)
     except OverflowError as error:

@@ -1,4 +1,4 @@
-"""Modes and bands for other tools: moving particles for ASE and ParaView, bands in the layout of phonopy."""
+"""Modes and bands for other tools: moving particles for ASE and ParaView, and bands in the layout of phonopy."""
 
 from __future__ import annotations
 
@@ -21,38 +21,38 @@ if TYPE_CHECKING:
 
     from ._answers import Bands
 
-#: Along a side of a patch: fewest cells, most cells among which one looks for whole wavelengths, and cells where none hold them.
+#: Cells along a side of a patch: smallest and largest number tested for whole wavelengths, and the number used if none contains them.
 FEWEST, SOUGHT, ELSE = 4, 24, 12
-#: Wavelengths that so many cells hold are whole within this.
+#: Tolerance for a whole number of wavelengths.
 WHOLE = 1e-6
-#: Particles of the largest patch, and of all its frames.
+#: Largest number of particles of a patch, and of all its frames.
 LARGEST, MOVING = 1_000_000, 50_000_000
-#: The largest phase.
+#: Largest phase; radians.
 LATEST = 1e9
-#: What ``omega^2`` may be by rounding, as a share of the largest entry of the matrix.
+#: Rounding error of ``omega^2``, relative to the largest entry of the matrix.
 ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell of particles at a state, in D dimensions."""
+    """Cell of particles at a state, in D dimensions."""
 
     #: Primitive vectors of the reference lattice as rows, shape (D, D); length.
     vectors: Floats
-    #: Reference positions of its particles, shape (n, D); length.
+    #: Reference positions of the particles, shape (n, D); length.
     sites: Floats
-    #: Their masses, shape (n,); mass.
+    #: Masses of the particles, shape (n,); mass.
     masses: Floats
-    #: The particle spacing; length.
+    #: Particle spacing; length.
     spacing: float
-    #: What takes reference positions to current ones, shape (3, 3).
+    #: Map from reference to current positions, shape (3, 3).
     F: Floats
-    #: The dynamical matrix at a reference wave vector.
+    #: Function that returns the dynamical matrix at a reference wave vector; 1/time^2.
     dynamical_matrix: Callable[[Floats], Complexes]
 
     @staticmethod
     def of(problem: _onset.Problem, stretch: str | None, components: str | None, states: Floats | None = None) -> Cell:
-        """That of a problem at a state as it is typed, with its nine components where dynamical matrices will be asked for."""
+        """Returns the cell of a problem at a state in the notation of the command line. Dynamical matrices also need its nine components."""
         sites, masses, spacing, F = problem.cell(stretch, components)
 
         def matrix(k: Floats) -> Complexes:
@@ -65,22 +65,22 @@ class Cell:
 
     @property
     def dimension(self) -> int:
-        """D."""
+        """Number of dimensions D."""
         return len(self.vectors)
 
     def current(self, X: Floats) -> Floats:
-        """Reference vectors in the current configuration, shape (..., 3)."""
+        """Maps reference vectors to the current configuration, shape (..., 3)."""
         return np.asarray(X @ self.F[:, : self.dimension].T, dtype=np.float64)
 
     def turns(self, k: Floats) -> Floats:
-        """A wave vector in units of the reciprocal vectors: wavelengths that a cell holds along each primitive vector."""
+        """Returns a wave vector in units of the reciprocal vectors: the number of wavelengths of a cell along each primitive vector."""
         return np.asarray(k @ self.vectors.T / (2.0 * np.pi), dtype=np.float64)
 
     def waves(self, matrix: Complexes, *, size: float = 0.0, without_translations: bool = False) -> tuple[Complexes, Complexes]:
-        """``omega^2`` by increasing real part, and eigenvectors ``e = sqrt(m) u`` of length 1 as columns, of a dynamical matrix ``M^-1 K``.
+        """Returns ``omega^2`` by increasing real part, and eigenvectors ``e = sqrt(m) u`` of length 1 as columns, of a dynamical matrix ``M^-1 K``.
 
-        `size` is that of the matrices of other waves: a matrix without energy has only rounding. `without_translations` leaves out uniform displacements,
-        which would mix with others that have no energy.
+        `size` is the magnitude of the matrices of other waves, because a zero-energy matrix contains only rounding. `without_translations` excludes
+        uniform displacements, which would mix with other zero-energy modes.
         """
         root = np.sqrt(np.repeat(self.masses, self.dimension))
         weighted = root[:, None] * matrix / root
@@ -99,11 +99,11 @@ class Cell:
 
 
 class Mode:
-    """A wave on a patch of particles, about the current configuration.
+    """Wave on a patch of particles, about the current configuration.
 
-    At the phase ``p`` (``omega t``) a particle is at ``x + Re(u exp(-i p))`` with the amplitude ``u = e exp(i k.X)``, where ``e`` is the eigenvector of
-    ``D(k)`` for its place in the cell, ``k`` the reference wave vector and ``X`` its reference position. Growth and decay are left out. Vectors have three
-    components, zero beyond the dimensions of the lattice.
+    At the phase ``p`` (``omega t``) a particle is at ``x + Re(u exp(-i p))`` with the amplitude ``u = e exp(i k.X)``. ``e`` is the eigenvector of
+    ``D(k)`` for its site in the cell, ``k`` the reference wave vector and ``X`` its reference position. Growth and decay are omitted. Vectors have
+    three components, zero beyond the dimensions of the lattice.
     """
 
     def __init__(self, cell: Cell, k: Floats, omega_squared: complex, eigenvector: Complexes, cells: int | Sequence[int] | None, amplitude: float) -> None:
@@ -114,19 +114,19 @@ class Mode:
         if count > LARGEST:
             raise InputError(f"the patch has {count} particles; expected at most {LARGEST}\n  hint: give fewer `cells`")
         u = (eigenvector / np.sqrt(np.repeat(cell.masses, dimension))).reshape(-1, dimension)
-        # How far a particle goes in a period: the longer half axis of its ellipse.
+        # Largest displacement of a particle in a period: the longer semi-axis of its ellipse.
         reach = np.sqrt(0.5 * (np.sum(np.abs(u) ** 2, axis=-1) + np.abs(np.sum(u**2, axis=-1))))
         most = int(np.argmax(reach))
-        # The particle that moves most is farthest out at the phase 0.
+        # The particle with the largest amplitude has its largest displacement at the phase 0.
         turned = u[most] * np.exp(1j * cell.sites[most] @ k)
         u = u * (share(amplitude, "amplitude") * cell.spacing / reach[most] * np.exp(-0.5j * np.angle(np.sum(turned**2))))
         corners = np.stack(np.meshgrid(*(np.arange(side) for side in sides), indexing="ij"), axis=-1).reshape(-1, dimension)
         X = ((corners @ cell.vectors)[:, None] + cell.sites).reshape(-1, dimension)
         embedded = np.zeros((count, 3), dtype=np.complex128)
         embedded[:, :dimension] = np.tile(u, (len(corners), 1)) * np.exp(1j * X @ k)[:, None]
-        #: The reference wave vector, shape (D,); 1/length.
+        #: Reference wave vector, shape (D,); 1/length.
         self.wave_vector: Floats = k
-        #: ``omega^2``; 1/time^2.
+        #: Squared frequency ``omega^2``; 1/time^2.
         self.omega_squared: complex = complex(omega_squared)
         #: Positions without the wave, in the current configuration, shape (n, 3); length.
         self.positions: Floats = cell.current(X)
@@ -134,14 +134,14 @@ class Mode:
         self.reference_positions: Floats = X
         #: Complex amplitudes ``u``, shape (n, 3); length.
         self.displacements: Complexes = embedded
-        #: The number of each particle in its cell, shape (n,).
+        #: Site of each particle in its cell, shape (n,).
         self.sites: NDArray[np.intp] = np.tile(np.arange(len(cell.sites)), len(corners))
         #: Masses, shape (n,); mass.
         self.masses: Floats = np.tile(cell.masses, len(corners))
-        #: The edges of the patch as rows, zero beyond the dimensions of the lattice, shape (3, 3); length.
+        #: Edges of the patch as rows, zero beyond the dimensions of the lattice, shape (3, 3); length.
         self.edges: Floats = np.zeros((3, 3))
         self.edges[:dimension] = cell.current(np.array(sides)[:, None] * cell.vectors)
-        #: Along which edges the wave is periodic: which hold whole wavelengths, shape (3,).
+        #: Whether the wave is periodic along each edge: the edge contains whole wavelengths, shape (3,).
         self.periodic: NDArray[np.bool_] = np.zeros(3, dtype=np.bool_)
         self.periodic[:dimension] = _is_whole(np.array(sides) * turns)
 
@@ -150,20 +150,34 @@ class Mode:
 
     @asks
     def at(self, phase: float) -> Floats:
-        """The displacements ``Re(u exp(-i p))`` at a phase in radians, shape (n, 3); length."""
+        """Returns the displacements ``Re(u exp(-i p))`` at a phase in radians, shape (n, 3); length."""
         turned = np.exp(-1j * between(phase, "phase", -np.inf, LATEST, f"a finite number of radians up to {LATEST:g}"))
         return np.asarray((self.displacements * turned).real, dtype=np.float64)
 
     @asks
     def to_ase(self, *, frames: int = 24, unit: float = 1.0, symbol: str = "X") -> list[Atoms]:
-        """One period as a list of ``ase.Atoms``, for ``ase.io.write("mode.xyz", frames)`` and ``ase.visualize.view(frames)``.
+        """Returns one period as a list of ``ase.Atoms``, for ``ase.io.write("mode.xyz", frames)`` and ``ase.visualize.view(frames)``.
 
-        Each frame has displaced positions, the displacements as ``atoms.arrays["displacement"]`` of shape (n, 3), the place in the cell as tags, the
-        edges of the patch as cell, and periodic boundaries along those that hold whole wavelengths. ``atoms.info`` has ``phase``, the reference
-        ``wave_vector``, ``omega`` (its real part) and ``growth_rate``. All particles have one chemical `symbol`, by default that of no element.
+        Each frame has displaced positions, the displacements as ``atoms.arrays["displacement"]`` of shape (n, 3), the sites in the cell as tags, and
+        the edges of the patch as cell. Boundaries are periodic along edges that contain whole wavelengths. ``atoms.info`` has ``phase``, the
+        reference ``wave_vector``, ``omega`` (its real part) and ``growth_rate``.
 
-        ASE takes numbers for angstroms, and files have some eight decimals: with `unit`, a length, lengths are told in it. ``unit=1e-3`` makes millimetres of
-        an answer in metres. An ``OnsetError`` where ASE is missing, an ``InputError`` for an argument that cannot be.
+        Parameters
+        ----------
+        frames
+            Number of frames of the period.
+        unit
+            Unit of length of the result; length. ASE interprets lengths as angstroms, and its files have about eight decimals. ``unit=1e-3`` converts
+            an answer in metres to millimetres.
+        symbol
+            Chemical symbol of all particles; the default denotes no element.
+
+        Raises
+        ------
+        OnsetError
+            If ASE is not installed.
+        InputError
+            If an argument is out of range.
         """
         ase = _package("ase")
         count, length = whole(frames, "frames", 1, 10_000), positive(unit, "unit")
@@ -194,18 +208,23 @@ class Mode:
 
     @asks
     def to_meshio(self) -> meshio.Mesh:
-        """The patch as a ``meshio.Mesh`` of vertices, for ParaView: ``mode.to_meshio().write("mode.vtu")``.
+        """Returns the patch as a ``meshio.Mesh`` of vertices, for ParaView: ``mode.to_meshio().write("mode.vtu")``.
 
-        Points are positions without the wave. Point data are ``displacement``, that of the phase 0, and ``quarter``, that of a quarter of a period later, both of
-        shape (n, 3) in the unit of length of the answer, and ``site``, the place in the cell: a particle is at
-        ``points + displacement cos p + quarter sin p``. An ``OnsetError`` where meshio is missing.
+        Points are positions without the wave. Point data are ``displacement`` at the phase 0 and ``quarter`` a quarter of a period later, both of
+        shape (n, 3) in the unit of length of the answer, and the ``site`` in the cell. A particle is at ``points + displacement cos p + quarter sin
+        p``.
+
+        Raises
+        ------
+        OnsetError
+            If meshio is not installed.
         """
         data = {"displacement": self.at(0.0), "quarter": self.at(0.5 * np.pi), "site": self.sites}
         return _package("meshio").Mesh(self.positions, [("vertex", np.arange(len(self.positions))[:, None])], point_data=data)
 
 
 def symbol_of(symbol: object) -> str:
-    """A chemical symbol, or what stands for one."""
+    """Checks the chemical symbol of particles."""
     if not isinstance(symbol, str):
         raise TypeError(f"symbol is {type(symbol).__name__}; expected a text")
     if not re.fullmatch(r"[A-Z][A-Za-z0-9]*", symbol):
@@ -214,7 +233,7 @@ def symbol_of(symbol: object) -> str:
 
 
 def _package(name: str) -> Any:
-    """A package that is not needed otherwise."""
+    """Imports an optional package."""
     try:
         return importlib.import_module(name)
     except ImportError as error:
@@ -226,7 +245,7 @@ def _is_whole(turns: Floats) -> np.ndarray[Any, np.dtype[np.bool_]]:
 
 
 def _sides(turns: Floats, cells: int | Sequence[int] | None) -> list[int]:
-    """Cells along each primitive vector: those that are given, or the fewest that hold whole wavelengths."""
+    """Returns the number of cells along each primitive vector: the given numbers, or the smallest that contain whole wavelengths."""
     if cells is not None:
         given = np.atleast_1d(numbers(cells, "cells")).ravel()
         if given.size not in (1, turns.size):
@@ -238,8 +257,8 @@ def _sides(turns: Floats, cells: int | Sequence[int] | None) -> list[int]:
 
 
 def band_yaml(answer: Bands, cell: Cell, symbol: str) -> str:
-    """Bands in the layout of phonopy's ``band.yaml``; see `Bands.to_yaml`."""
-    # What grows as it oscillates has no real frequency, and none that is imaginary.
+    """Returns bands in the layout of phonopy's ``band.yaml``, as described under `Bands.to_yaml`."""
+    # Flutter has neither a real nor an imaginary frequency.
     flutters = [n for n, heights in enumerate(answer._fields["heights"]) if heights["flutter"] is not None]
     if flutters:
         raise InputError(
@@ -247,7 +266,7 @@ def band_yaml(answer: Bands, cell: Cell, symbol: str) -> str:
             "  hint: omega_squared and dynamical_matrices of the answer have them"
         )
     dimension = cell.dimension
-    # Directions without waves get unit vectors, so that there is a lattice in space.
+    # The spacing completes the lattice in directions without waves.
     lattice = np.eye(3) * cell.spacing
     lattice[:dimension] = cell.current(cell.vectors)
     reciprocal = np.linalg.inv(lattice).T
@@ -259,7 +278,7 @@ def band_yaml(answer: Bands, cell: Cell, symbol: str) -> str:
     steps = np.where(jumps, 0.0, np.linalg.norm(np.diff(spatial, axis=0), axis=1))
     distances = np.interp(answer.lengths, along, np.concatenate([[0.0], np.cumsum(steps)]))
     ends = np.searchsorted(answer.lengths, along) + np.concatenate([[False], jumps])
-    # Each segment has both of its ends.
+    # Each segment contains both of its ends.
     legs = [(n, range(int(ends[n]), int(ends[n + 1]) + 1)) for n in range(len(along) - 1) if not jumps[n]]
 
     def row(numbers: Floats | Sequence[float]) -> str:
@@ -280,7 +299,7 @@ def band_yaml(answer: Bands, cell: Cell, symbol: str) -> str:
         lines += [f"- symbol: {quoted(symbol_of(symbol))} # {n + 1}", f"  coordinates: {row(coordinates)}", f"  mass: {float(mass)!r}"]
     lines += ["", "phonon:"]
     matrices, k = answer.dynamical_matrices, answer.k
-    # Corners between segments stand in both.
+    # Corners between segments are listed in both.
     size = float(np.max(np.abs(matrices)))
     blocks = [_point(cell, k[n], cell.waves(matrices[n], size=size), distances[n], row) for n in range(len(k))]
     for _, leg in legs:
@@ -290,7 +309,7 @@ def band_yaml(answer: Bands, cell: Cell, symbol: str) -> str:
 
 
 def _point(cell: Cell, k: Floats, waves: tuple[Complexes, Complexes], distance: float, row: Callable[[Sequence[float]], str]) -> list[str]:
-    """A wave vector with its bands."""
+    """Returns the lines of a wave vector with its bands."""
     values, vectors = waves
     missing = 3 - cell.dimension
     lines = [f"- q-position: {row([*cell.turns(k), *[0.0] * missing])}", f"  distance: {float(distance)!r}", "  band:"]

@@ -1,4 +1,4 @@
-"""Laws that are Python functions of numbers: their energy, stress and tangent, delivered or by automatic differentiation."""
+"""Laws as Python functions of numbers: energy, stress and tangent are given, or follow by automatic differentiation."""
 
 from __future__ import annotations
 
@@ -14,35 +14,35 @@ import numpy as np
 from ._arrays import Floats, number
 from ._errors import InputError
 
-#: What a function can take of the deformation, by name.
+#: Variables of a function that describe the deformation.
 VARIABLES = ("F", "C", "E", "I1", "I2", "I3", "J", "I1bar", "I2bar")
 
-#: Energy, stress and tangent of a state.
+#: Number of values of a state: energy, stress and tangent.
 _NUMBERS = 1 + 9 + 81
 
-#: States of nine components each and values of parameters, to 91 numbers a state; states and numbers are bytes of doubles.
+#: Function from states (nine components each) and parameters to 91 numbers for each state; states and numbers are bytes of doubles.
 Respond = Callable[[bytes, Mapping[str, float]], bytes]
 
 
 @dataclass(frozen=True)
 class Handed:
-    """A law that is handed over as functions."""
+    """Law that consists of Python functions."""
 
     energy: Callable[..., Any]
     stress: Callable[..., Any] | None
     tangent: Callable[..., Any] | None
-    #: Its parameters; those with defaults have them.
+    #: Parameters with their values, given or default.
     parameters: Mapping[str, float] = field(compare=False)
     respond: Respond = field(compare=False, repr=False)
 
     @property
     def name(self) -> str:
-        """What the energy is called."""
+        """Name of the energy function."""
         return str(getattr(self.energy, "__name__", type(self.energy).__name__))
 
 
 def _variables(F: Any, xp: Any) -> dict[str, Any]:
-    """All that a function can take of a deformation gradient, in NumPy or in another library of arrays."""
+    """Returns all variables of a function at a deformation gradient, in NumPy or in another array library."""
     C = F.T @ F
     I1, I2 = C[0, 0] + C[1, 1] + C[2, 2], 0.5 * (xp.trace(C) ** 2 - xp.sum(C * C))
     J = (
@@ -64,7 +64,7 @@ def _variables(F: Any, xp: Any) -> dict[str, Any]:
 
 
 class _Function:
-    """A function with what it takes: variables and parameters."""
+    """Function with its variables and parameters."""
 
     def __init__(self, function: Callable[..., Any], what: str) -> None:
         if not callable(function):
@@ -86,7 +86,7 @@ class _Function:
 
 
 def _values(functions: list[_Function], parameters: Mapping[str, object]) -> dict[str, float]:
-    """The values of all parameters, given or by default."""
+    """Returns the values of all parameters, given or default."""
     values: dict[str, float] = {}
     for function in functions:
         for name, default in function.parameters.items():
@@ -111,7 +111,7 @@ def _shaped(result: Any, shape: tuple[int, ...], what: str) -> Floats:
 
 
 def delivered(energy: object, stress: object, tangent: object, parameters: Mapping[str, object]) -> Handed:
-    """The law of three functions: ``W``, ``P_iJ`` of shape (3, 3) and ``A_iJkL = dP_iJ/dF_kL`` of shape (3, 3, 3, 3)."""
+    """Returns the law of three functions: ``W``, ``P_iJ`` of shape (3, 3) and ``A_iJkL = dP_iJ/dF_kL`` of shape (3, 3, 3, 3)."""
     given = {"the energy": energy, "the stress": stress, "the tangent": tangent}
     missing = [what for what, function in given.items() if function is None]
     if missing:
@@ -132,12 +132,12 @@ def delivered(energy: object, stress: object, tangent: object, parameters: Mappi
 
 
 def has_jax() -> bool:
-    """Whether derivatives can be had."""
+    """Returns true if jax is installed for automatic differentiation."""
     return importlib.util.find_spec("jax") is not None
 
 
 def differentiated(energy: Callable[..., Any], parameters: Mapping[str, object]) -> Handed:
-    """The law of an energy that jax differentiates; many states are computed together."""
+    """Returns the law of an energy that jax differentiates; states are evaluated in batches."""
     jax = importlib.import_module("jax")
     own = _Function(energy, "the energy")
     values = _values([own], parameters)
@@ -155,7 +155,7 @@ def differentiated(energy: Callable[..., Any], parameters: Mapping[str, object])
     def respond(states: bytes, changed: Mapping[str, float]) -> bytes:
         now = {**values, **{name: value for name, value in changed.items() if name in values}}
         F = np.frombuffer(states).reshape(-1, 3, 3)
-        # Compiled anew for each number of states, so there are few: powers of two, the last state repeated.
+        # Each number of states requires a compilation, so the number is padded to a power of two with copies of the last state.
         count = 1 << (len(F) - 1).bit_length()
         padded = np.concatenate([F, np.broadcast_to(F[-1], (count - len(F), 3, 3))])
         with _doubles(jax):
@@ -166,13 +166,13 @@ def differentiated(energy: Callable[..., Any], parameters: Mapping[str, object])
 
 
 def _doubles(jax: Any) -> Any:
-    """Within it jax computes with doubles, whatever holds outside."""
+    """Returns a context in which jax computes in double precision, independent of its configuration."""
     enable = jax.enable_x64 if hasattr(jax, "enable_x64") else jax.experimental.enable_x64
     return enable(True)
 
 
 def _tried(law: Handed) -> Handed:
-    """The law, if it has an answer in the reference state."""
+    """Returns the law after evaluating it in the reference state."""
     try:
         numbers = np.frombuffer(law.respond(np.eye(3).tobytes(), {}))
     except Exception as error:

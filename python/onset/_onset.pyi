@@ -1,4 +1,4 @@
-"""The compiled part: settings as assignments, answers as documents, arrays as buffers of doubles."""
+"""Compiled part of the package: settings are assignments, answers documents, and arrays buffers of doubles."""
 
 from collections.abc import Callable, Mapping, Sequence
 import os

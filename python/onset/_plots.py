@@ -1,4 +1,4 @@
-"""Figures on matplotlib, which is loaded when the first one is drawn."""
+"""Figures with matplotlib, which is imported for the first figure."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ CONTINUUM = "0.6"
 
 
 def _axes(ax: Axes | None) -> Axes:
-    """The given axes, or new ones."""
+    """Returns the given axes, or new axes."""
     if ax is not None:
         return ax
     try:
@@ -33,7 +33,7 @@ def _axes(ax: Axes | None) -> Axes:
 
 
 def picture(files: dict[str, bytes], ax: Axes | None) -> Axes:
-    """The figure that the command draws."""
+    """Draws the figure of the command."""
     pictures = [data for name, data in files.items() if name.endswith(".png")]
     if not pictures:
         raise OnsetError("this answer has no figure")
@@ -46,7 +46,7 @@ def picture(files: dict[str, bytes], ax: Axes | None) -> Axes:
 
 
 def along_wave(k: Floats, spectrum: Callable[[Floats], tuple[Complexes, Floats]], ax: Axes | None) -> Axes:
-    """Along a wave vector and beyond it."""
+    """Draws ``omega^2`` along a wave vector, up to twice its length."""
     ax = _axes(ax)
     if not np.any(k):
         k = np.eye(1, k.size)[0] * np.pi
@@ -65,7 +65,7 @@ def along_wave(k: Floats, spectrum: Callable[[Floats], tuple[Complexes, Floats]]
 
 
 def levels(particles: Complexes, continuum: Floats, ax: Axes | None) -> Axes:
-    """Values side by side."""
+    """Draws ``omega^2`` of particles and continuum for comparison."""
     ax = _axes(ax)
     ax.plot(np.arange(particles.size), particles.real, "o", color=PARTICLES, label="particles")
     ax.plot(np.arange(continuum.size), continuum, "_", color=CONTINUUM, markersize=16, label="continuum")
@@ -76,12 +76,12 @@ def levels(particles: Complexes, continuum: Floats, ax: Axes | None) -> Axes:
 
 
 def _signed(omega_squared: Floats) -> Floats:
-    """Frequencies; growth rates below zero."""
+    """Returns frequencies; growth rates are negative."""
     return np.sign(omega_squared) * np.sqrt(np.abs(omega_squared))
 
 
 def bands(answer: Bands, ax: Axes | None) -> Axes:
-    """Frequencies along a path through the zone."""
+    """Draws frequencies along a path through the zone."""
     ax = _axes(ax)
     frequencies = _signed(answer.omega_squared.real)
     ax.plot(answer.lengths, _signed(answer.continuum_omega_squared), color=CONTINUUM, linewidth=0.8)
@@ -98,7 +98,10 @@ def bands(answer: Bands, ax: Axes | None) -> Axes:
 
 
 def path(table: str, answer: Answer, ax: Axes | None) -> Axes:
-    """The softest mode and the smallest acoustic eigenvalue along a path, side by side in the place of one axes, each in its unit; returns the first."""
+    """Draws the softest mode and the smallest acoustic eigenvalue along a path, each in its unit.
+
+    The two diagrams replace `ax`, side by side; the first of them is returned.
+    """
     ax = _axes(ax)
     told = answer.to_dict()
     lines = [line.split(",") for line in table.splitlines()]
@@ -132,7 +135,7 @@ def path(table: str, answer: Answer, ax: Axes | None) -> Axes:
 
 
 def curves(answer: Boundary, ax: Axes | None) -> Axes:
-    """Boundaries over the axes of a study."""
+    """Draws boundaries over the axes of a study."""
     ax = _axes(ax)
     told = answer.geojson()
     for of, points in answer.curves():
@@ -150,7 +153,7 @@ def curves(answer: Boundary, ax: Axes | None) -> Axes:
 
 
 def checks(answer: Answer, ax: Axes | None) -> Axes:
-    """The errors of the checks of an audit."""
+    """Draws the errors of the checks of an audit."""
     ax = _axes(ax)
     told = answer.to_dict()["checks"]
     known = [check for check in told if check["error"] is not None]
@@ -163,7 +166,7 @@ def checks(answer: Answer, ax: Axes | None) -> Axes:
 
 
 def rates(answer: Answer, ax: Axes | None) -> Axes:
-    """Growth rate and frequency: of continuous time, predicted in discrete time, and measured."""
+    """Draws growth rate and frequency: in continuous time, predicted in discrete time, and measured."""
     ax = _axes(ax)
     told = answer.to_dict()
     rates = {"continuous": told["continuous"], "predicted": told["predicted"]}
@@ -178,13 +181,13 @@ def rates(answer: Answer, ax: Axes | None) -> Axes:
 
 
 def shares(answer: Answer, ax: Axes | None) -> Axes:
-    """How many states have which verdict."""
+    """Draws the number of states for each verdict."""
     verdicts = answer.to_dict()["verdicts"]
     return bars(list(verdicts), [share["states"] for share in verdicts.values()], "states", ax)
 
 
 def bars(names: Sequence[str], values: Sequence[float], what: str, ax: Axes | None) -> Axes:
-    """A bar for each value."""
+    """Draws a bar for each value."""
     ax = _axes(ax)
     ax.barh(list(names), list(values), color=PARTICLES)
     ax.set_xlabel(what)
@@ -192,7 +195,7 @@ def bars(names: Sequence[str], values: Sequence[float], what: str, ax: Axes | No
 
 
 def scatter(answer: Dispersion, ax: Axes | None) -> Axes:
-    """Values against the length of the wave vector."""
+    """Draws values against the length of the wave vector."""
     ax = _axes(ax)
     length = np.linalg.norm(answer.k, axis=-1).ravel()
     for values, color, label in (

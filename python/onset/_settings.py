@@ -20,20 +20,20 @@ from ._errors import InputError, SettingError, asks
 from ._functions import Handed, delivered, differentiated, has_jax
 from ._trace import formula
 
-#: What a key can be set to. A text may have a unit: ``"1 mm"``.
+#: Value of a key. A text may have a unit: ``"1 mm"``.
 Value = str | float | int | bool | Sequence[float] | Sequence[str] | os.PathLike[str]
 
 
 @lru_cache(maxsize=1)
 def _keys() -> Mapping[str, str]:
-    """What each key expects."""
+    """Returns the expected values of each key."""
     return {name: expects for name, expects, _ in _onset.keys()}
 
 
 def _key(section: str, name: str) -> str:
-    """The key that a keyword names: ``lambda_`` is ``lambda``, ``artificial_stress`` is ``artificial-stress``.
+    """Returns the key for a keyword: ``lambda_`` is ``lambda``, ``artificial_stress`` is ``artificial-stress``.
 
-    Parameters that a formula names itself keep their underscores.
+    Parameters defined by a formula keep their underscores.
     """
     if not isinstance(name, str):
         raise TypeError(f"a key of [{section}] is {type(name).__name__}; expected its name")
@@ -45,7 +45,7 @@ def _key(section: str, name: str) -> str:
 
 
 def _typed(value: object, key: str) -> str:
-    """A value as it is typed after ``--set key=``."""
+    """Returns a value in the notation of ``--set key=``."""
     value = alone(value)
     if isinstance(value, str):
         return value
@@ -67,12 +67,12 @@ def _typed(value: object, key: str) -> str:
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\Z")
 
-#: Whole numbers of more digits may be too large for a file.
+#: Largest number of digits of an integer in a study; larger integers may overflow in the file.
 _DIGITS = 18
 
 
 def _bare(text: str) -> str | None:
-    """A text that reads as a number, or as true or false, as a study has it; ``None`` for others."""
+    """Returns a number or a truth value in the notation of a study; ``None`` for other texts."""
     if text in ("true", "false", "inf", "-inf", "nan"):
         return text
     if _NUMBER.match(text) is None:
@@ -82,7 +82,7 @@ def _bare(text: str) -> str | None:
 
 
 def quoted(text: object, key: str) -> str:
-    """A text as it is written in a study."""
+    """Returns a text in the notation of a study."""
     escaped = "".join(
         f"\\u{ord(letter):04x}" if ord(letter) < 32 or ord(letter) == 127 else letter
         for letter in _typed(text, key).replace("\\", "\\\\").replace('"', '\\"')
@@ -91,7 +91,7 @@ def quoted(text: object, key: str) -> str:
 
 
 def toml(value: object, key: str) -> str:
-    """A value as it is written in a study; texts are read as after ``--set``."""
+    """Returns a value in the notation of a study; texts are read as after ``--set``."""
     value = alone(value)
     text = _typed(value, key)
     expects = _keys().get(key, "")
@@ -108,26 +108,26 @@ def toml(value: object, key: str) -> str:
 
 
 class _Settings:
-    """Settings of one section, frozen."""
+    """Immutable settings of one section."""
 
     _section = ""
     _set: Mapping[str, object]
 
     def _put(self, settings: Mapping[str, object]) -> None:
-        """Sets keywords, over what was set before."""
+        """Sets keywords, overriding earlier settings."""
         earlier = getattr(self, "_set", {})
         keys = {**earlier, **{_key(self._section, name): value for name, value in settings.items()}}
         object.__setattr__(self, "_set", keys)
         object.__setattr__(self, "assignments", tuple(f"{key}={_typed(value, key)}" for key, value in keys.items()))
 
-    #: What the command takes after ``--set``: texts ``KEY=VALUE``.
+    #: Assignments ``KEY=VALUE``, as after ``--set`` of the command.
     assignments: tuple[str, ...]
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{type(self).__name__} is frozen; `replace` makes another one")
 
     def _meant(self) -> tuple[tuple[str, str | float], ...]:
-        """The settings, of which 1, 1.0 and "1" are the same number."""
+        """Returns the settings in a form in which 1, 1.0 and "1" are equal."""
         pairs = (assignment.partition("=") for assignment in self.assignments)
         return tuple((key, float(text) if _NUMBER.match(text) else text) for key, _, text in pairs)
 
@@ -143,40 +143,41 @@ class _Settings:
 
     @asks
     def replace(self, **settings: Value) -> Self:
-        """The same with other parameters or choices; what is not named stays."""
+        """Returns a copy with other parameters or choices; all other settings are kept."""
         other = copy(self)
         other._put(settings)
         return other
 
     def _section_text(self) -> str:
-        """The settings as keys of a section of a study."""
+        """Returns the settings as keys of a section of a study."""
         return "".join(f"{key.partition('.')[2]} = {toml(value, key)}\n" for key, value in self._set.items())
 
 
-#: A function of the deformation and of parameters: an energy per reference volume, or a stress or a tangent; stress.
+#: Function of the deformation and of parameters that returns an energy per reference volume, a stress or a tangent; stress.
 Energy = Callable[..., object]
 
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9-]*\Z")
 
 
 class Material(_Settings):
-    """A law with its parameters.
+    """Material law with its parameters.
 
-    - ``Material("neo-hooke", mu=0.4, lambda_=2)`` is a law of the library: ``onset.models`` has their names.
-    - ``Material("mu/2*(I1 - 3 - 2*ln(J))", mu=0.4)`` is an energy per reference volume of your own, as a formula.
-    - ``Material(lambda I1, J, mu: mu/2*(I1 - 3 - 2*np.log(J)), mu=0.4)`` is one as a Python function, of ``F``, ``C`` or ``E`` of shape (3, 3), of ``J`` and the
-      other variables of a formula, and of parameters. It is called once, with symbols, and what it computes with them is the formula.
-    - What cannot be computed with symbols is differentiated by ``jax`` where that is installed (written with ``jax.numpy``), or comes with `stress` and
-      `tangent`, functions that return the first Piola-Kirchhoff stress ``P_iJ = dW/dF_iJ`` of shape (3, 3) and ``A_iJkL = dP_iJ/dF_kL`` of shape (3, 3, 3, 3):
-      ``onset.audit`` checks that they belong together. Such a law takes ``F``, ``C``, ``E``, ``J``, ``I1``, ``I2``, ``I3``, ``I1bar`` and ``I2bar``, and
-      parameters; an `ArithmeticError` or `ValueError` that it raises, and what is not finite, mean that it is not defined at the state.
+    - ``Material("neo-hooke", mu=0.4, lambda_=2)`` is a built-in law; ``onset.models`` lists the names.
+    - ``Material("mu/2*(I1 - 3 - 2*ln(J))", mu=0.4)`` is a user-defined energy per reference volume, as a formula.
+    - ``Material(lambda I1, J, mu: mu/2*(I1 - 3 - 2*np.log(J)), mu=0.4)`` is an energy as a Python function of ``F``, ``C`` or ``E`` of shape (3, 3),
+      of ``J`` and the other variables of a formula, and of parameters. The function is called once with symbols, and the result is the formula.
+    - A function that cannot be evaluated with symbols is differentiated by ``jax`` if installed (written with ``jax.numpy``), or is given with
+      `stress` and `tangent`. These functions return the first Piola-Kirchhoff stress ``P_iJ = dW/dF_iJ`` of shape (3, 3) and ``A_iJkL = dP_iJ/dF_kL``
+      of shape (3, 3, 3, 3); ``onset.audit`` checks that they are consistent. The variables of such a law are ``F``, ``C``, ``E``, ``J``, ``I1``,
+      ``I2``, ``I3``, ``I1bar`` and ``I2bar``. An `ArithmeticError` or `ValueError`, or a result that is not finite, means that the law is not defined
+      at the state.
     - ``Material("umat", library="./my_umat.so", ...)`` is a user material of Abaqus.
 
-    Two of `young`, `poisson`, `bulk` and `shear` stand for the parameters of laws with two moduli. Stresses are in any unit, or have
-    one, and then all values have: ``Material("neo-hooke", young="2 MPa", poisson=0.49)``.
+    Two of `young`, `poisson`, `bulk` and `shear` replace the parameters of laws with two moduli. Stresses are in any consistent unit, or all values
+    have a unit: ``Material("neo-hooke", young="2 MPa", poisson=0.49)``.
 
-    Without arguments it is the law that the command takes by default. A function that cannot become a law is an `InputError`; names and values of parameters
-    are checked with the first question.
+    Without arguments it is the default law of the command. A function that cannot be converted to a law is an `InputError`. Names and values of
+    parameters are checked at the first use.
     """
 
     _section = "material"
@@ -210,16 +211,16 @@ class Material(_Settings):
                 settings |= {"model": "formula", "energy": energy}
             self._put(settings | given)
 
-    #: The functions that are the law, where it is neither of the library nor a formula.
+    #: Functions of the law; ``None`` for a built-in law or a formula.
     _handed: Handed | None = None
 
     def _hand(self, law: Handed) -> None:
-        """Takes functions for the law."""
+        """Uses Python functions as the law."""
         object.__setattr__(self, "_handed", law)
         self._put(law.parameters)
 
     def _differentiate(self, energy: Energy, given: dict[str, object]) -> None:
-        """Takes an energy for the law: as a formula where it can be computed with symbols, by automatic differentiation where it cannot."""
+        """Uses an energy as the law: as a formula if it can be evaluated with symbols, otherwise by automatic differentiation."""
         try:
             text, values = formula(energy, given)
         except Exception as untold:
@@ -246,7 +247,7 @@ class Material(_Settings):
         super()._put(settings)
 
     def _assigned(self) -> list[str | _onset.Function]:
-        """What the compiled part takes for the law."""
+        """Returns the law as an argument of the compiled part."""
         if self._handed is None:
             return list(self.assignments)
         names = self._handed.parameters
@@ -276,11 +277,26 @@ class Material(_Settings):
     @classmethod
     @asks
     def read(cls, block: str | os.PathLike[str], program: str, *, material: str | None = None) -> Material:
-        """The law of a block of another program, ``abaqus``, ``ansys``, ``felupe`` or ``hyperelastic``, as ``--from`` reads it. `block` is its text, or the path
-        of a file; `material` is the name or number of one of several materials.
+        """Reads the law from a block of another program, as ``--from`` does.
 
-        What there is to know of its constants is in `notes`, and told by ``onset.criteria`` and ``onset.card``. A block without a law is a `SettingError` with
-        its line and column.
+        Parameters
+        ----------
+        block
+            Text of the block, or the path of a file.
+        program
+            ``abaqus``, ``ansys``, ``felupe`` or ``hyperelastic``.
+        material
+            Name or number of one of several materials.
+
+        Returns
+        -------
+        Material
+            Law with `notes` on its constants, which ``onset.criteria`` and ``onset.card`` also print.
+
+        Raises
+        ------
+        SettingError
+            If the block has no law; with line and column.
         """
         is_text = isinstance(block, str) and ("\n" in block or "(" in block or "*" in block)
         name, text = ("the block", str(block)) if is_text else source(block, "a block")
@@ -291,7 +307,7 @@ class Material(_Settings):
         object.__setattr__(read, "notes", tuple(notes))
         return read
 
-    #: What there is to know of a law that was read from a block of another program.
+    #: Notes on the constants of a law that was read from a block of another program.
     notes: tuple[str, ...] = ()
 
     def _law(self) -> _onset.Law:
@@ -303,37 +319,74 @@ class Material(_Settings):
 
     @asks
     def energy(self, F: ArrayLike) -> Floats:
-        """The energy per reference volume ``W(F)`` at `F` of shape (..., 3, 3); shape (...), stress. Where the law is not defined it is an `InputError`."""
+        """Energy per reference volume ``W(F)``, shape (...); stress.
+
+        Parameters
+        ----------
+        F
+            Deformation gradients, shape (..., 3, 3).
+
+        Raises
+        ------
+        InputError
+            If the law is not defined at a state.
+        """
         responses, shape = self._responses(F)
         return responses[:, 0].reshape(shape)
 
     @asks
     def stress(self, F: ArrayLike) -> Floats:
-        """The first Piola-Kirchhoff stress ``P_iJ = dW/dF_iJ`` at `F` of shape (..., 3, 3); the same shape, stress. Errors as of `energy`."""
+        """First Piola-Kirchhoff stress ``P_iJ = dW/dF_iJ``, shape (..., 3, 3); stress.
+
+        Parameters
+        ----------
+        F
+            Deformation gradients, shape (..., 3, 3).
+
+        Raises
+        ------
+        InputError
+            If the law is not defined at a state.
+        """
         responses, shape = self._responses(F)
         return responses[:, 1:10].reshape(*shape, 3, 3)
 
     @asks
     def tangent(self, F: ArrayLike) -> Floats:
-        """The tangent ``A_iJkL = dP_iJ/dF_kL`` at `F` of shape (..., 3, 3); shape (..., 3, 3, 3, 3), stress. Errors as of `energy`."""
+        """Tangent ``A_iJkL = dP_iJ/dF_kL``, shape (..., 3, 3, 3, 3); stress.
+
+        Parameters
+        ----------
+        F
+            Deformation gradients, shape (..., 3, 3).
+
+        Raises
+        ------
+        InputError
+            If the law is not defined at a state.
+        """
         responses, shape = self._responses(F)
         return responses[:, 10:].reshape(*shape, 3, 3, 3, 3)
 
     @asks
     def gradient(self, x: Sequence[ArrayLike]) -> list[Floats | None]:
-        """The stress ``P_iJ`` as materials of FElupe give it: `x` is ``[F, state variables]`` with ``F`` of shape (3, 3, ...), the result ``[P, None]`` with ``P``
-        of the same shape; stress.
+        """Stress ``P_iJ`` in the layout of FElupe materials, ``[P, None]`` with ``P`` of shape (3, 3, ...); stress.
+
+        `x` is ``[F, state variables]`` with ``F`` of shape (3, 3, ...).
         """
         return [np.moveaxis(self.stress(_leading(x)), (-2, -1), (0, 1)), None]
 
     @asks
     def hessian(self, x: Sequence[ArrayLike]) -> list[Floats]:
-        """The tangent ``A_iJkL`` likewise: ``[A]`` with ``A`` of shape (3, 3, 3, 3, ...); stress."""
+        """Tangent ``A_iJkL`` in the layout of FElupe materials, ``[A]`` with ``A`` of shape (3, 3, 3, 3, ...); stress.
+
+        `x` is ``[F, state variables]`` with ``F`` of shape (3, 3, ...).
+        """
         return [np.moveaxis(self.tangent(_leading(x)), (-4, -3, -2, -1), (0, 1, 2, 3))]
 
 
 def _leading(x: Sequence[ArrayLike]) -> Floats:
-    """F with its trailing axes first."""
+    """Returns the deformation gradients with the trailing axes first."""
     given = listed(x, "x")
     F = numbers(given[0] if given else [], "F")
     if F.ndim < 2:
@@ -342,11 +395,11 @@ def _leading(x: Sequence[ArrayLike]) -> Floats:
 
 
 class Method(_Settings):
-    """A discretization: a family of methods with its choices.
+    """Discretization: a family of methods with its choices.
 
-    ``Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6)``. Keywords are the keys of ``[discretization]`` with
-    underscores, ``onset.keys("discretization")`` lists them: ``spacing`` is a length, ``density`` mass/length^3, ``support`` in particle spacings. Without
-    arguments it is the method that the command takes by default. Names and values are checked with the first question.
+    ``Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6)``. Keywords are the keys of ``[discretization]`` with underscores;
+    ``onset.keys("discretization")`` lists them. ``spacing`` is a length, ``density`` is mass/length^3, and ``support`` is in particle spacings.
+    Without arguments it is the default method of the command. Names and values are checked at the first use.
     """
 
     _section = "discretization"
@@ -359,14 +412,14 @@ class Method(_Settings):
         self._put(named | choices)
 
 
-#: What stands for a material: one, or the name of a law, or a formula; ``None`` for that of the command.
+#: Material, name of a law, or formula; ``None`` for the default law of the command.
 MaterialLike = Material | str | None
-#: What stands for a method: one, or the name of a family; ``None`` for that of the command.
+#: Method, or name of a family of methods; ``None`` for the default method of the command.
 MethodLike = Method | str | None
 
 
 def material_of(material: MaterialLike) -> Material:
-    """The material that is meant."""
+    """Returns a material from a material, a name or a formula."""
     if material is None or isinstance(material, str):
         return Material(material)
     if isinstance(material, Material):
@@ -377,7 +430,7 @@ def material_of(material: MaterialLike) -> Material:
 
 
 def method_of(method: MethodLike) -> Method:
-    """The method that is meant."""
+    """Returns a method from a method or the name of a family."""
     if method is None or isinstance(method, str):
         return Method(method)
     if isinstance(method, Method):
@@ -391,7 +444,7 @@ def _made(assignments: tuple[str, ...]) -> _onset.Problem:
 
 
 def problem_of(material: MaterialLike, method: MethodLike) -> _onset.Problem:
-    """Material and method, ready to be asked. Kept for the next question, unless a library or a function could be another one by then."""
+    """Returns material and method in compiled form. The result is cached unless it depends on a library or a Python function, which may change."""
     law, assignments = material_of(material), material_of(material).assignments + method_of(method).assignments
     if law._handed is not None:
         return _onset.Problem([*law._assigned(), *method_of(method).assignments], None, [])
@@ -400,16 +453,16 @@ def problem_of(material: MaterialLike, method: MethodLike) -> _onset.Problem:
     return _made(assignments)
 
 
-#: An axis of a study: lowest, highest, and how many states, which lie in the middle of equal cells; in the unit of its quantity.
+#: Axis of a study: lowest and highest value in the unit of the quantity, and number of states, which lie in the middle of equal cells.
 Axis = tuple[float | str, float | str, int]
 
 
 class Study:
-    """Material, method, what is held fixed and what is varied: what maps and boundaries are of.
+    """Material, method, fixed quantities and axes: the input of maps and boundaries.
 
-    ``Study(text)`` reads the text of a study file; ``Study.read("study.toml")`` the file; ``Study.of(material, method,
-    axes={"stretch-1": (0.5, 2.0, 64), "stretch-2": (0.5, 2.0, 64)})`` writes one. `name` is that of the text in messages, `set` are assignments as after
-    ``--set``, `allow_library` the libraries of user materials that may be loaded.
+    ``Study(text)`` reads the text of a study file, and ``Study.read("study.toml")`` reads the file. ``Study.of(material, method, axes={"stretch-1":
+    (0.5, 2.0, 64), "stretch-2": (0.5, 2.0, 64)})`` writes a study. `name` is the name of the text in messages, `set` are assignments as after
+    ``--set``, and `allow_library` lists the libraries of user materials that may be loaded.
 
     A study that cannot be read is a `SettingError` with line and column.
     """
@@ -433,8 +486,21 @@ class Study:
     @classmethod
     @asks
     def read(cls, path: str | os.PathLike[str], *, set: Iterable[str] = (), allow_library: Iterable[str | os.PathLike[str]] = ()) -> Study:
-        """Reads a study file. `set` are assignments as after ``--set``; libraries that it names are loaded only if they are in `allow_library`. A file that
-        cannot be read is an `InputError`.
+        """Reads a study file.
+
+        Parameters
+        ----------
+        path
+            Path of the file.
+        set
+            Assignments as after ``--set``.
+        allow_library
+            Libraries that the file may load; no others are loaded.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read.
         """
         name, text = source(path)
         return cls(text, name=name, set=set, allow_library=allow_library)
@@ -453,9 +519,24 @@ class Study:
     ) -> Study:
         """Writes a study.
 
-        `axes` are two or three quantities (``stretch-1``, ``shear``, ``rotation`` or a key that takes a number) with their range and number of states, each
-        ``(lowest, highest, states)`` in the unit of the quantity; `state` has the keys of what is held fixed of the deformation, `map` those of how a map is
-        made. A law of Python functions that is no formula is an `InputError`, since no file holds it.
+        Parameters
+        ----------
+        material, method
+            Material law and discretization; ``None`` for the defaults of the command.
+        axes
+            Two or three quantities (``stretch-1``, ``shear``, ``rotation`` or a key with a numerical value), each with ``(lowest, highest, states)``
+            in the unit of the quantity.
+        title
+            Title of the study.
+        state
+            Keys of the fixed part of the deformation.
+        map
+            Keys for the computation of a map.
+
+        Raises
+        ------
+        InputError
+            If the law consists of Python functions that are not a formula, because a file cannot contain it.
         """
         if not isinstance(axes, Mapping):
             raise TypeError(f"axes is {type(axes).__name__}; expected quantities with (lowest, highest, states)")
@@ -481,17 +562,23 @@ class Study:
 
     @property
     def text(self) -> str:
-        """The study as the text of a file."""
+        """Study as the text of a file."""
         return self._study.text
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Numbers of states along the axes, slowest first."""
+        """Number of states along each axis, slowest axis first."""
         return tuple(self._study.shape)
 
     @asks
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the study file, for ``onset map`` and all other commands. A `MachineError` where it cannot be written."""
+        """Writes the study file, for ``onset map`` and all other commands.
+
+        Raises
+        ------
+        MachineError
+            If the file cannot be written.
+        """
         write(self.text, path, "a study")
 
     def __reduce__(self) -> tuple[Callable[[str, list[str]], Study], tuple[str, list[str]]]:
@@ -502,7 +589,7 @@ class Study:
 
 
 def _restored(text: str, libraries: list[str]) -> Study:
-    """A study in another process."""
+    """Returns a study that was pickled in another process."""
     return Study(text, allow_library=libraries)
 
 
@@ -514,7 +601,7 @@ def _states(count: object) -> str:
 
 
 def source(path: str | os.PathLike[str], what: str = "a study") -> tuple[str, str]:
-    """Name and text of a file."""
+    """Returns name and text of a file."""
     name = place(path, what)
     try:
         return name, Path(name).read_text(encoding="utf-8")
@@ -523,7 +610,7 @@ def source(path: str | os.PathLike[str], what: str = "a study") -> tuple[str, st
 
 
 def study_of(study: Study | str | os.PathLike[str]) -> Study:
-    """The study that is meant: one, or a file."""
+    """Returns a study from a study or a file."""
     return study if isinstance(study, Study) else Study.read(study)
 
 

@@ -1,4 +1,4 @@
-"""An energy that is a Python function, as a formula: the function is called once, with symbols."""
+"""Conversion of an energy from a Python function to a formula: the function is called once, with symbols."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _JOINED = {"logical_and": "and", "logical_or": "or", "bitwise_and": "and", "bitw
 
 
 class Symbol:
-    """A part of a formula: an operator or a function with its operands, or a name or number."""
+    """Part of a formula: an operator or a function with its operands, or a name or number."""
 
     __slots__ = ("_operands", "_word")
     #: Before any array.
@@ -164,7 +164,7 @@ class Symbol:
 
 
 def _method(name: str) -> Callable[[Symbol], Any]:
-    """NumPy asks the parts of an array for a method of the function's name."""
+    """Returns a method with the name of a NumPy function; NumPy calls it for each item of an array of objects."""
 
     def method(self: Symbol) -> Any:
         return _called(name, (self,))
@@ -178,7 +178,7 @@ for _name in (*_FUNCTIONS, "square", "reciprocal", "log1p", "expm1", "log2", "po
 
 
 class Tensor(np.ndarray[Any, Any]):
-    """An array of symbols, of which determinants and inverses are known too."""
+    """Array of symbols that supports determinants and inverses."""
 
     def __array_function__(self, func: Callable[..., Any], types: Any, args: Any, kwargs: Any) -> Any:
         return _dispatched(func, args, kwargs)
@@ -254,7 +254,7 @@ _ARRAY_FUNCTIONS: dict[Callable[..., Any], Callable[..., Any]] = {
 
 
 def _symbol(value: object) -> Symbol:
-    """A number as a part of a formula."""
+    """Returns a number as a part of a formula."""
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value.item()
     if isinstance(value, Symbol):
@@ -269,14 +269,14 @@ def _symbol(value: object) -> Symbol:
 
 
 def _operation(word: str, left: object, right: object) -> Any:
-    """An operator between two parts; of arrays between all of theirs."""
+    """Applies an operator to two parts, or elementwise to arrays."""
     if isinstance(left, np.ndarray) and left.ndim > 0 or isinstance(right, np.ndarray) and right.ndim > 0:
         return NotImplemented
     return Symbol(word, _symbol(left), _symbol(right))
 
 
 def _called(name: str, operands: Sequence[object]) -> Any:
-    """One of NumPy's functions, of parts of a formula."""
+    """Applies a NumPy function to parts of a formula."""
     if name in _FUNCTIONS:
         return Symbol(_FUNCTIONS[name], _symbol(operands[0]))
     if name in _EXTREMES:
@@ -314,7 +314,7 @@ _ATOM = 9
 
 
 def written(symbol: Symbol) -> str:
-    """The formula; what is used more than once is named first."""
+    """Returns the formula; parts that occur several times are named first."""
     uses: dict[int, int] = {}
     order: list[Symbol] = []
 
