@@ -1,9 +1,9 @@
-//! Tells from which sources, and how, the program is built: numbers of two builds do not belong in one map.
+//! Identifies the sources and options of the build. The numbers of two builds must not be combined in one map.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What decides the numbers. A package from a registry has its own sources only; the others are told by their versions.
+/// Files that determine the numbers. A package from a registry contains only its sources; its dependencies are identified by their versions.
 const SOURCES: [&str; 4] = [
     "src",
     "../onset/src",
@@ -42,7 +42,7 @@ fn collect(path: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// The sum of Fowler, Noll and Vo (FNV-1a, 64 bits): the same wherever it is computed.
+/// Hash of Fowler, Noll and Vo (FNV-1a, 64 bits), identical on all machines.
 struct Sum(u64);
 
 impl Sum {
@@ -50,7 +50,7 @@ impl Sum {
         Self(0xcbf2_9ce4_8422_2325)
     }
 
-    /// Adds some bytes, and how many they are.
+    /// Adds bytes and their number.
     fn add(&mut self, bytes: &[u8]) {
         let length = (bytes.len() as u64).to_le_bytes();
         for byte in bytes.iter().chain(&length) {

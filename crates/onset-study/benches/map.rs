@@ -1,7 +1,7 @@
-//! States per second of a map, on all cores, as one JSON document: what `cargo xtask bench` compares with its peers.
+//! States per second of a map on all cores, as one JSON document. `cargo xtask bench` compares it with other programs.
 //!
 //! `cargo bench -p onset-study --bench map -- [lagrangian|eulerian] [--states N] [--seed S] [--repetitions N] [--out FILE]`:
-//! with `--out` the extremes of each state are also written, a line a state.
+//! `--out` also writes the extremes of each state, one line per state.
 
 use nalgebra::Vector3;
 use onset::analysis::{Analysis, analysis};
@@ -15,13 +15,13 @@ use std::error::Error;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// The range of both stretches.
+/// Range of both stretches.
 const RANGE: (f64, f64) = (0.5, 2.5);
 
-/// States that are computed together.
+/// Number of states in a batch.
 const PART: usize = 512;
 
-/// What is to be done.
+/// Command-line arguments of the benchmark.
 struct Arguments {
     frame: Frame,
     states: usize,
@@ -30,15 +30,15 @@ struct Arguments {
     out: Option<String>,
 }
 
-/// The extremes of a state over the zone.
+/// Extremes of the spectrum of a state over the zone.
 struct Extremes {
-    /// `min Re omega^2 / (c^2 |k|_h^2)`.
+    /// Smallest scaled measure `Re omega^2 / (c^2 |k|_h^2)`.
     minimum: f64,
-    /// Its wave vector; the direction where it is the limit of long waves.
+    /// Wave vector of the smallest scaled measure; its direction in the long-wave limit.
     wave_vector: Vector3<f64>,
-    /// `max Re omega^2`.
+    /// Largest `Re omega^2`.
     largest: f64,
-    /// The largest growth rate.
+    /// Largest growth rate.
     growth_rate: f64,
 }
 
@@ -74,7 +74,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The extremes of all states; `None` where the support is lost.
+/// Extremes of all states; `None` if the support is lost.
 fn map(survey: &dyn Analysis, states: &[[f64; 2]]) -> Vec<Option<Extremes>> {
     let extremes = |part: &[[f64; 2]]| -> Vec<Option<Extremes>> {
         let deformations = part
@@ -102,7 +102,7 @@ impl Extremes {
     }
 }
 
-/// A line a state: minimum, wave vector, largest `omega^2`, growth rate; `nan` where the support is lost.
+/// One line per state: minimum, wave vector, largest `omega^2`, growth rate; `nan` if the support is lost.
 fn table(found: &[Option<Extremes>]) -> String {
     let line = |extremes: &Option<Extremes>| match extremes {
         Some(e) => format!(
@@ -114,7 +114,7 @@ fn table(found: &[Option<Extremes>]) -> String {
     found.iter().map(line).collect()
 }
 
-/// Pseudo-random pairs of stretches by splitmix64, the same as those of `bench/peers/states.py`.
+/// Pseudo-random pairs of stretches by splitmix64, in the sequence of `bench/peers/states.py`.
 fn states(count: usize, seed: u64) -> Vec<[f64; 2]> {
     let uniform = |n: u64| {
         let mut z = seed.wrapping_add(n.wrapping_mul(0x9E37_79B9_7F4A_7C15));
@@ -147,7 +147,7 @@ impl Arguments {
                 "--seed" => result.seed = value()?.parse()?,
                 "--repetitions" => result.repetitions = value()?.parse::<usize>()?.max(1),
                 "--out" => result.out = Some(value()?),
-                // What cargo adds.
+                // Argument that cargo adds.
                 "--bench" => {}
                 _ => return Err(format!("unknown argument {word}").into()),
             }

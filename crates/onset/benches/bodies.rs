@@ -1,8 +1,8 @@
-//! What a step of a body costs: a free cube of particles that shakes, total-Lagrangian SPH with a penalty, or updated SPH.
+//! Time and memory per step of a body: a free, vibrating cube of particles, with total-Lagrangian SPH and a penalty or with updated SPH.
 //!
-//! `bodies SIDE STEPS` runs so many steps of a cube with so many particles along each side, and prints what it kept for a particle; `bodies updated SIDE STEPS`
-//! those of updated SPH. Time and memory are measured from outside, in turns with other programs: `bench/bodies.py`. `bodies bandwidth` prints what the memory
-//! delivers to all cores.
+//! `bodies SIDE STEPS` runs `STEPS` steps of a cube with `SIDE` particles along each edge and prints the memory per particle.
+//! `bodies updated SIDE STEPS` runs updated SPH. `bench/bodies.py` measures time and memory from outside, alternating with other programs. `bodies
+//! bandwidth` prints the memory bandwidth of all cores.
 
 use onset::analysis::analysis;
 use onset::kernel::Kernel;
@@ -19,7 +19,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 fn shaken(body: &mut dyn BodyMotion, steps: u64) {
-    // A fifth of what is stable: the largest frequency is not sought here.
+    // About a fifth of the critical time step; the largest frequency is not computed here.
     let step = 0.1;
     let start = Start {
         f: DeformationGradient::identity(),
@@ -37,9 +37,9 @@ fn shaken(body: &mut dyn BodyMotion, steps: u64) {
     );
 }
 
-/// Bytes a second that all cores together read and write in `a = b + 3 c` (the triad of STREAM), the best of some turns.
+/// Memory bandwidth of all cores in `a = b + 3 c` (the triad of STREAM), bytes per second read and written; the best of several runs.
 fn bandwidth() -> f64 {
-    /// Numbers of an array of one core: 64 MiB, beyond all caches.
+    /// Length of the array of one core: 64 MiB, larger than all caches.
     const COUNT: usize = 1 << 23;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let mut arrays: Vec<[Vec<f64>; 3]> = (0..cores)
@@ -62,7 +62,6 @@ fn bandwidth() -> f64 {
     (0..10).map(|_| turn()).fold(0.0, f64::max)
 }
 
-/// Total-Lagrangian SPH with a penalty.
 fn lagrangian(particles: Box<KernelMethodChoices>) -> MethodChoices {
     let choices = TotalLagrangianChoices {
         kernel: Kernel::CubicSpline,
@@ -74,7 +73,7 @@ fn lagrangian(particles: Box<KernelMethodChoices>) -> MethodChoices {
     MethodChoices::TotalLagrangianSph(particles, choices)
 }
 
-/// The updated SPH that LAMMPS has too.
+/// Updated SPH as in LAMMPS.
 fn updated(particles: Box<KernelMethodChoices>) -> MethodChoices {
     let choices = UpdatedSphChoices {
         kernel: Kernel::CubicSpline,
@@ -91,7 +90,7 @@ fn main() {
         println!("{{\"bytes_per_second\": {:e}}}", bandwidth());
         return;
     }
-    // Cargo adds options of its own.
+    // Cargo adds its options to the arguments.
     let numbers: Vec<u64> = std::env::args()
         .filter_map(|own| own.parse().ok())
         .collect();

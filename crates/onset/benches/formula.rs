@@ -1,4 +1,4 @@
-//! What a typed formula costs against the built-in law of the same energy, and what reading it costs.
+//! Evaluation time of an energy entered as a formula, against the built-in law with the same energy, and time to parse the formula.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use onset::formula::{Formula, FormulaLaw};

@@ -1,4 +1,4 @@
-//! What one state costs: the response of the material, the dynamical matrix, the search over the zone, directions in three dimensions.
+//! Computation time of one state: response of the material, dynamical matrix, search over the zone, and directions in three dimensions.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use onset::bloch::{ZoneSearch, dynamical_matrix};
@@ -63,7 +63,7 @@ fn states(criterion: &mut Criterion) {
     }
 }
 
-/// The smallest acoustic eigenvalue over all directions in three dimensions.
+/// Smallest acoustic eigenvalue over all directions in three dimensions.
 fn directions(criterion: &mut Criterion) {
     let laws: [(&str, Box<dyn Hyperelastic>); 2] = [
         ("law (5)", Box::new(ModifiedMooneyRivlin::default())),

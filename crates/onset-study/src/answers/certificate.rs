@@ -168,7 +168,7 @@ impl WitnessAnswer {
 }
 
 impl CertificateAnswer {
-    /// What is proved of the material, of the material in 3D, and of the discretization.
+    /// Proofs for the material, for the material in 3D and for the discretization.
     fn lines(&self) -> impl Iterator<Item = (&'static str, String)> {
         let rows = [
             ("material", Some(&self.material), ["direction", "c |k|"]),

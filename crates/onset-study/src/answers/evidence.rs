@@ -36,7 +36,7 @@ impl Evidence {
 }
 
 impl Evidence {
-    /// The kind of evidence, and what it rests on.
+    /// Describes how the evidence was computed.
     pub(crate) fn words(self) -> String {
         let how = match self {
             Self::Proved => "in intervals over the continuous zone",

@@ -15,8 +15,8 @@ const UNSTRESSED: f64 = 1e-9;
 /// State with different stretches. A law without shear stiffness only at `F = 1` has some here.
 const STRETCHED: [f64; 3] = [1.1, 1.0, 0.95];
 
-/// Notes on a law: stress at `F = 1`, no shear stiffness, a negative Poisson's ratio, a tangent that depends on the path, and the block of another program
-/// from which the law was read.
+/// Notes on a law: stress at `F = 1`, no shear stiffness, a negative Poisson's ratio, a path-dependent tangent, and the block of another program that
+/// was read.
 pub fn notes_on_law(settings: &MaterialSettings, material: &dyn Hyperelastic) -> Vec<String> {
     let notes = [
         stress_at_rest(material),

@@ -279,10 +279,10 @@ impl WeakestModeAnswer {
     }
 }
 
-/// Options of `onset state`.
+/// Options for the assessment of one state, as in `onset state`.
 #[derive(Clone, Copy, Debug)]
 pub struct StateQuestion {
-    /// Tolerance of the proof, if stability is to be proved: larger undecided measures are not near zero.
+    /// Tolerance of the proof, if a proof is requested. Undecided measures above it are not near zero.
     pub certified: Option<f64>,
     /// Limit of weakly controlled waves, a relative frequency.
     pub weak: f64,

@@ -1,13 +1,14 @@
-//! The most symmetric one of degenerate modes.
+//! Choice of the most symmetric mode among degenerate modes.
 
 use crate::algebra::Complex;
 use crate::verdict::Displacements;
 use nalgebra::SVector;
 
-/// One mode of the space that degenerate modes span, which an eigenvalue problem leaves to chance: the part in it of the simplest wave that
-/// it holds at least half of. Simple are, in this order, particles that all move along the wave vector, particles of a cell that part
-/// along it, and the same along each axis. The part of a symmetric wave in a space that the symmetries keep is as symmetric as the wave.
-/// Of the largest displacement one.
+/// Returns the most symmetric mode of the space that degenerate modes span. An eigenvalue solver returns an arbitrary basis of this space.
+///
+/// The mode is the projection of the simplest wave of which the space contains at least half. The waves are tried in this order: all particles move
+/// along the wave vector, particles of a cell move against each other along it, and both motions along each axis. If the space is invariant under the
+/// symmetries, the projection is as symmetric as the wave. The largest displacement is one.
 pub(super) fn most_symmetric<const D: usize>(
     span: &[Displacements<D>],
     k: &SVector<f64, D>,
@@ -48,7 +49,7 @@ fn dot<const D: usize>(a: &[SVector<Complex, D>], b: &[SVector<Complex, D>]) -> 
     a.iter().zip(b).map(|(a, b)| a.dotc(b)).sum()
 }
 
-/// The part of a wave in a space.
+/// Projection of a wave onto the span of a basis.
 fn part_in<const D: usize>(
     basis: &[Displacements<D>],
     wave: &Displacements<D>,
@@ -63,7 +64,7 @@ fn part_in<const D: usize>(
     part
 }
 
-/// An orthonormal basis of the span.
+/// Orthonormal basis of the span of some modes.
 fn orthonormal<const D: usize>(span: &[Displacements<D>]) -> Vec<Displacements<D>> {
     let mut basis: Vec<Displacements<D>> = Vec::new();
     for mode in span {

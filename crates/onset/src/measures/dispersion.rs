@@ -1,4 +1,4 @@
-//! Errors of frequencies and of the long-wave limit.
+//! Errors of frequencies, and of the moduli in the long-wave limit.
 
 use crate::algebra::{Complex, directions};
 use crate::bloch::WaveSystem;
@@ -9,17 +9,17 @@ use crate::verdict::{Survey, continuum};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use std::f64::consts::TAU;
 
-/// The worst error of the frequencies at a wavelength.
+/// Largest error of the frequencies at a wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct DispersionError {
-    /// Wavelength over the particle spacing.
+    /// Wavelength in particle spacings, the number of points per wavelength.
     pub particles_per_wavelength: f64,
-    /// The largest `|omega / omega_exact - 1|` over directions and acoustic branches of the reference configuration.
+    /// Largest `|omega / omega_exact - 1|` over directions and acoustic branches, in the reference configuration.
     pub error: f64,
 }
 
-/// The errors of the frequencies of the reference configuration at wavelengths given in particle spacings, [`crate::lattice::Crystal::spacing`].
+/// Computes the frequency errors in the reference configuration at wavelengths given in particle spacings, [`crate::lattice::Crystal::spacing`].
 pub fn dispersion_errors<const D: usize>(
     survey: &Survey<'_, D>,
     particles_per_wavelength: &[f64],
@@ -42,8 +42,10 @@ pub fn dispersion_errors<const D: usize>(
     Ok(particles_per_wavelength.iter().map(of_wavelength).collect())
 }
 
-/// The largest component of the difference between the stiffness of long waves and that of the material (both made symmetric as
-/// they act on waves), over the largest component of the latter; in the reference configuration.
+/// Relative error of the long-wavelength moduli in the reference configuration.
+///
+/// It is the largest component of the difference between the long-wave stiffness of discretization and material (both symmetrized as they act on
+/// waves), over the largest component of the material stiffness.
 ///
 /// # Errors
 /// [`MethodError`] when the material cannot be evaluated.
@@ -54,7 +56,7 @@ pub fn long_wave_error<const D: usize>(survey: &Survey<'_, D>) -> Result<f64, Me
     let (mut difference, mut scale) = (0.0_f64, 0.0_f64);
     for j in 0..D {
         for l in 0..=j {
-            // The sum over J, L = j, l and l, j: differences of a quadratic form.
+            // Sum over J, L = j, l and l, j, from differences of a quadratic form.
             let mixed = |stiffness: &Stiffness<D>| -> SMatrix<f64, D, D> {
                 let unit = |i: usize| SVector::from_fn(|n, _| f64::from(u8::from(n == i)));
                 let sum: SVector<f64, D> = unit(j) + unit(l);
@@ -91,7 +93,7 @@ fn frequency_error<const D: usize>(
             .map(|(found, exact)| error(found.re, *exact))
             .fold(0.0, f64::max);
     }
-    // With several particles in a cell the zone is folded: the branch of a wave is the mode most like it.
+    // With several particles in a cell the zone is folded. The branch of a wave is the mode that resembles it most.
     let tensor = stiffness.acoustic_tensor(k) / density;
     let symmetric = DMatrix::from_fn(D, D, |i, j| 0.5 * (tensor[(i, j)] + tensor[(j, i)]));
     let exact = symmetric.symmetric_eigen();

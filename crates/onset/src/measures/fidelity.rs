@@ -1,38 +1,38 @@
-//! How faithful a method is to its material over a window of states.
+//! Fidelity of a method to its material in a window of states.
 
 use crate::kinematics::DeformationGradient;
 use crate::method::MethodError;
 use crate::verdict::{Phase, Survey, Verdict, probe_material};
 
-/// A window of states: stretches along the first two axes (one in one dimension), cell-centered.
+/// Window of states: a grid of cell centers in the stretches along the first two axes, or along one in one dimension.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StateWindow {
-    /// Smallest and largest stretch.
+    /// Smallest and largest stretch along each axis.
     pub stretches: [f64; 2],
-    /// States along an axis.
+    /// Number of states along each axis.
     pub states: usize,
 }
 
-/// Shares of the states of a window.
+/// Fractions of the states of a window, by the stability of method and material.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Fidelity {
-    /// Unstable though the material is elliptic.
+    /// Fraction of states with an unstable method although the material is elliptic.
     pub false_instability: f64,
-    /// Stable though the material is not elliptic.
+    /// Fraction of states with a stable method although the material is not elliptic.
     pub suppressed_instability: f64,
-    /// Stable, but with zero-energy modes.
+    /// Fraction of states with a stable method that has zero-energy modes.
     pub zero_energy: f64,
-    /// Defined by the law, but not by the method: too few neighbors.
+    /// Fraction of states where the law is defined and the method is not, for example because of too few neighbors.
     pub undefined: f64,
-    /// Outside of the law's domain.
+    /// Fraction of states outside the domain of the law.
     pub outside_law: f64,
-    /// Elliptic.
+    /// Fraction of states with an elliptic material.
     pub elliptic: f64,
 }
 
 impl Fidelity {
-    /// The share of the states on which material and method agree.
+    /// Fraction of states where the stability of method and material agrees.
     pub fn agreement(&self) -> f64 {
         1.0 - self.false_instability
             - self.suppressed_instability
@@ -41,10 +41,10 @@ impl Fidelity {
     }
 }
 
-/// Shares of the states of a window on which method and material differ.
+/// Classifies the states of a window by the stability of method and material.
 ///
 /// # Errors
-/// [`MethodError`] when a state cannot be evaluated for another reason than its support or the law's domain.
+/// [`MethodError`] when a state cannot be evaluated. Lack of support and states outside the domain of the law are no errors; they are counted.
 pub fn fidelity<const D: usize>(
     survey: &Survey<'_, D>,
     window: &StateWindow,

@@ -1,12 +1,12 @@
-//! How good a discretization is: the same questions, asked of any of them.
+//! Quality measures of a discretization, comparable among all methods.
 //!
-//! | measure | question |
+//! | measure | result |
 //! |---|---|
-//! | [`spurious_modes`] | which modes have zero energy, or are weakly controlled, in the reference configuration? |
-//! | [`dispersion_errors`] | how large is the error of the frequencies at so many points per wavelength? |
-//! | [`long_wave_error`] | how large is the consistency error: how far are the long-wavelength moduli from those of the material? |
-//! | [`onset`] | at which stretch is stability lost first, and at which does the material lose it? |
-//! | [`fidelity`] | on which share of a window of states is the method falsely unstable, or stable where the material is not? |
+//! | [`spurious_modes`] | zero-energy modes and weakly controlled modes in the reference configuration |
+//! | [`dispersion_errors`] | errors of the frequencies for given numbers of points per wavelength |
+//! | [`long_wave_error`] | consistency error: difference of the long-wavelength moduli from the moduli of the material |
+//! | [`onset`] | stretches at which the method and the material first lose stability |
+//! | [`fidelity`] | fractions of a window of states on which the method is falsely unstable, or stable although the material is not |
 
 mod degenerate;
 mod dispersion;

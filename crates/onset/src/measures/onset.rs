@@ -1,11 +1,11 @@
-//! Where stability ends along a loading, for the material and for the method.
+//! Loss of stability along a loading, for material and method.
 
 use crate::kinematics::{DeformationGradient, KinematicsError};
 use crate::method::MethodError;
 use crate::verdict::change::{Knot, Narrowed, narrow};
 use crate::verdict::{Phase, Probe, Survey, probe_material};
 
-/// A homogeneous loading of a `D`-dimensional body; what is out of its dimensions is held.
+/// Homogeneous loading of a `D`-dimensional body. Directions outside its dimensions are held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -13,18 +13,18 @@ use crate::verdict::{Phase, Probe, Survey, probe_material};
     serde(rename_all = "kebab-case")
 )]
 pub enum Load {
-    /// `F = diag(s, 1, 1)`, `s > 1`.
+    /// Uniaxial strain in tension: `F = diag(s, 1, 1)`, `s > 1`.
     UniaxialStrainTension,
-    /// `F = diag(s, 1, 1)`, `s < 1`.
+    /// Uniaxial strain in compression: `F = diag(s, 1, 1)`, `s < 1`.
     UniaxialStrainCompression,
-    /// `F = diag(s, s, 1)`, `s > 1`.
+    /// Equibiaxial strain in tension: `F = diag(s, s, 1)`, `s > 1`.
     EquibiaxialStrainTension,
-    /// `F = diag(s, s, 1)`, `s < 1`.
+    /// Equibiaxial strain in compression: `F = diag(s, s, 1)`, `s < 1`.
     EquibiaxialStrainCompression,
 }
 
 impl Load {
-    /// All of them.
+    /// All loadings, in the order of tables.
     pub const ALL: [Self; 4] = [
         Self::UniaxialStrainTension,
         Self::UniaxialStrainCompression,
@@ -32,7 +32,7 @@ impl Load {
         Self::EquibiaxialStrainCompression,
     ];
 
-    /// The word used in files and tables.
+    /// Name of the loading in files and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::UniaxialStrainTension => "uniaxial strain tension",
@@ -42,7 +42,7 @@ impl Load {
         }
     }
 
-    /// Its description in sentences and legends, in the given number of dimensions.
+    /// Description of the loading in sentences and legends, for the given number of dimensions.
     pub fn title(self, dimension: usize) -> &'static str {
         match (self, dimension) {
             (Self::UniaxialStrainTension, 1) => "stretch along the chain",
@@ -58,7 +58,7 @@ impl Load {
         }
     }
 
-    /// Whether stretches grow.
+    /// Returns true if the loading increases stretches.
     pub fn is_tension(self) -> bool {
         matches!(
             self,
@@ -66,7 +66,7 @@ impl Load {
         )
     }
 
-    /// Whether a body of so many dimensions can be loaded like this.
+    /// Returns true if a body of the given dimension can be loaded in this way.
     pub fn is_possible(self, dimension: usize) -> bool {
         let is_uniaxial = matches!(
             self,
@@ -75,7 +75,7 @@ impl Load {
         is_uniaxial || dimension >= 2
     }
 
-    /// The deformation at a stretch.
+    /// Deformation gradient at a stretch.
     ///
     /// # Errors
     /// [`KinematicsError`] when the stretch is not admissible.
@@ -88,23 +88,23 @@ impl Load {
     }
 }
 
-/// Where stability ends.
+/// End of stability along a loading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum StretchOnset {
-    /// The reference state is unstable already.
+    /// The reference state is unstable.
     AtRest,
-    /// At this stretch; at 1 where the slightest strain is enough.
+    /// Stability is lost at this stretch; 1 if any strain is enough.
     At(f64),
-    /// Not up to the last stretch that was looked at.
+    /// Stability is kept up to this stretch, the last one evaluated.
     NotBefore(f64),
     /// The method or the law is not defined from this stretch on.
     Undefined(f64),
 }
 
 impl StretchOnset {
-    /// The stretch, where there is one.
+    /// Stretch at the loss of stability, or `None` if stability is not lost.
     pub fn stretch(self) -> Option<f64> {
         match self {
             Self::At(stretch) => Some(stretch),
@@ -114,22 +114,23 @@ impl StretchOnset {
     }
 }
 
-/// The first instability along a loading, of material and method.
+/// First instability of material and method along a loading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct OnsetPair {
-    /// The loading.
+    /// Loading of the body.
     pub load: Load,
-    /// Of the continuum: loss of strong ellipticity.
+    /// Loss of strong ellipticity of the material.
     pub material: StretchOnset,
-    /// Of the discretization: the first growing wave.
+    /// First growing wave of the discretization.
     pub method: StretchOnset,
 }
 
 impl OnsetPair {
-    /// The strain `s - 1` at which the method loses stability over that at which the material does: one for a faithful method,
-    /// less for one that is falsely unstable. Not a number where the material stays stable and the method does not, or the
-    /// other way round; one where both stay stable.
+    /// Ratio of the onset strains `s - 1`, method over material.
+    ///
+    /// It is one for a faithful method, and less than one for a method that is falsely unstable. If neither loses stability, it is one; if only one
+    /// of them does, NaN. For a method that is unstable in the reference state it is zero.
     pub fn ratio(&self) -> f64 {
         match (self.material, self.method) {
             (StretchOnset::At(material), StretchOnset::At(method)) => {
@@ -142,18 +143,18 @@ impl OnsetPair {
     }
 }
 
-/// How near to each other the stretches on both sides of the end of stability are.
+/// Length of the bracket around the end of stability, in stretch.
 const CLOSE: f64 = 1e-10;
-/// Steps in which a loading is looked at before the first change is refined.
+/// Number of steps in which a loading is sampled before the first change is refined.
 const STEPS: usize = 64;
 
-/// The first instability along a loading up to the stretch `end`, of material and method, each to `1e-10`.
+/// Computes the first instability of material and method along a loading up to the stretch `end`, each to `1e-10`.
 ///
-/// Between the states that are looked at (64 of them) a return to stability can pass unseen; along paths see
-/// [`crate::verdict::scan_discretization`].
+/// A return to stability between the 64 sampled states can be missed; [`crate::verdict::scan_discretization`] is more thorough.
 ///
 /// # Errors
-/// [`MethodError`] when a state cannot be evaluated for another reason than its support or the law's domain.
+/// [`MethodError`] when a state cannot be evaluated. Lack of support and states outside the domain of the law are no errors, but
+/// [`StretchOnset::Undefined`].
 pub fn onset<const D: usize>(
     survey: &Survey<'_, D>,
     load: Load,
@@ -175,7 +176,7 @@ fn first(
     probe: impl Fn(f64) -> Result<Probe, MethodError>,
 ) -> Result<StretchOnset, MethodError> {
     let stretch = |n: usize| 1.0 + (end - 1.0) * n as f64 / STEPS as f64;
-    // The reference state itself is at the limit where modes have no energy: looked at are states beside it.
+    // The reference state is marginal if modes have no energy. A state near it is evaluated instead.
     let beside = 1.0 + 1e-6 * (end - 1.0);
     let mut before = (beside, probe(beside)?);
     match before.1.0 {
@@ -194,7 +195,7 @@ fn first(
     Ok(StretchOnset::NotBefore(end))
 }
 
-/// Where stability ends between a stable state and another one.
+/// Narrows the end of stability between a stable state and a state of another phase.
 fn end_of_stability(
     stable: Knot,
     other: Knot,

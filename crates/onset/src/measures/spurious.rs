@@ -1,4 +1,4 @@
-//! Spurious modes of a discretization: zero-energy modes and weakly controlled ones.
+//! Spurious modes of a discretization: zero-energy modes and weakly controlled modes.
 
 use super::degenerate::most_symmetric;
 use super::zero_energy::{Extent, ZeroMode, ZeroModes};
@@ -7,54 +7,59 @@ use crate::method::MethodError;
 use crate::verdict::{Bottom, Slowest, Survey, WeakestSearch};
 use nalgebra::SVector;
 
-/// Wave vectors nearer than this, in units of the reciprocal vectors, are the same.
+/// Largest distance of equal wave vectors, in units of the reciprocal vectors.
 const SAME: f64 = 1e-4;
 
-/// A spurious mode of the reference configuration: one with too little energy.
+/// Spurious mode of the reference configuration: a mode with too little energy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpuriousMode<const D: usize> {
-    /// Its wave vector; 1/length.
+    /// Wave vector of the mode; 1/length.
     pub wave_vector: SVector<f64, D>,
-    /// The wave vector of the material's wave that it is; 1/length. With several particles in a cell that is known up to reciprocal vectors only, and the
-    /// wave is taken that the mode holds most of. For a zero-energy mode `wave_vector` itself.
+    /// Wave vector of the material wave; 1/length.
+    ///
+    /// The modes of a cell with several particles determine it up to reciprocal vectors. It is then the wave vector of the longest wave with a large
+    /// amplitude in the mode.
     pub wave: SVector<f64, D>,
-    /// Its frequency over that of the material's slowest wave with that wave vector: zero for a zero-energy mode.
+    /// Frequency over the frequency of the slowest material wave with the wave vector `wave`; zero for a zero-energy mode.
     pub relative_frequency: f64,
-    /// How many independent zero-energy modes there are at this wave vector, translations not counted: displacements that strain no
-    /// point, whatever the law.
+    /// Number of independent zero-energy modes at this wave vector, without translations. Their displacements strain no point, for any material.
     pub nullity: usize,
-    /// How far zero-energy modes extend from it; a single point for weakly controlled ones.
+    /// Extent of the set of zero-energy modes at this wave vector; a single point for weakly controlled modes.
     pub extent: Extent,
-    /// Displacement of each particle of the cell at the origin, of the mode with the lowest frequency. Where several have it, of one that is
-    /// as symmetric as the wave vector: along it, if they hold such a wave.
+    /// Displacement of each particle of the cell at the origin, in the mode with the lowest frequency.
+    ///
+    /// For degenerate modes it is the most symmetric one, along the wave vector if they contain such a wave.
     pub displacements: Vec<SVector<Complex, D>>,
 }
 
 impl<const D: usize> SpuriousMode<D> {
-    /// Whether it is a zero-energy mode.
+    /// Returns true for a zero-energy mode.
     pub fn is_zero(&self) -> bool {
         self.nullity > 0
     }
 }
 
-/// The spurious modes of a discretization.
+/// Spurious modes of a discretization.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpuriousModes<const D: usize> {
-    /// Zero-energy modes first, single wave vectors before lines and surfaces; then the weakly controlled ones by their frequency. Of `k` and `-k`
-    /// one, of a line or surface one.
+    /// Spurious modes: zero-energy modes, single wave vectors before lines and surfaces, then weakly controlled modes by frequency.
+    ///
+    /// Only one of `k` and `-k` is listed, and one wave vector of each line or surface.
     pub modes: Vec<SpuriousMode<D>>,
-    /// How far zero-energy modes extend at most; `None` where there are none.
+    /// Largest extent of a set of zero-energy modes; `None` without zero-energy modes.
     pub zero_extent: Option<Extent>,
-    /// Whether all zero-energy modes have been found: the whole zone has been searched. Not so for large cells that have too many wave
-    /// vectors with little strain.
+    /// Whether the whole zone has been searched, so that all zero-energy modes are known. The search of large cells ends early if too many wave
+    /// vectors have little strain.
     pub is_complete: bool,
-    /// The lowest relative frequency anywhere, long waves included: 0 with zero-energy modes, 1 where no wave is slower than the
-    /// material's. `None` where nothing can be compared: the slowest waves of the material have no energy, as the shear waves of a fluid.
+    /// Lowest relative frequency in the zone, long waves included: 0 with zero-energy modes, 1 if no wave is slower than in the material.
+    ///
+    /// `None` if the slowest waves of the material have no energy for comparison, as shear waves of fluids.
     pub weakest: Option<f64>,
 }
 
-/// All wave vectors with zero-energy modes, which depend on the discretization alone, and those at which the relative frequency has a
-/// minimum below `threshold`; in the reference configuration, over the whole zone.
+/// Finds the zero-energy modes, and the minima of the relative frequency below `threshold`, over the whole zone in the reference configuration.
+///
+/// Zero-energy modes depend only on the discretization.
 ///
 /// # Errors
 /// [`MethodError`] when the material or the discretization cannot be evaluated.
@@ -84,7 +89,7 @@ pub fn spurious_modes<const D: usize>(
     })
 }
 
-/// A zero-energy mode with a wave vector of the first zone.
+/// Converts a zero-energy mode, with its wave vector folded into the first zone.
 fn shown<const D: usize>(mode: &ZeroMode<D>, search: &WeakestSearch<'_, D>) -> SpuriousMode<D> {
     let k = search.zone.folded(&mode.wave_vector);
     SpuriousMode {
@@ -104,19 +109,19 @@ struct Weak<'a, const D: usize> {
 }
 
 impl<const D: usize> Weak<'_, D> {
-    /// The distance from the nearest reciprocal vector, in units of these.
+    /// Distance from the nearest reciprocal vector, in units of the reciprocal vectors.
     fn distance_to_zero(&self, k: &SVector<f64, D>) -> f64 {
         let fractional = self.search.zone.lattice().fractional(k);
         (fractional - fractional.map(f64::round)).amax()
     }
 
-    /// The weakly controlled modes.
+    /// Weakly controlled modes below a threshold of the relative frequency.
     fn modes(&self, threshold: f64) -> Vec<SpuriousMode<D>> {
         let limit = threshold * threshold;
         let mut modes: Vec<SpuriousMode<D>> = Vec::new();
         for Bottom { ratio, wave_vector } in self.search.bottoms(limit) {
             let slowest = self.search.unfolding.slowest(&wave_vector);
-            // A well at k = 0 is no wave: the stiffness of all long waves is too low.
+            // A minimum at k = 0 is no mode: the stiffness of all long waves is too low.
             let long = 1.0 / self.search.points() as f64;
             let is_long = self.search.zone.lattice().fractional(&slowest.wave).amax() < long;
             let is_known = || {
@@ -142,7 +147,7 @@ impl<const D: usize> Weak<'_, D> {
         }
     }
 
-    /// Whether a wave vector has a zero-energy mode.
+    /// Returns true if a wave vector has a zero-energy mode.
     fn is_zero(&self, k: &SVector<f64, D>) -> bool {
         self.zero.has(k, |other| {
             let either = [k - other, k + other];
@@ -151,7 +156,7 @@ impl<const D: usize> Weak<'_, D> {
         })
     }
 
-    /// Whether two wave vectors are the same, or opposite, up to reciprocal vectors.
+    /// Returns true if two wave vectors are equal or opposite, up to reciprocal vectors.
     fn is_same(&self, a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
         self.distance_to_zero(&(a - b)) < SAME || self.distance_to_zero(&(a + b)) < SAME
     }

@@ -32,8 +32,8 @@ pub struct Crossing {
 }
 
 impl Crossing {
-    /// Parameter in the unstable phase, at which the critical mode can be evaluated. If neither phase or both are unstable, it is the first one after
-    /// the crossing.
+    /// Parameter in the unstable phase, at which the critical mode can be evaluated. If neither phase or both are unstable, it is the parameter
+    /// `behind`.
     pub fn witness(&self) -> f64 {
         if self.from.is_unstable() && !self.to.is_unstable() {
             self.before
@@ -99,7 +99,7 @@ pub enum PathError {
         /// Error at this state.
         source: KinematicsError,
     },
-    /// The method or the material cannot be evaluated, and the state is not merely undefined.
+    /// The method or the material cannot be evaluated, for a reason other than an undefined state.
     #[error("at s = {parameter}: {source}")]
     Method {
         /// Path parameter of the state.

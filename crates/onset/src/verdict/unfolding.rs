@@ -101,7 +101,7 @@ pub(super) fn slower<const D: usize>(a: WeakestMode<D>, b: WeakestMode<D>) -> We
     if is_slower { a } else { b }
 }
 
-/// Order of wave vectors: shorter ones are greater, then those with a larger first component.
+/// Order of wave vectors, greatest first: shorter wave vectors, then larger first components.
 pub(crate) fn is_first<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> Ordering {
     let [long, other] = [a, b].each(|k| k.norm());
     match (long - other).abs() > TIED * long.max(other) {

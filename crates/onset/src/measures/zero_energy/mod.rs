@@ -1,8 +1,8 @@
-//! All zero-energy modes: the wave vectors at which the strain operator has a kernel.
+//! Search for all zero-energy modes: the wave vectors at which the strain operator has a kernel.
 //!
-//! The zone is divided until each part either surely has no such wave vector, by bounds on the strain operator, or lies in the
-//! neighborhood of one that Newton's method has found and that is surely alone there. Lines of zero-energy modes are followed from
-//! one of their wave vectors; next to lines and surfaces the division ends at a small size.
+//! The zone is divided into parts. A part is done if bounds on the strain operator exclude such a wave vector, or if it lies in the neighborhood of a
+//! root of Newton's method that is provably the only one there. Lines of zero-energy modes are traced from one of their wave vectors. Next to lines
+//! and surfaces the division ends at a small size.
 
 mod places;
 mod root;
@@ -17,19 +17,19 @@ use root::Root;
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
-/// Parts of the zone, in units of the reciprocal vectors: the first ones, those from which Newton's method starts, those at which a
-/// line or surface is followed no further, and the smallest.
+/// Sizes of parts of the zone, in units of the reciprocal vectors: of the first parts, of parts in which Newton's method starts, of parts in which
+/// lines and surfaces need no further search, and of the smallest parts.
 const FIRST: f64 = 0.25;
 const NEWTON: f64 = 0.13;
 const FOLLOWED: [f64; 3] = [1.0 / 256.0, 1.0 / 128.0, 1.0 / 64.0];
 const SMALLEST: f64 = 1e-9;
-/// Roots nearer than this to one whose slopes vanish are taken for it, in units of the shortest reciprocal vector.
+/// Distance within which roots near a root with vanishing slopes are identified with it, in units of the shortest reciprocal vector.
 const MULTIPLE: f64 = 0.02;
-/// Roots nearer than this to a place whose coordinates are multiples of the fraction, in units of the reciprocal vectors, are tried
-/// there: multiple ones are known to a root of rounding only.
+/// Roots near a wave vector with coordinates that are multiples of `FRACTION`, in units of the reciprocal vectors, are rounded to it. Multiple roots
+/// are known only to the root of the rounding error.
 const NEAR: f64 = 1e-4;
 const FRACTION: f64 = 1.0 / 24.0;
-/// The distance at which it is tried whether a root goes on.
+/// Distance at which the continuation of a root is tested, in units of the shortest reciprocal vector.
 const CONTINUED: f64 = 0.02;
 /// Length of the steps along a line, in units of the smallest parts next to it, and largest correction of a step, relative to its length.
 const STRIDE: f64 = 2.0;
@@ -38,15 +38,15 @@ const ASIDE: f64 = 0.45;
 const SYMMETRIC: f64 = 0.25;
 /// Sine of the smallest angle between different directions.
 const LEAST_SINE: f64 = 0.1;
-/// Distances, in units of the reciprocal vectors, within which a wave vector is that of a zero-energy mode.
+/// Distance within which a wave vector belongs to a zero-energy mode, in units of the reciprocal vectors.
 const POINT: f64 = 1e-3;
-/// What is seen of a wave, over its size, where its wave vector is known to the square root of rounding.
+/// Largest strain of a zero-energy mode, relative to its amplitude, if the wave vector is known to the square root of rounding.
 const KNOWN: f64 = 1e-4;
-/// What is spent on the division, terms of sums: some seconds.
+/// Largest cost of the division, in terms of sums; some seconds.
 const BUDGET: f64 = 2e8;
-/// What roots may be sought for in what is left then, in units of the budget.
+/// Fraction of the budget that remains for roots in the last parts.
 const LAST: f64 = 0.1;
-/// What Newton's method and its root cost, in units of one matrix.
+/// Cost of Newton's method and of evaluating the root, in units of one matrix.
 const SOUGHT: f64 = 6.0;
 /// Largest distance of neighboring wave vectors of a line or surface, in units of the smallest parts next to it.
 const NEIGHBORS: f64 = 6.0;
@@ -54,14 +54,14 @@ const NEIGHBORS: f64 = 6.0;
 const STARTS: usize = 12;
 /// Number of directions tested on a half circle around a root of a surface. Lines that cross do not pass through all of them.
 const AROUND: usize = 8;
-/// Wave vectors of no symmetry, in units of the reciprocal vectors.
+/// Wave vectors without symmetry, in units of the reciprocal vectors.
 const GENERIC: [[f64; 3]; 3] = [
     [0.237_068_1, 0.396_871_4, 0.141_592_7],
     [0.414_213_6, 0.118_033_9, 0.302_775_6],
     [0.087_298_3, 0.267_949_2, 0.449_489_7],
 ];
 
-/// How far zero-energy modes extend from a wave vector.
+/// Extent of a connected set of zero-energy modes in the zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -69,18 +69,18 @@ const GENERIC: [[f64; 3]; 3] = [
     serde(rename_all = "kebab-case")
 )]
 pub enum Extent {
-    /// A single wave vector.
+    /// The set is a single wave vector.
     Point,
-    /// A line of wave vectors, or several that meet.
+    /// The set is a line of wave vectors, or several lines that meet.
     Line,
-    /// A surface in the zone of a body in space.
+    /// The set is a surface in the zone of a three-dimensional body.
     Surface,
-    /// Every wave vector.
+    /// The set contains every wave vector.
     Zone,
 }
 
 impl Extent {
-    /// The word used in files and tables.
+    /// Name of the extent in files and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Point => "point",
@@ -91,17 +91,17 @@ impl Extent {
     }
 }
 
-/// A wave vector with zero-energy modes.
+/// Wave vector with zero-energy modes.
 #[derive(Clone, Debug)]
 pub(super) struct ZeroMode<const D: usize> {
     pub(super) wave_vector: SVector<f64, D>,
     pub(super) extent: Extent,
     pub(super) nullity: usize,
-    /// Displacements of the particles of a cell in modes that span all of this wave vector.
+    /// Displacements of the particles of a cell in a basis of the zero-energy modes of this wave vector.
     pub(super) span: Vec<Displacements<D>>,
 }
 
-/// All of them, of `k` and `-k` one, and whether that is sure.
+/// All zero-energy modes, one of each pair `k` and `-k`.
 pub(super) struct ZeroModes<'a, const D: usize> {
     rows: &'a StrainRows<D>,
     pub(super) modes: Vec<ZeroMode<D>>,
@@ -109,7 +109,7 @@ pub(super) struct ZeroModes<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> ZeroModes<'a, D> {
-    /// `folded` takes a wave vector to the first zone.
+    /// Finds the modes; `folded` maps a wave vector to the first zone.
     pub(super) fn new(
         crystal: &Crystal<D>,
         rows: &'a StrainRows<D>,
@@ -131,7 +131,7 @@ impl<'a, const D: usize> ZeroModes<'a, D> {
         }
     }
 
-    /// How far zero-energy modes extend; `None` where there are none.
+    /// Largest extent of the zero-energy modes; `None` if there are no such modes.
     pub(super) fn extent(&self) -> Option<Extent> {
         self.modes.iter().map(|mode| mode.extent).max()
     }
@@ -143,8 +143,10 @@ impl<'a, const D: usize> ZeroModes<'a, D> {
         }
     }
 
-    /// Whether a wave vector of the first zone that is known to the square root of rounding has one of them: it is near to that of a point, or
-    /// strains little beside others. Waves that strain little without any such neighbor are weakly controlled.
+    /// Returns true if a wave vector of the first zone, known to the square root of rounding, has a zero-energy mode.
+    ///
+    /// It is then near a single wave vector with zero-energy modes, or its strain is small and lines, surfaces or an incomplete search allow a
+    /// zero-energy mode. Other waves with small strain are weakly controlled.
     pub(super) fn has(
         &self,
         k: &SVector<f64, D>,
@@ -165,7 +167,7 @@ struct Place<const D: usize> {
     extent: Extent,
 }
 
-/// A part of the zone, in units of the reciprocal vectors.
+/// Box of the zone, in units of the reciprocal vectors.
 #[derive(Clone, Copy)]
 struct Part<const D: usize> {
     center: SVector<f64, D>,
@@ -175,7 +177,7 @@ struct Part<const D: usize> {
 struct Search<'a, const D: usize> {
     crystal: &'a Crystal<D>,
     rows: &'a StrainRows<D>,
-    /// The length of the shortest reciprocal vector.
+    /// Length of the shortest reciprocal vector.
     shortest: f64,
     isolated: Vec<Root<D>>,
     continued: Vec<Place<D>>,
@@ -203,7 +205,7 @@ impl<'a, const D: usize> Search<'a, D> {
         self.crystal.lattice().reciprocal() * fractional
     }
 
-    /// The way from one wave vector to another, of which opposite ones and those that differ by a reciprocal vector are the same.
+    /// Shortest difference of two wave vectors, up to their signs and reciprocal vectors.
     fn way(&self, from: &SVector<f64, D>, to: &SVector<f64, D>) -> SVector<f64, D> {
         let nearest = |difference: SVector<f64, D>| {
             let x = self.crystal.lattice().fractional(&difference);
@@ -221,7 +223,7 @@ impl<'a, const D: usize> Search<'a, D> {
         self.way(a, b).norm()
     }
 
-    /// The mode that all wave vectors have: `R` is analytic, so that three of them tell.
+    /// Mode that all wave vectors have. `R` is analytic, so that three generic wave vectors decide.
     fn everywhere(&self) -> Option<ZeroMode<D>> {
         let at = |place: &[f64; 3]| {
             let k = self.wave_vector(&SVector::from_fn(|i, _| place[i]));
@@ -239,12 +241,12 @@ impl<'a, const D: usize> Search<'a, D> {
         })
     }
 
-    /// Divides half of the zone until all of it is known; whether that could be.
+    /// Divides half of the zone until every part is decided. Returns true if that succeeds within the budget.
     fn divide(&mut self) -> bool {
         self.add_symmetric();
         let mut parts: VecDeque<Part<D>> = self.first().into();
         let mut is_complete = true;
-        // When the budget is spent, roots are sought in every so manieth part, all over the zone.
+        // Once the budget is spent, roots are searched in every n-th part, all over the zone.
         let (mut every, mut turn) = (None, 0_usize);
         while let Some(part) = parts.pop_front() {
             if self.is_known(&part) {
@@ -259,7 +261,7 @@ impl<'a, const D: usize> Search<'a, D> {
             let is_last = self.spent > BUDGET;
             let radius: f64 = edges.iter().map(|edge| edge.norm()).sum();
             let is_small = part.half.amax() <= FOLLOWED[D - 1];
-            // Next to a line or surface there is nothing to be found before parts are small, and then it is known.
+            // Next to a line or surface only small parts can be decided.
             let is_followed = self.continued_places.has_within(radius, &center);
             if is_followed && is_small {
                 continue;
@@ -306,7 +308,7 @@ impl<'a, const D: usize> Search<'a, D> {
         }
     }
 
-    /// Of how many of the last parts one is searched, so that it takes no longer than it may.
+    /// Interval between searched parts at which the search of the remaining parts is affordable.
     fn sought_of(&self, parts: usize) -> usize {
         let affordable = LAST * BUDGET / (SOUGHT * self.rows.cost());
         (parts as f64 / affordable.max(1.0)).ceil().max(1.0) as usize
@@ -337,7 +339,7 @@ impl<'a, const D: usize> Search<'a, D> {
         array_of(|i| reciprocal.column(i) * part.half[i])
     }
 
-    /// The two halves, cut across the longest edge.
+    /// Halves of a part, cut across the longest edge.
     fn halves(&self, part: &Part<D>, edges: &[SVector<f64, D>; D]) -> [Part<D>; 2] {
         let length = |i: &usize| edges[*i].norm();
         let longest = (0..D).max_by(|a, b| length(a).total_cmp(&length(b)));
@@ -350,7 +352,7 @@ impl<'a, const D: usize> Search<'a, D> {
         })
     }
 
-    /// Whether a part lies in the neighborhood of a root that is alone there.
+    /// Returns true if a part lies in the neighborhood of a root without other roots.
     fn is_known(&self, part: &Part<D>) -> bool {
         let radius: f64 = self.edges(part).iter().map(|edge| edge.norm()).sum();
         let center = self.wave_vector(&part.center);
@@ -360,7 +362,7 @@ impl<'a, const D: usize> Search<'a, D> {
         })
     }
 
-    /// Looks for a root near a wave vector; whether it is one of a line or surface.
+    /// Searches a root near a wave vector. Returns true for a new root of a line or surface.
     fn sought(&mut self, start: &SVector<f64, D>, reach: f64) -> bool {
         self.spent += SOUGHT * self.rows.cost();
         let polished = self.rows.polished(start, reach);
@@ -374,7 +376,7 @@ impl<'a, const D: usize> Search<'a, D> {
         !is_known && self.add(root)
     }
 
-    /// The multiple of a simple fraction next to a root, where that is one no less.
+    /// Rounds a wave vector to a multiple of `FRACTION` if the strain there is no larger.
     fn rounded(&self, k: SVector<f64, D>) -> SVector<f64, D> {
         let place = self.crystal.lattice().fractional(&k);
         let simple = place.map(|x| (x / FRACTION).round() * FRACTION);
@@ -394,7 +396,7 @@ impl<'a, const D: usize> Search<'a, D> {
             self.add_place(k, Extent::Surface);
             return true;
         }
-        // Where lines cross, slopes vanish in directions that no line has.
+        // At a crossing of lines, slopes also vanish in directions without a line.
         let is_on_line = !ways.is_empty() && pairs_of(&root.flat).next().is_none();
         if is_on_line {
             self.add_place(k, Extent::Line);
@@ -466,8 +468,9 @@ impl<'a, const D: usize> Search<'a, D> {
         })
     }
 
-    /// Whether a root at which slopes vanish is one of a line or surface: where lines cross, they vanish in directions that no line
-    /// has. Between such a root and the next one of a line are others.
+    /// Returns true if a root with vanishing slopes belongs to a line or surface: more roots lie between it and the nearest root of a line.
+    ///
+    /// At a crossing of lines, slopes also vanish in directions without a line.
     fn is_on_line(&self, root: &Root<D>) -> bool {
         let others = self.continued.iter();
         let ways = others.map(|other| self.way(&root.wave_vector, &other.wave_vector));
@@ -590,10 +593,10 @@ impl<'a, const D: usize> Search<'a, D> {
         (0..count).map(|n| self.of_particles(&basis, n)).collect()
     }
 
-    /// Displacements of the particles of a cell in modes that span all of a root.
+    /// Displacements of the particles of a cell in a basis of the modes of a root.
     fn span(&self, root: &Root<D>) -> Vec<Displacements<D>> {
         if self.rows.columns() == 1 {
-            // Any displacement of the single particle.
+            // A single particle can have any displacement.
             let entry = |is_axis: bool| Complex::new(f64::from(u8::from(is_axis)), 0.0);
             let along = |axis: usize| vec![SVector::from_fn(|i, _| entry(i == axis))];
             return (0..D).map(along).collect();

@@ -1,4 +1,4 @@
-//! Wave vectors by where they lie in the zone, to find those near another one.
+//! Wave vectors sorted into the cells of a grid, for neighbor search.
 
 use crate::algebra::array_of;
 use crate::lattice::BravaisLattice;
@@ -6,10 +6,10 @@ use nalgebra::SVector;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-/// Cells of the zone along each reciprocal vector.
+/// Number of grid cells along each reciprocal vector.
 const CELLS: i32 = 64;
 
-/// Wave vectors, of which opposite ones and those that differ by a reciprocal vector are the same.
+/// Set of wave vectors, which are equal up to sign and reciprocal vectors.
 pub(super) struct Places<const D: usize> {
     lattice: BravaisLattice<D>,
     cells: HashMap<[i32; D], Vec<SVector<f64, D>>>,
@@ -33,7 +33,7 @@ impl<const D: usize> Places<D> {
         self.count += 1;
     }
 
-    /// Whether one of them is no farther from a wave vector than this.
+    /// Returns true if the distance of a wave vector from the set is at most `radius`.
     pub(super) fn has_within(&self, radius: f64, k: &SVector<f64, D>) -> bool {
         let place = self.lattice.fractional(k);
         let is_near = |other: &SVector<f64, D>| {

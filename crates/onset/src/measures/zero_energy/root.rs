@@ -1,34 +1,34 @@
-//! What lies next to a root of the strain operator.
+//! Neighborhood of a root of the strain operator.
 
 use crate::algebra::{Complex, sort_by_value};
 use crate::scheme::{Singular, StrainRows};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::f64::consts::PI;
 
-/// Slopes below this fraction of the largest leave a direction in which a root may go on.
+/// Slope, as a fraction of the largest, below which roots may continue in a direction.
 const FLAT: f64 = 1e-5;
-/// Halvings of an interval in which a distance is sought, which is a lower bound.
+/// Number of bisections of an interval that contains a distance. Its lower end is used.
 const HALVINGS: usize = 40;
-/// Turns in which a stationary direction is sought, and the part by which one must be lower than that before.
+/// Largest number of alternating minimizations for a stationary direction, and the relative decrease at which they stop.
 const TURNS: usize = 60;
 const SETTLED: f64 = 1e-6;
-/// Directions that are looked at, of which opposite ones are the same.
+/// Number of sampled directions, by dimension. Opposite directions are equivalent.
 const DIRECTIONS: [usize; 3] = [1, 90, 240];
 
-/// A wave vector at which `R` has a kernel.
+/// Wave vector at which the strain operator `R` has a kernel.
 #[derive(Clone, Debug)]
 pub(super) struct Root<const D: usize> {
     pub(super) wave_vector: SVector<f64, D>,
-    /// The kernel, an orthonormal vector a column.
+    /// Orthonormal basis of the kernel, in columns.
     pub(super) kernel: DMatrix<Complex>,
-    /// No other root is nearer than this; 1/length.
+    /// Radius of a neighborhood without other roots; 1/length.
     pub(super) alone_within: f64,
-    /// Where no slope resists: unit directions in which a root may go on.
+    /// Unit directions of zero slope, in which the roots may continue.
     pub(super) flat: Vec<SVector<f64, D>>,
 }
 
 impl<const D: usize> StrainRows<D> {
-    /// What is known of the neighborhood of a root; `None` where there is no kernel.
+    /// Returns the root at a wave vector, with its neighborhood; `None` if `R` has no kernel there.
     pub(super) fn root(&self, k: &SVector<f64, D>) -> Option<Root<D>> {
         let singular = Singular::of(self.at(k))?;
         let count = singular.nullity();
@@ -57,33 +57,34 @@ impl<const D: usize> StrainRows<D> {
         Some(Root {
             wave_vector: *k,
             kernel,
-            // Directions are sampled: a little less.
+            // The factor allows for the sampling of directions.
             alone_within: surroundings.alone_within(0.9 * least, self.curvature),
             flat: flat.map(|(_, direction)| direction).collect(),
         })
     }
 }
 
-/// How `R` changes around a root, bounds for any unit direction `n`.
+/// Bounds on the change of `R` around a root, for any unit direction `n`.
 ///
-/// There `R = R_0 + d S + E` at the distance `d`, with `S = n.dR` and `|E| <= e = M d^2 / 2`, `M` a bound on the second derivative. With the kernel `U`, an
-/// orthonormal basis `Q` of the range of `R_0`, its complement `W`, and `R_0 O = Q`, any vector is `U a + O y`. In a kernel at that distance
+/// At the distance `d` from the root, `R = R_0 + d S + E`, with `S = n.dR` and `|E| <= e = M d^2 / 2`. `M` bounds the second derivative. The kernel
+/// is `U`, an orthonormal basis of the range of `R_0` is `Q`, and of its complement `W`. With `R_0 O = Q`, any vector is `U a + O y`. If it lies in
+/// the kernel of `R`,
 ///
 /// `y + Q* (d S + E) (U a + O y) = 0` and `W* (d S + E) (U a + O y) = 0`;
 ///
-/// the first gives `|y| <= (b d + e) |a| / (1 - h d - e |O|)`, and with it the second
+/// The first equation gives `|y| <= (b d + e) |a| / (1 - h d - e |O|)`. The second then gives
 ///
 /// `s d <= e + (c d + e |O|) (b d + e) / (1 - h d - e |O|)`,
 ///
-/// where `s` is the smallest of `|W* S U a|` over unit `n` and `a`.
+/// where `s` is the smallest value of `|W* S U a|` over unit `n` and `a`.
 struct Surroundings {
-    /// `b`, of `|Q* S U|`.
+    /// `b`: bound on `|Q* S U|`.
     answer: f64,
-    /// `h`, of the Hermitian part of `Q* S O`.
+    /// `h`: bound on the Hermitian part of `Q* S O`.
     relative: f64,
-    /// `c`, of `|W* S O|`.
+    /// `c`: bound on `|W* S O|`.
     turned: f64,
-    /// `|O|`, the inverse of the smallest singular value other than zero.
+    /// `|O|`: inverse of the smallest nonzero singular value.
     softness: f64,
 }
 
@@ -104,7 +105,7 @@ impl Surroundings {
             let product = range.ad_mul(&(slope * &origins));
             (&product + product.adjoint()) * Complex::from(0.5)
         };
-        // Of a sum over the components of a unit vector the norm is at most the root of the sum of the squares.
+        // The norm of a sum weighted by the components of a unit vector is at most the root of the sum of squares.
         let of_any = |part: &dyn Fn(&DMatrix<Complex>) -> DMatrix<Complex>| -> f64 {
             let squares = slopes.iter().map(|slope| norm(&part(slope)).powi(2));
             squares.sum::<f64>().sqrt()
@@ -117,7 +118,7 @@ impl Surroundings {
         }
     }
 
-    /// The distance within which there is no other root, for `s` and `M`: what is left of `s d` grows with the distance.
+    /// Distance within which no other root exists, for given `s` and `M`. The bound on `s d`, divided by `d`, increases with the distance.
     fn alone_within(&self, s: f64, curvature: f64) -> f64 {
         let is_alone = |d: f64| {
             let e = 0.5 * curvature * d;
@@ -137,12 +138,13 @@ impl Surroundings {
     }
 }
 
-/// The spectral norm.
 fn norm(matrix: &DMatrix<Complex>) -> f64 {
     matrix.singular_values().max()
 }
 
-/// The smallest `|n.T a|^2` over unit `a` for directions `n`, from the products `T_i* T_j`: stationary directions, the least first.
+/// Smallest `|n.T a|^2` over unit `a` as a function of the direction `n`: its stationary directions, lowest value first.
+///
+/// `products` are the matrices `T_i* T_j`.
 fn directional<const D: usize>(
     products: &[Vec<DMatrix<Complex>>],
     count: usize,
@@ -157,7 +159,7 @@ fn directional<const D: usize>(
         .map(|n| (square(&n), n))
         .collect();
     sort_by_value(&mut sampled, |item| item.0);
-    // The least ones are followed, of neighboring ones one.
+    // The lowest samples are refined, one of each group of neighbors.
     let mut found: Vec<(f64, SVector<f64, D>)> = Vec::new();
     let apart = 4.0 / (DIRECTIONS[D - 1] as f64).powf(1.0 / (D.max(2) - 1) as f64);
     for (value, n) in sampled {
@@ -172,8 +174,10 @@ fn directional<const D: usize>(
     found
 }
 
-/// A stationary direction downhill from one: for a vector `a` of the kernel the best direction is an eigenvector of the `a* T_i* T_j a`, and for a
-/// direction the best vector one of `sum n_i n_j T_i* T_j`, in turns.
+/// Descends from a direction to a stationary one by alternating minimization.
+///
+/// For a vector `a` of the kernel the best direction is an eigenvector of `a* T_i* T_j a`. For a direction the best vector is an eigenvector of `sum
+/// n_i n_j T_i* T_j`.
 fn refined<const D: usize>(
     products: &[Vec<DMatrix<Complex>>],
     (mut value, mut n): (f64, SVector<f64, D>),
@@ -199,7 +203,7 @@ fn refined<const D: usize>(
     (value, n)
 }
 
-/// `sum n_i n_j T_i* T_j`.
+/// Returns the matrix `sum n_i n_j T_i* T_j`.
 fn along<const D: usize>(
     products: &[Vec<DMatrix<Complex>>],
     n: &SVector<f64, D>,
@@ -215,7 +219,7 @@ fn along<const D: usize>(
     sum
 }
 
-/// Directions all over the half sphere.
+/// Directions distributed evenly over the half sphere.
 fn directions<const D: usize>() -> Vec<SVector<f64, D>> {
     let count = DIRECTIONS[D - 1];
     let golden = PI * (3.0 - 5.0_f64.sqrt());
@@ -235,7 +239,7 @@ fn directions<const D: usize>() -> Vec<SVector<f64, D>> {
         .collect()
 }
 
-/// Eigenvalues of a symmetric matrix with their vectors, the least first.
+/// Eigenvalues and eigenvectors of a symmetric matrix, lowest first.
 fn eigen<const D: usize>(matrix: &SMatrix<f64, D, D>) -> Vec<(f64, SVector<f64, D>)> {
     let dynamic = DMatrix::from_fn(D, D, |i, j| matrix[(i, j)]);
     let eigen = dynamic.symmetric_eigen();
@@ -260,7 +264,7 @@ mod tests {
     use nalgebra::SVector;
     use std::f64::consts::PI;
 
-    /// No wave as near to a root as is said is without strain, and no other root is.
+    /// Checks that all sampled waves within the stated distance of a root have strain, and that the nearest other root is farther away.
     fn assert_alone<const D: usize>(
         kind: LatticeKind,
         (radius, cells, disorder): (f64, [usize; D], f64),

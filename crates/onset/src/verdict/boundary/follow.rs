@@ -19,9 +19,9 @@ const CORNER_STEP: f64 = 1e-5;
 const MISSES: usize = 3;
 /// Distance from a predicted corner at which a step ends, as a fraction of the distance to the corner.
 const SHORT_OF: f64 = 0.02;
-/// Length below which steps, as after a corner, may grow faster.
+/// Largest length of a short step, as after a corner. Short steps may grow faster.
 const SHORT_STEP: f64 = 1e-3;
-/// Length below which steps do not determine the curvature.
+/// Largest length of a step that does not determine the curvature.
 const SMOOTH_STEP: f64 = 1e-7;
 /// Shortest step. An obstacle within it ends the curve.
 const SHORTEST: f64 = 1e-10;
@@ -218,7 +218,7 @@ impl Start {
         Ok(best.map(Self::with_corner))
     }
 
-    /// If the curve bends even on the smallest circle, the seed is a corner and the chords are the tangents.
+    /// Marks the seed as a corner if the curve bends even on the smallest circle. The chords are then the tangents.
     fn with_corner(mut self) -> Self {
         self.is_corner = self.bend.abs() >= TURN;
         if self.is_corner {
@@ -394,7 +394,7 @@ impl<E> Walker<'_, '_, E> {
         }
     }
 
-    /// Shortens the step after one that turned; if the corner can be predicted, the step ends just before it.
+    /// Shortens the step after an abrupt turn. If the corner can be predicted, the step ends just before it.
     fn approach(&mut self, beyond: Point) -> Result<(), E> {
         let shortest = 0.99 * CORNER_STEP;
         let ahead = if self.misses < MISSES {

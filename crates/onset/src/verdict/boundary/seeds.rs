@@ -130,7 +130,7 @@ fn dip_along<E>(
     Ok(other.map_or_else(Vec::new, |other| vec![(left, other), (other, right)]))
 }
 
-/// Searches an island of another phase between the lines of the grid, near a node whose measure is below that of all its neighbors.
+/// Searches an island of another phase between the lines of the grid, near a node with a local minimum of the measure.
 ///
 /// The search moves along the coordinates with decreasing steps.
 fn dip_in_plane<E>(

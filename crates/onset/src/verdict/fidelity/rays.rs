@@ -78,7 +78,7 @@ pub fn onset_along<E>(
     }
 }
 
-/// Where a ray crosses a chord, and whether it leads from the right of the chord to its left.
+/// Parameter at which a ray crosses a chord, and whether the ray leads from the right of the chord to its left.
 fn crossing(origin: [f64; 2], d: [f64; 2], a: [f64; 2], b: [f64; 2]) -> Option<(f64, bool)> {
     let e = [b[0] - a[0], b[1] - a[1]];
     let off = [a[0] - origin[0], a[1] - origin[1]];
@@ -88,6 +88,6 @@ fn crossing(origin: [f64; 2], d: [f64; 2], a: [f64; 2], b: [f64; 2]) -> Option<(
     }
     let s = (off[0] * e[1] - off[1] * e[0]) / determinant;
     let t = (off[0] * d[1] - off[1] * d[0]) / determinant;
-    // To the left of the chord is where `e x d > 0`.
+    // Points to the left of the chord satisfy `e x d > 0`.
     ((0.0..1.0).contains(&t) && s > 0.0).then_some((s, determinant < 0.0))
 }
