@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn any_polarization_becomes_one_along_the_wave_vector() {
+    fn degenerate_polarizations_become_the_one_along_the_wave_vector() {
         // Two oblique directions span the plane.
         let span = [vec![real(0.3, 0.9)], vec![real(-0.8, 0.1)]];
         let chosen = most_symmetric(&span, &Vector2::new(2.0, 2.0));
@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn particles_of_a_cell_that_part_are_found_in_a_mixture() {
+    fn motion_of_two_particles_against_each_other_is_found_in_a_mixture() {
         let parting = |x: f64, y: f64| vec![real(x, y), real(-x, -y)];
         let span = [parting(0.6, 0.8), parting(0.8, -0.6)];
         let chosen = most_symmetric(&span, &Vector2::new(1.0, 0.0));
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mode_that_is_not_degenerate_stays_itself() {
+    fn a_nondegenerate_mode_is_unchanged() {
         let transverse = vec![real(0.0, 2.0)];
         let chosen = most_symmetric(&[transverse], &Vector2::new(1.0, 0.0));
         assert!((chosen[0] - real(0.0, 1.0)).norm() < 1e-12);

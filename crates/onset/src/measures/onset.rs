@@ -144,9 +144,9 @@ impl OnsetPair {
 }
 
 /// Length of the bracket around the end of stability, in stretch.
-const CLOSE: f64 = 1e-10;
+const ONSET_BRACKET: f64 = 1e-10;
 /// Number of steps in which a loading is sampled before the first change is refined.
-const STEPS: usize = 64;
+const SAMPLING_STEPS: usize = 64;
 
 /// Computes the first instability of material and method along a loading up to the stretch `end`, each to `1e-10`.
 ///
@@ -175,7 +175,7 @@ fn first(
     end: f64,
     probe: impl Fn(f64) -> Result<Probe, MethodError>,
 ) -> Result<StretchOnset, MethodError> {
-    let stretch = |n: usize| 1.0 + (end - 1.0) * n as f64 / STEPS as f64;
+    let stretch = |n: usize| 1.0 + (end - 1.0) * n as f64 / SAMPLING_STEPS as f64;
     // The reference state is marginal if modes have no energy. A state near it is evaluated instead.
     let beside = 1.0 + 1e-6 * (end - 1.0);
     let mut before = (beside, probe(beside)?);
@@ -185,7 +185,7 @@ fn first(
         _ if probe(1.0)?.0 == Phase::Stable => return Ok(StretchOnset::At(1.0)),
         _ => return Ok(StretchOnset::AtRest),
     }
-    for n in 1..=STEPS {
+    for n in 1..=SAMPLING_STEPS {
         let behind = (stretch(n), probe(stretch(n))?);
         if behind.1.0 != Phase::Stable {
             return end_of_stability(before, behind, &probe);
@@ -201,7 +201,7 @@ fn end_of_stability(
     other: Knot,
     probe: &dyn Fn(f64) -> Result<Probe, MethodError>,
 ) -> Result<StretchOnset, MethodError> {
-    match narrow(probe, (stable, other), CLOSE)? {
+    match narrow(probe, (stable, other), ONSET_BRACKET)? {
         Narrowed::Change(_, (stretch, (Phase::Undefined, _))) => {
             Ok(StretchOnset::Undefined(stretch))
         }

@@ -8,7 +8,7 @@ use crate::verdict::{Bottom, Slowest, Survey, WeakestSearch};
 use nalgebra::SVector;
 
 /// Largest distance of equal wave vectors, in units of the reciprocal vectors.
-const SAME: f64 = 1e-4;
+const WAVE_VECTOR_TOLERANCE: f64 = 1e-4;
 
 /// Spurious mode of the reference configuration: a mode with too little energy.
 #[derive(Clone, Debug, PartialEq)]
@@ -158,6 +158,6 @@ impl<const D: usize> Weak<'_, D> {
 
     /// Returns true if two wave vectors are equal or opposite, up to reciprocal vectors.
     fn is_same(&self, a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
-        self.distance_to_zero(&(a - b)) < SAME || self.distance_to_zero(&(a + b)) < SAME
+        self.distance_to_zero(&(a - b)) < WAVE_VECTOR_TOLERANCE || self.distance_to_zero(&(a + b)) < WAVE_VECTOR_TOLERANCE
     }
 }

@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_is_closed_in_by_few_questions_even_where_rounding_lets_what_is_stable_fall_below_zero()
+    fn narrowing_needs_few_evaluations_even_if_rounding_makes_stable_measures_negative()
      {
         for (change, rounding, most) in [
             (0.3717, 0.0, 14),

@@ -14,9 +14,9 @@ const INTERVALS: usize = 256;
 /// Number of halvings of the first and the last interval towards the ends of the path.
 const HALVINGS: i32 = 24;
 /// Length of the bracket of a crossing, in path parameters.
-const CLOSE: f64 = 1e-15;
+const CROSSING_BRACKET: f64 = 1e-15;
 /// Accuracy of the bottom of a dip, as a fraction of the interval.
-const DIP: f64 = 1e-7;
+const DIP_TOLERANCE: f64 = 1e-7;
 
 /// Change of phase along a path, bracketed by two parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -224,7 +224,7 @@ fn change_in_dip(
         Ok(found) => Err(Ok((s, found))),
         Err(error) => Err(Err(error)),
     };
-    let tolerance = DIP * (around[2] - around[0]);
+    let tolerance = DIP_TOLERANCE * (around[2] - around[0]);
     lowest_between(at, around, sign * measure, tolerance)
         .err()
         .transpose()
@@ -237,7 +237,7 @@ fn refine(
     behind: Knot,
     crossings: &mut Vec<Crossing>,
 ) -> Result<(), PathError> {
-    match narrow(probe, (before, behind), CLOSE)? {
+    match narrow(probe, (before, behind), CROSSING_BRACKET)? {
         Narrowed::Change(before, behind) => crossings.push(Crossing {
             from: before.1.0,
             to: behind.1.0,

@@ -26,7 +26,7 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 use std::sync::{Arc, OnceLock};
 
 /// Largest scaled measure of a stable state whose softest mode is tested for zero energy: above it, the stress alone cannot provide the stiffness.
-const SOFT: f64 = 0.05;
+const ZERO_ENERGY_TEST_LIMIT: f64 = 0.05;
 
 /// Squared frequencies below this fraction of the largest one are zero to rounding.
 const UNRESISTED: f64 = 1e-13;
@@ -561,7 +561,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         // The test for zero energy needs the mode.
         let soft = match (material_grows, &waves) {
             (true, _) => f64::NEG_INFINITY,
-            (false, StateWaves::Direct(waves)) => SOFT.max(waves.search.tolerance(&waves.matrix)),
+            (false, StateWaves::Direct(waves)) => ZERO_ENERGY_TEST_LIMIT.max(waves.search.tolerance(&waves.matrix)),
             (false, StateWaves::System(_)) => f64::INFINITY,
         };
         let Judgment {

@@ -18,27 +18,27 @@ use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 /// Largest component of the wave vector of a long wave, in units of the reciprocal vectors. Long waves are not compared.
-const LONG: f64 = 1e-3;
+const LONG_WAVE_LIMIT: f64 = 1e-3;
 /// Smallest squared amplitude of a wave that is assigned to a group of modes, relative to the largest squared amplitude.
-const HELD: f64 = 0.5;
+const AMPLITUDE_FRACTION: f64 = 0.5;
 /// Relative tolerance for wave vectors on a face of the zone.
 const ON_FACE: f64 = 1e-9;
 /// Rounding of wave numbers before sorting, relative to the largest.
-const ROUNDED: f64 = 1e-7;
+const SORT_ROUNDING: f64 = 1e-7;
 /// Relative error of the components of a wave vector at the end of a descent.
-const TIED: f64 = 1e-5;
+const TIE_TOLERANCE: f64 = 1e-5;
 /// Largest difference of degenerate squared frequencies, relative to the largest: for symmetric, then for nonsymmetric forces. Eigenvectors of
 /// nonsymmetric matrices do not separate closer eigenvalues.
-const DEGENERATE: [f64; 2] = [1e-12, 1e-9];
+const DEGENERACY_TOLERANCES: [f64; 2] = [1e-12, 1e-9];
 /// Smallest sum of squared displacements of normalized modes after the translations are subtracted; smaller remainders are zero.
-const REST: f64 = 0.5;
+const REMAINDER_LIMIT: f64 = 0.5;
 /// Relative and absolute tolerance of equal ratios of squared frequencies.
-const AS_SLOW: [f64; 2] = [1e-6, 1e-12];
+const RATIO_TOLERANCES: [f64; 2] = [1e-6, 1e-12];
 /// Largest squared frequency of a material wave without energy, as a fraction of the squared frequency of the fastest wave with the same wave vector.
-const WITHOUT_ENERGY: f64 = 1e-12;
+const ZERO_ENERGY_FRACTION: f64 = 1e-12;
 /// Number of branches computed, and the largest squared frequency of further branches as a fraction of the largest of the material waves. For
 /// nonsymmetric matrices a single eigenvector is as expensive as all eigenvalues.
-const LOWEST: (usize, f64) = (24, 0.25);
+const COMPUTED_BRANCHES: (usize, f64) = (24, 0.25);
 
 /// Unfolding of the modes of a discretization in the reference configuration.
 ///
@@ -92,7 +92,7 @@ impl<const D: usize> Slowest<D> {
 /// Returns the slower mode. Ties are broken by the longer wave, then by the larger first component of the wave vector.
 pub(super) fn slower<const D: usize>(a: WeakestMode<D>, b: WeakestMode<D>) -> WeakestMode<D> {
     let [ratio, other_ratio] = [a, b].each(|mode| mode.relative_frequency_squared);
-    let [relative, absolute] = AS_SLOW;
+    let [relative, absolute] = RATIO_TOLERANCES;
     let apart = relative * ratio.abs().max(other_ratio.abs()) + absolute;
     let is_slower = match other_ratio - ratio {
         difference if difference.abs() > apart => difference > 0.0,
@@ -104,7 +104,7 @@ pub(super) fn slower<const D: usize>(a: WeakestMode<D>, b: WeakestMode<D>) -> We
 /// Order of wave vectors, greatest first: shorter wave vectors, then larger first components.
 pub(crate) fn is_first<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> Ordering {
     let [long, other] = [a, b].each(|k| k.norm());
-    match (long - other).abs() > TIED * long.max(other) {
+    match (long - other).abs() > TIE_TOLERANCE * long.max(other) {
         true => other.total_cmp(&long),
         false => is_ahead(a, b),
     }
@@ -112,7 +112,7 @@ pub(crate) fn is_first<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>)
 
 /// Order of wave vectors by the first component that differs.
 fn is_ahead<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> Ordering {
-    let rounding = TIED * a.amax().max(b.amax());
+    let rounding = TIE_TOLERANCE * a.amax().max(b.amax());
     let mut apart = a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > rounding);
     apart
         .next()
@@ -205,7 +205,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
 
     /// Slowest mode of a cell with several particles.
     ///
-    /// A group of modes is assigned to the longest of the waves `k + G` whose squared amplitude is at least [`HELD`] times the largest. Modes of
+    /// A group of modes is assigned to the longest of the waves `k + G` whose squared amplitude is at least [`AMPLITUDE_FRACTION`] times the largest. Modes of
     /// equal frequency form one group, because an eigenvalue solver returns an arbitrary basis of their space.
     fn unfolded(&self, k: &SVector<f64, D>) -> Slowest<D> {
         let is_long = self.is_long(k);
@@ -250,7 +250,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
 
     /// Largest difference of equal squared frequencies, relative to the largest.
     fn degenerate(&self) -> f64 {
-        DEGENERATE[usize::from(!self.system.is_hermitian())]
+        DEGENERACY_TOLERANCES[usize::from(!self.system.is_hermitian())]
     }
 
     /// Ranges of modes with equal frequencies, each with its largest squared frequency. `modes` are sorted by squared frequency.
@@ -275,7 +275,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
     /// For other large cells, each mode is as expensive as all frequencies. The lowest branches are computed, and the first branch above the longest
     /// waves.
     fn branches(&self, k: &SVector<f64, D>, largest: f64) -> Vec<usize> {
-        let (most, share) = LOWEST;
+        let (most, share) = COMPUTED_BRANCHES;
         let size = self.system.size();
         if self.system.is_hermitian() || size <= most {
             return (0..size).collect();
@@ -312,12 +312,12 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         };
         let shares: Vec<f64> = images.iter().map(share).collect();
         let most = shares.iter().copied().fold(0.0, f64::max);
-        let is_held = |n: &usize| shares[*n] >= HELD * most;
+        let is_held = |n: &usize| shares[*n] >= AMPLITUDE_FRACTION * most;
         (0..images.len()).filter(is_held).collect()
     }
 
     fn is_long(&self, k: &SVector<f64, D>) -> bool {
-        self.zone.lattice().fractional(k).amax() < LONG
+        self.zone.lattice().fractional(k).amax() < LONG_WAVE_LIMIT
     }
 
     /// Reciprocal vectors `G` of all waves `k + G` that the particle spacing can resolve, longest waves first.
@@ -337,7 +337,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         }
         images.retain(|g| (k + g).norm() <= shortest * (1.0 + ON_FACE) || g.norm() == 0.0);
         // Waves of equal length are sorted by decreasing components.
-        let rounded = |x: f64| (x / (ROUNDED * shortest)).round() as i64;
+        let rounded = |x: f64| (x / (SORT_ROUNDING * shortest)).round() as i64;
         images.sort_by_key(|g| {
             let wave = k + g;
             let ahead: [i64; D] = array_of(|i| -rounded(wave[i]));
@@ -349,7 +349,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
     /// Squared frequency of the slowest wave of the material; zero if the wave has no energy, as shear waves of fluids.
     fn material(&self, k: &SVector<f64, D>) -> f64 {
         let values = continuum(&self.stiffness, self.density, k);
-        let is_resisted = values[0] > WITHOUT_ENERGY * values[D - 1];
+        let is_resisted = values[0] > ZERO_ENERGY_FRACTION * values[D - 1];
         if is_resisted { values[0] } else { 0.0 }
     }
 
@@ -398,7 +398,7 @@ fn without_translations<const D: usize>(modes: &mut [Displacements<D>]) -> bool 
         mode.iter_mut().for_each(|own| *own -= mean);
         rest += size(mode) / whole;
     }
-    rest >= REST
+    rest >= REMAINDER_LIMIT
 }
 
 /// Ratio of a squared frequency to the exact one; infinite if the exact one is zero.

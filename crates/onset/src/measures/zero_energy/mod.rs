@@ -19,43 +19,43 @@ use std::f64::consts::PI;
 
 /// Sizes of parts of the zone, in units of the reciprocal vectors: of the first parts, of parts in which Newton's method starts, of parts in which
 /// lines and surfaces need no further search, and of the smallest parts.
-const FIRST: f64 = 0.25;
-const NEWTON: f64 = 0.13;
-const FOLLOWED: [f64; 3] = [1.0 / 256.0, 1.0 / 128.0, 1.0 / 64.0];
-const SMALLEST: f64 = 1e-9;
+const FIRST_PART: f64 = 0.25;
+const NEWTON_PART: f64 = 0.13;
+const LINE_PARTS: [f64; 3] = [1.0 / 256.0, 1.0 / 128.0, 1.0 / 64.0];
+const SMALLEST_PART: f64 = 1e-9;
 /// Distance within which roots near a root with vanishing slopes are identified with it, in units of the shortest reciprocal vector.
-const MULTIPLE: f64 = 0.02;
-/// Roots near a wave vector with coordinates that are multiples of `FRACTION`, in units of the reciprocal vectors, are rounded to it. Multiple roots
+const MULTIPLE_ROOT_DISTANCE: f64 = 0.02;
+/// Roots near a wave vector with coordinates that are multiples of `ROUNDING_FRACTION`, in units of the reciprocal vectors, are rounded to it. Multiple roots
 /// are known only to the root of the rounding error.
-const NEAR: f64 = 1e-4;
-const FRACTION: f64 = 1.0 / 24.0;
+const ROUNDING_DISTANCE: f64 = 1e-4;
+const ROUNDING_FRACTION: f64 = 1.0 / 24.0;
 /// Distance at which the continuation of a root is tested, in units of the shortest reciprocal vector.
-const CONTINUED: f64 = 0.02;
+const CONTINUATION_DISTANCE: f64 = 0.02;
 /// Length of the steps along a line, in units of the smallest parts next to it, and largest correction of a step, relative to its length.
 const STRIDE: f64 = 2.0;
-const ASIDE: f64 = 0.45;
+const LARGEST_CORRECTION: f64 = 0.45;
 /// Wave vectors of high symmetry, where lines often meet: multiples of this fraction of the reciprocal vectors.
 const SYMMETRIC: f64 = 0.25;
 /// Sine of the smallest angle between different directions.
 const LEAST_SINE: f64 = 0.1;
 /// Distance within which a wave vector belongs to a zero-energy mode, in units of the reciprocal vectors.
-const POINT: f64 = 1e-3;
+const POINT_DISTANCE: f64 = 1e-3;
 /// Largest strain of a zero-energy mode, relative to its amplitude, if the wave vector is known to the square root of rounding.
-const KNOWN: f64 = 1e-4;
+const ZERO_STRAIN: f64 = 1e-4;
 /// Largest cost of the division, in terms of sums; some seconds.
 const BUDGET: f64 = 2e8;
 /// Fraction of the budget that remains for roots in the last parts.
-const LAST: f64 = 0.1;
+const LAST_PARTS_BUDGET: f64 = 0.1;
 /// Cost of Newton's method and of evaluating the root, in units of one matrix.
-const SOUGHT: f64 = 6.0;
+const NEWTON_COST: f64 = 6.0;
 /// Largest distance of neighboring wave vectors of a line or surface, in units of the smallest parts next to it.
 const NEIGHBORS: f64 = 6.0;
 /// Number of starts, the shortest known roots, from which the shortest wave of a line or surface is computed.
-const STARTS: usize = 12;
+const SHORTEST_STARTS: usize = 12;
 /// Number of directions tested on a half circle around a root of a surface. Lines that cross do not pass through all of them.
-const AROUND: usize = 8;
+const PLANE_DIRECTIONS: usize = 8;
 /// Wave vectors without symmetry, in units of the reciprocal vectors.
-const GENERIC: [[f64; 3]; 3] = [
+const GENERIC_WAVE_VECTORS: [[f64; 3]; 3] = [
     [0.237_068_1, 0.396_871_4, 0.141_592_7],
     [0.414_213_6, 0.118_033_9, 0.302_775_6],
     [0.087_298_3, 0.267_949_2, 0.449_489_7],
@@ -137,9 +137,9 @@ impl<'a, const D: usize> ZeroModes<'a, D> {
     }
 
     fn misses(&self, k: &SVector<f64, D>) -> bool {
-        match k.norm() * self.rows.spacing < KNOWN {
+        match k.norm() * self.rows.spacing < ZERO_STRAIN {
             true => self.rows.has_zero_mode_at(&SVector::zeros()),
-            false => self.rows.misses(k, KNOWN),
+            false => self.rows.misses(k, ZERO_STRAIN),
         }
     }
 
@@ -153,7 +153,7 @@ impl<'a, const D: usize> ZeroModes<'a, D> {
         distance: impl Fn(&SVector<f64, D>) -> f64,
     ) -> bool {
         let is_near = |mode: &ZeroMode<D>| match mode.extent {
-            Extent::Point => distance(&mode.wave_vector) <= POINT,
+            Extent::Point => distance(&mode.wave_vector) <= POINT_DISTANCE,
             _ => self.misses(k),
         };
         self.modes.iter().any(is_near) || !self.is_complete && self.misses(k)
@@ -229,7 +229,7 @@ impl<'a, const D: usize> Search<'a, D> {
             let k = self.wave_vector(&SVector::from_fn(|i, _| place[i]));
             self.rows.root(&k)
         };
-        let roots: Vec<Root<D>> = GENERIC.iter().map(at).collect::<Option<_>>()?;
+        let roots: Vec<Root<D>> = GENERIC_WAVE_VECTORS.iter().map(at).collect::<Option<_>>()?;
         let nullity = roots.iter().map(|root| root.kernel.ncols()).min()?;
         let k = self.wave_vector(&SVector::repeat(0.5));
         let shown = self.rows.root(&k)?;
@@ -260,7 +260,7 @@ impl<'a, const D: usize> Search<'a, D> {
             }
             let is_last = self.spent > BUDGET;
             let radius: f64 = edges.iter().map(|edge| edge.norm()).sum();
-            let is_small = part.half.amax() <= FOLLOWED[D - 1];
+            let is_small = part.half.amax() <= LINE_PARTS[D - 1];
             // Next to a line or surface only small parts can be decided.
             let is_followed = self.continued_places.has_within(radius, &center);
             if is_followed && is_small {
@@ -271,13 +271,13 @@ impl<'a, const D: usize> Search<'a, D> {
                 turn += 1;
                 turn % every == 0
             };
-            if !is_followed && is_in_turn && (part.half.amax() <= NEWTON || is_last) {
+            if !is_followed && is_in_turn && (part.half.amax() <= NEWTON_PART || is_last) {
                 let continues = self.sought(&center, 3.0 * radius);
                 if continues && is_small {
                     continue;
                 }
             }
-            if is_last || part.half.amax() < SMALLEST {
+            if is_last || part.half.amax() < SMALLEST_PART {
                 is_complete &= self.is_known(&part);
                 continue;
             }
@@ -310,20 +310,20 @@ impl<'a, const D: usize> Search<'a, D> {
 
     /// Interval between searched parts at which the search of the remaining parts is affordable.
     fn sought_of(&self, parts: usize) -> usize {
-        let affordable = LAST * BUDGET / (SOUGHT * self.rows.cost());
+        let affordable = LAST_PARTS_BUDGET * BUDGET / (NEWTON_COST * self.rows.cost());
         (parts as f64 / affordable.max(1.0)).ceil().max(1.0) as usize
     }
 
     /// Parts of the half of the zone with a first coordinate from 0 to 1/2.
     fn first(&self) -> Vec<Part<D>> {
-        let n = FIRST.recip().round() as usize;
-        let half = 0.5 * FIRST;
+        let n = FIRST_PART.recip().round() as usize;
+        let half = 0.5 * FIRST_PART;
         let count = n.pow(D as u32) / 2;
         let part = |index: usize| {
             let mut rest = index;
             let mut center = SVector::zeros();
             for i in (0..D).rev() {
-                center[i] = (rest % n) as f64 * FIRST + half;
+                center[i] = (rest % n) as f64 * FIRST_PART + half;
                 rest /= n;
             }
             Part {
@@ -364,7 +364,7 @@ impl<'a, const D: usize> Search<'a, D> {
 
     /// Searches a root near a wave vector. Returns true for a new root of a line or surface.
     fn sought(&mut self, start: &SVector<f64, D>, reach: f64) -> bool {
-        self.spent += SOUGHT * self.rows.cost();
+        self.spent += NEWTON_COST * self.rows.cost();
         let polished = self.rows.polished(start, reach);
         let Some(root) = polished.and_then(|k| self.rows.root(&self.rounded(k))) else {
             return false;
@@ -376,12 +376,12 @@ impl<'a, const D: usize> Search<'a, D> {
         !is_known && self.add(root)
     }
 
-    /// Rounds a wave vector to a multiple of `FRACTION` if the strain there is no larger.
+    /// Rounds a wave vector to a multiple of `ROUNDING_FRACTION` if the strain there is no larger.
     fn rounded(&self, k: SVector<f64, D>) -> SVector<f64, D> {
         let place = self.crystal.lattice().fractional(&k);
-        let simple = place.map(|x| (x / FRACTION).round() * FRACTION);
+        let simple = place.map(|x| (x / ROUNDING_FRACTION).round() * ROUNDING_FRACTION);
         let tried = self.wave_vector(&simple);
-        let is_root = (place - simple).amax() < NEAR
+        let is_root = (place - simple).amax() < ROUNDING_DISTANCE
             && self.rows.smallest(&tried) <= self.rows.smallest(&k).max(1e-14);
         if is_root { tried } else { k }
     }
@@ -402,7 +402,7 @@ impl<'a, const D: usize> Search<'a, D> {
             self.add_place(k, Extent::Line);
         } else {
             if !root.flat.is_empty() {
-                root.alone_within = MULTIPLE * self.shortest;
+                root.alone_within = MULTIPLE_ROOT_DISTANCE * self.shortest;
             }
             self.isolated.push(root);
         }
@@ -422,16 +422,16 @@ impl<'a, const D: usize> Search<'a, D> {
 
     /// Follows a line from a root along a direction, up to known roots.
     fn follow(&mut self, mut k: SVector<f64, D>, mut way: SVector<f64, D>) {
-        let longest = STRIDE * FOLLOWED[D - 1] * self.shortest;
+        let longest = STRIDE * LINE_PARTS[D - 1] * self.shortest;
         while self.spent <= BUDGET {
             let sizes = [1.0, 0.5, 0.25].map(|share| share * longest);
-            self.spent += SOUGHT * self.rows.cost();
+            self.spent += NEWTON_COST * self.rows.cost();
             let step = sizes.into_iter().find_map(|size| {
-                let next = self.rows.polished(&(k + way * size), ASIDE * size)?;
+                let next = self.rows.polished(&(k + way * size), LARGEST_CORRECTION * size)?;
                 Some((next, size))
             });
             let Some((next, _)) =
-                step.filter(|(next, size)| !self.continued_places.has_within(ASIDE * size, next))
+                step.filter(|(next, size)| !self.continued_places.has_within(LARGEST_CORRECTION * size, next))
             else {
                 return;
             };
@@ -443,13 +443,13 @@ impl<'a, const D: usize> Search<'a, D> {
 
     /// Returns true if there are roots close to a root along a direction.
     fn goes_on(&self, k: &SVector<f64, D>, way: &SVector<f64, D>) -> bool {
-        let far = CONTINUED * self.shortest;
+        let far = CONTINUATION_DISTANCE * self.shortest;
         self.rows.polished(&(k + way * far), 0.5 * far).is_some()
     }
 
     /// Returns true if a root is part of a surface: there are roots along every direction of a plane. Crossing lines have roots along some directions only.
     fn is_on_surface(&self, root: &Root<D>) -> bool {
-        let near = NEIGHBORS * FOLLOWED[D - 1] * self.shortest;
+        let near = NEIGHBORS * LINE_PARTS[D - 1] * self.shortest;
         let k = &root.wave_vector;
         let mut pairs = pairs_of(&root.flat);
         D == 3
@@ -460,9 +460,9 @@ impl<'a, const D: usize> Search<'a, D> {
     /// Returns true if there are roots all around a root in the plane of two directions.
     fn has_plane(&self, k: &SVector<f64, D>, a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
         let across = (b - a * a.dot(b)).normalize();
-        let far = CONTINUED * self.shortest;
-        (0..AROUND).all(|n| {
-            let (sine, cosine) = (PI * n as f64 / AROUND as f64).sin_cos();
+        let far = CONTINUATION_DISTANCE * self.shortest;
+        (0..PLANE_DIRECTIONS).all(|n| {
+            let (sine, cosine) = (PI * n as f64 / PLANE_DIRECTIONS as f64).sin_cos();
             let beside = k + (a * cosine + across * sine) * far;
             self.rows.polished(&beside, 0.15 * far).is_some()
         })
@@ -535,7 +535,7 @@ impl<'a, const D: usize> Search<'a, D> {
         let extent = set.iter().map(|place| place.extent).max()?;
         let mut places: Vec<SVector<f64, D>> = set.iter().map(|place| place.wave_vector).collect();
         sort_by_value(&mut places, |k| folded(k).norm());
-        let found = places.into_iter().take(STARTS).filter_map(|k| {
+        let found = places.into_iter().take(SHORTEST_STARTS).filter_map(|k| {
             let root = self.rows.root(&self.rounded(k))?;
             let bottom = self.descended(root, folded);
             Some((folded(&bottom.wave_vector), self.mode(&bottom, extent)?))
@@ -550,7 +550,7 @@ impl<'a, const D: usize> Search<'a, D> {
         mut best: Root<D>,
         folded: &impl Fn(&SVector<f64, D>) -> SVector<f64, D>,
     ) -> Root<D> {
-        let mut size = CONTINUED * self.shortest;
+        let mut size = CONTINUATION_DISTANCE * self.shortest;
         while size > 1e-9 * self.shortest {
             let k = folded(&best.wave_vector);
             let parts = best
@@ -636,7 +636,7 @@ fn connected<const D: usize>(
     let beside = |a: &Place<D>, b: &Place<D>| {
         let is_near = |difference: SVector<f64, D>| {
             let x = crystal.lattice().fractional(&difference);
-            x.map(|x| x - x.round()).amax() <= NEIGHBORS * FOLLOWED[D - 1]
+            x.map(|x| x - x.round()).amax() <= NEIGHBORS * LINE_PARTS[D - 1]
         };
         is_near(a.wave_vector - b.wave_vector) || is_near(a.wave_vector + b.wave_vector)
     };

@@ -6,14 +6,14 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 use std::f64::consts::PI;
 
 /// Slope, as a fraction of the largest, below which roots may continue in a direction.
-const FLAT: f64 = 1e-5;
+const FLAT_SLOPE: f64 = 1e-5;
 /// Number of bisections of an interval that contains a distance. Its lower end is used.
 const HALVINGS: usize = 40;
 /// Largest number of alternating minimizations for a stationary direction, and the relative decrease at which they stop.
-const TURNS: usize = 60;
-const SETTLED: f64 = 1e-6;
+const MAX_ALTERNATIONS: usize = 60;
+const STATIONARY_DECREASE: f64 = 1e-6;
 /// Number of sampled directions, by dimension. Opposite directions are equivalent.
-const DIRECTIONS: [usize; 3] = [1, 90, 240];
+const DIRECTION_COUNTS: [usize; 3] = [1, 90, 240];
 
 /// Wave vector at which the strain operator `R` has a kernel.
 #[derive(Clone, Debug)]
@@ -46,7 +46,7 @@ impl<const D: usize> StrainRows<D> {
             .iter()
             .map(|a| turned.iter().map(|b| a.ad_mul(b)).collect())
             .collect();
-        let flat_square = (FLAT * self.slope).powi(2);
+        let flat_square = (FLAT_SLOPE * self.slope).powi(2);
         let found = directional(&products, count);
         let least = found
             .first()
@@ -161,7 +161,7 @@ fn directional<const D: usize>(
     sort_by_value(&mut sampled, |item| item.0);
     // The lowest samples are refined, one of each group of neighbors.
     let mut found: Vec<(f64, SVector<f64, D>)> = Vec::new();
-    let apart = 4.0 / (DIRECTIONS[D - 1] as f64).powf(1.0 / (D.max(2) - 1) as f64);
+    let apart = 4.0 / (DIRECTION_COUNTS[D - 1] as f64).powf(1.0 / (D.max(2) - 1) as f64);
     for (value, n) in sampled {
         let is_new = found
             .iter()
@@ -182,7 +182,7 @@ fn refined<const D: usize>(
     products: &[Vec<DMatrix<Complex>>],
     (mut value, mut n): (f64, SVector<f64, D>),
 ) -> (f64, SVector<f64, D>) {
-    for _ in 0..TURNS {
+    for _ in 0..MAX_ALTERNATIONS {
         let soft = along(products, &n).symmetric_eigen();
         let a = soft
             .eigenvectors
@@ -192,7 +192,7 @@ fn refined<const D: usize>(
         let Some((lower, better)) = eigen(&form).into_iter().next() else {
             break;
         };
-        let has_settled = lower >= value * (1.0 - SETTLED);
+        let has_settled = lower >= value * (1.0 - STATIONARY_DECREASE);
         if lower < value {
             (value, n) = (lower, better);
         }
@@ -221,7 +221,7 @@ fn along<const D: usize>(
 
 /// Directions distributed evenly over the half sphere.
 fn directions<const D: usize>() -> Vec<SVector<f64, D>> {
-    let count = DIRECTIONS[D - 1];
+    let count = DIRECTION_COUNTS[D - 1];
     let golden = PI * (3.0 - 5.0_f64.sqrt());
     (0..count)
         .map(|n| {

@@ -14,8 +14,8 @@ const SPACINGS: [f64; 3] = [2e-5, 2e-6, 2e-7];
 const AGREEMENT: f64 = 1e-9;
 
 /// Distance of two further points beyond a step, as a fraction of the step, and the length of their brackets.
-const BEYOND: f64 = 0.05;
-const ROUGH: f64 = 1e-10;
+const EXTENSION_STEPS: f64 = 0.05;
+const EXTENSION_BRACKET: f64 = 1e-10;
 
 /// Distance to a corner within a step that turns; `None` if the branches do not meet within the step.
 ///
@@ -26,10 +26,10 @@ pub(super) fn ahead<E>(
     heading: &Heading,
     next: Point,
 ) -> Result<Option<f64>, E> {
-    let spacing = BEYOND * distance(next, heading.at);
+    let spacing = EXTENSION_STEPS * distance(next, heading.at);
     let beyond = |from: Point, to: Point| {
         let onward = (to, angle_of(minus(to, from)));
-        on_circle(field, sides, onward, spacing, ROUGH)
+        on_circle(field, sides, onward, spacing, EXTENSION_BRACKET)
     };
     let Some(first) = beyond(heading.at, next)? else {
         return Ok(None);
@@ -44,7 +44,7 @@ pub(super) fn ahead<E>(
     };
     let before = Branch([run(0.0), run(spacing), run(2.0 * spacing)]);
     let behind = Branch([next, first.at, second.at]);
-    let reach = 1.05 / BEYOND;
+    let reach = 1.05 / EXTENSION_STEPS;
     let corner = before
         .crossing(&behind)
         .filter(|(t, s)| (0.0..=reach).contains(t) && (-reach..=0.2).contains(s));

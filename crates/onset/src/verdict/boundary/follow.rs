@@ -13,22 +13,22 @@ use std::f64::consts::{PI, TAU};
 
 /// Largest turn of a smooth step beyond the prediction of the curvature, in radians. A larger turn is a corner if it persists in steps as short as
 /// [`CORNER_STEP`].
-const TURN: f64 = 2e-3;
+const CORNER_TURN: f64 = 2e-3;
 const CORNER_STEP: f64 = 1e-5;
 /// Number of predictions of a corner within a step, after which the steps are only shortened.
-const MISSES: usize = 3;
+const MAX_PREDICTIONS: usize = 3;
 /// Distance from a predicted corner at which a step ends, as a fraction of the distance to the corner.
-const SHORT_OF: f64 = 0.02;
+const CORNER_MARGIN: f64 = 0.02;
 /// Largest length of a short step, as after a corner. Short steps may grow faster.
 const SHORT_STEP: f64 = 1e-3;
 /// Largest length of a step that does not determine the curvature.
 const SMOOTH_STEP: f64 = 1e-7;
 /// Shortest step. An obstacle within it ends the curve.
-const SHORTEST: f64 = 1e-10;
+const SHORTEST_STEP: f64 = 1e-10;
 /// Largest turn of the curve on the circle of a step, in radians.
 pub(super) const SWEEP: f64 = 2.9;
 /// Distance from a corner at which a curve is started.
-const BESIDE: f64 = 3e-3;
+const CORNER_OFFSET: f64 = 3e-3;
 /// Number of directions around a seed in which a curve is searched.
 const RAYS: usize = 24;
 
@@ -141,16 +141,16 @@ fn beginning<E>(
     let Some(heading) = start.forward.filter(|_| start.is_corner) else {
         return Ok(seed);
     };
-    let circle = |turn: f64| plus(crossing.at, BESIDE, direction(heading.angle + turn));
+    let circle = |turn: f64| plus(crossing.at, CORNER_OFFSET, direction(heading.angle + turn));
     let reach = (0.0, 1e-3, 1.0);
-    let found = field.locate(&circle, reach, crossing.sides, fineness.bracket / BESIDE)?;
+    let found = field.locate(&circle, reach, crossing.sides, fineness.bracket / CORNER_OFFSET)?;
     let Some((turn, accuracy)) = found.place() else {
         return Ok(seed);
     };
     let beside = Crossing {
         at: circle(turn),
         along: left_of(direction(heading.angle)),
-        accuracy: accuracy * BESIDE,
+        accuracy: accuracy * CORNER_OFFSET,
         ..*crossing
     };
     if traced.explains(beside.at, beside.along, beside.sides) {
@@ -209,7 +209,7 @@ impl Start {
             let Some(start) = Self::on_circle(field, fineness, crossing, radius)? else {
                 continue;
             };
-            let is_smooth = start.bend.abs() < TURN;
+            let is_smooth = start.bend.abs() < CORNER_TURN;
             best = Some(start);
             if is_smooth {
                 break;
@@ -220,7 +220,7 @@ impl Start {
 
     /// Marks the seed as a corner if the curve bends even on the smallest circle. The chords are then the tangents.
     fn with_corner(mut self) -> Self {
-        self.is_corner = self.bend.abs() >= TURN;
+        self.is_corner = self.bend.abs() >= CORNER_TURN;
         if self.is_corner {
             for (heading, sign) in [(&mut self.forward, 1.0), (&mut self.backward, -1.0)] {
                 if let Some(heading) = heading {
@@ -367,7 +367,7 @@ impl<E> Walker<'_, '_, E> {
                     self.push(&nodes, traced);
                     let growth = if self.step < SHORT_STEP { 8.0 } else { 2.0 };
                     let factor = (3.0 * self.fineness.chord / deviation)
-                        .min(0.7 * TURN / excess)
+                        .min(0.7 * CORNER_TURN / excess)
                         .sqrt()
                         .clamp(0.5, growth);
                     let grown = (self.step * factor).min(longest);
@@ -385,10 +385,10 @@ impl<E> Walker<'_, '_, E> {
                     self.step *= factor.clamp(0.1, 0.6);
                 }
                 Step::Meets(None) if self.leaves(traced)? => return Ok(Some(End::Edge)),
-                Step::Meets(phase) if self.step < SHORTEST => {
+                Step::Meets(phase) if self.step < SHORTEST_STEP => {
                     return Ok(Some(phase.map_or_else(|| self.snap_to_edge(), End::Phase)));
                 }
-                Step::Lost if self.step < SHORTEST => return Ok(Some(End::Lost)),
+                Step::Lost if self.step < SHORTEST_STEP => return Ok(Some(End::Lost)),
                 Step::Meets(_) | Step::Lost => self.step *= 0.3,
             }
         }
@@ -397,7 +397,7 @@ impl<E> Walker<'_, '_, E> {
     /// Shortens the step after an abrupt turn. If the corner can be predicted, the step ends just before it.
     fn approach(&mut self, beyond: Point) -> Result<(), E> {
         let shortest = 0.99 * CORNER_STEP;
-        let ahead = if self.misses < MISSES {
+        let ahead = if self.misses < MAX_PREDICTIONS {
             corner::ahead(self.field, self.sides, &self.heading, beyond)?
         } else {
             None
@@ -406,7 +406,7 @@ impl<E> Walker<'_, '_, E> {
         (self.step, self.onward) = match ahead {
             Some(ahead) => {
                 // Larger than the error of the prediction, and small enough to turn around the sharpest tip.
-                let margin = (SHORT_OF * ahead).max(0.8 * CORNER_STEP);
+                let margin = (CORNER_MARGIN * ahead).max(0.8 * CORNER_STEP);
                 let step = (ahead - margin).min(0.9 * self.step);
                 (step.max(shortest), Some(margin * 0.99 / 0.8))
             }
@@ -436,14 +436,14 @@ impl<E> Walker<'_, '_, E> {
         };
         let next = Node::regular(circle(turn), accuracy * step);
         let excess = (turn - guess).abs();
-        if step > SMOOTH_STEP && excess > TURN {
+        if step > SMOOTH_STEP && excess > CORNER_TURN {
             return Ok(Step::Turns(next));
         }
         let Some((between, deviation)) = self.between(next.at)? else {
             return Ok(Step::Lost);
         };
         let turned = curvature(at, between.at, next.at);
-        if step > SMOOTH_STEP && (turned - bend).abs() * step > 2.0 * TURN {
+        if step > SMOOTH_STEP && (turned - bend).abs() * step > 2.0 * CORNER_TURN {
             return Ok(Step::Turns(next));
         }
         if step > 1e-6 && deviation > 4.0 * self.fineness.chord {
@@ -499,7 +499,7 @@ impl<E> Walker<'_, '_, E> {
         if self.nodes.len() < 6 || left > 1.3 * self.step || self.travelled < 3.0 * left {
             return Ok(false);
         }
-        if left < SHORTEST {
+        if left < SHORTEST_STEP {
             self.nodes.pop();
             let end = self.nodes[0];
             self.push(&[end], traced);
@@ -514,7 +514,7 @@ impl<E> Walker<'_, '_, E> {
             return Ok(false);
         };
         let turned = curvature(self.heading.at, between.at, self.start.at);
-        let is_smooth = (turned - self.heading.curvature).abs() * left <= 2.0 * TURN;
+        let is_smooth = (turned - self.heading.curvature).abs() * left <= 2.0 * CORNER_TURN;
         if left > CORNER_STEP && (deviation > 4.0 * self.fineness.chord || !is_smooth) {
             self.step = self.step.min(0.5 * left);
             return Ok(false);
@@ -559,7 +559,7 @@ impl<E> Walker<'_, '_, E> {
                     continue;
                 };
                 let last = Node::regular(line(x), accuracy);
-                if distance(at, last.at) <= SHORTEST {
+                if distance(at, last.at) <= SHORTEST_STEP {
                     self.push(&[last], traced);
                     return Ok(true);
                 }
@@ -578,9 +578,9 @@ impl<E> Walker<'_, '_, E> {
     fn snap_to_edge(&mut self) -> End {
         if let Some(last) = self.nodes.last_mut() {
             for x in &mut last.at {
-                if *x < 10.0 * SHORTEST {
+                if *x < 10.0 * SHORTEST_STEP {
                     *x = 0.0;
-                } else if *x > 1.0 - 10.0 * SHORTEST {
+                } else if *x > 1.0 - 10.0 * SHORTEST_STEP {
                     *x = 1.0;
                 }
             }
