@@ -158,6 +158,7 @@ impl<const D: usize> Weak<'_, D> {
 
     /// Returns true if two wave vectors are equal or opposite, up to reciprocal vectors.
     fn is_same(&self, a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
-        self.distance_to_zero(&(a - b)) < WAVE_VECTOR_TOLERANCE || self.distance_to_zero(&(a + b)) < WAVE_VECTOR_TOLERANCE
+        self.distance_to_zero(&(a - b)) < WAVE_VECTOR_TOLERANCE
+            || self.distance_to_zero(&(a + b)) < WAVE_VECTOR_TOLERANCE
     }
 }

@@ -131,8 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn narrowing_needs_few_evaluations_even_if_rounding_makes_stable_measures_negative()
-     {
+    fn narrowing_needs_few_evaluations_even_if_rounding_makes_stable_measures_negative() {
         for (change, rounding, most) in [
             (0.3717, 0.0, 14),
             (1e-7, 0.0, 14),

@@ -561,7 +561,9 @@ impl<'a, const D: usize> Survey<'a, D> {
         // The test for zero energy needs the mode.
         let soft = match (material_grows, &waves) {
             (true, _) => f64::NEG_INFINITY,
-            (false, StateWaves::Direct(waves)) => ZERO_ENERGY_TEST_LIMIT.max(waves.search.tolerance(&waves.matrix)),
+            (false, StateWaves::Direct(waves)) => {
+                ZERO_ENERGY_TEST_LIMIT.max(waves.search.tolerance(&waves.matrix))
+            }
             (false, StateWaves::System(_)) => f64::INFINITY,
         };
         let Judgment {

@@ -427,12 +427,16 @@ impl<'a, const D: usize> Search<'a, D> {
             let sizes = [1.0, 0.5, 0.25].map(|share| share * longest);
             self.spent += NEWTON_COST * self.rows.cost();
             let step = sizes.into_iter().find_map(|size| {
-                let next = self.rows.polished(&(k + way * size), LARGEST_CORRECTION * size)?;
+                let next = self
+                    .rows
+                    .polished(&(k + way * size), LARGEST_CORRECTION * size)?;
                 Some((next, size))
             });
-            let Some((next, _)) =
-                step.filter(|(next, size)| !self.continued_places.has_within(LARGEST_CORRECTION * size, next))
-            else {
+            let Some((next, _)) = step.filter(|(next, size)| {
+                !self
+                    .continued_places
+                    .has_within(LARGEST_CORRECTION * size, next)
+            }) else {
                 return;
             };
             way = (next - k).normalize();

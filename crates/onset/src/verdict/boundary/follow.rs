@@ -143,7 +143,12 @@ fn beginning<E>(
     };
     let circle = |turn: f64| plus(crossing.at, CORNER_OFFSET, direction(heading.angle + turn));
     let reach = (0.0, 1e-3, 1.0);
-    let found = field.locate(&circle, reach, crossing.sides, fineness.bracket / CORNER_OFFSET)?;
+    let found = field.locate(
+        &circle,
+        reach,
+        crossing.sides,
+        fineness.bracket / CORNER_OFFSET,
+    )?;
     let Some((turn, accuracy)) = found.place() else {
         return Ok(seed);
     };
