@@ -15,16 +15,16 @@ use std::sync::Arc;
 /// Function that computes the files of an answer.
 type Draw = dyn Fn() -> Result<Files, Failure> + Send + Sync;
 
-/// What the command prints and writes.
+/// Answer of a command: the printed documents, and the files.
 #[pyclass(frozen, module = "onset._onset")]
 pub struct Answer {
-    /// The document of `--json`.
+    /// Document of the option `--json`.
     #[pyo3(get)]
     json: String,
-    /// The text.
+    /// Text printed by the command.
     #[pyo3(get)]
     text: String,
-    /// The table of `--format csv`.
+    /// Table of the option `--format csv`.
     #[pyo3(get)]
     csv: String,
     draw: Option<Arc<Draw>>,
@@ -62,7 +62,7 @@ impl Answer {
 
 #[pymethods]
 impl Answer {
-    /// Writes the files into a folder, all or none; their paths.
+    /// Writes the files into a folder, all or none, and returns their paths.
     fn save(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Vec<PathBuf>> {
         let Some(draw) = self.draw.clone() else {
             return Ok(Vec::new());
@@ -70,7 +70,7 @@ impl Answer {
         interrupt::answer(py, move || Ok(write(&folder, &draw()?)?))
     }
 
-    /// The files by name; none where the command writes none.
+    /// Files of the answer by name; empty if the command writes no files.
     fn files<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let files = PyDict::new(py);
         if let Some(draw) = self.draw.clone() {

@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// Number of values per state: energy `W`, stress `P_iJ` and tangent `A_iJkL`.
 pub const NUMBERS: usize = 91;
 
-/// A function of Python with values of its parameters: of states, nine components each, it makes 91 numbers each, all as bytes of doubles.
+/// Python function of a law with the values of its parameters. It maps states of nine components each to 91 numbers each, as bytes of doubles.
 #[pyclass(frozen, module = "onset._onset")]
 pub struct Function {
     respond: Arc<Py<PyAny>>,

@@ -22,13 +22,13 @@ use std::path::PathBuf;
 /// Number of states in a batch of a thread.
 const BATCH_STATES: usize = 256;
 
-/// A law as set.
+/// Material law with its settings.
 #[pyclass(frozen, module = "onset._onset")]
 pub struct Law {
     settings: MaterialSettings,
 }
 
-/// The assignments that a block of another program stands for, and what there is to know of it.
+/// Reads a law from a block of another program: returns the assignments, and notes on its constants.
 #[pyfunction]
 pub fn read_law(
     program: &str,
@@ -100,7 +100,7 @@ impl Law {
         })
     }
 
-    /// Whether it is what its author believes; states are stretches and components of `F` as they are typed.
+    /// Checks the energy and the tangent. States are stretches and components of `F` in the notation of the command line.
     fn audit(
         &self,
         py: Python<'_>,
@@ -129,7 +129,7 @@ impl Law {
         })
     }
 
-    /// Energy, first Piola-Kirchhoff stress and tangent at states of nine components each: 91 numbers a state.
+    /// Energy, first Piola-Kirchhoff stress and tangent at states of nine components each: 91 numbers for each state.
     fn responses<'py>(
         &self,
         py: Python<'py>,
@@ -187,7 +187,7 @@ impl Law {
     }
 }
 
-/// `W`, `P_iJ` and `A_iJkL` in the order of their indices.
+/// Writes `W`, `P_iJ` and `A_iJkL` in the order of their indices.
 fn respond(
     law: &dyn Hyperelastic,
     f: &DeformationGradient,

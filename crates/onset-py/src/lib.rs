@@ -19,7 +19,7 @@ mod pool;
 mod problem;
 mod study;
 
-/// The module `onset._onset`.
+/// Compiled part of the package `onset`.
 #[pyo3::pymodule]
 mod _onset {
     #[pymodule_export]

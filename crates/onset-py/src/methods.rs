@@ -12,7 +12,7 @@ use onset_study::tune::{TuneAnswer, TuneQuestion};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
-/// Methods side by side.
+/// Compares the methods of a file.
 #[pyfunction]
 pub fn compare(
     py: Python<'_>,
@@ -29,7 +29,7 @@ pub fn compare(
     })
 }
 
-/// The methods of a file, or those that the program knows for a dimension, ranked. `limits` are weak, wrong, long waves and wavelength.
+/// Ranks the methods of a file, or the built-in methods for a dimension. `limits` are weak, wrong, long waves and wavelength.
 #[pyfunction]
 pub fn recommend(
     py: Python<'_>,
@@ -71,7 +71,7 @@ pub fn recommend(
     })
 }
 
-/// The smallest coefficient that is sufficient and masks nothing. `limits` are weak, wrong and later.
+/// Finds the smallest sufficient coefficient of a stabilization. `limits` are weak, wrong and later.
 #[pyfunction]
 pub fn tune(
     py: Python<'_>,
@@ -99,7 +99,7 @@ pub fn tune(
     })
 }
 
-/// The waves that a method does not resist, or too little.
+/// Finds the zero-energy and weakly controlled modes of a method.
 #[pyfunction]
 pub fn modes(
     py: Python<'_>,

@@ -7,7 +7,7 @@ use onset_study::localization::{LocalizationAnswer, PlasticSettings};
 use onset_study::output::text;
 use pyo3::prelude::*;
 
-/// Where along a loading a plastic material localizes.
+/// Finds the localization of a plastic material along a loading.
 #[pyfunction]
 pub fn localize(py: Python<'_>, assignments: Vec<String>) -> PyResult<Answer> {
     interrupt::answer(py, move || {

@@ -69,7 +69,7 @@ pub fn trusted(material: &mut MaterialSettings, libraries: &[PathBuf]) -> Result
     Ok(material.permitted()?)
 }
 
-/// A material with a method.
+/// Material law with a discretization.
 #[pyclass(frozen, module = "onset._onset")]
 pub struct Problem(Arc<answers::Problem>);
 
@@ -117,13 +117,13 @@ impl Problem {
         Ok(Self(Arc::new(problem)))
     }
 
-    /// The number of space dimensions.
+    /// Number of space dimensions.
     #[getter]
     fn dimension(&self) -> usize {
         self.0.dimension()
     }
 
-    /// The reciprocal vectors of the reference lattice, as many as there are dimensions; 1/length.
+    /// Reciprocal vectors of the reference lattice, one for each dimension; 1/length.
     #[getter]
     fn reciprocal(&self) -> Vec<Vec<f64>> {
         let dimension = self.0.dimension();
@@ -134,9 +134,10 @@ impl Problem {
             .collect()
     }
 
-    /// A cell of particles and a state: positions of the particles in the reference configuration (length), their masses, the spacing (length),
-    /// and the nine components of what takes the lattice to where the particles are: `F`, or the identity where particles that have not moved stand for
-    /// deformed ones.
+    /// Returns a cell of particles at a state.
+    ///
+    /// The parts are the reference positions (length), the masses, the spacing (length), and the nine components of the map from the reference
+    /// lattice to the particles. This map is `F`, or the identity if particles at their reference positions represent the deformed material.
     fn cell(
         &self,
         py: Python<'_>,
@@ -182,7 +183,7 @@ impl Problem {
         })
     }
 
-    /// Which values of a setting admit a time step.
+    /// Finds the values of a setting that admit a time step.
     fn limit(
         &self,
         py: Python<'_>,
@@ -252,7 +253,7 @@ impl Problem {
         })
     }
 
-    /// Along a straight path between two states as they are typed.
+    /// Finds the loss of stability along a straight path between two states in the notation of the command line.
     fn straight_path(&self, py: Python<'_>, from: String, to: String) -> PyResult<Answer> {
         let problem = Arc::clone(&self.0);
         interrupt::answer(py, move || {
@@ -263,7 +264,7 @@ impl Problem {
         })
     }
 
-    /// Along a loading between two imposed stretches.
+    /// Finds the loss of stability along a loading between two imposed stretches.
     fn loading_path(
         &self,
         py: Python<'_>,
@@ -297,7 +298,7 @@ impl Problem {
         interrupt::answer(py, move || along(problem, course))
     }
 
-    /// Verdicts on states, of nine components each, as a map has them: a column of bytes for each quantity.
+    /// Verdicts on states of nine components each, computed as in a map: a column of bytes for each quantity.
     fn verdicts<'py>(
         &self,
         py: Python<'py>,
@@ -324,7 +325,7 @@ impl Problem {
         Ok(columns)
     }
 
-    /// All `omega^2` at reference wave vectors of some states, real and imaginary parts: for each state, each wave vector, each branch.
+    /// Squared frequencies of the particles, real and imaginary parts, for each state, each reference wave vector and each branch; 1/time^2.
     fn omega_squared<'py>(
         &self,
         py: Python<'py>,
@@ -344,7 +345,7 @@ impl Problem {
         )
     }
 
-    /// The `omega^2` of the continuum, likewise.
+    /// Squared frequencies of the continuum, for each state, each reference wave vector and each branch; 1/time^2.
     fn continuum_omega_squared<'py>(
         &self,
         py: Python<'py>,
@@ -362,7 +363,7 @@ impl Problem {
         )
     }
 
-    /// The dynamical matrices, real and imaginary parts, row by row, likewise.
+    /// Dynamical matrices, real and imaginary parts, row by row, for each state and each reference wave vector; 1/time^2.
     fn dynamical_matrices<'py>(
         &self,
         py: Python<'py>,
@@ -385,13 +386,13 @@ impl Problem {
         )
     }
 
-    /// How many waves there are with a wave vector.
+    /// Number of waves with one wave vector.
     #[getter]
     fn branches(&self) -> usize {
         self.0.analysis.sites() * self.0.dimension()
     }
 
-    /// The particles of a patch, step by step.
+    /// Simulates the particles of a patch, step by step.
     #[pyo3(signature = (stretch, components, cells, mode, wave_vector, turns, branch, amplitude, seed, steps, time, fraction, time_step,
         supercritical, integrator, tolerance, out, every, fields, checkpoint, resume, overwrite))]
     fn simulate(

@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// A study of two or three axes.
+/// Study with two or three axes.
 #[pyclass(frozen, module = "onset._onset")]
 pub struct Study(settings::Study);
 
@@ -51,13 +51,13 @@ impl Study {
         })
     }
 
-    /// The file as read; after an override the study written out in full.
+    /// Text of the study: the file as read, or the complete study if assignments override the file.
     #[getter]
     fn text(&self) -> &str {
         &self.0.text
     }
 
-    /// Numbers of states along the axes, slowest first.
+    /// Number of states along each axis, slowest axis first.
     #[getter]
     fn shape(&self) -> Vec<usize> {
         self.0.shape()
@@ -84,7 +84,7 @@ impl Study {
         })
     }
 
-    /// Makes the store of the map, or finds it, without computing anything; how many tiles it has.
+    /// Creates or opens the store of the map without computing tiles, and returns the number of tiles.
     fn begin(
         &self,
         py: Python<'_>,
@@ -100,7 +100,7 @@ impl Study {
         })
     }
 
-    /// Computes tiles of the map, all unless a part is given, into a store.
+    /// Computes all tiles of the map, or the given part, into a store.
     fn map(
         &self,
         py: Python<'_>,
