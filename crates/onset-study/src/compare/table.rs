@@ -78,7 +78,7 @@ impl Table {
             column(
                 "weakest",
                 "weakest",
-                "lowest frequency over that of the material's slowest wave",
+                "lowest frequency relative to the slowest wave of the material",
                 |m| m.weakest,
                 |x| format!("{x:.3}"),
             ),
@@ -125,20 +125,20 @@ impl Table {
             column(
                 "false",
                 "false_instability",
-                "share of the window of states that is unstable though the material is elliptic",
+                "share of the window of states that is unstable although the material is elliptic",
                 |m| m.fidelity.false_instability,
                 percent,
             ),
             column(
                 "suppressed", "suppressed_instability",
-                "share of the window that is stable though the material is not elliptic",
+                "share of the window that is stable although the material is not elliptic",
                 |m| m.fidelity.suppressed_instability,
                 percent,
             ),
             column(
                 "undefined",
                 "undefined",
-                "share of the window on which the law is defined, but the method is not: too few neighbors",
+                "share of the window where the law is defined and the method is not: too few neighbors",
                 |m| m.fidelity.undefined,
                 percent,
             ),
@@ -152,7 +152,7 @@ impl Table {
             column(
                 "neighbors",
                 "neighbors",
-                "particles or nodes on which the force on one of them depends",
+                "number of particles or nodes that contribute to the force on one of them",
                 |m| m.neighbors,
                 |x| format!("{x:.0}"),
             ),
@@ -162,7 +162,7 @@ impl Table {
             columns.push(column(
                 "body",
                 "body_courant",
-                "the same number as Courant, of the body of the study",
+                "Courant number of the body of the study",
                 |m| m.body_courant.unwrap_or(f64::NAN),
                 |x| match x.is_finite() {
                     true => format!("{x:.3}"),

@@ -137,7 +137,7 @@ fn words() -> Vec<(Field, Taken)> {
         ),
         flags(
             "long_wave",
-            "whether wave_vector is that of a finite wave, or the direction of the limit of long waves",
+            "whether wave_vector belongs to a wave of finite length or is the direction of a long wave",
             vec!["finite", "limit"],
             |record| {
                 let is_long_wave = record.and_then(|record| record.is_long_wave);
@@ -151,7 +151,7 @@ fn numbers() -> Vec<(Field, Taken)> {
     vec![
         number(
             "acoustic_minimum",
-            "smallest eigenvalue of the acoustic tensor over all directions; zero where it is to rounding",
+            "smallest eigenvalue of the acoustic tensor over all directions; values within rounding of zero are zero",
             "stress",
             |record| record.acoustic_minimum,
         ),
@@ -181,13 +181,13 @@ fn numbers() -> Vec<(Field, Taken)> {
         ),
         number(
             "growth_rate",
-            "growth rate of the fastest growing mode, zero when stable; with a transfer of material points that in steps of discretization.time-step",
+            "growth rate of the fastest growing mode, zero if stable; with a transfer of material points, in steps of discretization.time-step",
             "1/time",
             |record| record.growth_rate,
         ),
         number(
             "critical_time_step",
-            "critical time step of map.integrator for the waves that do not grow (2 / omega_max of central differences without damping), of the infinite lattice: free faces and distorted cells need less; with a transfer of material points that of it",
+            "critical time step of map.integrator for the waves that do not grow (2 / omega_max of central differences without damping), of the infinite lattice: free faces and distorted cells need less; with a transfer of material points, the critical time step of the transfer",
             "time",
             |record| record.critical_time_step,
         ),
@@ -198,20 +198,19 @@ fn proofs() -> Vec<(Field, Taken)> {
     vec![
         flags(
             CERTAINTY,
-            "what has been proved about the waves of the discretization; not-asked where the state was filled in or is undefined",
+            "proof status of the waves of the discretization; not-asked if the state was filled in or is undefined",
             Certainty::ALL.map(Certainty::name).to_vec(),
             |record| flag(&Certainty::ALL, Some(proof(record).particles)),
         ),
         flags(
             CERTAINTY_MATERIAL,
-            "what has been proved about the strong ellipticity of the material; not-asked where the state was filled in or is \
-             undefined",
+            "proof status of the strong ellipticity of the material; not-asked if the state was filled in or is undefined",
             Certainty::ALL.map(Certainty::name).to_vec(),
             |record| flag(&Certainty::ALL, Some(proof(record).material)),
         ),
         flags(
             REASON,
-            "why the discretization is undecided",
+            "reason why the discretization is undecided",
             [NO_REASON]
                 .into_iter()
                 .chain(Reason::ALL.map(Reason::name))
@@ -223,20 +222,20 @@ fn proofs() -> Vec<(Field, Taken)> {
         ),
         flags(
             CORRECTED,
-            "whether the proof corrects verdict or stability of the search; the numbers but growth_rate are still those of the search",
+            "whether the proof corrects verdict or stability of the search; all numbers except growth_rate are results of the search",
             vec!["as-searched", "corrected"],
             |record| i8::from(proof(record).corrects),
         ),
         number(
             "proved_bound",
-            "proved bound of scaled_minimum: from below where stable, from above where unstable",
+            "proved bound of scaled_minimum: a lower bound if stable, an upper bound if unstable",
             "1",
             |record| record.proof.bound,
         ),
         number(
             "material_bound",
-            "proved bound of acoustic_minimum in units of that of the material in the reference state: from below where elliptic, from above \
-             where not",
+            "proved bound of acoustic_minimum over the largest acoustic eigenvalue of the reference state: a lower bound if elliptic, an upper \
+             bound otherwise",
             "1",
             |record| record.proof.material_bound,
         ),
