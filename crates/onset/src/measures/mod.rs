@@ -6,7 +6,7 @@
 //! | [`dispersion_errors`] | errors of the frequencies for given numbers of points per wavelength |
 //! | [`long_wave_error`] | consistency error: difference of the long-wavelength moduli from the moduli of the material |
 //! | [`onset`] | stretches at which the method and the material first lose stability |
-//! | [`fidelity`] | fractions of a window of states on which the method is falsely unstable, or stable although the material is not |
+//! | [`fidelity`] | fractions of false and suppressed instability in a window of states |
 
 mod degenerate;
 mod dispersion;

@@ -9,7 +9,7 @@ use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use thiserror::Error;
 
-/// Number of intervals in which a path is sampled. Dips of the stability measure within an interval are searched even if both ends are in one phase.
+/// Number of intervals in which a path is sampled. Dips of the stability measure within an interval are followed even if both ends are in one phase.
 const INTERVALS: usize = 256;
 /// Number of halvings of the first and the last interval towards the ends of the path.
 const HALVINGS: i32 = 24;
@@ -185,7 +185,7 @@ fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, Pa
     for n in 1..parameters.len() - 1 {
         let [left, middle, right] = [probes[n - 1], probes[n], probes[n + 1]];
         if left.0 == middle.0 && middle.0 == right.0 && middle.0 != Phase::Undefined {
-            // In a stable interval the measure can be negative between the samples, and in an unstable one positive. The extremum is searched if the
+            // In a stable interval the measure can be negative between the samples, and in an unstable one positive. The extremum is located if the
             // slopes on both sides permit a change of sign.
             let sign = if middle.0 == Phase::Unstable {
                 -1.0
@@ -212,7 +212,8 @@ fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, Pa
     })
 }
 
-/// Searches the minimum of `sign * measure` in an interval. Returns the first parameter on the way whose phase differs from the phase in the middle.
+/// Searches for the minimum of `sign * measure` in an interval. Returns the first parameter on the way whose phase differs from the phase in the
+/// middle.
 fn change_in_dip(
     probe: &impl Fn(f64) -> Result<Probe, PathError>,
     (own, measure): Probe,

@@ -20,7 +20,7 @@ const DEEPEST: usize = 4;
 const KINK_DISTANCES: [f64; 2] = [1.0, 0.1];
 /// Largest number of kinks near a well that are combined.
 const MOST_FACES: usize = 6;
-/// Squared relative frequency below which a zero-energy mode is searched.
+/// Largest squared relative frequency at which a zero-energy mode is searched for.
 const SMALL_RATIO: f64 = 1e-4;
 
 /// A minimum of the relative frequency.

@@ -50,7 +50,7 @@ const LAST_PARTS_BUDGET: f64 = 0.1;
 const NEWTON_COST: f64 = 6.0;
 /// Largest distance of neighboring wave vectors of a line or surface, in units of the smallest parts next to it.
 const NEIGHBORS: f64 = 6.0;
-/// Number of starts, the shortest known roots, from which the shortest wave of a line or surface is computed.
+/// Number of descents to the shortest wave of a line or surface. They start at the shortest known roots.
 const SHORTEST_STARTS: usize = 12;
 /// Number of directions tested on a half circle around a root of a surface. Lines that cross do not pass through all of them.
 const PLANE_DIRECTIONS: usize = 8;
@@ -246,7 +246,7 @@ impl<'a, const D: usize> Search<'a, D> {
         self.add_symmetric();
         let mut parts: VecDeque<Part<D>> = self.first().into();
         let mut is_complete = true;
-        // Once the budget is spent, roots are searched in every n-th part, all over the zone.
+        // Once the budget is spent, roots are searched for in every n-th part, all over the zone.
         let (mut every, mut turn) = (None, 0_usize);
         while let Some(part) = parts.pop_front() {
             if self.is_known(&part) {
@@ -362,7 +362,7 @@ impl<'a, const D: usize> Search<'a, D> {
         })
     }
 
-    /// Searches a root near a wave vector. Returns true for a new root of a line or surface.
+    /// Searches for a root near a wave vector. Returns true for a new root of a line or surface.
     fn sought(&mut self, start: &SVector<f64, D>, reach: f64) -> bool {
         self.spent += NEWTON_COST * self.rows.cost();
         let polished = self.rows.polished(start, reach);

@@ -5,7 +5,7 @@ use crate::scheme::{Singular, StrainRows};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::f64::consts::PI;
 
-/// Slope, as a fraction of the largest, below which roots may continue in a direction.
+/// Largest slope of a direction in which roots may continue, as a fraction of the largest slope.
 const FLAT_SLOPE: f64 = 1e-5;
 /// Number of bisections of an interval that contains a distance. Its lower end is used.
 const HALVINGS: usize = 40;

@@ -29,7 +29,7 @@ const SHORTEST_STEP: f64 = 1e-10;
 pub(super) const SWEEP: f64 = 2.9;
 /// Distance from a corner at which a curve is started.
 const CORNER_OFFSET: f64 = 3e-3;
-/// Number of directions around a seed in which a curve is searched.
+/// Number of directions in which the search for a curve samples the surroundings of its seed.
 const RAYS: usize = 24;
 
 /// Vertex in units of the window.
@@ -237,7 +237,7 @@ impl Start {
         self
     }
 
-    /// Searches the start on one circle.
+    /// Searches for the start on one circle.
     fn on_circle<E>(
         field: &Field<'_, E>,
         fineness: &Fineness,

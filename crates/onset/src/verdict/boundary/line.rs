@@ -68,7 +68,7 @@ impl<'a, E> Field<'a, E> {
         (self.probe)(self.window.point(u)).map(Some)
     }
 
-    /// Searches a change of phase from a guess outward, with doubling steps. The parameter of the line increases towards the left phase.
+    /// Searches for a change of phase from a guess outward, with doubling steps. The parameter of the line increases towards the left phase.
     pub(super) fn march(
         &self,
         line: &dyn Fn(f64) -> Point,

@@ -1,17 +1,11 @@
 //! Boundaries between phases as curves in a window of two parameters.
 //!
-//! 1. `seeds` evaluates the nodes of a grid, searches dips of the measure between them, and lists segments on which the phase
+//! 1. `seeds` evaluates the nodes of a grid, searches for dips of the measure between them, and lists segments on which the phase
 //!    changes.
 //! 2. `follow` traces a curve from each change of phase that lies on no known curve. Each step brackets the change of phase on a
 //!    circle and checks the middle of the chord. The step is short enough for the chord to stay near the curve, and for the turn
 //!    to agree with the curvature.
 //! 3. `corner` extends two smooth branches to their intersection if the curve turns abruptly within arbitrarily short steps.
-//!    the phase changes.
-//! 2. Each change that no curve explains yet starts one: `follow` steps along it on circles, on which the change of phase
-//!    is bracketed, and checks the middle of every chord. A step is as long as the chord stays near the curve and the
-//!    curve turns as its curvature foretells.
-//! 3. Where it turns at once, however short the step, there is a `corner`: two smooth branches are extended to where they
-//!    meet.
 //!
 //! Only phases decide, so that boundaries at which the measure jumps are traced too. The measure accelerates the search.
 
@@ -169,9 +163,9 @@ impl Curve {
 /// All boundary curves in a window.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Boundary {
-    /// Traced boundary curves.
+    /// Boundary curves, in the order of their seeds.
     pub curves: Vec<Curve>,
-    /// Points at which the phase changes and from which no curve could be traced.
+    /// Changes of phase without a traced curve.
     pub unresolved: Vec<[f64; 2]>,
 }
 
@@ -185,7 +179,7 @@ impl Boundary {
                 .any(|end| matches!(end, End::Lost | End::Budget))
     }
 
-    /// Curves on which stability is lost or regained. Boundaries of the undefined phase are excluded.
+    /// Boundaries between stable and unstable phases. Boundaries of the undefined phase are excluded.
     pub fn of_stability(&self) -> impl Iterator<Item = &Curve> {
         self.curves.iter().filter(|curve| {
             curve.left != Phase::Undefined

@@ -1,4 +1,4 @@
-//! Seeds of boundary curves: segments on which the phase changes.
+//! Seeds of boundary curves: segments with a change of phase.
 
 use super::line::{Field, Found, Sides};
 use super::plane::{Point, distance, minus, plus, unit};
@@ -100,7 +100,7 @@ fn sign(phase: Phase) -> Option<f64> {
     }
 }
 
-/// Searches a change of phase between three nodes of one phase.
+/// Searches for a change of phase between three nodes of one phase.
 ///
 /// The search starts if the measure of the middle node is a minimum and the slopes on both sides permit a change of sign.
 fn dip_along<E>(
@@ -130,7 +130,7 @@ fn dip_along<E>(
     Ok(other.map_or_else(Vec::new, |other| vec![(left, other), (other, right)]))
 }
 
-/// Searches an island of another phase between the lines of the grid, near a node with a local minimum of the measure.
+/// Searches for an island of another phase between the lines of the grid, near a node with a local minimum of the measure.
 ///
 /// The search moves along the coordinates with decreasing steps.
 fn dip_in_plane<E>(
