@@ -56,7 +56,7 @@ class Record(Mapping[str, Any]):
         raise AttributeError(f"this answer has no {name!r}; it has {', '.join(_attribute(own) for own in fields)}")
 
     def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError("answers are frozen")
+        raise AttributeError("answers are immutable")
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *(_attribute(name) for name in self._fields)]
@@ -128,8 +128,8 @@ class Answer(Record):
     def __init__(self, answer: _onset.Answer) -> None:
         if not isinstance(answer, _onset.Answer):
             raise TypeError(
-                f"{type(self).__name__} is what a question answers, as onset.state(...) does; "
-                "a deformation is an argument of the question, stretch=(1.2, 0.9) or F=[[1, 0.1], [0, 1]]"
+                f"{type(self).__name__} is returned by functions such as onset.state(...) and is not called; "
+                "a deformation is an argument of the function, stretch=(1.2, 0.9) or F=[[1, 0.1], [0, 1]]"
             )
         super().__init__(json.loads(answer.json))
         object.__setattr__(self, "_answer", answer)
@@ -305,8 +305,8 @@ class State(_Moving):
         own = 0 if self.stable else int(np.argmax(growth))
         if not np.any(k) and (self.stable or growth[own] < 1e-6 * self._fields["discretization"]["maximum_omega"]):
             raise InputError(
-                "the mode is the limit of long waves, which has no one wavelength\n"
-                "  hint: onset.waves(material, method, wave_vector=..., stretch=...).mode() is that of a wave vector"
+                "the mode is the limit of long waves, which has no wavelength\n"
+                "  hint: onset.waves(material, method, wave_vector=..., stretch=...).mode() is the mode of a wave vector"
             )
         return Mode(cell, k, values[own], vectors[:, own], cells, amplitude)
 
@@ -541,7 +541,7 @@ class Modes(_Moving):
         """
         listed = self._fields["modes"]
         if not listed:
-            raise InputError("there are no spurious modes")
+            raise InputError("the method has no spurious modes")
         k = np.array(listed[whole(number, "number", 1, len(listed)) - 1]["wave_vector"], dtype=np.float64)
         cell = self._cell()
         # Uniform displacements also have zero energy.

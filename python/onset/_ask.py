@@ -153,7 +153,7 @@ def dispersion(
     problem = problem_of(material, method)
     states, shape = deformations(F, stretch, problem.dimension)
     if shape:
-        raise InputError(f"dispersion is of one state, not of {shape}\n  hint: onset.omega_squared takes many")
+        raise InputError(f"dispersion accepts one state; the states have the shape {shape}\n  hint: onset.omega_squared accepts many states")
     vectors, around = _wave_vectors(k, problem.dimension)
     particles, continuum = _waves_at(problem, states, vectors)
     branches = problem.branches
@@ -328,9 +328,9 @@ def path(
         start = rest if from_ is None else number(from_, "from_")
         return Path(problem.loading_path(mode, lateral, start, number(to, "to")))
     if lateral is not None:
-        raise InputError("`lateral` is read with `mode`")
+        raise InputError("`lateral` requires `mode`")
     if from_ is None:
-        raise InputError("a path has `from_` and `to`; with `mode` `from_` may be left out")
+        raise InputError("a path needs `from_` and `to`; `from_` is optional only with `mode`")
     return Path(problem.straight_path(_end(from_, "from_"), _end(to, "to")))
 
 
@@ -719,7 +719,7 @@ def _comparison(methods: Methods, material: MaterialLike, options: Mapping[str, 
     """Returns a comparison as a file, and the law separately if it consists of Python functions."""
     if isinstance(methods, (str, os.PathLike)):
         if material is not None or options:
-            raise InputError("a file says all of a comparison\n  hint: use `set` to change it")
+            raise InputError("a file is a complete comparison\n  hint: change it with `set`")
         return source(methods), []
     named = list(methods.items()) if isinstance(methods, Mapping) else [(None, method) for method in listed(methods, "methods")]
     law = material_of(material)
@@ -898,14 +898,14 @@ def map_into(
         part = f"{whole(first, 'tiles', 0, MOST)}..{whole(last, 'tiles', 0, MOST)}"
     anew, again = switch(overwrite, "overwrite"), switch(resume, "resume")
     if anew and (again or part is not None):
-        raise InputError("`overwrite` begins a store anew; leave out `resume` and `tiles`")
+        raise InputError("`overwrite` replaces the store; omit `resume` and `tiles`")
     folder, own = place(out, "out"), study_of(study)
     if executor is None:
         return Mapped(own._study.map(folder, part, again, anew))
     if not callable(getattr(executor, "submit", None)):
-        raise TypeError(f"executor is {type(executor).__name__}; expected something with `submit`")
+        raise TypeError(f"executor is {type(executor).__name__}; expected an object with `submit`")
     if part is not None:
-        raise InputError("an executor computes all tiles; leave out `tiles`")
+        raise InputError("an executor computes all tiles; omit `tiles`")
     _elsewhere(executor, own, os.path.abspath(folder), own._study.begin(folder, again, anew))
     return Mapped(own._study.map(folder, None, True, False))
 
@@ -970,11 +970,11 @@ def open_map(store: str | os.PathLike[str]) -> xarray.Dataset:
         import xarray
         import zarr  # noqa: F401
     except ImportError as error:
-        raise OnsetError("maps are opened by xarray and zarr\n  hint: pip install xarray zarr") from error
+        raise OnsetError("opening a map requires xarray and zarr\n  hint: pip install xarray zarr") from error
     try:
         dataset: xarray.Dataset = xarray.open_zarr(folder)
     except Exception as error:
-        raise InputError(f"cannot open {folder}: {error}\n  hint: expected a store that `onset map` has written") from error
+        raise InputError(f"cannot open {folder}: {error}\n  hint: expected a store written by `onset map`") from error
     return dataset
 
 

@@ -182,12 +182,12 @@ class Mode:
         ase = _package("ase")
         count, length = whole(frames, "frames", 1, 10_000), positive(unit, "unit")
         if count * len(self.positions) > MOVING:
-            raise InputError(f"{count} frames of {len(self.positions)} particles are too many; expected {MOVING} places at most")
+            raise InputError(f"{count} frames of {len(self.positions)} particles are too many; expected at most {MOVING} positions in all frames")
         reach = float(np.max(np.abs(self.edges)))
         if not 1e-300 < reach / length < 1e300:
-            raise InputError(f"unit is {length!r}, and the patch is {reach!r} long; expected a length in which it can be told")
+            raise InputError(f"unit is {length!r}, and the patch is {reach!r} long; expected a unit in which the length is finite and not zero")
         if symbol_of(symbol) not in importlib.import_module("ase.data").atomic_numbers:
-            raise InputError(f"symbol is {symbol!r}; expected that of a chemical element, or X")
+            raise InputError(f"symbol is {symbol!r}; expected the symbol of a chemical element, or X")
         omega = np.sqrt(self.omega_squared)
         known = {"wave_vector": self.wave_vector * length, "omega": abs(omega.real), "growth_rate": abs(omega.imag)}
         made: list[Atoms] = []
@@ -237,7 +237,7 @@ def _package(name: str) -> Any:
     try:
         return importlib.import_module(name)
     except ImportError as error:
-        raise OnsetError(f"this needs {name}\n  hint: pip install {name}") from error
+        raise OnsetError(f"this function requires {name}\n  hint: pip install {name}") from error
 
 
 def _is_whole(turns: Floats) -> np.ndarray[Any, np.dtype[np.bool_]]:
@@ -263,7 +263,7 @@ def band_yaml(answer: Bands, cell: Cell, symbol: str) -> str:
     if flutters:
         raise InputError(
             f"at {len(flutters)} of {len(answer.lengths)} wave vectors omega^2 is complex (flutter), and the layout of phonopy has real omega^2 only\n"
-            "  hint: omega_squared and dynamical_matrices of the answer have them"
+            "  hint: use omega_squared and dynamical_matrices of the answer"
         )
     dimension = cell.dimension
     # The spacing completes the lattice in directions without waves.

@@ -72,7 +72,7 @@ class _Function:
         try:
             arguments = inspect.signature(function).parameters.values()
         except (TypeError, ValueError) as error:
-            raise InputError(f"the arguments of {what} cannot be told: {error}\n  hint: a function of F and of parameters") from error
+            raise InputError(f"the arguments of {what} cannot be determined: {error}\n  hint: give a function of F and of parameters") from error
         for argument in arguments:
             if argument.kind in (argument.VAR_POSITIONAL, argument.VAR_KEYWORD, argument.POSITIONAL_ONLY):
                 raise InputError(f"{what} takes {argument}\n  hint: name each argument: {', '.join(VARIABLES)}, or parameters")

@@ -27,7 +27,7 @@ def _axes(ax: Axes | None) -> Axes:
     try:
         from matplotlib import pyplot
     except ImportError as error:
-        raise OnsetError("figures need matplotlib\n  hint: pip install matplotlib") from error
+        raise OnsetError("figures require matplotlib\n  hint: pip install matplotlib") from error
     axes: Axes = pyplot.subplots(layout="constrained")[1]
     return axes
 

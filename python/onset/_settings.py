@@ -124,7 +124,7 @@ class _Settings:
     assignments: tuple[str, ...]
 
     def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"{type(self).__name__} is frozen; `replace` makes another one")
+        raise AttributeError(f"{type(self).__name__} is immutable; `replace` returns a changed copy")
 
     def _meant(self) -> tuple[tuple[str, str | float], ...]:
         """Returns the settings in a form in which 1, 1.0 and "1" are equal."""
@@ -196,7 +196,7 @@ class Material(_Settings):
         if model is not None and not isinstance(model, str) and not callable(model):
             raise TypeError(f"model is {type(model).__name__}; expected the name of a law, a formula, or a function")
         if model is not None and energy is not None and model != "formula":
-            raise InputError("a material has one energy\n  hint: leave out the model, or `energy`")
+            raise InputError("a material has one energy\n  hint: omit the model or `energy`")
         if isinstance(model, str) and (model in _onset.models() or _WORD.match(model) is not None):
             settings["model"] = model
         elif model is not None:
@@ -226,12 +226,12 @@ class Material(_Settings):
         except Exception as untold:
             if not has_jax():
                 if isinstance(untold, InputError):
-                    untold.add_note("with jax installed it may be written with jax.numpy; or give `stress` and `tangent` too")
+                    untold.add_note("write it with jax.numpy and install jax, or also give `stress` and `tangent`")
                 raise
             try:
                 self._hand(differentiated(energy, given))
             except Exception as error:
-                untold.add_note(f"nor can jax differentiate it: {str(error).splitlines()[0]}")
+                untold.add_note(f"jax cannot differentiate it either: {str(error).splitlines()[0]}")
                 raise untold from error
         else:
             self._put({"model": "formula", "energy": text} | values)
@@ -269,8 +269,8 @@ class Material(_Settings):
     def _section_text(self) -> str:
         if self._handed is not None:
             raise InputError(
-                "a study is a file, and no file holds a Python function\n"
-                "  hint: onset.verdicts(material, method, F) takes it; or write it so that it is a formula"
+                "a study is a file, which cannot contain a Python function\n"
+                "  hint: use onset.verdicts(material, method, F), or write the law as a formula"
             )
         return super()._section_text()
 

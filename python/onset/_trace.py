@@ -121,7 +121,7 @@ class Symbol:
 
     def __eq__(self, other: object) -> bool:
         raise InputError(
-            "the function asks whether something that depends on the state equals another\n"
+            "the function tests a quantity that depends on the state for equality\n"
             "  hint: a case is numpy.where(condition, value, otherwise) with < or >"
         )
 
@@ -130,7 +130,7 @@ class Symbol:
 
     def __bool__(self) -> bool:
         raise InputError(
-            "the function asks whether something that depends on the state is true\n"
+            "the function tests whether a quantity that depends on the state is true\n"
             "  hint: a case is numpy.where(condition, value, otherwise), a limit numpy.minimum or numpy.maximum"
         )
 
@@ -138,7 +138,7 @@ class Symbol:
 
     def __float__(self) -> float:
         raise InputError(
-            "the function makes a plain number of something that depends on the state\n"
+            "the function converts a quantity that depends on the state to a plain number\n"
             "  hint: numpy's functions (numpy.log, not math.log) work with symbols"
         )
 
@@ -260,7 +260,7 @@ def _symbol(value: object) -> Symbol:
     if isinstance(value, Symbol):
         return value
     if isinstance(value, (bool, np.bool_, np.complexfloating)) or not isinstance(value, (abstract.Real, np.number)):
-        raise InputError(f"the function computes with {type(value).__name__}, of which a formula knows nothing\n  hint: numbers and NumPy's functions")
+        raise InputError(f"the function computes with {type(value).__name__}, which a formula does not support\n  hint: use numbers and NumPy's functions")
     number = int(value) if isinstance(value, abstract.Integral) else float(value)
     if isinstance(number, int) and abs(number) >= 2**1023 or not math.isfinite(number):
         raise InputError(f"the function computes with the number {number}; expected finite ones")
@@ -387,7 +387,7 @@ def formula(energy: Callable[..., Any], parameters: Mapping[str, object]) -> tup
     try:
         arguments = inspect.signature(energy).parameters.values()
     except (TypeError, ValueError) as error:
-        raise InputError(f"the arguments of the energy cannot be told: {error}\n  hint: a function of F, C, E or invariants, and of parameters") from error
+        raise InputError(f"the arguments of the energy cannot be determined: {error}\n  hint: give a function of F, C, E or invariants, and of parameters") from error
     values = dict(parameters)
     given: dict[str, Any] = {}
     positional: list[Any] = []

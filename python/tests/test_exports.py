@@ -253,7 +253,7 @@ def test_what_cannot_be_exported_is_said(monkeypatch: pytest.MonkeyPatch, tmp_pa
     mode = waves.mode()
     for name, export in (("ase", mode.to_ase), ("meshio", mode.to_meshio)):
         monkeypatch.setitem(sys.modules, name, None)
-        with pytest.raises(onset.OnsetError, match=f"this needs {name}") as missing:
+        with pytest.raises(onset.OnsetError, match=f"this function requires {name}") as missing:
             export()
         assert missing.value.hint == f"pip install {name}"
 
