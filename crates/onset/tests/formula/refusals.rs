@@ -123,7 +123,7 @@ fn an_invalid_formula_is_rejected_with_its_column_and_a_hint() {
             "if(condition, value, otherwise)",
         ),
         ("I1**2", 3, 2, "found `**`", "^"),
-        ("1,5*I1", 2, 1, "found `,`", "decimals have a point"),
+        ("1,5*I1", 2, 1, "found `,`", "decimals use a point"),
         ("I1 = 3", 4, 1, "found `=`", "let name = "),
         ("a = I1 - 3; a^2", 3, 1, "found `=`", "let name = "),
         (

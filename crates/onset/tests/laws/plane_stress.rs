@@ -392,7 +392,7 @@ fn fluids_and_three_dimensions_have_no_plane_stress() {
         other => panic!("{:?}", other.err()),
     };
     assert!(refused(Arc::new(Fluid), 2).contains("a fluid's is not"));
-    assert!(refused(law("neo-hooke", &[]), 3).contains("three dimensions"));
+    assert!(refused(law("neo-hooke", &[]), 3).contains("three-dimensional"));
 }
 
 /// Returns true if a number is within bounds.
