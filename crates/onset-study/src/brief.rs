@@ -12,6 +12,8 @@ pub const WIDTH: usize = 100;
 const NAME: usize = 12;
 /// Number of lines that notes leave to a table: its head and the most important lines.
 const LEAST_OF_TABLE: usize = 4;
+/// Number of lines to which notes are cut if they leave no room for rows.
+const BEGINNING_OF_NOTE: usize = 2;
 
 /// An answer with a short form.
 pub trait Brief: Display {
@@ -84,7 +86,8 @@ impl Short {
             let own = own.filter(|(row, _)| row.rank == rank);
             own.map(|(_, lines)| lines.len()).sum::<usize>()
         };
-        let room = left.saturating_sub(kept(0) + self.table.len().min(LEAST_OF_TABLE));
+        let important = kept(0) + kept(1) + kept(2);
+        let room = left.saturating_sub(important + self.table.len().min(LEAST_OF_TABLE));
         let notes = self.shown_notes(room);
         left = left.saturating_sub(notes.len());
         let table = self.cut_table(left.saturating_sub(kept(0)));
@@ -132,20 +135,24 @@ impl Short {
             return notes.concat();
         }
         let begin = |mut lines: Vec<String>| {
-            let is_cut = lines.len() > 1;
-            let mut line = lines.swap_remove(0);
-            if is_cut {
-                line = line.chars().take(WIDTH - 2).chain([' ', '…']).collect();
+            if lines.len() > BEGINNING_OF_NOTE {
+                lines.truncate(BEGINNING_OF_NOTE);
+                if let Some(last) = lines.last_mut() {
+                    *last = last.chars().take(WIDTH - 2).chain([' ', '…']).collect();
+                }
             }
-            line
+            lines
         };
-        notes.into_iter().map(begin).collect()
+        notes.into_iter().flat_map(begin).collect()
     }
 
     /// The lines of the table that fit into a number of lines.
     fn cut_table(&self, room: usize) -> Vec<String> {
         if self.table.len() <= room {
             return self.table.clone();
+        }
+        if room == 0 {
+            return Vec::new();
         }
         let shown = room.saturating_sub(1);
         let mut lines = self.table[..shown].to_vec();

@@ -537,7 +537,7 @@ fn ignored_keywords_of_a_deck_are_listed_with_their_lines() {
     let first = notes(Program::Abaqus, deck, None);
     for fact in [
         "this is material A",
-        "another one: B",
+        "select another with --material: B",
         "*VISCOELASTIC (line 4)",
         "*MULLINS EFFECT (line 6)",
         "long-term",
@@ -564,7 +564,7 @@ fn ignored_keywords_of_a_deck_are_listed_with_their_lines() {
         "TB,PRONY,1 (line 3)",
         "instantaneous",
         "0.7 times",
-        "another one: 2",
+        "select another with --material: 2",
     ] {
         assert!(first.contains(fact), "{fact} is not in {first}");
     }

@@ -51,9 +51,10 @@ fn settings_in_effect_are_listed_under_their_names() {
         text.contains("total-lagrangian-sph") && !text.contains("tlsph"),
         "{text}"
     );
-    let text =
-        onset_line("state --stretch 1.05,0.98 --all set smoothing-length=1.3 set kernel=cubic-spline")
-            .stdout;
+    let text = onset_line(
+        "state --stretch 1.05,0.98 --all set smoothing-length=1.3 set kernel=cubic-spline",
+    )
+    .stdout;
     assert!(text.contains("support 2.6"), "{text}");
 }
 

@@ -86,9 +86,15 @@ fn a_card_is_a_self_contained_page() {
 #[test]
 fn invalid_ranges_modes_and_laws_are_refused() {
     for (arguments, fact) in [
-        (vec!["criteria", "--range", "2,3"], "below 1 and a number above 1"),
+        (
+            vec!["criteria", "--range", "2,3"],
+            "below 1 and a number above 1",
+        ),
         (vec!["criteria", "--range", "2"], "0.1,10"),
-        (vec!["card", "--range", "0.1,1e9"], "below 1 and a number above 1"),
+        (
+            vec!["card", "--range", "0.1,1e9"],
+            "below 1 and a number above 1",
+        ),
         (vec!["criteria", "--mode", "torsion"], "simple-shear"),
         (
             vec!["criteria", "--set", "material.modl=blatz-ko"],

@@ -87,15 +87,12 @@ fn unknown_loadings_are_refused_with_the_available_ones() {
     for (line, fact) in [
         (
             "path --mode uniaxial --lateral plane-stress --to 2",
-            "it has free, plane-strain, held",
+            "it supports free, plane-strain, held",
         ),
         ("path --mode twist --to 2", "expected one of uniaxial"),
         ("path --mode uniaxial --to 2,1", "one imposed stretch"),
         ("path --mode uniaxial --to -2", "a positive number"),
-        (
-            "path --mode uniaxial --from 2 --to 2",
-            "from a state to itself",
-        ),
+        ("path --mode uniaxial --from 2 --to 2", "are equal"),
         ("path --to 2,1", "--from"),
         ("path --lateral free --from 1,1 --to 2,1", "--mode"),
         ("path --mode uniaxial --to 1e6", "between 0.001 and 1000"),

@@ -171,7 +171,7 @@ fn every_law_localizes_along_its_path_or_reports_why_not() {
     for (line, fact) in [
         (
             "localize --model cam-clay --set plasticity.confinement=0",
-            "the confinement 0 itself",
+            "under the confinement 0 alone",
         ),
         (
             "localize --model gurson --set plasticity.friction=1",

@@ -125,8 +125,18 @@ fn words(line: &str) -> Vec<String> {
     words
 }
 
+/// Commands that print a short answer without `--all`.
+const IN_SHORT: [&str; 5] = ["state", "criteria", "compare", "recommend", "tune"];
+
+/// Answer to a line, in full.
 fn onset_line(line: &str) -> Answer {
-    let words = words(line);
+    let mut words = words(line);
+    let is_short = words
+        .iter()
+        .any(|word| ["--all", "--settings"].contains(&word.as_str()));
+    if IN_SHORT.contains(&words[0].as_str()) && !is_short {
+        words.insert(1, "--all".to_owned());
+    }
     onset(&words.iter().map(String::as_str).collect::<Vec<_>>())
 }
 

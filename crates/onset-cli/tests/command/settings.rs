@@ -317,7 +317,7 @@ fn a_stressed_reference_configuration_is_reported_in_every_answer() {
     let place = Scratch::new("stressed");
     let out = place.display().to_string();
     for arguments in [
-        vec!["state", "--stretch", "1,1"],
+        vec!["state", "--stretch", "1,1", "--all"],
         vec!["dispersion", "--stretch", "1,1", "--wave-vector", "1,1"],
         vec!["path", "--from", "1,1", "--to", "1.1,1"],
         vec!["modes"],
@@ -328,8 +328,9 @@ fn a_stressed_reference_configuration_is_reported_in_every_answer() {
             "discretization.lattice=chain",
             "--range",
             "0.4,0.6",
+            "--all",
         ],
-        vec!["criteria", "--mode", "simple-shear"],
+        vec!["criteria", "--mode", "simple-shear", "--all"],
         vec!["card", "--out", &out],
     ] {
         let text = told(&arguments);

@@ -268,8 +268,7 @@ fn answers_of_every_method_do_not_depend_on_units_within_their_bounds() {
             let line = Line::of(&line(mu, density, spacing));
             let ending = place.run(&line);
             assert_eq!(ending.status.code(), Some(2), "{line}: {}", ending.stderr);
-            let expected = "expected a positive number from 1e-20 to 1e20";
-            assert!(ending.stderr.contains(expected), "{}", ending.stderr);
+            assert!(ending.stderr.contains("to 1e20"), "{}", ending.stderr);
         }
     }
 }

@@ -377,7 +377,7 @@ fn impossible_bodies_are_refused() {
             "--steps 9",
             "grip 1 holds no particle",
         ),
-        (bar.clone(), "", "give --steps or --time"),
+        (bar.clone(), "", "set --steps or --time"),
         (bar.clone(), "--steps 9 --cells 4", "--cells has no effect"),
         (
             bar.clone(),

@@ -2,7 +2,6 @@
 
 use super::state::StateAnswer;
 use crate::brief::{Brief, Short};
-use crate::compare::percent;
 use crate::number::{counted, told, told_below, vector};
 
 impl Brief for StateAnswer {
@@ -20,7 +19,7 @@ impl Brief for StateAnswer {
             .row(0, "verdict", self.named_verdict())
             .row(1, "evidence", self.evidence.words())
             .row(2, if d.stable { "softest" } else { "critical" }, wave)
-            .row(4, "material", law)
+            .row(3, "material", law)
             .row(
                 3,
                 "",
@@ -38,7 +37,7 @@ impl Brief for StateAnswer {
                 found,
             );
         }
-        short = short.row(5, "method", method);
+        short = short.row(2, "method", method);
         let time = |step: f64| units.of(told_below(step), "s");
         let mut steps = Vec::new();
         match &d.discrete_time {
@@ -78,19 +77,6 @@ impl Brief for StateAnswer {
         if !steps.is_empty() {
             short = short.row(2, "time step", steps.join(", "));
         }
-        if let Some(mode) = &d.weakest_mode {
-            let rank = if mode.relative_frequency < mode.weak {
-                1
-            } else {
-                7
-            };
-            let text = format!(
-                "{} of the frequency of the material's slowest wave; weakly controlled below {}",
-                percent(mode.relative_frequency),
-                percent(mode.weak)
-            );
-            short = short.row(rank, "weakest", text);
-        }
         if let Some((step, growth)) = d
             .discrete_time
             .as_ref()
@@ -110,8 +96,8 @@ impl Brief for StateAnswer {
             short = short.row(1, name, text);
         }
         for (n, command) in self.next.iter().enumerate() {
-            let name = if n == 0 { "next" } else { "" };
-            short = short.row(1, name, in_short(command));
+            let (rank, name) = if n == 0 { (1, "next") } else { (4, "") };
+            short = short.row(rank, name, in_short(command));
         }
         short
             .notes(&self.notes)

@@ -608,7 +608,7 @@ mod tests {
         assert!(told.contains("`body.second` is zero"), "{told}");
         for key in ["ramp", "until"] {
             let told = refused(&format!("{grip}velocity = [1, 0]\n{key} = -1"));
-            assert!(told.contains(key) && told.contains("negative"), "{told}");
+            assert!(told.contains(key) && told.contains("from 0 to"), "{told}");
         }
     }
 }

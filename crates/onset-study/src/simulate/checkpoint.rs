@@ -182,7 +182,7 @@ mod tests {
         for cut in 0..bytes.len() {
             let told = read(&bytes[..cut], "0123456789ab", &own);
             assert!(
-                told.contains("cut off") || told.contains("no checkpoint"),
+                told.contains("cut off") || told.contains("not a checkpoint"),
                 "{told}"
             );
         }

@@ -239,14 +239,9 @@ impl ZarrStore {
     pub fn check(&self, layout: &Layout) -> Result<(), StoreError> {
         let group = examine_to_read(&self.path)?.unwrap_or_default();
         let expected = layout.group();
-        let is_other = match earlier::is_of(&group) {
-            // The identity covers names of keys, which have changed since the previous format.
-            true => earlier::arrays(&group) != earlier::arrays(&expected),
-            false => {
-                group["consolidated_metadata"] != expected["consolidated_metadata"]
-                    || self.identity != layout.identity
-            }
-        };
+        // The identity covers names of keys, which have changed since the previous format.
+        let is_other = earlier::arrays(&group) != earlier::arrays(&expected)
+            || !earlier::is_of(&group) && self.identity != layout.identity;
         if is_other {
             let reason = "its arrays do not match its study".to_owned();
             return Err(self.damaged(METADATA, reason));
