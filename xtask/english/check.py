@@ -119,7 +119,7 @@ def main(names):
     allowed = {}
     for line in (HERE / "allowed.txt").read_text().splitlines():
         if line and not line.startswith("#"):
-            count, name, _ = line.split(maxsplit=2)
+            count, name = line.split()
             allowed[name] = int(count)
     all_patterns = list(patterns())
     advice = {name: text for name, _, _, text in all_patterns} | {"long": "too many words in a sentence -> two sentences"}
