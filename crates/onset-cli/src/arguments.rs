@@ -223,7 +223,7 @@ fn plastic_parameters() -> String {
     )
 }
 
-/// Finds where materials and particle methods are stable, and whether an instability is physical or numerical
+/// Finds where materials and particle methods are stable, and whether instabilities are numerical
 #[derive(Debug, Parser)]
 #[command(
     name = "onset",

@@ -126,7 +126,14 @@ fn words(line: &str) -> Vec<String> {
 }
 
 /// Commands that print a short answer without `--all`.
-const IN_SHORT: [&str; 5] = ["state", "criteria", "compare", "recommend", "tune"];
+const IN_SHORT: [&str; 6] = [
+    "state",
+    "criteria",
+    "notions",
+    "compare",
+    "recommend",
+    "tune",
+];
 
 /// Answer to a line, in full.
 fn onset_line(line: &str) -> Answer {

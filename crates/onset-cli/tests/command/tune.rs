@@ -106,7 +106,7 @@ fn invalid_coefficients_are_refused() {
 #[test]
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 fn a_limited_address_space_costs_no_time() {
-    let question = "tune discretization.penalty --set discretization.method=tlsph";
+    let question = "tune --all discretization.penalty --set discretization.method=tlsph";
     let free = onset_line(question);
     let limited = std::process::Command::new("sh")
         .args([
