@@ -126,7 +126,8 @@ test("three states that are clicked are told as by the command, and drawn at onc
     assert.equal(await cell(page, "verdict"), state.mechanism ? `${state.verdict} (${state.mechanism})` : state.verdict);
     assert.equal(await cell(page, "growth rate"), six(state.discretization.growth_rate));
     assert.equal(await cell(page, "largest frequency"), six(state.discretization.maximum_omega));
-    assert.equal(await cell(page, "critical time step"), six(state.discretization.critical_time_step));
+    const { critical_time_step: step, critical_time_step_of: whose } = state.discretization;
+    assert.equal(await cell(page, "critical time step"), `${six(step)} (${whose})`);
     const stress = await cell(page, "Cauchy stress");
     assert.ok(stress.includes(`s11 ${six(state.material.cauchy[0][0])}`), stress);
     const took = await page.evaluate(() => {
