@@ -75,7 +75,7 @@ def test_a_warning_takes_no_exception_s_place() -> None:
     method = onset.Method(arrangement="square", support=-1.5)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        with pytest.raises(onset.InputError, match="support is -1.5") as refused:
+        with pytest.raises(onset.InputError, match="cannot be -1.5") as refused:
             onset.state(method=method, stretch=(1, 1))
         assert any("lattice" in note for note in refused.value.__notes__)
         # And it is not told of the next question.

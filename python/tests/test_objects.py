@@ -144,8 +144,8 @@ def test_texts_that_read_as_numbers_are_numbers_in_studies_too() -> None:
     assert "support = 2.5\n" in onset.Method(support=np.array([2.5]))._section_text()
     listing = onset.Study.of(RUBBER, SPH, axes, map={"outputs": "growth_rate, wave_vector"})
     assert 'outputs = ["growth_rate", "wave_vector"]' in listing.text
-    large = onset.Material("mu*(I1 - 3)", mu=2**70)._section_text()
-    assert "mu = 1.1805916207174113e+21\n" in large and onset.Study.of(onset.Material("neo-hooke", mu=2**70), SPH, axes)
+    large = onset.Material("mu*(I1 - 3)", mu=2**60)._section_text()
+    assert "mu = 1.152921504606847e+18\n" in large and onset.Study.of(onset.Material("neo-hooke", mu=2**60), SPH, axes)
 
 
 def test_a_law_that_was_read_keeps_its_notes() -> None:

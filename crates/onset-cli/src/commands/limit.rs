@@ -9,16 +9,18 @@ use std::process::ExitCode;
 
 /// Searches for the limit of a setting.
 pub fn limit(arguments: &LimitArguments) -> Result<ExitCode, Failure> {
-    let question = LimitQuestion::new(&arguments.vary, &arguments.time_step)
-        .map_err(Failure::input)?
-        .between(arguments.range)
-        .with_safety(arguments.safety)
-        .with_integrator(arguments.integrator);
-    let settings = arguments.problem.settings_with(&[question.key()])?;
+    let question = LimitQuestion::new(&arguments.vary, &arguments.time_step);
+    let open: Vec<&str> = question.iter().map(LimitQuestion::key).collect();
+    let settings = arguments.problem.settings_with(&open)?;
     let strain = match arguments.strain.is_given() {
         true => arguments.strain.build(&Problem::new(settings.clone())?)?,
         false => Strain::reference(),
     };
+    let question = question
+        .map_err(Failure::input)?
+        .between(arguments.range)
+        .with_safety(arguments.safety)
+        .with_integrator(arguments.integrator);
     let output = arguments.out.as_deref();
     let names = ["limit.csv", "limit.svg", "limit.png"];
     let output = output.map(|out| Output::at(out, &names)).transpose()?;
