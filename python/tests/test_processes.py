@@ -95,8 +95,7 @@ def test_an_interrupt_ends_a_long_question_and_its_work(call: str, tmp_path: Pat
     assert len(numbers) == 2, "the question was answered before it was interrupted"
     # The grace of 0.2 s, and what a loaded machine takes.
     assert numbers[0] < 2.0
-    # One search for zero-energy modes of a cell of many particles is one piece of work.
-    assert numbers[1] < 0.2 or call in ("modes", "compare")
+    assert numbers[1] < 0.2
 
 
 def test_masked_values_are_refused_and_other_layouts_are_read() -> None:

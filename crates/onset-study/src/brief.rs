@@ -151,10 +151,9 @@ impl Short {
         if self.table.len() <= room {
             return self.table.clone();
         }
-        if room == 0 {
+        let Some(shown) = room.checked_sub(1) else {
             return Vec::new();
-        }
-        let shown = room.saturating_sub(1);
+        };
         let mut lines = self.table[..shown].to_vec();
         lines.push(format!("... and {} more", self.table.len() - shown));
         lines

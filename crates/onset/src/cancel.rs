@@ -20,7 +20,7 @@ use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 
-/// Returns true once the computation is to end; polled often, by all threads.
+/// Returns true once the computation must end. All threads poll it often.
 type Condition = Arc<dyn Fn() -> bool + Send + Sync>;
 
 thread_local! {

@@ -69,7 +69,7 @@ pub(super) fn half_requests(
     match answered {
         true => Ok(()),
         false => Err(Fault::Hang(
-            "the page does not answer its owner beside half requests".to_owned(),
+            "the page does not answer its owner while half requests are open".to_owned(),
         )),
     }
 }

@@ -5,6 +5,30 @@ use super::{Scratch, command, document, onset, onset_line};
 const STATE: &str = "state --stretch 1.1,0.95";
 
 #[test]
+fn short_answers_have_at_most_twelve_lines_of_a_hundred_characters() {
+    for line in [
+        "state --stretch 1.1,0.95",
+        "state --stretch 1.1,1 --certify",
+        "state --stretch 1.2,1 --set discretization.frame=eulerian",
+        "criteria --set material.model=blatz-ko",
+        "recommend --dimension 1 --set compare.states=2",
+        "tune discretization.penalty --set discretization.method=tlsph --set discretization.lattice=chain",
+    ] {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let short = onset(&words).stdout;
+        assert!(short.lines().count() <= 12, "{line}: {short}");
+        let width = |text: &str| text.lines().map(|line| line.chars().count()).max();
+        assert!(width(&short) <= Some(100), "{line}: {short}");
+        assert!(short.contains("--all: all numbers"), "{line}: {short}");
+        let all = onset(&[&words[..], &["--all"]].concat()).stdout;
+        assert!(all.lines().count() > 12, "{line}: {all}");
+        let settings = onset(&[&words[..], &["--settings"]].concat()).stdout;
+        assert!(settings.starts_with(short.trim_end()), "{line}: {settings}");
+        assert!(settings.lines().count() > short.lines().count(), "{line}");
+    }
+}
+
+#[test]
 fn json_has_a_short_name_and_csv_holds_the_same_numbers() {
     let json = onset_line(&format!("{STATE} --format json"));
     assert_eq!(json.stdout, onset_line(&format!("{STATE} --json")).stdout);

@@ -39,6 +39,15 @@ pub fn rules(limits: &Thresholds) -> [String; 6] {
     ]
 }
 
+/// Reasons for exclusion by the rules 1 to 5, in a few words.
+pub(super) const EXCLUSIONS: [&str; 5] = [
+    "not usable in the reference state or on the window",
+    "zero-energy or weakly controlled modes",
+    "unstable where the material is elliptic",
+    "stable where the material is not elliptic",
+    "inconsistent long-wavelength moduli",
+];
+
 /// Method with its rank.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Ranked {

@@ -1,7 +1,8 @@
 //! Short forms of a comparison and of a recommendation.
 
-use super::rank::{Ranked, recommended};
-use super::{Measured, Recommendation, Table};
+use super::rank::{EXCLUSIONS, Ranked, recommended};
+use super::table::Column;
+use super::{Recommendation, Table};
 use crate::brief::{Brief, Short};
 use crate::number::counted;
 
@@ -22,53 +23,35 @@ impl Brief for Table {
         let ranking = recommended(self);
         let mut columns = self.columns();
         columns.retain(|column| SHOWN.contains(&column.head.as_str()));
-        let cells = |m: &Measured| -> Vec<String> {
-            columns.iter().map(|column| (column.cell)(m)).collect()
+        let line = |name: &str, rule: &str, cell: &dyn Fn(&Column) -> String| {
+            let cells = columns.iter().map(|column| {
+                let width = column.width(&self.rows);
+                format!("  {:>width$}", cell(column))
+            });
+            let cells: String = cells.collect();
+            let line = format!("{:NAME$}{cells}  {rule}", cut(name));
+            line.trim_end().to_owned()
         };
-        let heads: Vec<String> = columns.iter().map(|column| column.head.clone()).collect();
-        let rows: Vec<(&Ranked, Option<Vec<String>>)> = ranking
-            .iter()
-            .map(|ranked| {
-                let mut rows = self.rows.iter();
-                let row = rows.find(|row| row.name == ranked.name);
-                let measured = row.and_then(|row| row.measured.as_ref().ok());
-                (ranked, measured.map(cells))
-            })
-            .collect();
-        let widths: Vec<usize> = (0..heads.len())
-            .map(|n| {
-                let own = rows
-                    .iter()
-                    .filter_map(|(_, cells)| Some(cells.as_ref()?[n].chars().count()));
-                own.max().unwrap_or(0).max(heads[n].chars().count())
-            })
-            .collect();
-        let line = |name: &str, cells: &[String], rule: &str| {
-            let cells = cells.iter().zip(&widths);
-            let cells: String = cells
-                .map(|(cell, width)| format!("  {cell:>width$}"))
-                .collect();
-            format!("{:NAME$}{cells}  {rule}", cut(name))
-                .trim_end()
-                .to_owned()
-        };
-        let lines = rows.iter().map(|(ranked, cells)| {
-            let rule = ranked.excluded.as_ref();
-            match (cells, rule) {
-                (Some(cells), rule) => line(
-                    &ranked.name,
-                    cells,
-                    &rule.map_or(String::new(), |(rule, _)| format!("rule {rule}")),
-                ),
-                (None, rule) => {
-                    let why = rule.map_or("", |(_, why)| why);
+        let head = line("method, best first", "excluded by", &|column| {
+            column.head.clone()
+        });
+        let lines = ranking.iter().map(|ranked| {
+            let mut rows = self.rows.iter();
+            let row = rows.find(|row| row.name == ranked.name);
+            let (rule, why) = match &ranked.excluded {
+                Some((rule, why)) => (format!("rule {rule}"), why.as_str()),
+                None => (String::new(), ""),
+            };
+            match row.and_then(|row| row.measured.as_ref().ok()) {
+                Some(measured) => line(&ranked.name, &rule, &|column| (column.cell)(measured)),
+                None => {
                     let text = format!("{:NAME$}  {why}", cut(&ranked.name));
                     text.chars().take(crate::brief::WIDTH).collect()
                 }
             }
         });
         let mut short = Short::new(self.summary(&ranking))
-            .table(std::iter::once(line("method, best first", &heads, "excluded by")).chain(lines))
+            .table(std::iter::once(head).chain(lines))
             .row(
                 0,
                 "rules",
@@ -111,15 +94,8 @@ impl Brief for Recommendation {
             format!("{:>2}  {:NAME$}  {measure}", n + 1, cut(&ranked.name))
         });
         let mut short = Short::new(self.table.summary(&self.ranking)).table(good);
-        let rules = [
-            "not usable in the reference state or on the window",
-            "zero-energy or weakly controlled modes",
-            "unstable where the material is elliptic",
-            "stable where the material is not elliptic",
-            "inconsistent long-wavelength moduli",
-        ];
         let mut is_first = true;
-        for (n, rule) in rules.into_iter().enumerate() {
+        for (n, rule) in EXCLUSIONS.into_iter().enumerate() {
             let is_excluded = |ranked: &&Ranked| {
                 let mut by = ranked.excluded.iter();
                 by.any(|(by, _)| *by == n + 1)

@@ -41,6 +41,15 @@ pub(super) struct Column {
     pub(super) number: Box<dyn Fn(&Measured) -> f64>,
 }
 
+impl Column {
+    /// Width of the head and of the cells of all methods.
+    pub(super) fn width(&self, rows: &[Row]) -> usize {
+        let measured = rows.iter().filter_map(|row| row.measured.as_ref().ok());
+        let cells = measured.map(|m| (self.cell)(m).chars().count());
+        cells.max().unwrap_or(0).max(self.head.chars().count())
+    }
+}
+
 fn column(
     head: impl Into<String>,
     name: impl Into<String>,
@@ -245,14 +254,7 @@ impl std::fmt::Display for Table {
         let width = names.max().unwrap_or(0).max("method".len());
         let widths: Vec<usize> = columns
             .iter()
-            .map(|column| {
-                let measured = self
-                    .rows
-                    .iter()
-                    .filter_map(|row| row.measured.as_ref().ok());
-                let cells = measured.map(|m| (column.cell)(m).chars().count());
-                cells.max().unwrap_or(0).max(column.head.chars().count())
-            })
+            .map(|column| column.width(&self.rows))
             .collect();
         if !self.title.is_empty() {
             writeln!(formatter, "{}", self.title)?;

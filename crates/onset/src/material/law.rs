@@ -71,7 +71,7 @@ impl Admitted {
     }
 }
 
-/// A limit as one types it, angles in multiples of pi.
+/// Limit of a parameter in the form in which it is typed; angles in multiples of pi.
 fn written(limit: f64, unit: &str) -> String {
     match limit.abs() {
         _ if unit == "rad" => format!("{} pi", limit / std::f64::consts::PI),

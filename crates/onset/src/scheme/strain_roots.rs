@@ -2,6 +2,7 @@
 
 use super::StrainRows;
 use crate::algebra::{Complex, MAXIMUM_ITERATIONS, sort_by_value};
+use crate::cancel::checkpoint;
 use nalgebra::{DMatrix, DMatrixView, DVector, SVector};
 use std::borrow::Cow;
 
@@ -26,6 +27,7 @@ pub(crate) struct Singular {
 
 impl Singular {
     pub(crate) fn of(matrix: DMatrix<Complex>) -> Option<Self> {
+        checkpoint();
         let bound = MAXIMUM_ITERATIONS * matrix.ncols();
         let svd = matrix.try_svd(true, true, f64::EPSILON, bound)?;
         let (left, adjoint) = (svd.u?, svd.v_t?);
