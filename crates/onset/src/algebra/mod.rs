@@ -1,6 +1,5 @@
 //! Eigenvalues of small matrices and minima of trigonometric polynomials, with bounded loops.
 
-mod array;
 mod cholesky;
 mod decomposition;
 mod deviator;
@@ -16,10 +15,8 @@ mod symmetric;
 mod trigonometric;
 mod turn;
 mod unit;
-mod well;
 mod zeros;
 
-pub(crate) use array::{Each, array_of};
 pub(crate) use cholesky::{cholesky_factor, factorize};
 pub(crate) use decomposition::{
     Decomposition, any_eigenvalues, hermitian_eigen, hermitian_eigenvalues,
@@ -38,8 +35,9 @@ pub(crate) use symmetric::{is_positive_definite, symmetric_eigen};
 pub use trigonometric::TrigonometricPolynomial;
 pub(crate) use turn::sines_and_cosines;
 pub(crate) use unit::moderate_unit;
-pub(crate) use well::{is_well, neighbors, settled, settled_along};
 pub(crate) use zeros::Zeros;
+
+pub(crate) use crate::real::{Each, array_of};
 
 /// Complex number type of the whole crate.
 pub type Complex = nalgebra::Complex<f64>;

@@ -23,6 +23,7 @@ mod short_range;
 mod spatial;
 mod spectrum;
 mod system;
+mod transferred;
 
 pub(crate) use assembly::Local;
 use assembly::moment_matrix;
@@ -31,9 +32,11 @@ pub use dynamical_matrix::{DynamicalMatrix, Expansion};
 pub use moments::{GradientMoments, MomentExtremes};
 pub(crate) use representative::StateWave;
 pub use search::ZoneSearch;
+pub(crate) use search::{is_well, settled, settled_along};
 pub(crate) use spectrum::Judgment;
 pub use spectrum::{Mode, SpectrumSummary, Stability};
 pub use system::{BlochBlocks, BlochSum, Mass, WaveSystem};
+pub use transferred::TransferredWaves;
 
 use crate::algebra::Complex;
 use nalgebra::SVector;

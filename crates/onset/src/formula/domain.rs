@@ -5,7 +5,7 @@
 //! the formula is evaluated on both sides. If the values certainly differ, the energy has a jump; if the first derivatives differ, it has a kink. A
 //! part that is undefined on one of the sides has no derivative there.
 
-use super::error::Trouble;
+use super::Trouble;
 use super::graph::Leaf;
 use super::tape::{Observer, Tape};
 use crate::real::{Interval, Jet, Real, Side};

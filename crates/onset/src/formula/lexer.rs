@@ -1,6 +1,7 @@
 //! Splits a formula into numbers, names and signs.
 
-use super::error::{FormulaError, Place, Problem};
+use super::Place;
+use super::error::{FormulaError, Problem};
 use std::ops::Range;
 
 /// Token of a formula.

@@ -29,7 +29,8 @@ mod stretches;
 mod tape;
 mod words;
 
-pub use error::{FormulaError, Place, Problem, StateError, Trouble};
+pub use crate::material::{Place, StateError, Trouble};
+pub use error::{FormulaError, Problem};
 pub use one::FunctionOfOne;
 pub use words::{FIBER_ANGLES, FUNCTIONS, FunctionWord, VARIABLES, VariableGroup, VariableKind};
 

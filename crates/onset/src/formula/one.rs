@@ -1,6 +1,7 @@
 //! Formula of one variable, such as a radial profile.
 
-use super::error::{FormulaError, Place, Problem};
+use super::Place;
+use super::error::{FormulaError, Problem};
 use super::graph::{Leaf, Node};
 use super::parser;
 use super::tape::Tape;

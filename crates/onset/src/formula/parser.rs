@@ -3,7 +3,8 @@
 //! From the weakest to the strongest: `or`, `and`, `not`, comparisons, `+ -`, `* /`, signs, `^`. Powers associate to the right, all other operators
 //! to the left; `-x^2` is `-(x^2)`, and `2^-x` is allowed.
 
-use super::error::{FormulaError, Place, Problem};
+use super::Place;
+use super::error::{FormulaError, Problem};
 use super::graph::{Function, Graph, Id, Leaf};
 use super::lexer::{Token, tokens};
 use super::words::{self, Arity, FIBER_ANGLES, FunctionWord};

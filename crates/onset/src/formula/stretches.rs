@@ -1,7 +1,8 @@
 //! Part of a formula that depends on the principal stretches.
 
+use super::Trouble;
 use super::domain;
-use super::error::{Problem, Trouble};
+use super::error::Problem;
 use super::graph::{Graph, Id, Leaf, Node};
 use super::tape::Tape;
 use crate::algebra::Each;

@@ -9,6 +9,7 @@ mod laws;
 mod membrane;
 mod plane_stress;
 mod principal;
+mod state_error;
 mod tensors;
 
 pub(crate) use invariants::{InvariantEnergy, given_by_invariants, jet_of_invariants};
@@ -18,11 +19,11 @@ pub use laws::{BlatzKo, ModifiedMooneyRivlin};
 pub use membrane::Membrane;
 pub use plane_stress::PlaneStress;
 pub use principal::{PrincipalEnergy, energy_of_stretches};
+pub use state_error::{Place, StateError, Trouble};
 pub use tensors::FourthOrder;
 
 use crate::algebra::{Each, array_of};
 use crate::cancel::checkpoint;
-use crate::formula::{StateError, Trouble};
 use crate::kinematics::DeformationGradient;
 use crate::real::{Dual, Even, Interval, Jet, LANES, Lanes, Mirrored, Real};
 use nalgebra::Matrix3;

@@ -36,17 +36,17 @@ pub struct Configuration<const D: usize> {
 }
 
 /// Lattice and support in the coordinates of the kernels.
-pub(super) struct Layout<const D: usize> {
+pub(crate) struct Layout<const D: usize> {
     /// Primitive vectors of the lattice in the coordinates of the kernels, as columns.
-    pub(super) vectors: SMatrix<f64, D, D>,
-    pub(super) radius: f64,
+    pub(crate) vectors: SMatrix<f64, D, D>,
+    pub(crate) radius: f64,
     /// Metric of the support: distances are `|metric x|`.
-    pub(super) metric: SMatrix<f64, D, D>,
+    pub(crate) metric: SMatrix<f64, D, D>,
 }
 
 impl<const D: usize> Layout<D> {
     /// Returns this layout with a larger support.
-    pub(super) fn enlarged(&self, factor: f64) -> Self {
+    pub(crate) fn enlarged(&self, factor: f64) -> Self {
         Self {
             radius: factor * self.radius,
             ..*self
@@ -106,7 +106,7 @@ impl<const D: usize> Method<D> {
         Ok((configuration, true))
     }
 
-    pub(super) fn layout(&self, f: &DeformationGradient) -> Layout<D> {
+    pub(crate) fn layout(&self, f: &DeformationGradient) -> Layout<D> {
         let radius = self.support_radius();
         let eulerian = self.choices.frame == Frame::Eulerian;
         let support_size = if eulerian {
@@ -232,7 +232,7 @@ fn inverted<const D: usize>(m: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
 }
 
 /// Ball of the support in the lattice, in the coordinates of the kernels.
-pub(super) fn support<const D: usize>(layout: &Layout<D>) -> Result<Ball<D>, MethodError> {
+pub(crate) fn support<const D: usize>(layout: &Layout<D>) -> Result<Ball<D>, MethodError> {
     let ball = Ball::new(&(layout.metric * layout.vectors), layout.radius)?;
     MethodError::assert_few(&ball, layout.radius, 1)?;
     Ok(ball)

@@ -4,9 +4,11 @@
 //! point. It is independent of the material.
 
 mod configuration;
-mod forces;
+mod mesh_error;
 
+pub(crate) use configuration::support;
 pub use configuration::{Configuration, ConfiguredPoint};
+pub use mesh_error::MeshError;
 
 use crate::approximation::{Approximation, Order, SingularMoment};
 use crate::kernel::Kernel;
@@ -17,7 +19,6 @@ use crate::lattice::{
 };
 use crate::material::MaterialError;
 use crate::quadrature::{CellRule, Quadrature, QuadratureError, QuadraturePoint};
-use crate::scheme::element::MeshError;
 use nalgebra::SVector;
 use std::sync::Arc;
 use thiserror::Error;

@@ -1,7 +1,7 @@
 //! First-order forward differentiation.
 
+use super::array_of;
 use super::{Real, Side, Work};
-use crate::algebra::array_of;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Value with its first derivatives in `N` variables, over the numbers `R`.

@@ -1,7 +1,7 @@
 //! Second-order forward differentiation.
 
+use super::array_of;
 use super::{Interval, Real, Side};
-use crate::algebra::array_of;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Value with its gradient and Hessian in `N` variables: the Taylor expansion to second order, over the numbers `R`.

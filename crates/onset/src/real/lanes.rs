@@ -1,7 +1,7 @@
 //! Several numbers in parallel.
 
+use super::array_of;
 use super::{Real, Side, Work};
-use crate::algebra::array_of;
 use pulp::{Arch, NullaryFnOnce};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

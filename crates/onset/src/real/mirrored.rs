@@ -1,7 +1,7 @@
 //! Second-order forward differentiation at states with mirror axes.
 
+use super::Each;
 use super::{Jet, Real, Side, Work};
-use crate::algebra::Each;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Function of `F_11`, `F_22`, `F_12` and `F_21` with definite parity in `F_12`, `F_21`, with its first and second derivatives at `F_12 = F_21 = 0`.

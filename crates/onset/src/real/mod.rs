@@ -4,12 +4,14 @@
 //! deformation gradient it gives the stress and the tangent in one pass, exact to rounding. With jets of [`Interval`]s it gives bounds that contain
 //! them.
 
+mod array;
 mod dual;
 mod interval;
 mod jet;
 mod lanes;
 mod mirrored;
 
+pub(crate) use array::{Each, array_of};
 pub use dual::Dual;
 pub use interval::Interval;
 pub use jet::Jet;

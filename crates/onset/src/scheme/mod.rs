@@ -50,13 +50,14 @@ pub(crate) use strain_roots::Singular;
 pub(crate) use strain_rows::StrainRows;
 
 use self::sph::CurrentPairs;
-use crate::bloch::{BlochBlocks, DynamicalMatrix, GradientMoments, WaveSystem, ZoneSearch};
+use crate::bloch::{
+    BlochBlocks, DynamicalMatrix, GradientMoments, TransferredWaves, WaveSystem, ZoneSearch,
+};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
 use crate::material::Hyperelastic;
 use crate::method::{Method, MethodError};
 use crate::real::Real;
-use crate::time_step::TransferredWaves;
 use nalgebra::SVector;
 use std::fmt::Debug;
 

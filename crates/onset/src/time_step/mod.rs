@@ -9,13 +9,13 @@
 mod amplification;
 mod runge_kutta;
 mod stepping;
-mod transferred;
 
 pub use amplification::{
     Amplification, critical_time_step, critical_time_step_at, undamped_time_step,
 };
 pub use stepping::{Stepping, WaveParts};
-pub use transferred::TransferredWaves;
+
+pub use crate::bloch::TransferredWaves;
 
 use crate::algebra::Complex;
 use runge_kutta::Stages;

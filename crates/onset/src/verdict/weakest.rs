@@ -4,7 +4,8 @@
 //! and law only, not on the state.
 
 use super::{Slowest, Unfolding, WeakestMode};
-use crate::algebra::{is_well, settled, settled_along, sort_by_value};
+use crate::algebra::sort_by_value;
+use crate::bloch::{is_well, settled, settled_along};
 use crate::lattice::BrillouinZone;
 use crate::scheme::StrainRows;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};

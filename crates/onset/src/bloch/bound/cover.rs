@@ -3,7 +3,8 @@
 use super::cell::Cell;
 use super::local::{Local, Sign};
 use super::pencil::Pencil;
-use crate::algebra::{Each, settled_along};
+use crate::algebra::Each;
+use crate::bloch::settled_along;
 use crate::cancel::checkpoint;
 use crate::cores::of_each_long;
 use nalgebra::SVector;

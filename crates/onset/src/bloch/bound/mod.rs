@@ -26,7 +26,7 @@ pub(super) use cover::{Covered, Question};
 pub(super) use pencil::Measure;
 
 use super::{DynamicalMatrix, WaveSystem};
-use crate::algebra::settled;
+use crate::bloch::settled;
 use crate::lattice::BravaisLattice;
 use nalgebra::SVector;
 use pencil::Pencil;

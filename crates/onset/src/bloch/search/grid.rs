@@ -1,7 +1,8 @@
 //! Spectrum on a grid over the zone, and the wells of the grid.
 
+use super::well::neighbors;
 use super::{Candidate, Objective, Sample, ZoneSearch};
-use crate::algebra::{Complex, Zeros, neighbors, sort_by_value};
+use crate::algebra::{Complex, Zeros, sort_by_value};
 use crate::bloch::DynamicalMatrix;
 use crate::bloch::growth_rate;
 use crate::bloch::planar::PlanarEntries;

@@ -15,6 +15,10 @@ mod descent;
 mod grid;
 mod mirrored;
 mod steps;
+mod well;
+
+pub(in crate::bloch) use well::neighbors;
+pub(crate) use well::{is_well, settled, settled_along};
 
 use super::bound::{self, Measure, Question};
 use super::pocket::{Around, HALVED_STEP_POINTS, Order, Pockets};

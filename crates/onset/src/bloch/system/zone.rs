@@ -14,13 +14,13 @@
 //! compare random states with a dense search.
 
 use super::WaveSystem;
-use crate::algebra::{
-    Complex, Decomposition, Each, is_well, lowest_between, neighbors, settled, sort_by_value,
-};
+use crate::algebra::{Complex, Decomposition, Each, lowest_between, sort_by_value};
 use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, WIDEST_GAP, cover_system};
 use crate::bloch::branches::Taylor;
 use crate::bloch::pocket::{Around, HALVED_STEP_POINTS, Pockets};
-use crate::bloch::search::{Flutter, LONG_WAVE_FRACTION, RELAXED_RAY_STEPS};
+use crate::bloch::search::{
+    Flutter, LONG_WAVE_FRACTION, RELAXED_RAY_STEPS, is_well, neighbors, settled,
+};
 use crate::bloch::short_range::ShortRange;
 use crate::bloch::{Judgment, Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
 use crate::continuum::{AcousticMinimum, Stiffness};

@@ -9,7 +9,8 @@ mod mesh;
 mod pattern;
 mod shape;
 
-pub use mesh::{Mesh, MeshError};
+pub use crate::method::MeshError;
+pub use mesh::Mesh;
 pub use pattern::ElementMesh;
 pub use shape::ElementShape;
 

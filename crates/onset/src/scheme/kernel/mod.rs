@@ -6,6 +6,7 @@
 //! With several particles per cell the homogeneous state `F X` need not be in equilibrium: if a particle is not a center of
 //! symmetry, stresses may leave a force on it. The waves are linearized about `F X`, held in place by dead loads if necessary.
 
+mod forces;
 mod point;
 mod shape;
 

@@ -1,12 +1,11 @@
 //! Discrete forces of kernel methods for particles displaced from a homogeneous state.
 
-use super::configuration::support;
-use super::{ConfiguredPoint, Frame, Linearization, Method, MethodError};
 use crate::algebra::array_of;
 use crate::approximation::Order;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Particle, determinant};
 use crate::material::Hyperelastic;
+use crate::method::{ConfiguredPoint, Frame, Linearization, Method, MethodError, support};
 use crate::scheme::{NoForce, PatchForces, PeriodicPatch, PointResponse};
 use nalgebra::{SMatrix, SVector};
 

@@ -1,7 +1,7 @@
 //! Waves of methods that transfer velocities through a grid once per step.
 
+use super::{BlochSum, WaveSystem, ZoneSearch};
 use crate::algebra::Complex;
-use crate::bloch::{BlochSum, WaveSystem, ZoneSearch};
 use crate::lattice::Particle;
 use nalgebra::SVector;
 

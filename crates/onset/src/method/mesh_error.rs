@@ -1,0 +1,51 @@
+//! Errors of meshes.
+
+use thiserror::Error;
+
+/// Error in the description of a mesh.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum MeshError {
+    /// An element has too few or too many nodes.
+    #[error("element {element} has {nodes} node(s), not {needed}")]
+    NodeCount {
+        /// Number of the element in the cell.
+        element: usize,
+        /// Number of nodes given.
+        nodes: usize,
+        /// Number of nodes of the element shape.
+        needed: usize,
+    },
+    /// An element has a node at a site that the crystal does not have.
+    #[error("element {element} has a node at site {site}; the sites of the cell are 0 to {last}")]
+    UnknownSite {
+        /// Number of the element in the cell.
+        element: usize,
+        /// Number of the site given.
+        site: usize,
+        /// Largest number of a site.
+        last: usize,
+    },
+    /// An element has no volume or is partly inverted.
+    #[error(
+        "element {element} is flat or inverted; expected edges that do not cross, with the corners of quadrilaterals and bricks in the order of binary numbers"
+    )]
+    Distorted {
+        /// Number of the element in the cell.
+        element: usize,
+    },
+    /// The elements overlap or leave gaps.
+    #[error(
+        "the elements of a cell have the volume {elements:?}, the cell {cell:?}; expected elements that fill the cell exactly once"
+    )]
+    Volume {
+        /// Sum of the volumes of the elements; length^D.
+        elements: f64,
+        /// Volume of the cell; length^D.
+        cell: f64,
+    },
+    /// Hourglass control was requested for elements without hourglass modes.
+    #[error(
+        "hourglass control is not supported with full integration, which has no hourglass modes; choose integration = \"one-point\", or set hourglass-stiffness and hourglass-viscosity to 0"
+    )]
+    NeedlessControl,
+}
