@@ -168,7 +168,7 @@ class Mode:
             Number of frames of the period.
         unit
             Unit of length of the result; length. ASE interprets lengths as angstroms, and its files have about eight decimals. ``unit=1e-3`` converts
-            an answer in metres to millimetres.
+            an answer in meters to millimeters.
         symbol
             Chemical symbol of all particles; the default denotes no element.
 

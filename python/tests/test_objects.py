@@ -238,7 +238,7 @@ def test_types(tmp_path: Path) -> None:
         assert mypy.returncode == 0, mypy.stdout + mypy.stderr
 
 
-def test_the_installed_package_has_the_licences_of_all_that_is_linked_into_it() -> None:
+def test_the_installed_package_has_the_licenses_of_all_that_is_linked_into_it() -> None:
     files = {file.name: file for file in importlib.metadata.files("onset-mechanics") or []}
     texts = files["THIRD-PARTY.txt"].read_text(encoding="utf-8")
     assert {"LICENSE-MIT", "LICENSE-APACHE"} <= set(files)

@@ -14,15 +14,6 @@ const VERSION: &str = "0.5.4";
 const TOOLS: &str = "target/tools";
 /// Font with the glyphs for formulas that system fonts lack.
 const FONT: &str = "node_modules/temml/dist/Temml.woff2";
-/// Pages outside the book whose links refer to files of the repository.
-const PAGES_OUTSIDE: [&str; 6] = [
-    "README.md",
-    "CONTRIBUTING.md",
-    "CHANGELOG.md",
-    "bench/README.md",
-    "python/README.md",
-    "validation/README.md",
-];
 
 /// Builds the book into `target/book`, and checks it.
 ///
@@ -89,10 +80,7 @@ pub fn build(mdbook: &Path) -> Result<(), String> {
     let font = Path::new(BUILT).join(FONT);
     std::fs::copy(Path::new(FOLDER).join(FONT), &font)
         .map_err(|error| format!("{}: {error}", font.display()))?;
-    let mut wrong = wrong_in_book(Path::new(BUILT))?;
-    for page in PAGES_OUTSIDE {
-        wrong.extend(wrong_in_page(Path::new(page))?);
-    }
+    let wrong = wrong_in_book(Path::new(BUILT))?;
     match wrong.is_empty() {
         true => Ok(()),
         false => Err(format!("links that lead nowhere:\n{}", wrong.join("\n"))),
@@ -201,20 +189,6 @@ fn leads_nowhere(
     }
 }
 
-/// Links of a Markdown page to missing files of the repository.
-fn wrong_in_page(page: &Path) -> Result<Vec<String>, String> {
-    let text = text(page)?;
-    let links = text.split("](").skip(1);
-    let addresses = links.filter_map(|rest| rest.split([')', ' ', '\n']).next());
-    let wrong = addresses.filter(|address| {
-        let path = address.split('#').next().unwrap_or_default();
-        !is_elsewhere(address) && !path.is_empty() && !beside(page, path).exists()
-    });
-    Ok(wrong
-        .map(|address| format!("{}: {address} is not there", page.display()))
-        .collect())
-}
-
 /// Path of a file that is referenced in another file.
 fn beside(file: &Path, path: &str) -> PathBuf {
     let mut place = file.parent().map(Path::to_owned).unwrap_or_default();
@@ -250,7 +224,7 @@ fn text(file: &Path) -> Result<String, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Page, wrong_in_book, wrong_in_page};
+    use super::{Page, wrong_in_book};
 
     #[test]
     fn broken_links_and_other_servers_are_reported() {
@@ -279,15 +253,6 @@ mod tests {
                 "part/one.html: ../none.svg is not there",
             ]
         );
-        let beside = folder.join("page.md");
-        std::fs::write(
-            &beside,
-            "[a](part/one.html) [b](none.md#x) [c](https://example.org)",
-        )
-        .expect("a page");
-        let wrong = wrong_in_page(&beside).expect("read");
-        assert_eq!(wrong.len(), 1);
-        assert!(wrong[0].ends_with("none.md#x is not there"), "{wrong:?}");
         std::fs::remove_dir_all(folder).expect("removed");
         assert!(Page::read("<p").links.is_empty());
     }

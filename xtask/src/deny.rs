@@ -1,4 +1,4 @@
-//! Licences, sources and advisories of all linked crates: `cargo deny` with the rules in `deny.toml`.
+//! Licenses, sources and advisories of all linked crates: `cargo deny` with the rules in `deny.toml`.
 
 use crate::python::{environment, succeed};
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ pub fn tool() -> Result<PathBuf, String> {
     Ok(interpreter.with_file_name(name))
 }
 
-/// Checks that need no network: licences, sources, versions and bans.
+/// Checks that need no network: licenses, sources, versions and bans.
 ///
 /// # Errors
 /// Description of the failure.

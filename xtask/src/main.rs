@@ -149,7 +149,7 @@ fn main() -> ExitCode {
         Some("timings") => reported(timings::run()),
         _ => {
             eprintln!(
-                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask verify [--all]    predictions against LAMMPS (with --all PySPH too), and the table of the book\n       cargo xtask simulate          every method in motion beside its prediction, and the table of the book\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N] [--release]   checks on random cases, as long as one likes\n       cargo xtask abuse [--minutes N] [--seed N]   kills, signals, damaged files, half requests, odd arrays and terminals, counted\n       cargo xtask figures           the figures of README and book, from a reproduction\n       cargo xtask readme            what the commands in README.md and of the published fits print, filled in\n       cargo xtask wheel             the Python package, target/wheels\n       cargo xtask python            the tests of the Python package\n       cargo xtask page              the page of `onset explore`, built and driven by a browser\n       cargo xtask book              the book, built with its links checked: target/book\n       cargo xtask english [PATH]    places in docs, messages and pages that a native reader would send back\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           how long the workspace takes to build, measured: CONTRIBUTING.md"
+                "usage: cargo xtask test              formatting, lints, all tests, documentation, the paper\n       cargo xtask verify [--all]    predictions against LAMMPS (with --all PySPH too), and the table of the book\n       cargo xtask simulate          the motion of every method against its prediction, and the table of the book\n       cargo xtask hunt [CHECK] [--seed N] [--cases N] [--minutes N] [--release]   checks on random cases\n       cargo xtask abuse [--minutes N] [--seed N]   kills, signals, damaged files, half requests, odd arrays and terminals, counted\n       cargo xtask figures           the figures of README and book\n       cargo xtask readme            fills in the answers of the commands in README.md and of the published fits\n       cargo xtask wheel             the Python package, target/wheels\n       cargo xtask python            the tests of the Python package\n       cargo xtask page              the page of `onset explore`, built and driven by a browser\n       cargo xtask book              the book, built with its links checked: target/book\n       cargo xtask english [PATH]    prose that a native reader would send back; without PATH also links and spelling\n       cargo xtask schema            the JSON Schema of study files, studies/study.schema.json\n       cargo xtask bench [--quick]   benchmarks, and the same work in NumPy and JAX: bench/README.md\n       cargo xtask timings           build times of the workspace: CONTRIBUTING.md"
             );
             return ExitCode::from(2);
         }
@@ -213,10 +213,10 @@ fn test() -> bool {
         (mdbook, browser, done)
     });
     if let Err(error) = mdbook {
-        eprintln!("== NOT TESTED: the book, its formulas and its links. {error}");
+        eprintln!("== NOT TESTED: the built book, its formulas and its links. {error}");
     }
     if let Err(error) = deny {
-        eprintln!("== NOT TESTED: licences and sources of what is linked. {error}");
+        eprintln!("== NOT TESTED: licenses and sources of what is linked. {error}");
     }
     if advisories.is_none() {
         eprintln!(

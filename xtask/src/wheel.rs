@@ -115,12 +115,12 @@ pub fn command() -> Result<PathBuf, String> {
 /// Builds a wheel for an interpreter, by default for all with a global lock, and returns its path.
 fn made(profile: &str, folder: &str, interpreter: Option<&Path>) -> Result<PathBuf, String> {
     let making = environment("wheel", Path::new(BUILD_REQUIREMENTS))?;
-    let licences = [
-        "python/licences.py",
+    let licenses = [
+        "python/licenses.py",
         "python/licenses/THIRD-PARTY.txt",
         "onset-py",
     ];
-    succeed(Command::new(&making).args(licences))?;
+    succeed(Command::new(&making).args(licenses))?;
     let since = SystemTime::now();
     succeed(
         Command::new(&making)

@@ -29,7 +29,7 @@ for (const file of ["index.html", "icon.svg"]) {
   cpSync(join(here, "src", file), join(out, file));
 }
 
-// Licences of the bundled packages.
+// Licenses of the bundled packages.
 const packages = new Set();
 for (const { metafile } of results) {
   for (const input of Object.keys(metafile.inputs)) {
@@ -37,14 +37,14 @@ for (const { metafile } of results) {
     if (name) packages.add(name);
   }
 }
-const licence = (name) => {
+const license = (name) => {
   const folder = join(here, "node_modules", name);
   const { version, license } = JSON.parse(readFileSync(join(folder, "package.json"), "utf8"));
   const file = readdirSync(folder).find((own) => /^licen[sc]e/i.test(own));
   const text = file ? readFileSync(join(folder, file), "utf8").trim() : "";
   return `${name} ${version} (${license})\n\n${text}\n`;
 };
-writeFileSync(join(out, "licenses.txt"), [...packages].sort().map(licence).join(`\n${"-".repeat(72)}\n\n`));
+writeFileSync(join(out, "licenses.txt"), [...packages].sort().map(license).join(`\n${"-".repeat(72)}\n\n`));
 
 // Checksum of the sources; a test of the command compares it without building the page.
 export const sources = () => {

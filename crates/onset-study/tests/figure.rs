@@ -278,7 +278,7 @@ fn a_map_fills_its_share_of_the_panel_without_seams() {
 }
 
 #[test]
-fn equal_neighbours_are_merged_so_that_the_svg_stays_small() {
+fn equal_neighbors_are_merged_so_that_the_svg_stays_small() {
     let disc = (0..10_000i32).map(|i| {
         let inside = (i % 100 - 50).pow(2) + (i / 100 - 50).pow(2) < 1600;
         if inside { "stable" } else { "physical" }

@@ -123,7 +123,7 @@ impl Axis {
         fraction.is_finite().then_some(fraction)
     }
 
-    /// About `target` labelled ticks inside the range, in increasing order.
+    /// About `target` labeled ticks inside the range, in increasing order.
     pub(super) fn marks(&self, target: usize) -> Vec<Tick> {
         let (start, end) = self.limits();
         let (low, high) = (start.min(end), start.max(end));

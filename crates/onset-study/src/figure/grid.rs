@@ -79,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_neighbours_become_one_block() {
+    fn equal_neighbors_become_one_block() {
         assert_eq!(is_lossless(50, &[4; 2500]), 1);
         let halves: Vec<u8> = (0..2500).map(|i| u8::from(i % 50 >= 20)).collect();
         assert_eq!(is_lossless(50, &halves), 2);

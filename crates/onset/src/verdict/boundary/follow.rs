@@ -98,7 +98,7 @@ pub(super) fn follow<E>(
             start: heading,
             step: start.step,
             excess: 1e-3,
-            travelled: 0.0,
+            traveled: 0.0,
             nodes: vec![seed],
             asked,
             misses: 0,
@@ -340,7 +340,7 @@ struct Walker<'a, 'f, E> {
     step: f64,
     /// Turn of the last step beyond the prediction.
     excess: f64,
-    travelled: f64,
+    traveled: f64,
     nodes: Vec<Node>,
     asked: usize,
     /// Number of successive steps that turned.
@@ -491,7 +491,7 @@ impl<E> Walker<'_, '_, E> {
         for node in nodes {
             if let Some(last) = self.nodes.last() {
                 traced.add((last.at, node.at), self.sides, self.is_backward);
-                self.travelled += distance(last.at, node.at);
+                self.traveled += distance(last.at, node.at);
             }
             self.nodes.push(*node);
         }
@@ -501,7 +501,7 @@ impl<E> Walker<'_, '_, E> {
     fn closes(&mut self, traced: &mut Traced) -> Result<bool, E> {
         let ahead = minus(self.start.at, self.heading.at);
         let left = length(ahead);
-        if self.nodes.len() < 6 || left > 1.3 * self.step || self.travelled < 3.0 * left {
+        if self.nodes.len() < 6 || left > 1.3 * self.step || self.traveled < 3.0 * left {
             return Ok(false);
         }
         if left < SHORTEST_STEP {

@@ -1,7 +1,7 @@
-"""Collects the licences of all that is linked into the command or the Python package.
+"""Collects the licenses of all crates that are linked into the command or the Python package.
 
-`python python/licences.py OUT [PACKAGE]` writes them into the file OUT, for `onset-cli` unless another package is named. A crate without a licence that is
-admitted below ends this with exit code 1; one that ships no text has that of the MIT licence, if it may be used under it.
+`python python/licenses.py OUT [PACKAGE]` writes them into the file OUT, for `onset-cli` by default. The exit code is 1 if a crate has a license that is not
+admitted below. A crate that ships no license text gets the text of the MIT license, if it may be used under it.
 """
 
 from __future__ import annotations
@@ -13,20 +13,20 @@ import subprocess
 import sys
 from typing import Any
 
-#: Licences that allow what this project's own allow, given that their texts are shipped.
+#: Licenses that permit the uses permitted by the licenses of this project, if their texts are shipped.
 ADMITTED = {
     "0BSD", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "BSD-1-Clause", "BSD-2-Clause", "BSD-3-Clause", "BSL-1.0", "CC0-1.0", "ISC", "MIT",
     "Unicode-3.0", "Unlicense", "Zlib",
 }  # fmt: skip
-#: Files that hold a licence or what it wants to be shipped.
+#: Names of files that contain a license or a notice that it requires to be shipped.
 TEXTS = re.compile(r"(licen[cs]e|copying|copyright|notice|unlicense)", re.IGNORECASE)
 OWN = ("onset", "xtask")
-#: The MIT licence below its line of copyright.
+#: The MIT license below its line of copyright.
 PERMISSION = (Path(__file__).resolve().parent.parent / "LICENSE-MIT").read_text(encoding="utf-8").split("\n\n", 2)[2].strip()
 
 
 def linked(package: str) -> list[dict[str, Any]]:
-    """The crates that are linked into a package on any system, as `cargo metadata` has them."""
+    """Crates that are linked into a package on any system, as entries of `cargo metadata`."""
     command = ["cargo", "metadata", "--format-version", "1", "--locked", "--all-features"]
     read = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
     packages = {found["id"]: found for found in read["packages"]}
@@ -44,13 +44,13 @@ def linked(package: str) -> list[dict[str, Any]]:
 
 
 def is_admitted(expression: str) -> bool:
-    """Whether one side of each choice of an SPDX expression is admitted; older crates write a choice with a slash."""
+    """Returns true if one side of each choice in an SPDX expression is admitted. Older crates write a choice with a slash."""
     terms = re.split(r"\s+AND\s+", expression.replace("/", " OR ").replace("(", "").replace(")", ""))
     return all(any(choice.strip() in ADMITTED for choice in re.split(r"\s+OR\s+", term)) for term in terms)
 
 
 def main(out: str, package: str = "onset-cli") -> int:
-    """Writes the file; the exit code."""
+    """Writes the file and returns the exit code."""
     texts: dict[str, list[str]] = {}
     faults = []
     for crate in linked(package):
@@ -58,9 +58,9 @@ def main(out: str, package: str = "onset-cli") -> int:
         folder = Path(crate["manifest_path"]).parent
         files = sorted(path for path in folder.iterdir() if path.is_file() and TEXTS.search(path.name))
         if not is_admitted(crate["license"] or ""):
-            faults.append(f"{name}: the licence {crate['license']} is not among those admitted")
+            faults.append(f"{name}: the license {crate['license']} is not among those admitted")
         if not files and "MIT" not in crate["license"]:
-            faults.append(f"{name}: no text of the licence {crate['license']}")
+            faults.append(f"{name}: no text of the license {crate['license']}")
         elif not files:
             authors = ", ".join(crate["authors"]) or f"the authors of {crate['name']}"
             texts.setdefault(f"Copyright (c) {authors}\n\n{PERMISSION}", []).append(f"{name} ({crate['license']}), {crate['repository']}")
@@ -68,7 +68,7 @@ def main(out: str, package: str = "onset-cli") -> int:
             texts.setdefault(path.read_text(encoding="utf-8", errors="replace").strip(), []).append(f"{name} ({crate['license']}), {path.name}")
     for fault in faults:
         print(fault, file=sys.stderr)
-    head = "Licences of the crates that are linked into this program. Of a crate that offers a choice, all texts follow.\n"
+    head = "Licenses of the crates that are linked into this program. Of a crate that offers a choice, all texts follow.\n"
     rule = "\n" + "=" * 100 + "\n"
     parts = ("\n".join(names) + "\n\n" + text + "\n" for text, names in sorted(texts.items(), key=lambda entry: entry[1][0]))
     Path(out).write_text(head + "".join(rule + part for part in parts), encoding="utf-8")
