@@ -560,7 +560,7 @@ const ROWS: &[Row] = &[
             (
                 "convected",
                 "|F^-1 x| < R0",
-                "the support of the reference, carried along",
+                "the support of the reference configuration, convected with the deformation",
             ),
         ],
     ),
@@ -570,7 +570,7 @@ const ROWS: &[Row] = &[
         &[
             (
                 "exact",
-                "everything moves: the derivative of the discrete forces",
+                "all quantities vary: the exact derivative of the discrete forces",
                 "derived in the book",
             ),
             (
@@ -606,7 +606,7 @@ const ROWS: &[Row] = &[
             ),
             (
                 "smd",
-                "the same with alpha(r) = hg/2 R^2/(R^2 + 0.01 h^2) r/(r + 0.1 h) r/(r + 0.01 h), R and r the reference and the current length of \
+                "the published penalty with alpha(r) = hg/2 R^2/(R^2 + 0.01 h^2) r/(r + 0.1 h) r/(r + 0.01 h), R and r the reference and the current length of \
                  the bond, h = R0; the coefficient is the hourglass amplitude hg",
                 "LAMMPS, pair_smd_tlsph.cpp",
             ),
@@ -623,7 +623,7 @@ const ROWS: &[Row] = &[
             ),
             (
                 "averaged",
-                "half of it: the mean over an oscillation of what acts in approach only",
+                "half of `always`: the mean over an oscillation of a viscosity that acts in approach only",
                 "Monaghan and Gingold 1983",
             ),
             (

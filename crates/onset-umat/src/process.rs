@@ -175,7 +175,7 @@ impl Process {
                 path: settings.library.clone(),
             }),
             Err(error) if error.kind() == io::ErrorKind::InvalidData => Err(UmatError::NoProcess {
-                message: "what was started is not onset".to_owned(),
+                message: "the started program is not onset".to_owned(),
             }),
             Err(error) => Err(self.obituary(&error, None)),
         }

@@ -76,7 +76,7 @@ fn units_in_only_some_values_are_refused_with_the_values_without_units() {
         ),
         (
             "state --stretch 1,1 set spacing=2parsec",
-            vec!["`parsec` is no unit that is known"],
+            vec!["`parsec` is not a known unit"],
         ),
         ("state --stretch 1,1 set spacing=-2mm", vec!["spacing"]),
     ] {

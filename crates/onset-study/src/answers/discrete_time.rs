@@ -162,7 +162,7 @@ pub(super) fn note(own: &DiscreteTimeAnswer, is_stable: bool, units: Units) -> O
             units.of(told(own.isolated_point_time_step?), "s")
         )),
         (false, true) => Some(format!(
-            "with the step {step} the {transfer} transfer leaves of the growth the rate {rate}{}",
+            "with the step {step} the {transfer} transfer reduces the growth rate to {rate}{}",
             match own.transfer {
                 // The velocities that the points keep are not filtered.
                 Velocities::Flip => "",
@@ -170,7 +170,7 @@ pub(super) fn note(own: &DiscreteTimeAnswer, is_stable: bool, units: Units) -> O
             }
         )),
         (false, false) => Some(format!(
-            "with the step {step} the filter of the {transfer} transfer holds the waves that grow without it"
+            "with the step {step} the filter of the {transfer} transfer suppresses the waves that would grow without it"
         )),
         _ => None,
     }

@@ -51,14 +51,14 @@ impl FiniteBodyAnswer {
             let (proved, ground) = match found.ground {
                 FiniteBodyGround::Parts => (
                     true,
-                    "any body: bound of its single elements or material points",
+                    "any body: bound from its single elements or material points",
                 ),
                 FiniteBodyGround::Lattice => {
                     (true, "any body: it has fewer bonds than the lattice")
                 }
                 FiniteBodyGround::Blocks => (
                     false,
-                    "the least of free blocks, for bodies three particles thick or more",
+                    "the smallest of free blocks, for bodies three particles thick or more",
                 ),
             };
             Self {

@@ -420,7 +420,7 @@ impl std::fmt::Display for PathAnswer {
             )?,
             None if self.is_marginal => writeln!(
                 formatter,
-                "Ellipticity is not lost {way}, but at an end the smallest acoustic eigenvalue of the material is zero to rounding."
+                "Ellipticity is not lost {way}, but at an end of the path the smallest acoustic eigenvalue of the material is zero to rounding."
             )?,
             None => writeln!(
                 formatter,

@@ -435,7 +435,7 @@ fn stress_symmetry(measured: &[Measured]) -> Check {
         measured,
         &measured.iter().map(error).collect::<Vec<_>>(),
         "the Cauchy stress is symmetric",
-        "the Cauchy stress is not symmetric, moments are not balanced",
+        "the Cauchy stress is not symmetric: moments are not balanced",
     )
 }
 
@@ -470,7 +470,7 @@ fn objectivity(subject: &Subject<'_>, measured: &[Measured]) -> Result<Check, Au
         measured,
         &errors,
         "a rotated state has the rotated stress and the same energy",
-        "the law depends on the observer, a rotated state has another stress or another energy",
+        "the law depends on the observer: a rotated state has another stress or another energy",
     ))
 }
 
@@ -501,7 +501,7 @@ fn energy(subject: &Subject<'_>, measured: &[Measured]) -> Check {
             "the stress is the derivative of the energy; at these states SSE per current and per reference volume cannot be distinguished"
         }
         (_, false, true) => {
-            "the stress is the derivative of the energy; SSE is per reference volume (Abaqus takes it per current volume: its energy output would want SSE divided by J)"
+            "the stress is the derivative of the energy; SSE is per reference volume (Abaqus takes it per current volume: its energy output requires SSE divided by J)"
         }
         _ => {
             "the stress is the derivative of the energy; SSE is per current volume, as Abaqus takes it"
@@ -565,14 +565,14 @@ fn closed_loops(subject: &Subject<'_>, is_derivative: bool) -> Result<Check, Aud
         return Ok(Check::noted(
             "closed loops",
             Some(error),
-            "work seems left around closed loops, though the stress is the derivative of the energy: quadrature across a kink",
+            "closed loops of deformation seem to do net work although the stress is the derivative of the energy: quadrature across a kink",
         ));
     }
     Ok(Check::new(
         "closed loops",
         error,
-        "no work is left around closed loops of deformation",
-        "work is left around closed loops of deformation: there is no strain energy",
+        "closed loops of deformation do no net work",
+        "closed loops of deformation do net work: no strain energy exists",
     )
     .excused(has_history(subject)))
 }
@@ -582,8 +582,8 @@ fn continuity(measured: &[Measured]) -> Check {
         "continuity",
         measured,
         &measured.iter().map(|state| state.jump).collect::<Vec<_>>(),
-        "stress and energy are the limits of those nearby",
-        "the stress or the energy jumps at a state, it is not the limit of those nearby",
+        "stress and energy are continuous at the sampled states",
+        "the stress or the energy jumps at a state: it is not the limit of its values nearby",
     )
 }
 
@@ -623,8 +623,8 @@ fn stress_tangent_symmetry(subject: &Subject<'_>, measured: &[Measured]) -> Chec
         "symmetry of dP/dF",
         measured,
         &measured.iter().map(error).collect::<Vec<_>>(),
-        "differences of the stress have a symmetric dP/dF, as a strain energy demands",
-        "there is no strain energy, differences of the stress have no symmetric dP/dF",
+        "differences of the stress have a symmetric dP/dF, as a strain energy requires",
+        "no strain energy exists: differences of the stress have no symmetric dP/dF",
     )
     .excused(has_history(subject))
 }
@@ -665,7 +665,7 @@ fn memory(subject: &Subject<'_>, measured: &[Measured]) -> Result<Check, AuditEr
         measured,
         &errors,
         "the stress does not depend on earlier calls",
-        "the stress depends on earlier calls: something is kept in SAVE or COMMON instead of STATEV",
+        "the stress depends on earlier calls: data are kept in SAVE or COMMON instead of STATEV",
     ))
 }
 

@@ -134,11 +134,11 @@ impl Reading {
             ),
             (
                 self.volume == Volume::TimesJacobian,
-                "not divided by J: too large by J",
+                "not divided by J: too large by the factor J",
             ),
             (
                 self.volume == Volume::OverJacobian,
-                "divided by J once too often: too small by J",
+                "divided by J twice: too small by the factor J",
             ),
             (
                 self.order == Order::Explicit,

@@ -245,11 +245,11 @@ impl TangentFinding {
                 "{name} is not {expected}; it is the secant stiffness: the stress is {name} times the logarithmic strain (error {error:.1e})"
             ),
             (.., Some(nearest)) => format!(
-                "{name} is not {expected}, nor any other that is tried; nearest is {} with error {:.1e}",
+                "{name} is not {expected}, nor any other tested convention; the nearest is {} with error {:.1e}",
                 nearest.sentence, nearest.error
             ),
             _ => format!(
-                "{name} is not {expected}, and no other convention that is tried comes clearly nearer"
+                "{name} is not {expected}, and no other tested convention fits clearly better"
             ),
         }
     }

@@ -509,7 +509,7 @@ impl Question {
             },
             _ if is_of_volume => PolyconvexityAnswer {
                 knowledge,
-                reason: "what is recorded is about the compressible law".to_owned(),
+                reason: "the recorded statement is about the compressible law".to_owned(),
                 source: String::new(),
             },
             _ => PolyconvexityAnswer {

@@ -116,9 +116,9 @@ fn in_a_line(law: &super::LawAnswer, letters: usize) -> String {
         .collect();
     let symmetry = match (law.isotropic, law.incompressible) {
         (true, true) => {
-            "isotropic, incompressible: pressure from a free face, the volumetric part does not count"
+            "isotropic, incompressible: the pressure follows from a traction-free face; the volumetric part has no influence"
         }
-        _ if law.in_plane => "a law of the plane: increments stay in it",
+        _ if law.in_plane => "a law of the plane: increments are in-plane",
         (true, false) => "isotropic",
         (false, _) => "not isotropic",
     };
@@ -232,7 +232,7 @@ pub(super) fn witness(witness: &Witness) -> String {
         } => {
             let edge = match (at_edge, collapses) {
                 (true, _) => ", to the largest stretch of the range",
-                (false, true) => ", to the limit of no volume",
+                (false, true) => ", to the limit of zero volume",
                 (false, false) => "",
             };
             let sure = if *verified {

@@ -28,7 +28,7 @@ pub(super) fn export(question: &Question, trust: &Trust, maps: &Maps) -> Result<
             Ok(figure_of(&domain, boundaries.as_ref()).to_svg())
         }
         other => Err(Refusal::Input(format!(
-            "there is no form `{other}`\n  hint: expected toml, command, python, svg or csv"
+            "there is no format `{other}`\n  hint: expected toml, command, python, svg or csv"
         ))),
     }
 }

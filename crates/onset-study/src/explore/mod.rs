@@ -55,7 +55,7 @@ pub enum Refusal {
     #[error("{0}")]
     Input(String),
     /// Request that exceeded the time limit.
-    #[error("given up: it took longer than {} s", PATIENCE.as_secs())]
+    #[error("cancelled: the computation took longer than {} s", PATIENCE.as_secs())]
     GivenUp,
 }
 

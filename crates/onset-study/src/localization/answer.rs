@@ -299,7 +299,7 @@ impl LocalizationAnswer {
         }
         match self.end {
             End::Slip => {}
-            End::Exhausted => sentence.push_str(" The path ends where the strength is used up."),
+            End::Exhausted => sentence.push_str(" The path ends where the strength is exhausted."),
             End::TurnsBack => sentence.push_str(
                 " The path ends where the prescribed strain would have to decrease: homogeneous deformation cannot continue \
                  under control of strain.",
@@ -322,7 +322,7 @@ impl LocalizationAnswer {
                 ));
             }
             End::NoBalance => sentence.push_str(
-                " The path ends where no lateral strains were found that keep the lateral stresses.",
+                " The path ends where no lateral strains were found that keep the lateral stresses constant.",
             ),
             End::Unloads => sentence.push_str(
                 " The path ends where loading and unloading have the same tangent: the material flows no further.",

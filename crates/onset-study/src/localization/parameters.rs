@@ -183,7 +183,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "plasticity.r90",
         Kind::Number("1", Positive),
         "1",
-        "the same in tension along axis 2",
+        "ratio of widthwise to thickness strain in tension along axis 2",
     )
     .only_with(MODEL, &["hill-1948"]),
     parameter(
@@ -246,7 +246,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "plasticity.compressibility",
         Kind::Number("1", Positive),
         "0.05",
-        "plastic compaction in which that pressure grows by e, (lambda - kappa)/(1 + e) of soil mechanics",
+        "plastic compaction over which this pressure grows by the factor e; (lambda - kappa)/(1 + e) of soil mechanics",
     )
     .only_with(MODEL, &["cam-clay", "cap"]),
     parameter(
@@ -288,7 +288,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "plasticity.reference-slip",
         Kind::Number("1", Positive),
         "0.05",
-        "plastic shear strain in which hardening fades by 1/e; power: that counts as one",
+        "plastic shear strain over which hardening decays to 1/e; for power, the unit of plastic strain",
     )
     .only_with(HARDENING, &["voce", "power", "peak"]),
     parameter(
@@ -315,7 +315,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "plasticity.strain-ratio",
         Kind::Number("1", Within(-1.0, 1.0)),
         "0",
-        "strain along axis 2 by that along axis 1, above -1 and at most 1",
+        "ratio of the strain along axis 2 to the strain along axis 1, above -1 and at most 1",
     )
     .only_with("plasticity.path", &["sheet-stretch"]),
     parameter(

@@ -22,12 +22,12 @@ pub const BODY_KEYS: &[Key] = &[
     key(
         "body.shape",
         Kind::Words(&["bar", "block", "plate", "disk", "ring", "file"]),
-        "what is cut out of the lattice, or a file of particles",
+        "shape that is cut out of the lattice, or a file of particles",
     ),
     key(
         "body.size",
         Kind::Numbers("1", Any),
-        "sides in spacings, from the origin on: of a bar its length and its width, of a block or a plate one for each dimension",
+        "side lengths in spacings, from the origin: length and width of a bar; one for each dimension of a block or a plate",
     )
     .only_with(&[&[is("body.shape", BLOCKS)]]),
     key(
@@ -39,7 +39,7 @@ pub const BODY_KEYS: &[Key] = &[
     key(
         "body.notch",
         Kind::Numbers("1", Any),
-        "depth and width in spacings of a notch in a plate, at the middle of its first side, from below",
+        "depth and width in spacings of a notch that enters a plate from below, at the middle of its first side",
     )
     .only_with(&[&[is("body.shape", &["plate"])]]),
     key(
@@ -57,7 +57,7 @@ pub const BODY_KEYS: &[Key] = &[
     key(
         "body.height",
         Kind::Number("1", Positive),
-        "height in spacings of a disk or a ring in three dimensions, from zero on",
+        "height in spacings of a disk or a ring in three dimensions, from zero",
     )
     .only_with(&[&[is("body.shape", ROUND)]]),
     key(
@@ -69,7 +69,7 @@ pub const BODY_KEYS: &[Key] = &[
     key(
         "body.contact",
         Kind::Number("1", Positive),
-        "stiffness of the contact between pieces of total-Lagrangian particles, relative to the material; no contact when left out",
+        "stiffness of the contact between pieces of total-Lagrangian particles, relative to the material; no contact by default",
     ),
     key(
         "body.file",
@@ -97,17 +97,17 @@ pub const GRIP_KEYS: &[Key] = &[
     key(
         "grips.velocity",
         Kind::Numbers("length/time", Any),
-        "velocity that the particles are given, a number for each dimension (length/time)",
+        "prescribed velocity of the particles, a number for each dimension (length/time)",
     ),
     key(
         "grips.ramp",
         Kind::Number("time", NotNegative),
-        "time in which the velocity rises smoothly from zero; immediately when left out",
+        "time in which the velocity rises smoothly from zero; immediately by default",
     ),
     key(
         "grips.until",
         Kind::Number("time", NotNegative),
-        "time at which the grip lets its particles go with the velocity that they have, 0 for particles that only start with it; never when left out",
+        "time at which the grip releases its particles with their velocity, 0 for an initial velocity only; never by default",
     ),
 ];
 
@@ -343,7 +343,7 @@ impl BodySettings {
                 origin.clone(),
                 format!("`{name}` has a unit, but material and discretization have no units"),
             )
-            .hint("of values with dimensions all have units, or none")),
+            .hint("give units to all values with dimensions, or to none")),
             _ => Ok(()),
         }
     }
@@ -477,7 +477,7 @@ impl BodySettings {
                 format!("{}, line {line}: {what}", path.display()),
             )
             .hint(format!(
-                "expected the line {} and below it finite numbers, volumes positive",
+                "expected the line {} followed by lines of finite numbers with positive volumes",
                 header(dimension)
             ))
         };

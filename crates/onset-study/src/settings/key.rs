@@ -60,7 +60,7 @@ impl Kind {
                     unit,
                 )
             }
-            Self::Subset(words) => format!("a list of some of {}, each once", words.join(", ")),
+            Self::Subset(words) => format!("a list of any of {}, each at most once", words.join(", ")),
         }
     }
 
@@ -171,7 +171,7 @@ pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
         key(
             "material.plane",
             Kind::Words(&["strain", "stress", "membrane"]),
-            "in two dimensions plane strain, plane stress (a thin sheet, its thickness found) or membrane (a law of the plane itself, as of cloth), in one uniaxial strain or uniaxial stress",
+            "in two dimensions plane strain, plane stress (a thin sheet whose thickness is computed) or membrane (a law of the plane itself, as for cloth); in one, uniaxial strain or uniaxial stress",
         ),
     ];
     keys.extend(parameter_keys());
@@ -233,8 +233,7 @@ pub(super) const OF_ANY_DIMENSION: Admitted = Within(-1e30, 1e30);
 static SMOOTHING_LENGTH: Key = key(
     aliases::SMOOTHING_LENGTH,
     Kind::Number("1", Positive),
-    "smoothing length over the spacing, h/dx: sets discretization.support to R0/h times it, with the support radius R0 over the \
-     smoothing length h of the kernel (2 for the cubic spline)",
+    "smoothing length over the spacing, h/dx: sets discretization.support to h/dx times R0/h, the ratio of support radius to smoothing length of the kernel (2 for the cubic spline)",
 )
 .only_with(WEIGHTED);
 
@@ -294,7 +293,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.aspect",
         Kind::Number("1", RATIO),
-        "rectangular lattice: the second side over the first",
+        "rectangular lattice: side ratio b/a of the second to the first side",
     )
     .only_with(&[&[is("discretization.lattice", &["rectangular"])]]),
     key(
@@ -306,13 +305,13 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.basis",
         Kind::Numbers("1", Any),
-        "more particles in the cell, the first being at the origin: their lattice coordinates, one particle after the other",
+        "lattice coordinates of more particles in the cell, one particle after the other; the first particle is at the origin",
     )
     .only_with(CRYSTAL),
     key(
         "discretization.cells",
         Kind::Whole(1, 16),
-        "cells along each primitive vector that are taken together, so that their particles can differ",
+        "cells along each primitive vector that form one larger cell, so that their particles can differ",
     )
     .only_with(CRYSTAL),
     key(
@@ -330,7 +329,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.spacing",
         Kind::Number("length", Positive),
-        "distance of nearest particles or nodes (for material points, the side of a grid cell); the unit of vectors and support",
+        "distance between nearest particles or nodes (for material points, the side of a grid cell); the unit of vectors and support",
     ),
     key(
         "discretization.density",
@@ -379,7 +378,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.stress-point-weight",
         Kind::Number("1", Between(0.0, 1.0)),
-        "fraction of the cell's volume at the stress points, below 1; Voronoi volumes unless it is set",
+        "fraction of the cell's volume at the stress points, below 1; Voronoi volumes by default",
     )
     .only_with(&[&[is("discretization.quadrature", &["stress-points"])]]),
     key(
@@ -391,7 +390,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.points",
         Kind::Numbers("1", Any),
-        "for each point its lattice coordinates and its fraction of the cell's volume, in one list; \
+        "the lattice coordinates of each point and its fraction of the cell's volume, in one list; \
          the fractions add up to 1",
     )
     .only_with(&[&[is("discretization.quadrature", &["points"])]]),
@@ -438,27 +437,27 @@ pub const STATE_KEYS: &[Key] = &[
     key(
         "state.stretch-1",
         Kind::Number("1", STRETCH),
-        "first stretch, where no axis varies it",
+        "first stretch, if no axis varies it",
     ),
     key(
         "state.stretch-2",
         Kind::Number("1", STRETCH),
-        "second stretch, where no axis varies it",
+        "second stretch, if no axis varies it",
     ),
     key(
         "state.stretch-3",
         Kind::Number("1", STRETCH),
-        "third stretch (in two dimensions out of the plane), where no axis varies it",
+        "third stretch (in two dimensions out of the plane), if no axis varies it",
     ),
     key(
         "state.shear",
         Kind::Number("1", Any),
-        "amount of shear, where no axis varies it",
+        "amount of shear, if no axis varies it",
     ),
     key(
         "state.rotation",
         Kind::Number("rad", Any),
-        "angle of the lattice against the load about the third axis, where no axis varies it",
+        "angle of the lattice against the load about the third axis, if no axis varies it",
     ),
 ];
 
@@ -483,7 +482,7 @@ pub const MAP_KEYS: &[Key] = &[
     key(
         "map.tolerance",
         Kind::Number("1", Within(1e-9, 1.0)),
-        "how far from the boundary a certified state may stay undecided",
+        "largest distance from the boundary at which a certified state may remain undecided",
     )
     .only_with(&[&[is("map.certify", &["true"])]]),
     key(

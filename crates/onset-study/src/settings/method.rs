@@ -353,13 +353,13 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.momentum",
         Kind::Words(&["symmetric", "mean", "difference"]),
-        "updated SPH: how two stresses become a force",
+        "updated SPH: form of the pair force in terms of the two stresses",
     )
     .only_with(UPDATED_SPH),
     key(
         "discretization.density-evolution",
         Kind::Words(&["summation", "continuity"]),
-        "updated SPH: how densities follow the motion",
+        "updated SPH: evolution of the densities",
     )
     .only_with(UPDATED_SPH),
     key(
@@ -371,8 +371,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.penalty-form",
         Kind::Words(&["published", "smd"]),
-        "total-Lagrangian SPH: the penalty as it was published, or with the regularized denominators of LAMMPS' SMD, whose hourglass \
-         amplitude is then the coefficient",
+        "total-Lagrangian SPH: the published penalty, or the penalty of LAMMPS' SMD with regularized denominators, whose coefficient is the hourglass amplitude",
     )
     .only_with(PENALIZED),
     key(
@@ -384,7 +383,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.viscosity-switch",
         Kind::Words(&["always", "averaged", "smd"]),
-        "SPH: whether artificial viscosity acts always, as the mean of compression only, or as in LAMMPS' SMD",
+        "SPH: artificial viscosity at all times, averaged over compression and expansion, or as in LAMMPS' SMD",
     )
     .only_with(VISCOUS),
     key(
@@ -425,7 +424,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
             "tetrahedra-alternating",
             "tetrahedra-body-centered",
         ]),
-        "finite elements: the mesh, which takes the place of the lattice",
+        "finite elements: mesh, which replaces the lattice",
     )
     .only_with(ELEMENTS),
     key(
@@ -461,7 +460,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.smoothing-domain",
         Kind::Words(&["voronoi", "boxes"]),
-        "conforming nodal integration: where gradients are averaged (SCNI, SNNI)",
+        "conforming nodal integration: cells over which gradients are averaged (SCNI, SNNI)",
     )
     .only_with(CONFORMING),
     key(
@@ -473,7 +472,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.horizon",
         Kind::Number("1", IN_SPACINGS),
-        "peridynamics: the horizon in particle spacings, which disorder leaves as they are",
+        "peridynamics: horizon in particle spacings of the regular lattice",
     )
     .only_with(PERIDYNAMICS),
     key(
@@ -521,19 +520,19 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.layout",
         Kind::Words(&["uniform", "gauss"]),
-        "material points: where they are in their cell",
+        "material points: positions in their cell",
     )
     .only_with(SEVERAL_POINTS),
     key(
         "discretization.offset",
         Kind::Number("1", Any),
-        "material points: a shift of all of them along each axis, in spacings",
+        "material points: shift of all points along each axis, in spacings",
     )
     .only_with(POINTS),
     key(
         "discretization.grid-functions",
         Kind::Words(&["linear", "gimp", "quadratic-spline", "cubic-spline"]),
-        "material points: functions of the grid",
+        "material points: shape functions of the grid",
     )
     .only_with(POINTS),
     key(
@@ -551,7 +550,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.transfer",
         Kind::Words(&["continuous", "flip", "pic", "apic"]),
-        "material points: how their velocities go through the grid, in continuous time or once a step",
+        "material points: transfer of velocities through the grid, in continuous time or once per time step",
     )
     .only_with(OF_POINTS),
     key(
@@ -575,7 +574,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.grid",
         Kind::Words(&["convected", "regular"]),
-        "material points: where grid and points are at a state",
+        "material points: positions of grid and points in the deformed state",
     )
     .only_with(CURRENT),
 ];

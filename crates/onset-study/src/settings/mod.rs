@@ -231,7 +231,7 @@ impl Settings {
                 format!("`{control}` has no effect: {coefficient} is 0"),
             )
             .hint(format!(
-                "set {coefficient}, or leave `{control}` out; it is read with {coefficient} other than 0"
+                "set {coefficient}, or leave `{control}` out; it is used only with {coefficient} other than 0"
             ))),
             None => Ok(()),
         }

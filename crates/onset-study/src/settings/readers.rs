@@ -192,7 +192,7 @@ fn every_key_changes_an_answer_or_is_refused_by_the_method() {
                         }
                         Err(error) if error.message.contains("has no effect") => {
                             let hint = error.hint.as_deref().unwrap_or_default();
-                            assert!(hint.contains("it is read with"), "{error}");
+                            assert!(hint.contains("it is used only with"), "{error}");
                             // An error about another key is not the result of this assignment.
                             let is_about_key = error.message.contains(key.name);
                             let own = matches!(&error.origin, Origin::CommandLine(text) if text.ends_with(&assignment));

@@ -227,7 +227,7 @@ fn methods() -> Value {
     let mut properties: Map<String, Value> = own
         .map(|key| (key.parts().1.to_owned(), property(key)))
         .collect();
-    let name = json!({ "type": "string", "description": "how the method is called in tables and figures" });
+    let name = json!({ "type": "string", "description": "name of the method in tables and figures" });
     properties.insert("name".to_owned(), name);
     json!({
         "type": "array",
@@ -267,7 +267,7 @@ fn axes() -> Value {
     let (least, most) = STATES;
     json!({
         "type": "array",
-        "description": "what is varied; the first axis runs fastest",
+        "description": "quantity that is varied; the first axis runs fastest",
         "minItems": 2,
         "maxItems": 3,
         "items": {
@@ -280,7 +280,7 @@ fn axes() -> Value {
                 },
                 "range": {
                     "type": "array",
-                    "description": "its ends, the lower one first; the states lie in the middle of equal cells between them",
+                    "description": "lower and upper end; the states are the centers of equal cells between them",
                     "items": { "anyOf": [{ "type": "number" }, measure()] },
                     "minItems": 2,
                     "maxItems": 2

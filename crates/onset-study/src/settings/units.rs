@@ -187,7 +187,7 @@ pub(crate) fn converted(
             let meant =
                 nearest.map_or_else(String::new, |known| format!("did you mean `{known}`? "));
             wrong(
-                format!("`{unit}` is no unit that is known"),
+                format!("`{unit}` is not a known unit"),
                 format!("{meant}units of {} are {}", named(dimension), names(units)),
             )
         }
@@ -251,7 +251,7 @@ pub(crate) fn check<'a>(
         })
         .collect();
     let message = format!(
-        "`{}` has a unit, and {} {} none: of values with dimensions all have units, or none",
+        "`{}` has a unit, and {} {} none: give units to all values with dimensions, or to none",
         first.name,
         told.join(", "),
         if told.len() == 1 { "has" } else { "have" }

@@ -98,7 +98,7 @@ impl SimulateAnswer {
         let rates = plan.rates();
         let (outcome, reason, measured) = match (wave.has_zero_energy, &question.seeded) {
             (true, Seeded::Noise) => undecided(
-                "the wave has zero energy, and the others push it: without noise it is seeded alone".to_owned(),
+                "the wave has zero energy and is excited by the other waves; without noise it is seeded alone".to_owned(),
             ),
             (true, _) => standing(plan, patch, progress),
             (false, _) => moving(plan, progress),
@@ -429,7 +429,7 @@ impl fmt::Display for SimulateAnswer {
         }
         writeln!(
             formatter,
-            "energy       changes by {} of itself; largest displacement {}",
+            "energy       changes by the fraction {}; largest displacement {}",
             size(self.energy_drift),
             units.of(told(self.largest_displacement), "m")
         )?;

@@ -66,7 +66,7 @@ pub enum StoreError {
     },
     /// Store locked exclusively by another process.
     #[error(
-        "{} is kept by another process, which holds a lock on its zarr.json\n  hint: let it end; `lsof {}` shows the process",
+        "{} is in use by another process, which holds a lock on its zarr.json\n  hint: let it end; `lsof {}` shows the process",
         path.display(),
         quoted_file(&path.join("zarr.json"))
     )]
@@ -99,7 +99,7 @@ pub enum StoreError {
     },
     /// Link in place of a store to be replaced.
     #[error(
-        "{} is a link, and no link is replaced\n  hint: name the store itself with --out {}",
+        "{} is a link; links are not replaced\n  hint: name the store itself with --out {}",
         path.display(),
         quoted_file(target)
     )]

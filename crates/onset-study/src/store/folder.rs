@@ -126,7 +126,7 @@ fn fill(path: &Path, bytes: &[u8]) -> io::Result<()> {
 
 /// Reads a complete file of at most `most` bytes, or returns `None` if it does not exist. Pipes and other special files are not opened.
 pub(super) fn read(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
-    let too_long = || io::Error::new(ErrorKind::InvalidData, "it is longer than it can be");
+    let too_long = || io::Error::new(ErrorKind::InvalidData, "it is longer than possible");
     match fs::metadata(path) {
         Ok(found) if !found.is_file() => {
             return Err(io::Error::new(ErrorKind::InvalidData, "it is no file"));

@@ -87,7 +87,7 @@ pub enum VerifyError {
         hint: &'static str,
     },
     /// Program that ended with an error.
-    #[error("`{program}` ended with {status}; its last lines are\n{tail}\n  hint: all that it printed is in {}", log.display())]
+    #[error("`{program}` ended with {status}; its last lines are\n{tail}\n  hint: its whole output is in {}", log.display())]
     Failed {
         /// Name of the program.
         program: String,

@@ -136,7 +136,7 @@ pub fn polyconvexity(law: &str, parameters: &[(&str, f64)]) -> Polyconvexity {
             BALL,
         ),
         "yeoh" if all_not_negative(&["c10", "c20", "c30"]) => yes(
-            "a convex, rising function of J^(-2/3) I1 since no constant is negative, and a convex one of J",
+            "a convex, increasing function of J^(-2/3) I1, because no constant is negative, and a convex function of J",
             CHARRIER,
         ),
         "holzapfel-gasser-ogden-switch" => yes(

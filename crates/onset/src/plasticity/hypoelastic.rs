@@ -45,7 +45,7 @@ const N: Parameter = Parameter::new(
     "1",
     0.0,
     Admitted::NotNegative,
-    "derivative of the bulk modulus by the pressure: 0 for a pressure in rate form, 1 for a pressure linear in the density, 7 for water",
+    "derivative of the bulk modulus with respect to the pressure: 0 for a pressure in rate form, 1 for a pressure linear in the density, 7 for water",
 );
 const SPIN: Parameter = Parameter::new(
     "spin",

@@ -259,7 +259,7 @@ fn no_path(stop: Stop<()>) -> MaterialError {
         value: 1.0,
         expected: match stop {
             Stop::Rates(()) => {
-                "on it the metal must flow on with a positive flow stress".to_owned()
+                "along it the metal must keep flowing with a positive flow stress".to_owned()
             }
             Stop::TooManySteps => {
                 "too many short steps are needed; try a smaller strain or less softening".to_owned()

@@ -162,20 +162,20 @@ pub enum PlasticityError {
     NotAlongAxes,
     /// The reduction of the elastic tangent by flow is not of rank one.
     #[error(
-        "flow takes a part from the elastic tangent that is not of rank one: several mechanisms flow together; expected a law with one, away from corners of its \
+        "plastic flow reduces the elastic tangent by a part that is not of rank one: several mechanisms flow together; expected a law with one, away from corners of its \
          yield surface"
     )]
     SeveralMechanisms,
     /// Loading and unloading have equal tangents.
-    #[error("the law does not flow: its tangents of loading and of unloading are the same")]
+    #[error("the law does not flow: its loading and unloading tangents are the same")]
     Unloads,
     /// The law flows from the first increment on.
     #[error(
-        "the law flows from the first small increment on; expected an elastic range with a tangent of unloading"
+        "the law flows from the first small increment on; expected an elastic range with an unloading tangent"
     )]
     NoElasticRange,
     /// The lateral stresses cannot be kept constant.
-    #[error("no lateral strains were found that keep the lateral stresses")]
+    #[error("no lateral strains were found that keep the lateral stresses constant")]
     NoBalance,
 }
 

@@ -58,7 +58,7 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
                 Trouble::new(
                     1,
                     format!(
-                        "no material {wanted} has a hyperelastic law; there are {}",
+                        "no material {wanted} has a hyperelastic law; available are {}",
                         names.join(", ")
                     ),
                     "name one of them with --material",
@@ -261,7 +261,7 @@ impl Block<'_> {
             return Err(Trouble::new(
                 self.line,
                 format!(
-                    "{} data lines with {count} constants are expected, {} are there",
+                    "{} data lines with {count} constants are expected, {} found",
                     lines,
                     self.data.len()
                 ),
@@ -328,7 +328,7 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         return Err(Trouble::new(
             block.line,
             format!("*HYPERELASTIC has `{other}`, which is not read"),
-            "read are NEO HOOKE, MOONEY-RIVLIN, YEOH, REDUCED POLYNOMIAL, POLYNOMIAL, OGDEN, ARRUDA-BOYCE and VAN DER WAALS, with N, and MARLOW with a table",
+            "supported are NEO HOOKE, MOONEY-RIVLIN, YEOH, REDUCED POLYNOMIAL, POLYNOMIAL, OGDEN, ARRUDA-BOYCE and VAN DER WAALS, with N, and MARLOW with a table",
         ));
     }
     let form = form.unwrap_or("POLYNOMIAL");
@@ -419,7 +419,7 @@ fn marlow(block: &Block<'_>, blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble
         return Err(Trouble::new(
             block.line,
             format!(
-                "MARLOW needs the table of one test, {} are there",
+                "MARLOW needs the table of one test, {} found",
                 tests.len()
             ),
             "write *UNIAXIAL TEST DATA (or BIAXIAL, PLANAR) below it, with nominal stress, nominal strain on each line",

@@ -123,7 +123,7 @@ fn knots(line: usize, test: Test, data: &[(usize, &str)]) -> Result<Vec<Knot>, T
             return Err(Trouble::new(
                 *own,
                 "the table has tension and compression, which determine the same energy twice",
-                "leave one of them, as Marlow's form needs",
+                "leave out one of them, because Marlow's form needs a single test",
             ));
         }
         sense = strain.signum();

@@ -143,7 +143,7 @@ pub fn law_of(
     if let Some(key) = law.needed.iter().find(|key| !known.contains(key)) {
         return Err(SettingError::new(
             origin(),
-            format!("the block does not say {key}, the angle of the fibers, which the program has in another place"),
+            format!("the block does not say {key}, the angle of the fibers, which the program defines elsewhere"),
         )
         .hint(format!("add --set {key}=DEGREES, from axis 1 to axis 2")));
     }

@@ -45,13 +45,13 @@ fn law(settings: &MaterialSettings) -> Result<Box<dyn Hyperelastic>, SettingErro
     let Value::Word(place) = value else {
         return Err(SettingError::new(
             origin.clone(),
-            "material.table is no name of a file",
+            "material.table is not a file name",
         ));
     };
     let text = match place.contains('\n') {
         true => Cow::Borrowed(place.as_str()),
         false if *origin == Origin::Question => {
-            let message = "a question of the page reads no file";
+            let message = "requests of the page read no files";
             return Err(SettingError::new(origin.clone(), message)
                 .hint("use the command, or the text of the table in place of the name"));
         }

@@ -36,12 +36,12 @@ pub(super) const MODEL: OwnModel = OwnModel {
         key(
             "material.time-limit",
             Kind::Whole(1, 86_400),
-            "seconds that the subroutine may take for a state, 10 when left out",
+            "time limit of the subroutine for one state in seconds, 10 by default",
         ),
         key(
             "material.memory-limit",
             Kind::Whole(64, 1 << 24),
-            "memory that the subroutine may take, in MiB, 4096 when left out",
+            "memory limit of the subroutine in MiB, 4096 by default",
         ),
     ],
     required: &[LIBRARY],

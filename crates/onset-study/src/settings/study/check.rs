@@ -106,7 +106,7 @@ impl Study {
                     let told = SettingError::unread(key, &unmet, Origin::Combination);
                     refused(
                         format!("the axis {} changes nothing: {}", key.name, told.message),
-                        format!("it is read with {}; or vary something else", key.readers()),
+                        format!("it is used only with {}; or vary something else", key.readers()),
                     )
                 }
                 None => Ok(()),
@@ -168,7 +168,7 @@ impl Study {
     pub(super) fn check_given(&self, settings: &Settings) -> Result<(), SettingError> {
         let why = match settings.material.plane() {
             Plane::Strain => return Ok(()),
-            Plane::Stress => "material.plane is stress, so that it is found",
+            Plane::Stress => "material.plane is stress, so that this stretch is computed",
             Plane::Membrane => "material.plane is membrane, a law without a third direction",
         };
         let refused = |name: &str, origin: &Origin| {

@@ -212,7 +212,7 @@ fn quantity(value: &DeValue<'_>, origin: Origin) -> Result<Quantity, SettingErro
     Quantity::of_name(name).ok_or_else(|| {
         let message = match study_keys().find(|key| key.name == name) {
             Some(_) => {
-                format!("`{name}` cannot be an axis, for it does not take numbers along a range")
+                format!("`{name}` cannot be an axis, because it does not take a range of numbers")
             }
             None => format!("there is no quantity `{name}`"),
         };

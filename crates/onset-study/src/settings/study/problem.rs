@@ -39,7 +39,7 @@ impl Study {
         let keys = self.origins.keys.iter();
         for (name, origin) in keys.filter(|(name, _)| name.starts_with("state.")) {
             note(format!(
-                "{origin}`{name}` is of the states of a map and has no effect here"
+                "{origin}`{name}` applies to the states of a map and has no effect here"
             ));
         }
     }

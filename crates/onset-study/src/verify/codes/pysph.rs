@@ -149,7 +149,7 @@ impl Code for PySph {
         Some(Program {
             name: "python3",
             arguments: &["wave.py", "--disable-output"],
-            install: "`pip install pysph` brings it, with a C++ compiler; name the interpreter of its environment with --program",
+            install: "`pip install pysph` installs it, with a C++ compiler; name the interpreter of its environment with --program",
         })
     }
 

@@ -46,7 +46,7 @@ pub(in super::super) const MURNAGHAN: Law = Law {
             "1",
             7.0,
             Admitted::Between(1.0, 1000.0),
-            "derivative of the bulk modulus by the pressure",
+            "derivative of the bulk modulus with respect to the pressure",
         ),
     ],
     domain: "all J > 0; liquids and solids under pressures up to the size of kappa; polyconvex; with mu = 0 a fluid, not strongly elliptic",

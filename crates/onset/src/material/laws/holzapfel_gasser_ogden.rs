@@ -43,7 +43,7 @@ pub(in super::super) const LAW: Law = Law {
             "deg",
             29.0,
             Admitted::Any,
-            "angle from axis 1 to the fibers, to both sides",
+            "angle between axis 1 and the fibers, on both sides",
         ),
     ],
     domain: "all J > 0; arteries, fibers that bear compression as they bear tension",
