@@ -389,7 +389,10 @@ impl Display for CardAnswer {
                 "(A law of the plane: no boxes of three stretches.)"
             )?;
         } else if self.symmetric_box.is_none() {
-            writeln!(formatter, "The law is not elliptic in the reference configuration.")?;
+            writeln!(
+                formatter,
+                "The law is not elliptic in the reference configuration."
+            )?;
         }
         for (name, found) in self.boxes() {
             writeln!(

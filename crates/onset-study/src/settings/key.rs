@@ -60,7 +60,9 @@ impl Kind {
                     unit,
                 )
             }
-            Self::Subset(words) => format!("a list of any of {}, each at most once", words.join(", ")),
+            Self::Subset(words) => {
+                format!("a list of any of {}, each at most once", words.join(", "))
+            }
         }
     }
 

@@ -227,7 +227,8 @@ fn methods() -> Value {
     let mut properties: Map<String, Value> = own
         .map(|key| (key.parts().1.to_owned(), property(key)))
         .collect();
-    let name = json!({ "type": "string", "description": "name of the method in tables and figures" });
+    let name =
+        json!({ "type": "string", "description": "name of the method in tables and figures" });
     properties.insert("name".to_owned(), name);
     json!({
         "type": "array",

@@ -418,10 +418,7 @@ fn marlow(block: &Block<'_>, blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble
     let [(test, table)] = tests[..] else {
         return Err(Trouble::new(
             block.line,
-            format!(
-                "MARLOW needs the table of one test, {} found",
-                tests.len()
-            ),
+            format!("MARLOW needs the table of one test, {} found", tests.len()),
             "write *UNIAXIAL TEST DATA (or BIAXIAL, PLANAR) below it, with nominal stress, nominal strain on each line",
         ));
     };
