@@ -517,7 +517,7 @@ class Study:
         state: Mapping[str, Value] | None = None,
         map: Mapping[str, Value] | None = None,
     ) -> Study:
-        """Writes a study.
+        """Creates a study from objects.
 
         Parameters
         ----------

@@ -17,10 +17,10 @@ from ._errors import InputError
 _AXES = (1, 2, 3)
 #: Tensors that a function can take, of shape (3, 3).
 _TENSORS = ("F", "C", "E")
-#: Numbers that a function can take: what a formula calls so.
+#: Scalar arguments of a function, with their names in a formula.
 _SCALARS = ("I1", "I2", "I3", "J", "I1bar", "I2bar", "lambda1", "lambda2", "lambda3", "I4", "I5", "I6", "I7")
 
-#: What a formula calls components.
+#: Names of components in a formula.
 _COMPONENT = re.compile(r"[CEF][123][123]\Z")
 
 #: NumPy's functions of one number that a formula has under some name.
@@ -144,13 +144,13 @@ class Symbol:
 
     __int__ = __index__ = __complex__ = __float__
 
-    # NumPy's functions, by which arrays of symbols are computed too.
+    # Functions of NumPy, which also accept arrays of symbols.
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: object, **options: object) -> Any:
         if method != "__call__" or options:
             return NotImplemented
         if any(isinstance(own, np.ndarray) and own.ndim > 0 for own in inputs):
-            # Of each part of an array.
+            # Each element of the array separately.
             parts = np.broadcast(*(_objects(own) for own in inputs))
             results = [_called(ufunc.__name__, part) for part in parts]
             return np.array(results + [None], dtype=object)[:-1].reshape(parts.shape).view(Tensor)
@@ -361,7 +361,7 @@ def _text(part: Symbol, operands: list[tuple[str, int]]) -> tuple[str, int]:
         return f"not {_within(operands[0], _ATOM)}", _BINDING[word]
     if word in _BINDING:
         own = _BINDING[word]
-        # Of equal operators the left one comes first, of powers the right one; comparisons are not chained.
+        # Equal operators associate to the left, powers to the right. Comparisons are not chained.
         left = own + 1 if word == "^" or own == 4 else own
         space = "" if word in "*/^" else " "
         return f"{_within(operands[0], left)}{space}{word}{space}{_within(operands[1], own + 1)}", own

@@ -1,4 +1,4 @@
-"""Prose that a native reader would send back: docs, comments, messages, pages of the book.
+"""Prose that a native reader would send back: docs, comments, messages, pages of the book, and names of tests and constants.
 
 `cargo xtask english` lists the places, `cargo xtask test` fails if a file has more of them than `allowed.txt` grants. A place is to be read, and the sentence
 rewritten; an expression is no verdict. Patterns and advice are in `patterns.txt`.
@@ -10,9 +10,10 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).parent
-KINDS = {"doc", "fn", "more", "comment", "message", "page"}
+KINDS = {"doc", "fn", "more", "comment", "message", "page", "test"}
 LONGEST = {"page": 45}  # Words in a sentence, and in those of other kinds:
 LONGEST_ELSE = 40
+STRING = re.compile(r'"((?:[^"\\]|\\.)*)')
 
 
 def patterns():
@@ -48,18 +49,40 @@ def of_page(text):
         part.append(re.sub(r"^\s*([-*>#]+|\d+\.)\s*", "", line).replace("|", " "))
 
 
-def of_python(text):
-    for found in re.finditer(r'"""(.*?)"""', text, re.DOTALL):
-        yield "doc", text.count("\n", 0, found.start()) + 1, plain(found.group(1).split("\n\n")[0])
+def messages(number, line):
+    """Texts of six words or more in a line of code; no code, dates or options."""
+    for found in STRING.finditer(line):
+        message = re.sub(r"\{[^}]*\}", "X", found.group(1)).strip()
+        if len(re.findall(r"[A-Za-z]{2,}", message)) >= 6 and not re.search(r"\b(1[89]|20)\d\d\b|::|[<>]|\b\w+ = |--\w+.*--\w+", message):
+            yield "message", number, message
 
 
-def of_rust(text):
-    """Docs (of functions: `fn`; paragraphs after the first: `more`), comments and messages outside tests."""
+def of_script(text, is_python):
+    """Docs and comments of Python and TypeScript, and messages of Python."""
+    docs = re.compile(r'"""(.*?)"""|/\*\*(.*?)\*/', re.DOTALL)
+    for found in docs.finditer(text):
+        doc = re.sub(r"\n\s*\*", "\n", found.group(1) or found.group(2) or "")
+        yield "doc", text.count("\n", 0, found.start()) + 1, plain(doc.split("\n\n")[0])
+    code = docs.sub(lambda found: "\n" * found.group().count("\n"), text)
+    for number, line in enumerate(code.split("\n"), 1):
+        comment = re.match(r"\s*(?:#:?|//) (.*)", line)
+        if comment:
+            yield "comment", number, plain(comment.group(1))
+        if is_python:
+            yield from messages(number, line)
+
+
+def of_rust(text, is_test):
+    """Docs (of functions: `fn`; paragraphs after the first: `more`), comments, messages and constants outside tests, and names of tests."""
     doc, comment, begin, is_code = [], [], 0, False
     for number, line in enumerate([*text.split("\n"), ""], 1):
         code = line.strip()
-        if code.startswith("#[cfg(test)]"):
-            return
+        is_test |= code.startswith("#[cfg(test)]")
+        if is_test:
+            name = re.match(r"(?:async )?fn (\w+_\w+_\w+)\(\)", code)
+            if name:
+                yield "test", number, name.group(1).replace("_", " ")
+            continue
         if code.startswith(("///", "//!")):
             word = code[3:].strip()
             if word.startswith("```"):
@@ -72,7 +95,7 @@ def of_rust(text):
             is_fn = re.match(r"(pub(\([^)]*\))? )?(const |async )*fn ", code)
             first = plain("\n".join(doc).split("\n\n")[0].replace("# Errors", ""))
             yield "fn" if is_fn else "doc", begin, first
-            whole = plain(" ".join(word for word in doc if not word.startswith("#")))
+            whole = plain(" ".join(word for word in doc if not word.startswith(("#", "|"))))
             if len(whole) > len(first):
                 yield "more", begin, whole[len(first) :].strip()
             doc = []
@@ -83,26 +106,23 @@ def of_rust(text):
         if comment:
             yield "comment", begin, plain(" ".join(comment))
             comment = []
-        for found in re.finditer(r'"((?:[^"\\]|\\.)*)', line):
-            message = re.sub(r"\{[^}]*\}", "X", found.group(1)).strip()
-            if len(re.findall(r"[A-Za-z]{2,}", message)) >= 6 and not re.search(r"\b(1[89]|20)\d\d\b|::|[<>]|\b\w+ = |--\w+.*--\w+", message):
-                yield "message", number, message
+        constant = re.match(r"(?:pub(?:\([^)]*\))? )?(?:const|static) ([A-Z]\w*):", code)
+        if constant:
+            yield "constant", number, constant.group(1)
+        yield from messages(number, line)
 
 
 def parts(path, text):
     if path.suffix == ".md":
         return of_page(text)
-    if path.suffix in (".py", ".pyi"):
-        return of_python(text)
-    return of_rust(text)
+    if path.suffix == ".rs":
+        return of_rust(text, "tests" in path.parts or path.name == "tests.rs")
+    return of_script(text, path.suffix != ".ts")
 
 
-def is_read(name):
-    """Returns true if the prose of the file is read: no tests, and of Python the package."""
-    path = Path(name)
-    is_test = "tests" in path.parts or path.name == "tests.rs"
-    is_package = path.parts[:2] == ("python", "onset")
-    return path.suffix in (".rs", ".md") and not is_test or path.suffix in (".py", ".pyi") and is_package
+def is_read(path):
+    """Returns true for Rust and Markdown, the Python package and the page."""
+    return path.suffix in (".rs", ".md") or path.parts[:2] == ("python", "onset") or path.suffix == ".ts"
 
 
 def hits(kind, text, all_patterns):
@@ -112,6 +132,8 @@ def hits(kind, text, all_patterns):
     sentences = re.split(r"(?<=[.?!]) ", text)
     if any(len(sentence.split()) > LONGEST.get(kind, LONGEST_ELSE) for sentence in sentences):
         yield "long"
+    if any(sentence.count(";") > 1 for sentence in sentences):
+        yield "semicolons"
 
 
 def main(names):
@@ -122,12 +144,13 @@ def main(names):
             count, name = line.split()
             allowed[name] = int(count)
     all_patterns = list(patterns())
-    advice = {name: text for name, _, _, text in all_patterns} | {"long": "too many words in a sentence -> two sentences"}
+    advice = {name: text for name, _, _, text in all_patterns}
+    advice |= {"long": "too many words in a sentence -> two sentences", "semicolons": "two in a sentence -> a list, or sentences"}
     failed = False
     total = 0
     for name in sorted(listed):
         path = Path(name)
-        if not is_read(name) or not path.is_file():
+        if not is_read(path) or not path.is_file() or path.suffix == ".pyc":
             continue
         found = [(line, hit, text) for kind, line, text in parts(path, path.read_text()) for hit in hits(kind, text, all_patterns)]
         total += len(found)
@@ -139,7 +162,7 @@ def main(names):
                 print(f"{name}:{line}: [{hit}] {text[:120]}\n    {advice[hit]}")
         if is_over:
             print(f"{name}: {len(found)} places, {allowed.get(name, 0)} are allowed")
-    print(f"{total} places that a native reader would send back")
+    print(f"{total} places that a native reader might send back")
     return int(failed)
 
 

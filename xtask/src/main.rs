@@ -216,11 +216,11 @@ fn test() -> bool {
         eprintln!("== NOT TESTED: the built book, its formulas and its links. {error}");
     }
     if let Err(error) = deny {
-        eprintln!("== NOT TESTED: licenses and sources of what is linked. {error}");
+        eprintln!("== NOT TESTED: licenses and sources of linked crates. {error}");
     }
     if advisories.is_none() {
         eprintln!(
-            "== NOT TESTED: advisories on what is linked. There is no database: cargo deny fetch"
+            "== NOT TESTED: advisories on linked crates. There is no database: cargo deny fetch"
         );
     }
     if let Err(error) = wasm {

@@ -730,7 +730,7 @@ fn progress(steps: usize, what: &'static str) -> ProgressBar {
 }
 
 fn reproduce(out: &Path) -> Result<ExitCode, Failure> {
-    let bar = progress(reproduce::STEPS, "steps:");
+    let bar = progress(reproduce::STEP_COUNT, "steps:");
     let report = reproduce::run(out, &|step| {
         bar.set_message(step.to_owned());
         bar.inc(1);

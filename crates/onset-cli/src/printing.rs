@@ -32,7 +32,7 @@ pub enum When {
     Auto,
     /// Colors in any output.
     Always,
-    /// Output without colors.
+    /// Output of plain text without colors.
     Never,
 }
 

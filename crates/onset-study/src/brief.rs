@@ -12,7 +12,7 @@ pub const WIDTH: usize = 100;
 const NAME: usize = 12;
 /// Number of lines that notes leave to a table: its head and the most important lines.
 const LEAST_OF_TABLE: usize = 4;
-/// Number of lines to which notes are cut if they leave no room for rows.
+/// Largest number of lines of notes if they leave no room for rows.
 const BEGINNING_OF_NOTE: usize = 2;
 
 /// An answer with a short form.
@@ -21,7 +21,7 @@ pub trait Brief: Display {
     fn brief(&self) -> Short;
 }
 
-/// Parts of a short answer. The least important ones are left out if they exceed its lines.
+/// Parts of a short answer. If they exceed its lines, the least important parts are left out.
 #[derive(Clone, Debug, Default)]
 pub struct Short {
     sentence: String,

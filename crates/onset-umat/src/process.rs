@@ -82,7 +82,7 @@ fn started(command: &mut Command) -> io::Result<Child> {
     Ok(child)
 }
 
-/// Runs a program to its end, and ends what it leaves running.
+/// Runs a program to its end, and ends all processes that it leaves running.
 pub fn run(command: &mut Command) -> io::Result<ExitStatus> {
     let mut child = started(command)?;
     let group = Pid::from_child(&child);

@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_order_of_components_is_that_of_abaqus_in_both_directions() {
+    fn the_order_of_components_is_the_order_of_abaqus_in_both_directions() {
         for (a, &(i, j)) in VOIGT.iter().enumerate() {
             assert_eq!(place(i, j), a);
             assert_eq!(place(j, i), a);

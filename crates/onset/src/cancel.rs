@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn other_panics_go_on() {
+    fn other_panics_continue() {
         let work = || unless(|| false, || std::panic::resume_unwind(Box::new("other")));
         let why = std::panic::catch_unwind(work).expect_err("a panic");
         assert_eq!(why.downcast_ref(), Some(&"other"));

@@ -16,7 +16,7 @@ pub(crate) fn longest() -> Duration {
     Duration::from_secs_f64(10.0 * (load.unwrap_or(0.0) / cores).max(1.0))
 }
 
-/// Numbers of signals: of Ctrl-C, of a closed terminal, of a batch system, and the one that cannot be handled.
+/// Numbers of signals: Ctrl-C, a closed terminal, the end of a batch job, and a kill, which cannot be handled.
 pub(crate) const INTERRUPT: i32 = 2;
 pub(crate) const HANGUP: i32 = 1;
 pub(crate) const TERMINATE: i32 = 15;

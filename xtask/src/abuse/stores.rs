@@ -12,7 +12,7 @@ const COMPARISON: &str = "[compare]\nstretches = [0.95, 1.05]\nstates = 4\ntensi
 const IRREGULAR: &str = "[compare]\nstretches = [0.9, 1.1]\nstates = 6\n[[methods]]\nname = \"irregular\"\nmethod = \"updated-sph\"\ncells = 6\nperturbation = 0.1\n";
 
 /// Command lines that take longer than a test.
-const LONG: &[&str] = &[
+const SLOW_COMMANDS: &[&str] = &[
     "state --stretch 1.1,0.9 --set discretization.method=updated-sph --set discretization.cells=12 --set discretization.perturbation=0.1",
     "modes --set discretization.method=updated-sph --set discretization.cells=8 --set discretization.perturbation=0.1 --out out",
     "dispersion --stretch 1.1,0.9 --path --set discretization.method=updated-sph --set discretization.cells=8 --set discretization.perturbation=0.1 --out out",
@@ -39,7 +39,7 @@ pub(super) fn interrupted(
         "body.toml",
         "[discretization]\nmethod = \"total-lagrangian-sph\"\nlattice = \"square\"\n[body]\nshape = \"bar\"\nsize = [300, 300]\n",
     )?;
-    let mut running = place.started(words(programs, random.of(LONG)))?;
+    let mut running = place.started(words(programs, random.of(SLOW_COMMANDS)))?;
     if running.ends_within(random.pause(1500))?.is_some() {
         return running.ended().map(drop);
     }

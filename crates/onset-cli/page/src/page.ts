@@ -193,7 +193,7 @@ function askWaves(own: number): void {
   void picture<Dispersion>("dispersion", showDispersion);
 }
 
-/** Number of the current request for a map; earlier ones are cancelled. */
+/** Number of the current request for a map; earlier requests are cancelled. */
 let turn = 0;
 
 /** Requests the map: first coarse, together with the state, then finer after the state is complete, and finally its boundaries. */
@@ -301,7 +301,7 @@ function stepped(event: KeyboardEvent): void {
 
 // --- the state
 
-/** Three-dimensional perturbations; for a sheet or a bar, which has none, the computed transverse stretches. */
+/** Verdict for three-dimensional perturbations; for a sheet or a bar, the computed transverse stretches instead. */
 function across(answer: State): [string, string][] {
   const space = answer.material_3d;
   if (space) return [["in 3D", `${told(space.minimum_acoustic_eigenvalue)} along ${vector(space.direction)}`]];

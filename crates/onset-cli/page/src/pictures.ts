@@ -120,7 +120,7 @@ export function dispersion(answer: Dispersion, width: number): Drawn {
   });
 }
 
-/** Eigenvalues of the acoustic tensor over the directions in the plane; negative ones are dashed. */
+/** Eigenvalues of the acoustic tensor over the directions in the plane; negative eigenvalues are dashed. */
 export function polar(answer: Directions, width: number): Drawn {
   const count = answer.normals.length;
   const size = Math.max(...answer.eigenvalues.flat().map(Math.abs)) || 1;

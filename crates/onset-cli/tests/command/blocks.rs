@@ -76,7 +76,7 @@ fn commands_that_need_axes_say_why_they_take_no_block() {
 }
 
 #[test]
-fn poissons_ratio_beside_the_constants_of_a_foam_is_refused() {
+fn poissons_ratio_in_addition_to_the_constants_of_a_foam_is_refused() {
     let foam = "*MATERIAL, NAME=FOAM\n*HYPERFOAM, N=2, POISSON=0.1, MODULI=INSTANTANEOUS\n0.2, 8.0, 0.1, -4.0\n";
     let file = Written::new("foam.inp", foam);
     for command in ["criteria", "card", "state --stretch 1.1,1"] {

@@ -177,7 +177,7 @@ const QUESTIONS: [(&[&str], &str); 3] = [
 ];
 
 #[test]
-fn answers_of_the_page_equal_those_of_the_command_to_the_last_byte() {
+fn page_and_command_give_identical_answers() {
     let page = Page::serve(&[]);
     for (set, stretch) in QUESTIONS {
         let set: Vec<String> = set.iter().map(|own| (*own).to_owned()).collect();
@@ -199,7 +199,7 @@ fn answers_of_the_page_equal_those_of_the_command_to_the_last_byte() {
 }
 
 #[test]
-fn errors_on_the_page_equal_those_of_the_command() {
+fn page_and_command_give_identical_errors() {
     let page = Page::serve(&[]);
     let energy = "material.energy=mu/2*(I1 - 3 -* 2)";
     let set = ["material.model=formula", energy];

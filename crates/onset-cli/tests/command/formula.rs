@@ -227,7 +227,7 @@ fn every_command_about_a_law_accepts_an_energy() {
 }
 
 #[test]
-fn two_laws_at_once_are_refused() {
+fn two_laws_for_one_problem_are_refused() {
     let energy = "mu/2*(I1 - 3 - 2*ln(J))";
     let one = ["--energy", energy, "--set", "material.mu=2"];
     for other in ["material.energy=I1", "material.model=blatz-ko"] {

@@ -128,7 +128,7 @@ fn quiet_prints_only_requested_documents() {
 }
 
 #[test]
-fn color_follows_the_options_and_documents_have_none() {
+fn color_follows_the_options_and_documents_are_plain() {
     let colored = onset_line(&format!("{STATE} --color always")).stdout;
     assert!(colored.contains("\u{1b}[1;3"), "{colored}");
     for more in [

@@ -5,7 +5,7 @@ use crate::number::{counted, told, told_of};
 use crate::settings::{Bonds, Family, MaterialSettings, Model, Settings, Study, Units};
 use nalgebra::Matrix3;
 use onset::analysis::ReducedCell;
-use onset::continuum::ROUNDING;
+use onset::continuum::ACOUSTIC_ROUNDING;
 use onset::criteria::is_isotropic;
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, Response};
@@ -71,8 +71,8 @@ pub(super) fn is_fluid(material: &dyn Hyperelastic) -> bool {
         let response = material.response(&f).ok()?;
         let stiffness = response.tangent.largest();
         let mut shears = [(0, 1), (0, 2), (1, 2)].into_iter();
-        let are_free =
-            shears.all(|(i, j)| response.tangent[(i, j, i, j)].abs() <= ROUNDING * stiffness);
+        let are_free = shears
+            .all(|(i, j)| response.tangent[(i, j, i, j)].abs() <= ACOUSTIC_ROUNDING * stiffness);
         Some(stiffness > 0.0 && are_free)
     };
     // A fluid has no plane stress, and a bar in uniaxial stress has no shear.

@@ -23,7 +23,7 @@ use onset::kinematics::DeformationGradient;
 use onset::material::Response;
 use onset::method::MethodError;
 use onset::verdict::{
-    Assessment, MaterialAssessment, Mechanism, SurveyedState, Verdict, WEAK, WeakestMode,
+    Assessment, MaterialAssessment, Mechanism, SurveyedState, Verdict, WEAK_WAVE_RATIO, WeakestMode,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -292,7 +292,7 @@ impl Default for StateQuestion {
     fn default() -> Self {
         Self {
             certified: None,
-            weak: WEAK,
+            weak: WEAK_WAVE_RATIO,
         }
     }
 }

@@ -20,7 +20,7 @@ pub struct Thresholds {
 impl Default for Thresholds {
     fn default() -> Self {
         Self {
-            weak: onset::verdict::WEAK,
+            weak: onset::verdict::WEAK_WAVE_RATIO,
             wrong: 0.005,
             long_waves: 0.05,
             later: 0.02,

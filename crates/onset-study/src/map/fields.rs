@@ -187,7 +187,7 @@ fn numbers() -> Vec<(Field, Taken)> {
         ),
         number(
             "critical_time_step",
-            "critical time step of map.integrator for the waves that do not grow (2 / omega_max of central differences without damping), of the infinite lattice: free faces and distorted cells need less; with a transfer of material points, the critical time step of the transfer",
+            "critical time step of map.integrator for the waves of the infinite lattice that do not grow (2 / omega_max of central differences without damping); free faces and distorted cells need less. With a transfer of material points, the critical time step of the transfer",
             "time",
             |record| record.critical_time_step,
         ),
@@ -299,7 +299,7 @@ mod tests {
     use crate::settings::{OUTPUTS, Value};
 
     #[test]
-    fn outputs_are_the_numbers_of_a_state_and_only_requested_ones_are_stored() {
+    fn outputs_are_the_numbers_of_a_state_and_stored_only_if_requested() {
         let names: Vec<&str> = numbers().iter().map(|(field, _)| field.name).collect();
         assert_eq!(names, OUTPUTS);
         let mut map = MapSettings::default();

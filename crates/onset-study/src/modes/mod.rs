@@ -17,7 +17,7 @@ use nalgebra::SVector;
 use onset::algebra::Complex;
 use onset::analysis::{Analysis, PatchParticle, ReducedCell};
 use onset::measures::{Extent, SpuriousMode};
-use onset::verdict::WEAK;
+use onset::verdict::WEAK_WAVE_RATIO;
 use serde::Serialize;
 use std::fmt;
 
@@ -40,7 +40,7 @@ pub struct ModesQuestion {
 impl Default for ModesQuestion {
     fn default() -> Self {
         Self {
-            weak: WEAK,
+            weak: WEAK_WAVE_RATIO,
             cells: 8,
             amplitude: 0.2,
             is_exported: false,
@@ -230,7 +230,7 @@ impl ShownMode {
             .fractional
             .iter()
             .find(|x| x.abs() > 1e-6 && !is_half(**x));
-        // Of k and -k, the one with a positive first component.
+        // Choose k or -k so that the first component is positive.
         let sign = first.map_or(1.0, |x| x.signum());
         let normal = |x: &f64| fraction(&if is_half(*x) { 0.5 } else { sign * x });
         let parts: Vec<String> = near.iter().map(normal).collect();

@@ -40,7 +40,7 @@ impl From<MethodError> for ReproduceError {
 }
 
 /// Number of steps that [`run`] reports.
-pub const STEPS: usize = figures::ALL.len() + claims::ALL.len();
+pub const STEP_COUNT: usize = figures::ALL.len() + claims::ALL.len();
 
 /// Computes every figure, checks every claim, and writes figures, data and an HTML report into a folder.
 ///

@@ -12,7 +12,7 @@ use crate::number::counted;
 use onset::kinematics::STRETCHES;
 use onset::material::Admitted::{Between, Positive};
 use onset::time_step::Integrator;
-use onset::verdict::WEAK;
+use onset::verdict::WEAK_WAVE_RATIO;
 use serde::Serialize;
 use toml::de::{DeArray, DeTable, DeValue};
 
@@ -75,7 +75,7 @@ impl Default for CompareSettings {
             states: 12,
             tension: 3.0,
             compression: 0.4,
-            weak: WEAK,
+            weak: WEAK_WAVE_RATIO,
             integrator: Integrator::KickDriftKick,
         }
     }
@@ -129,7 +129,7 @@ const EXAMPLE: &str = "for example\n\n    [[methods]]\n    name = \"SPH\"\n    f
 impl Comparison {
     /// Replaces the limit of weakly controlled waves of the file by the limit of a command, unless that is the default.
     pub fn override_weak(&mut self, weak: f64) {
-        if weak != WEAK {
+        if weak != WEAK_WAVE_RATIO {
             self.options.weak = weak;
         }
     }

@@ -516,8 +516,8 @@ pub fn study_keys() -> impl Iterator<Item = &'static Key> + Clone {
 
 /// Key for a parameter that no law has, but a user-defined model may have. Returns the same key for the same name.
 fn free_parameter(name: &str) -> &'static Key {
-    static KNOWN: Mutex<BTreeMap<String, &'static Key>> = Mutex::new(BTreeMap::new());
-    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    static FREE_KEYS: Mutex<BTreeMap<String, &'static Key>> = Mutex::new(BTreeMap::new());
+    let mut known = FREE_KEYS.lock().unwrap_or_else(PoisonError::into_inner);
     known.entry(name.to_owned()).or_insert_with(|| {
         let name: &'static str = name.to_owned().leak();
         let meaning = "a user-defined parameter";

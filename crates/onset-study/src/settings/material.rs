@@ -47,7 +47,7 @@ pub struct MaterialSettings {
     allowed: Option<PathBuf>,
     /// Law that the calling program defines.
     pub(super) handed: Option<HandedLaw>,
-    /// Notes on the block of another program from which the law was read.
+    /// Notes on the block of another program that defines the law.
     notes: Vec<String>,
     /// Title of the law, if it differs from the name of its model.
     title: Option<String>,
@@ -79,7 +79,7 @@ impl MaterialSettings {
         self
     }
 
-    /// Notes on the block of another program from which the law was read.
+    /// Notes on the block of another program that defines the law.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -547,7 +547,7 @@ mod tests {
     use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin, library};
 
     #[test]
-    fn default_parameters_are_those_of_the_laws() {
+    fn default_parameters_agree_with_the_laws() {
         let f = DeformationGradient::from_stretches([1.3, 0.8, 1.1]).expect("stretches");
         for (name, law) in [
             (

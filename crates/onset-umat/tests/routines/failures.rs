@@ -352,7 +352,7 @@ fn after_a_failure_in_a_batch_the_other_states_are_computed() {
 }
 
 #[test]
-fn libraries_that_are_none_are_refused_with_the_reason() {
+fn files_that_are_not_libraries_are_refused_with_the_reason() {
     let refusal = |settings: UmatSettings| Umat::new(settings).err().expect("a refusal");
     let file = |name: &str| PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     let at = |library: PathBuf| UmatSettings {

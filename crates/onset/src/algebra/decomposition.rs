@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reflection_is_its_own_inverse() {
+    fn a_reflection_is_an_involution() {
         let mirror = super::reflection(18);
         assert!((&mirror * &mirror - DMatrix::identity(18, 18)).norm() < 1e-14);
         assert!((&mirror - mirror.adjoint()).norm() < 1e-14);

@@ -27,7 +27,7 @@ pub(crate) use eigen::{MAXIMUM_ITERATIONS, normalized, without_rounding};
 pub use eigen::{eigenvalues, eigenvector, left_eigenvector};
 pub(crate) use gauss::unit_interval;
 pub(crate) use lowest::lowest_between;
-pub(crate) use pack::{Mask, Pack, WIDEST};
+pub(crate) use pack::{LARGEST_LANES, Mask, Pack};
 pub(crate) use parts::Parts;
 pub use random::uniform;
 pub(crate) use sort::sort_by_value;

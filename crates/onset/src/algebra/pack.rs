@@ -20,7 +20,7 @@ pub(crate) struct Mask<S: Simd> {
 }
 
 /// Largest number of lanes of any machine: columns are padded to a multiple of it.
-pub(crate) const WIDEST: usize = 8;
+pub(crate) const LARGEST_LANES: usize = 8;
 
 impl<S: Simd> Pack<S> {
     /// Copies a number to all lanes.

@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn zeros_of_a_product_are_those_of_its_factors() {
+    fn zeros_of_a_product_are_the_zeros_of_its_factors() {
         let a = TrigonometricPolynomial::first_order(0.2, 1.0, 0.5);
         let b = TrigonometricPolynomial::first_order(-0.1, 0.3, -1.0);
         let product = a.times(&b);

@@ -5,12 +5,12 @@
 //! the lines. The symmetry is tested on the force constants themselves, not inferred from lattice, state and material.
 
 use super::dynamical_matrix::{NEGLECTED_CURVATURE, Term};
-use crate::algebra::{Pack, WIDEST};
+use crate::algebra::{LARGEST_LANES, Pack};
 use crate::lattice::{FILL, Group, HARMONICS, Mirror};
 use pulp::Simd;
 
 /// Maximum number of wave vectors that are evaluated simultaneously.
-pub(super) const LANES: usize = WIDEST;
+pub(super) const LANES: usize = LARGEST_LANES;
 /// Rounding error of force constants, relative to the sum of their magnitudes.
 const FORCE_ROUNDING: f64 = 1e-12;
 

@@ -9,7 +9,7 @@
 
 use super::{Mode, SpectrumSummary, ZoneSearch, growth_rate};
 use crate::algebra::{Complex, Each, MAXIMUM_ITERATIONS, eigenvalues, normalized};
-use crate::continuum::{ROUNDING, Stiffness};
+use crate::continuum::{ACOUSTIC_ROUNDING, Stiffness};
 use crate::lattice::{BrillouinZone, Reduced};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
@@ -117,7 +117,7 @@ impl<const D: usize> ZoneSearch<D> {
         let rounding = match measure {
             Measure::Scaled => MEASURE_ROUNDING * own.abs() + tolerance,
             Measure::Lowest => {
-                let noise = ROUNDING * fastest;
+                let noise = ACOUSTIC_ROUNDING * fastest;
                 (MEASURE_ROUNDING * fastest).min(noise.max(SEARCH_ACCURACY * own.abs()))
             }
             Measure::Growth => (MEASURE_ROUNDING * fastest.sqrt()).min(SEARCH_ACCURACY * own.abs()),

@@ -43,7 +43,7 @@ pub struct AcousticMinimum<const D: usize> {
     /// the largest component below the eigenvalue. The gap is larger where the minimum is flat and no bound for all directions together is attained,
     /// or without major symmetry. Units of the stiffness.
     pub bound: f64,
-    /// Eigenvalues smaller than this in magnitude can be rounding: [`ROUNDING`] of the largest component of the stiffness. Units of the stiffness.
+    /// Eigenvalues smaller than this in magnitude can be rounding: [`ACOUSTIC_ROUNDING`] of the largest component of the stiffness. Units of the stiffness.
     pub rounding: f64,
     /// Waves with complex eigenvalues, from [`Stiffness::flutter`].
     pub flutter: Option<AcousticFlutter<D>>,
@@ -61,7 +61,7 @@ pub struct AcousticFlutter<const D: usize> {
 /// Rounding error of an acoustic eigenvalue relative to the largest component of the stiffness, including the error of the law.
 ///
 /// The tests compare it with sixty-digit arithmetic for random laws and constants.
-pub const ROUNDING: f64 = 64.0 * f64::EPSILON;
+pub const ACOUSTIC_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Stiffness ratio of volume changes to all others; above this ratio the search for the softest wave treats the volumetric part separately.
 const STIFF: f64 = 1e8;
@@ -357,7 +357,7 @@ impl<const D: usize> Stiffness<D> {
             let rest = self.and_volume(-stiffness, m);
             let enough = REDUCED_STIFFNESS_RATIO * rest.magnitude() / m.norm_squared();
             let found = rest.and_volume(enough, m).minimum_below(level);
-            let rounding = ROUNDING * self.1;
+            let rounding = ACOUSTIC_ROUNDING * self.1;
             return AcousticMinimum {
                 bound: found.bound.min(found.eigenvalue.re - rounding),
                 rounding,
@@ -405,7 +405,7 @@ impl<const D: usize> Stiffness<D> {
             direction: oriented(direction),
             polarization,
             bound: f64::NEG_INFINITY,
-            rounding: ROUNDING * self.1,
+            rounding: ACOUSTIC_ROUNDING * self.1,
             flutter: None,
         }
     }
@@ -430,8 +430,8 @@ impl<const D: usize> Stiffness<D> {
             eigenvalue,
             direction: oriented(direction),
             polarization,
-            bound: eigenvalue.re - ROUNDING * self.1,
-            rounding: ROUNDING * self.1,
+            bound: eigenvalue.re - ACOUSTIC_ROUNDING * self.1,
+            rounding: ACOUSTIC_ROUNDING * self.1,
             flutter: None,
         }
     }
@@ -452,7 +452,7 @@ impl<const D: usize> Stiffness<D> {
             direction: oriented(direction),
             polarization,
             bound: found.bound,
-            rounding: ROUNDING * self.1,
+            rounding: ACOUSTIC_ROUNDING * self.1,
             flutter: None,
         }
     }

@@ -5,7 +5,7 @@
 //! `4 d h'^2 = d'^2`, a trigonometric polynomial of fourth order with at most eight zeros. Where `d < 0` (possible without major symmetry) the real
 //! part is `h`, stationary at `h' = 0`.
 
-use super::{AcousticMinimum, ROUNDING, Stiffness};
+use super::{ACOUSTIC_ROUNDING, AcousticMinimum, Stiffness};
 use crate::algebra::{Complex, Each, TrigonometricPolynomial, array_of};
 use crate::material::PlaneTangent;
 use nalgebra::{SMatrix, SVector};
@@ -152,8 +152,8 @@ impl Orthotropic {
         };
         let eigenvalue = 0.5 * (q11 + q22) - root;
         AcousticMinimum {
-            bound: eigenvalue - ROUNDING,
-            rounding: ROUNDING,
+            bound: eigenvalue - ACOUSTIC_ROUNDING,
+            rounding: ACOUSTIC_ROUNDING,
             flutter: None,
             eigenvalue: Complex::new(eigenvalue, 0.0),
             direction: SVector::from_fn(|i, _| normal[i]),

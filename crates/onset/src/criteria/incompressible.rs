@@ -7,7 +7,7 @@
 
 use super::loading::{Loading, Mode};
 use crate::algebra::{Each, array_of};
-use crate::continuum::ROUNDING;
+use crate::continuum::ACOUSTIC_ROUNDING;
 use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, Hyperelastic, Response, cofactor};
 use nalgebra::{Matrix3, Vector3};
@@ -79,7 +79,7 @@ pub(super) fn huge_bulk_modulus(material: &dyn Hyperelastic) -> Option<f64> {
     let response = material.undeformed().ok()?;
     let shear = response.tangent[(0, 1, 0, 1)];
     let bulk = response.tangent[(0, 0, 0, 0)] - shear * (4.0 / 3.0);
-    (shear > ROUNDING * bulk && bulk > STIFF * shear).then_some(bulk)
+    (shear > ACOUSTIC_ROUNDING * bulk && bulk > STIFF * shear).then_some(bulk)
 }
 
 /// Adds the volume change that carries the pressure of a law with a finite bulk modulus, relative to the stress `other` of the same shape.

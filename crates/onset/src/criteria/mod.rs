@@ -53,7 +53,7 @@ pub use loading::{
 pub use polyconvexity::{Knowledge, Polyconvexity, polyconvexity};
 
 use crate::algebra::{Each, array_of};
-use crate::continuum::{ROUNDING as ZERO, Stiffness};
+use crate::continuum::{ACOUSTIC_ROUNDING as ZERO, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError, Response, cofactor};
 use forms::QuadraticForm;
@@ -71,7 +71,7 @@ use nalgebra::{Matrix3, Vector3};
 pub enum Criterion {
     /// Strong ellipticity: all wave speeds are real, `A_iJkL g_i N_J g_k N_L > 0` for all directions `N` and polarizations `g`.
     ///
-    /// Source: Hadamard, Leçons sur la propagation des ondes (1903); Truesdell and Noll, The non-linear field theories of mechanics (1965), section
+    /// Source: Hadamard, Leçons sur la propagation des ondes (1903). Truesdell and Noll, The non-linear field theories of mechanics (1965), section
     /// 44. When it is lost, a wave speed vanishes, and shear bands and other bands of arbitrary thickness can form.
     ///
     /// For isotropic laws the decision is exact. In principal axes, with `W_ij` the second derivatives of the energy by the stretches, the form is

@@ -1,4 +1,4 @@
-//! Errors in formulas.
+//! Errors of user-defined formulas, with their positions in the text.
 
 use super::words;
 use crate::material::Place;

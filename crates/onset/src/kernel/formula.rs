@@ -53,8 +53,8 @@ impl FormulaKernel {
     /// Parses a formula of `q`. The kernel is the formula divided by its value at the origin.
     ///
     /// # Errors
-    /// [`KernelError`] if the text is not a formula of `q`, if the profile is not finite or jumps within `0 <= q <= 1`, if it does not
-    /// vanish at `q = 1`, or if its value at the origin or its integral over space is not positive.
+    /// [`KernelError`] if the text is not a formula of `q`, or if the profile is not finite, jumps within `0 <= q <= 1` or does not vanish at `q = 1`.
+    /// Value at the origin and integral over space must be positive.
     ///
     /// ```
     /// use onset::kernel::{FormulaKernel, Kernel};
@@ -64,9 +64,13 @@ impl FormulaKernel {
     /// # Ok::<(), onset::kernel::KernelError>(())
     /// ```
     pub fn parse(text: &str) -> Result<Self, KernelError> {
-        static KNOWN: Mutex<BTreeMap<String, FormulaKernel>> = Mutex::new(BTreeMap::new());
+        static PARSED_KERNELS: Mutex<BTreeMap<String, FormulaKernel>> = Mutex::new(BTreeMap::new());
         let text = text.trim();
-        let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = || {
+            PARSED_KERNELS
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+        };
         if let Some(kernel) = known().get(text) {
             return Ok(*kernel);
         }

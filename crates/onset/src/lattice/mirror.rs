@@ -26,7 +26,7 @@ pub(crate) type Group = [f64; FILL];
 
 impl Mirror {
     /// Largest lattice coordinate in the search for primitive vectors along mirror lines; for reduced bases they are smaller.
-    pub(crate) const REACH: i32 = 2;
+    pub(crate) const LARGEST_LINE_COORDINATE: i32 = 2;
 
     /// Mirrors of a lattice; empty unless it is planar.
     pub(super) fn all<const D: usize>(lattice: &BravaisLattice<D>) -> Vec<Self> {
@@ -35,7 +35,7 @@ impl Mirror {
         }
         let place =
             |cell: [i32; 2]| lattice.vectors() * SVector::from_fn(|i, _| f64::from(cell[i]));
-        let range = || -Self::REACH..=Self::REACH;
+        let range = || -Self::LARGEST_LINE_COORDINATE..=Self::LARGEST_LINE_COORDINATE;
         let cells = || {
             range()
                 .flat_map(|m| range().map(move |n| [m, n]))
@@ -87,7 +87,7 @@ impl Mirror {
         self.divisor == 2
     }
 
-    /// Coordinates `i` and `j` of a primitive vector, at most [`Mirror::REACH`].
+    /// Coordinates `i` and `j` of a primitive vector, at most [`Mirror::LARGEST_LINE_COORDINATE`].
     pub(crate) fn multiples(&self, vector: usize) -> [i32; 2] {
         self.coordinates.each(|row| row[vector])
     }

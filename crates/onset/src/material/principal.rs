@@ -37,7 +37,7 @@ pub trait PrincipalEnergy {
 
 /// Eigenvalues of `C` with a smaller relative difference count as close. At this difference the quotient has lost less than two digits, and the error
 /// of the five-point quadrature is less than `1e-15`.
-const CLOSE_EIGENVALUES: f64 = 0.05;
+const RELATIVE_EIGENVALUE_DISTANCE: f64 = 0.05;
 
 /// Points of the Gauss-Legendre rule of order 10 on `(0, 1)` from its midpoint on, with weights. The rule and the integrand are symmetric about the
 /// midpoint.
@@ -116,7 +116,7 @@ impl Expansion {
         let local = Local::of(energy, eigenvalues);
         let [w, e] = [local.slopes(), eigenvalues];
         let shear = PAIRS.each(|(i, j)| {
-            let is_close = (e[i] - e[j]).abs() <= CLOSE_EIGENVALUES * (e[i] + e[j]);
+            let is_close = (e[i] - e[j]).abs() <= RELATIVE_EIGENVALUE_DISTANCE * (e[i] + e[j]);
             let quotient = match is_close {
                 true => mean_curvature(energy, eigenvalues, (i, j)) * logarithmic(e[i], e[j]),
                 false => local.difference((i, j)) / (e[i] - e[j]),

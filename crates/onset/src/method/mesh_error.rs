@@ -1,4 +1,4 @@
-//! Errors of meshes.
+//! Errors in the meshes of finite elements.
 
 use thiserror::Error;
 

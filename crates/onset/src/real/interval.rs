@@ -277,7 +277,7 @@ impl Mul for Interval {
 
 #[allow(
     clippy::suspicious_arithmetic_impl,
-    reason = "the extremes of a quotient are among those of the bounds"
+    reason = "the extremes of a quotient are quotients of the bounds"
 )]
 impl Div for Interval {
     type Output = Self;

@@ -5,7 +5,7 @@
 use super::unfolding::slower;
 use super::weakest::{WeakestSearch, Well};
 use super::{
-    Assessment, MaterialAssessment, Phase, Probe, Unfolding, Verdict, WEAK, WeakestMode,
+    Assessment, MaterialAssessment, Phase, Probe, Unfolding, Verdict, WEAK_WAVE_RATIO, WeakestMode,
     ZeroEnergyWave, decided, finite,
 };
 use crate::algebra::Complex;
@@ -793,7 +793,7 @@ impl<'a, const D: usize> Survey<'a, D> {
     pub fn weakest(&self) -> Option<WeakestMode<D>> {
         let searched = || {
             let search = self.weakest_search().ok()?;
-            let bottoms = search.bottoms(WEAK * WEAK);
+            let bottoms = search.bottoms(WEAK_WAVE_RATIO * WEAK_WAVE_RATIO);
             let modes = bottoms.iter().map(|bottom| search.mode(bottom));
             modes.reduce(slower)
         };

@@ -123,7 +123,7 @@ fn the_boundary_of_blatz_and_ko_is_two_straight_lines() {
 }
 
 #[test]
-fn the_boundary_of_a_lagrangian_kernel_is_that_of_the_material() {
+fn the_boundary_of_a_lagrangian_kernel_is_the_boundary_of_the_material() {
     let material = ModifiedMooneyRivlin::default();
     let method = Method::<2>::new(KernelMethodChoices::default()).expect("a method");
     let window = square(0.6, 2.4);
@@ -168,7 +168,7 @@ fn the_boundary_of_a_lagrangian_kernel_is_that_of_the_material() {
 }
 
 #[test]
-fn the_areas_of_an_eulerian_kernel_are_those_of_a_dense_map() {
+fn the_areas_of_an_eulerian_kernel_agree_with_a_dense_map() {
     let material = ModifiedMooneyRivlin::default();
     let method = Method::<2>::new(KernelMethodChoices {
         frame: Frame::Eulerian,

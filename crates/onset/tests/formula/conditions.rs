@@ -22,7 +22,7 @@ fn derivatives(law: &FormulaLaw, x: f64) -> [f64; 3] {
 }
 
 #[test]
-fn each_side_of_a_condition_has_its_own_derivatives() {
+fn each_side_of_a_condition_has_separate_derivatives() {
     let ramped = law("5*macaulay(J - 1)^2 + 2*macaulay(1 - J)^3");
     let branched = law("if(J < 1, 2*(1 - J)^3, 5*(J - 1)^2)");
     for x in [0.4, 0.9, 0.999_999, 1.0, 1.000_001, 1.3, 2.0] {

@@ -16,7 +16,7 @@ const WINDOW: StateWindow = StateWindow {
 };
 
 #[test]
-fn shares_are_those_of_the_verdicts_one_by_one() {
+fn shares_agree_with_the_verdicts_counted_one_by_one() {
     let material = ModifiedMooneyRivlin::default();
     for frame in [Frame::Lagrangian, Frame::Eulerian] {
         for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {

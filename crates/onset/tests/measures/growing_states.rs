@@ -32,7 +32,7 @@ fn growing(
 }
 
 #[test]
-fn the_damped_step_of_a_growing_state_is_that_of_its_waves_that_do_not_grow() {
+fn the_damped_step_of_a_growing_state_is_the_step_of_its_waves_that_do_not_grow() {
     let lattice = LatticeKind::Hexagonal.lattice::<2>(1.0).expect("a lattice");
     let choices = UpdatedSphChoices {
         viscosity: Some(ArtificialViscosity {

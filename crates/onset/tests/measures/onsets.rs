@@ -31,7 +31,7 @@ fn assert_same(found: StretchOnset, expected: Option<f64>) {
 }
 
 #[test]
-fn onsets_are_those_that_a_scan_of_the_path_finds() {
+fn onsets_agree_with_a_scan_of_the_path() {
     let material = ModifiedMooneyRivlin::default();
     for frame in [Frame::Lagrangian, Frame::Eulerian] {
         let method = method::<2>(KernelMethodChoices {

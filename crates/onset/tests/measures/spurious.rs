@@ -154,7 +154,7 @@ fn minima_are_listed_once_and_are_minima() {
 }
 
 #[test]
-fn a_larger_cell_has_the_same_modes_at_rest() {
+fn a_larger_cell_has_the_same_modes_in_the_reference_configuration() {
     // Two by two squares: the three wave vectors with two modes each are folded to k = 0, where everything is free then.
     let cell = on_crystal::<2>(&KernelMethodChoices {
         cells: 2,
@@ -171,7 +171,7 @@ fn a_larger_cell_has_the_same_modes_at_rest() {
 
 /// The wave of alternating neighbors is one of `k = 0` where they lie in one cell. There the lowest frequencies are those of translations.
 #[test]
-fn weakly_controlled_modes_are_found_at_rest_too() {
+fn weakly_controlled_modes_are_also_found_in_the_reference_configuration() {
     let material = ModifiedMooneyRivlin::default();
     let of_cell = |penalty: f64, cells: usize| {
         let square = Crystal::of(LatticeKind::Square, 1.0).expect("a crystal");
@@ -216,7 +216,7 @@ fn weakest<const D: usize>(
 }
 
 #[test]
-fn the_weakest_wave_of_a_survey_is_that_of_the_modes_in_all_cells() {
+fn the_weakest_wave_of_a_survey_is_the_weakest_mode_in_all_cells() {
     let material = ModifiedMooneyRivlin::default();
     for cells in [1, 2, 3, 4] {
         let square = Crystal::of(LatticeKind::Square, 1.0).expect("a crystal");
@@ -268,7 +268,7 @@ fn the_weakest_wave_of_a_survey_is_followed_to_its_bottom() {
 
 /// Where forces have no energy, too, all modes of a small cell are asked: the weakest one is not the lowest above the translations.
 #[test]
-fn the_weakest_mode_without_energy_is_that_of_the_undisturbed_lattice() {
+fn the_weakest_mode_without_energy_is_the_mode_of_the_undisturbed_lattice() {
     let material = ModifiedMooneyRivlin::default();
     let of_cell = |cells: usize, perturbation: f64| {
         let square = Crystal::of(LatticeKind::Square, 1.0).expect("a crystal");
@@ -294,7 +294,7 @@ fn the_weakest_mode_without_energy_is_that_of_the_undisturbed_lattice() {
 
 /// At `k = 0` translations have the frequency of zero-energy modes too, and an eigenvalue problem mixes them.
 #[test]
-fn zero_energy_modes_are_the_weakest_beside_translations() {
+fn zero_energy_modes_are_the_weakest_apart_from_translations() {
     let material = ModifiedMooneyRivlin::default();
     for cells in [1, 2] {
         let choices = KernelMethodChoices {
@@ -311,7 +311,7 @@ fn zero_energy_modes_are_the_weakest_beside_translations() {
 
 /// Also where one polarization alone is free: particles that move across bonds to their nearest neighbors.
 #[test]
-fn zero_energy_modes_of_one_polarization_are_the_weakest_beside_translations() {
+fn zero_energy_modes_of_one_polarization_are_the_weakest_apart_from_translations() {
     fn ratio<const D: usize>(kind: LatticeKind, cells: usize) -> f64 {
         let crystal = Crystal::of(kind, 1.0).expect("a crystal");
         let crystal = crystal.supercell([cells; D]).expect("a supercell");
@@ -478,7 +478,7 @@ fn densely<const D: usize>(survey: &Survey<'_, D>, steps: usize) -> f64 {
 }
 
 #[test]
-fn the_weakest_wave_is_that_of_a_dense_search_of_the_closed_zone() {
+fn the_weakest_wave_agrees_with_a_dense_search_of_the_closed_zone() {
     let stabilized = |kind| KernelMethodChoices {
         quadrature: Quadrature::NodalStabilized,
         approximation: Approximation::Mls,
@@ -556,7 +556,7 @@ fn the_weakest_wave_on_a_face_of_the_zone_is_found() {
 
 /// Hexagons of correspondence peridynamics are weakest at the corners of the zone, which is no wave of alternating neighbors.
 #[test]
-fn the_weakest_wave_of_hexagons_is_that_of_the_corners() {
+fn the_weakest_wave_of_hexagons_is_at_the_corners() {
     let hexagonal = Crystal::of(LatticeKind::Hexagonal, 1.0).expect("a crystal");
     let choices = PeridynamicsChoices {
         model: BondModel::Correspondence {

@@ -576,7 +576,7 @@ fn one_point<const D: usize>(mesh: ElementMesh, hourglass_stiffness: f64) -> Fin
 }
 
 #[test]
-fn points_lines_and_the_whole_zone_are_told_apart() {
+fn points_lines_and_the_whole_zone_are_distinguished() {
     let law = laws().remove(0);
     // Squares with one point: the hourglass, B = (s_x c_y, c_x s_y), s and c of half the phases.
     let squares = found(&one_point::<2>(ElementMesh::Quadrilaterals, 0.0), &*law);
@@ -613,7 +613,7 @@ fn points_lines_and_the_whole_zone_are_told_apart() {
 }
 
 #[test]
-fn what_a_control_sees_has_no_zero_energy_modes_left() {
+fn controls_leave_no_zero_energy_modes() {
     let law = laws().remove(0);
     for stiffness in [1e-9, 1.0] {
         let bricks = found(&one_point::<3>(ElementMesh::Bricks, stiffness), &*law);
@@ -667,7 +667,7 @@ fn lines_that_cross_are_one_set_and_no_surface() {
 
 /// The half vectors of two by two by two face-centered cells with nearest neighbors: seven wave vectors with three modes each. Translations are none.
 #[test]
-fn translations_are_no_zero_energy_modes_where_lines_cross_at_rest() {
+fn translations_are_no_zero_energy_modes_where_lines_cross_in_the_reference_configuration() {
     let faces = Crystal::<3>::of(LatticeKind::FaceCenteredCubic, 1.0).expect("a crystal");
     let half = faces.lattice().reciprocal() * 0.5;
     let eight = faces.supercell([2; 3]).expect("a supercell");

@@ -1,12 +1,12 @@
 //! Contraction `D = A : H` for many tangents simultaneously.
 
-use crate::algebra::{Pack, WIDEST};
+use crate::algebra::{LARGEST_LANES, Pack};
 use crate::material::PlaneTangent;
 use pulp::Simd;
 
 /// Coefficients of `(D_11 + D_22) / 2`, `(D_11 - D_22) / 2` and `D_12` as linear functions of `H_11`, `H_12`, `H_22`, for many tangents.
 ///
-/// One column for each coefficient, padded with zeros to a multiple of [`WIDEST`].
+/// One column for each coefficient, padded with zeros to a multiple of [`LARGEST_LANES`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Columns {
     coefficients: [[Vec<f64>; 3]; 3],
@@ -41,7 +41,7 @@ pub(super) fn is_mirrored([mean, half, mixed]: &Coefficients) -> bool {
 
 impl Columns {
     pub(super) fn new(rows: &[Coefficients]) -> Self {
-        let length = rows.len().next_multiple_of(WIDEST);
+        let length = rows.len().next_multiple_of(LARGEST_LANES);
         let mut columns = Self::default();
         for (q, triple) in columns.coefficients.iter_mut().enumerate() {
             for (e, column) in triple.iter_mut().enumerate() {

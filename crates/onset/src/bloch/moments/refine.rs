@@ -3,7 +3,7 @@
 use super::candidates::Candidates;
 use super::contraction::{Columns, Contraction};
 use super::sums::{LARGEST_HALF_PHASE, Local, Near, Sums, Workspace};
-use crate::algebra::{Mask, Pack, WIDEST};
+use crate::algebra::{LARGEST_LANES, Mask, Pack};
 use crate::bloch::search::LONG_WAVE_FRACTION;
 use pulp::{Simd, WithSimd};
 use std::f64::consts::TAU;
@@ -32,7 +32,7 @@ pub(super) const END_BEATEN: f64 = 1.0;
 /// The descent failed and needs the general Newton method.
 pub(super) const END_FAILED: f64 = 2.0;
 
-/// Starts and floors of descents; after the descent, their ends. Padded to a multiple of [`WIDEST`].
+/// Starts and floors of descents; after the descent, their ends. Padded to a multiple of [`LARGEST_LANES`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Descents {
     /// Phases `k.a_1` and `k.a_2`.
@@ -53,7 +53,7 @@ impl Descents {
         candidates: &Candidates<D>,
         starts: impl ExactSizeIterator<Item = (usize, f64)>,
     ) -> Self {
-        let length = starts.len().next_multiple_of(WIDEST);
+        let length = starts.len().next_multiple_of(LARGEST_LANES);
         let mut result = Self {
             phases: [vec![1.0; length], vec![1.0; length]],
             candidates: vec![0; length],

@@ -1,6 +1,6 @@
 //! `H(k)` and its derivatives at several wave vectors simultaneously, from the exact sums.
 
-use crate::algebra::{Each, Pack, WIDEST};
+use crate::algebra::{Each, LARGEST_LANES, Pack};
 use crate::bloch::DynamicalMatrix;
 use crate::lattice::BravaisLattice;
 use pulp::Simd;
@@ -87,7 +87,7 @@ impl<S: Simd> Near<S> {
                 coefficients[e][n] = if is_one {
                     Pack::splat(simd, polynomials[places[0]][e][n])
                 } else {
-                    let mut column = [0.0; WIDEST];
+                    let mut column = [0.0; LARGEST_LANES];
                     for (lane, place) in places.iter().enumerate() {
                         column[lane] = polynomials[*place][e][n];
                     }

@@ -7,7 +7,7 @@
 use super::descent::{newton_step, principal};
 use super::steps::{Places, Stepper, Steps};
 use super::{Objective, RAY_STEPS};
-use crate::algebra::{Each, Pack, WIDEST, sort_by_value};
+use crate::algebra::{Each, LARGEST_LANES, Pack, sort_by_value};
 use crate::bloch::mirror::{LANES, MirrorSums};
 use crate::lattice::{BravaisLattice, FILL, Group, MirrorWaves};
 use nalgebra::{Matrix2, Vector2};
@@ -581,7 +581,7 @@ impl Sweep<'_> {
                 if !here.is_at_most(around).any() {
                     continue;
                 }
-                let mut lowest = [0.0; WIDEST];
+                let mut lowest = [0.0; LARGEST_LANES];
                 around.write(&mut lowest[..S::F64_LANES], 0);
                 for lane in 0..S::F64_LANES {
                     let n = group * S::F64_LANES + lane + 1;

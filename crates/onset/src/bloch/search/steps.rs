@@ -61,7 +61,7 @@ impl Laplacian {
 }
 
 /// Number of multiples of half a phase: up to the largest coordinate of a primitive vector.
-const HALF_PHASE_MULTIPLES: usize = Mirror::REACH as usize + 1;
+const HALF_PHASE_MULTIPLES: usize = Mirror::LARGEST_LINE_COORDINATE as usize + 1;
 
 /// Function of `u` and `v`: value, and derivatives with respect to `u`, `v`, `uu`, `uv`, `vv`.
 #[derive(Clone, Copy)]
