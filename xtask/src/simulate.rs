@@ -15,7 +15,7 @@ pub fn run() -> Result<(), String> {
         .join(TABLE);
     tested(
         "motions of all methods",
-        "motion::the_table_of_motions",
+        "motion::the_table_of_motions_is_computed",
         &[("ONSET_MOTION_TABLE", &table)],
     )
 }

@@ -59,7 +59,7 @@ fn deck(arguments: &DeckArguments) -> Result<ExitCode, Failure> {
     let next = match code.program() {
         Some(_) => format!("next         onset verify run {}", arguments.out.display()),
         None => format!(
-            "next         as {} says, then onset verify read {}",
+            "next         run the code as {} says, then onset verify read {}",
             arguments.out.join("PROTOCOL.txt").display(),
             arguments.out.display()
         ),

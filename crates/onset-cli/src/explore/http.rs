@@ -218,7 +218,7 @@ impl Connection {
         let gone = Arc::clone(&is_gone);
         let answer = thread::scope(move |scope| {
             thread::Builder::new().spawn_scoped(scope, move || {
-                // Until the sender is dropped.
+                // Polls until the sender is dropped.
                 while waiting.recv_timeout(CHECK_INTERVAL) == Err(RecvTimeoutError::Timeout) {
                     gone.store(self.has_gone(), Ordering::Relaxed);
                 }

@@ -21,7 +21,7 @@ const TOKEN_HEADER: &str = "onset-token";
 const NO_TOKEN: &str = "this page is for the user who started it: the token of the running program is missing or wrong\n  hint: open the address \
      that `onset explore` has printed; in the same browser links without a token are answered then";
 
-/// Server of the page and of its questions.
+/// HTTP server of the page, which also answers its requests.
 pub struct Server {
     explorer: Explorer,
     /// Token that the page sends with every question.

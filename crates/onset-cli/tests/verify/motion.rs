@@ -386,7 +386,7 @@ fn below_the_critical_step_noise_stays_bounded_and_above_it_grows() {
 
 /// The table of all methods: `ONSET_MOTION_TABLE` names its file.
 #[test]
-fn the_table_of_motions() {
+fn the_table_of_motions_is_computed() {
     let Some(file) = std::env::var_os("ONSET_MOTION_TABLE") else {
         eprintln!(
             "note: NOT TESTED: motions of all methods in all dimensions; `cargo xtask simulate` makes their table"

@@ -41,7 +41,7 @@ pub struct Partial {
     /// Convention and mistakes, with the error.
     #[serde(flatten)]
     pub reading: Match,
-    /// Number of states at which it fits, of the states with accurate differences.
+    /// Number of states at which this tangent fits, among the states with accurate differences.
     pub fits: usize,
     /// Number of states with accurate differences.
     pub of: usize,
@@ -115,7 +115,7 @@ impl TangentFinding {
             .filter(|(fits, _)| *fits == known.len())
             .map(|(_, best)| best.clone());
         let in_part = best
-            // A reading that fits at all of them is identified, not in part.
+            // A reading that fits at all states identifies the tangent completely.
             .filter(|(fits, _)| {
                 *fits < known.len() && *fits as f64 > COINCIDENCE * known.len() as f64
             })

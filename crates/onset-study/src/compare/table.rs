@@ -238,7 +238,7 @@ impl Table {
         self.notes.iter().cloned().chain(of_rows).collect()
     }
 
-    /// Heads of the columns with their meanings.
+    /// Headings of the columns with their meanings.
     pub(super) fn legend(&self) -> Vec<(String, String)> {
         let columns = self.columns().into_iter();
         columns

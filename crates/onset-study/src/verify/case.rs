@@ -145,7 +145,7 @@ impl Case {
         let (block, k) = match rim {
             None => periodic(&sides, question, reach)?,
             Some(width) => {
-                // The faster of sound and of the shortest waves, whose speed is half their frequency times the spacing.
+                // The larger of the speed of sound and the speed of the shortest waves, which is half their frequency times the spacing.
                 let sound = sound(&problem, &f, &sides)?;
                 let fastest = sound.max(problem.analysis.spacing() / critical);
                 let apart = SPEED_SAFETY_FACTOR * fastest * duration + 2.0 * reach;

@@ -47,10 +47,10 @@ pub(super) struct Neighbor<const D: usize> {
     pub(super) gradient: [Interval; D],
     pub(super) hessian: Square<D>,
     pub(super) frozen_hessian: Square<D>,
-    /// Weighted basis `a = p W` and its derivatives by the position.
+    /// Weighted basis `a = p W` and its derivatives with respect to the position.
     pub(super) a: Basis,
     pub(super) a1: [Basis; D],
-    /// Derivative `d alpha / d x_K,t` and its derivative by the evaluation point, `[j][t]`.
+    /// Derivative `d alpha / d x_K,t` and its derivative with respect to the evaluation point, `[j][t]`.
     pub(super) shift: [Basis; D],
     pub(super) shift1: [[Basis; D]; D],
 }

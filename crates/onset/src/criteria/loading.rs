@@ -843,7 +843,7 @@ fn branch(
                         PathEnd::Fold { stretch }
                     }
                     Missing::Law(source) if !source.is_of_a_jump() => {
-                        // Where the response grows without bound, only rounding is left.
+                        // Only rounding is left where the response grows without bound.
                         let end = here.parameter;
                         states.retain(|state| {
                             state.parameter == 0.0 || (state.parameter - end).abs() > BEFORE_END
@@ -1140,7 +1140,7 @@ impl Linear {
         linear
     }
 
-    /// Replaces the derivatives by the free stretches by finite differences, for a law whose tangent is not the derivative of its stress.
+    /// Replaces the derivatives with respect to the free stretches by finite differences, for a law whose tangent is not the derivative of its stress.
     ///
     /// The tangent is kept where a neighboring state does not exist, as at the end of the domain of the law.
     fn differenced(

@@ -74,7 +74,7 @@ pub enum Criterion {
     /// Source: Hadamard, Leçons sur la propagation des ondes (1903). Truesdell and Noll, The non-linear field theories of mechanics (1965), section
     /// 44. When it is lost, a wave speed vanishes, and shear bands and other bands of arbitrary thickness can form.
     ///
-    /// For isotropic laws the decision is exact. In principal axes, with `W_ij` the second derivatives of the energy by the stretches, the form is
+    /// For isotropic laws the decision is exact. In principal axes, with `W_ij` the second derivatives of the energy with respect to the stretches, the form is
     /// nonnegative if and only if the shear stiffnesses `A_ijij` are nonnegative and the matrices with `W_ii` on the diagonal and
     /// `e_i e_j (W_ij + A_ijji) + A_ijij` off the diagonal are copositive for all signs `e` (Simpson and Spector, Arch. Ration. Mech. Anal. 84 (1983)
     /// 55). The measure is the smallest value attained in these conditions, a value of the form at unit vectors. For other laws it is the smallest
@@ -129,7 +129,7 @@ pub enum Criterion {
     DruckerAbaqus,
     /// True stress grows with true strain (TSTS-M++): `sigma° : D > 0` for all rates of deformation `D`, with the Jaumann rate of Cauchy stress.
     ///
-    /// The condition is `(tau° : D - (tau : D) tr D) / J > 0`. For isotropic laws the derivative of the Cauchy stress by the logarithmic strain is
+    /// The condition is `(tau° : D - (tau : D) tr D) / J > 0`. For isotropic laws the derivative of the Cauchy stress with respect to the logarithmic strain is
     /// positive definite. Source: Jog and Patil, Arch. Appl. Mech. 83 (2013) 661; Wollner, Holzapfel and Neff, arXiv 2509.08597 (2025), who show that
     /// neither this condition nor polyconvexity implies the other. At constant volume it equals Drucker's inequality. The measure is the smallest
     /// eigenvalue on symmetric `D`. Units of stress.

@@ -16,7 +16,7 @@ const TOGETHER: usize = 6;
 
 /// Returns the reason why a formula has no stress at a state, with its place in the text.
 ///
-/// `value` gives bounds of the leaves, and `jet` these bounds with derivatives by the deformation gradient.
+/// `value` gives bounds of the leaves, and `jet` these bounds with derivatives with respect to the deformation gradient.
 pub(super) fn trouble(
     tape: &Tape,
     value: impl Fn(Leaf) -> Interval,

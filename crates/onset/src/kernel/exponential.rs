@@ -52,7 +52,7 @@ impl Exponential {
         let (u, exponential) = (t - END, (-t).exp());
         let p = t * (t * c2 + c1) + c0;
         let p1 = t * (2.0 * c2) + c1;
-        // Derivatives by t: f = p e, f' = (p' - p) e, f'' = (p'' - 2 p' + p) e.
+        // Derivatives with respect to t: f = p e, f' = (p' - p) e, f'' = (p'' - 2 p' + p) e.
         let value = p * exponential - (u * (u * (0.5 * b2) + b1) + b0);
         let first = (p1 - p) * exponential - (u * b2 + b1);
         let second = (p - p1 * 2.0 + 2.0 * c2) * exponential - b2;

@@ -64,7 +64,7 @@ macro_rules! given_by_invariants {
 }
 pub(crate) use given_by_invariants;
 
-/// Energy of a law in the invariants with its derivatives by the components of `F` within the plane.
+/// Energy of a law in the invariants with its derivatives with respect to the components of `F` within the plane.
 pub(crate) fn jet_of_invariants<R: Real>(
     law: &(impl InvariantEnergy + StrainEnergy),
     f: &[[R; 3]; 3],

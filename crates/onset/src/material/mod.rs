@@ -211,7 +211,7 @@ pub trait StrainEnergy {
 
     /// Energy and stress of several states, as for [`Hyperelastic::lane_stress`].
     ///
-    /// They are computed from derivatives by the components of `F` unless a law overrides this with a faster method. Lanes may be wrong if the law
+    /// They are computed from derivatives with respect to the components of `F` unless a law overrides this with a faster method. Lanes may be wrong if the law
     /// requests a single value that the lanes do not share.
     fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress
     where
@@ -398,7 +398,7 @@ impl LaneStress {
         all
     }
 
-    /// Evaluates a law by its energy, with derivatives by the components of `F` that are not fixed.
+    /// Evaluates a law by its energy, with derivatives with respect to the components of `F` that are not fixed.
     pub(crate) fn of_components(
         law: &impl StrainEnergy,
         states: &DeformationGradient<Lanes>,
@@ -410,7 +410,7 @@ impl LaneStress {
         }
     }
 
-    /// Evaluates a law by its energy, with derivatives by the first `D` rows and columns of `F`, which are `N` numbers.
+    /// Evaluates a law by its energy, with derivatives with respect to the first `D` rows and columns of `F`, which are `N` numbers.
     fn of_law<const D: usize, const N: usize>(
         law: &impl StrainEnergy,
         states: &DeformationGradient<Lanes>,
@@ -427,7 +427,7 @@ impl LaneStress {
         all
     }
 
-    /// Converts an energy with its derivatives by the first `D` rows and columns of `F`.
+    /// Converts an energy with its derivatives with respect to the first `D` rows and columns of `F`.
     fn of_energy<const D: usize, const N: usize>(energy: &Dual<N, Lanes>) -> Self {
         let mut all = Self {
             energy: energy.value,

@@ -149,7 +149,7 @@ impl PlaneStress {
         )
     }
 
-    /// Like [`PlaneStress::condensed`], with finite-difference derivatives of the tractions by the components across.
+    /// Like [`PlaneStress::condensed`], with finite-difference derivatives of the tractions with respect to the components across.
     fn differenced(&self, response: &Response) -> Result<Option<Condensed<f64>>, MaterialError> {
         let state = response.deformation.components();
         let mut columns = [[0.0; 9]; 9];
@@ -432,11 +432,11 @@ impl From<MaterialError> for Unsettled {
     }
 }
 
-/// Derivatives of an energy by the nine components of `F`, after elimination of the components with vanishing derivative.
+/// Derivatives of an energy with respect to the nine components of `F`, after elimination of the components with vanishing derivative.
 struct Condensed<R> {
-    /// First derivatives by the remaining components, to second order in the missing Newton steps.
+    /// First derivatives with respect to the remaining components, to second order in the missing Newton steps.
     slope: [R; 9],
-    /// Second derivatives by the remaining components.
+    /// Second derivatives with respect to the remaining components.
     stiffness: [[R; 9]; 9],
 }
 

@@ -192,7 +192,7 @@ fn up_to<R: Real>(size: f64) -> R {
     within(Interval::new(-size, size))
 }
 
-/// Unbounded number with two unbounded derivatives by the components of a tensor.
+/// Unbounded number with two unbounded derivatives with respect to the components of a tensor.
 fn nothing_known<R: Real>(c: &[[R; 3]; 3]) -> R {
     let all = PAIRS
         .into_iter()
@@ -394,7 +394,7 @@ const STIFF: f64 = 1e6;
 
 /// Energy with its derivatives in one of two sets of variables.
 enum Local {
-    /// Derivatives by the logarithmic stretches `h_i`.
+    /// Derivatives with respect to the logarithmic stretches `h_i`.
     Stretches(Jet<3>),
     /// Derivatives by `y_0`, `y_1` and `y_2`.
     VolumeAndShape(Jet<3>),

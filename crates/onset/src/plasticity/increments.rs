@@ -397,7 +397,7 @@ impl Answer {
         let normal = Matrix3::from_fn(|i, j| f[i] * tangent[(i, i, j, j)] * f[j]);
         let shear = Matrix3::from_fn(|i, j| tangent[(i, j, i, j)] * f[j] * f[j]);
         let swap = Matrix3::from_fn(|i, j| tangent[(i, j, j, i)] * f[j] * f[i]);
-        // Kirchhoff stress by logarithmic strains, and Cauchy stress.
+        // Kirchhoff stress in terms of logarithmic strains, and Cauchy stress.
         let kirchhoff = normal + Matrix3::from_diagonal(&tau);
         let slope = kirchhoff / volume - stress * Vector3::repeat(1.0).transpose();
         Ok(match strains {

@@ -11,12 +11,12 @@ use nalgebra::SMatrix;
 /// Number of derivatives computed in one pass.
 const LANES: usize = 8;
 
-/// Linearized forces of a discretization: minus the derivatives of the forces by the motion of the particles.
+/// Linearized forces of a discretization: minus the derivatives of the forces with respect to the motion of the particles.
 #[derive(Clone, Debug)]
 pub struct Forced<const D: usize> {
-    /// Stiffness: minus the derivatives by the displacements.
+    /// Stiffness: minus the derivatives with respect to the displacements.
     pub stiffness: BlochBlocks<D>,
-    /// Damping: minus the derivatives by the velocities.
+    /// Damping: minus the derivatives with respect to the velocities.
     pub damping: BlochBlocks<D>,
     /// Whether a force depends on velocities.
     pub is_viscous: bool,
@@ -93,7 +93,7 @@ pub(super) fn differentiated<I: Interaction<D> + ?Sized, const D: usize>(
     sums.finish();
 }
 
-/// Calls `take` with minus the derivative of the force on each particle of an interaction by the displacement or velocity of each particle.
+/// Calls `take` with minus the derivative of the force on each particle of an interaction with respect to the displacement or velocity of each particle.
 ///
 /// The arguments are the numbers of both particles and the block.
 pub(super) fn derivatives<I: Interaction<D> + ?Sized, const D: usize>(

@@ -85,7 +85,7 @@ pub trait Interaction<const D: usize> {
         false
     }
 
-    /// Adds minus the derivatives of the forces by the displacements. The default differentiates [`Interaction::forces`]; an interaction may replace
+    /// Adds minus the derivatives of the forces with respect to the displacements. The default differentiates [`Interaction::forces`]; an interaction may replace
     /// it by the faster chain rule.
     fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
         linearized::differentiated(self, false, blocks);

@@ -89,7 +89,7 @@ fn the_load_maximum_is_where_the_load_is_largest() {
     }
 }
 
-/// The tangent of a metal belongs to continued flow and is not the derivative of the stress by the state. The free faces are found nevertheless, and
+/// The tangent of a metal belongs to continued flow and is not the derivative of the stress with respect to the state. The free faces are found nevertheless, and
 /// the branch continues beyond yield to the end.
 #[test]
 fn free_faces_of_a_metal_beyond_yield_carry_no_traction() {

@@ -1,4 +1,4 @@
-//! All reference numbers that their name defines completely, section by section.
+//! The program agrees with the independently computed reference numbers whose names define them completely, section by section.
 
 use crate::reference::{
     anchors, assert_meets, lagrangian, material, method, number, numbers, stretched, with_frame,
@@ -25,7 +25,7 @@ fn search_of(
 }
 
 #[test]
-fn stresses_and_effective_tangents() {
+fn stresses_and_effective_tangents_agree_with_the_reference() {
     let anchors = anchors();
     for (key, name) in [
         ("material_F_1.2_0.9_mooney", "mooney"),
@@ -70,7 +70,7 @@ fn crossings(from: [f64; 2], to: [f64; 2]) -> Vec<f64> {
 }
 
 #[test]
-fn boundary_of_strong_ellipticity() {
+fn the_boundary_of_strong_ellipticity_agrees_with_the_reference() {
     let anchors = anchors();
     for (l1, reference) in anchors["pde_boundary_mooney_lambda2_of_lambda1"]
         .as_object()
@@ -113,7 +113,7 @@ fn boundary_of_strong_ellipticity() {
 }
 
 #[test]
-fn kernel_sums_and_completeness_errors() {
+fn kernel_sums_and_completeness_errors_agree_with_the_reference() {
     for (key, reference) in anchors()["kernel"].as_object().expect("a table") {
         let (kind, support) = key.split_once('_').expect("lattice_support");
         let support: f64 = support.parse().expect("a support");
@@ -178,7 +178,7 @@ fn assert_spectrum(key: &str, computed: [Complex; 2], reference: &[f64], toleran
 }
 
 #[test]
-fn zero_energy_modes_of_lagrangian_kernels() {
+fn zero_energy_modes_of_lagrangian_kernels_agree_with_the_reference() {
     for (key, reference) in anchors()["rank_F_1.1_0.95_mooney"]
         .as_object()
         .expect("a table")
@@ -212,7 +212,7 @@ fn zero_energy_modes_of_lagrangian_kernels() {
 }
 
 #[test]
-fn spectra_of_all_methods_at_one_state() {
+fn spectra_of_all_methods_at_one_state_agree_with_the_reference() {
     let anchors = anchors();
     let table = anchors["omega2_F_1.2_0.9_k_2.0_1.1"]
         .as_object()
@@ -265,7 +265,7 @@ fn quadrature_without_an_inversion_center_needs_the_complex_matrix() {
 }
 
 #[test]
-fn eulerian_spectra_at_the_wave_vectors_of_zero_energy_modes() {
+fn eulerian_spectra_at_zero_energy_modes_agree_with_the_reference() {
     let anchors = anchors();
     let table = anchors["euler_at_spurious"].as_object().expect("a table");
     assert_eq!(table.len(), 288);
@@ -295,7 +295,7 @@ fn eulerian_spectra_at_the_wave_vectors_of_zero_energy_modes() {
 }
 
 #[test]
-fn long_wave_shear_stiffness_of_eulerian_kernels() {
+fn the_long_wave_shear_stiffness_of_eulerian_kernels_agrees_with_the_reference() {
     let anchors = anchors();
     let table = anchors["euler_longwave_shear_w2_over_k2"]
         .as_object()
@@ -321,7 +321,7 @@ fn long_wave_shear_stiffness_of_eulerian_kernels() {
 }
 
 #[test]
-fn equibiaxial_onset_with_the_interpolated_background() {
+fn the_equibiaxial_onset_with_the_interpolated_background_agrees_with_the_reference() {
     for (support, reference) in anchors()["pointwiseF_equibiaxial"]
         .as_object()
         .expect("a table")
@@ -369,7 +369,7 @@ fn equibiaxial_onset_with_the_interpolated_background() {
 }
 
 #[test]
-fn rank_gap_and_deficient_supports_of_hexagonal_stress_points() {
+fn rank_gap_and_deficient_supports_of_stress_points_agree_with_the_reference() {
     let anchors = anchors();
     let reference_state = DeformationGradient::identity();
     for (support, reference) in anchors["rank_gap_hex_sp"].as_object().expect("a table") {
@@ -424,7 +424,7 @@ fn rank_gap_and_deficient_supports_of_hexagonal_stress_points() {
 }
 
 #[test]
-fn blatz_ko_frequencies_of_equibiaxial_states() {
+fn blatz_ko_frequencies_of_equibiaxial_states_agree_with_the_reference() {
     let material = material("blatzko1");
     for (support, reference) in anchors()["fig9_coefficients_mu1"]
         .as_object()
@@ -461,7 +461,7 @@ fn blatz_ko_frequencies_of_equibiaxial_states() {
 }
 
 #[test]
-fn minima_over_the_zone_are_met_or_beaten() {
+fn minima_over_the_zone_are_at_most_the_reference() {
     let anchors = anchors();
     let table = anchors["min_omega2_full_zone"]
         .as_object()
@@ -569,11 +569,11 @@ fn eulerian_onsets(name: &str) -> [usize; 2] {
 }
 
 #[test]
-fn eulerian_onsets_of_the_modified_mooney_rivlin_law() {
+fn eulerian_onsets_of_the_modified_mooney_rivlin_law_agree_with_the_reference() {
     assert_eq!(eulerian_onsets("mooney"), [40, 0]);
 }
 
 #[test]
-fn eulerian_onsets_of_the_blatz_ko_law() {
+fn eulerian_onsets_of_the_blatz_ko_law_agree_with_the_reference() {
     assert_eq!(eulerian_onsets("blatzko1"), [37, 3]);
 }

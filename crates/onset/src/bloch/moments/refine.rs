@@ -57,7 +57,7 @@ impl Descents {
         let mut result = Self {
             phases: [vec![1.0; length], vec![1.0; length]],
             candidates: vec![0; length],
-            // Padding counts as unable to fall below its floor.
+            // Padded entries count as unable to fall below their floor.
             floors: vec![f64::NEG_INFINITY; length],
             values: vec![f64::INFINITY; length],
             ends: vec![END_BEATEN; length],

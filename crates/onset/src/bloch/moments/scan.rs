@@ -87,7 +87,7 @@ impl<const D: usize, const MIRRORED: bool> WithSimd for Scan<'_, D, MIRRORED> {
                         .select(Pack::splat(simd, n as f64), index);
                     best = best.min(value);
                     overall = overall.min(value);
-                    // Exceeds the margin below, rounding included.
+                    // This margin exceeds the one below, rounding included.
                     threshold = overall.abs().times_plus(near, overall + soft);
                 }
                 first = *end;

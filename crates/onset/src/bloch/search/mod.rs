@@ -391,7 +391,7 @@ impl<const D: usize> ZoneSearch<D> {
         (softest, covered.bound)
     }
 
-    /// Returns whether a wave grows, and by divergence or flutter, with a scaled measure.
+    /// Returns the stability (whether a wave grows, and by divergence or flutter) and the scaled measure.
     ///
     /// The result agrees with the summary, but is cheaper. The sign of the measure decides stability if the spectrum is real.
     pub fn stability(&self, matrix: &DynamicalMatrix<D>) -> (Stability, f64) {

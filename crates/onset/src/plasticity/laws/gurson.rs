@@ -99,7 +99,7 @@ impl FlowLaw for Gurson {
         let strength = self.hardening.strength(matrix);
         let flow_stress = 3.0_f64.sqrt() * strength;
         let (_, x) = self.weakening(mean, flow_stress, voids);
-        // The gradient by the stress is 6 tau / s_0^2 times this normal.
+        // The gradient with respect to the stress is 6 tau / s_0^2 times this normal.
         let dilatancy = 0.5 * q1 * q2 * voids * flow_stress * x.sinh() / shear;
         let normal = unit + Vector3::repeat(dilatancy / 3.0);
         let scale = 6.0 * shear / (flow_stress * flow_stress);

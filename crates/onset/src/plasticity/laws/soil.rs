@@ -82,7 +82,7 @@ impl FlowLaw for CamClay {
         let dilatancy = -(2.0 * pressure - limit) * square / (6.0 * shear);
         let normal = unit + Vector3::repeat(dilatancy / 3.0);
         let rate = growth(limit, self.compressibility, dilatancy);
-        // The gradient by the stress is 6 tau / M^2 times the normal, the gradient by p_c is -p.
+        // The gradient with respect to the stress is 6 tau / M^2 times the normal, the gradient with respect to p_c is -p.
         let hardening = pressure * rate * square / (6.0 * shear);
         Ok(Flow {
             internal: Vector3::new(rate, 0.0, 0.0),
@@ -177,7 +177,7 @@ impl FlowLaw for EllipticCap {
         let dilatancy = -beyond * square / (shear * width * width);
         let normal = unit + Vector3::repeat(dilatancy / 3.0);
         let rate = growth(internal[0], self.compressibility, dilatancy);
-        // The gradient by the stress is 2 tau / k^2 times the normal, the gradient by X is -2 (p - L)^2 / (X - L)^3.
+        // The gradient with respect to the stress is 2 tau / k^2 times the normal, the gradient with respect to X is -2 (p - L)^2 / (X - L)^3.
         let hardening = beyond * beyond * rate * square / (shear * width.powi(3));
         Ok(Flow {
             internal: Vector3::new(rate, 0.0, 0.0),

@@ -390,7 +390,7 @@ impl<const D: usize> MaterialPoints<D> {
             for (site, (place, volume)) in self.points.iter().enumerate() {
                 let share = self.choices.density * volume / self.nodal_mass();
                 for (seen, value) in self.transfer(place) {
-                    // Image of the point for which this node takes the place of `seen`.
+                    // Cell of the translated point that reaches this node as the original point reaches `seen`.
                     let cell = array_of(|i| node.cell[i] - seen.cell[i]);
                     let sum = sums.entry(Particle { site, cell });
                     *sum.or_insert_with(SVector::zeros) += vector * (share * value);
@@ -607,7 +607,7 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
             Formulation::TotalLagrangian { mass } | Formulation::Updated { mass, .. } => {
                 mass == GridMass::Lumped
             }
-            // The step of a transfer has an isolated point; compare [`TransferredWaves::isolated_point`].
+            // With a transfer an isolated point limits the step: [`TransferredWaves::isolated_point`].
             Formulation::Particles { .. } => {
                 !self.moves_points() && self.transfer_of_a_step().is_none()
             }

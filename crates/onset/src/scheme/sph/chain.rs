@@ -2,7 +2,7 @@
 //!
 //! A traction between a particle and a neighbor depends on the displacements of all particles around them, but only through a few numbers.
 //! These are the deformation gradient and density of the particle, the moment `K` of corrected forces, and the position and density of the neighbor.
-//! The traction is differentiated by these numbers once for each neighbor. Their derivatives by the displacements are in closed form, in the
+//! The traction is differentiated by these numbers once for each neighbor. Their derivatives with respect to the displacements are in closed form, in the
 //! homogeneous state.
 //! Direct differentiation by each displacement would cost a factor equal to the number of particles.
 
@@ -16,7 +16,7 @@ use nalgebra::{SMatrix, SVector};
 const LANES: usize = 8;
 type Number = Dual<LANES>;
 
-/// Derivatives of a number by the displacements of all particles.
+/// Derivatives of a number with respect to the displacements of all particles.
 type Row<const D: usize> = Vec<SVector<f64, D>>;
 
 /// Order of the numbers that determine tractions: `F` by rows, the density, `K` by rows, the vector to the neighbor, the density of the neighbor.
@@ -47,7 +47,7 @@ impl Order {
     }
 }
 
-/// Homogeneous state with the derivatives by the displacements of the particles.
+/// Homogeneous state with the derivatives with respect to the displacements of the particles.
 pub(super) struct Chain<'a, const D: usize> {
     stress: &'a StressOf<'a, D>,
     order: Order,
@@ -161,7 +161,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
     }
 
-    /// Derivatives of the tractions of all neighbors by the numbers in [`Order`].
+    /// Derivatives of the tractions of all neighbors with respect to the numbers in [`Order`].
     fn tractions(&self) -> Vec<Vec<SVector<f64, D>>> {
         let Order {
             density,
@@ -199,7 +199,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         tractions
     }
 
-    /// Adds minus the derivatives of the forces by the displacements.
+    /// Adds minus the derivatives of the forces with respect to the displacements.
     pub(super) fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
         let pairs = self.stress.surroundings.pairs;
         let mut sums = blocks.between(&self.stress.particles);
