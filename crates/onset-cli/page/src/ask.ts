@@ -40,6 +40,7 @@ export interface Form {
 export interface State {
   verdict: string;
   mechanism: string | null;
+  evidence: "proved" | "bounded" | "searched";
   sentence: string;
   notes: string[];
   next: string[];
@@ -48,7 +49,7 @@ export interface State {
     model: string;
     cauchy: number[][];
     first_piola: number[][];
-    ellipticity: string;
+    ellipticity: "elliptic" | "lost" | "undecided";
     minimum_acoustic_eigenvalue: number;
     direction: number[];
   };

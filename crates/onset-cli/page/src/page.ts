@@ -311,6 +311,9 @@ function across(answer: State): [string, string][] {
   return [["thickness stretch", third]];
 }
 
+/** Answers to the question whether a law is strongly elliptic, in the words of the command. */
+const IS_ELLIPTIC = { elliptic: "yes", lost: "no", undecided: "undecided" } as const;
+
 function showState(answer: State): void {
   the("error").hidden = true;
   the("answer").classList.remove("stale");
@@ -327,8 +330,9 @@ function showState(answer: State): void {
     : [];
   const rows: [string, string][] = [
     ["verdict", answer.mechanism ? `${answer.verdict} (${answer.mechanism})` : answer.verdict],
+    ["evidence", answer.evidence],
     ["Cauchy stress", [[0, 0], [1, 1], [0, 1], [2, 2]].map(([i, j]) => `s${i! + 1}${j! + 1} ${told(material.cauchy[i!]![j!])}`).join(", ")],
-    ["strongly elliptic", material.ellipticity],
+    ["strongly elliptic", IS_ELLIPTIC[material.ellipticity]],
     ["smallest eigenvalue", `${told(material.minimum_acoustic_eigenvalue)} along ${vector(material.direction)}`],
     ...across(answer),
     [own.stable ? "softest mode" : "critical mode", own.mode],
