@@ -213,7 +213,7 @@ impl Hunt {
             Ok(())
         } else {
             Err(format!(
-                "{} failed; again with: cargo xtask hunt {} --seed {seed} --cases {cases}{}",
+                "{} failed; repeat with: cargo xtask hunt {} --seed {seed} --cases {cases}{}",
                 subject.name,
                 subject.name,
                 if self.release { " --release" } else { "" }

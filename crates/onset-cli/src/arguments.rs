@@ -701,7 +701,7 @@ pub struct SimulateArguments {
 }
 
 fn stepper(text: &str) -> Result<Stepper, String> {
-    Stepper::named(text).ok_or_else(|| expected(text, "available are", &Stepper::names()))
+    Stepper::named(text).ok_or_else(|| expected(text, "available:", &Stepper::names()))
 }
 
 /// Parses a positive time, or a ratio of times.
@@ -714,7 +714,7 @@ fn positive(text: &str) -> Result<f64, String> {
 
 fn stepping(text: &str) -> Result<Stepping, String> {
     let known = Stepping::ALL.into_iter().find(|own| own.name() == text);
-    known.ok_or_else(|| expected(text, "available are", &Stepping::ALL.map(Stepping::name)))
+    known.ok_or_else(|| expected(text, "available:", &Stepping::ALL.map(Stepping::name)))
 }
 
 /// Command-line arguments of `onset plot`.
@@ -787,7 +787,7 @@ fn two(text: &str) -> Option<(f64, f64)> {
 
 fn color_map(text: &str) -> Result<ColorMap, String> {
     let known = ColorMap::ALL.into_iter().find(|map| map.name() == text);
-    known.ok_or_else(|| expected(text, "available are", &ColorMap::ALL.map(ColorMap::name)))
+    known.ok_or_else(|| expected(text, "available:", &ColorMap::ALL.map(ColorMap::name)))
 }
 
 /// Libraries that files may load.
@@ -959,7 +959,7 @@ pub struct LimitArguments {
 
 /// Parses the name of an integrator.
 fn integrator(text: &str) -> Result<Integrator, String> {
-    Integrator::named(text).ok_or_else(|| expected(text, "available are", &Integrator::NAMES))
+    Integrator::named(text).ok_or_else(|| expected(text, "available:", &Integrator::NAMES))
 }
 
 /// Parses a share: a number above 0 and at most 1.

@@ -253,7 +253,7 @@ fn unreadable(name: &str, error: std::io::Error) -> Failure {
     } else if name.contains('=') {
         "a key is set by --set KEY=VALUE"
     } else if error.kind() == ErrorKind::InvalidData {
-        "expected a study, a text of some lines; standard input is read with -"
+        "expected a study of several lines; standard input is read with -"
     } else if error.kind() == ErrorKind::IsADirectory {
         "expected a study file; `onset plot` draws stores"
     } else {
@@ -600,7 +600,7 @@ fn course(
         let admitted = |x: &f64| x.is_finite() && mode.parameter(*x).is_finite();
         number.filter(admitted).ok_or_else(|| {
             let expected = match mode {
-                Mode::SimpleShear => "one amount of shear gamma, a number",
+                Mode::SimpleShear => "one number, the amount of shear gamma",
                 _ => "one imposed stretch, a positive number",
             };
             Failure::input(format!(
@@ -675,7 +675,7 @@ fn list(topic: Option<&str>, name: Option<&str>) -> Result<ExitCode, Failure> {
     let unknown = |names: Vec<&str>| {
         let name = topic.unwrap_or_default();
         Failure::input(format!(
-            "there is no topic `{name}`\n  hint: topics are {}, keys{}",
+            "there is no topic `{name}`\n  hint: the topics are {}, keys{}",
             names.join(", "),
             did_you_mean(name, names.iter().copied().chain(["keys"]))
         ))

@@ -51,7 +51,7 @@ impl Failure {
             Self::Defect(text) => ("OnsetError", text, None, None),
             Self::Ended => (
                 "OnsetError",
-                "the question was given up".to_owned(),
+                "the computation was cancelled".to_owned(),
                 None,
                 None,
             ),

@@ -203,7 +203,7 @@ impl Problem {
             };
             let integrator = integrator.ok_or_else(|| {
                 let known = Integrator::NAMES.join(", ");
-                Failure::Input(format!("no such integrator\n  hint: available are {known}"))
+                Failure::Input(format!("no such integrator\n  hint: available: {known}"))
             })?;
             let question = LimitQuestion::new(&key, &time_step)?
                 .between(range)
@@ -276,7 +276,7 @@ impl Problem {
         let mode = mode_named(mode)?;
         let lateral = lateral.map(lateral_named).transpose()?;
         let expected = match mode {
-            Mode::SimpleShear => "one amount of shear, a finite number",
+            Mode::SimpleShear => "one finite number, the amount of shear",
             _ => "one imposed stretch, a positive number",
         };
         for (name, imposed) in [("from_", from), ("to", to)] {

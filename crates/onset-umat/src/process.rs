@@ -338,11 +338,11 @@ fn in_words(status: ExitStatus) -> String {
         Some(6) => Some("signal 6, it aborted".to_owned()),
         Some(8) => Some("signal 8, an arithmetic error".to_owned()),
         Some(24) => {
-            Some("signal 24, it used more processor time than material.time-limit".to_owned())
+            Some("signal 24: it used more processor time than material.time-limit".to_owned())
         }
-        Some(9) => Some("signal 9, it was killed; was memory short?".to_owned()),
+        Some(9) => Some("signal 9: it was killed; was memory short?".to_owned()),
         Some(7 | 10 | 11) => Some(format!(
-            "signal {}, it accessed memory outside its bounds; is an index out of range?",
+            "signal {}: it accessed memory outside its bounds; is an index out of range?",
             status.signal().unwrap_or_default()
         )),
         other => other.map(|signal| format!("signal {signal}")),

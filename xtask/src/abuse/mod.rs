@@ -170,7 +170,7 @@ fn abused(time: Duration, seed: u64) -> Result<(), String> {
     match all[1..].iter().sum::<u64>() {
         0 => Ok(()),
         faults => Err(format!(
-            "{faults} faults; again with: cargo xtask abuse --seed {seed}"
+            "{faults} faults; repeat with: cargo xtask abuse --seed {seed}"
         )),
     }
 }

@@ -689,7 +689,7 @@ fn questions_that_cannot_be_run_are_refused() {
         ("--stretch 1,1 --wave-vector 1.234,0", "whole numbers"),
         ("--stretch 1,1 --turns 1", "--turns"),
         ("--stretch 1,1 --turns 1,0 --branch 3", "branch"),
-        ("--stretch 1,1 --integrator eulerian", "available are"),
+        ("--stretch 1,1 --integrator eulerian", "available:"),
         (
             "--stretch 1,1 --integrator euler",
             "unstable for every time step",

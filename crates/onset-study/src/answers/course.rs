@@ -51,7 +51,7 @@ pub struct LoadingOfPath {
     pub to: f64,
     /// Start that the user requested.
     pub asked_from: f64,
-    /// End that the user requested.
+    /// Requested end of the path.
     pub asked_to: f64,
     /// Reason why the path begins after the requested start.
     pub starts_late: Option<String>,

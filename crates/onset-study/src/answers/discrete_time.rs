@@ -113,7 +113,7 @@ impl DiscreteTimeAnswer {
             lines.push((
                 "of an isolated point",
                 format!(
-                    "{}: unstressed, at its place in the lattice, without neighbors on the grid",
+                    "{}: unstressed, at its lattice position, without neighbors on the grid",
                     time(alone)
                 ),
             ));

@@ -609,7 +609,7 @@ impl EndAnswer {
             PathEnd::GivenUp { stretch, trials } => (
                 *stretch,
                 Some(format!(
-                    "given up after {trials} steps: the law changes too fast with the stretch there"
+                    "the search was stopped after {trials} steps: the law changes too fast with the stretch there"
                 )),
             ),
             PathEnd::Fold { stretch } => (*stretch, Some(FOLD.to_owned())),

@@ -66,7 +66,7 @@ pub(super) const FILES: &[(&str, &str)] = files![
     "trixi-371-wendland.toml",
 ];
 
-/// Entries that a page can show: those about principal stretches.
+/// Entries about states of principal stretches, which a page can show.
 pub fn entries() -> Vec<Entry> {
     FILES.iter().filter_map(|(_, text)| entry(text)).collect()
 }

@@ -110,7 +110,7 @@ impl LimitQuestion {
         if measured.is_some() && !settings.units().are_si() {
             let message = "the time step has a unit, but the settings have no units".to_owned();
             return Err(SettingError::new(origin, message).hint(
-                "give the step in the units of the settings, as a number, or units to all of them",
+                "give the step as a number in the units of the settings, or give units to all settings",
             ));
         }
         let step = measured.unwrap_or(typed);

@@ -360,7 +360,7 @@ fn directions(point: &PathPoint, bands: Bands) -> Result<Vec<DirectionAnswer>, L
     let stress = |axis: &usize| point.stress[*axis];
     let by_stress = |a: &usize, b: &usize| stress(a).total_cmp(&stress(b));
     let major = (0..axes).max_by(by_stress).unwrap_or(0);
-    // For equal stresses the first and the last axis, so that the two differ.
+    // For equal stresses choose the first and the last axis, so that the two differ.
     let minor = (0..axes).min_by(by_stress).unwrap_or(1);
     let mut told = Vec::with_capacity(181);
     for half_degrees in 0..=180 {

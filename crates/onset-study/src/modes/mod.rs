@@ -364,7 +364,7 @@ impl ModesAnswer {
         }
         writeln!(
             formatter,
-            "\nlisted are waves slower than {:.0} % of the material's slowest wave with the same wave vector",
+            "\nthe list contains waves slower than {:.0} % of the material's slowest wave with the same wave vector",
             100.0 * self.weak
         )
     }

@@ -184,7 +184,7 @@ impl StoreError {
 fn hint(error: &io::Error) -> &'static str {
     match error.kind() {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
-            "\n  hint: make room, then resume with --resume; the tiles that are done are safe"
+            "\n  hint: make room, then resume with --resume; completed tiles are kept"
         }
         ErrorKind::PermissionDenied
         | ErrorKind::ReadOnlyFilesystem
@@ -202,9 +202,9 @@ fn hint(error: &io::Error) -> &'static str {
 fn damage_hint(path: &Path) -> &'static str {
     let is_coordinate = path.parent().is_some_and(|folder| folder.ends_with("c"));
     if path.ends_with("zarr.json") || is_coordinate {
-        "restore it from a copy, or begin anew in another folder with --out"
+        "restore it from a copy, or start again in another folder with --out"
     } else {
-        "to have the tile computed again, remove the file of the same number in `verdict`, then --resume"
+        "to compute the tile again, remove the file of the same number in `verdict`, then use --resume"
     }
 }
 

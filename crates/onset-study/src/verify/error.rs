@@ -25,7 +25,7 @@ pub enum VerifyError {
         hint: String,
     },
     /// Unknown name of a code.
-    #[error("no code is called `{name}`\n  hint: available are {}{}", known.join(", "), did_you_mean(name, known.iter().copied()))]
+    #[error("no code is called `{name}`\n  hint: available: {}{}", known.join(", "), did_you_mean(name, known.iter().copied()))]
     Unknown {
         /// Name as typed by the user.
         name: String,

@@ -48,7 +48,7 @@ pub enum KinematicsError {
     /// A principal stretch is too extreme for double precision to distinguish a stiffness from rounding.
     #[error(
         "the deformation is too extreme for double precision: principal stretches from {smallest:.1e} to {largest:.1e}, \
-         admitted are {:e} to {:e}",
+         admitted: {:e} to {:e}",
         STRETCHES.0,
         STRETCHES.1
     )]

@@ -89,7 +89,7 @@ fn nodal_integration_on_cubes_has_seventeen_and_on_a_chain_one() {
 }
 
 #[test]
-fn stress_points_leave_weak_modes_and_none_without_energy() {
+fn stress_points_leave_weakly_controlled_modes_but_no_zero_energy_modes() {
     let method = method::<2>(KernelMethodChoices {
         quadrature: Quadrature::StressPoints,
         ..nodal(LatticeKind::Hexagonal)

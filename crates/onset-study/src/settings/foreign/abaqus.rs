@@ -58,7 +58,7 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
                 Trouble::new(
                     1,
                     format!(
-                        "no material {wanted} has a hyperelastic law; available are {}",
+                        "no material {wanted} has a hyperelastic law; materials with a law: {}",
                         names.join(", ")
                     ),
                     "name one of them with --material",
@@ -328,7 +328,7 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         return Err(Trouble::new(
             block.line,
             format!("*HYPERELASTIC has `{other}`, which is not read"),
-            "supported are NEO HOOKE, MOONEY-RIVLIN, YEOH, REDUCED POLYNOMIAL, POLYNOMIAL, OGDEN, ARRUDA-BOYCE and VAN DER WAALS, with N, and MARLOW with a table",
+            "supported: NEO HOOKE, MOONEY-RIVLIN, YEOH, REDUCED POLYNOMIAL, POLYNOMIAL, OGDEN, ARRUDA-BOYCE and VAN DER WAALS, with N, and MARLOW with a table",
         ));
     }
     let form = form.unwrap_or("POLYNOMIAL");

@@ -81,7 +81,7 @@ fn law(table: &Table) -> Result<ForeignLaw, Trouble> {
         other => Err(Trouble::new(
             line,
             format!("TB,HYPER with `{other}` is not read"),
-            "supported are NEO, MOONEY, POLY, YEOH, OGDEN, BOYCE, GENT, BLATZ, FOAM and ETUBE",
+            "supported: NEO, MOONEY, POLY, YEOH, OGDEN, BOYCE, GENT, BLATZ, FOAM and ETUBE",
         )),
     }
 }
@@ -192,7 +192,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
     found.map(|table| (table, unread)).ok_or_else(|| match material {
         Some(wanted) if !others.is_empty() => Trouble::new(
             1,
-            format!("no material {wanted} has a hyperelastic law; available are {}", others.join(", ")),
+            format!("no material {wanted} has a hyperelastic law; materials with a law: {}", others.join(", ")),
             "name one of them with --material",
         ),
         _ => Trouble::new(

@@ -56,7 +56,7 @@ pub(super) fn read(program: Program, text: &str) -> Result<ForeignLaw, Trouble> 
         return Err(Trouble::new(
             line_of(&text, *place),
             "the model is applied to the whole deformation, which leaves stress at F = 1",
-            "supported are models of the distortional part, DistortionalSpace",
+            "supported: models of the distortional part, DistortionalSpace",
         ));
     }
     let arguments = arguments(&text, place + name.len(), line)?;
@@ -85,7 +85,7 @@ fn no_model(package: &'static str, models: &[Model], words: &[(usize, &str)]) ->
         false => Trouble::new(
             1,
             format!(
-                "there is no model of {package} in this text; supported are {}",
+                "there is no model of {package} in this text; supported: {}",
                 names.join(", ")
             ),
             "expected a model with its arguments by name, for example `fem.Hyperelastic(fem.ogden, mu=[1.0, 0.2], alpha=[1.7, -1.5])` of felupe or \

@@ -59,7 +59,7 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
     }
     if f.components()[2][2] != 1.0 {
         return Err(refused(
-            "planar decks have the stretch 1 out of the plane",
+            "planar decks have an out-of-plane stretch of 1",
             "leave out the third stretch",
         ));
     }

@@ -60,7 +60,7 @@ fn rates(
     };
     if problem.dimension() != 2 || f.components()[2][2] != 1.0 {
         return Err(refused(
-            "decks are planar, with the stretch 1 out of the plane",
+            "decks are planar, with an out-of-plane stretch of 1",
             "leave out the third stretch",
         ));
     }
@@ -81,7 +81,7 @@ fn rates(
     })?;
     if own.volumetric.slope <= 0.0 {
         return Err(refused(
-            "the pressure of the law falls with the density at this state, which Tait's equation cannot represent",
+            "the pressure of the law decreases with the density at this state, which Tait's equation cannot represent",
             "choose another state",
         ));
     }

@@ -33,7 +33,7 @@ fn refused(what: impl Into<String>, hint: &str) -> VerifyError {
 fn rates(problem: &Problem, f: &DeformationGradient) -> Result<JaumannRates, VerifyError> {
     if problem.dimension() != 2 || f.components()[2][2] != 1.0 {
         return Err(refused(
-            "decks are planar, with the stretch 1 out of the plane",
+            "decks are planar, with an out-of-plane stretch of 1",
             "set discretization.lattice=square, and leave out the third stretch",
         ));
     }
@@ -46,7 +46,7 @@ fn rates(problem: &Problem, f: &DeformationGradient) -> Result<JaumannRates, Ver
     })?;
     if own.volumetric.slope <= 0.0 {
         return Err(refused(
-            "the pressure of the law falls with the density at this state",
+            "the pressure of the law decreases with the density at this state",
             "choose another state",
         ));
     }

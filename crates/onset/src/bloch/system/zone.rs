@@ -785,7 +785,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             Objective::Highest => Measure::Highest,
             Objective::Growth | Objective::Function => return None,
         };
-        // An attained value to begin with.
+        // Start from an attained value.
         let corner = self.search.reference().reciprocal() * SVector::repeat(0.5);
         let corner = (self.value(objective, &corner), corner);
         let start = start.filter(|start| start.0 < corner.0).unwrap_or(corner);
