@@ -142,7 +142,9 @@ fn endless_work_is_refused_or_cancelled() {
         })
         .collect();
     assert!(
-        reasons.iter().any(|reason| reason.contains("the search was stopped")),
+        reasons
+            .iter()
+            .any(|reason| reason.contains("the search was stopped")),
         "{reasons:?}"
     );
 }
