@@ -558,7 +558,7 @@ impl CourseArguments {
             .partition(|from| from.parse::<Program>().is_ok());
         if programs.len() > 1 || starts.len() > 1 {
             return Err(Failure::input(
-                "--from is given twice\n  hint: give one start and, where FILE is a block of another program, that program",
+                "--from is given twice for the same purpose\n  hint: give one start, and one program if FILE is a block of another program",
             ));
         }
         if self.material.is_some() && programs.is_empty() {

@@ -129,7 +129,7 @@ impl ProofAnswer {
         } else if let Some(witness) = &self.witness {
             let [low, high] = witness.measure.map(told);
             format!(
-                "{certainty}: the {wave} {} grows at a rate of at least {} {rate}, its measure is in [{low}, {high}]",
+                "{certainty}: the {wave} {} grows at a rate of at least {} {rate}; its measure is in [{low}, {high}]",
                 vector(&witness.wave_vector),
                 told(witness.growth_rate)
             )

@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn the_boundaries_of_one_figure_are_all_traced_or_none() {
+    fn a_figure_shows_traced_boundaries_only_if_all_are_traced() {
         let axis = |quantity: &str| {
             format!("[[axes]]\nquantity = '{quantity}'\nrange = [1.0, 2.0]\nstates = 4\n")
         };

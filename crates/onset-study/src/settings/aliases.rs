@@ -7,9 +7,9 @@ use std::borrow::Cow;
 /// Meaning of a common other name for a word.
 #[derive(Clone, Copy, Debug)]
 enum Meaning {
-    /// One word of the key.
+    /// Word of the key.
     Is(&'static str),
-    /// One word of the key, with words of other keys unless the user sets these.
+    /// Word of the key, and words of other keys that apply unless the user sets these keys.
     With(&'static str, &'static [(&'static str, &'static str)]),
     /// Several words with explanations, for the user to choose from.
     OneOf(&'static [(&'static str, &'static str)]),

@@ -811,7 +811,7 @@ impl<const D: usize> Method<D> {
         self.choices.density * self.lattice().cell_volume()
     }
 
-    /// Returns true if the dynamical matrix is periodic in the wave vector. The exception are stress points that move with the plane wave itself.
+    /// Returns true if the dynamical matrix is periodic in the wave vector. The exceptions are methods with stress points that move with the plane wave itself.
     pub fn is_periodic(&self) -> bool {
         let KernelMethodChoices {
             frame,

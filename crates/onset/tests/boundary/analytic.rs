@@ -325,7 +325,7 @@ fn a_window_of_one_phase_has_no_boundary() {
 }
 
 #[test]
-fn noise_is_given_up_within_its_budget() {
+fn tracing_of_noise_ends_within_its_budget() {
     // No set at all: phases that differ from point to point.
     let scrambled = |x: f64, y: f64| {
         let bits = (x.to_bits() ^ y.to_bits().rotate_left(17)).wrapping_mul(0x9e37_79b9_7f4a_7c15);

@@ -84,7 +84,7 @@ impl Program {
     }
 }
 
-/// A law that was read.
+/// Law read from a block of another program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
     /// Settings of the law as assignments `material.key=value`.
