@@ -340,7 +340,7 @@ def written(symbol: Symbol) -> str:
         prefix += "_"
     for part in order:
         text, binding = _text(part, [texts[id(operand)] for operand in part._operands])
-        # A condition is no number, and has no name.
+        # A condition is not a number, and has no name.
         is_number = part._word not in _JOINED.values() and part._word not in _COMPARISONS.values() and part._word != "not"
         if part._operands and uses[id(part)] > 1 and is_number:
             name = f"{prefix}{len(helpers) + 1}"

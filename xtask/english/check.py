@@ -1,7 +1,7 @@
 """Prose that a native reader would send back: docs, comments, messages, pages of the book, and names of tests and constants.
 
 `cargo xtask english` lists the places, `cargo xtask test` fails if a file has more of them than `allowed.txt` grants. A place is to be read, and the sentence
-rewritten; an expression is no verdict. Patterns and advice are in `patterns.txt`.
+rewritten; an expression is not a verdict. Patterns and advice are in `patterns.txt`.
 """
 
 import re

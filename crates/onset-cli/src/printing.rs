@@ -158,7 +158,7 @@ pub fn print<T: Serialize>(
     }
 }
 
-/// Prints a text; a closed pipe (`| head`) is no error.
+/// Prints a text; a closed pipe (`| head`) is not an error.
 ///
 /// # Errors
 /// [`Failure`] if it cannot be printed.

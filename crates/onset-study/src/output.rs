@@ -124,7 +124,7 @@ impl Output {
         }
         made_for_nothing().retain(|folder| !self.made.contains(folder));
         self.made.clear();
-        // The directory entries should survive a loss of power too. Systems without this function are no reason to fail.
+        // The directory entries should survive a loss of power too. Systems without this function are not a reason to fail.
         let _ = File::open(&self.folder).and_then(|folder| folder.sync_all());
         Ok(prepared.into_iter().map(|(_, to)| to).collect())
     }

@@ -270,7 +270,7 @@ fn blocks_that_determine_no_law_are_refused_with_the_line_number() {
             "word",
             "abaqus",
             "*HYPERELASTIC, NEO HOOKE\nC10, 2\n",
-            "`C10` is no number",
+            "`C10` is not a number",
         ),
         (
             "form",

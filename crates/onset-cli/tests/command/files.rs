@@ -268,7 +268,7 @@ fn an_answer_that_cannot_be_printed_is_an_error() {
 }
 
 #[test]
-fn a_closed_pipe_is_no_error() {
+fn a_closed_pipe_is_not_an_error() {
     for arguments in [
         &["state", "--stretch", "1.2,0.9", "--json"][..],
         &["dispersion", "--stretch", "1.2,0.9", "--wave-vector", "1,1"],

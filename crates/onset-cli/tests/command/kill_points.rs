@@ -227,7 +227,7 @@ fn assert_ended(output: &Output, mode: &str, what: &str) -> bool {
     if is_killed {
         assert_eq!(output.status.signal(), Some(9), "{what}: {told}");
     } else if !output.status.success() {
-        // The last calls may clean up after the work is done, and their failure is no error.
+        // The last calls may clean up after the work is done, and their failure is not an error.
         assert_eq!(output.status.code(), Some(1), "{what}: {told}");
         assert!(told.contains("cannot write"), "{what}: {told}");
         assert!(

@@ -84,7 +84,7 @@ fn a_rolled_sheet_is_pulled_with_free_faces_to_the_end_and_has_a_card() {
     assert!(begin.elapsed() < Duration::from_secs(90));
 }
 
-/// The elastically stored energy of a metal is no potential of its stress, even if a late yield makes it one at small strains.
+/// The elastically stored energy of a metal is not a potential of its stress, even if a late yield makes it one at small strains.
 #[test]
 fn criteria_of_a_metal_omit_finite_jumps() {
     let sheet = "criteria --mode uniaxial --range 0.9,1.2 --set material.model=hill-1948 --set material.mu=1";
@@ -189,7 +189,7 @@ fn the_audit_of_a_fluid_does_not_take_its_missing_shear_modulus_for_a_fault() {
             answer.stdout
         );
     }
-    // A nearly incompressible law is no fluid, and neither is a law without a bulk modulus.
+    // A nearly incompressible law is not a fluid, and neither is a law without a bulk modulus.
     let stiff = "--set material.model=neo-hooke --set material.mu=1 --set material.lambda=1e9";
     for question in ["audit", "state --stretch 1.1,0.95"] {
         let told = onset_line(&format!("{question} {stiff}"));
@@ -265,7 +265,7 @@ fn a_fluid_is_reported_as_a_fluid() {
 }
 
 #[test]
-fn a_negative_poisson_ratio_is_reported_and_a_nearly_incompressible_law_is_no_fluid() {
+fn a_negative_poisson_ratio_is_reported_and_a_nearly_incompressible_law_is_not_a_fluid() {
     // (3 K - 2 G) / (6 K + 2 G) = -1.7 / 2.6.
     let law =
         "--set material.model=neo-hooke-isochoric --set material.shear=1 --set material.bulk=0.1";

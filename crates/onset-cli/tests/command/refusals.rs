@@ -90,7 +90,7 @@ fn unknown_words_are_refused_with_the_known_ones() {
 }
 
 #[test]
-fn a_formula_that_is_no_kernel_is_refused_with_the_position_of_the_error() {
+fn a_formula_that_is_not_a_kernel_is_refused_with_the_position_of_the_error() {
     assert_assignment_refused(
         &["discretization.kernel=(1 - r)^3"],
         &["column 6", "the variable is `q`", "hint"],

@@ -331,7 +331,7 @@ fn largest(errors: impl IntoIterator<Item = f64>) -> f64 {
     })
 }
 
-/// Returns true for materials with a history, whose dissipation is no error.
+/// Returns true for materials with a history, whose dissipation is not an error.
 fn has_history(subject: &Subject<'_>) -> bool {
     matches!(subject, Subject::User(umat) if umat.settings().state_variables > 0)
 }

@@ -325,7 +325,7 @@ fn along_axes(settings: &MaterialSettings, modes: &[Mode]) -> Result<(), Criteri
 pub struct Question {
     law: LawAnswer,
     material: Box<dyn Hyperelastic>,
-    /// Whether the stress is the derivative of an energy; the elastic energy of a metal in plastic flow is no potential of its stress.
+    /// Whether the stress is the derivative of an energy; the elastic energy of a metal in plastic flow is not a potential of its stress.
     has_energy: bool,
     range: Range,
     loadings: Vec<Loading>,

@@ -296,7 +296,7 @@ pub(super) fn disagreements(loadings: &[LoadingAnswer]) -> Vec<String> {
                 _ => format!("{title} is lost while strong ellipticity holds: {list}."),
             });
         }
-        // Criteria implied by strong ellipticity necessarily outlast it; this is no disagreement.
+        // Criteria implied by strong ellipticity necessarily outlast it; this is not a disagreement.
         let implied = matches!(
             criterion,
             Criterion::BakerEricksen | Criterion::RankOneConvexity

@@ -586,7 +586,7 @@ impl LimitAnswer {
             return Some(format!("It is {value} now, with no stable step."));
         }
         Some(format!(
-            "It is {value} now, with a critical step of {}; the given step is {} times as long.",
+            "It is {value} now, with a critical step of {}; the ratio of the given to the critical step is {}.",
             self.step(step),
             told(self.time_step / step)
         ))

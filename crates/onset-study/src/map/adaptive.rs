@@ -403,7 +403,7 @@ mod tests {
     }
 
     #[test]
-    fn a_measure_that_is_zero_to_rounding_is_no_boundary() {
+    fn a_measure_that_is_zero_to_rounding_is_not_a_boundary() {
         let record = |place: &[usize]| {
             let rounding = if place[0].is_multiple_of(2) {
                 1e-17

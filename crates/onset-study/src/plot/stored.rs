@@ -54,7 +54,7 @@ impl StoredMap {
             path: path.to_owned(),
             source,
         })?;
-        // Stores of an earlier format contain renamed keys, which are no fault of the user.
+        // Stores of an earlier format contain renamed keys, which are not the fault of the user.
         drop(crate::settings::notes_on_settings());
         let mut study = study.allowing(trust);
         if study.settings.material.permitted().is_ok() {

@@ -35,7 +35,7 @@ impl Outputs {
         chosen.map(|(name, _)| *name)
     }
 
-    /// Returns true if a field is stored. The flag `long_wave` is stored with the wave vector; fields that are no outputs are always stored.
+    /// Returns true if a field is stored. The flag `long_wave` is stored with the wave vector; fields that are not outputs are always stored.
     pub fn hold(self, field: &str) -> bool {
         let name = if field == "long_wave" {
             "wave_vector"

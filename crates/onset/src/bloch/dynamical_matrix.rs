@@ -484,7 +484,7 @@ impl<const D: usize> DynamicalMatrix<D> {
         Stiffness::from_fn(|i, j, k, l| sums[j.max(l)][j.min(l)][i][k])
     }
 
-    /// `D(0)`: zero, unless the shape functions are no partition of unity and a translation strains the body.
+    /// `D(0)`: zero, unless the shape functions are not a partition of unity and a translation strains the body.
     pub fn rigid_translation(&self) -> &SMatrix<f64, D, D> {
         &self.rigid
     }

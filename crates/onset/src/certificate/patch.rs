@@ -109,7 +109,7 @@ pub(super) type MatrixPatch = [Patch; 4];
 pub(super) fn is_positive(matrix: &MatrixPatch, growth: Option<(f64, f64)>) -> bool {
     let [m11, m12, m21, m22] = matrix;
     let trace = m11.combined(1.0, m22, 1.0);
-    // Comparisons with NaN are false, so NaN is no proof.
+    // Comparisons with NaN are false, so NaN is not a proof.
     let is_above_zero = |patch: &Patch| patch.lower() > 0.0;
     if !is_above_zero(&trace) {
         return false;

@@ -86,7 +86,7 @@ const AT_END: f64 = 1e-7;
 ///
 /// The exponent `k = skew` is 1 for a box that is symmetric in the logarithms. The result is `None` if the law is not elliptic in the reference.
 ///
-/// The principal axes are the coordinate axes, which is no restriction for an isotropic law ([`is_isotropic`]). The box results from a dense search
+/// The principal axes are the coordinate axes, which is not a restriction for an isotropic law ([`is_isotropic`]). The box results from a dense search
 /// with local improvement and is not proved. Rays lead from the reference through grid points on the surface of the box to the first state at which
 /// ellipticity is lost, and the shortest rays are turned until they are locally shortest. The inside of the box is then searched: the measure is
 /// minimized from the low points of two grids, and the box is shrunk where the measure is not positive.

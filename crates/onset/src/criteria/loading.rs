@@ -666,7 +666,7 @@ impl<'a> LoadingPath<'a> {
 
     /// Deformation gradients of other states with free faces at a parameter.
     ///
-    /// They are searched for from a grid of free stretches, so an empty result is no proof of uniqueness.
+    /// They are searched for from a grid of free stretches, so an empty result is not a proof of uniqueness.
     pub fn other_states(&self, s: f64) -> Vec<DeformationGradient> {
         if self.is_incompressible() {
             return Vec::new();

@@ -44,7 +44,7 @@ impl Fidelity {
 /// Classifies the states of a window by the stability of method and material.
 ///
 /// # Errors
-/// [`MethodError`] when a state cannot be evaluated. Lack of support and states outside the domain of the law are no errors; they are counted.
+/// [`MethodError`] when a state cannot be evaluated. Lack of support and states outside the domain of the law are not errors; they are counted.
 pub fn fidelity<const D: usize>(
     survey: &Survey<'_, D>,
     window: &StateWindow,

@@ -153,7 +153,7 @@ const SAMPLING_STEPS: usize = 64;
 /// A return to stability between the 64 sampled states can be missed; [`crate::verdict::scan_discretization`] is more thorough.
 ///
 /// # Errors
-/// [`MethodError`] when a state cannot be evaluated. Lack of support and states outside the domain of the law are no errors, but
+/// [`MethodError`] when a state cannot be evaluated. Lack of support and states outside the domain of the law are not errors, but
 /// [`StretchOnset::Undefined`].
 pub fn onset<const D: usize>(
     survey: &Survey<'_, D>,

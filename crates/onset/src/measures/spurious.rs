@@ -121,7 +121,7 @@ impl<const D: usize> Weak<'_, D> {
         let mut modes: Vec<SpuriousMode<D>> = Vec::new();
         for Bottom { ratio, wave_vector } in self.search.bottoms(limit) {
             let slowest = self.search.unfolding.slowest(&wave_vector);
-            // A minimum at k = 0 is no mode: the stiffness of all long waves is too low.
+            // A minimum at k = 0 is not a mode: the stiffness of all long waves is too low.
             let long = 1.0 / self.search.points() as f64;
             let is_long = self.search.zone.lattice().fractional(&slowest.wave).amax() < long;
             let is_known = || {

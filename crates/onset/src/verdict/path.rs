@@ -134,7 +134,7 @@ pub fn scan_material<const D: usize>(
 /// Finds all losses and recoveries of stability of a discretization along a path.
 ///
 /// # Errors
-/// [`PathError`] when a state cannot be evaluated. States without support are no errors, but [`Phase::Undefined`].
+/// [`PathError`] when a state cannot be evaluated. States without support are not errors, but [`Phase::Undefined`].
 pub fn scan_discretization<const D: usize>(
     survey: &Survey<'_, D>,
     path: &dyn DeformationPath,

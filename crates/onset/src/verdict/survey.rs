@@ -590,7 +590,7 @@ impl<'a, const D: usize> Survey<'a, D> {
     /// For an unstable state it is the measure of a witness.
     ///
     /// # Errors
-    /// [`MethodError`] when the state cannot be evaluated. Lack of support and states outside the domain of the law are no errors, but
+    /// [`MethodError`] when the state cannot be evaluated. Lack of support and states outside the domain of the law are not errors, but
     /// [`Phase::Undefined`].
     pub fn probe(&self, f: &DeformationGradient) -> Result<Probe, MethodError> {
         let waves = self.waves(f);

@@ -113,7 +113,7 @@ fn family(random: &mut Random) -> (usize, KernelMethodChoices) {
             Kernel::CubicSpline,
             Kernel::QuinticSpline,
         ]),
-        // A radius that is no distance of particles.
+        // A radius that is not a distance of particles.
         support: 1.6 + 0.1234567 * random.number(),
         quadrature: random.one_of(&[Quadrature::Nodal, Quadrature::StressPoints]),
         approximation: random.one_of(&[Approximation::Shepard, Approximation::Mls]),

@@ -334,7 +334,7 @@ fn zero_energy_modes_of_one_polarization_are_the_weakest_apart_from_translations
 
 /// A translation of particles that are out of order resembles the short wave that is none on the lattice.
 #[test]
-fn translations_of_disordered_cells_are_no_short_waves() {
+fn translations_of_disordered_cells_are_not_short_waves() {
     let material = ModifiedMooneyRivlin::default();
     for perturbation in [0.01, 0.1, 0.25] {
         let square = Crystal::of(LatticeKind::Square, 1.0).expect("a crystal");
@@ -430,7 +430,7 @@ fn two_particles_in_a_cell_can_move_against_each_other_without_energy() {
         panic!("two particles");
     };
     assert!((first + second).iter().all(|z| z.norm() < 1e-9));
-    // That long waves are slow is no mode of its own.
+    // Slow long waves are not a separate mode.
     let close = modes.iter().filter(|mode| mode.wave_vector.norm() < 0.1);
     assert_eq!(close.count(), 1);
 }

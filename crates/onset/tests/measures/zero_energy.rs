@@ -453,7 +453,7 @@ fn assert_folded<const D: usize>(kind: LatticeKind, radius: f64, cells: [usize; 
     for mode in &listed {
         let k = &mode.wave_vector;
         let there = expected.iter().filter(|root| is_there(k, root)).count();
-        // The translations are no zero-energy modes.
+        // The translations are not zero-energy modes.
         let translations = if k.norm() == 0.0 { D } else { 0 };
         assert_eq!(mode.nullity, D * there - translations, "{name}: {k:?}");
         let own = |other: &&_| is_there(k, other) || is_there(&-k, other);
@@ -667,7 +667,7 @@ fn lines_that_cross_are_one_set_and_no_surface() {
 
 /// The half vectors of two by two by two face-centered cells with nearest neighbors: seven wave vectors with three modes each. Translations are none.
 #[test]
-fn translations_are_no_zero_energy_modes_where_lines_cross_in_the_reference_configuration() {
+fn translations_are_not_zero_energy_modes_where_lines_cross_in_the_reference_configuration() {
     let faces = Crystal::<3>::of(LatticeKind::FaceCenteredCubic, 1.0).expect("a crystal");
     let half = faces.lattice().reciprocal() * 0.5;
     let eight = faces.supercell([2; 3]).expect("a supercell");

@@ -108,7 +108,7 @@ pub struct Reading {
 /// ```
 ///
 /// # Errors
-/// [`SettingError`] with the line if the text is no such block, or does not determine a law.
+/// [`SettingError`] with the line if the text is not such a block, or does not determine a law.
 pub fn law_from(
     program: Program,
     name: &str,
@@ -215,7 +215,7 @@ fn number(field: &str, line: usize) -> Result<f64, Trouble> {
     value.ok_or_else(|| {
         Trouble::new(
             line,
-            format!("`{text}` is no number"),
+            format!("`{text}` is not a number"),
             "expected constants with commas between them",
         )
     })

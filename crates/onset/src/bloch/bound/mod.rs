@@ -78,7 +78,7 @@ fn cover<const D: usize>(
     }
 }
 
-/// Bounds the measure by the smallest eigenvalue of the Hermitian part, because no real part is smaller (Bendixson). This eigenvalue is no value of
+/// Bounds the measure by the smallest eigenvalue of the Hermitian part, because no real part is smaller (Bendixson). This eigenvalue is not a value of
 /// the measure, so that no wave vector is returned.
 fn by_hermitian_part<const D: usize>(
     pencil: &Pencil<D>,

@@ -148,7 +148,7 @@ fn has_no_strain<const D: usize>(
 impl<const D: usize> GradientMoments<D> {
     /// Computes the moments of a method. `speed_squared` is the `c^2` of the scaled measure.
     ///
-    /// `None` if `D(k)` is no contraction with a single tangent, or not planar and real: for Eulerian kernels, an interpolated background, or
+    /// `None` if `D(k)` is not a contraction with a single tangent, or not planar and real: for Eulerian kernels, an interpolated background, or
     /// quadrature points without an inversion center.
     ///
     /// # Errors

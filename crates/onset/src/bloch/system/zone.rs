@@ -773,7 +773,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         floor: f64,
         start: Option<Candidate<D>>,
     ) -> Option<Covered<D>> {
-        // The bound of the Hermitian part is no bound of the frequencies of a system that is not Hermitian.
+        // The bound of the Hermitian part is not a bound of the frequencies of a system that is not Hermitian.
         let is_hermitian = self.system.is_hermitian();
         if !self.is_bounded || !(is_hermitian || objective == Objective::Scaled) {
             return None;

@@ -1,7 +1,7 @@
 //! Stiffnesses without major symmetry, whose acoustic tensors can have complex eigenvalues.
 //!
 //! All eigenvalues of a real 3 x 3 matrix `M` have positive real parts if and only if (Routh and Hurwitz) its trace, its determinant, and
-//! `tr M m - det M` are positive. Here `m` is the sum of the principal minors of order two. The determinant alone is no test: two eigenvalues can
+//! `tr M m - det M` are positive. Here `m` is the sum of the principal minors of order two. The determinant alone is not a test: two eigenvalues can
 //! change sign together. For `M = Q(N) - level |N|^2` the three are homogeneous polynomials in the weights of `N = alpha a + beta b + gamma c`. In a
 //! cone where all their coefficients are positive, every real part exceeds the level.
 
