@@ -1,4 +1,4 @@
-//! Answer of `onset localization`: the first state of a path at which the material localizes.
+//! Answer of `onset localize`: the first state of a path at which the material localizes.
 
 use super::{LocalizationError, PlasticLaw, PlasticSettings};
 use crate::number::{told as number, told_of, vector};
