@@ -155,7 +155,7 @@ impl Output {
             .and_then(|permissions| {
                 let mut file = File::create_new(&from)?;
                 file.write_all(bytes)?;
-                // Users without access to the old file get none to the new one.
+                // Users without access to the old file must not have access to the new file.
                 permissions.map_or(Ok(()), |permissions| file.set_permissions(permissions))?;
                 file.sync_all()
             })

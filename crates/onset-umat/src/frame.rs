@@ -6,7 +6,7 @@
 
 use std::io::{self, Read};
 
-/// Magic number at the start of a greeting.
+/// Magic number at the start of the greeting of the host, with the version of the protocol.
 pub const GREETING: u64 = u64::from_le_bytes(*b"onsetU02");
 
 /// Result of loading the library.

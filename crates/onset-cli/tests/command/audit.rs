@@ -25,7 +25,7 @@ fn built_in_laws_pass_under_every_name_of_their_tangent() {
 }
 
 #[test]
-fn a_misnamed_convention_or_strain_is_refused_with_the_available_ones() {
+fn an_unknown_convention_or_strain_is_refused_with_the_available_options() {
     let answer = onset_line("audit --as cauchy");
     assert_eq!(answer.code, Some(2));
     assert!(

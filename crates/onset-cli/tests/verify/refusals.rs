@@ -180,7 +180,7 @@ fn problems_beyond_the_capabilities_of_a_code_are_refused() {
         ),
         (
             "--code lammps-smd-ulsph --wave-vector 6.283185307179586,0 --energy K*(J-ln(J)) --set material.K=1",
-            "all particles move alike",
+            "all particles move by the same displacement",
         ),
         (
             "--code lammps-smd-tlsph --wave-vector 1.2566370614359172,0 --energy K*(J-ln(J)) --set material.K=1",

@@ -353,7 +353,7 @@ impl CardAnswer {
         Figure::new(format!("Safe range: {}", title(&self.material)))
             .columns(1)
             .caption(
-                "Bars: the law is strongly elliptic, all wave speeds are real. Grey lines: it is not. Boxes: all principal stretches between their ends.",
+                "Bars: stretches at which the law is strongly elliptic, so that all wave speeds are real. Grey lines: it is not. Boxes: all principal stretches between their ends.",
             )
             .with(panel)
     }

@@ -20,7 +20,7 @@ pub enum Layer {
     Arrows(Arrows),
     /// Shaded balls with arrows.
     Balls(Balls),
-    /// Word at a point.
+    /// Short text at a point.
     Label(Label),
     /// Straight line across the whole panel.
     Rule(Rule),

@@ -143,7 +143,7 @@ fn without_rate(
         .all(|distance| distance <= MATRIX_TOLERANCE);
     let (why, hint) = if is_translation {
         (
-            "its wave vector is zero or a reciprocal vector: all particles move alike",
+            "its wave vector is zero or a reciprocal vector: all particles move by the same displacement",
             "choose another --wave-vector",
         )
     } else if problem.analysis.has_unstrained_wave(f, k)? {

@@ -57,7 +57,7 @@ impl Mirror {
                 }
             }
         }
-        // Remove pairs of equal lines in another order.
+        // Remove pairs that differ only in the order of their lines.
         let mut distinct: Vec<Self> = Vec::new();
         for mirror in mirrors {
             if !distinct.iter().any(|known| known.has_lines_of(&mirror)) {

@@ -72,7 +72,7 @@ impl Stepper {
         self.integrator
     }
 
-    /// Returns true if some of its steps go backward in time, so that it is only for forces without damping.
+    /// Returns true if some substeps go backward in time. Such an integrator amplifies damped motions and accepts only forces without damping.
     pub fn goes_back(self) -> bool {
         self.is_composed
     }
