@@ -30,7 +30,7 @@ pub enum When {
     /// Colors on a terminal, unless `NO_COLOR` is set.
     #[default]
     Auto,
-    /// Colors in any output.
+    /// Colors in every output, also in files and pipes.
     Always,
     /// Output of plain text without colors.
     Never,

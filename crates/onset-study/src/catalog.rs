@@ -13,7 +13,7 @@ use std::sync::LazyLock;
 /// Word that can be chosen, with its description.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Entry {
-    /// Word as it is typed.
+    /// Word that the user types.
     pub name: &'static str,
     /// Meaning of the word, as a formula or in words.
     pub formula: &'static str,
@@ -271,7 +271,7 @@ impl std::fmt::Display for KeyList {
     }
 }
 
-/// Words of one key.
+/// Key with all of its words.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Topic {
     /// The topic, in the plural.

@@ -29,7 +29,7 @@ impl Loaded {
     }
 }
 
-/// Result of a path.
+/// Outcome of a path of deformation gradients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Passed {
     Done,

@@ -1,4 +1,4 @@
-//! Browser of the user.
+//! Start of the user's browser.
 
 use std::process::{Command, Stdio};
 

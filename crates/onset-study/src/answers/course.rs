@@ -49,7 +49,7 @@ pub struct LoadingOfPath {
     pub from: f64,
     /// The imposed stretch, or amount of shear, at the end.
     pub to: f64,
-    /// Start that the user requested.
+    /// Requested start of the path.
     pub asked_from: f64,
     /// Requested end of the path.
     pub asked_to: f64,

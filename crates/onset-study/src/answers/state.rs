@@ -31,7 +31,7 @@ use std::collections::BTreeMap;
 /// Largest distance of a bound below a small scaled minimum for which the bound is reported.
 const USEFUL: f64 = 1e-3;
 
-/// Complex number as a pair.
+/// Complex number as a pair of real and imaginary part.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ComplexNumber {
     /// Real part of the number.
@@ -143,7 +143,7 @@ impl FlutterAnswer {
 pub struct SpaceAnswer {
     /// Whether the state is strongly elliptic.
     pub elliptic: bool,
-    /// Strong ellipticity in three values.
+    /// Strong ellipticity: it holds, is lost, or is undecided.
     pub ellipticity: Ellipticity,
     /// Waves that oscillate and grow, or `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -298,7 +298,7 @@ impl Default for StateQuestion {
 }
 
 impl StateAnswer {
-    /// Assesses a state and answers.
+    /// Assesses a state and returns the answer.
     ///
     /// # Errors
     /// [`ProblemError`] when the method or the material cannot be evaluated there.
@@ -319,7 +319,7 @@ impl StateAnswer {
         answer(problem, strain, &assessment, question)
     }
 
-    /// Answers for an assessed state.
+    /// Creates the answer for an assessed state.
     ///
     /// # Errors
     /// Like [`StateAnswer::new`].

@@ -114,12 +114,12 @@ pub struct Points {
 /// Shape of a marker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Marker {
-    /// Disc around the point.
+    /// Disk centered at the point.
     #[default]
     Circle,
     /// Triangle with a horizontal base.
     Triangle,
-    /// Square around the point.
+    /// Square centered at the point.
     Square,
     /// Two crossing strokes, which ignore `filled`.
     Cross,

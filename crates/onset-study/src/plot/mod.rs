@@ -169,7 +169,7 @@ pub struct Unfinished {
     pub store: PathBuf,
     /// Number of tiles not yet computed.
     pub tiles_left: usize,
-    /// Number of all tiles.
+    /// Total number of tiles.
     pub tiles: usize,
 }
 

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// Figure with its data.
+/// Figure of the paper with its data.
 pub struct Plate {
     /// Drawing of the figure.
     pub figure: Figure,

@@ -30,7 +30,7 @@ pub enum Plane {
     Membrane,
 }
 
-/// A material as set.
+/// Settings of a material: the model and the parameters that are set.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MaterialSettings {
     /// Model of the material.

@@ -37,7 +37,7 @@ pub(super) const fn is_not(key: &'static str, values: &'static [&'static str]) -
     }
 }
 
-/// Need that is not met.
+/// Unmet condition of a key.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unmet {
     /// Condition that is violated.

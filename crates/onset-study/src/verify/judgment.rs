@@ -16,7 +16,7 @@ pub enum Outcome {
     Agrees,
     /// The rates differ by more than the uncertainty.
     Differs,
-    /// The record does not decide.
+    /// The record is not sufficient for a decision.
     Undecided,
 }
 

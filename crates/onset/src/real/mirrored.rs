@@ -27,7 +27,7 @@ pub enum Mirrored<R = f64> {
     Zero,
     /// Constant, equal for all states.
     Constant(f64),
-    /// Even in `F_12` and `F_21`.
+    /// Even function of `F_12` and `F_21`.
     Even(Even<R>),
     /// Odd, with its derivatives by `F_12` and `F_21`.
     Odd([R; 2]),
@@ -40,7 +40,7 @@ pub enum Mirrored<R = f64> {
 pub struct Even<R = f64> {
     /// Value of the function.
     pub value: R,
-    /// Derivatives by `F_11`, `F_22`.
+    /// First derivatives with respect to `F_11` and `F_22`.
     pub gradient: [R; 2],
     /// Second derivatives by `F_11`, `F_22`: `11`, `12`, `22`.
     pub along: [R; 3],

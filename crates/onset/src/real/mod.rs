@@ -24,7 +24,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Side of a threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// Less than the threshold.
+    /// The value is below the threshold.
     Below,
     /// Equal to the threshold, or more.
     Above,
