@@ -3,9 +3,10 @@
 //! In a symmetric lattice several wave vectors share an extreme value, and a search can end at any of them. The reported mode follows from a rule
 //! that does not depend on the search:
 //!
-//! 1. Halves of reciprocal vectors come before other wave vectors, and short wave vectors before long ones.
-//! 2. Among wave vectors of equal length, the first in the order of Cartesian components is taken, with the largest component first.
-//! 3. Among equal frequencies at this wave vector, the mode with the largest share along the wave is taken.
+//! 1. The long-wave limit comes before all waves that are as soft.
+//! 2. Halves of reciprocal vectors come before other wave vectors, and short wave vectors before long ones.
+//! 3. Among wave vectors of equal length, the first in the order of Cartesian components is taken, with the largest component first.
+//! 4. Among equal frequencies at this wave vector, the mode with the largest share along the wave is taken.
 
 use super::{Mode, SpectrumSummary, ZoneSearch, growth_rate};
 use crate::algebra::{Complex, Each, MAXIMUM_ITERATIONS, eigenvalues, normalized};
@@ -83,13 +84,18 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// Returns true if the softest wave is long and equals the long-wave limit up to rounding.
+    /// Returns true if the softest wave equals the long-wave limit up to rounding, or, if it is long, up to the accuracy of the search.
     fn is_limit(&self, found: &SpectrumSummary<D>) -> bool {
         let (softest, limit) = (&found.softest, found.long_wave.scaled);
         let is_long =
             self.reference().fractional(&softest.wave_vector).amax() < LIMIT_WAVE_FRACTION;
+        let accuracy = if is_long {
+            SEARCH_ACCURACY
+        } else {
+            MEASURE_ROUNDING
+        };
         let apart = (softest.scaled - limit).abs();
-        !softest.is_long_wave && is_long && apart <= SEARCH_ACCURACY * limit.abs() + found.tolerance
+        !softest.is_long_wave && apart <= accuracy * limit.abs() + found.tolerance
     }
 
     fn representative(

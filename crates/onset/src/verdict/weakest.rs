@@ -157,15 +157,11 @@ impl<const D: usize> WeakestSearch<'_, D> {
             let Slowest {
                 wave, from_others, ..
             } = self.unfolding.slowest(&k);
-            let distance = |g: &SVector<f64, D>| (0.5 * g.norm() - wave.dot(g) / g.norm()).abs();
-            let mut faces = from_others;
-            faces.retain(|g| distance(g) < near * size);
-            sort_by_value(&mut faces, distance);
-            faces.truncate(MOST_FACES);
-            for which in 1_usize..1 << faces.len() {
-                let chosen: Vec<SVector<f64, D>> = (0..faces.len())
+            let kinks = kinks(&wave, &from_others, near * size);
+            for which in 1_usize..1 << kinks.len() {
+                let chosen: Vec<Kink<D>> = (0..kinks.len())
                     .filter(|i| which >> i & 1 == 1)
-                    .map(|i| faces[i])
+                    .map(|i| kinks[i])
                     .collect();
                 let Some((place, tangents)) = stratum(&wave, &chosen) else {
                     continue;
@@ -193,26 +189,58 @@ impl<const D: usize> WeakestSearch<'_, D> {
     }
 }
 
-/// Intersection of several faces of the zone, `k.G = |G|^2/2`: its point nearest to a wave vector, and unit tangents.
+/// Plane on which two waves with the same wave vector are equally long: its unit normal, and its distance from `k = 0`.
+type Kink<const D: usize> = (SVector<f64, D>, f64);
+
+/// Kinks nearer to a wave than a given distance, the nearest first.
 ///
-/// `None` if a face contains the intersection of the others, or if they do not intersect.
+/// The wave is as long as its image `k - G` on `k.G = |G|^2/2`. Where three waves are equally long, a third plane begins, on which the two images are as
+/// long as each other: the edges of a corner do not all lie on the faces of one zone.
+fn kinks<const D: usize>(
+    wave: &SVector<f64, D>,
+    from_others: &[SVector<f64, D>],
+    most: f64,
+) -> Vec<Kink<D>> {
+    let kink = |g: SVector<f64, D>, offset: f64| (g / g.norm(), offset / g.norm());
+    let distance = |(normal, offset): &Kink<D>| (offset - normal.dot(wave)).abs();
+    let nearest = |mut kinks: Vec<Kink<D>>, count: usize| {
+        kinks.retain(|own| distance(own) < most);
+        sort_by_value(&mut kinks, distance);
+        kinks.truncate(count);
+        kinks
+    };
+    let of_wave = |g: &SVector<f64, D>| kink(*g, 0.5 * g.norm_squared());
+    let mut faces = from_others.to_vec();
+    faces.retain(|g| distance(&of_wave(g)) < most);
+    let mut kinks = nearest(faces.iter().map(of_wave).collect(), MOST_FACES);
+    let pairs = (1..faces.len()).flat_map(|n| (0..n).map(move |m| (n, m)));
+    let between = pairs.map(|(n, m)| {
+        let apart = faces[n].norm_squared() - faces[m].norm_squared();
+        kink(faces[n] - faces[m], 0.5 * apart)
+    });
+    let room = MOST_FACES - kinks.len();
+    kinks.extend(nearest(between.collect(), room));
+    kinks
+}
+
+/// Intersection of several kinks: its point nearest to a wave vector, and unit tangents.
+///
+/// `None` if a kink contains the intersection of the others, or if they do not intersect.
 fn stratum<const D: usize>(
     k: &SVector<f64, D>,
-    faces: &[SVector<f64, D>],
+    kinks: &[Kink<D>],
 ) -> Option<(SVector<f64, D>, Vec<SVector<f64, D>>)> {
-    if faces.len() > D {
+    if kinks.len() > D {
         return None;
     }
-    let normals = DMatrix::from_fn(faces.len(), D, |row, i| faces[row][i] / faces[row].norm());
-    let short = DVector::from_fn(faces.len(), |row, _| {
-        0.5 * faces[row].norm() - k.dot(&faces[row]) / faces[row].norm()
-    });
+    let normals = DMatrix::from_fn(kinks.len(), D, |row, i| kinks[row].0[i]);
+    let short = DVector::from_fn(kinks.len(), |row, _| kinks[row].1 - k.dot(&kinks[row].0));
     // The rows of zeros make the decomposition include the tangents.
     let square = normals.clone().resize(D, D, 0.0);
     let svd = square.try_svd(true, true, f64::EPSILON, 1000)?;
     let right = svd.v_t.as_ref()?;
     let is_normal = |n: &usize| svd.singular_values[*n] > 1e-6;
-    if (0..D).filter(is_normal).count() < faces.len() {
+    if (0..D).filter(is_normal).count() < kinks.len() {
         return None;
     }
     let step = svd.solve(&short.resize_vertically(D, 0.0), 1e-6).ok()?;

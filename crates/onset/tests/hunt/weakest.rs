@@ -77,7 +77,7 @@ impl<const D: usize> Relative<'_, D> {
     }
 
     /// The lowest one of a grid, of descents, and of the middles of reciprocal vectors.
-    fn least(&self) -> f64 {
+    fn least(&self) -> (f64, SVector<f64, D>) {
         let lattice = self.waves.lattice;
         let points = POINTS[D - 1];
         let is_long = |k: &SVector<f64, D>| {
@@ -106,7 +106,9 @@ impl<const D: usize> Relative<'_, D> {
             .iter()
             .take(STARTS)
             .map(|start| descended(&at, *start, &steps));
-        ends.fold(f64::INFINITY, f64::min)
+        ends.fold((f64::INFINITY, SVector::zeros()), |best, end| {
+            if end.0 < best.0 { end } else { best }
+        })
     }
 }
 
@@ -115,7 +117,7 @@ fn descended<const D: usize>(
     at: &impl Fn(&SVector<f64, D>) -> f64,
     (mut value, mut k): (f64, SVector<f64, D>),
     steps: &SMatrix<f64, D, D>,
-) -> f64 {
+) -> (f64, SVector<f64, D>) {
     let mut size = 1.0;
     while size > 1e-5 {
         let around = (0..3_usize.pow(D as u32)).map(|mut number| {
@@ -134,7 +136,7 @@ fn descended<const D: usize>(
             None => size *= 0.5,
         }
     }
-    value
+    (value, k)
 }
 
 fn reciprocals<const D: usize>(lattice: &BravaisLattice<D>) -> Vec<SVector<f64, D>> {
@@ -167,10 +169,10 @@ fn checked<const D: usize>(random: &mut Random) -> Option<String> {
         images: reciprocals(&waves.lattice),
         waves: &waves,
     };
-    let least = relative.least();
+    let (least, lowest) = relative.least();
     let Some(weakest) = survey.weakest() else {
         return Some(match least < 1.0 - DIFFERENCE {
-            true => format!("no weakest wave, but one with {least}: {law}: {name}"),
+            true => format!("no weakest wave, but one with {least} at {lowest:?}: {law}: {name}"),
             false => String::new(),
         });
     };
@@ -178,7 +180,7 @@ fn checked<const D: usize>(random: &mut Random) -> Option<String> {
     let there = relative.at(&weakest.wave_vector);
     Some(if told > least + DIFFERENCE {
         format!(
-            "weakest {told} at {:?}, but one has {least}: {law}: {name}",
+            "weakest {told} at {:?}, but one has {least} at {lowest:?}: {law}: {name}",
             weakest.wave_vector
         )
     } else if (told - there).abs() > DIFFERENCE && told > DIFFERENCE && there.is_finite() {

@@ -4,6 +4,9 @@ use crate::algebra::unit_interval;
 use crate::lattice::Crystal;
 use nalgebra::{SMatrix, SVector};
 
+/// Distance from a plane within which a corner lies on it, relative to the size of the region.
+const PLANE_TOLERANCE: f64 = 1e-12;
+
 /// Flat facet of a boundary: a point, a straight edge or a convex polygon. Positions are relative to the node.
 #[derive(Clone, Debug)]
 pub(super) struct Facet<const D: usize> {
@@ -166,7 +169,8 @@ fn bisector<const D: usize>(
         ],
     };
     for other in neighbors.iter().filter(|other| *other != r) {
-        corners = clipped(&corners, other, 0.5 * other.norm_squared());
+        let rounding = PLANE_TOLERANCE * distance * other.norm();
+        corners = clipped(&corners, other, 0.5 * other.norm_squared(), rounding);
     }
     let same = |a: &SVector<f64, D>, b: &SVector<f64, D>| (a - b).norm() < 1e-9 * distance;
     corners.dedup_by(|a, b| same(a, b));
@@ -176,13 +180,18 @@ fn bisector<const D: usize>(
     (corners.len() >= D).then(|| Facet::new(corners, r.normalize()))
 }
 
-/// Part of a convex polygon, segment or point in the half space `normal . x <= offset`.
+/// Part of a convex polygon, segment or point in the half space `normal . x <= offset`. Corners within `rounding` of the plane lie on it: a plane that only
+/// touches an edge leaves no corner in its middle, which would move the center of the facet.
 fn clipped<const D: usize>(
     corners: &[SVector<f64, D>],
     normal: &SVector<f64, D>,
     offset: f64,
+    rounding: f64,
 ) -> Vec<SVector<f64, D>> {
-    let excess = |x: &SVector<f64, D>| normal.dot(x) - offset;
+    let excess = |x: &SVector<f64, D>| match normal.dot(x) - offset {
+        excess if excess.abs() <= rounding => 0.0,
+        excess => excess,
+    };
     let mut kept = Vec::with_capacity(corners.len() + 1);
     for (n, from) in corners.iter().enumerate() {
         let to = &corners[(n + 1) % corners.len()];
@@ -306,5 +315,18 @@ mod tests {
         assert_sound(&crystal(1.0, 0.0), &[6]);
         assert_sound(&crystal(-0.5, 0.5), &[14]);
         assert_sound(&crystal(0.0, 0.5), &[12]);
+    }
+
+    #[test]
+    fn facets_of_a_rotated_cube_have_four_corners() {
+        for angle in 0..40 {
+            let angle = f64::from(angle);
+            let axis = nalgebra::Unit::new_normalize(nalgebra::Vector3::new(1.0, angle, 2.0));
+            let turn = nalgebra::Rotation3::from_axis_angle(&axis, 0.1 + angle);
+            let lattice = BravaisLattice::new(*turn.matrix()).expect("a lattice");
+            let cell = Region::voronoi(&Crystal::of_lattice(lattice), 0);
+            let corners: Vec<usize> = cell.facets.iter().map(|own| own.corners.len()).collect();
+            assert_eq!(corners, [4; 6]);
+        }
     }
 }
