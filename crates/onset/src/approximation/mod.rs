@@ -103,8 +103,8 @@ pub struct SingularMoment {
     pub condition: f64,
 }
 
-/// Largest condition number of the moment matrix for which shape functions are accurate.
-const MAXIMUM_CONDITION: f64 = 1e12;
+/// Largest condition number of the moment matrix for which shape functions and corrected gradients are accurate.
+pub(crate) const MAXIMUM_CONDITION: f64 = 1e12;
 
 /// Shape functions of the neighbors of one point, with their derivatives.
 #[derive(Clone, Debug)]

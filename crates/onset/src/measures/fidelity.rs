@@ -32,10 +32,11 @@ pub struct Fidelity {
 }
 
 impl Fidelity {
-    /// Fraction of states where the stability of method and material agrees.
+    /// Fraction of states where the stability of method and material agrees and no mode has zero energy.
     pub fn agreement(&self) -> f64 {
         1.0 - self.false_instability
             - self.suppressed_instability
+            - self.zero_energy
             - self.undefined
             - self.outside_law
     }

@@ -129,15 +129,17 @@ pub struct OnsetPair {
 impl OnsetPair {
     /// Ratio of the onset strains `s - 1`, method over material.
     ///
-    /// It is one for a faithful method, and less than one for a method that is falsely unstable. If neither loses stability, it is one; if only one
-    /// of them does, NaN. For a method that is unstable in the reference state it is zero.
+    /// It is one for a faithful method, and less than one for a method that is falsely unstable. If neither loses stability, or both lose it without
+    /// strain, it is one; if only one of them does, NaN. For a method that is unstable in the reference state it is zero.
     pub fn ratio(&self) -> f64 {
         match (self.material, self.method) {
-            (StretchOnset::At(material), StretchOnset::At(method)) => {
+            (StretchOnset::At(material), StretchOnset::At(method)) if material != 1.0 => {
                 (method - 1.0) / (material - 1.0)
             }
             (StretchOnset::At(_) | StretchOnset::NotBefore(_), StretchOnset::AtRest) => 0.0,
-            (StretchOnset::NotBefore(_), StretchOnset::NotBefore(_)) => 1.0,
+            (StretchOnset::At(_), StretchOnset::At(1.0))
+            | (StretchOnset::AtRest, StretchOnset::AtRest)
+            | (StretchOnset::NotBefore(_), StretchOnset::NotBefore(_)) => 1.0,
             _ => f64::NAN,
         }
     }

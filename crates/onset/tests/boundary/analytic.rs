@@ -1,7 +1,7 @@
 //! Sets with a known boundary, corners, crossings, islands and edges.
 
 use onset::verdict::boundary::{Boundary, Curve, End, Fineness, Window, trace_boundary};
-use onset::verdict::fidelity::areas;
+use onset::verdict::fidelity::{RayOnset, areas, onset_along};
 use onset::verdict::{Phase, Probe};
 use std::convert::Infallible;
 use std::f64::consts::{PI, TAU};
@@ -377,5 +377,42 @@ fn sets_that_nearly_coincide_differ_by_nearly_nothing() {
         assert!((areas.elliptic - exact).abs() < 1e-3 * exact, "{areas:?}");
         let differing = areas.false_instability + areas.suppressed_instability;
         assert!(differing < 1e-3, "turned by {turn}: {areas:?}");
+    }
+}
+
+/// First loss of stability along a ray, with the probe that traced the boundary.
+fn along(
+    probe: impl Fn(f64, f64) -> Probe + Sync,
+    origin: [f64; 2],
+    direction: [f64; 2],
+) -> RayOnset {
+    let boundary = trace(&probe);
+    let probe = |[x, y]: [f64; 2]| Ok::<_, Infallible>(probe(x, y));
+    match onset_along(WINDOW, &boundary, &probe, (origin, direction)) {
+        Ok(onset) => onset,
+        Err(never) => match never {},
+    }
+}
+
+#[test]
+fn a_ray_finds_the_exact_boundary_beside_the_edge_of_the_window() {
+    let radius = 1.9999;
+    for n in 0..8 {
+        let (sine, cosine) = (0.25 * PI * f64::from(n)).sin_cos();
+        let circle = |x: f64, y: f64| signed(radius * radius - x * x - y * y);
+        match along(circle, [0.0; 2], [cosine, sine]) {
+            RayOnset::At(distance) => assert!((distance - radius).abs() < 1e-11, "{distance}"),
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_ray_along_the_edge_of_the_window_meets_the_end_of_a_boundary() {
+    for y in [-2.0, 2.0] {
+        match along(|x, _| signed(0.3 - x), [-1.5, y], [1.0, 0.0]) {
+            RayOnset::At(distance) => assert!((distance - 1.8).abs() < 1e-11, "{distance}"),
+            other => panic!("{other:?}"),
+        }
     }
 }

@@ -38,12 +38,8 @@ fn shares_agree_with_the_verdicts_counted_one_by_one() {
                         {
                             (Verdict::Numerical, true) => falsely += 1.0,
                             (Verdict::Suppressed, _) => missed += 1.0,
-                            (verdict, _) => {
-                                right += 1.0;
-                                if verdict == Verdict::ZeroEnergy {
-                                    deficient += 1.0;
-                                }
-                            }
+                            (Verdict::ZeroEnergy, _) => deficient += 1.0,
+                            _ => right += 1.0,
                         },
                         Err(_) => undefined += 1.0,
                     }

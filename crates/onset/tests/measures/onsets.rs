@@ -4,7 +4,7 @@ use crate::{method, nodal};
 use onset::kinematics::StraightPath;
 use onset::lattice::LatticeKind;
 use onset::material::ModifiedMooneyRivlin;
-use onset::measures::{Load, StretchOnset, onset};
+use onset::measures::{Load, OnsetPair, StretchOnset, onset};
 use onset::method::{Frame, KernelMethodChoices};
 use onset::quadrature::Quadrature;
 use onset::verdict::{PathScan, Survey, scan_discretization, scan_material};
@@ -68,4 +68,21 @@ fn a_faithful_method_has_the_ratio_one() {
         let found = onset(&survey, load, end).expect("onsets");
         assert!((found.ratio() - 1.0).abs() < 1e-6, "{found:?}");
     }
+}
+
+#[test]
+fn the_ratio_of_onsets_without_strain_is_one_or_unknown() {
+    let pair = |material, method| OnsetPair {
+        load: Load::UniaxialStrainTension,
+        material,
+        method,
+    };
+    let at = StretchOnset::At;
+    assert_eq!(pair(at(1.0), at(1.0)).ratio(), 1.0);
+    assert_eq!(
+        pair(StretchOnset::AtRest, StretchOnset::AtRest).ratio(),
+        1.0
+    );
+    assert!(pair(at(1.0), at(1.2)).ratio().is_nan());
+    assert_eq!(pair(at(1.2), at(1.0)).ratio(), 0.0);
 }

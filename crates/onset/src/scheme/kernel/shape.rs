@@ -9,11 +9,8 @@
 
 use super::super::layout::{MovingWeight, Weighed};
 use crate::algebra::{Each, array_of};
-use crate::approximation::{Approximation, SingularMoment};
+use crate::approximation::{Approximation, MAXIMUM_CONDITION, SingularMoment};
 use crate::real::Real;
-
-/// Largest condition number of the moment matrix for which shape functions are accurate.
-const MAXIMUM_CONDITION: f64 = 1e12;
 
 /// Correction of the weights.
 #[derive(Clone, Debug)]

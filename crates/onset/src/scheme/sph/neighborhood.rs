@@ -3,12 +3,9 @@
 use super::super::layout::{Layout, Weighed};
 use super::super::response::{determinant, inverse};
 use crate::algebra::{Each, array_of};
-use crate::approximation::SingularMoment;
+use crate::approximation::{MAXIMUM_CONDITION, SingularMoment};
 use crate::lattice::{Crystal, Particle};
 use crate::method::MethodError;
-
-/// Largest condition number of a correction matrix for which gradients are accurate.
-const MAXIMUM_CONDITION: f64 = 1e12;
 
 /// Particle with its neighbors.
 #[derive(Clone, Debug)]

@@ -19,6 +19,8 @@ pub enum RayOnset {
 
 /// Smallest distance of a crossing that is distinguished from the start, as a fraction of the window.
 const START: f64 = 1e-5;
+/// Distance from the end of a chord, as a fraction of the chord, at which a ray still crosses it.
+const END_TOLERANCE: f64 = 1e-9;
 
 /// First loss of stability along `origin + s direction`, `s > 0`.
 ///
@@ -36,6 +38,13 @@ pub fn onset_along<E>(
     // Length of the window in units of the direction.
     let reach = size[0].max(size[1]) / direction[0].hypot(direction[1]);
     let at = |s: f64| [0, 1].map(|i| origin[i] + s * direction[i]);
+    // Where the ray leaves the window.
+    let exit = |i: usize| match direction[i] {
+        0.0 => f64::INFINITY,
+        d if d > 0.0 => (window.high[i] - origin[i]) / d,
+        d => (window.low[i] - origin[i]) / d,
+    };
+    let exit = exit(0).min(exit(1));
     let mut crossings: Vec<(f64, Phase)> = Vec::new();
     for curve in &boundary.curves {
         for pair in curve.vertices.windows(2) {
@@ -69,7 +78,10 @@ pub fn onset_along<E>(
         Phase::Undefined => Ok(RayOnset::Undefined(s)),
         _ => {
             let near = 2e-4 * reach;
-            let found = located_between(window, probe, at(s - near.min(0.5 * s)), at(s + near))?;
+            // Rounding may carry the exit out of the window.
+            let end = at((s + near).min(exit));
+            let end = [0, 1].map(|i| end[i].clamp(window.low[i], window.high[i]));
+            let found = located_between(window, probe, at(s - near.min(0.5 * s)), end)?;
             let length = direction[0].hypot(direction[1]);
             let refined =
                 found.map(|point| (point[0] - origin[0]).hypot(point[1] - origin[1]) / length);
@@ -88,6 +100,7 @@ fn crossing(origin: [f64; 2], d: [f64; 2], a: [f64; 2], b: [f64; 2]) -> Option<(
     }
     let s = (off[0] * e[1] - off[1] * e[0]) / determinant;
     let t = (off[0] * d[1] - off[1] * d[0]) / determinant;
-    // Points to the left of the chord satisfy `e x d > 0`.
-    ((0.0..1.0).contains(&t) && s > 0.0).then_some((s, determinant < 0.0))
+    // Points to the left of the chord satisfy `e x d > 0`. A curve that ends on the edge of the window is crossed at its end by a ray along the edge.
+    ((-END_TOLERANCE..=1.0 + END_TOLERANCE).contains(&t) && s > 0.0)
+        .then_some((s, determinant < 0.0))
 }
