@@ -88,6 +88,8 @@ def test_every_question_but_those_of_a_file_takes_a_function(law: onset.Material
     penalty = onset.Method("total-lagrangian-sph", lattice="square")
     sufficient, known_sufficient = (onset.tune(penalty, "penalty", material=one).recommended for one in (law, BUILT_IN))
     assert sufficient == pytest.approx(known_sufficient, rel=1e-6)
+    bodies, known_bodies = (onset.state(one, TOTAL, stretch=(1.1, 0.95)).finite_bodies for one in (law, BUILT_IN))
+    assert bodies["time_step"] == pytest.approx(known_bodies["time_step"], rel=1e-6)
     assert onset.simulate(law, TOTAL, stretch=(1, 1), turns=(1, 0), cells=4, steps=20).steps == 20
     with pytest.raises(onset.InputError, match="cannot contain a Python function"):
         onset.Study.of(law, SPH, {"stretch-1": (0.8, 1.2, 4), "stretch-2": (0.8, 1.2, 4)})

@@ -41,10 +41,6 @@ impl FiniteBodyAnswer {
         f: &DeformationGradient,
         lattice: Option<f64>,
     ) -> Result<Option<Self>, ProblemError> {
-        // Each particle of the blocks evaluates the law, which takes minutes if the law is a function of another program.
-        if problem.settings.material.is_handed() {
-            return Ok(None);
-        }
         let lattice = lattice.unwrap_or(f64::INFINITY);
         let found = problem.analysis.finite_bodies(f, lattice)?;
         Ok(found.map(|found| {

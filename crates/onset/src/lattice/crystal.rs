@@ -46,6 +46,8 @@ pub struct Crystal<const D: usize> {
     sites: Vec<Fractional<D>>,
     volumes: Vec<f64>,
     spacing: f64,
+    /// True for the particles of one cell alone, without the cells around it.
+    is_block: bool,
 }
 
 impl<const D: usize> Crystal<D> {
@@ -72,6 +74,7 @@ impl<const D: usize> Crystal<D> {
             lattice,
             sites,
             volumes,
+            is_block: false,
         })
     }
 
@@ -92,6 +95,7 @@ impl<const D: usize> Crystal<D> {
             lattice,
             sites,
             volumes,
+            is_block: false,
         })
     }
 
@@ -141,6 +145,7 @@ impl<const D: usize> Crystal<D> {
             sites: vec![SVector::zeros()],
             volumes: vec![lattice.cell_volume()],
             lattice,
+            is_block: false,
         }
     }
 
@@ -235,7 +240,11 @@ impl<const D: usize> Crystal<D> {
         let map = metric * self.lattice.vectors();
         let mut found = Vec::new();
         for (site, place) in self.sites.iter().enumerate() {
-            for cell in ball.cells(&(point - place)) {
+            let cells = match self.is_block {
+                true => vec![[0; D]],
+                false => ball.cells(&(point - place)),
+            };
+            for cell in cells {
                 let particle = Particle { site, cell };
                 let apart = (map * (self.place(&particle) - point)).norm();
                 if apart < distance * (1.0 - 1e-12) {
@@ -285,7 +294,28 @@ impl<const D: usize> Crystal<D> {
             sites,
             volumes,
             spacing: self.spacing,
+            is_block: false,
         })
+    }
+
+    /// Cuts a free block out of the lattice, with `counts` cells along each primitive vector: [`within`](Self::within) returns none but its particles,
+    /// whose volumes remain those in the lattice.
+    ///
+    /// # Errors
+    /// [`LatticeError::NoSites`] if a count is zero.
+    pub(crate) fn block(&self, counts: [usize; D]) -> Result<Self, LatticeError> {
+        Ok(Self {
+            is_block: true,
+            ..self.supercell(counts)?
+        })
+    }
+
+    /// Lattice from which a block is cut.
+    pub(crate) fn periodic(&self) -> Self {
+        Self {
+            is_block: false,
+            ..self.clone()
+        }
     }
 
     /// Displaces every particle of a cell at random; the volumes are recomputed from the new Voronoi cells.
@@ -364,6 +394,24 @@ mod tests {
             assert_eq!(near.len(), 13);
             assert!((large.place(&near[0]) - place).amax() < 1e-14);
         }
+    }
+
+    #[test]
+    fn the_particles_of_a_block_see_none_beyond_its_faces() {
+        let square = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
+        let block = Crystal::of_lattice(square)
+            .block([3, 3])
+            .expect("a crystal");
+        let seen = |place| block.within(place, 1.1, &SMatrix::identity()).len();
+        let mut seen: Vec<usize> = block.sites().iter().map(seen).collect();
+        seen.sort_unstable();
+        assert_eq!(seen, [3, 3, 3, 3, 4, 4, 4, 4, 5]);
+        assert_eq!(
+            block.periodic(),
+            Crystal::of_lattice(square)
+                .supercell([3, 3])
+                .expect("a crystal")
+        );
     }
 
     #[test]

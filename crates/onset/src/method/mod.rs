@@ -779,6 +779,11 @@ impl<const D: usize> Method<D> {
         &self.crystal
     }
 
+    /// Quadrature points of a cell.
+    pub(crate) fn points(&self) -> &[QuadraturePoint<D>] {
+        &self.points
+    }
+
     /// Reference lattice of the particles.
     pub fn lattice(&self) -> &BravaisLattice<D> {
         self.crystal.lattice()

@@ -165,14 +165,7 @@ fn kernel<const D: usize>(
         Some(points) => CrystalQuadrature::Points(points),
         None => quadrature(choices, &crystal)?,
     };
-    let kernel = KernelChoices {
-        density: choices.density,
-        kernel: choices.kernel,
-        radius: choices.support * choices.spacing,
-        approximation: choices.approximation,
-        frame: choices.frame,
-        support_size: choices.support_size,
-    };
+    let kernel = KernelChoices::of_method(choices);
     Ok(Box::new(KernelScheme::new(crystal, quadrature, kernel)?))
 }
 

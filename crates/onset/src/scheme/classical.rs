@@ -1,5 +1,6 @@
 //! The trait [`Discretization`] for the kernel methods of [`crate::method`].
 
+use super::kernel::{KernelChoices, KernelScheme};
 use super::{DirectWaves, Discretization, PatchForces, PeriodicPatch, SeenForm, StrainOperator};
 use crate::approximation::Order;
 use crate::bloch::{
@@ -8,7 +9,7 @@ use crate::bloch::{
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
 use crate::material::Hyperelastic;
-use crate::method::{CurrentLattice, Frame, Method, MethodError};
+use crate::method::{Background, CurrentLattice, Frame, Linearization, Method, MethodError};
 use nalgebra::SVector;
 
 impl<const D: usize> Discretization<D> for Method<D> {
@@ -121,6 +122,28 @@ impl<const D: usize> Discretization<D> for Method<D> {
             discrete / search.kernel_wave_vector(k).norm_squared()
         };
         Ok(Some(waves.iter().map(of_wave).collect()))
+    }
+
+    /// The block is of the forces of [`KernelScheme`], which are defined for the imposed background, without expansion of the strain, and not for
+    /// undisplaced particles.
+    fn on_block(
+        &self,
+        cells: [usize; D],
+    ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
+        let choices = self.choices();
+        let is_exact =
+            choices.frame == Frame::Lagrangian || choices.linearization == Linearization::Exact;
+        let has_forces = is_exact && choices.background == Background::Imposed;
+        if !has_forces || self.is_naturally_stabilized() || self.is_regular() {
+            return Ok(None);
+        }
+        let points = self
+            .points()
+            .iter()
+            .map(|point| (point.place, point.volume));
+        let kernel = KernelChoices::of_method(choices);
+        let block = KernelScheme::of_block(Method::crystal(self), points, kernel, cells)?;
+        Ok(Some(Box::new(block)))
     }
 
     fn is_undamped(&self) -> bool {

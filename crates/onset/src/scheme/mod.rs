@@ -248,6 +248,18 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         Ok(None)
     }
 
+    /// Returns the same method on the particles of a free block cut out of the crystal, with the given numbers of cells along the lattice vectors.
+    /// `None` if the method has no forces on such particles, or if it has [bodies](crate::motion::body).
+    ///
+    /// # Errors
+    /// [`MethodError`] if particles of the block have too few neighbors.
+    fn on_block(
+        &self,
+        _cells: [usize; D],
+    ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
+        Ok(None)
+    }
+
     /// Returns the pair forces of particles whose neighbors are fixed in the reference configuration, for the simulation of
     /// [bodies](crate::motion::body).
     ///

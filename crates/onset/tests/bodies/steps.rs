@@ -1,17 +1,22 @@
 //! Critical time steps of bodies against `validation/bodies.json`, computed independently with NumPy and SciPy.
 
 use super::{block, with};
+use nalgebra::SVector;
 use onset::analysis::{Analysis, FiniteBodyGround, analysis};
+use onset::approximation::Approximation;
 use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::LatticeKind;
-use onset::material::Law;
-use onset::method::KernelMethodChoices;
+use onset::material::{Hyperelastic, Law};
+use onset::method::{Frame, KernelMethodChoices};
 use onset::motion::{BodyParticles, Grip, Notch, Shape};
+use onset::quadrature::Quadrature;
+use onset::scheme::conforming::ConformingChoices;
 use onset::scheme::element::{ElementChoices, ElementMesh};
 use onset::scheme::sph::TotalLagrangianChoices;
 use onset::scheme::{
-    Formulation, GridFunctions, GridMass, MaterialPointChoices, MethodChoices, PeridynamicsChoices,
+    BondModel, Formulation, GridFunctions, GridMass, MaterialPointChoices, MethodChoices,
+    PeridynamicsChoices, ZeroEnergyControl,
 };
 use onset::time_step::Integrator;
 use serde_json::Value;
@@ -41,13 +46,18 @@ fn numbers(case: &Value, name: &str) -> Option<Vec<f64>> {
     Some(all.iter().filter_map(Value::as_f64).collect())
 }
 
-fn made(case: &Value, method: &MethodChoices) -> Box<dyn Analysis> {
+/// Neo-Hooke with Young's modulus 1.
+fn law(nu: f64) -> Box<dyn Hyperelastic> {
     let law = Law::named("neo-hooke").expect("a law");
-    let nu = number(case, "poisson");
     let mu = 0.5 / (1.0 + nu);
     let lambda = 2.0 * mu * nu / (1.0 - 2.0 * nu);
     let material = law.build(&[("mu", mu), ("lambda", lambda)]);
-    analysis(method, Arc::from(material.expect("a material"))).expect("a method")
+    material.expect("a material")
+}
+
+fn made(case: &Value, method: &MethodChoices) -> Box<dyn Analysis> {
+    let material = law(number(case, "poisson"));
+    analysis(method, Arc::from(material)).expect("a method")
 }
 
 fn particles(case: &Value) -> Box<KernelMethodChoices> {
@@ -215,5 +225,106 @@ fn single_material_points_bound_the_steps_of_all_bodies() {
             (0.67 * step..=step).contains(&bound),
             "{bound} for {step}: {case}"
         );
+    }
+}
+
+/// Critical step of the particles of a free block, from all eigenvalues of its stiffness.
+fn step_of_block<const D: usize>(method: &MethodChoices, nu: f64, cells: [usize; D]) -> f64 {
+    let method = method.discretization::<D>().expect("a method");
+    let block = method.on_block(cells).expect("a state").expect("a block");
+    let waves = block.waves(&*law(nu), &DeformationGradient::identity());
+    let squares = waves.expect("waves").omega_squared(&SVector::zeros());
+    2.0 / squares.last().expect("a mode").re.sqrt()
+}
+
+#[test]
+fn the_particles_of_a_block_have_the_step_of_the_body() {
+    for (case, step) in cases("sph") {
+        let size = numbers(&case, "size").expect("sides");
+        if case["notch"] != Value::Null || number(&case, "held") > 0.0 || size.len() != 2 {
+            continue;
+        }
+        let cells = [size[0] as usize, size[1] as usize];
+        let nu = number(&case, "poisson");
+        let choices = TotalLagrangianChoices {
+            kernel: Kernel::CubicSpline,
+            radius: number(&case, "support"),
+            corrected: case["corrected"] == true,
+            penalty: number(&case, "penalty"),
+            ..TotalLagrangianChoices::default()
+        };
+        let sph = MethodChoices::TotalLagrangianSph(particles(&case), choices);
+        let found = step_of_block(&sph, nu, cells);
+        assert!((found / step - 1.0).abs() < 1e-6, "{found}: {case}");
+        // Corrected kernel gradients at the particles are the same method, without the penalty.
+        if case["corrected"] != true || number(&case, "penalty") > 0.0 {
+            continue;
+        }
+        let kernel = KernelMethodChoices {
+            kernel: Kernel::CubicSpline,
+            support: number(&case, "support"),
+            quadrature: Quadrature::Nodal,
+            approximation: Approximation::RandlesLibersky,
+            ..*particles(&case)
+        };
+        let found = step_of_block(&MethodChoices::Kernel(Box::new(kernel)), nu, cells);
+        assert!((found / step - 1.0).abs() < 1e-6, "{found}: {case}");
+    }
+}
+
+#[test]
+fn free_blocks_bound_the_steps_of_methods_without_moving_bodies() {
+    let square = || {
+        Box::new(KernelMethodChoices {
+            lattice: LatticeKind::Square,
+            support: 2.1,
+            ..KernelMethodChoices::default()
+        })
+    };
+    let kernel = |quadrature, approximation, frame| {
+        MethodChoices::Kernel(Box::new(KernelMethodChoices {
+            quadrature,
+            approximation,
+            frame,
+            ..*square()
+        }))
+    };
+    let correspondence = |control| {
+        let choices = PeridynamicsChoices {
+            horizon: 2.1,
+            model: BondModel::Correspondence { control },
+            ..PeridynamicsChoices::default()
+        };
+        MethodChoices::Peridynamics(square(), choices)
+    };
+    let conforming = ConformingChoices {
+        radius: 2.1,
+        ..ConformingChoices::default()
+    };
+    let methods = [
+        kernel(Quadrature::Nodal, Approximation::Shepard, Frame::Lagrangian),
+        kernel(
+            Quadrature::StressPoints,
+            Approximation::Mls,
+            Frame::Lagrangian,
+        ),
+        kernel(Quadrature::Nodal, Approximation::Shepard, Frame::Eulerian),
+        correspondence(ZeroEnergyControl::None),
+        correspondence(ZeroEnergyControl::Penalty { coefficient: 0.3 }),
+        MethodChoices::Conforming(square(), conforming),
+    ];
+    for method in methods {
+        for nu in [0.0, 0.3, 0.45] {
+            let own = analysis(&method, Arc::from(law(nu))).expect("a method");
+            let (bound, ground) = finite(&*own);
+            assert_eq!(ground, FiniteBodyGround::Blocks);
+            let blocks = [[10, 10], [3, 14], [7, 4], [3, 3], [5, 3]];
+            let steps = blocks.map(|cells| step_of_block(&method, nu, cells));
+            let least = steps.into_iter().fold(f64::INFINITY, f64::min);
+            assert!(
+                (0.75 * least..=least).contains(&bound),
+                "{bound} for {steps:?}: {method:?}"
+            );
+        }
     }
 }

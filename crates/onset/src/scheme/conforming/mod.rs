@@ -105,7 +105,7 @@ impl Default for ConformingChoices {
 #[derive(Clone, Debug)]
 pub struct ConformingIntegration<const D: usize> {
     crystal: Crystal<D>,
-    density: f64,
+    choices: ConformingChoices,
     points: Vec<LagrangianPoint<D>>,
 }
 
@@ -132,10 +132,12 @@ impl<const D: usize> ConformingIntegration<D> {
             "a whole number from 1 to 16",
         )?;
         let functions = Functions::new(&crystal, choices)?;
+        // Regions at the faces of a block are those inside of the lattice.
+        let periodic = crystal.periodic();
         let mut points = Vec::new();
         for (site, volume) in crystal.volumes().iter().enumerate() {
             let region = match choices.domain {
-                SmoothingDomain::Voronoi => Region::voronoi(&crystal, site),
+                SmoothingDomain::Voronoi => Region::voronoi(&periodic, site),
                 SmoothingDomain::Boxes => Region::cube(*volume),
             };
             if c < 1.0 {
@@ -149,7 +151,7 @@ impl<const D: usize> ConformingIntegration<D> {
         }
         Ok(Self {
             crystal,
-            density: choices.density,
+            choices: choices.clone(),
             points,
         })
     }
@@ -167,7 +169,7 @@ impl<const D: usize> Discretization<D> for ConformingIntegration<D> {
     }
 
     fn density(&self) -> f64 {
-        self.density
+        self.choices.density
     }
 
     fn waves(
@@ -175,7 +177,7 @@ impl<const D: usize> Discretization<D> for ConformingIntegration<D> {
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
     ) -> Result<WaveSystem<D>, MethodError> {
-        let mass = Mass::Lumped(lumped_masses(&self.crystal, self.density));
+        let mass = Mass::Lumped(lumped_masses(&self.crystal, self.choices.density));
         linearized(&self.crystal, mass, &stressed(&self.points, material, f)?)
     }
 
@@ -193,6 +195,14 @@ impl<const D: usize> Discretization<D> for ConformingIntegration<D> {
         let points = stressed(&self.points, material, f)?;
         work(&Assembled::new(patch, &points));
         Ok(())
+    }
+
+    fn on_block(
+        &self,
+        cells: [usize; D],
+    ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
+        let block = self.crystal.block(cells)?;
+        Ok(Some(Box::new(Self::new(block, &self.choices)?)))
     }
 
     /// Mean number of particles that share an integration point with a particle.

@@ -16,13 +16,14 @@ use super::{
     Assembled, Discretization, Interaction, Motion, PatchForces, PeriodicPatch, PointResponse,
     StrainOperator, linearized, lumped_masses,
 };
+use crate::algebra::{Each, array_of};
 use crate::approximation::Approximation;
 use crate::bloch::{Mass, WaveSystem};
 use crate::kernel::Kernel;
 use crate::kinematics::DeformationGradient;
-use crate::lattice::{Crystal, Fractional, Particle};
+use crate::lattice::{Crystal, Fractional, Particle, cells_between};
 use crate::material::Hyperelastic;
-use crate::method::{Frame, MethodError, SupportSize};
+use crate::method::{Frame, KernelMethodChoices, MethodError, SupportSize};
 use crate::real::Real;
 use nalgebra::SVector;
 use point::SpatialPoint;
@@ -62,6 +63,19 @@ impl Default for KernelChoices {
             approximation: Approximation::Shepard,
             frame: Frame::Lagrangian,
             support_size: SupportSize::Fixed,
+        }
+    }
+}
+
+impl KernelChoices {
+    pub(super) fn of_method(choices: &KernelMethodChoices) -> Self {
+        Self {
+            density: choices.density,
+            kernel: choices.kernel,
+            radius: choices.support * choices.spacing,
+            approximation: choices.approximation,
+            frame: choices.frame,
+            support_size: choices.support_size,
         }
     }
 }
@@ -146,6 +160,42 @@ impl<const D: usize> KernelScheme<D> {
         let total: usize = seen.iter().map(|seen| seen.particles.len()).sum();
         scheme.neighbors = total as f64 / scheme.crystal.sites().len() as f64;
         Ok(scheme)
+    }
+
+    /// Builds the method on a free block of a crystal, from the quadrature points of a cell. Points beyond the outermost particles are left out.
+    ///
+    /// # Errors
+    /// [`MethodError`] if a point has too few neighbors in the block.
+    pub(super) fn of_block(
+        crystal: &Crystal<D>,
+        points: impl Iterator<Item = (Fractional<D>, f64)>,
+        choices: KernelChoices,
+        cells: [usize; D],
+    ) -> Result<Self, MethodError> {
+        let block = crystal.block(cells)?;
+        let end = |i: usize, worse: fn(f64, f64) -> f64| {
+            let along = block.sites().iter().map(|site| site[i]);
+            along.reduce(worse).unwrap_or(0.0)
+        };
+        let ends: [[f64; 2]; D] = array_of(|i| [end(i, f64::min), end(i, f64::max)]);
+        let is_inside = |place: &Fractional<D>| {
+            let mut along = ends.iter().zip(place.iter());
+            along.all(|([low, high], x)| {
+                (low - PARTICLE_TOLERANCE..=high + PARTICLE_TOLERANCE).contains(x)
+            })
+        };
+        let origins = cells_between(&[0; D], &cells.each(|n| n as i32 - 1));
+        let repeated = |(place, volume): (Fractional<D>, f64)| {
+            let at = move |cell: &[i32; D]| {
+                let place =
+                    SVector::from_fn(|i, _| (place[i] + f64::from(cell[i])) / cells[i] as f64);
+                (place, volume)
+            };
+            origins.iter().map(at).collect::<Vec<_>>()
+        };
+        let mut points: Vec<_> = points.flat_map(repeated).collect();
+        points.retain(|(place, _)| is_inside(place));
+        Self::new(block, CrystalQuadrature::Points(points), choices)
     }
 
     /// Choices that define the method.
@@ -315,6 +365,15 @@ impl<const D: usize> Discretization<D> for KernelScheme<D> {
         work: &mut dyn FnMut(&dyn PatchForces<D>),
     ) -> Result<(), MethodError> {
         self.with_points(material, f, |points| work(&Assembled::new(patch, points)))
+    }
+
+    fn on_block(
+        &self,
+        cells: [usize; D],
+    ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
+        let points = self.points.iter().map(|point| (point.place, point.volume));
+        let block = Self::of_block(&self.crystal, points, self.choices.clone(), cells)?;
+        Ok(Some(Box::new(block)))
     }
 
     fn neighbors(&self) -> f64 {

@@ -426,6 +426,14 @@ impl<const D: usize> Discretization<D> for Peridynamics<D> {
         Ok(())
     }
 
+    fn on_block(
+        &self,
+        cells: [usize; D],
+    ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
+        let block = self.crystal.block(cells)?;
+        Ok(Some(Box::new(Self::new(block, self.choices.clone())?)))
+    }
+
     fn finite_bodies(
         &self,
         material: &dyn Hyperelastic,

@@ -353,6 +353,14 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
         })))
     }
 
+    fn on_block(
+        &self,
+        cells: [usize; D],
+    ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
+        let block = self.crystal.block(cells)?;
+        Ok(Some(Box::new(Self::new(block, self.choices.clone())?)))
+    }
+
     fn neighbors(&self) -> f64 {
         mean_size(&self.neighborhoods)
     }
