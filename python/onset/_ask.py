@@ -989,7 +989,11 @@ def keys(section: str = "") -> dict[str, str]:
     """
     if not isinstance(section, str):
         raise TypeError(f"section is {type(section).__name__}; expected a name")
-    return {name: f"{meaning}: {expects}" for name, expects, meaning in _onset.keys() if name.startswith(section)}
+    keys = _onset.keys()
+    sections = sorted({name.split(".")[0] for name, _, _ in keys})
+    if section and section not in sections:
+        raise InputError(f"section {section!r} does not exist; expected {' or '.join(sections)}")
+    return {name: f"{meaning}: {expects}" for name, expects, meaning in keys if not section or name.split(".")[0] == section}
 
 
 def models() -> list[str]:

@@ -237,3 +237,9 @@ def test_an_interrupted_map_goes_on_to_the_same_store(tmp_path: Path) -> None:
         return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
     assert contents(tmp_path / "cut.zarr") == contents(tmp_path / "whole.zarr")
+
+
+def test_random_displacements_have_no_wave() -> None:
+    for wave in ({"wave_vector": (1.0, 0.0)}, {"turns": (1, 0)}):
+        with pytest.raises(onset.InputError, match='mode "noise" has no wave'):
+            onset.simulate("neo-hooke", "total-lagrangian-sph", stretch=(1, 1), cells=4, steps=1, mode="noise", **wave)  # type: ignore[arg-type]

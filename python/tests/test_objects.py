@@ -117,6 +117,8 @@ def test_settings_are_compared_shown_and_replaced() -> None:
     assert RUBBER.replace(mu=1) == RUBBER.replace(mu="1.0") and hash(RUBBER.replace(mu=1)) == hash(RUBBER.replace(mu=1.0))
     assert RUBBER.replace(mu=2**53 + 1).assignments[1] == "material.mu=9007199254740993"
     assert "discretization.support" in onset.keys("discretization") and "neo-hooke" in onset.models()
+    with pytest.raises(onset.InputError, match="section 'mat' does not exist"):
+        onset.keys("mat")
 
 
 BLOCK = "*HYPERELASTIC, NEO HOOKE\n1.0, 0.1"

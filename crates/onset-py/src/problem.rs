@@ -422,11 +422,17 @@ impl Problem {
         overwrite: bool,
     ) -> PyResult<Answer> {
         let seeded = match (wave_vector, turns, mode) {
-            (Some(wave_vector), None, _) => Seeded::Wave(wave_vector),
-            (None, Some(turns), _) => Seeded::Turns(turns),
-            (None, None, "critical") => Seeded::Critical,
             (None, None, "noise") => Seeded::Noise,
-            (None, None, other) => {
+            (Some(_), _, "noise") | (_, Some(_), "noise") => {
+                return Err(Failure::input(
+                    "mode \"noise\" has no wave: leave `wave_vector` and `turns` out",
+                )
+                .into());
+            }
+            (None, None, "critical") => Seeded::Critical,
+            (Some(wave_vector), None, "critical") => Seeded::Wave(wave_vector),
+            (None, Some(turns), "critical") => Seeded::Turns(turns),
+            (_, _, other) if other != "critical" => {
                 return Err(unknown("mode", other, ["critical", "noise"]).into());
             }
             _ => {

@@ -404,6 +404,13 @@ fn title_size_ranges_and_colors_of_a_figure_can_be_set() {
         look,
     };
     let figure = plot(&asked, &()).expect("a figure");
+    // Verdicts have no color bar.
+    let verdicts = Plot {
+        field: "verdict",
+        ..asked
+    };
+    let refused = plot(&verdicts, &()).expect_err("a refusal").to_string();
+    assert!(refused.starts_with("--limits has no effect"), "{refused}");
     assert_eq!(figure.title, "Mine");
     let panel = &figure.panels[0];
     assert_eq!((panel.x.range, panel.y.range), ((0.7, 1.1), (0.8, 1.2)));

@@ -12,6 +12,8 @@ use std::sync::Arc;
 
 /// Wavelengths at which frequencies are compared, in particle spacings.
 pub const WAVELENGTHS: [f64; 3] = [4.0, 8.0, 16.0];
+/// Wavelength in the short table, in particle spacings.
+pub(super) const SHORT_WAVELENGTH: f64 = 8.0;
 
 /// Row of a method in a comparison.
 #[derive(Clone, Debug, Serialize)]

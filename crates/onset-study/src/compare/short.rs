@@ -6,15 +6,6 @@ use super::{Recommendation, Table};
 use crate::brief::{Brief, Short};
 use crate::number::counted;
 
-/// Columns of the short table, by their heads.
-const SHOWN: [&str; 6] = [
-    "zero modes",
-    "disp. 8",
-    "uni. +",
-    "equi. +",
-    "false",
-    "Courant",
-];
 /// Largest width of the name of a method.
 const NAME: usize = 33;
 
@@ -22,7 +13,7 @@ impl Brief for Table {
     fn brief(&self) -> Short {
         let ranking = recommended(self);
         let mut columns = self.columns();
-        columns.retain(|column| SHOWN.contains(&column.head.as_str()));
+        columns.retain(|column| column.is_in_short);
         let line = |name: &str, rule: &str, cell: &dyn Fn(&Column) -> String| {
             let cells = columns.iter().map(|column| {
                 let width = column.width(&self.rows);

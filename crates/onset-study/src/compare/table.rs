@@ -1,6 +1,6 @@
 //! Table of a comparison, as text and as CSV.
 
-use super::row::{Measured, Row, WAVELENGTHS};
+use super::row::{Measured, Row, SHORT_WAVELENGTH, WAVELENGTHS};
 use super::thresholds::Thresholds;
 use crate::answers::{Evidence, OF_LATTICE};
 use crate::csv;
@@ -39,6 +39,8 @@ pub(super) struct Column {
     pub(super) cell: Box<dyn Fn(&Measured) -> String>,
     /// Unrounded value of a cell, for the CSV file.
     pub(super) number: Box<dyn Fn(&Measured) -> f64>,
+    /// Whether the short table has this column.
+    pub(super) is_in_short: bool,
 }
 
 impl Column {
@@ -47,6 +49,14 @@ impl Column {
         let measured = rows.iter().filter_map(|row| row.measured.as_ref().ok());
         let cells = measured.map(|m| (self.cell)(m).chars().count());
         cells.max().unwrap_or(0).max(self.head.chars().count())
+    }
+
+    /// Also shows the column in the short table.
+    fn in_short(self) -> Self {
+        Self {
+            is_in_short: true,
+            ..self
+        }
     }
 }
 
@@ -64,6 +74,7 @@ fn column(
         meaning: meaning.into(),
         cell: Box::new(move |measured| shown(of_cell(measured))),
         number: Box::new(number),
+        is_in_short: false,
     }
 }
 
@@ -83,6 +94,7 @@ impl Table {
                     format!("{least}{}{more}", m.zero_modes)
                 }),
                 number: Box::new(|m| m.zero_modes as f64),
+                is_in_short: true,
             },
             column(
                 "weakest",
@@ -93,13 +105,17 @@ impl Table {
             ),
         ];
         for count in WAVELENGTHS {
-            columns.push(column(
+            let own = column(
                 format!("disp. {count:.0}"),
                 format!("dispersion_{count:.0}"),
                 format!("largest error of a frequency at {count:.0} points per wavelength"),
                 move |m| m.dispersion_at(count),
                 percent,
-            ));
+            );
+            columns.push(match count == SHORT_WAVELENGTH {
+                true => own.in_short(),
+                false => own,
+            });
         }
         columns.push(column(
             "long waves",
@@ -128,6 +144,7 @@ impl Table {
                 number: Box::new(move |m| {
                     onset(m).and_then(StretchOnset::stretch).unwrap_or(f64::NAN)
                 }),
+                is_in_short: load.is_tension(),
             });
         }
         columns.extend([
@@ -137,7 +154,8 @@ impl Table {
                 "share of the window of states that is unstable although the material is elliptic",
                 |m| m.fidelity.false_instability,
                 percent,
-            ),
+            )
+            .in_short(),
             column(
                 "suppressed", "suppressed_instability",
                 "share of the window that is stable although the material is not elliptic",
@@ -157,7 +175,8 @@ impl Table {
                 format!("critical time step times speed of sound over the particle spacing; {OF_LATTICE}"),
                 |m| m.courant,
                 |x| format!("{x:.3}"),
-            ),
+            )
+            .in_short(),
             column(
                 "neighbors",
                 "neighbors",

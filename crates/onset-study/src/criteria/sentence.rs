@@ -296,12 +296,9 @@ pub(super) fn disagreements(loadings: &[LoadingAnswer]) -> Vec<String> {
                 _ => format!("{title} is lost while strong ellipticity holds: {list}."),
             });
         }
-        // Criteria implied by strong ellipticity necessarily outlast it; this is not a disagreement.
-        let implied = matches!(
-            criterion,
-            Criterion::BakerEricksen | Criterion::RankOneConvexity
-        );
-        if !later.is_empty() && !implied {
+        // A criterion implied by strong ellipticity necessarily outlasts it; this is not a disagreement.
+        let is_implied = criterion == Criterion::BakerEricksen;
+        if !later.is_empty() && !is_implied {
             let list = later.join("; ");
             sentences.push(match criterion {
                 Criterion::PlaneEllipticity => {
@@ -338,17 +335,18 @@ enum Comparison {
 }
 
 fn comparison(loading: &LoadingAnswer, criterion: Criterion, tension: bool) -> Option<Comparison> {
-    let limit = |criterion: Criterion| -> Option<Option<f64>> {
+    let side = |criterion: Criterion| {
         let found = loading
             .criteria
             .iter()
             .find(|answer| answer.criterion == criterion && answer.defined)?;
         Some(match tension {
-            true => found.tension.limit,
-            false => found.compression.limit,
+            true => &found.tension,
+            false => &found.compression,
         })
     };
-    let (own, waves) = (limit(criterion)?, limit(Criterion::StrongEllipticity)?);
+    let (side, waves) = (side(criterion)?, side(Criterion::StrongEllipticity)?.limit);
+    let own = side.limit;
     let distance = |limit: Option<f64>| limit.map_or(f64::INFINITY, |limit| limit.ln().abs());
     let (near, far) = (distance(own), distance(waves));
     let what = format!(
@@ -368,6 +366,8 @@ fn comparison(loading: &LoadingAnswer, criterion: Criterion, tension: bool) -> O
             number::told(own),
             until(waves)
         ))),
+        // What is lost at this stretch at the latest may be lost before.
+        Some(_) if side.upper_bound => None,
         _ => {
             let waves = waves.filter(|_| near > far * (1.0 + LIMIT_TOLERANCE))?;
             Some(Comparison::Later(format!(

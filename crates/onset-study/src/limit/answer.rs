@@ -442,8 +442,13 @@ impl LimitAnswer {
             let at = vec![(present.value, present.critical_time_step)];
             panel = panel.with(Points::new(at).color(palette::BLACK).named("present value"));
         }
-        for end in self.limits() {
-            panel = panel.with(Rule::vertical(end.value).dotted());
+        for (n, end) in self.limits().enumerate() {
+            let rule = Rule::vertical(end.value).dotted();
+            // One entry of the legend for all limits.
+            panel = panel.with(match n {
+                0 => rule.named("limit"),
+                _ => rule,
+            });
         }
         Figure::new(format!("Critical time step over {}", self.key))
             .with(panel)

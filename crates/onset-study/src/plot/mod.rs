@@ -75,7 +75,11 @@ pub struct Look<'a> {
 
 impl Look<'_> {
     /// Applies the changes to a figure.
-    fn applied(&self, mut figure: Figure) -> Figure {
+    ///
+    /// # Errors
+    /// [`PlotError::NoColorBar`] when a change of the color bar has nothing to change.
+    fn applied(&self, mut figure: Figure) -> Result<Figure, PlotError> {
+        let mut has_color_bar = false;
         if let Some(title) = self.title {
             title.clone_into(&mut figure.title);
         }
@@ -88,11 +92,20 @@ impl Look<'_> {
                 _ => None,
             });
             for field in fields {
+                has_color_bar = true;
                 field.range = self.range.or(field.range);
                 field.map = self.color_map.unwrap_or(field.map);
             }
         }
-        figure
+        let without = match (self.range, self.color_map) {
+            (Some(_), _) => "--limits",
+            (None, Some(_)) => "--color-map",
+            (None, None) => return Ok(figure),
+        };
+        match has_color_bar {
+            true => Ok(figure),
+            false => Err(PlotError::NoColorBar(without)),
+        }
     }
 }
 
@@ -131,6 +144,11 @@ pub enum PlotError {
         /// Names of the fields that can be shown.
         known: Vec<String>,
     },
+    /// The figure has no color bar.
+    #[error(
+        "{0} has no effect: this figure has no color bar\n  hint: choose a field of numbers with --field, or the ends of the axes with --x-limits and --y-limits"
+    )]
+    NoColorBar(&'static str),
     /// The maps cannot be overlaid.
     #[error("{} does not fit on {}: {difference}\n  hint: overlay maps of one material over the same two axes", path.display(), first.display())]
     NotComparable {
@@ -239,7 +257,7 @@ pub fn plot_allowing(
             panels(figure, &slices.collect::<Vec<_>>(), plot, watch)?.caption(captions)
         }
     };
-    let mut figure = plot.look.applied(figure);
+    let mut figure = plot.look.applied(figure)?;
     for (map, unfinished) in maps.iter().zip(&unfinished).rev() {
         let Some(unfinished) = unfinished else {
             continue;

@@ -139,7 +139,7 @@ impl Case {
         )?;
         let rate = typed.omega_squared.abs().sqrt();
         let is_growing = typed.omega_squared < 0.0;
-        let (time_step, steps) = steps(question, rate, is_growing, critical);
+        let (time_step, steps) = steps(question, rate, is_growing, critical)?;
         let duration = time_step * steps as f64;
         let rim = code.rim(&problem, &f)?;
         let (block, k) = match rim {
@@ -412,17 +412,36 @@ fn reach(settings: &Settings, stretches: [f64; 3]) -> f64 {
 }
 
 /// Time step and number of steps: slightly less than a period, or four e-folding times.
-fn steps(question: &Question, rate: f64, is_growing: bool, critical: f64) -> (f64, usize) {
+///
+/// # Errors
+/// [`VerifyError::Wave`] for a number of steps that are not stable.
+fn steps(
+    question: &Question,
+    rate: f64,
+    is_growing: bool,
+    critical: f64,
+) -> Result<(f64, usize), VerifyError> {
     let duration = if is_growing { 4.0 } else { 5.0 } / rate;
-    match (question.time_step, question.steps) {
+    Ok(match (question.time_step, question.steps) {
         (Some(step), Some(count)) => (step, count),
         (Some(step), None) => (step, (duration / step).ceil().max(MIN_STEPS_GIVEN) as usize),
         (None, count) => {
             let fewest = (duration / (0.1 * critical)).ceil().max(MIN_STEPS_RESOLVED) as usize;
             let count = count.unwrap_or(fewest);
-            (duration / count as f64, count)
+            let step = duration / count as f64;
+            if step >= critical {
+                return Err(VerifyError::Wave {
+                    what: format!(
+                        "--steps {count}: a run of {} in so few steps is unstable, because the critical step is {}",
+                        exact(duration),
+                        exact(critical)
+                    ),
+                    hint: format!("leave --steps out for {fewest} steps, or give the --time-step"),
+                });
+            }
+            (step, count)
         }
-    }
+    })
 }
 
 /// Smallest periodic block that holds a whole number of wavelengths, with the wave vector that fits it.
