@@ -212,7 +212,7 @@ fn problems_beyond_the_capabilities_of_a_code_are_refused() {
             &format!(
                 "--code lammps-smd-ulsph --wave-vector 0.06283185307179587,0 --branch 2 --steps 32 {law}"
             ),
-            "in so few steps is unstable",
+            "steps is unstable, because the critical step is",
         ),
         (
             &format!("--code lammps-smd-ulsph --wave-vector 3.141592653589793 {law}"),

@@ -51,7 +51,7 @@ impl Column {
         cells.max().unwrap_or(0).max(self.head.chars().count())
     }
 
-    /// Also shows the column in the short table.
+    /// Returns the column as a column of the short table too.
     fn in_short(self) -> Self {
         Self {
             is_in_short: true,

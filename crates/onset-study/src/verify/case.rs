@@ -432,7 +432,7 @@ fn steps(
             if step >= critical {
                 return Err(VerifyError::Wave {
                     what: format!(
-                        "--steps {count}: a run of {} in so few steps is unstable, because the critical step is {}",
+                        "--steps {count}: a run of {} in {count} steps is unstable, because the critical step is {}",
                         exact(duration),
                         exact(critical)
                     ),

@@ -298,8 +298,8 @@ impl<const D: usize> Crystal<D> {
         })
     }
 
-    /// Cuts a free block out of the lattice, with `counts` cells along each primitive vector: [`within`](Self::within) returns none but its particles,
-    /// whose volumes remain those in the lattice.
+    /// Cuts a free block out of the lattice, with `counts` cells along each primitive vector: [`within`](Self::within) returns only its particles,
+    /// whose volumes remain as in the lattice.
     ///
     /// # Errors
     /// [`LatticeError::NoSites`] if a count is zero.
@@ -397,7 +397,7 @@ mod tests {
     }
 
     #[test]
-    fn the_particles_of_a_block_see_none_beyond_its_faces() {
+    fn particles_of_a_block_have_no_neighbors_beyond_its_faces() {
         let square = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
         let block = Crystal::of_lattice(square)
             .block([3, 3])

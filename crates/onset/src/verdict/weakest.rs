@@ -189,13 +189,13 @@ impl<const D: usize> WeakestSearch<'_, D> {
     }
 }
 
-/// Plane on which two waves with the same wave vector are equally long: its unit normal, and its distance from `k = 0`.
+/// Plane on which two equivalent wave vectors are equally long: its unit normal, and its distance from `k = 0`.
 type Kink<const D: usize> = (SVector<f64, D>, f64);
 
 /// Kinks nearer to a wave than a given distance, the nearest first.
 ///
-/// The wave is as long as its image `k - G` on `k.G = |G|^2/2`. Where three waves are equally long, a third plane begins, on which the two images are as
-/// long as each other: the edges of a corner do not all lie on the faces of one zone.
+/// A wave vector and its image `k - G` have equal lengths on `k.G = |G|^2/2`. Where three of them have equal lengths, a third plane begins, on which the
+/// two images have equal lengths: the edges of a corner do not all lie on the faces of one zone.
 fn kinks<const D: usize>(
     wave: &SVector<f64, D>,
     from_others: &[SVector<f64, D>],

@@ -395,7 +395,7 @@ fn along(
 }
 
 #[test]
-fn a_ray_finds_the_exact_boundary_beside_the_edge_of_the_window() {
+fn a_ray_finds_the_exact_boundary_near_the_edge_of_the_window() {
     let radius = 1.9999;
     for n in 0..8 {
         let (sine, cosine) = (0.25 * PI * f64::from(n)).sin_cos();

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector, SVector};
 const THINNEST: usize = 3;
 /// Largest number of particles along the sides of a block, in one to three dimensions.
 const MAXIMUM_SIDE: [usize; 3] = [16, 12, 8];
-/// The same for methods without a moving body, whose stiffness matrix is assembled.
+/// Largest number of cells along the sides of a block, for methods without a moving body, whose stiffness matrix is assembled.
 const MAXIMUM_CELLS: [usize; 3] = [16, 12, 5];
 
 /// Safety factor of the smallest step: waves along faces of other lengths than in these blocks are faster by up to half a percent.
@@ -92,7 +92,7 @@ fn step_of_body<const D: usize>(
     found
 }
 
-/// Critical step of a method on the particles of a block, all of which are in one cell.
+/// Critical step of a method on the particles of a block, which form a single cell.
 fn step_of_cells<const D: usize>(
     block: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
@@ -119,8 +119,8 @@ fn step_of_cells<const D: usize>(
     (step > 0.0 && step.is_finite()).then_some(step)
 }
 
-/// Law with the tangent of one state, `P = P_0 + A (F - F_0)`, so that a law that is a function of another program is evaluated twice and not once for
-/// each particle and each product of the iteration. The reference state keeps its own response, which scales penalties and viscosities.
+/// Law with the tangent of one state, `P = P_0 + A (F - F_0)`. A law that is a function of another program is evaluated only twice, not once for
+/// each particle and each product of the iteration. The reference state keeps its exact response, which scales penalties and viscosities.
 struct LinearSolid<'a> {
     material: &'a dyn Hyperelastic,
     state: Response,
