@@ -296,6 +296,10 @@ fn invalid_settings_and_steps_are_refused() {
             "is not a coefficient",
         ),
         ("limit --vary map.tile --time-step 1", "cannot be varied"),
+        (
+            "limit --vary material.young --time-step 1 --set material.model=neo-hooke --set material.young=1 --set material.poisson=0.7",
+            "error: --set material.poisson=0.7: material.poisson is 0.7",
+        ),
     ] {
         let answer = onset_line(line);
         assert_eq!(answer.code, Some(2), "{line}: {}", answer.stdout);

@@ -279,6 +279,10 @@ impl LimitAnswer {
         let tried = |x| scope.run(|| search.tried(x));
         let grid: Vec<Tried> = values.into_par_iter().map(tried).collect();
         if grid.iter().all(|one| one.note.is_some()) {
+            // If the present value fails too, the reason is another setting and not the range.
+            if let Some(present) = present {
+                search.measured(present)?;
+            }
             search.measured(low).map_err(|source| ProblemError::Range {
                 key: question.key(),
                 low,

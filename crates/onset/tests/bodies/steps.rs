@@ -318,7 +318,7 @@ fn free_blocks_bound_the_steps_of_methods_without_moving_bodies() {
             let own = analysis(&method, Arc::from(law(nu))).expect("a method");
             let (bound, ground) = finite(&*own);
             assert_eq!(ground, FiniteBodyGround::Blocks);
-            let blocks = [[10, 10], [3, 14], [7, 4], [3, 3], [5, 3]];
+            let blocks = [[8, 8], [3, 10], [6, 4], [3, 3], [5, 3]];
             let steps = blocks.map(|cells| step_of_block(&method, nu, cells));
             let least = steps.into_iter().fold(f64::INFINITY, f64::min);
             assert!(
