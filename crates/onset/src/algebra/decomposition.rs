@@ -1,8 +1,9 @@
 //! Eigenvalues of complex matrices of any size with right and left eigenvectors.
 
+use super::schur::schur;
 use super::{Complex, MAXIMUM_ITERATIONS};
 use crate::cancel::checkpoint;
-use nalgebra::{ComplexField, DMatrix, DVector, Dyn, RowDVector, Schur, SymmetricEigen};
+use nalgebra::{ComplexField, DMatrix, DVector, Dyn, RowDVector, SymmetricEigen};
 
 /// Decomposition `A = V diag(values) W` with `W V = 1`: right eigenvectors are columns of `V = Q X`, left ones rows of `W = X^-1 Q*`.
 ///
@@ -109,34 +110,32 @@ impl Decomposition {
 
 /// Eigenvalues of any matrix; `None` if entries are not finite.
 pub(crate) fn any_eigenvalues(matrix: &DMatrix<Complex>) -> Option<Vec<Complex>> {
+    checkpoint();
+    let size = matrix.nrows();
+    let mut own = finite(matrix.clone())?;
+    if schur(size, own.as_mut_slice(), &mut []) {
+        return Some(own.diagonal().iter().copied().collect());
+    }
     let (_, t) = schur_form(matrix)?;
     Some(t.diagonal().iter().copied().collect())
 }
 
 /// Schur form `A = Q T Q*` with a triangular `T`.
 ///
-/// The iteration compares with diagonal entries and may not terminate if several eigenvalues are zero; the matrix is then shifted. It may also stall
-/// if a step leaves the matrix unchanged by symmetry; the matrix is then reflected by a vector without symmetry.
+/// The iteration may stall if a step leaves the matrix unchanged by symmetry; the matrix is then reflected by a vector without symmetry.
 fn schur_form(matrix: &DMatrix<Complex>) -> Option<(DMatrix<Complex>, DMatrix<Complex>)> {
     checkpoint();
     let size = matrix.nrows();
-    let form = |matrix| {
-        let schur = Schur::try_new(matrix, f64::EPSILON, MAXIMUM_ITERATIONS * size);
-        schur.map(Schur::unpack)
+    let form = |mut matrix: DMatrix<Complex>| {
+        let mut q = DMatrix::zeros(size, size);
+        schur(size, matrix.as_mut_slice(), q.as_mut_slice()).then_some((q, matrix))
     };
     let matrix = finite(matrix.clone())?;
-    let shifted = |matrix: &DMatrix<Complex>| {
-        let shift = DMatrix::from_diagonal_element(size, size, Complex::from(matrix.norm()));
-        let (q, t) = form(matrix + &shift)?;
-        Some((q, t - shift))
-    };
-    form(matrix.clone())
-        .or_else(|| shifted(&matrix))
-        .or_else(|| {
-            let mirror = reflection(size);
-            let (q, t) = shifted(&(&mirror * &matrix * &mirror))?;
-            Some((mirror * q, t))
-        })
+    form(matrix.clone()).or_else(|| {
+        let mirror = reflection(size);
+        let (q, t) = form(&mirror * &matrix * &mirror)?;
+        Some((mirror * q, t))
+    })
 }
 
 /// Reflection `1 - 2 w w*`, which is an involution, with a unit vector whose components have equal magnitude and irregular phases.

@@ -56,6 +56,17 @@ pub(super) enum Order {
 pub(super) enum Around<const D: usize> {
     Real(Expansion<f64, D>),
     Complex(MatrixExpansion<D>),
+    Turned(Turned<D>),
+}
+
+/// Derivatives of `D(k)` in the basis of its eigenvectors at a wave vector.
+pub(super) struct Turned<const D: usize> {
+    /// Eigenvalues, the diagonal of the value.
+    pub(super) values: Vec<Complex>,
+    /// Product of the norms of the left and right eigenvectors.
+    pub(super) condition: f64,
+    /// First derivatives by each component of the wave vector, then second derivatives by `a` and `b <= a`.
+    pub(super) parts: Vec<DMatrix<Complex>>,
 }
 
 /// Wave vector in a predicted pocket.
@@ -365,6 +376,9 @@ impl<const D: usize> Pockets<'_, D> {
         };
         let mut outlook = match (self.around)(k, order)? {
             Around::Complex(expansion) => any(&expansion)?,
+            Around::Turned(turned) => {
+                Neighborhood::of_turned(turned, &steps, order)?.outlook(self.threshold, self.rival)
+            }
             Around::Real(expansion) => match Neighborhood::of_real(&expansion, &steps, order) {
                 Some(near) => near.outlook(self.threshold, self.rival),
                 None => any(&expansion.into())?,
@@ -403,6 +417,38 @@ struct Neighborhood<V, M, const D: usize> {
 }
 
 impl<const D: usize> Neighborhood<Vec<Complex>, DMatrix<Complex>, D> {
+    /// Combines derivatives in the basis of the eigenvectors; `None` if these are nearly dependent.
+    fn of_turned(turned: Turned<D>, steps: &SMatrix<f64, D, D>, order: Order) -> Option<Self> {
+        if turned.condition.is_nan() || turned.condition > EIGENVECTOR_CONDITION_LIMIT {
+            return None;
+        }
+        let n = turned.values.len();
+        let parts = &turned.parts;
+        let first = |a: usize| {
+            let entry = |i, j| (0..D).map(|b| parts[b][(i, j)] * steps[(b, a)]).sum();
+            DMatrix::from_fn(n, n, entry)
+        };
+        let second = |a: usize| {
+            let weights: Vec<f64> = (0..D)
+                .flat_map(|b| (0..=b).map(move |c| (b, c)))
+                .map(|(b, c)| {
+                    let times = if b == c { 1.0 } else { 2.0 };
+                    times * steps[(b, a)] * steps[(c, a)]
+                })
+                .collect();
+            let entry = |i, j| {
+                let both = parts[D..].iter().zip(&weights);
+                both.map(|(part, weight)| part[(i, j)] * *weight).sum()
+            };
+            DMatrix::from_fn(n, n, entry)
+        };
+        Some(Self {
+            first: std::array::from_fn(first),
+            second: (order == Order::Second).then(|| std::array::from_fn(second)),
+            values: turned.values,
+        })
+    }
+
     /// Expands any matrix; `None` if its eigenvectors are nearly dependent.
     fn of_any(
         expansion: &MatrixExpansion<D>,

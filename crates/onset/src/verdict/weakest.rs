@@ -148,7 +148,8 @@ impl<const D: usize> WeakestSearch<'_, D> {
         let at = |k: &SVector<f64, D>| self.ratio(k);
         let size = steps.column_iter().map(|step| step.norm());
         let size = size.fold(0.0, f64::max);
-        let inside = settled(&at, start, steps);
+        let all_at = |all: &[SVector<f64, D>]| all.iter().map(at).collect();
+        let inside = settled(&all_at, start, steps);
         let mut best = inside;
         // Cells with several particles have many kinks: only kinks at the end of the descent are searched.
         let skipped = usize::from(self.unfolding.sites() > 1);
@@ -167,7 +168,7 @@ impl<const D: usize> WeakestSearch<'_, D> {
                     continue;
                 };
                 let tangents: Vec<SVector<f64, D>> = tangents.iter().map(|t| t * size).collect();
-                let found = settled_along(&at, (at(&place), place), &tangents);
+                let found = settled_along(&all_at, (at(&place), place), &tangents);
                 if found.0 < best.0 {
                     best = found;
                 }

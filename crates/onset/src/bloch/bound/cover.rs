@@ -204,7 +204,8 @@ fn long_wave<const D: usize>(
         .map(|b| b - direction * (direction.dot(&b) / direction.norm_squared()))
         .map(|across| across * (0.1 * scale))
         .collect();
-    let (value, direction) = settled_along(&limit, start, &steps);
+    let limits = |all: &[SVector<f64, D>]| all.iter().map(limit).collect();
+    let (value, direction) = settled_along(&limits, start, &steps);
     (value, direction.normalize())
 }
 

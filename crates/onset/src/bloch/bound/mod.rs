@@ -85,6 +85,7 @@ fn by_hermitian_part<const D: usize>(
     question: &Question<'_, D>,
 ) -> Option<Covered<D>> {
     let value = |k: &SVector<f64, D>| pencil.at(k);
+    let values = |all: &[SVector<f64, D>]| all.iter().map(value).collect();
     let scale = question.known.abs().max(1.0);
     let steps = pencil.reciprocal() * DESCENT_STEP;
     let part = cover::cover(
@@ -95,7 +96,7 @@ fn by_hermitian_part<const D: usize>(
             widest: WIDEST_GAP * scale,
             budget: question.budget / PART_BUDGET_DIVISOR,
             value: &value,
-            descended: &|start| settled(&value, start, &steps),
+            descended: &|start| settled(&values, start, &steps),
         },
     )?;
     Some(Covered {

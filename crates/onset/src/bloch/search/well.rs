@@ -56,9 +56,10 @@ pub(crate) fn neighbors<const D: usize>(
 const ROUNDS: usize = 64;
 
 /// Refines a local minimum. Each round takes a Newton step with finite differences, which leads downhill at negative curvature, or the best point of
-/// the stencil. The steps shrink once the minimum is within the stencil. `steps` are the initial steps, as columns.
+/// the stencil. The steps shrink once the minimum is within the stencil. `at` evaluates several points at a time; `steps` are the initial steps, as
+/// columns.
 pub(crate) fn settled<const D: usize>(
-    at: &impl Fn(&SVector<f64, D>) -> f64,
+    at: &impl Fn(&[SVector<f64, D>]) -> Vec<f64>,
     start: (f64, SVector<f64, D>),
     steps: &SMatrix<f64, D, D>,
 ) -> (f64, SVector<f64, D>) {
@@ -68,7 +69,7 @@ pub(crate) fn settled<const D: usize>(
 
 /// Refines a local minimum within the space spanned by some initial steps.
 pub(crate) fn settled_along<const D: usize>(
-    at: &impl Fn(&SVector<f64, D>) -> f64,
+    at: &impl Fn(&[SVector<f64, D>]) -> Vec<f64>,
     start: (f64, SVector<f64, D>),
     steps: &[SVector<f64, D>],
 ) -> (f64, SVector<f64, D>) {
@@ -85,41 +86,56 @@ pub(crate) fn settled_along<const D: usize>(
         let (before, center) = best;
         // Largest weight of the best point: if it is one, the point lies at the edge of the stencil, and the minimum may be beyond.
         let mut moved = 0.0;
-        let mut ask = |weights: &dyn Fn(usize) -> f64| {
-            let both = steps.iter().enumerate();
-            let move_by: SVector<f64, D> = both.map(|(i, step)| step * (weights(i) * size)).sum();
-            let k = center + move_by;
-            let value = at(&k);
-            if value < best.0 {
-                best = (value, k);
-                moved = (0..count).map(|i| weights(i).abs()).fold(0.0, f64::max);
+        let mut ask = |places: &[Vec<f64>]| -> Vec<f64> {
+            let moved_by = |weights: &Vec<f64>| -> SVector<f64, D> {
+                let both = steps.iter().zip(weights);
+                both.map(|(step, weight)| step * (weight * size)).sum()
+            };
+            let points: Vec<SVector<f64, D>> =
+                places.iter().map(|own| center + moved_by(own)).collect();
+            let values = at(&points);
+            for ((weights, k), value) in places.iter().zip(points).zip(&values) {
+                if *value < best.0 {
+                    best = (*value, k);
+                    moved = weights.iter().map(|x| x.abs()).fold(0.0, f64::max);
+                }
             }
-            value
+            values
         };
-        let unit = |i: usize, s: f64| move |j: usize| if i == j { s } else { 0.0 };
+        let place = |of: &dyn Fn(usize) -> f64| (0..count).map(of).collect::<Vec<f64>>();
+        let beside = |n: usize| {
+            let side = if n % 2 == 0 { 1.0 } else { -1.0 };
+            place(&|j| if j == n / 2 { side } else { 0.0 })
+        };
+        let beside: Vec<_> = (0..2 * count).map(beside).collect();
+        let values = ask(&beside);
         let (mut gradient, mut hessian) = (DVector::zeros(count), DMatrix::zeros(count, count));
-        for i in 0..count {
-            let (plus, minus) = (ask(&unit(i, 1.0)), ask(&unit(i, -1.0)));
-            gradient[i] = 0.5 * (plus - minus);
-            hessian[(i, i)] = plus + minus - 2.0 * before;
+        for (i, pair) in values.chunks_exact(2).enumerate() {
+            gradient[i] = 0.5 * (pair[0] - pair[1]);
+            hessian[(i, i)] = pair[0] + pair[1] - 2.0 * before;
         }
-        for i in 0..count {
-            for j in 0..i {
-                let corner = |s: f64| {
-                    move |l: usize| match l {
-                        _ if l == i => 1.0,
-                        _ if l == j => s,
-                        _ => 0.0,
-                    }
-                };
-                let mixed = 0.5 * (ask(&corner(1.0)) - ask(&corner(-1.0))) - gradient[j];
-                hessian[(i, j)] = mixed;
-                hessian[(j, i)] = mixed;
-            }
+        let pairs: Vec<[usize; 2]> = (0..count)
+            .flat_map(|i| (0..i).map(move |j| [i, j]))
+            .collect();
+        let corner = |[i, j]: [usize; 2], side: f64| {
+            place(&|l| match l {
+                _ if l == i => 1.0,
+                _ if l == j => side,
+                _ => 0.0,
+            })
+        };
+        let corners = pairs
+            .iter()
+            .flat_map(|pair| [1.0, -1.0].map(|side| corner(*pair, side)));
+        let values = ask(&corners.collect::<Vec<_>>());
+        for ([i, j], ends) in pairs.into_iter().zip(values.chunks_exact(2)) {
+            let mixed = 0.5 * (ends[0] - ends[1]) - gradient[j];
+            hessian[(i, j)] = mixed;
+            hessian[(j, i)] = mixed;
         }
         if let Some(step) = downhill(hessian, &gradient) {
             let bounded = 2.0 / step.amax().max(2.0);
-            ask(&|i| bounded * step[i]);
+            ask(&[place(&|i| bounded * step[i])]);
         }
         size *= match moved {
             0.0 => 0.25,

@@ -46,7 +46,7 @@ impl<const D: usize> MatrixExpansion<D> {
     }
 
     /// Product of two expansions by Leibniz' rule.
-    fn times(&self, other: &Self) -> Self {
+    pub(super) fn times(&self, other: &Self) -> Self {
         let (x, y) = (self, other);
         Self::from_parts(|indices| match *indices {
             [] => &x.value * &y.value,

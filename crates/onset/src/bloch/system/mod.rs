@@ -6,6 +6,7 @@
 
 mod expansion;
 mod long_wave;
+mod sampled;
 mod spectrum;
 mod sum;
 mod zone;

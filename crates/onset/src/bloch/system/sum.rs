@@ -248,6 +248,11 @@ impl<const D: usize> BlochSum<D> {
         }
     }
 
+    /// Primitive vectors of the lattice.
+    pub(super) fn primitive(&self) -> &[SVector<f64, D>; D] {
+        &self.primitive
+    }
+
     /// Number of rows, `D n`.
     pub fn size(&self) -> usize {
         D * self.sites.len()

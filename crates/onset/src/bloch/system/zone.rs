@@ -14,17 +14,17 @@
 //! compare random states with a dense search.
 
 use super::WaveSystem;
-use crate::algebra::{Complex, Decomposition, Each, lowest_between, sort_by_value};
+use super::sampled::{LARGE_CELL_SIZE, Sampled, Spectra};
+use crate::algebra::{Complex, Decomposition, Each, array_of, lowest_between, sort_by_value};
 use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, WIDEST_GAP, cover_system};
 use crate::bloch::branches::Taylor;
-use crate::bloch::pocket::{Around, HALVED_STEP_POINTS, Pockets};
+use crate::bloch::pocket::{HALVED_STEP_POINTS, Pockets};
 use crate::bloch::search::{
     Flutter, LONG_WAVE_FRACTION, RELAXED_RAY_STEPS, is_well, neighbors, settled,
 };
 use crate::bloch::short_range::ShortRange;
 use crate::bloch::{Judgment, Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
 use crate::continuum::{AcousticMinimum, Stiffness};
-use crate::cores::of_each_long;
 use crate::lattice::{WaveGrid, grid_coordinates};
 use nalgebra::{DVector, SMatrix, SVector};
 use std::convert::Infallible;
@@ -58,8 +58,6 @@ const KNOWN_BOTTOM_STEPS: f64 = 0.02;
 const BOX_DIVISIONS: usize = 2;
 /// Number of lowest branches that are checked for wells between the grid points.
 const TRACKED_BRANCHES: usize = 3;
-/// Minimum number of degrees of freedom of a large cell. Each eigenvalue problem then uses a separate core, and fewer descents start.
-const LARGE_CELL_SIZE: usize = 24;
 /// Minimum number of degrees of freedom of a huge cell. Its zone is so small that a few grid points resolve it.
 const HUGE_CELL_SIZE: usize = 96;
 /// Change of a branch within half a grid step, as a fraction of its change within a whole step. It exceeds one half because branches curve.
@@ -71,6 +69,12 @@ const DAMPED_GRID_POINTS: usize = 12;
 const DAMPED_WELLS: usize = 4;
 /// Half the side of the cube of points around `k = 0`, in grid steps: the largest shell of long waves.
 const SHELL_STEPS: usize = 4;
+
+/// Objective of the lowest branches at a wave vector, lowest first; infinite where there are fewer.
+type Branches = [f64; TRACKED_BRANCHES];
+
+/// Branches at long waves, which are not sampled.
+const UNKNOWN: Branches = [f64::INFINITY; TRACKED_BRANCHES];
 
 /// Value of the objective, and its wave vector.
 type Candidate<const D: usize> = (f64, SVector<f64, D>);
@@ -301,6 +305,7 @@ impl<const D: usize> ZoneSearch<D> {
 struct Sweep<'a, const D: usize> {
     search: &'a ZoneSearch<D>,
     system: &'a WaveSystem<D>,
+    sampled: Box<dyn Sampled<D> + 'a>,
     /// True if lower bounds are requested; they cost several times the search.
     is_bounded: bool,
     /// Objective function for [`Objective::Function`].
@@ -308,7 +313,7 @@ struct Sweep<'a, const D: usize> {
     effort: Effort,
     waves: Arc<WaveGrid<D>>,
     /// `omega^2` at half of the grid, computed when first needed. The wave vector `-k` has the complex conjugates.
-    spectra: OnceLock<Vec<Vec<Complex>>>,
+    spectra: OnceLock<Spectra>,
     /// `omega^2` at `k = 0`, without free translations.
     at_gamma: Vec<Complex>,
     /// Long-wave stiffness, with the two estimates of its rounding error below.
@@ -380,7 +385,7 @@ impl Effort {
 struct Region<const D: usize> {
     center: SVector<f64, D>,
     /// Objective of the lowest branches at the center.
-    branches: Vec<f64>,
+    branches: Branches,
     /// Branch that can fall lowest in the box, its estimated lower limit from the slope, and its expected minimum.
     branch: usize,
     bound: f64,
@@ -396,8 +401,8 @@ struct Fall {
 
 impl<const D: usize> Region<D> {
     /// Creates a box from the estimated fall of each branch.
-    fn new(center: SVector<f64, D>, branches: Vec<f64>, falls: impl Fn(usize) -> Fall) -> Self {
-        let lowest = branches.iter().take(TRACKED_BRANCHES).enumerate();
+    fn new(center: SVector<f64, D>, branches: Branches, falls: impl Fn(usize) -> Fall) -> Self {
+        let lowest = branches.iter().enumerate();
         let bounds = lowest.map(|(n, value)| (n, value - falls(n).most, value - falls(n).expected));
         let (branch, bound, expected) =
             bounds
@@ -455,6 +460,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         Self {
             search,
             system,
+            sampled: system.sampled(),
             is_bounded,
             function: None,
             effort: Effort::of(system),
@@ -517,10 +523,11 @@ impl<'a, const D: usize> Sweep<'a, D> {
             return diverges(long.rest.scaled, None);
         }
         // One witness is enough: a known one, or one on the grid.
-        let known = beside.iter().map(|k| (*k, self.system.omega_squared(k)));
-        let mut known = known.filter_map(|(k, spectrum)| self.witness(&long, k, &spectrum));
+        let spectra = self.sampled.spectra(beside);
+        let known = beside.iter().zip(spectra.iter());
+        let mut known = known.filter_map(|(k, spectrum)| self.witness(&long, *k, spectrum));
         let sampled = || {
-            let grid = half(&self.waves).into_iter().zip(self.spectra());
+            let grid = half(&self.waves).into_iter().zip(self.spectra().iter());
             let sampled = grid.filter_map(|(k, spectrum)| self.witness(&long, k, spectrum));
             sampled.min_by(|a, b| a.0.total_cmp(&b.0))
         };
@@ -705,9 +712,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Wave vectors in pockets of complex `omega^2` in which waves may grow faster than `rival`.
     fn pockets(&self, rival: f64) -> Vec<SVector<f64, D>> {
         let pockets = Pockets {
-            around: &|k, _| {
-                (!self.is_long(k)).then(|| Around::Complex(self.system.expansion_at(k)))
-            },
+            around: &|k, _| (!self.is_long(k)).then(|| self.sampled.around(k)).flatten(),
             is_large: self.effort.is_large,
             steps: self.search.reference().reciprocal() / self.waves.resolution() as f64,
             threshold: self.search.flutter_threshold(self.system.sites()),
@@ -720,11 +725,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
     }
 
     /// `omega^2` at half of the grid.
-    fn spectra(&self) -> &[Vec<Complex>] {
-        self.spectra.get_or_init(|| {
-            let spectrum = |k| self.system.omega_squared(&k);
-            of_each_long(self.effort.is_large, half(&self.waves), spectrum)
-        })
+    fn spectra(&self) -> &Spectra {
+        let sample = || self.sampled.spectra(&half(&self.waves));
+        self.spectra.get_or_init(sample)
     }
 
     /// Smallest value of an objective below `floor`: by branch and bound if possible, otherwise sampled.
@@ -835,7 +838,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Largest growth rate of complex `omega^2` on the grid and at `k = 0`, with its wave vector; the value has a minus sign.
     fn fastest_sampled(&self) -> Candidate<D> {
         let fastest = |spectrum: &[Complex]| complex_growth(spectrum).fold(0.0, f64::min);
-        let waves = half(&self.waves).into_iter().zip(self.spectra());
+        let waves = half(&self.waves).into_iter().zip(self.spectra().iter());
         let sampled = waves.filter(|(k, _)| !self.is_long(k));
         let sampled = sampled.map(|(k, spectrum)| (fastest(spectrum), k));
         let at_gamma = (fastest(&self.at_gamma), SVector::zeros());
@@ -881,44 +884,55 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .map(|(_, k)| self.fluttering(&k))
     }
 
-    /// Objective of all branches at a wave vector, lowest first, from its spectrum.
+    /// Objective of the lowest branches at a wave vector, lowest first, from its spectrum.
     fn branches(
         &self,
         objective: Objective,
         k: &SVector<f64, D>,
         spectrum: &[Complex],
-    ) -> Vec<f64> {
+    ) -> Branches {
+        let mut lowest = UNKNOWN;
         if self.is_long(k) {
-            return vec![f64::INFINITY];
+            return lowest;
         }
-        let mut values: Vec<f64> = match objective {
-            Objective::Scaled => spectrum.iter().map(|z| self.scaled(k, z.re)).collect(),
-            Objective::Lowest => spectrum.iter().map(|z| z.re).collect(),
-            Objective::Highest => spectrum.iter().map(|z| -z.re).collect(),
-            Objective::Growth => complex_growth(spectrum).collect(),
+        let noise = ROUNDING_FACTOR * self.system.noise();
+        let scale = self.search.speed_squared() * self.search.reference().laplacian(k);
+        let mut insert = |mut value: f64| {
+            for place in &mut lowest {
+                if value.total_cmp(place).is_lt() {
+                    std::mem::swap(place, &mut value);
+                }
+            }
+        };
+        match objective {
+            Objective::Scaled => spectrum
+                .iter()
+                .for_each(|z| insert(scaled(z.re, noise, scale))),
+            Objective::Lowest => spectrum.iter().for_each(|z| insert(z.re)),
+            Objective::Highest => spectrum.iter().for_each(|z| insert(-z.re)),
+            Objective::Growth => complex_growth(spectrum).for_each(insert),
             Objective::Function => self
                 .function
-                .map(|function| function(k))
-                .into_iter()
-                .collect(),
-        };
-        values.sort_by(f64::total_cmp);
-        if values.is_empty() {
-            values.push(f64::INFINITY);
+                .iter()
+                .for_each(|function| insert(function(k))),
         }
-        values
+        lowest
     }
 
     fn value(&self, objective: Objective, k: &SVector<f64, D>) -> f64 {
-        self.branches_at(objective, k)[0]
+        self.branches_at(objective, &[*k])[0][0]
     }
 
-    /// Objective of all branches at a wave vector whose spectrum is not yet known.
-    fn branches_at(&self, objective: Objective, k: &SVector<f64, D>) -> Vec<f64> {
-        match objective {
-            Objective::Function => self.branches(objective, k, &[]),
-            _ => self.branches(objective, k, &self.system.omega_squared(k)),
+    /// Objective of the lowest branches at wave vectors whose spectra are not yet known.
+    fn branches_at(&self, objective: Objective, wave_vectors: &[SVector<f64, D>]) -> Vec<Branches> {
+        let all = wave_vectors.iter();
+        if objective == Objective::Function {
+            return all.map(|k| self.branches(objective, k, &[])).collect();
         }
+        let spectra = self.sampled.spectra(wave_vectors);
+        all.zip(spectra.iter())
+            .map(|(k, spectrum)| self.branches(objective, k, spectrum))
+            .collect()
     }
 
     /// Scaled measure `omega^2 / (c^2 |k|_h^2)` of a squared frequency.
@@ -926,10 +940,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Rounding of `omega^2`, which does not decrease with the wave vector, counts as zero. Otherwise zero-energy modes would seem to grow for long
     /// waves.
     fn scaled(&self, k: &SVector<f64, D>, omega_squared: f64) -> f64 {
-        if omega_squared.abs() <= ROUNDING_FACTOR * self.system.noise() {
-            return 0.0;
-        }
-        omega_squared / (self.search.speed_squared() * self.search.reference().laplacian(k))
+        let scale = self.search.speed_squared() * self.search.reference().laplacian(k);
+        scaled(omega_squared, ROUNDING_FACTOR * self.system.noise(), scale)
     }
 
     /// Returns true if the wave vector is so close to zero, or to a reciprocal vector, that the long-wave limit represents it.
@@ -949,15 +961,13 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Ends of all descents that may fall below `floor` and below the bottoms found before.
     fn bottoms(&self, objective: Objective, floor: f64) -> Vec<Candidate<D>> {
         let wave_vectors = half(&self.waves);
-        let branches: Vec<Vec<f64>> = match objective {
-            Objective::Function => {
-                let waves = wave_vectors.iter();
-                waves.map(|k| self.branches_at(objective, k)).collect()
-            }
+        let branches: Vec<Branches> = match objective {
+            Objective::Function => self.branches_at(objective, &wave_vectors),
             _ => {
-                let waves = wave_vectors.iter().zip(self.spectra());
-                let branches = |(k, spectrum): (_, &Vec<_>)| self.branches(objective, k, spectrum);
-                waves.map(branches).collect()
+                let waves = wave_vectors.iter().zip(self.spectra().iter());
+                waves
+                    .map(|(k, spectrum)| self.branches(objective, k, spectrum))
+                    .collect()
             }
         };
         let mut ends: Vec<Candidate<D>> = Vec::new();
@@ -1033,11 +1043,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let value = |n: usize| shells.get(n).map_or(f64::INFINITY, |shell| shell.1.0);
         for (n, (size, start)) in shells.iter().enumerate() {
             if start.0 <= value(n.wrapping_sub(1)) && start.0 <= value(n + 1) {
-                ends.push(settled(
-                    &|k| self.value(objective, k),
-                    *start,
-                    &(step * *size),
-                ));
+                ends.push(self.settled(objective, *start, &(step * *size)));
             }
         }
         least_of_all(ends)
@@ -1045,8 +1051,10 @@ impl<'a, const D: usize> Sweep<'a, D> {
 
     /// Starts of descents along a ray, given one grid step along it. In large cells only the lowest of them.
     fn along_ray(&self, objective: Objective, step: &SVector<f64, D>) -> Vec<Candidate<D>> {
-        let start = |steps: f64| (self.value(objective, &(step * steps)), step * steps);
-        let mut starts = RELAXED_RAY_STEPS.each(start).to_vec();
+        let ray = RELAXED_RAY_STEPS.each(|steps| step * steps);
+        let values = self.branches_at(objective, &ray);
+        let mut starts: Vec<Candidate<D>> =
+            values.iter().zip(ray).map(|(own, k)| (own[0], k)).collect();
         if self.effort.is_large {
             sort_by_value(&mut starts, |start| start.0);
             starts.truncate(1);
@@ -1085,7 +1093,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
     }
 
     /// Distinct wells of the grid, deepest first: value, height of the highest neighbor above it, and index.
-    fn wells(&self, branches: &[Vec<f64>]) -> Vec<(f64, f64, usize)> {
+    fn wells(&self, branches: &[Branches]) -> Vec<(f64, f64, usize)> {
         let n = self.waves.resolution();
         let values: Vec<f64> = branches.iter().map(|branches| branches[0]).collect();
         let relief = |index: usize| {
@@ -1110,14 +1118,14 @@ impl<'a, const D: usize> Sweep<'a, D> {
     fn regions(
         &self,
         objective: Objective,
-        branches: Vec<Vec<f64>>,
+        branches: Vec<Branches>,
         below: f64,
         known: &[Candidate<D>],
     ) -> Vec<Region<D>> {
         let (n, count) = (self.waves.resolution(), branches.len());
         let fall = |around: &[usize], index: usize, branch: usize| {
             let change = |other: &usize| {
-                let change = branches[*other].get(branch)? - branches[index][branch];
+                let change = branches[*other][branch] - branches[index][branch];
                 change.is_finite().then_some(change)
             };
             let falls = around.iter().zip(around.iter().rev()).map(|pair| {
@@ -1132,8 +1140,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let around = |index: usize| {
             // Opposite neighbors have the same distance from the ends of the list.
             let around: Vec<usize> = neighbors::<D>(index, n, count).collect();
-            let own = branches[index].clone();
-            Region::new(wave_vectors[index], own, |branch| {
+            Region::new(wave_vectors[index], branches[index], |branch| {
                 fall(&around, index, branch)
             })
         };
@@ -1141,7 +1148,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         // No grid point describes the neighborhood of `k = 0`.
         regions.push(Region {
             center: SVector::zeros(),
-            branches: Vec::new(),
+            branches: UNKNOWN,
             branch: 0,
             bound: f64::NEG_INFINITY,
             expected: f64::NEG_INFINITY,
@@ -1151,9 +1158,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         for _ in 0..BOX_DIVISIONS {
             regions.retain(|region| !self.is_known(region, known, side));
             chosen(&mut regions, below, self.effort.boxes);
-            let divided = |region| self.divided(objective, &region, &step);
-            let parts = of_each_long(self.effort.is_large, regions, divided);
-            regions = parts.into_iter().flatten().collect();
+            regions = self.divided(objective, &regions, &step);
             step *= 0.5;
             side *= 0.5;
         }
@@ -1165,36 +1170,29 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Returns true if a box, with the given side in grid steps, contains a known bottom of its lowest branch.
     fn is_known(&self, region: &Region<D>, known: &[Candidate<D>], side: f64) -> bool {
         let is_near = |end: &Candidate<D>| self.steps_between(&region.center, &end.1) <= side;
-        region.branch == 0 && !region.branches.is_empty() && known.iter().any(is_near)
+        region.branch == 0 && region.branches[0].is_finite() && known.iter().any(is_near)
     }
 
-    /// Divides a box with the given sides into halves along each axis.
+    /// Divides boxes with the given sides into halves along each axis.
     fn divided(
         &self,
         objective: Objective,
-        region: &Region<D>,
+        regions: &[Region<D>],
         sides: &SMatrix<f64, D, D>,
     ) -> Vec<Region<D>> {
-        let parts: Vec<(SVector<f64, D>, Vec<f64>)> = (0..2_usize.pow(D as u32))
-            .map(|part| {
-                let corner = grid_coordinates::<D>(part, 2).each(|side| 0.5 * side as f64 - 0.25);
-                let k = region.center + sides * SVector::from(corner);
-                (k, self.branches_at(objective, &k))
-            })
-            .collect();
-        // The distance from the center to the centers of the parts equals the distance from these to their corners.
-        let fall = |branch: usize| {
-            let values = || parts.iter().filter_map(|part| part.1.get(branch));
-            let middle = match region.branches.get(branch) {
-                Some(value) if value.is_finite() => *value,
-                _ => values().copied().fold(f64::INFINITY, f64::min),
-            };
-            let changes = values().map(|value| (value - middle).abs());
-            changes.filter(|x| x.is_finite()).fold(0.0, f64::max)
+        let corner = |part: usize| {
+            let sides = grid_coordinates::<D>(part, 2);
+            SVector::from(sides.each(|side| 0.5 * side as f64 - 0.25))
         };
-        let falls: Vec<Fall> = (0..TRACKED_BRANCHES).map(fall).map(Fall::of).collect();
-        let part = |(k, branches)| Region::new(k, branches, |branch| falls[branch]);
-        parts.into_iter().map(part).collect()
+        let centers: Vec<SVector<f64, D>> = regions
+            .iter()
+            .flat_map(|region| (0..1 << D).map(|part| region.center + sides * corner(part)))
+            .collect();
+        let branches = self.branches_at(objective, &centers);
+        let parts = centers.chunks(1 << D).zip(branches.chunks(1 << D));
+        let both = regions.iter().zip(parts);
+        both.flat_map(|(region, (centers, branches))| parts_of(region, centers, branches))
+            .collect()
     }
 
     /// Distance of two wave vectors in grid steps, modulo reciprocal vectors.
@@ -1218,7 +1216,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
     ) -> Candidate<D> {
         let step = self.search.reference().reciprocal() / self.waves.resolution() as f64;
         if objective == Objective::Function {
-            return settled(&|k| self.value(objective, k), start, &step);
+            return self.settled(objective, start, &step);
         }
         let taylor = |k: &SVector<f64, D>| self.taylor(objective, branch, k);
         // At the edge of a pocket the growth rate is a square root, so that no parabola predicts its minimum.
@@ -1238,7 +1236,21 @@ impl<'a, const D: usize> Sweep<'a, D> {
         if (is_settled && branch == 0) || end.0 >= floor || known.iter().any(is_known) {
             return end;
         }
-        settled(&|k| self.value(objective, k), end, &step)
+        self.settled(objective, end, &step)
+    }
+
+    /// Local minimum of the lowest branch, by finite differences with the given initial steps.
+    fn settled(
+        &self,
+        objective: Objective,
+        start: Candidate<D>,
+        steps: &SMatrix<f64, D, D>,
+    ) -> Candidate<D> {
+        let lowest = |wave_vectors: &[SVector<f64, D>]| {
+            let branches = self.branches_at(objective, wave_vectors).into_iter();
+            branches.map(|own| own[0]).collect()
+        };
+        settled(&lowest, start, steps)
     }
 
     /// Taylor expansion of a branch of an objective; `None` for long waves.
@@ -1251,16 +1263,12 @@ impl<'a, const D: usize> Sweep<'a, D> {
         if self.is_long(k) {
             return None;
         }
-        let expansion = self.system.expansion_at(k);
-        let all = self.system.decomposed(&expansion)?;
-        let mut numbers: Vec<usize> = (0..all.values.len()).collect();
-        let of = |n: &usize| match objective {
-            Objective::Highest => -all.values[*n].re,
-            Objective::Growth => -growth_rate(all.values[*n]),
-            _ => all.values[*n].re,
+        let order = |omega_squared: Complex| match objective {
+            Objective::Highest => -omega_squared.re,
+            Objective::Growth => -growth_rate(omega_squared),
+            _ => omega_squared.re,
         };
-        sort_by_value(&mut numbers, of);
-        let value = expansion.branch(&all, *numbers.get(branch)?);
+        let value = self.sampled.branch(k, &order, branch)?;
         Some(match objective {
             Objective::Scaled => self.search.scaled(&value.map(|z| z.re), k),
             Objective::Highest => value.map(|z| -z.re),
@@ -1318,6 +1326,37 @@ impl<'a, const D: usize> Sweep<'a, D> {
             scaled,
             polarization: SVector::from_fn(|i, _| Complex::new(f64::from(u8::from(i == 0)), 0.0)),
         }
+    }
+}
+
+/// Parts of a box, given the branches at their centers.
+fn parts_of<const D: usize>(
+    region: &Region<D>,
+    centers: &[SVector<f64, D>],
+    branches: &[Branches],
+) -> Vec<Region<D>> {
+    // The distance from the center to the centers of the parts equals the distance from these to their corners.
+    let fall = |branch: usize| {
+        let values = || branches.iter().map(|part| part[branch]);
+        let middle = match region.branches[branch] {
+            value if value.is_finite() => value,
+            _ => values().fold(f64::INFINITY, f64::min),
+        };
+        let changes = values().map(|value| (value - middle).abs());
+        changes.filter(|x| x.is_finite()).fold(0.0, f64::max)
+    };
+    let falls: [Fall; TRACKED_BRANCHES] = array_of(|branch| Fall::of(fall(branch)));
+    let parts = centers.iter().zip(branches);
+    parts
+        .map(|(k, branches)| Region::new(*k, *branches, |branch| falls[branch]))
+        .collect()
+}
+
+/// Scaled measure of a squared frequency, in which rounding counts as zero; `scale` is `c^2 |k|_h^2`.
+fn scaled(omega_squared: f64, noise: f64, scale: f64) -> f64 {
+    match omega_squared.abs() <= noise {
+        true => 0.0,
+        false => omega_squared / scale,
     }
 }
 

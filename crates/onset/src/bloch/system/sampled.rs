@@ -1,0 +1,653 @@
+//! Matrices of plane waves at many wave vectors.
+//!
+//! A search asks for spectra at many wave vectors, and for one branch with its derivatives at a few. [`Sampled`] is what it knows of a system. Small
+//! cells with lumped masses are answered by a [`FlatSum`], eight wave vectors at a time and without heap matrices for each of them; all others by the
+//! system itself.
+
+use super::expansion::MatrixExpansion;
+use super::spectrum::general_eigenvalues;
+use super::{BlochSum, Mass, WaveSystem};
+use crate::algebra::{
+    Complex, Decomposition, Pair, ROTATED_ROWS, array_of, diagonalize, schur, sort_by_value,
+    without_rounding,
+};
+use crate::bloch::branches::Taylor;
+use crate::bloch::pocket::{Around, Turned};
+use crate::cancel::checkpoint;
+use crate::cores::of_each_long;
+use crate::real::{LANES, Lanes, Real, Work};
+use nalgebra::{DMatrix, SMatrix, SVector};
+use std::collections::BTreeMap;
+
+/// Minimum number of degrees of freedom of a large cell. Each of its eigenvalue problems is worth a core, and fewer descents start.
+pub(super) const LARGE_CELL_SIZE: usize = 24;
+
+/// Matrix of plane waves that is evaluated at many wave vectors.
+pub(super) trait Sampled<const D: usize>: Sync {
+    /// All `omega^2` at each wave vector by increasing real part.
+    fn spectra(&self, wave_vectors: &[SVector<f64, D>]) -> Spectra;
+
+    /// `D(k)` with its derivatives, for the prediction of pockets; `None` if entries are not finite.
+    fn around(&self, k: &SVector<f64, D>) -> Option<Around<D>>;
+
+    /// Taylor expansion of the branch with a number in the order of a value of `omega^2`.
+    fn branch(
+        &self,
+        k: &SVector<f64, D>,
+        order: &dyn Fn(Complex) -> f64,
+        number: usize,
+    ) -> Option<Taylor<Complex, D>>;
+}
+
+/// Values of `omega^2` at several wave vectors.
+pub(super) struct Spectra {
+    size: usize,
+    values: Vec<Complex>,
+}
+
+impl Spectra {
+    /// Iterates over the spectra.
+    pub(super) fn iter(&self) -> impl Iterator<Item = &[Complex]> {
+        self.values.chunks_exact(self.size)
+    }
+}
+
+impl<const D: usize> WaveSystem<D> {
+    /// Form of the system in which it is evaluated fastest.
+    pub(super) fn sampled(&self) -> Box<dyn Sampled<D> + '_> {
+        match FlatSum::of_system(self) {
+            Some(sum) => Box::new(sum),
+            None => Box::new(self),
+        }
+    }
+}
+
+impl<const D: usize> Sampled<D> for &WaveSystem<D> {
+    fn spectra(&self, wave_vectors: &[SVector<f64, D>]) -> Spectra {
+        let spectrum = |k: &SVector<f64, D>| self.omega_squared(k);
+        let is_large = self.size() >= LARGE_CELL_SIZE;
+        let all = of_each_long(is_large, wave_vectors.iter().collect(), spectrum);
+        Spectra {
+            size: self.size(),
+            values: all.into_iter().flatten().collect(),
+        }
+    }
+
+    fn around(&self, k: &SVector<f64, D>) -> Option<Around<D>> {
+        Some(Around::Complex(self.expansion_at(k)))
+    }
+
+    fn branch(
+        &self,
+        k: &SVector<f64, D>,
+        order: &dyn Fn(Complex) -> f64,
+        number: usize,
+    ) -> Option<Taylor<Complex, D>> {
+        let expansion = self.expansion_at(k);
+        let all = self.decomposed(&expansion)?;
+        let mut numbers: Vec<usize> = (0..all.values.len()).collect();
+        sort_by_value(&mut numbers, |n| order(all.values[*n]));
+        Some(expansion.branch(&all, *numbers.get(number)?))
+    }
+}
+
+/// Block of a pair of particles, by the first row and column of its entries and the number of its cell.
+#[derive(Clone, Copy, Debug)]
+struct Bond {
+    row: usize,
+    column: usize,
+    cell: usize,
+}
+
+/// Lattice sum of blocks with the phases of their cells, in flat arrays.
+///
+/// Phases of sites within a cell are left out: they turn the coordinates and change no eigenvalue. Entries of a block are multiplied by two factors:
+/// its real part by that of the cosine, its imaginary part by that of the sine. For Hermitian systems only the upper triangle is summed, and a pair of
+/// equal sites stands for both directions.
+struct FlatSum<const D: usize> {
+    size: usize,
+    is_hermitian: bool,
+    /// Rounding error of an entry. 1/time^2.
+    noise: f64,
+    primitive: [SVector<f64, D>; D],
+    cells: Vec<([i32; D], SVector<f64, D>)>,
+    reach: usize,
+    bonds: Vec<Bond>,
+    /// Factors of each entry of each bond, by rows.
+    factors: Vec<[f64; 2]>,
+    /// Smoothing of the velocities, from the right.
+    drift: Option<Box<FlatSum<D>>>,
+}
+
+impl<const D: usize> FlatSum<D> {
+    /// `D(k)` of a system, or a Hermitian matrix with its eigenvalues; `None` for large cells and consistent masses.
+    fn of_system(system: &WaveSystem<D>) -> Option<Self> {
+        let Mass::Lumped(masses) = system.mass() else {
+            return None;
+        };
+        if system.size() > ROTATED_ROWS {
+            return None;
+        }
+        let is_hermitian = system.is_hermitian();
+        let weight = |from: usize, to: usize| match is_hermitian {
+            true => (masses[from] * masses[to]).sqrt().recip(),
+            false => masses[from].recip(),
+        };
+        let mut own = Self::of_sum(system.stiffness(), is_hermitian, weight);
+        own.noise = system.noise();
+        own.drift = system
+            .drift()
+            .map(|drift| Box::new(Self::of_sum(drift, false, |_, _| 1.0)));
+        Some(own)
+    }
+
+    fn of_sum(sum: &BlochSum<D>, is_hermitian: bool, weight: impl Fn(usize, usize) -> f64) -> Self {
+        let mut blocks = BTreeMap::<(usize, usize, [i32; D]), SMatrix<f64, D, D>>::new();
+        for (from, to, block) in sum.blocks() {
+            let block = block * weight(from, to.site);
+            let back: [i32; D] = array_of(|a| -to.cell[a]);
+            let is_reversed = is_hermitian && (from, back) > (to.site, to.cell);
+            let (key, block) = match is_reversed {
+                true => ((to.site, from, back), block.transpose()),
+                false => ((from, to.site, to.cell), block),
+            };
+            let share = if is_hermitian { 0.5 } else { 1.0 };
+            *blocks.entry(key).or_insert_with(SMatrix::zeros) += block * share;
+        }
+        let mut own = Self {
+            size: sum.size(),
+            is_hermitian,
+            noise: 0.0,
+            primitive: *sum.primitive(),
+            cells: Vec::new(),
+            reach: sum.reach(),
+            bonds: Vec::new(),
+            factors: Vec::new(),
+            drift: None,
+        };
+        let mut numbers = BTreeMap::new();
+        for ((from, to, cell), block) in blocks {
+            let number = *numbers.entry(cell).or_insert_with(|| {
+                let parts = own.primitive.iter().zip(cell);
+                let vector = parts.map(|(a, n)| a * f64::from(n)).sum();
+                own.cells.push((cell, vector));
+                own.cells.len() - 1
+            });
+            own.bonds.push(Bond {
+                row: D * from,
+                column: D * to,
+                cell: number,
+            });
+            let both = is_hermitian && from == to;
+            own.factors.extend((0..D * D).map(|e| {
+                let (x, y) = (block[(e / D, e % D)], block[(e % D, e / D)]);
+                if both { [x + y, x - y] } else { [x, x] }
+            }));
+        }
+        own
+    }
+
+    /// Sums of the blocks times the phases of the cells.
+    #[inline(always)]
+    fn summed(&self, phases: &[Pair<Lanes>], matrix: &mut [Pair<Lanes>]) {
+        matrix.fill([Lanes::constant(0.0); 2]);
+        for (bond, factors) in self.bonds.iter().zip(self.factors.chunks_exact(D * D)) {
+            let [cosine, sine] = phases[bond.cell];
+            for i in 0..D {
+                let place = (bond.row + i) * self.size + bond.column;
+                for (entry, [a, b]) in matrix[place..place + D].iter_mut().zip(&factors[D * i..]) {
+                    entry[0] = entry[0] + cosine * *a;
+                    entry[1] = entry[1] + sine * *b;
+                }
+            }
+        }
+    }
+
+    /// Powers of the phases of the primitive vectors at up to eight wave vectors, and from them the phases of the cells.
+    fn phases(&self, wave_vectors: &[SVector<f64, D>]) -> Vec<Pair<Lanes>> {
+        let phase = |vector: &SVector<f64, D>| {
+            let mut own = [Lanes::constant(1.0), Lanes::constant(0.0)];
+            for (lane, k) in wave_vectors.iter().enumerate() {
+                let (sine, cosine) = k.dot(vector).sin_cos();
+                (own[0].0[lane], own[1].0[lane]) = (cosine, sine);
+            }
+            own
+        };
+        // In an oblique basis the powers outnumber the cells.
+        if D * self.reach > self.cells.len() {
+            return self.cells.iter().map(|(_, vector)| phase(vector)).collect();
+        }
+        let steps: [Pair<Lanes>; D] = array_of(|a| phase(&self.primitive[a]));
+        Lanes::vectorized(Phases {
+            cells: &self.cells,
+            steps,
+            reach: self.reach,
+        })
+    }
+
+    /// Matrices at up to eight wave vectors, diagonalized if they are Hermitian.
+    fn matrices(&self, wave_vectors: &[SVector<f64, D>]) -> Vec<Pair<Lanes>> {
+        let drift = self
+            .drift
+            .as_ref()
+            .map(|drift| (&**drift, drift.phases(wave_vectors)));
+        Lanes::vectorized(Matrices {
+            sum: self,
+            phases: &self.phases(wave_vectors),
+            drift,
+        })
+    }
+
+    /// The sum with its derivatives with respect to the wave vector, in the lanes of up to two packs: value, first derivatives, second derivatives by
+    /// `a` and `b <= a`.
+    fn derivatives(&self, k: &SVector<f64, D>) -> [Vec<Pair<Lanes>>; 2] {
+        let mut factors = [0, 1].map(|_| Vec::with_capacity(self.cells.len()));
+        for (_, vector) in &self.cells {
+            let (sine, cosine) = k.dot(vector).sin_cos();
+            let mut parts = [[[0.0; LANES]; 2]; 2];
+            let mut set = |n: usize, re: f64, im: f64| {
+                parts[n / LANES][0][n % LANES] = re;
+                parts[n / LANES][1][n % LANES] = im;
+            };
+            set(0, cosine, sine);
+            for a in 0..D {
+                set(1 + a, -vector[a] * sine, vector[a] * cosine);
+                for b in 0..=a {
+                    let square = -vector[a] * vector[b];
+                    set(1 + D + a * (a + 1) / 2 + b, square * cosine, square * sine);
+                }
+            }
+            for (own, [re, im]) in factors.iter_mut().zip(parts) {
+                own.push([Lanes(re), Lanes(im)]);
+            }
+        }
+        let is_needed = |pack: usize| pack * LANES < 1 + D + D * (D + 1) / 2;
+        [0, 1].map(|pack| match is_needed(pack) {
+            true => Lanes::vectorized(Sums(self, &factors[pack])),
+            false => Vec::new(),
+        })
+    }
+
+    /// One of the matrices that [`Self::derivatives`] returns; the lower triangle of Hermitian ones follows from the upper one.
+    fn part(&self, packs: &[Vec<Pair<Lanes>>; 2], n: usize) -> impl Fn(usize, usize) -> Complex {
+        let (pack, lane, size) = (&packs[n / LANES], n % LANES, self.size);
+        let is_hermitian = self.is_hermitian;
+        move |i, j| {
+            let at = |i: usize, j: usize| {
+                let [re, im] = &pack[i * size + j];
+                Complex::new(re.0[lane], im.0[lane])
+            };
+            match is_hermitian {
+                true if i > j => at(j, i).conj(),
+                true if i == j => Complex::from(at(i, i).re),
+                _ => at(i, j),
+            }
+        }
+    }
+
+    /// The matrix with its derivatives.
+    fn expansion(&self, k: &SVector<f64, D>) -> MatrixExpansion<D> {
+        let own = self.expanded(k);
+        match &self.drift {
+            Some(drift) => own.times(&drift.expanded(k)),
+            None => own,
+        }
+    }
+
+    fn expanded(&self, k: &SVector<f64, D>) -> MatrixExpansion<D> {
+        let packs = self.derivatives(k);
+        MatrixExpansion::from_parts(|indices| {
+            let n = match *indices {
+                [] => 0,
+                [a] => 1 + a,
+                [a, b, ..] => 1 + D + a * (a + 1) / 2 + b,
+            };
+            let part = self.part(&packs, n);
+            DMatrix::from_fn(self.size, self.size, part)
+        })
+    }
+}
+
+/// Phases of cells as products of powers.
+struct Phases<'a, const D: usize> {
+    cells: &'a [([i32; D], SVector<f64, D>)],
+    steps: [Pair<Lanes>; D],
+    reach: usize,
+}
+
+#[inline(always)]
+fn product(x: Pair<Lanes>, y: Pair<Lanes>) -> Pair<Lanes> {
+    [x[0] * y[0] - x[1] * y[1], x[0] * y[1] + x[1] * y[0]]
+}
+
+impl<const D: usize> Work for Phases<'_, D> {
+    type Output = Vec<Pair<Lanes>>;
+
+    #[inline(always)]
+    fn done(self) -> Vec<Pair<Lanes>> {
+        let one = [Lanes::constant(1.0), Lanes::constant(0.0)];
+        let mut powers = vec![one; D * (self.reach + 1)];
+        for n in D..powers.len() {
+            powers[n] = product(powers[n - D], self.steps[n % D]);
+        }
+        let mut phases = Vec::with_capacity(self.cells.len());
+        for (cell, _) in self.cells {
+            let mut phase = one;
+            for d in 0..D {
+                let power = powers[D * cell[d].unsigned_abs() as usize + d];
+                let turn = match cell[d] {
+                    0 => continue,
+                    1.. => power,
+                    _ => [power[0], -power[1]],
+                };
+                phase = product(phase, turn);
+            }
+            phases.push(phase);
+        }
+        phases
+    }
+}
+
+struct Sums<'a, const D: usize>(&'a FlatSum<D>, &'a [Pair<Lanes>]);
+
+impl<const D: usize> Work for Sums<'_, D> {
+    type Output = Vec<Pair<Lanes>>;
+
+    #[inline(always)]
+    fn done(self) -> Vec<Pair<Lanes>> {
+        let mut matrix = vec![[Lanes::constant(0.0); 2]; self.0.size * self.0.size];
+        self.0.summed(self.1, &mut matrix);
+        matrix
+    }
+}
+
+/// Product of a matrix in lanes with two plain ones; empty if it is.
+struct Turn<'a>(
+    &'a DMatrix<Complex>,
+    &'a [Pair<Lanes>],
+    &'a DMatrix<Complex>,
+);
+
+impl Work for Turn<'_> {
+    type Output = Vec<Pair<Lanes>>;
+
+    #[inline(always)]
+    fn done(self) -> Vec<Pair<Lanes>> {
+        let Self(left, matrix, right) = self;
+        let n = left.nrows();
+        let zero = [Lanes::constant(0.0); 2];
+        if matrix.is_empty() {
+            return Vec::new();
+        }
+        let times =
+            |x: Pair<Lanes>, z: Complex| [x[0] * z.re - x[1] * z.im, x[0] * z.im + x[1] * z.re];
+        let (mut half, mut whole) = (vec![zero; n * n], vec![zero; n * n]);
+        for i in 0..n {
+            for l in 0..n {
+                for j in 0..n {
+                    let term = times(matrix[l * n + j], left[(i, l)]);
+                    let entry = &mut half[i * n + j];
+                    *entry = [entry[0] + term[0], entry[1] + term[1]];
+                }
+            }
+        }
+        for i in 0..n {
+            for l in 0..n {
+                for j in 0..n {
+                    let term = times(half[i * n + l], right[(l, j)]);
+                    let entry = &mut whole[i * n + j];
+                    *entry = [entry[0] + term[0], entry[1] + term[1]];
+                }
+            }
+        }
+        whole
+    }
+}
+
+struct Matrices<'a, const D: usize> {
+    sum: &'a FlatSum<D>,
+    phases: &'a [Pair<Lanes>],
+    drift: Option<(&'a FlatSum<D>, Vec<Pair<Lanes>>)>,
+}
+
+impl<const D: usize> Work for Matrices<'_, D> {
+    type Output = Vec<Pair<Lanes>>;
+
+    #[inline(always)]
+    fn done(self) -> Vec<Pair<Lanes>> {
+        let n = self.sum.size;
+        let zero = [Lanes::constant(0.0); 2];
+        let mut matrix = vec![zero; n * n];
+        self.sum.summed(self.phases, &mut matrix);
+        if let Some((drift, phases)) = &self.drift {
+            let (mut smoothing, stiffness) = (vec![zero; n * n], matrix.clone());
+            drift.summed(phases, &mut smoothing);
+            for i in 0..n {
+                for j in 0..n {
+                    let mut entry = zero;
+                    for l in 0..n {
+                        let term = product(stiffness[i * n + l], smoothing[l * n + j]);
+                        entry = [entry[0] + term[0], entry[1] + term[1]];
+                    }
+                    matrix[i * n + j] = entry;
+                }
+            }
+        }
+        if self.sum.is_hermitian {
+            diagonalize(n, &mut matrix, &mut []);
+        }
+        matrix
+    }
+}
+
+impl<const D: usize> Sampled<D> for FlatSum<D> {
+    fn spectra(&self, wave_vectors: &[SVector<f64, D>]) -> Spectra {
+        let n = self.size;
+        let mut values = Vec::with_capacity(n * wave_vectors.len());
+        let mut own = vec![Complex::default(); n * n];
+        for several in wave_vectors.chunks(LANES) {
+            checkpoint();
+            let matrices = self.matrices(several);
+            for lane in 0..several.len() {
+                let entry = |i: usize, j: usize| {
+                    let [re, im] = &matrices[i * n + j];
+                    Complex::new(re.0[lane], im.0[lane])
+                };
+                let start = values.len();
+                if self.is_hermitian {
+                    values.extend((0..n).map(|i| Complex::from(entry(i, i).re)));
+                } else {
+                    (0..n * n).for_each(|e| own[e] = entry(e % n, e / n));
+                    let norm = own.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
+                    if norm.is_finite() && schur(n, &mut own, &mut []) {
+                        values.extend((0..n).map(|i| own[i * n + i]));
+                        without_rounding(&mut values[start..], norm, self.noise);
+                    } else {
+                        let matrix = DMatrix::from_fn(n, n, entry);
+                        values.extend(general_eigenvalues(matrix, self.noise));
+                    }
+                }
+                values[start..].sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
+            }
+        }
+        Spectra { size: n, values }
+    }
+
+    fn around(&self, k: &SVector<f64, D>) -> Option<Around<D>> {
+        if self.drift.is_some() {
+            return Some(Around::Complex(self.expansion(k)));
+        }
+        let n = self.size;
+        let packs = self.derivatives(k);
+        let all = Decomposition::new(DMatrix::from_fn(n, n, self.part(&packs, 0)))?;
+        let [right, left] = all.vectors();
+        let condition = left.norm() * right.norm();
+        let turned = packs.map(|pack| Lanes::vectorized(Turn(&left, &pack, &right)));
+        let parts = 1..1 + D + D * (D + 1) / 2;
+        Some(Around::Turned(Turned {
+            values: all.values,
+            condition,
+            parts: parts
+                .map(|part| DMatrix::from_fn(n, n, self.part(&turned, part)))
+                .collect(),
+        }))
+    }
+
+    fn branch(
+        &self,
+        k: &SVector<f64, D>,
+        order: &dyn Fn(Complex) -> f64,
+        number: usize,
+    ) -> Option<Taylor<Complex, D>> {
+        let n = self.size;
+        if !self.is_hermitian {
+            let expansion = self.expansion(k);
+            let all = Decomposition::new(expansion.value.clone())?;
+            let mut numbers: Vec<usize> = (0..n).collect();
+            sort_by_value(&mut numbers, |n| order(all.values[*n]));
+            return Some(expansion.branch(&all, *numbers.get(number)?));
+        }
+        // Second-order perturbation theory, as in `MatrixExpansion::branch`, with left vectors that are the adjoints of the right ones.
+        let packs = self.derivatives(k);
+        let pair = |z: Complex| [z.re, z.im];
+        let value = self.part(&packs, 0);
+        let mut matrix: Vec<_> = (0..n * n).map(|e| pair(value(e / n, e % n))).collect();
+        let unit = |e: usize| [f64::from(u8::from(e / n == e % n)), 0.0];
+        let mut vectors: Vec<_> = (0..n * n).map(unit).collect();
+        diagonalize(n, &mut matrix, &mut vectors);
+        let values: Vec<f64> = (0..n).map(|m| matrix[m * n + m][0]).collect();
+        let mut numbers: Vec<usize> = (0..n).collect();
+        sort_by_value(&mut numbers, |m| order(Complex::from(values[*m])));
+        let own = *numbers.get(number)?;
+        let vector =
+            |i: usize, m: usize| Complex::new(vectors[i * n + m][0], vectors[i * n + m][1]);
+        // A derivative of the matrix, applied to the vector of the branch.
+        let mut applied = vec![Complex::default(); n];
+        let mut onto = vec![[Complex::default(); D]; n];
+        let apply = |part: usize, applied: &mut Vec<Complex>| {
+            let entry = self.part(&packs, part);
+            for (i, sum) in applied.iter_mut().enumerate() {
+                *sum = (0..n).map(|j| entry(i, j) * vector(j, own)).sum();
+            }
+        };
+        let along = |m: usize, applied: &[Complex]| -> Complex {
+            let parts = applied.iter().enumerate();
+            parts.map(|(i, x)| vector(i, m).conj() * x).sum()
+        };
+        for a in 0..D {
+            apply(1 + a, &mut applied);
+            for (m, onto) in onto.iter_mut().enumerate() {
+                onto[a] = along(m, &applied);
+            }
+        }
+        let mut hessian = [[Complex::default(); D]; D];
+        for a in 0..D {
+            for b in 0..=a {
+                apply(1 + D + a * (a + 1) / 2 + b, &mut applied);
+                let others = (0..n)
+                    .filter(|m| *m != own)
+                    .map(|m| 2.0 * (onto[m][a].conj() * onto[m][b]).re / (values[own] - values[m]));
+                let bent = along(own, &applied).re + others.sum::<f64>();
+                hessian[a][b] = Complex::from(bent);
+                hessian[b][a] = hessian[a][b];
+            }
+        }
+        Some(Taylor {
+            value: Complex::from(values[own]),
+            gradient: array_of(|a| Complex::from(onto[own][a].re)),
+            hessian,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FlatSum, Sampled, WaveSystem};
+    use crate::algebra::uniform;
+    use crate::bloch::{BlochBlocks, Mass};
+    use crate::lattice::{BravaisLattice, Crystal, Particle};
+    use nalgebra::{SMatrix, SVector};
+
+    /// Random blocks between random neighbors in a random lattice.
+    fn random_system<const D: usize>(seed: u64, sites: usize, is_hermitian: bool) -> WaveSystem<D> {
+        let mut state = seed;
+        let mut number = || 2.0 * uniform(&mut state) - 1.0;
+        let vectors =
+            SMatrix::<f64, D, D>::from_fn(|i, j| f64::from(u8::from(i == j)) + 0.2 * number());
+        let lattice = BravaisLattice::new(vectors).expect("a lattice");
+        let places = (0..sites).map(|n| SVector::repeat(n as f64 / sites as f64));
+        let crystal = Crystal::new(lattice, places.collect()).expect("a crystal");
+        let mut sums = [BlochBlocks::new(), BlochBlocks::new()];
+        for sum in &mut sums {
+            for _ in 0..12 * sites {
+                let site = |x: f64| ((0.5 + 0.49 * x) * sites as f64) as usize;
+                let from = Particle::home(site(number()));
+                let cell = std::array::from_fn(|_| (2.4 * number()).round() as i32);
+                let to = Particle::home(site(number())).moved(&cell);
+                let block = SMatrix::from_fn(|_, _| number());
+                sum.add(&from, &to, &block);
+                if is_hermitian {
+                    sum.add(&to, &from, &block.transpose());
+                }
+            }
+        }
+        let [stiffness, drift] = sums.map(|sum| sum.sum(&crystal));
+        let masses = (0..sites).map(|_| 1.5 + number()).collect();
+        let system = WaveSystem::new(crystal, stiffness, Mass::Lumped(masses));
+        assert_eq!(system.is_hermitian(), is_hermitian);
+        match !is_hermitian && seed % 2 == 0 {
+            true => system.with_drift(drift),
+            false => system,
+        }
+    }
+
+    fn assert_alike<const D: usize>(seed: u64, sites: usize, is_hermitian: bool) {
+        let system = random_system::<D>(seed, sites, is_hermitian);
+        let sum = FlatSum::of_system(&system).expect("a small cell");
+        let mut state = seed + 100;
+        let waves: Vec<SVector<f64, D>> = (0..11)
+            .map(|_| SVector::from_fn(|_, _| 6.0 * uniform(&mut state) - 3.0))
+            .collect();
+        let spectra = [sum.spectra(&waves), (&system).spectra(&waves)];
+        let scale = system.noise() / f64::EPSILON;
+        for (own, known) in spectra[0].iter().zip(spectra[1].iter()) {
+            for (own, known) in own.iter().zip(known) {
+                assert!(
+                    (own - known).norm() < 1e-9 * scale,
+                    "{D} {seed} {own} {known}"
+                );
+            }
+        }
+        for k in &waves[..3] {
+            for number in [0, D * sites - 1] {
+                let order = |z: crate::algebra::Complex| z.re;
+                let own = sum.branch(k, &order, number).expect("a branch");
+                let known = (&system).branch(k, &order, number).expect("a branch");
+                let alike = own.zip(&known, |x, y| (x - y).norm());
+                let size = known.map(|x| x.norm());
+                let sizes = size.gradient.iter().chain(size.hessian.as_flattened());
+                let size = sizes.fold(scale, |most, x| most.max(*x));
+                assert!(alike.value < 1e-9 * scale);
+                assert!(alike.gradient.iter().all(|x| *x < 1e-8 * size));
+                assert!(
+                    alike
+                        .hessian
+                        .as_flattened()
+                        .iter()
+                        .all(|x| *x < 1e-7 * size)
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_flat_sum_has_the_spectra_and_branches_of_its_system() {
+        for seed in 1..20 {
+            for is_hermitian in [true, false] {
+                assert_alike::<1>(seed, 1 + seed as usize % 4, is_hermitian);
+                assert_alike::<2>(seed, 1 + seed as usize % 4, is_hermitian);
+                assert_alike::<3>(seed, 1 + seed as usize % 3, is_hermitian);
+            }
+        }
+    }
+}
