@@ -1,12 +1,19 @@
 //! Computation time of one state: response of the material, dynamical matrix, search over the zone, and directions in three dimensions.
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use nalgebra::{Matrix2, Vector2};
 use onset::bloch::{ZoneSearch, dynamical_matrix};
 use onset::certificate::certify_3d;
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
+use onset::lattice::{BravaisLattice, Crystal};
 use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{CurrentLattice, Frame, KernelMethodChoices, Linearization, Method};
+use onset::scheme::Discretization;
+use onset::scheme::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
+use onset::scheme::sph::{
+    TotalLagrangianChoices, TotalLagrangianSph, UpdatedSph, UpdatedSphChoices,
+};
 use onset::verdict::{assess, judge, speed_squared};
 use std::hint::black_box;
 
@@ -90,5 +97,54 @@ fn directions(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, states, directions);
+/// States of cells with one particle and with two, which no smaller cell repeats.
+fn cells(criterion: &mut Criterion) {
+    let material = ModifiedMooneyRivlin::default();
+    let f = DeformationGradient::from_stretches([0.97, 0.93, 1.0]).expect("stretches");
+    let radius = 1.6;
+    for sites in [1, 2] {
+        let vectors = Matrix2::new(f64::from(sites), 0.0, 0.0, 1.0);
+        let lattice = BravaisLattice::new(vectors).expect("a lattice");
+        let places = [Vector2::zeros(), Vector2::new(0.48, 0.03)];
+        let places = places[..sites as usize].to_vec();
+        let crystal = Crystal::new(lattice, places).expect("a crystal");
+        let kernel = |frame: Frame| {
+            let choices = KernelChoices {
+                radius,
+                frame,
+                ..KernelChoices::default()
+            };
+            KernelScheme::new(crystal.clone(), CrystalQuadrature::Nodal, choices).expect("a method")
+        };
+        let total = TotalLagrangianChoices {
+            radius,
+            ..TotalLagrangianChoices::default()
+        };
+        let updated = UpdatedSphChoices {
+            radius,
+            ..UpdatedSphChoices::default()
+        };
+        let methods: [(&str, Box<dyn Discretization<2>>); 4] = [
+            ("Lagrangian kernel", Box::new(kernel(Frame::Lagrangian))),
+            ("Eulerian kernel", Box::new(kernel(Frame::Eulerian))),
+            (
+                "total-Lagrangian SPH",
+                Box::new(TotalLagrangianSph::new(crystal.clone(), total).expect("a method")),
+            ),
+            (
+                "updated SPH",
+                Box::new(UpdatedSph::new(crystal.clone(), updated).expect("a method")),
+            ),
+        ];
+        let mut group = criterion.benchmark_group(format!("cells of {sites}"));
+        for (name, method) in &methods {
+            group.bench_function(*name, |bencher| {
+                bencher.iter(|| assess(&**method, &material, black_box(&f)))
+            });
+        }
+        group.finish();
+    }
+}
+
+criterion_group!(benches, states, cells, directions);
 criterion_main!(benches);

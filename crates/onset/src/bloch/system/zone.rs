@@ -3,8 +3,8 @@
 //! Systems with one particle in a cell are left to the matrix search of [`ZoneSearch`]. Otherwise, each objective is the lowest of several
 //! branches. Its minima are smooth, because branches that cross leave a ridge, but crossings can make them narrow. The search has four steps:
 //!
-//! 1. `omega^2` is computed on a grid over half of the zone, and the wells of the grid are followed to their bottoms by Newton's method with exact
-//!    derivatives.
+//! 1. `omega^2` is computed on a grid over half of the zone (`sampled`), and the wells of the grid are followed to their bottoms by Newton's method
+//!    with exact derivatives.
 //! 2. Boxes around grid points in which some branch can fall lower, judging by its slope, are halved repeatedly; lower values found there are
 //!    followed too.
 //! 3. If the forces do not derive from an energy, pockets of complex `omega^2` are predicted from the derivatives at grid points (`bloch::pocket`).
