@@ -104,7 +104,7 @@ pub(crate) fn settled_along<const D: usize>(
         };
         let place = |of: &dyn Fn(usize) -> f64| (0..count).map(of).collect::<Vec<f64>>();
         let beside = |n: usize| {
-            let side = if n % 2 == 0 { 1.0 } else { -1.0 };
+            let side = if n.is_multiple_of(2) { 1.0 } else { -1.0 };
             place(&|j| if j == n / 2 { side } else { 0.0 })
         };
         let beside: Vec<_> = (0..2 * count).map(beside).collect();

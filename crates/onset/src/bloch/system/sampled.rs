@@ -610,7 +610,7 @@ mod tests {
         let masses = (0..sites).map(|_| 1.5 + number()).collect();
         let system = WaveSystem::new(crystal, stiffness, Mass::Lumped(masses));
         assert_eq!(system.is_hermitian(), is_hermitian);
-        match !is_hermitian && seed % 2 == 0 {
+        match !is_hermitian && seed.is_multiple_of(2) {
             true => system.with_drift(drift),
             false => system,
         }
