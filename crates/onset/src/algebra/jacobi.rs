@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn every_lane_has_the_eigenvalues_of_its_own_matrix() {
+    fn every_lane_has_the_eigenvalues_of_its_matrix() {
         for n in 1..=ROTATED_ROWS {
             // One lane is diagonal, one is zero.
             let mut given: Vec<DMatrix<Complex>> =

@@ -1,8 +1,8 @@
 //! Matrices of plane waves at many wave vectors.
 //!
-//! A search asks for spectra at many wave vectors, and for one branch with its derivatives at a few. [`Sampled`] is what it knows of a system. Small
-//! cells with lumped masses are answered by a [`FlatSum`], eight wave vectors at a time and without heap matrices for each of them; all others by the
-//! system itself.
+//! A search needs spectra at many wave vectors, and one branch with its derivatives at a few. [`Sampled`] is its interface to a system. For small cells
+//! with lumped masses a [`FlatSum`] computes eight wave vectors at a time, without heap matrices for each of them. All other systems implement it
+//! themselves.
 
 use super::expansion::MatrixExpansion;
 use super::spectrum::general_eigenvalues;
@@ -22,7 +22,7 @@ use std::collections::BTreeMap;
 /// Minimum number of degrees of freedom of a large cell. Each of its eigenvalue problems is worth a core, and fewer descents start.
 pub(super) const LARGE_CELL_SIZE: usize = 24;
 
-/// Number of rows above which a single spectrum is cheaper without lanes, most of which would be empty.
+/// Largest number of rows of a single spectrum that is computed in lanes. For larger matrices the empty lanes cost too much.
 const LONE_ROWS: usize = 4;
 
 /// Matrix of plane waves that is evaluated at many wave vectors.
@@ -104,8 +104,8 @@ struct Bond {
 
 /// Lattice sum of blocks with the phases of their cells, in flat arrays.
 ///
-/// Phases of sites within a cell are left out: they turn the coordinates and change no eigenvalue. Entries of a block are multiplied by two factors:
-/// its real part by that of the cosine, its imaginary part by that of the sine. For Hermitian systems only the upper triangle is summed, and a pair of
+/// Phases of sites within a cell are left out: they transform the coordinates and change no eigenvalue. The real part of a block is multiplied by the
+/// factor of the cosine, the imaginary part by the factor of the sine. For Hermitian systems only the upper triangle is summed, and a pair of
 /// equal sites stands for both directions.
 struct FlatSum<'a, const D: usize> {
     system: &'a WaveSystem<D>,
