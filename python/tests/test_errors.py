@@ -242,4 +242,4 @@ def test_an_interrupted_map_goes_on_to_the_same_store(tmp_path: Path) -> None:
 def test_random_displacements_have_no_wave() -> None:
     for wave in ({"wave_vector": (1.0, 0.0)}, {"turns": (1, 0)}):
         with pytest.raises(onset.InputError, match='mode "noise" has no wave'):
-            onset.simulate("neo-hooke", "total-lagrangian-sph", stretch=(1, 1), cells=4, steps=1, mode="noise", **wave)  # type: ignore[arg-type]
+            onset.simulate("neo-hooke", "total-lagrangian-sph", stretch=(1, 1), cells=4, steps=1, mode="noise", **wave)

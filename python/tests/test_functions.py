@@ -89,6 +89,7 @@ def test_every_question_but_those_of_a_file_takes_a_function(law: onset.Material
     sufficient, known_sufficient = (onset.tune(penalty, "penalty", material=one).recommended for one in (law, BUILT_IN))
     assert sufficient == pytest.approx(known_sufficient, rel=1e-6)
     bodies, known_bodies = (onset.state(one, TOTAL, stretch=(1.1, 0.95)).finite_bodies for one in (law, BUILT_IN))
+    assert bodies is not None and known_bodies is not None
     assert bodies["time_step"] == pytest.approx(known_bodies["time_step"], rel=1e-6)
     assert onset.simulate(law, TOTAL, stretch=(1, 1), turns=(1, 0), cells=4, steps=20).steps == 20
     with pytest.raises(onset.InputError, match="cannot contain a Python function"):
