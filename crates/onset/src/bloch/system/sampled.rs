@@ -106,7 +106,7 @@ struct Bond {
 ///
 /// Phases of sites within a cell are left out: they transform the coordinates and change no eigenvalue. The real part of a block is multiplied by the
 /// factor of the cosine, the imaginary part by the factor of the sine. For Hermitian systems only the upper triangle is summed, and a pair of
-/// equal sites stands for both directions.
+/// equal sites represents both directions.
 struct FlatSum<'a, const D: usize> {
     system: &'a WaveSystem<D>,
     size: usize,
