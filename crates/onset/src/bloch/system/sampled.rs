@@ -26,7 +26,7 @@ pub(super) const LARGE_CELL_SIZE: usize = 24;
 const LONE_ROWS: usize = 4;
 
 /// Matrix of plane waves that is evaluated at many wave vectors.
-pub(super) trait Sampled<const D: usize>: Sync {
+pub(super) trait Sampled<const D: usize>: Send + Sync {
     /// All `omega^2` at each wave vector by increasing real part.
     fn spectra(&self, wave_vectors: &[SVector<f64, D>]) -> Spectra;
 

@@ -305,7 +305,8 @@ impl<const D: usize> ZoneSearch<D> {
 struct Sweep<'a, const D: usize> {
     search: &'a ZoneSearch<D>,
     system: &'a WaveSystem<D>,
-    sampled: Box<dyn Sampled<D> + 'a>,
+    /// Form in which the system is evaluated, built when first needed.
+    form: OnceLock<Box<dyn Sampled<D> + 'a>>,
     /// True if lower bounds are requested; they cost several times the search.
     is_bounded: bool,
     /// Objective function for [`Objective::Function`].
@@ -460,7 +461,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         Self {
             search,
             system,
-            sampled: system.sampled(),
+            form: OnceLock::new(),
             is_bounded,
             function: None,
             effort: Effort::of(system),
@@ -523,7 +524,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             return diverges(long.rest.scaled, None);
         }
         // One witness is enough: a known one, or one on the grid.
-        let spectra = self.sampled.spectra(beside);
+        let spectra = self.sampled().spectra(beside);
         let known = beside.iter().zip(spectra.iter());
         let mut known = known.filter_map(|(k, spectrum)| self.witness(&long, *k, spectrum));
         let sampled = || {
@@ -712,7 +713,11 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Wave vectors in pockets of complex `omega^2` in which waves may grow faster than `rival`.
     fn pockets(&self, rival: f64) -> Vec<SVector<f64, D>> {
         let pockets = Pockets {
-            around: &|k, _| (!self.is_long(k)).then(|| self.sampled.around(k)).flatten(),
+            around: &|k, _| {
+                (!self.is_long(k))
+                    .then(|| self.sampled().around(k))
+                    .flatten()
+            },
             is_large: self.effort.is_large,
             steps: self.search.reference().reciprocal() / self.waves.resolution() as f64,
             threshold: self.search.flutter_threshold(self.system.sites()),
@@ -724,9 +729,13 @@ impl<'a, const D: usize> Sweep<'a, D> {
         pockets.around(half(&self.waves).into_iter())
     }
 
+    fn sampled(&self) -> &dyn Sampled<D> {
+        &**self.form.get_or_init(|| self.system.sampled())
+    }
+
     /// `omega^2` at half of the grid.
     fn spectra(&self) -> &Spectra {
-        let sample = || self.sampled.spectra(&half(&self.waves));
+        let sample = || self.sampled().spectra(&half(&self.waves));
         self.spectra.get_or_init(sample)
     }
 
@@ -929,7 +938,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         if objective == Objective::Function {
             return all.map(|k| self.branches(objective, k, &[])).collect();
         }
-        let spectra = self.sampled.spectra(wave_vectors);
+        let spectra = self.sampled().spectra(wave_vectors);
         all.zip(spectra.iter())
             .map(|(k, spectrum)| self.branches(objective, k, spectrum))
             .collect()
@@ -1268,7 +1277,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             Objective::Growth => -growth_rate(omega_squared),
             _ => omega_squared.re,
         };
-        let value = self.sampled.branch(k, &order, branch)?;
+        let value = self.sampled().branch(k, &order, branch)?;
         Some(match objective {
             Objective::Scaled => self.search.scaled(&value.map(|z| z.re), k),
             Objective::Highest => value.map(|z| -z.re),
