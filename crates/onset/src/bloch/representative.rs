@@ -95,7 +95,10 @@ impl<const D: usize> ZoneSearch<D> {
             MEASURE_ROUNDING
         };
         let apart = (softest.scaled - limit).abs();
-        !softest.is_long_wave && apart <= accuracy * limit.abs() + found.tolerance
+        // Without a limit both sides would be infinite.
+        !softest.is_long_wave
+            && limit.is_finite()
+            && apart <= accuracy * limit.abs() + found.tolerance
     }
 
     fn representative(
