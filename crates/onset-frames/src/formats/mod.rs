@@ -1,0 +1,45 @@
+//! One reader for each format.
+
+pub(crate) mod lammps;
+pub(crate) mod numpy;
+pub(crate) mod table;
+pub(crate) mod vtk;
+mod zip;
+
+use crate::columns::Plan;
+use crate::error::FrameError;
+use crate::frame::Frame;
+
+/// Significant digits of numbers with 32 bits.
+const SINGLE_DIGITS: u32 = 7;
+
+/// Time of a frame, before it is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Stamp {
+    pub time: Option<f64>,
+    pub step: Option<u64>,
+}
+
+/// Open files of one format.
+pub(crate) struct Opened {
+    pub source: Box<dyn Source>,
+    /// Frames in the order of the files.
+    pub stamps: Vec<Stamp>,
+    /// Columns of the first frame.
+    pub plan: Plan,
+    /// Significant digits of positions.
+    pub digits: Option<u32>,
+    /// Contents that are left out, as sentences.
+    pub ignored: Vec<String>,
+}
+
+/// Reader of the frames of one format.
+pub(crate) trait Source: Send {
+    /// Reads a frame by its number in the order of the files.
+    fn read(&mut self, frame: usize) -> Result<Frame, FrameError>;
+
+    /// Prepares for reading in another order than that of the files.
+    fn shuffle(&mut self) -> Result<(), FrameError> {
+        Ok(())
+    }
+}

@@ -1,0 +1,256 @@
+//! One frame of particles.
+
+use crate::error::Place;
+use std::collections::HashMap;
+
+/// Particles at one time. All lists have one entry for each particle, in the order of the file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// Time, or `None` if the file has none and no length of a time step was given.
+    pub time: Option<f64>,
+    /// Number of the time step.
+    pub step: Option<u64>,
+    /// Place of the frame.
+    pub source: Place,
+    /// Number of written dimensions, 1 to 3; further components of positions, displacements and velocities are zero.
+    pub dimensions: usize,
+    /// Numbers of the particles.
+    pub identity: Option<Vec<u64>>,
+    /// Current positions.
+    pub position: Vec<[f64; 3]>,
+    /// Reference positions.
+    pub reference: Option<Vec<[f64; 3]>>,
+    /// Displacements.
+    pub displacement: Option<Vec<[f64; 3]>>,
+    /// Velocities.
+    pub velocity: Option<Vec<[f64; 3]>>,
+    /// Deformation gradients F_iJ, row by row as in the file; see [`ColumnUse::order`](crate::ColumnUse::order).
+    pub gradient: Option<Vec<[f64; 9]>>,
+    /// Components of the gradients that the file contains; the others are those of the identity.
+    pub gradient_given: [bool; 9],
+    /// Cauchy stresses xx, yy, zz, xy, xz, yz.
+    pub stress: Option<Vec<[f64; 6]>>,
+    /// Components of the stresses that the file contains; the others are set to zero and are unknown.
+    pub stress_given: [bool; 6],
+    /// Current densities.
+    pub density: Option<Vec<f64>>,
+    /// Volumes.
+    pub volume: Option<Vec<f64>>,
+    /// Masses.
+    pub mass: Option<Vec<f64>>,
+    /// Types or materials.
+    pub kind: Option<Vec<i64>>,
+    /// Particles with prescribed motion.
+    pub held: Option<Vec<bool>>,
+    /// Elements or cells between the points.
+    pub cells: Option<Cells>,
+    /// Simulation box.
+    pub bounds: Option<Bounds>,
+    /// Whether positions may be wrapped into a periodic box: the file has neither unwrapped positions nor image flags.
+    pub may_be_wrapped: bool,
+}
+
+/// Elements or cells between the points of a frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cells {
+    /// Points of all cells, one cell after the other; all are below the number of points.
+    pub connectivity: Vec<usize>,
+    /// End of each cell in `connectivity`, ascending.
+    pub ends: Vec<usize>,
+    /// Shapes of the cells, in the numbering of VTK.
+    pub shapes: Vec<u8>,
+    /// Deformation gradients F_iJ, row by row as in the file.
+    pub gradient: Option<Vec<[f64; 9]>>,
+    /// Components of the gradients that the file contains.
+    pub gradient_given: [bool; 9],
+    /// Cauchy stresses xx, yy, zz, xy, xz, yz.
+    pub stress: Option<Vec<[f64; 6]>>,
+    /// Components of the stresses that the file contains.
+    pub stress_given: [bool; 6],
+    /// Densities.
+    pub density: Option<Vec<f64>>,
+    /// Volumes.
+    pub volume: Option<Vec<f64>>,
+    /// Materials.
+    pub kind: Option<Vec<i64>>,
+}
+
+/// Simulation box.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bounds {
+    /// Lower corner.
+    pub low: [f64; 3],
+    /// Upper corner, without tilt.
+    pub high: [f64; 3],
+    /// Tilt factors xy, xz, yz.
+    pub tilt: [f64; 3],
+    /// Periodic directions.
+    pub periodic: [bool; 3],
+}
+
+impl Bounds {
+    /// Vector of the box from its lower corner, at scaled coordinates 0 to 1.
+    pub fn vector(&self, scaled: [f64; 3]) -> [f64; 3] {
+        let side: [f64; 3] = std::array::from_fn(|axis| self.high[axis] - self.low[axis]);
+        let [xy, xz, yz] = self.tilt;
+        let [a, b, c] = scaled;
+        [
+            a * side[0] + b * xy + c * xz,
+            b * side[1] + c * yz,
+            c * side[2],
+        ]
+    }
+}
+
+/// Differences between the particles of a frame and a list of numbers; see [`Frame::in_order_of`].
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Order {
+    /// Numbers that the frame lacks.
+    pub missing: Vec<u64>,
+    /// Numbers that only the frame has; these particles are removed.
+    pub new: Vec<u64>,
+    /// Numbers that occur more than once in the frame; the first occurrence is kept.
+    pub doubled: Vec<u64>,
+}
+
+impl Order {
+    /// Returns true if the frame has exactly the listed particles.
+    pub fn is_complete(&self) -> bool {
+        self.missing.is_empty() && self.new.is_empty() && self.doubled.is_empty()
+    }
+}
+
+impl Frame {
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        self.position.len()
+    }
+
+    /// Returns true if the frame has no particles.
+    pub fn is_empty(&self) -> bool {
+        self.position.is_empty()
+    }
+
+    /// Numbers that occur more than once, ascending.
+    pub fn doubled(&self) -> Vec<u64> {
+        let mut sorted = self.identity.clone().unwrap_or_default();
+        sorted.sort_unstable();
+        let pairs = sorted.windows(2).filter(|pair| pair[0] == pair[1]);
+        let mut doubled: Vec<u64> = pairs.map(|pair| pair[0]).collect();
+        doubled.dedup();
+        doubled
+    }
+
+    /// Sorts the particles in the order of the given numbers, and returns the differences. A frame without numbers stays unchanged.
+    ///
+    /// Missing particles are left out: the frame then has fewer particles than `ids`. Cells that lose a point are removed. `ids` has no number twice;
+    /// see [`Frame::doubled`].
+    pub fn in_order_of(&mut self, ids: &[u64]) -> Order {
+        let mut order = Order::default();
+        let Some(own) = &self.identity else {
+            return order;
+        };
+        if own == ids {
+            return Order::default();
+        }
+        order.doubled = self.doubled();
+        let mut places: HashMap<u64, (usize, bool)> = HashMap::with_capacity(own.len());
+        for (place, id) in own.iter().enumerate() {
+            places.entry(*id).or_insert((place, false));
+        }
+        let mut chosen = Vec::with_capacity(ids.len());
+        for id in ids {
+            match places.get_mut(id) {
+                Some((place, is_used)) if !*is_used => {
+                    *is_used = true;
+                    chosen.push(*place);
+                }
+                Some(_) => {}
+                None => order.missing.push(*id),
+            }
+        }
+        let unused = places.iter().filter(|(_, (_, is_used))| !is_used);
+        order.new = unused.map(|(id, _)| *id).collect();
+        order.new.sort_unstable();
+        self.select(&chosen);
+        order
+    }
+
+    /// Keeps the given particles, in the given order.
+    fn select(&mut self, chosen: &[usize]) {
+        fn pick<T: Copy>(from: &mut Vec<T>, chosen: &[usize]) {
+            *from = chosen.iter().map(|place| from[*place]).collect();
+        }
+        fn maybe<T: Copy>(from: &mut Option<Vec<T>>, chosen: &[usize]) {
+            if let Some(from) = from {
+                pick(from, chosen);
+            }
+        }
+        let count = self.position.len();
+        pick(&mut self.position, chosen);
+        maybe(&mut self.identity, chosen);
+        maybe(&mut self.reference, chosen);
+        maybe(&mut self.displacement, chosen);
+        maybe(&mut self.velocity, chosen);
+        maybe(&mut self.gradient, chosen);
+        maybe(&mut self.stress, chosen);
+        maybe(&mut self.density, chosen);
+        maybe(&mut self.volume, chosen);
+        maybe(&mut self.mass, chosen);
+        maybe(&mut self.kind, chosen);
+        maybe(&mut self.held, chosen);
+        if let Some(cells) = &mut self.cells {
+            let mut moved = vec![usize::MAX; count];
+            for (new, old) in chosen.iter().enumerate() {
+                moved[*old] = new;
+            }
+            cells.renumber(&moved);
+        }
+    }
+}
+
+impl Cells {
+    /// Number of cells.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Returns true if there are no cells.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// Points of one cell.
+    pub fn points(&self, cell: usize) -> &[usize] {
+        let start = cell.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.connectivity[start..self.ends[cell]]
+    }
+
+    /// Replaces the numbers of points, and removes cells with points that are left out (`usize::MAX`).
+    fn renumber(&mut self, moved: &[usize]) {
+        let kept: Vec<usize> = (0..self.len())
+            .filter(|cell| {
+                self.points(*cell)
+                    .iter()
+                    .all(|point| moved[*point] != usize::MAX)
+            })
+            .collect();
+        let (mut connectivity, mut ends) = (Vec::new(), Vec::new());
+        for cell in &kept {
+            connectivity.extend(self.points(*cell).iter().map(|point| moved[*point]));
+            ends.push(connectivity.len());
+        }
+        fn maybe<T: Copy>(from: &mut Option<Vec<T>>, kept: &[usize]) {
+            if let Some(from) = from {
+                *from = kept.iter().map(|cell| from[*cell]).collect();
+            }
+        }
+        self.shapes = kept.iter().map(|cell| self.shapes[*cell]).collect();
+        maybe(&mut self.gradient, &kept);
+        maybe(&mut self.stress, &kept);
+        maybe(&mut self.density, &kept);
+        maybe(&mut self.volume, &kept);
+        maybe(&mut self.kind, &kept);
+        (self.connectivity, self.ends) = (connectivity, ends);
+    }
+}

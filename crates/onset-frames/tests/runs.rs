@@ -1,0 +1,324 @@
+//! Frames of runs of LAMMPS, PySPH and a finite element code, and tables of users.
+
+use flate2::{Compression, write::GzEncoder};
+use onset_frames::{Format, Frame, FrameError, Quantity, Reading, Series};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+fn data(name: &str) -> PathBuf {
+    Path::new("tests/data").join(name)
+}
+
+fn open(name: &str) -> Series {
+    Series::open(&[data(name)], &Reading::default()).expect("a series")
+}
+
+fn all(series: Series) -> Vec<Frame> {
+    series.map(|frame| frame.expect("a frame")).collect()
+}
+
+fn written(folder: &tempfile::TempDir, name: &str, text: impl AsRef<[u8]>) -> PathBuf {
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).expect("written");
+    path
+}
+
+fn refused(path: PathBuf, reading: &Reading) -> String {
+    let outcome =
+        Series::open(&[path], reading).and_then(|series| series.collect::<Result<Vec<_>, _>>());
+    outcome.expect_err("refused").to_string()
+}
+
+#[test]
+fn a_lammps_dump_has_stresses_digits_and_times_of_steps() {
+    let reading = Reading {
+        time_step: Some(0.1),
+        ..Reading::default()
+    };
+    let series = Series::open(&[data("tl-healthy.dump.gz")], &reading).expect("a series");
+    assert_eq!(series.recognized().format, Format::Lammps);
+    assert_eq!(series.recognized().digits, Some(6));
+    let frames = all(series);
+    assert_eq!(frames.len(), 3);
+    assert!(frames.iter().all(|frame| frame.len() == 392));
+    assert_eq!(frames[0].position[1], [0.0, 1.0, 0.0]);
+    assert_eq!(frames[0].kind.as_ref().expect("types")[0], 2);
+    assert_eq!(
+        frames[2].stress_given,
+        [true, true, true, true, false, false]
+    );
+    let (time, step) = (
+        frames[2].time.expect("a time"),
+        frames[2].step.expect("a step"),
+    );
+    assert!((time - 0.1 * step as f64).abs() < 1e-12 && step > 0);
+    let bounds = frames[0].bounds.expect("a box");
+    assert_eq!((bounds.low[0], bounds.high[0]), (-3.0, 30.0));
+    assert_eq!(bounds.periodic, [false, false, true]);
+}
+
+#[test]
+fn gradients_of_a_dump_are_told_with_their_assumed_order() {
+    let series = open("notch-step.dump.gz");
+    assert_eq!(series.recognized().digits, Some(9));
+    let columns = &series.recognized().columns;
+    let gradient = columns
+        .iter()
+        .filter(|own| own.quantity == Some(Quantity::Gradient));
+    assert!(gradient.clone().all(|own| own.order_is_assumed));
+    assert_eq!(gradient.count(), 9);
+    let frames = all(series);
+    let gradients = frames[2].gradient.as_ref().expect("gradients");
+    assert_eq!(gradients[5], [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+}
+
+#[test]
+fn an_archive_of_numpy_has_frames_as_first_axis_and_static_arrays() {
+    let series = open("pysph-tension.npz");
+    let times: Vec<Option<f64>> = series.times().map(|(time, _)| time).collect();
+    assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
+    let frames = all(series);
+    assert_eq!((frames.len(), frames[0].len()), (3, 400));
+    let last = &frames[2];
+    assert_eq!(last.reference, frames[0].reference);
+    assert_ne!(last.position, frames[0].position);
+    assert_eq!(last.stress_given, [true, true, false, true, false, false]);
+    assert!(last.velocity.is_some() && last.density.is_some() && last.held.is_some());
+}
+
+#[test]
+fn points_that_stay_are_reference_positions() {
+    let series = open("fem-tension.pvd");
+    assert_eq!(series.recognized().assumed.len(), 1);
+    let frames = all(series);
+    assert_eq!((frames.len(), frames[0].len()), (3, 325));
+    let last = &frames[2];
+    assert_eq!(last.time, Some(255.0));
+    let (reference, displacement) = (
+        last.reference.as_ref().expect("a reference"),
+        last.displacement.as_ref().expect("displacements"),
+    );
+    assert_eq!(
+        reference,
+        frames[0].reference.as_ref().expect("a reference")
+    );
+    for ((x, big_x), u) in last.position.iter().zip(reference).zip(displacement) {
+        assert_eq!(x[0], big_x[0] + u[0]);
+    }
+    let cells = last.cells.as_ref().expect("elements");
+    assert_eq!((cells.len(), cells.points(0).len()), (288, 4));
+    assert_eq!(cells.gradient.as_ref().expect("gradients").len(), 288);
+}
+
+#[test]
+fn all_encodings_of_vtk_give_the_same_frame() {
+    let read = |name: &str| {
+        let mut frames = all(open(name));
+        frames[0].source = Default::default();
+        frames.remove(0)
+    };
+    let frame = read("meshio-ascii.vtu");
+    assert_eq!(frame.position[3], [1.0, 1.0, 0.5]);
+    assert_eq!(
+        frame.velocity.as_ref().expect("velocities")[3],
+        [2.0, 2.0, 1.0]
+    );
+    let cells = frame.cells.as_ref().expect("cells");
+    assert_eq!(cells.gradient.as_ref().expect("gradients")[0][5], 5.0);
+    assert_eq!(read("meshio-base64.vtu"), frame);
+    assert_eq!(read("meshio-zlib.vtu"), frame);
+}
+
+#[test]
+fn appended_binary_data_are_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut bytes = b"<?xml version=\"1.0\"?><VTKFile type=\"PolyData\" byte_order=\"LittleEndian\" header_type=\"UInt64\"><PolyData>\
+        <FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">2.5</DataArray></FieldData>\
+        <Piece NumberOfPoints=\"2\" NumberOfVerts=\"0\"><PointData><DataArray type=\"Float32\" Name=\"rho\" format=\"appended\" offset=\"56\"/></PointData>\
+        <Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"appended\" offset=\"0\"/></Points></Piece></PolyData>\
+        <AppendedData encoding=\"raw\">_".to_vec();
+    bytes.extend(48u64.to_le_bytes());
+    bytes.extend(
+        [1.0f64, 2.0, 3.0, 4.0, 5.0, 6.0]
+            .iter()
+            .flat_map(|x| x.to_le_bytes()),
+    );
+    bytes.extend(8u64.to_le_bytes());
+    bytes.extend([0.5f32, 0.25].iter().flat_map(|x| x.to_le_bytes()));
+    bytes.extend(b"</AppendedData></VTKFile>");
+    let path = written(&folder, "a.vtp", bytes);
+    let frames = all(Series::open(&[path], &Reading::default()).expect("a series"));
+    assert_eq!(frames[0].time, Some(2.5));
+    assert_eq!(frames[0].position, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+    assert_eq!(frames[0].density, Some(vec![0.5, 0.25]));
+}
+
+/// Frame of a dump with wrapped or scaled coordinates.
+fn dump(step: u64, names: &str, row: &str) -> String {
+    format!(
+        "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp pp\n0 10\n0 20\n-1 1\nITEM: ATOMS {names}\n{row}\n"
+    )
+}
+
+#[test]
+fn scaled_and_wrapped_positions_are_converted_with_the_box() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let read = |text: String| {
+        let path = written(&folder, "a.dump", text);
+        all(Series::open(&[path], &Reading::default()).expect("a series")).remove(0)
+    };
+    let scaled = read(dump(0, "id xs ys zs", "1 0.5 0.25 0.5"));
+    assert_eq!(
+        (scaled.position[0], scaled.may_be_wrapped),
+        ([5.0, 5.0, 0.0], true)
+    );
+    let images = read(dump(0, "id x y z ix iy iz", "1 1 2 0 1 -1 0"));
+    assert_eq!(
+        (images.position[0], images.may_be_wrapped),
+        ([11.0, -18.0, 0.0], false)
+    );
+    let unwrapped = read(dump(0, "id x y z xu yu zu", "1 1 2 0 11 2 0"));
+    assert_eq!(
+        (unwrapped.position[0], unwrapped.may_be_wrapped),
+        ([11.0, 2.0, 0.0], false)
+    );
+}
+
+#[test]
+fn frames_come_in_order_of_time_from_compressed_text_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text: String = [7, 2, 5, 2]
+        .map(|step| dump(step, "id x y", &format!("1 {step} 0")))
+        .concat();
+    let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
+    packed.write_all(text.as_bytes()).expect("compressed");
+    let path = written(&folder, "a.dump.gz", packed.finish().expect("compressed"));
+    let series = Series::open(&[path], &Reading::default()).expect("a series");
+    assert_eq!(series.recognized().ignored.len(), 1);
+    let frames = all(series);
+    let steps: Vec<f64> = frames.iter().map(|frame| frame.position[0][0]).collect();
+    assert_eq!(steps, [2.0, 5.0, 7.0]);
+}
+
+#[test]
+fn a_dump_that_is_still_written_ends_with_its_last_complete_frame() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = dump(0, "id x y", "1 0.5 0") + &dump(1, "id x y", "1 0.625 0");
+    for cut in 1..40 {
+        let path = written(&folder, "a.dump", &text[..text.len() - cut]);
+        let series = Series::open(&[path], &Reading::default()).expect("a series");
+        assert!(!series.recognized().ignored.is_empty());
+        assert_eq!(all(series).len(), 1, "cut {cut}");
+    }
+}
+
+#[test]
+fn rows_of_a_table_are_sorted_into_frames() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = "\u{feff}id;time;x [mm];y [mm];Fxx;Fxy;Fyx;Fyy\n1;0;0;0;1;0;0;1\n1;1;0.5;0;2;0;0;1\n2;0;1;0;1;0;0;1\n2;1;1.5;0;2;3;0;1\n";
+    let path = written(&folder, "a.csv", table);
+    let mut series = Series::open(&[path], &Reading::default()).expect("a series");
+    let frame = series.frame(1).expect("a frame");
+    assert_eq!((frame.time, frame.dimensions), (Some(1.0), 2));
+    assert_eq!(frame.identity, Some(vec![1, 2]));
+    assert_eq!(frame.position, [[0.5, 0.0, 0.0], [1.5, 0.0, 0.0]]);
+    assert_eq!(
+        frame.gradient.as_ref().expect("gradients")[1],
+        [2.0, 3.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+    );
+    assert!(!frame.gradient_given[8]);
+}
+
+#[test]
+fn named_columns_replace_guesses_and_missing_names_are_listed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = written(&folder, "a.csv", "n,a,b,x,y\n4,1,2,0,0\n");
+    let reading = Reading::default()
+        .with_columns("x=a,b,id=n")
+        .expect("columns");
+    let frames = all(Series::open(std::slice::from_ref(&path), &reading).expect("a series"));
+    assert_eq!(frames[0].position, [[1.0, 2.0, 0.0]]);
+    assert_eq!(frames[0].identity, Some(vec![4]));
+    let reading = Reading::default()
+        .with_columns("stress=c")
+        .expect("columns");
+    let error = refused(path, &reading);
+    assert!(
+        error.contains("no column c for stress") && error.contains("n, a, b"),
+        "{error}"
+    );
+}
+
+#[test]
+fn ranges_of_frames_are_slices() {
+    let reading = |range: &str| Reading {
+        frames: range.parse().expect("a range"),
+        ..Reading::default()
+    };
+    let count = |range: &str| {
+        let series = Series::open(&[data("tl-healthy.dump.gz")], &reading(range));
+        series.map(|series| all(series).len())
+    };
+    assert_eq!(count("1:").ok(), Some(2));
+    assert_eq!(count("::2").ok(), Some(2));
+    assert_eq!(count("-1:").ok(), Some(1));
+    assert!(matches!(count("5:"), Err(FrameError::Request { .. })));
+    assert!("1:2:0".parse::<onset_frames::FrameRange>().is_err());
+}
+
+#[test]
+fn particles_are_reordered_and_differences_are_told() {
+    let mut frame = Frame {
+        identity: Some(vec![5, 3, 9, 3]),
+        position: vec![[5.0; 3], [3.0; 3], [9.0; 3], [4.0; 3]],
+        ..Frame::default()
+    };
+    let order = frame.in_order_of(&[3, 4, 5]);
+    assert_eq!(
+        (order.missing, order.new, order.doubled),
+        (vec![4], vec![9], vec![3])
+    );
+    assert_eq!(frame.position, [[3.0; 3], [5.0; 3]]);
+}
+
+#[test]
+fn counts_beyond_the_file_are_refused_before_memory_is_reserved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let hostile = dump(0, "id x y", "1 0 0").replace("ATOMS\n1\n", "ATOMS\n900000000000000\n");
+    assert!(
+        refused(written(&folder, "a.dump", hostile), &Reading::default()).contains("the limit is")
+    );
+    let grid = std::fs::read_to_string(data("meshio-zlib.vtu")).expect("a grid");
+    let hostile = grid.replace("NumberOfPoints=\"4\"", "NumberOfPoints=\"19999999\"");
+    assert!(
+        refused(written(&folder, "a.vtu", hostile), &Reading::default())
+            .contains("59999997 numbers")
+    );
+}
+
+#[test]
+fn pickled_arrays_and_other_formats_are_refused_with_a_hint() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut pickled = b"\x93NUMPY\x01\x00".to_vec();
+    let header = "{'descr': '|O', 'fortran_order': False, 'shape': (3,), }\n";
+    pickled.extend((header.len() as u16).to_le_bytes());
+    pickled.extend(header.as_bytes());
+    pickled.extend([0; 24]);
+    let error = refused(written(&folder, "a.npy", pickled), &Reading::default());
+    assert!(
+        error.contains("pickled objects") && error.contains("HDF5"),
+        "{error}"
+    );
+    let error = refused(
+        written(&folder, "a.vtk", "# vtk DataFile Version 3.0\n"),
+        &Reading::default(),
+    );
+    assert!(error.contains("legacy"), "{error}");
+    let error = refused(
+        written(&folder, "a.bin", b"\x89HDF\r\n\x1a\n\0\0"),
+        &Reading::default(),
+    );
+    assert!(error.contains("binary"), "{error}");
+    #[cfg(unix)]
+    assert!(refused("/dev/zero".into(), &Reading::default()).contains("not a regular file"));
+}
