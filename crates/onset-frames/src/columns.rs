@@ -13,11 +13,11 @@ pub struct ColumnUse {
     pub quantity: Option<Quantity>,
     /// Whether the user named the column; otherwise it was guessed.
     pub is_given: bool,
-    /// Number of components.
+    /// Number of components in the file.
     pub components: usize,
     /// Whether the values belong to points or to cells.
     pub support: Support,
-    /// Whether the order of tensor components was assumed (matrices row by row) because their names do not tell it.
+    /// Whether the order of tensor components was assumed (matrices row by row), because the names of the columns leave it open.
     pub order_is_assumed: bool,
 }
 
@@ -37,7 +37,7 @@ pub(crate) enum Dialect {
     Lammps,
     /// Symmetric tensors are xx, yy, zz, xy, yz, xz.
     Vtk,
-    /// Tables and arrays.
+    /// Plain tables and arrays, without rules of a program.
     Plain,
 }
 
@@ -523,7 +523,7 @@ fn names_of(available: &[Available]) -> Vec<String> {
 }
 
 impl Plan {
-    /// Assigns columns: those that the user names first, then guesses.
+    /// Assigns columns named by the user, then guesses the remaining ones.
     pub(crate) fn of(
         available: Vec<Available>,
         reading: &Reading,
@@ -615,7 +615,7 @@ impl Plan {
         .collect()
     }
 
-    /// Whether a frame with these columns has the same plan.
+    /// Returns true if a frame with these columns has the same plan.
     pub(crate) fn is_for(&self, available: &[Available]) -> bool {
         self.available == available
     }
@@ -630,7 +630,7 @@ impl Plan {
         &self.available
     }
 
-    /// Whether each column is used.
+    /// Returns for each column whether it is used.
     pub(crate) fn wanted(&self) -> Vec<bool> {
         let mut wanted = vec![false; self.available.len()];
         for used in &self.uses {
@@ -644,7 +644,7 @@ impl Plan {
         wanted
     }
 
-    /// Whether data of cells are used.
+    /// Returns true if data of cells are used.
     pub(crate) fn has_cells(&self) -> bool {
         self.uses.iter().any(|own| own.support == Support::Cells)
     }
@@ -665,7 +665,7 @@ impl Plan {
         })
     }
 
-    /// Frame with the values of the wanted columns, without time, step and place.
+    /// Returns a frame with the values of the used columns, without time, step and place.
     ///
     /// # Errors
     /// Description of a column whose length does not fit.
@@ -818,12 +818,12 @@ impl Build<'_> {
     /// Integers, which may be written as floating-point numbers.
     fn whole(&self, quantity: Quantity) -> Result<Option<Vec<i64>>, String> {
         /// Integers up to 2^53 are exact.
-        const MOST: f64 = 9_007_199_254_740_992.0;
+        const LARGEST_INTEGER: f64 = 9_007_199_254_740_992.0;
         let Some(values) = self.scalar(quantity) else {
             return Ok(None);
         };
         let whole = values.into_iter().map(|value| {
-            let is_whole = value.abs() <= MOST && value.fract() == 0.0;
+            let is_whole = value.abs() <= LARGEST_INTEGER && value.fract() == 0.0;
             is_whole.then_some(value as i64)
         });
         let whole: Option<Vec<i64>> = whole.collect();

@@ -69,7 +69,7 @@ pub enum FrameError {
     Wrong {
         /// Place of the error.
         place: Box<Place>,
-        /// Expected contents.
+        /// Contents that were expected, in words.
         expected: String,
         /// First word of the contents, shortened.
         found: Option<String>,
@@ -96,7 +96,7 @@ pub enum FrameError {
         place: Box<Place>,
         /// Quantity that the column was requested for.
         quantity: Quantity,
-        /// Requested name.
+        /// Name that the user requested.
         name: String,
         /// Names in the file.
         available: Vec<String>,

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 /// Particles at one time. All lists have one entry for each particle, in the order of the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
-    /// Time, or `None` if the file has none and no length of a time step was given.
+    /// Time; `None` if neither the file nor the user gives it.
     pub time: Option<f64>,
     /// Number of the time step.
     pub step: Option<u64>,
@@ -16,35 +16,35 @@ pub struct Frame {
     pub dimensions: usize,
     /// Numbers of the particles.
     pub identity: Option<Vec<u64>>,
-    /// Current positions.
+    /// Current position of each particle.
     pub position: Vec<[f64; 3]>,
-    /// Reference positions.
+    /// Reference position of each particle.
     pub reference: Option<Vec<[f64; 3]>>,
-    /// Displacements.
+    /// Current minus reference position of each particle.
     pub displacement: Option<Vec<[f64; 3]>>,
-    /// Velocities.
+    /// Velocity of each particle.
     pub velocity: Option<Vec<[f64; 3]>>,
     /// Deformation gradients F_iJ, row by row as in the file; see [`ColumnUse::order`](crate::ColumnUse::order).
     pub gradient: Option<Vec<[f64; 9]>>,
-    /// Components of the gradients that the file contains; the others are those of the identity.
+    /// Components of the gradients that the file contains. The remaining components equal the identity.
     pub gradient_given: [bool; 9],
     /// Cauchy stresses xx, yy, zz, xy, xz, yz.
     pub stress: Option<Vec<[f64; 6]>>,
     /// Components of the stresses that the file contains; the others are set to zero and are unknown.
     pub stress_given: [bool; 6],
-    /// Current densities.
+    /// Current density of each particle.
     pub density: Option<Vec<f64>>,
-    /// Volumes.
+    /// Volume of each particle or cell.
     pub volume: Option<Vec<f64>>,
-    /// Masses.
+    /// Mass of each particle.
     pub mass: Option<Vec<f64>>,
-    /// Types or materials.
+    /// Type or material of each particle.
     pub kind: Option<Vec<i64>>,
     /// Particles with prescribed motion.
     pub held: Option<Vec<bool>>,
     /// Elements or cells between the points.
     pub cells: Option<Cells>,
-    /// Simulation box.
+    /// Box of the simulation with its periodic directions.
     pub bounds: Option<Bounds>,
     /// Whether positions may be wrapped into a periodic box: the file has neither unwrapped positions nor image flags.
     pub may_be_wrapped: bool,
@@ -67,24 +67,24 @@ pub struct Cells {
     pub stress: Option<Vec<[f64; 6]>>,
     /// Components of the stresses that the file contains.
     pub stress_given: [bool; 6],
-    /// Densities.
+    /// Current density of each cell.
     pub density: Option<Vec<f64>>,
-    /// Volumes.
+    /// Volume of each particle or cell.
     pub volume: Option<Vec<f64>>,
-    /// Materials.
+    /// Number of the material of each cell.
     pub kind: Option<Vec<i64>>,
 }
 
-/// Simulation box.
+/// Box of a simulation, which may be tilted, with its periodic directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bounds {
-    /// Lower corner.
+    /// Lower corner of the box.
     pub low: [f64; 3],
     /// Upper corner, without tilt.
     pub high: [f64; 3],
     /// Tilt factors xy, xz, yz.
     pub tilt: [f64; 3],
-    /// Periodic directions.
+    /// Directions along which the box is repeated.
     pub periodic: [bool; 3],
 }
 
@@ -121,7 +121,7 @@ impl Order {
 }
 
 impl Frame {
-    /// Number of particles.
+    /// Returns the number of particles in the frame.
     pub fn len(&self) -> usize {
         self.position.len()
     }
@@ -210,7 +210,7 @@ impl Frame {
 }
 
 impl Cells {
-    /// Number of cells.
+    /// Returns the number of cells in the frame.
     pub fn len(&self) -> usize {
         self.ends.len()
     }

@@ -9,7 +9,7 @@ use std::str::FromStr;
 pub struct Reading {
     /// Columns of quantities: one name of a vector or matrix, or the names of its components in order.
     ///
-    /// Components of a stress are xx, yy, xy; or xx, yy, zz, xy; or xx, yy, zz, xy, xz, yz. Components of a gradient are listed row by row.
+    /// A stress has three components (xx, yy, xy), four (xx, yy, zz, xy) or six (xx, yy, zz, xy, xz, yz). Components of a gradient are listed row by row.
     pub columns: Vec<(Quantity, Vec<String>)>,
     /// Length of a time step, for formats that number their steps. `None`: frames have a step and no time.
     pub time_step: Option<f64>,
@@ -17,7 +17,7 @@ pub struct Reading {
     pub frames: FrameRange,
     /// Group of an HDF5 file, or name of an array of particles.
     pub group: Option<String>,
-    /// Limits of sizes.
+    /// Limits of the sizes of files and frames.
     pub limits: Limits,
 }
 
@@ -59,19 +59,19 @@ impl Reading {
 /// Quantity that a column contains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
-    /// Current position.
+    /// Position of a particle at the time of the frame.
     Position,
     /// Position in the reference configuration.
     Reference,
     /// Current minus reference position.
     Displacement,
-    /// Velocity.
+    /// Velocity of a particle.
     Velocity,
-    /// Deformation gradient.
+    /// Deformation gradient of a particle or cell.
     Gradient,
-    /// Cauchy stress.
+    /// Cauchy stress of a particle or cell.
     Stress,
-    /// Current density.
+    /// Density at the time of the frame.
     Density,
     /// Number of a particle, the same in all frames.
     Identity,
@@ -158,7 +158,7 @@ impl FromStr for Quantity {
 /// Range of frames, as a slice of Python: from `first` up to and without `end`, in steps of `every`; negative numbers count from the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameRange {
-    /// First frame.
+    /// Number of the first frame to be read.
     pub first: Option<i64>,
     /// Frame after the last.
     pub end: Option<i64>,

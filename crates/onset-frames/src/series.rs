@@ -17,7 +17,7 @@ pub enum Format {
     Lammps,
     /// Unstructured grids, polygonal data and collections of VTK in XML.
     Vtk,
-    /// Arrays of NumPy.
+    /// Arrays of NumPy, one file or an archive of several.
     Numpy,
     /// Table with names of columns.
     Table,
@@ -72,7 +72,7 @@ impl fmt::Display for Format {
 /// Properties of the files that were recognized when they were opened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recognized {
-    /// Format.
+    /// Format of the files.
     pub format: Format,
     /// Files that the user named, after wildcards.
     pub files: Vec<PathBuf>,
@@ -95,7 +95,7 @@ pub struct Series {
     /// Frames of the source in order of time, with their times.
     frames: Vec<(usize, Stamp)>,
     next: usize,
-    /// Whether the written positions are those of the reference configuration, from which displacements lead to the current ones.
+    /// Whether displacements are added to the positions in the file.
     is_reference: bool,
 }
 
@@ -365,7 +365,7 @@ fn of_one_body(files: Vec<PathBuf>, reading: &Reading) -> Result<Vec<PathBuf>, F
     }
 }
 
-/// Adds the files that a path with wildcards in its last part stands for.
+/// Adds the files that match a path with wildcards in its last part.
 fn expand(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), FrameError> {
     let name = path
         .file_name()
@@ -398,10 +398,10 @@ fn expand(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), FrameError> {
     }
 }
 
-/// Whether a name fits a pattern; the work is bounded by the product of the lengths.
+/// Returns true if a name fits a pattern; the work is bounded by the product of the lengths.
 fn fits(pattern: &str, name: &str) -> bool {
     let name: Vec<char> = name.chars().collect();
-    // Places in the name up to which the pattern so far fits.
+    // Lengths of the beginnings of the name that fit the pattern read up to here.
     let mut reached = vec![false; name.len() + 1];
     reached[0] = true;
     for letter in pattern.chars() {
@@ -433,7 +433,7 @@ mod tests {
     use std::path::{Path, PathBuf};
 
     #[test]
-    fn wildcards_stand_for_any_letters() {
+    fn wildcards_match_any_letters() {
         assert!(fits("dump.*.gz", "dump.100.gz"));
         assert!(fits("f???.vtu", "f001.vtu"));
         assert!(!fits("f?.vtu", "f01.vtu"));

@@ -30,7 +30,7 @@ pub(crate) struct Lines {
     stream: Stream,
     mark: Mark,
     line: Vec<u8>,
-    /// Whether the last line ends with a line feed.
+    /// Returns true if the last line ends with a line feed.
     is_whole: bool,
     limits: Limits,
 }
@@ -93,7 +93,7 @@ impl Lines {
         &self.line
     }
 
-    /// Whether the last line ends with a line feed.
+    /// Returns true if the last line ends with a line feed.
     pub(crate) fn is_whole(&self) -> bool {
         self.is_whole
     }
@@ -237,10 +237,10 @@ pub(crate) fn significant_digits(word: &[u8]) -> Option<u32> {
     Some(digits)
 }
 
-/// Rows of numbers of a table; only the wanted columns are parsed.
+/// Rows of numbers of a table; only columns in use are parsed.
 pub(crate) struct Rows {
     wanted: Vec<bool>,
-    /// Values of each column; empty for columns that are not wanted.
+    /// Values of each column; empty for unused columns.
     pub values: Vec<Vec<f64>>,
 }
 
@@ -257,7 +257,7 @@ impl Rows {
         self.wanted[column] = true;
     }
 
-    /// Adds a row.
+    /// Adds the numbers of a row to the columns.
     pub(crate) fn push<'a>(
         &mut self,
         words: impl Iterator<Item = &'a [u8]>,
@@ -293,7 +293,7 @@ impl Rows {
     }
 }
 
-/// Words between blanks.
+/// Iterates over the words between blanks.
 pub(crate) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace)
         .filter(|word| !word.is_empty())

@@ -58,7 +58,7 @@ fn a_lammps_dump_has_stresses_digits_and_times_of_steps() {
 }
 
 #[test]
-fn gradients_of_a_dump_are_told_with_their_assumed_order() {
+fn gradients_of_a_dump_are_reported_with_their_assumed_order() {
     let series = open("notch-step.dump.gz");
     assert_eq!(series.recognized().digits, Some(9));
     let columns = &series.recognized().columns;
@@ -267,7 +267,7 @@ fn ranges_of_frames_are_slices() {
 }
 
 #[test]
-fn particles_are_reordered_and_differences_are_told() {
+fn particles_are_reordered_and_differences_are_reported() {
     let mut frame = Frame {
         identity: Some(vec![5, 3, 9, 3]),
         position: vec![[5.0; 3], [3.0; 3], [9.0; 3], [4.0; 3]],

@@ -324,7 +324,7 @@ impl Source for Dump {
     }
 }
 
-/// Converts scaled coordinates.
+/// Converts scaled coordinates to lengths in the box.
 fn unscale(
     frame: &mut Frame,
     header: &Header,

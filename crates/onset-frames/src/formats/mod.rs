@@ -38,7 +38,7 @@ pub(crate) trait Source: Send {
     /// Reads a frame by its number in the order of the files.
     fn read(&mut self, frame: usize) -> Result<Frame, FrameError>;
 
-    /// Prepares for reading in another order than that of the files.
+    /// Prepares for reading frames in any order.
     fn shuffle(&mut self) -> Result<(), FrameError> {
         Ok(())
     }

@@ -16,7 +16,7 @@ const HINT: &str = "save plain arrays with numpy.savez";
 /// Maximum number of arrays in a file.
 const MOST_ARRAYS: usize = 1000;
 
-/// Type of numbers.
+/// Type of the numbers in an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Number {
     pub kind: Kind,
@@ -239,9 +239,9 @@ fn arrays(path: &Path, ignored: &mut Vec<String>) -> Result<Vec<Array>, FrameErr
 /// Meaning of the axes of arrays. HDF5 data sets have the same meanings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Axes {
-    /// Frames, particles, components.
+    /// Array over frames, particles and components.
     Series { frames: usize, particles: usize },
-    /// Particles, components.
+    /// Array over particles and components, for one frame.
     Single { particles: usize },
 }
 
@@ -348,7 +348,7 @@ impl Axes {
     }
 }
 
-/// Name of the array of times: that of the user, or a usual one.
+/// Returns the name of the array of times, from the user or from a list of usual names.
 pub(super) fn time_name<'a>(
     names: impl Iterator<Item = &'a str> + Clone,
     reading: &Reading,

@@ -5,10 +5,10 @@ use flate2::read::ZlibDecoder;
 use std::io::Read;
 use std::ops::Range;
 
-/// Where and how the numbers of an array are stored.
+/// Place and encoding of the numbers of an array.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Storage {
-    /// Numbers in words.
+    /// Numbers written as text.
     Text(Range<usize>),
     /// Base64 with a header.
     Base64(Range<usize>),
@@ -119,7 +119,7 @@ fn base64(text: &[u8]) -> Option<Vec<u8>> {
 
 /// Contents after the header, decompressed; `Err` with the expected contents.
 fn contents(bytes: &[u8], encoding: Encoding, most: usize) -> Result<Vec<u8>, String> {
-    let cut = || "data as long as its header tells".to_owned();
+    let cut = || "data of the length in its header".to_owned();
     let header = |n: usize| {
         let at = n.checked_mul(encoding.header).ok_or_else(cut)?;
         let part = at
@@ -169,7 +169,7 @@ fn contents(bytes: &[u8], encoding: Encoding, most: usize) -> Result<Vec<u8>, St
             .take(size as u64)
             .read_to_end(&mut plain);
         if read.is_err() || plain.len() - before != size {
-            return Err("compressed data as long as its header tells".to_owned());
+            return Err("compressed data of the length in its header".to_owned());
         }
         at += packed;
     }

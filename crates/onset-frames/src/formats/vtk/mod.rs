@@ -18,7 +18,7 @@ use xml::Tag;
 const HINT: &str = "give .vtu or .vtp files, or a .pvd file that lists them; meshio and ParaView convert other formats";
 /// Vertex in the numbering of VTK.
 const VERTEX: u8 = 1;
-/// Bytes in which the time is looked for before a file is read as a whole.
+/// Number of bytes at the beginning of a file that are searched for its time before the whole file is read.
 const HEAD: u64 = 1 << 16;
 /// Maximum number of files in which the pieces of one frame lie.
 const MOST_PARTS: usize = 10_000;
@@ -285,7 +285,7 @@ fn place_appended(
     offsets.sort_unstable();
     for Appended { owner, offset } in appended {
         let first = start.checked_add(offset).filter(|first| *first <= end)?;
-        // The next offset may be that of the same data.
+        // Several arrays may share one offset.
         let next = offsets[offsets.partition_point(|own| *own <= offset)..].first();
         let last = next.map_or(end, |next| start.saturating_add(*next).min(end));
         let storage = match is_raw {

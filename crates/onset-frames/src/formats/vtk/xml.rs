@@ -7,9 +7,9 @@ use std::ops::Range;
 pub(super) struct Tag {
     pub name: String,
     pub attributes: Vec<(String, String)>,
-    /// `</NAME>`
+    /// Whether the tag ends an element, as `</NAME>` does.
     pub is_end: bool,
-    /// `<NAME/>`
+    /// Whether the element has no contents, as in `<NAME/>`.
     pub is_empty: bool,
     pub place: Range<usize>,
 }
