@@ -24,7 +24,7 @@ pub struct Frame {
     pub displacement: Option<Vec<[f64; 3]>>,
     /// Velocity of each particle.
     pub velocity: Option<Vec<[f64; 3]>>,
-    /// Deformation gradients F_iJ, row by row as in the file; see [`ColumnUse::order`](crate::ColumnUse::order).
+    /// Deformation gradients F_iJ, row by row as in the file; see [`ColumnUse::order_is_assumed`](crate::ColumnUse::order_is_assumed).
     pub gradient: Option<Vec<[f64; 9]>>,
     /// Components of the gradients that the file contains. The remaining components equal the identity.
     pub gradient_given: [bool; 9],

@@ -555,7 +555,7 @@ fn ignored_keywords_of_a_deck_are_listed_with_their_lines() {
     assert!(
         refused
             .to_string()
-            .contains("a deck:2:1: *HYPERFOAM has POISSON=0.1 beside constants"),
+            .contains("a deck:2:1: *HYPERFOAM has POISSON=0.1 in addition to constants"),
         "{refused}"
     );
     let ansys = "TB,HYPER,1,1,2,MOONEY\nTBDATA,1,0.4,0.1,0.02\nTB,PRONY,1,1,1,SHEAR\nTBDATA,1,0.3,0.1\nTB,HYPER,2,1,,NEO\nTBDATA,1,2,0.02";
