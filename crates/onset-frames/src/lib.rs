@@ -1,8 +1,8 @@
 //! Frames of particles, streamed from the output files of simulation codes.
 //!
-//! A [`Series`] is opened from one or more files. It recognizes the format from the contents, finds positions, velocities, deformation gradients and
-//! stresses by the names of columns ([`Reading`] overrides the guesses), and yields one [`Frame`] after the other in order of time. At most two frames
-//! are in memory.
+//! A [`Series`] is opened from one or more files. It recognizes the format from the contents. The names of columns identify positions, velocities,
+//! deformation gradients and stresses, unless a [`Reading`] assigns them. The series yields one [`Frame`] after the other in order of time. At most two
+//! frames are in memory.
 //!
 //! Files are not trusted: sizes are bounded by the length of the file before memory is reserved, lines have a maximum length, pipes and devices are
 //! not opened, and an error quotes at most one word of a file.

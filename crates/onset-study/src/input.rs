@@ -1,8 +1,9 @@
 //! Reading of files that a user names: regular files of bounded length, as text.
 
 use onset::cancel::checkpoint;
-use std::fs::{self, File};
-use std::io::{self, ErrorKind, Read};
+pub use onset_frames::input::decoded;
+use onset_frames::input::regular;
+use std::io::{self, Read};
 use std::path::Path;
 
 /// Maximum size of a text written by hand, such as a study or a table of particles, in bytes.
@@ -15,16 +16,7 @@ pub const MOST_OUTPUT: u64 = 4 << 30;
 /// # Errors
 /// [`io::Error`] if the file cannot be read, is not a regular file, or is too long.
 pub fn bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    let found = fs::metadata(path)?;
-    if found.is_dir() {
-        return Err(io::Error::new(ErrorKind::IsADirectory, "it is a folder"));
-    }
-    if !found.is_file() {
-        return Err(invalid(
-            "it is a pipe or a device, not a regular file".to_owned(),
-        ));
-    }
-    bounded(File::open(path)?, most)
+    bounded(regular(path)?, most)
 }
 
 /// Reads from a source to its end.
@@ -40,12 +32,7 @@ pub fn bounded(from: impl Read, most: u64) -> io::Result<Vec<u8>> {
             self.0.read(buffer)
         }
     }
-    let mut bytes = Vec::new();
-    InParts(from).take(most + 1).read_to_end(&mut bytes)?;
-    match bytes.len() as u64 > most {
-        true => Err(invalid(format!("it has more than {} MiB", most >> 20))),
-        false => Ok(bytes),
-    }
+    onset_frames::input::bounded(InParts(from), most)
 }
 
 /// Reads a whole text file of at most `most` bytes, without its byte order mark.
@@ -54,28 +41,6 @@ pub fn bounded(from: impl Read, most: u64) -> io::Result<Vec<u8>> {
 /// Fails like [`bytes`], and for a text that is not UTF-8.
 pub fn text(path: &Path, most: u64) -> io::Result<String> {
     decoded(bytes(path, most)?)
-}
-
-/// Decodes UTF-8 with or without a byte order mark.
-///
-/// # Errors
-/// [`io::Error`] with the line of the first byte that is not UTF-8, or with the name of another encoding.
-pub fn decoded(mut bytes: Vec<u8>) -> io::Result<String> {
-    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-        return Err(invalid("it is UTF-16; save it as UTF-8".to_owned()));
-    }
-    if bytes.starts_with(b"\xef\xbb\xbf") {
-        bytes.drain(..3);
-    }
-    String::from_utf8(bytes).map_err(|error| {
-        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        let line = 1 + valid.iter().filter(|byte| **byte == b'\n').count();
-        invalid(format!("line {line} is not UTF-8 text"))
-    })
-}
-
-fn invalid(why: String) -> io::Error {
-    io::Error::new(ErrorKind::InvalidData, why)
 }
 
 #[cfg(test)]

@@ -310,14 +310,6 @@ impl<const D: usize> Crystal<D> {
         })
     }
 
-    /// Lattice from which a block is cut.
-    pub(crate) fn periodic(&self) -> Self {
-        Self {
-            is_block: false,
-            ..self.clone()
-        }
-    }
-
     /// Displaces every particle of a cell at random; the volumes are recomputed from the new Voronoi cells.
     ///
     /// Each Cartesian component changes by a number between `-amplitude` and `amplitude` (a length). Equal seeds give equal numbers on every machine.
@@ -407,7 +399,10 @@ mod tests {
         seen.sort_unstable();
         assert_eq!(seen, [3, 3, 3, 3, 4, 4, 4, 4, 5]);
         assert_eq!(
-            block.periodic(),
+            Crystal {
+                is_block: false,
+                ..block
+            },
             Crystal::of_lattice(square)
                 .supercell([3, 3])
                 .expect("a crystal")

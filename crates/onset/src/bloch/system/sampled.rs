@@ -55,6 +55,13 @@ impl Spectra {
     }
 }
 
+/// Index of the value with a number in increasing order.
+fn numbered(count: usize, value: impl Fn(usize) -> f64, number: usize) -> Option<usize> {
+    let mut numbers: Vec<usize> = (0..count).collect();
+    sort_by_value(&mut numbers, |n| value(*n));
+    numbers.get(number).copied()
+}
+
 impl<const D: usize> WaveSystem<D> {
     /// Form of the system in which it is evaluated fastest.
     pub(super) fn sampled(&self) -> Box<dyn Sampled<D> + '_> {
@@ -88,9 +95,8 @@ impl<const D: usize> Sampled<D> for &WaveSystem<D> {
     ) -> Option<Taylor<Complex, D>> {
         let expansion = self.expansion_at(k);
         let all = self.decomposed(&expansion)?;
-        let mut numbers: Vec<usize> = (0..all.values.len()).collect();
-        sort_by_value(&mut numbers, |n| order(all.values[*n]));
-        Some(expansion.branch(&all, *numbers.get(number)?))
+        let own = numbered(all.values.len(), |n| order(all.values[n]), number)?;
+        Some(expansion.branch(&all, own))
     }
 }
 
@@ -517,9 +523,8 @@ impl<const D: usize> Sampled<D> for FlatSum<'_, D> {
         if !self.is_hermitian {
             let expansion = self.expansion(k);
             let all = Decomposition::new(expansion.value.clone())?;
-            let mut numbers: Vec<usize> = (0..n).collect();
-            sort_by_value(&mut numbers, |n| order(all.values[*n]));
-            return Some(expansion.branch(&all, *numbers.get(number)?));
+            let own = numbered(n, |m| order(all.values[m]), number)?;
+            return Some(expansion.branch(&all, own));
         }
         // Second-order perturbation theory, as in `MatrixExpansion::branch`, with left vectors that are the adjoints of the right ones.
         let packs = self.derivatives(k);
@@ -530,9 +535,7 @@ impl<const D: usize> Sampled<D> for FlatSum<'_, D> {
         let mut vectors: Vec<_> = (0..n * n).map(unit).collect();
         diagonalize(n, &mut matrix, &mut vectors);
         let values: Vec<f64> = (0..n).map(|m| matrix[m * n + m][0]).collect();
-        let mut numbers: Vec<usize> = (0..n).collect();
-        sort_by_value(&mut numbers, |m| order(Complex::from(values[*m])));
-        let own = *numbers.get(number)?;
+        let own = numbered(n, |m| order(Complex::from(values[m])), number)?;
         let vector =
             |i: usize, m: usize| Complex::new(vectors[i * n + m][0], vectors[i * n + m][1]);
         // A derivative of the matrix, applied to the vector of the branch.

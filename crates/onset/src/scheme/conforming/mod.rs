@@ -106,6 +106,8 @@ impl Default for ConformingChoices {
 pub struct ConformingIntegration<const D: usize> {
     crystal: Crystal<D>,
     choices: ConformingChoices,
+    /// Region around each particle of the cell.
+    regions: Vec<Region<D>>,
     points: Vec<LagrangianPoint<D>>,
 }
 
@@ -131,17 +133,28 @@ impl<const D: usize> ConformingIntegration<D> {
             count as f64,
             "a whole number from 1 to 16",
         )?;
+        let volumes = crystal.volumes().iter().enumerate();
+        let regions = volumes.map(|(site, volume)| match choices.domain {
+            SmoothingDomain::Voronoi => Region::voronoi(&crystal, site),
+            SmoothingDomain::Boxes => Region::cube(*volume),
+        });
+        let regions = regions.collect();
+        Self::over(regions, crystal, choices)
+    }
+
+    /// Builds the method with given regions, in the order of the sites; a crystal of several cells repeats them.
+    fn over(
+        regions: Vec<Region<D>>,
+        crystal: Crystal<D>,
+        choices: &ConformingChoices,
+    ) -> Result<Self, MethodError> {
+        let c = choices.modification;
         let functions = Functions::new(&crystal, choices)?;
-        // Regions at the faces of a block are those inside of the lattice.
-        let periodic = crystal.periodic();
         let mut points = Vec::new();
-        for (site, volume) in crystal.volumes().iter().enumerate() {
-            let region = match choices.domain {
-                SmoothingDomain::Voronoi => Region::voronoi(&periodic, site),
-                SmoothingDomain::Boxes => Region::cube(*volume),
-            };
+        for site in 0..crystal.sites().len() {
+            let region = &regions[site % regions.len()];
             if c < 1.0 {
-                points.push(functions.smoothed(site, &region, 1.0 - c)?);
+                points.push(functions.smoothed(site, region, 1.0 - c)?);
             }
             if c > 0.0 {
                 for pyramid in region.pyramids() {
@@ -152,6 +165,7 @@ impl<const D: usize> ConformingIntegration<D> {
         Ok(Self {
             crystal,
             choices: choices.clone(),
+            regions,
             points,
         })
     }
@@ -201,12 +215,10 @@ impl<const D: usize> Discretization<D> for ConformingIntegration<D> {
         &self,
         cells: [usize; D],
     ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
-        // With several particles in a cell the regions of a block take up to a minute.
-        if self.crystal.sites().len() > 1 {
-            return Ok(None);
-        }
+        // Regions at the faces of a block are those inside of the lattice.
         let block = self.crystal.block(cells)?;
-        Ok(Some(Box::new(Self::new(block, &self.choices)?)))
+        let block = Self::over(self.regions.clone(), block, &self.choices)?;
+        Ok(Some(Box::new(block)))
     }
 
     /// Mean number of particles that share an integration point with a particle.
