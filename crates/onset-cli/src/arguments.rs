@@ -12,6 +12,9 @@ use onset_study::figure::ColorMap;
 use onset_study::limit::Integrator;
 use onset_study::localization::PARAMETERS;
 use onset_study::map::Part;
+use onset_study::screen::{
+    BIN, Cause, FrameRange, Held, Reference, Region, THRESHOLD, stepping_named,
+};
 use onset_study::settings::Admitted::Positive;
 use onset_study::settings::Program;
 use onset_study::settings::{BODY_KEYS, COMPARISON_KEYS, GRIP_KEYS, KEYS, Key, did_you_mean};
@@ -150,6 +153,10 @@ const VERIFY_EXAMPLES: &str = "Examples:
   onset verify read deck/wave.dump --json
 
 Exit codes of run and read: 0 agrees, 1 differs, 3 undecided, 2 the input is wrong.";
+const SCREEN_EXAMPLES: &str = "Examples:
+  onset screen run.dump.gz STUDY.toml --time-step 0.05 --check
+  onset screen run.dump.gz STUDY.toml --time-step 0.05 --stepping extrapolated-stress --out screened
+  onset screen 'plate_*.vtp' --set discretization.method=tlsph --columns F=DefGrad --fail-on numerical,time-step";
 const SIMULATE_EXAMPLES: &str = "Examples:
   onset simulate --stretch 1.3,1 --set discretization.method=updated-sph --mode critical
   onset simulate STUDY.toml --stretch 1.2,0.9 --cells 16 --mode noise --steps 20000 --out run --resume
@@ -422,6 +429,13 @@ pub enum Command {
         #[command(subcommand)]
         task: VerifyTask,
     },
+    /// Find what went wrong first in a run of your own code: particle, time, cause and remedy
+    ///
+    /// Reads the output files of a run, the law and the method, and follows all particles through time. The cause is the material (physical), the
+    /// discretization (numerical, zero-energy), the time step, or a motion that is forced. Formats: LAMMPS text dumps, VTU, VTP and PVD, NumPy
+    /// arrays, CSV.
+    #[command(after_help = SCREEN_EXAMPLES, after_long_help = with_keys(SCREEN_EXAMPLES, &keys()))]
+    Screen(Box<ScreenArguments>),
     /// Simulate the particles of a periodic patch or of a body, step by step
     ///
     /// A patch of cells moves about a homogeneous state under the nonlinear forces of the method, and starts with one wave or with noise. The
@@ -607,6 +621,100 @@ pub struct DeckArguments {
     pub out: PathBuf,
 }
 
+/// Command-line arguments of `onset screen`.
+#[derive(Debug, Args)]
+pub struct ScreenArguments {
+    /// Output files of the run, and a study file (.toml) with its law and method; wildcards may be quoted.
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
+    /// Set a key, for example material.model=blatz-ko (may be given several times).
+    #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Problem")]
+    pub assignments: Vec<String>,
+    /// The energy of a user-defined material, for example "mu/2*(I1 - 3 - 2*ln(J))". Short for material.model=formula and material.energy.
+    #[arg(
+        long,
+        value_name = "FORMULA",
+        allow_hyphen_values = true,
+        help_heading = "Problem"
+    )]
+    pub energy: Option<String>,
+    /// Libraries that the file may load.
+    #[command(flatten)]
+    pub trust: TrustArguments,
+    /// Time step of the code; it turns steps into times where a format has steps only.
+    #[arg(long, value_name = "DT", value_parser = positive, help_heading = "Time")]
+    pub time_step: Option<f64>,
+    /// Time stepping of the code: velocity-verlet (also leapfrog, central-differences), extrapolated-stress (LAMMPS smd/tlsph), late-density
+    /// (smd/ulsph) or late-acceleration (PySPH).
+    #[arg(long, value_name = "NAME", value_parser = stepping, default_value = "velocity-verlet", help_heading = "Time")]
+    pub stepping: Stepping,
+    /// Frames to read, as a slice: FIRST:END or FIRST:END:EVERY.
+    #[arg(long, value_name = "A:B:N", value_parser = FrameRange::from_str, default_value = ":", hide_default_value = true, allow_hyphen_values = true, help_heading = "Reading")]
+    pub frames: FrameRange,
+    /// Columns of quantities, for example "x=xu,yu F=c_F id=tag": x, X (reference), u, v, F, stress, density, id, type, held, time, volume, mass.
+    #[arg(long, value_name = "LIST", help_heading = "Reading")]
+    pub columns: Option<String>,
+    /// Reference configuration: `first` for the positions of the first frame, or a file [default: reference positions or displacements in the
+    /// files, or else the first frame].
+    #[arg(long, value_name = "FILE", value_parser = reference, default_value = "recorded", hide_default_value = true, help_heading = "Reading")]
+    pub reference: Reference,
+    /// Held particles: a type (2), a box of reference positions (-1,-1:3,20) or none [default: a column `held`, or a type that moves rigidly].
+    #[arg(long, value_name = "WHICH", value_parser = Held::from_str, allow_hyphen_values = true, help_heading = "Reading")]
+    pub held: Option<Held>,
+    /// Judge only the particles in a box of reference positions, for example 0,0:10,5.
+    #[arg(long, value_name = "BOX", value_parser = Region::from_str, allow_hyphen_values = true, help_heading = "Reading")]
+    pub region: Option<Region>,
+    /// Print what is recognized in the files, and stop.
+    #[arg(long, help_heading = "Reading")]
+    pub check: bool,
+    /// Amplitude, in spacings, at which short waves of the positions count as seen.
+    #[arg(long, value_name = "A", value_parser = share, default_value_t = THRESHOLD)]
+    pub threshold: f64,
+    /// Amplitude, in spacings, from which waves grow [default: that of the file].
+    #[arg(long, value_name = "A", value_parser = share)]
+    pub seed: Option<f64>,
+    /// Width of the bins of stretch in which particles share a state; the result is repeated with half of it.
+    #[arg(long, value_name = "WIDTH", value_parser = share, default_value_t = BIN)]
+    pub bin: f64,
+    /// Exit with code 3 if the first cause is one of these: physical, numerical, time-step, zero-energy, forced.
+    #[arg(
+        long,
+        value_name = "CAUSES",
+        value_parser = cause,
+        value_delimiter = ','
+    )]
+    pub fail_on: Vec<Cause>,
+    /// Folder for screen.pvd with fields, screen.json, screen.csv, screen.svg, screen.png and first.toml; nothing is written without it.
+    #[arg(long, value_name = "DIR", help_heading = "Files")]
+    pub out: Option<PathBuf>,
+    /// Largest number of frames whose fields are written.
+    #[arg(
+        long,
+        requires = "out",
+        value_name = "N",
+        default_value_t = 50,
+        help_heading = "Files"
+    )]
+    pub fields: usize,
+    /// Length of the printed answer.
+    #[command(flatten)]
+    pub detail: DetailArguments,
+}
+
+fn reference(text: &str) -> Result<Reference, String> {
+    Ok(match text {
+        "recorded" => Reference::Recorded,
+        "first" => Reference::First,
+        file => Reference::File(file.into()),
+    })
+}
+
+fn cause(text: &str) -> Result<Cause, String> {
+    let name = text.trim();
+    let known = Cause::ALL.into_iter().find(|own| own.name() == name);
+    known.ok_or_else(|| expected(text, "causes:", &Cause::ALL.map(Cause::name)))
+}
+
 /// Command-line arguments of `onset simulate`.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("length").args(["steps", "time"])))]
@@ -713,8 +821,8 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 fn stepping(text: &str) -> Result<Stepping, String> {
-    let known = Stepping::ALL.into_iter().find(|own| own.name() == text);
-    known.ok_or_else(|| expected(text, "available:", &Stepping::ALL.map(Stepping::name)))
+    stepping_named(text)
+        .ok_or_else(|| expected(text, "available:", &Stepping::ALL.map(Stepping::name)))
 }
 
 /// Command-line arguments of `onset plot`.

@@ -11,6 +11,7 @@ mod limit;
 mod localize;
 mod modes;
 mod plot;
+mod screen;
 mod simulate;
 mod tune;
 mod verify;
@@ -192,6 +193,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         Command::Recommend(arguments) => compare::recommend(&arguments),
         Command::Plot(arguments) => plot::plot(&arguments),
         Command::Verify { task } => verify::verify(&task),
+        Command::Screen(arguments) => screen::screen(&arguments),
         Command::Simulate(arguments) => simulate::simulate(&arguments),
         Command::Reproduce { out } => reproduce(&out),
     }
@@ -210,6 +212,7 @@ fn waiting_for(command: &Command) -> Option<&'static str> {
         Command::Card(_) => Some("searching boxes of stretches"),
         Command::Audit(_) => Some("differentiating"),
         Command::Modes(_) => Some("searching the zone"),
+        Command::Screen(_) => Some("reading the frames"),
         Command::Simulate(_) => Some("setting up the motion"),
         Command::Check { .. } => Some("looking at states"),
         Command::Verify {

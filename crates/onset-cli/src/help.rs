@@ -12,7 +12,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// Commands in groups by topic, the most common first; the short overview lists the last group on a single line.
-const GROUPS: [(&str, &[&str]); 5] = [
+const GROUPS: [(&str, &[&str]); 6] = [
     (
         "A state, a path",
         &[
@@ -29,6 +29,7 @@ const GROUPS: [(&str, &[&str]); 5] = [
         "A method",
         &["recommend", "compare", "tune", "limit", "verify"],
     ),
+    ("A run of your own code", &["screen"]),
     ("A law", &["criteria", "card", "audit", "localize"]),
     ("A study", &["check", "map", "plot", "boundary"]),
     (

@@ -285,6 +285,7 @@ fn ordered(stamps: &[Stamp], ignored: &mut Vec<String>) -> Vec<(usize, Stamp)> {
         frames.dedup_by(|(_, b), (_, a)| compare(a, b) == Ordering::Equal);
         match count - frames.len() {
             0 => {}
+            1 => ignored.push("a frame whose time another frame has".to_owned()),
             repeated => ignored.push(format!("{repeated} frames whose time another frame has")),
         }
     }

@@ -27,12 +27,14 @@ pub mod output;
 pub mod plot;
 pub mod range;
 pub mod reproduce;
+pub mod screen;
 pub mod settings;
 pub mod shell;
 pub mod simulate;
 pub mod store;
 pub mod tune;
 pub mod verify;
+mod vtk;
 
 pub use onset::cancel::unless;
 pub use onset::verdict::Verdict;

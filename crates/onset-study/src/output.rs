@@ -105,28 +105,26 @@ impl Output {
     /// Writes files, replacing existing ones; returns their paths. An existing link is replaced, not followed.
     ///
     /// # Errors
-    /// [`OutputError`] with the first file that cannot be written. The other files are then restored, provided that the file system supports hard
-    /// links and does not fail again.
-    pub fn write(mut self, files: &Files) -> Result<Vec<PathBuf>, OutputError> {
-        let stage = self.stage()?;
-        let mut prepared = Vec::with_capacity(files.len());
+    /// [`OutputError`] as [`Batch::finish`].
+    pub fn write(self, files: &Files) -> Result<Vec<PathBuf>, OutputError> {
+        let mut batch = self.begin()?;
         for (name, bytes) in files {
-            prepared.push(self.prepare(&stage, name, bytes)?);
+            batch.add(name, bytes)?;
         }
-        let mut placed = Vec::with_capacity(prepared.len());
-        for (from, to) in &prepared {
-            let before = Before::of(to, &stage, placed.len());
-            if let Err(error) = fs::rename(from, to) {
-                placed.into_iter().rev().for_each(Before::put_back);
-                return Err(failed(to)(error));
-            }
-            placed.push(before);
-        }
-        made_for_nothing().retain(|folder| !self.made.contains(folder));
-        self.made.clear();
-        // The directory entries should survive a loss of power too. Systems without this function are not a reason to fail.
-        let _ = File::open(&self.folder).and_then(|folder| folder.sync_all());
-        Ok(prepared.into_iter().map(|(_, to)| to).collect())
+        batch.finish()
+    }
+
+    /// Begins to write files one by one.
+    ///
+    /// # Errors
+    /// [`OutputError`] if the folder cannot be written.
+    pub fn begin(self) -> Result<Batch, OutputError> {
+        let stage = self.stage()?;
+        Ok(Batch {
+            output: self,
+            stage,
+            prepared: Vec::new(),
+        })
     }
 
     fn stage(&self) -> Result<PrivateFolder, OutputError> {
@@ -161,6 +159,49 @@ impl Output {
             })
             .map_err(failed(&to))?;
         Ok((from, to))
+    }
+}
+
+/// Files that are written one by one, and appear in their folder together at the end.
+#[derive(Debug)]
+pub struct Batch {
+    output: Output,
+    stage: PrivateFolder,
+    /// Paths in the private folder, and the final ones.
+    prepared: Vec<(PathBuf, PathBuf)>,
+}
+
+impl Batch {
+    /// Writes a file into the private folder.
+    ///
+    /// # Errors
+    /// [`OutputError`] if it cannot be written.
+    pub fn add(&mut self, name: impl AsRef<OsStr>, bytes: &[u8]) -> Result<(), OutputError> {
+        let both = self.output.prepare(&self.stage, name.as_ref(), bytes)?;
+        self.prepared.push(both);
+        Ok(())
+    }
+
+    /// Moves all files to their folder, replacing existing ones; returns their paths. An existing link is replaced, not followed.
+    ///
+    /// # Errors
+    /// [`OutputError`] with the first file that cannot be written. The other files are then restored, provided that the file system supports hard
+    /// links and does not fail again.
+    pub fn finish(mut self) -> Result<Vec<PathBuf>, OutputError> {
+        let mut placed = Vec::with_capacity(self.prepared.len());
+        for (from, to) in &self.prepared {
+            let before = Before::of(to, &self.stage, placed.len());
+            if let Err(error) = fs::rename(from, to) {
+                placed.into_iter().rev().for_each(Before::put_back);
+                return Err(failed(to)(error));
+            }
+            placed.push(before);
+        }
+        let made = std::mem::take(&mut self.output.made);
+        made_for_nothing().retain(|folder| !made.contains(folder));
+        // The directory entries should survive a loss of power too. Systems without this function are not a reason to fail.
+        let _ = File::open(&self.output.folder).and_then(|folder| folder.sync_all());
+        Ok(self.prepared.iter().map(|(_, to)| to.clone()).collect())
     }
 }
 

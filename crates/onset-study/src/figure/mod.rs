@@ -34,6 +34,7 @@ mod legend;
 pub mod palette;
 mod pdf;
 mod pen;
+mod scatter;
 mod scene;
 
 pub use axis::{Axis, Scale};

@@ -1,11 +1,11 @@
 //! Run of a body with grips.
 
+use super::SimulateError;
 use super::picture::{DRAWN, figure};
 use super::plan::{
     DEFAULT_STEP_FRACTION, Duration, Pace, checked, every, fields, mark, refused, stable,
 };
-use super::run::{Course, Keeper, Moving, Place, Watch};
-use super::{SimulateError, fields as vtk};
+use super::run::{Course, Keeper, Moving, Place, Watch, grid};
 use crate::answers::{Problem, notes_on_patch};
 use crate::number::{counted, told};
 use crate::settings::{BodySettings, Effective};
@@ -310,14 +310,15 @@ impl Moving for MovingBody<'_> {
         let ratio = |f: &[[f64; 3]; 3]| DeformationGradient::from_components(*f).determinant();
         // The Green-Lagrange shear strain of the first two axes.
         let shear = |f: &[[f64; 3]; 3]| 0.5 * (0..3).map(|i| f[i][0] * f[i][1]).sum::<f64>();
-        let scalars = [("volume_ratio", of(&ratio)), ("shear_strain", of(&shear))];
+        let (ratios, shears) = (of(&ratio), of(&shear));
         let state = self.body.state();
-        Ok(vtk::vtu(
-            self.body.dimension(),
-            &self.places,
-            &state,
-            &scalars,
-        ))
+        let mut positions = Vec::new();
+        let mut grid = grid(self.body.dimension(), &self.places, &state, &mut positions);
+        grid.vectors.push(("reference", self.body.positions()));
+        let flat = |f: &[[f64; 3]; 3]| std::array::from_fn(|n| f[n / 3][n % 3]);
+        grid.matrices.push(("F", f.iter().map(flat).collect()));
+        grid.scalars = vec![("volume_ratio", &ratios), ("shear_strain", &shears)];
+        Ok(grid.vtu())
     }
 }
 

@@ -9,7 +9,6 @@ mod answer;
 mod body;
 mod checkpoint;
 mod error;
-mod fields;
 mod page;
 mod patch;
 mod picture;

@@ -2,8 +2,8 @@
 
 use super::page::page;
 use super::plan::Plan;
-use super::run::{Keeper, Moving, Place, Watch};
-use super::{Question, SimulateAnswer, SimulateError, fields};
+use super::run::{Keeper, Moving, Place, Watch, grid};
+use super::{Question, SimulateAnswer, SimulateError};
 use crate::answers::Problem;
 use crate::methods::reduced;
 use crate::output::text;
@@ -120,11 +120,7 @@ impl Moving for MovingPatch<'_> {
 
     fn field(&mut self) -> Result<String, Box<Fault>> {
         let state = self.patch.state();
-        Ok(fields::vtu(
-            self.patch.dimension(),
-            &self.places,
-            &state,
-            &[],
-        ))
+        let dimension = self.patch.dimension();
+        Ok(grid(dimension, &self.places, &state, &mut Vec::new()).vtu())
     }
 }

@@ -1,14 +1,12 @@
 //! Picture of a body: particles at their current positions, colored by stretch.
 
-use crate::figure::{Axis, ColorMap, Figure, Panel, Points};
+use crate::figure::{Axis, Figure, Panel};
 use crate::number::told;
 use crate::settings::Units;
 use onset::motion::BodyMotion;
 
 /// Largest number of particles in a picture.
 pub(super) const DRAWN: usize = 50_000;
-/// Number of color classes.
-const CLASSES: usize = 8;
 /// Width of the picture; pixels.
 const WIDTH: f64 = 760.0;
 
@@ -39,33 +37,10 @@ pub(super) fn figure(body: &dyn BodyMotion, time: f64, units: Units) -> Figure {
     let x = x.covering(places.iter().map(|place| place.0));
     let y = y.covering(places.iter().map(|place| place.1));
     let (width, height) = (x.range.1 - x.range.0, y.range.1 - y.range.0);
-    // Round marks that nearly touch at the mean distance.
-    let area = width * height / places.len() as f64;
-    let size = (0.8 * area.sqrt() * WIDTH / width).clamp(1.0, 9.0);
-    let mut panel = Panel::new("", x, y).equal_aspect();
-    for class in 0..CLASSES {
-        let edge = |n: usize| low + (high - low) * n as f64 / CLASSES as f64;
-        let is_own = |own: &f64| {
-            let place = (own - low) / (high - low) * CLASSES as f64;
-            (place as usize).min(CLASSES - 1) == class
-        };
-        let own: Vec<(f64, f64)> = places
-            .iter()
-            .zip(&stretches)
-            .filter(|(_, stretch)| is_own(stretch))
-            .map(|(place, _)| *place)
-            .collect();
-        if own.is_empty() {
-            continue;
-        }
-        let middle = 0.5 * (edge(class) + edge(class + 1));
-        let named = format!("{:.3} to {:.3}", edge(class), edge(class + 1));
-        let points = Points::new(own)
-            .size(size)
-            .color(ColorMap::Viridis.color(middle, (low, high)))
-            .named(named);
-        panel = panel.with(points);
-    }
+    let panel = Panel::new("", x, y).equal_aspect();
+    let panel = panel.with_particles(&places, &stretches, (low, high), WIDTH, |from, to| {
+        format!("{from:.3} to {to:.3}")
+    });
     let mut figure = Figure::new(format!(
         "Largest stretch of the particles at time {}",
         told(time)

@@ -1,9 +1,10 @@
 //! A run of a patch or a body: steps, output, and resumption from a checkpoint.
 
+use super::SimulateError;
 use super::checkpoint::{CHECKPOINT, Progress};
-use super::{SimulateError, fields};
 use crate::input;
 use crate::output::{Files, Output, text, write};
+use crate::vtk;
 use onset::method::MethodError;
 use onset::motion::{Fault, Ground, PatchState};
 use std::fmt::Write;
@@ -91,6 +92,40 @@ pub(super) struct Keeper<'a> {
     written: Instant,
 }
 
+/// File name of a field.
+fn field_name(number: usize) -> String {
+    format!("field-{number:04}.vtu")
+}
+
+/// Particles at their current positions, with the vectors `displacement` and `velocity`.
+///
+/// Displacements are relative to `places`, velocities those that the integrator stores.
+pub(super) fn grid<'g>(
+    dimension: usize,
+    places: &[[f64; 3]],
+    state: &PatchState,
+    positions: &'g mut Vec<[f64; 3]>,
+) -> vtk::Grid<'g> {
+    let of = |flat: &[f64]| -> Vec<[f64; 3]> {
+        let each = flat.chunks_exact(dimension);
+        each.map(|own| std::array::from_fn(|i| own.get(i).copied().unwrap_or(0.0)))
+            .collect()
+    };
+    let displacements = of(&state.displacements);
+    let both = places.iter().zip(&displacements);
+    *positions = both
+        .map(|(x, u)| std::array::from_fn(|i| x[i] + u[i]))
+        .collect();
+    vtk::Grid {
+        points: positions,
+        vectors: vec![
+            ("displacement", displacements),
+            ("velocity", of(&state.velocities)),
+        ],
+        ..vtk::Grid::default()
+    }
+}
+
 impl<'a> Keeper<'a> {
     /// Keeper at the start of the run, or at its checkpoint.
     pub(super) fn begun(
@@ -148,8 +183,10 @@ impl<'a> Keeper<'a> {
         if course.fields.is_empty() {
             return Vec::new();
         }
+        let names: Vec<String> = (0..course.fields.len()).map(field_name).collect();
         let times = course.fields.iter().map(|step| *step as f64 * course.step);
-        vec![text("fields.pvd", fields::pvd(&times.collect::<Vec<_>>()))]
+        let all = times.zip(names.iter().map(String::as_str));
+        vec![text("fields.pvd", vtk::pvd(all))]
     }
 
     /// Records the output that is due after a step.
@@ -171,7 +208,7 @@ impl<'a> Keeper<'a> {
             && let Ok(number) = course.fields.binary_search(&step)
         {
             let field = moving.field().map_err(|fault| self.failed(fault))?;
-            self.pending.push(text(fields::name(number), field));
+            self.pending.push(text(field_name(number), field));
             if course.is_shown {
                 self.progress.fields.extend(moving.state().displacements);
             }

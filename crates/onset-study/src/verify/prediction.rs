@@ -240,7 +240,8 @@ pub(super) fn predicted(
     stepping: Stepping,
     step: f64,
 ) -> Result<Prediction, VerifyError> {
-    let rates = stepping.rates(&problem.analysis.parts(f, k)?, step);
+    let parts = problem.analysis.parts(f, &[k.to_vec()])?;
+    let rates = stepping.rates(&parts[0], step);
     let root = Complex::new(-mode.omega_squared, 0.0).sqrt();
     let near = |wanted: Complex| {
         let apart = |z: &&Complex| (*z - wanted).norm();

@@ -3,7 +3,7 @@
 use super::in_space::InSpace;
 use super::{Analysis, FiniteBodyGround, FiniteBodyStep, PatchParticle, PlaneWaves, SteppedWaves};
 use crate::algebra::{Complex, array_of, eigenvalues};
-use crate::bloch::{SpectrumSummary, WaveSystem, ZoneSearch};
+use crate::bloch::{SpectrumSummary, ZoneSearch};
 use crate::certificate::{Certificate, Certifier, Foundation};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::{DeformationGradient, DeformationPath};
@@ -15,11 +15,11 @@ use crate::measures::{
 };
 use crate::method::{Method, MethodError};
 use crate::motion::{
-    BodyError, BodyMotion, BodyParticles, Contact, Grip, PatchMotion, critical_step,
-    step_of_free_blocks, with_body, with_motion,
+    BodyError, BodyMotion, BodyParticles, Contact, Grip, PatchMotion, step_of_free_blocks,
+    with_body, with_motion,
 };
 use crate::scheme::{Discretization, FiniteBodies, PeriodicPatch};
-use crate::time_step::{Integrator, TransferredWaves, WaveParts};
+use crate::time_step::{Integrator, Stepping, TransferredWaves, WaveParts};
 use crate::verdict::{
     Assessment, Ground, Judged, PathError, PathScan, Probe, StateWaves, Survey, SurveyedState,
     WeakestMode, scan_discretization,
@@ -229,22 +229,34 @@ impl<const D: usize> Analysis for Body<D> {
         }))
     }
 
-    fn parts(&self, f: &DeformationGradient, k: &[f64]) -> Result<WaveParts, MethodError> {
-        let whole = self.waves(f)?.dynamical_matrix_at(k);
-        let Some(carried) = self.discretization.carried(&*self.material, f)? else {
-            return Ok(WaveParts::of_positions(whole));
+    fn parts(
+        &self,
+        f: &DeformationGradient,
+        waves: &[Vec<f64>],
+    ) -> Result<Vec<WaveParts>, MethodError> {
+        let scale = self.speed_squared().unwrap_or(1.0);
+        let zone = || ZoneSearch::of_lattice(*self.discretization.crystal().lattice(), scale);
+        let whole = StateWaves::of(&*self.discretization, &*self.material, f, scale, zone)?;
+        let carried = self.discretization.carried(&*self.material, f)?;
+        let at = |k: &Vec<f64>| {
+            let k = vector(k);
+            let mut parts = WaveParts::of_positions(whole.dynamical_matrix_at(&k));
+            if let StateWaves::System(system) = &whole {
+                if let Some(damping) = system.0.damping_at(&k) {
+                    parts.damping = damping;
+                }
+            }
+            if let Some(carried) = &carried {
+                let all = carried.all.dynamical_matrix_at(&k);
+                if let Some(density) = &carried.density {
+                    parts.density = density.dynamical_matrix_at(&k);
+                }
+                parts.stress = &all - &parts.density;
+                parts.positions -= all;
+            }
+            parts
         };
-        let at = |system: &WaveSystem<D>| system.dynamical_matrix_at(&vector(k));
-        let all = at(&carried.all);
-        let density = match &carried.density {
-            Some(system) => at(system),
-            None => DMatrix::zeros(all.nrows(), all.ncols()),
-        };
-        Ok(WaveParts {
-            positions: whole - &all,
-            stress: all - &density,
-            density,
-        })
+        Ok(waves.iter().map(at).collect())
     }
 
     fn gradient_norm(
@@ -398,7 +410,8 @@ impl<const D: usize> Analysis for Body<D> {
         let (discretization, material) = (&*self.discretization, &*self.material);
         let (time_step, ground) = match discretization.finite_bodies(material, f)? {
             Some(FiniteBodies::Parts { squared, damping }) => {
-                (critical_step(squared, damping), FiniteBodyGround::Parts)
+                let step = Stepping::VelocityVerlet.critical_step(squared, damping);
+                (step, FiniteBodyGround::Parts)
             }
             Some(FiniteBodies::Lattice) => (lattice, FiniteBodyGround::Lattice),
             None => match step_of_free_blocks(discretization, material, f) {

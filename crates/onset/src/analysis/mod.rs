@@ -16,9 +16,12 @@ use crate::lattice::LatticeKind;
 use crate::material::{Hyperelastic, MaterialError};
 use crate::measures::{DispersionError, Fidelity, Load, OnsetPair, SpuriousModes, StateWindow};
 use crate::method::MethodError;
-use crate::motion::{BodyError, BodyMotion, BodyParticles, Contact, Grip, PatchMotion};
+use crate::motion::{
+    BodyError, BodyMode, BodyMotion, BodyParticles, Contact, Grip, PatchMotion, PlacedParticle,
+    fastest_mode,
+};
 use crate::scheme::MethodChoices;
-use crate::time_step::{Integrator, WaveParts};
+use crate::time_step::{Integrator, Stepping, WaveParts};
 use crate::verdict::{
     Assessment, Judged, PathError, PathScan, Probe, SurveyedState, WeakestMode, probe_material,
     scan_material,
@@ -120,14 +123,19 @@ pub trait Analysis: Send + Sync {
     /// [`MethodError`] if material or method cannot be evaluated there.
     fn waves(&self, f: &DeformationGradient) -> Result<Box<dyn PlaneWaves>, MethodError>;
 
-    /// Splits `D(k)` into the contributions of positions, and of the stress and the density that particles carry and codes integrate. 1/time^2.
+    /// Splits `D(k)` of each wave vector into the contributions of positions, and of the stress and the density that particles carry and codes integrate
+    /// (1/time^2), with its damping (1/time).
     ///
     /// Everything is assigned to the positions if the method does not distinguish these parts
     /// ([`Discretization::carried`](crate::scheme::Discretization::carried)).
     ///
     /// # Errors
     /// [`MethodError`] if material or method cannot be evaluated there.
-    fn parts(&self, f: &DeformationGradient, k: &[f64]) -> Result<WaveParts, MethodError>;
+    fn parts(
+        &self,
+        f: &DeformationGradient,
+        waves: &[Vec<f64>],
+    ) -> Result<Vec<WaveParts>, MethodError>;
 
     /// Returns the ratio of the squared norms of the discrete and the exact gradient of a wave; `None` if the method does not provide it.
     ///
@@ -428,6 +436,25 @@ pub fn reduced_cell(method: &MethodChoices) -> Option<ReducedCell> {
         })
     }
     in_dimension!(method.dimension(), of(method))
+}
+
+/// Returns the mode of a free body in a homogeneous state that limits the time step of a scheme most; `None` for methods whose particles have no
+/// forces at arbitrary positions. Particles with `held` do not move.
+///
+/// # Errors
+/// [`BodyError`] if the method or the material cannot be evaluated for these particles.
+pub fn body_mode(
+    method: &MethodChoices,
+    material: &dyn Hyperelastic,
+    particles: &[PlacedParticle],
+    held: &[bool],
+    f: &DeformationGradient,
+    stepping: Stepping,
+) -> Result<Option<BodyMode>, BodyError> {
+    in_dimension!(
+        method.dimension(),
+        fastest_mode(method, material, particles, held, f, stepping)
+    )
 }
 
 /// Checks that a method can be set up, independent of the material.

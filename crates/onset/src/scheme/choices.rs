@@ -78,6 +78,41 @@ impl MethodChoices {
         self.in_cell(CellKind::Described)
     }
 
+    /// Returns the discretization of other particles than those of the choices; `None` for methods whose particles have no forces at arbitrary
+    /// positions: finite elements, conforming integration, material points, and quadrature points other than the particles.
+    ///
+    /// # Errors
+    /// [`MethodError`] if the method cannot be set up for these particles.
+    pub fn of_particles<const D: usize>(
+        &self,
+        crystal: Crystal<D>,
+    ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
+        let nodal = |choices: &KernelMethodChoices| {
+            choices.quadrature == Quadrature::Nodal && choices.background == Background::Imposed
+        };
+        Ok(Some(match self {
+            Self::Kernel(choices) if nodal(choices) => {
+                let kernel = KernelChoices::of_method(choices);
+                Box::new(KernelScheme::new(
+                    crystal,
+                    CrystalQuadrature::Nodal,
+                    kernel,
+                )?)
+            }
+            Self::TotalLagrangianSph(_, choices) => {
+                Box::new(TotalLagrangianSph::new(crystal, choices.clone())?)
+            }
+            Self::UpdatedSph(_, choices) => Box::new(updated(crystal, choices)?),
+            Self::Peridynamics(_, choices) => {
+                Box::new(Peridynamics::new(crystal, choices.clone())?)
+            }
+            Self::Kernel(_)
+            | Self::FiniteElements(_)
+            | Self::Conforming(..)
+            | Self::MaterialPoints(..) => return Ok(None),
+        }))
+    }
+
     /// Numbers of particles in the described cell and in the primitive cell. `None` if the cell is not described by particles, or if the particles
     /// are rejected.
     pub(crate) fn sites<const D: usize>(&self) -> Option<[usize; 2]> {
@@ -107,12 +142,7 @@ impl MethodChoices {
                 choices.clone(),
             )?),
             Self::UpdatedSph(particles, choices) => {
-                let crystal = crystal(particles)?;
-                let mut choices = choices.clone();
-                if let Some(stress) = &mut choices.artificial_stress {
-                    stress.spacing = crystal.spacing();
-                }
-                Box::new(UpdatedSph::new(crystal, choices)?)
+                Box::new(updated(crystal(particles)?, choices)?)
             }
             Self::FiniteElements(choices) => Box::new(FiniteElements::<D>::new(choices)?),
             Self::Conforming(particles, choices) => {
@@ -136,6 +166,18 @@ impl MethodChoices {
             }
         })
     }
+}
+
+/// Builds updated-Lagrangian SPH with the artificial stress of the spacing of its particles.
+fn updated<const D: usize>(
+    crystal: Crystal<D>,
+    choices: &UpdatedSphChoices,
+) -> Result<UpdatedSph<D>, MethodError> {
+    let mut choices = choices.clone();
+    if let Some(stress) = &mut choices.artificial_stress {
+        stress.spacing = crystal.spacing();
+    }
+    UpdatedSph::new(crystal, choices)
 }
 
 /// Builds a kernel method: in closed form for one particle per cell, by differentiation of its forces for several.

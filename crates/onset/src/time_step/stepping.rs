@@ -5,17 +5,17 @@ use nalgebra::DMatrix;
 
 /// Time-stepping scheme of a particle code: the quantities that follow positions or velocities, and the times at which these are evaluated.
 ///
-/// The waves of a state satisfy `dv/dt = -D u`, `D = X + S + R`. The part `X` of the forces follows the positions `x`. The parts `S` and `R` follow
+/// The waves of a state satisfy `dv/dt = -D u - C v`, `D = X + S + R`. The part `X` of the forces follows the positions `x`. The parts `S` and `R` follow
 /// stress and density, which particles carry along, and whose displacements `s` and `r` the code integrates from separate velocities. In continuous
 /// time both equal `x + const`. In discrete time they do not, and an initial difference persists as a constant. With velocities `h` at half steps,
-/// `a = -X x - S s - R r` and the step `dt`:
+/// `a = -X x - S s - R r - C h` and the step `dt`:
 ///
 /// | stepping | a step |
 /// |---|---|
 /// | velocity Verlet | `h' = h + dt a`, `x' = x + dt h'`; `s = r = x` |
 /// | extrapolated stress | as velocity Verlet, and `s' = s + dt (h' + dt/2 a)`; `r = s` |
 /// | late density | as velocity Verlet, `e' = h' + dt/2 a`, `s' = s + dt e'` and `r' = r + dt e` |
-/// | late acceleration | `y* = y + dt/2 f`, `f' = L y*`, `y' = y + dt f'` with `y = (x, v)`, `L = ((0, 1), (-D, 0))` |
+/// | late acceleration | `y* = y + dt/2 f`, `f' = L y*`, `y' = y + dt f'` with `y = (x, v)`, `L = ((0, 1), (-D, -C))` |
 ///
 /// ```
 /// use nalgebra::DMatrix;
@@ -46,7 +46,7 @@ pub enum Stepping {
     LateAcceleration,
 }
 
-/// Parts of `D(k)` that follow positions, stress and density; 1/time^2.
+/// Parts of `D(k)` that follow positions, stress and density (1/time^2), and the damping.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaveParts {
     /// Part `X` that follows the positions.
@@ -55,17 +55,51 @@ pub struct WaveParts {
     pub stress: DMatrix<Complex>,
     /// Part `R` that follows the integrated density.
     pub density: DMatrix<Complex>,
+    /// Damping `C(k)` by viscous forces, divided by the masses; 1/time.
+    pub damping: DMatrix<Complex>,
 }
 
 impl WaveParts {
-    /// Assigns all of `D(k)` to the positions.
+    /// Assigns all of `D(k)` to the positions, without damping.
     pub fn of_positions(positions: DMatrix<Complex>) -> Self {
         let none = DMatrix::zeros(positions.nrows(), positions.ncols());
         Self {
             positions,
             stress: none.clone(),
-            density: none,
+            density: none.clone(),
+            damping: none,
         }
+    }
+
+    /// Largest real part of the eigenvalues of the sum of the parts with the [weights](Stepping::weights) of a scheme; 1/time^2.
+    ///
+    /// The result is NaN if the parts are not finite.
+    pub fn limiting(&self, stepping: Stepping) -> f64 {
+        let [x, s, r] = stepping.weights().map(|weight| Complex::new(weight, 0.0));
+        let sum = &self.positions * x + &self.stress * s + &self.density * r;
+        any_eigenvalues(&sum).map_or(f64::NAN, |values| {
+            values
+                .iter()
+                .map(|value| value.re)
+                .fold(f64::NEG_INFINITY, f64::max)
+        })
+    }
+
+    /// Growth rate `Re s` of the fastest-growing solution `exp(s t)` of `s^2 + s C + D = 0` in continuous time; 1/time.
+    ///
+    /// The result is NaN if the parts are not finite.
+    pub fn growth(&self) -> f64 {
+        let n = self.positions.nrows();
+        let mut matrix = DMatrix::zeros(2 * n, 2 * n);
+        let whole = &self.positions + &self.stress + &self.density;
+        // Velocities in units of the frequency balance the two halves.
+        let unit = Complex::new(whole.camax().sqrt().max(f64::MIN_POSITIVE), 0.0);
+        matrix.view_mut((0, n), (n, n)).fill_diagonal(unit);
+        matrix.view_mut((n, 0), (n, n)).copy_from(&(-whole / unit));
+        matrix.view_mut((n, n), (n, n)).copy_from(&-&self.damping);
+        any_eigenvalues(&matrix).map_or(f64::NAN, |rates| {
+            rates.iter().map(|s| s.re).fold(f64::NEG_INFINITY, f64::max)
+        })
     }
 }
 
@@ -88,10 +122,38 @@ impl Stepping {
         }
     }
 
+    /// Weights of `X`, `S` and `R` in the matrix whose largest eigenvalue `w^2` limits the step by `w^2 dt^2 = 4`: there a solution alternates from
+    /// step to step (`z = -1`).
+    ///
+    /// With `h' = -h`, `a = -2 h/dt` and `x = dt h/2` the table of [`Stepping`] gives `s = dt h` for velocities extrapolated to the end of the step and
+    /// `r = -dt h` for those of the previous step. A late acceleration has no such solution. It amplifies every oscillation.
+    pub fn weights(self) -> [f64; 3] {
+        match self {
+            Self::VelocityVerlet | Self::LateAcceleration => [1.0, 1.0, 1.0],
+            Self::ExtrapolatedStress => [1.0, 2.0, 2.0],
+            Self::LateDensity => [1.0, 2.0, -2.0],
+        }
+    }
+
+    /// Largest stable step for the largest eigenvalue `squared` of the matrix with these [weights](Self::weights) (1/time^2) and damping (1/time); time.
+    ///
+    /// For a late acceleration it is the step at which a wave grows by one percent of its frequency, `(omega dt)^3 = 0.04`.
+    pub fn critical_step(self, squared: f64, damping: f64) -> f64 {
+        match self {
+            Self::LateAcceleration => 0.04_f64.cbrt() / squared.sqrt(),
+            _ => 4.0 / (damping + (damping * damping + 4.0 * squared).sqrt()),
+        }
+    }
+
     /// Matrix `G` of a step, `y' = G y`, where the state `y` of the code starts with the positions, followed by the quantities listed at
     /// [`Stepping`].
     pub fn matrix(self, parts: &WaveParts, step: f64) -> DMatrix<Complex> {
-        let (x, s, r) = (&parts.positions, &parts.stress, &parts.density);
+        let (x, s, r, c) = (
+            &parts.positions,
+            &parts.stress,
+            &parts.density,
+            &parts.damping,
+        );
         let n = x.nrows();
         let number = |x: f64| Complex::new(x, 0.0);
         let (dt, half) = (number(step), number(0.5 * step));
@@ -102,17 +164,21 @@ impl Stepping {
             Self::VelocityVerlet => {
                 let a = x + s + r;
                 vec![
-                    vec![&one - &a * (dt * dt), &one * dt],
-                    vec![-(&a * dt), one],
+                    vec![&one - &a * (dt * dt), (&one - c * dt) * dt],
+                    vec![-(&a * dt), one - c * dt],
                 ]
             }
             Self::ExtrapolatedStress => {
                 let w = &(s + r);
                 let later = dt + half;
                 vec![
-                    vec![&one - x * (dt * dt), -(w * (dt * dt)), &one * dt],
-                    vec![-(x * (dt * later)), &one - w * (dt * later), &one * dt],
-                    vec![-(x * dt), -(w * dt), one],
+                    vec![&one - x * (dt * dt), -(w * (dt * dt)), (&one - c * dt) * dt],
+                    vec![
+                        -(x * (dt * later)),
+                        &one - w * (dt * later),
+                        (&one - c * later) * dt,
+                    ],
+                    vec![-(x * dt), -(w * dt), one - c * dt],
                 ]
             }
             Self::LateDensity => {
@@ -124,8 +190,8 @@ impl Stepping {
                 let [x_x, s_x, r_x] = pushed(dt * dt);
                 let [x_s, s_s, r_s] = pushed(dt * later);
                 vec![
-                    vec![&one + x_x, s_x, r_x, &one * dt, zero.clone()],
-                    vec![x_s, &one + s_s, r_s, &one * dt, zero.clone()],
+                    vec![&one + x_x, s_x, r_x, (&one - c * dt) * dt, zero.clone()],
+                    vec![x_s, &one + s_s, r_s, (&one - c * later) * dt, zero.clone()],
                     vec![
                         zero.clone(),
                         zero.clone(),
@@ -133,15 +199,15 @@ impl Stepping {
                         zero.clone(),
                         &one * dt,
                     ],
-                    vec![x_h, s_h, r_h, one.clone(), zero.clone()],
-                    vec![x_e, s_e, r_e, one, zero],
+                    vec![x_h, s_h, r_h, &one - c * dt, zero.clone()],
+                    vec![x_e, s_e, r_e, one - c * later, zero],
                 ]
             }
             Self::LateAcceleration => {
                 let d = x + s + r;
                 // f' = L (y + dt/2 f), by the columns x, v, f_x, f_v.
                 let of_x = vec![zero.clone(), one.clone(), zero.clone(), &one * half];
-                let of_v = vec![-&d, zero.clone(), -(&d * half), zero.clone()];
+                let of_v = vec![-&d, -c, -(&d * half), -(c * half)];
                 let moved = |column: usize, change: &[DMatrix<Complex>]| {
                     let mut row: Vec<_> = change.iter().map(|block| block * dt).collect();
                     row[column] += &one;
@@ -193,12 +259,13 @@ mod tests {
     use crate::algebra::Complex;
     use nalgebra::DMatrix;
 
-    fn parts(positions: f64, stress: f64, density: f64) -> WaveParts {
+    fn parts(positions: f64, stress: f64, density: f64, damping: f64) -> WaveParts {
         let one = |x: f64| DMatrix::from_element(1, 1, Complex::new(x, 0.0));
         WaveParts {
             positions: one(positions),
             stress: one(stress),
             density: one(density),
+            damping: one(damping),
         }
     }
 
@@ -211,17 +278,19 @@ mod tests {
 
     #[test]
     fn all_schemes_have_the_exact_rates_in_the_limit_of_short_steps() {
-        for [x, s, r] in [
-            [0.7, 0.0, 0.0],
-            [0.3, 0.2, 0.3],
-            [-0.9, 0.4, 0.0],
-            [0.2, 0.1, -0.9],
+        for [x, s, r, c] in [
+            [0.7, 0.0, 0.0, 0.0],
+            [0.3, 0.2, 0.3, 0.4],
+            [-0.9, 0.4, 0.0, 0.2],
+            [0.2, 0.1, -0.9, 0.7],
         ] {
             let square: f64 = x + s + r;
-            let exact = Complex::new(-square, 0.0).sqrt();
+            let half = Complex::new(0.5 * c, 0.0);
+            let exact = (half * half - square).sqrt() - half;
+            assert!((parts(x, s, r, c).growth() - exact.re).abs() < 1e-12);
             for stepping in Stepping::ALL {
                 let error = |step: f64| {
-                    let rates = stepping.rates(&parts(x, s, r), step);
+                    let rates = stepping.rates(&parts(x, s, r, c), step);
                     (near(&rates, exact) - exact).norm()
                 };
                 assert!(error(1e-4) < 1e-4, "{stepping:?}");
@@ -239,7 +308,7 @@ mod tests {
             (Stepping::LateDensity, square, 0.0, -1.0),
             (Stepping::LateDensity, 0.0, square, 1.0),
         ] {
-            let rates = stepping.rates(&parts(0.0, stress, density), step);
+            let rates = stepping.rates(&parts(0.0, stress, density, 0.0), step);
             let found = near(&rates, exact).re;
             let expected = sign * 0.25 * square * step;
             assert!(
@@ -250,11 +319,42 @@ mod tests {
     }
 
     #[test]
+    fn a_solution_alternates_at_the_critical_step() {
+        for stepping in [
+            Stepping::VelocityVerlet,
+            Stepping::ExtrapolatedStress,
+            Stepping::LateDensity,
+        ] {
+            let (x, s, r, c) = (0.7, 0.4, 0.1, 0.3);
+            let [of_x, of_s, of_r] = stepping.weights();
+            let critical = stepping.critical_step(of_x * x + of_s * s + of_r * r, c);
+            let growth = |step: f64| {
+                let rates = stepping.rates(&parts(x, s, r, c), step).into_iter();
+                let alternating =
+                    rates.filter(|z| (z.im.abs() * step - std::f64::consts::PI).abs() < 1e-6);
+                alternating.map(|z| z.re).fold(f64::NEG_INFINITY, f64::max)
+            };
+            assert!(growth(critical).abs() < 1e-9, "{stepping:?}");
+            assert!(growth(1.01 * critical) > 1e-3, "{stepping:?}");
+        }
+        let growth = |step: f64| {
+            let rates = Stepping::LateAcceleration.rates(&parts(1.0, 0.0, 0.0, 0.0), step);
+            rates.iter().map(|z| z.re).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let critical = Stepping::LateAcceleration.critical_step(1.0, 0.0);
+        assert!(
+            (growth(critical) - 0.01).abs() < 2e-3,
+            "{}",
+            growth(critical)
+        );
+    }
+
+    #[test]
     fn a_direct_simulation_has_the_computed_rates() {
         // Independent implementation of each stepping scheme, without matrices.
-        let (positions, stress, density, step) = (0.31, 0.14, 0.09, 0.17);
+        let (positions, stress, density, damping, step) = (0.31, 0.14, 0.09, 0.23, 0.17);
         for stepping in Stepping::ALL {
-            let rates = stepping.rates(&parts(positions, stress, density), step);
+            let rates = stepping.rates(&parts(positions, stress, density, damping), step);
             let mut x = vec![0.0];
             let (mut h, mut w, mut r, mut e) = (1.0_f64, 0.0_f64, 0.0_f64, 0.4_f64);
             let mut f: (f64, f64) = (0.0, 0.0);
@@ -264,11 +364,14 @@ mod tests {
                     Stepping::VelocityVerlet => -(positions + stress + density) * here,
                     Stepping::ExtrapolatedStress => -positions * here - (stress + density) * w,
                     _ => -positions * here - stress * w - density * r,
-                };
+                } - damping * h;
                 match stepping {
                     Stepping::LateAcceleration => {
                         let (x_half, v_half) = (here + 0.5 * step * f.0, h + 0.5 * step * f.1);
-                        f = (v_half, -(positions + stress + density) * x_half);
+                        f = (
+                            v_half,
+                            -(positions + stress + density) * x_half - damping * v_half,
+                        );
                         here += step * f.0;
                         h += step * f.1;
                     }

@@ -215,6 +215,12 @@ impl<const D: usize> WaveSystem<D> {
         self.divided_by_mass(k, moved)
     }
 
+    /// Damping matrix `M^-1 C(k)` of viscous forces; `None` without damping. 1/time.
+    pub fn damping_at(&self, k: &SVector<f64, D>) -> Option<DMatrix<Complex>> {
+        let damping = self.damping.as_ref()?;
+        Some(self.divided_by_mass(k, damping.at(k)))
+    }
+
     /// Returns the system in units in which stiffness and mass have moderate magnitudes, and the unit of `omega^2`; `None` if this is already so.
     pub(super) fn in_moderate_units(&self) -> Option<(Self, f64)> {
         let [force, mass] = [self.stiffness.magnitude(), self.cell_mass()].map(moderate_unit);

@@ -1,11 +1,12 @@
 //! Critical time steps of free blocks cut out of a lattice, which represent all finite bodies.
 
 use super::stability::largest_eigenvalue;
-use super::{BodyError, BodyMotion, BodyParticles, Shape, Start, critical_step, with_body};
+use super::{BodyError, BodyMotion, BodyParticles, Shape, Start, with_body};
 use crate::bloch::BlochSum;
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError, Response};
 use crate::scheme::Discretization;
+use crate::time_step::Stepping;
 use nalgebra::{DMatrix, DVector, SVector};
 
 /// Particles across the thinnest blocks. With two rows, gradients are far stiffer than with three, and such bodies are rarely intended.
@@ -115,7 +116,7 @@ fn step_of_cells<const D: usize>(
     };
     let squared = largest(system.stiffness())?;
     let damping = system.damping().map_or(Some(0.0), largest)?;
-    let step = critical_step(squared, damping);
+    let step = Stepping::VelocityVerlet.critical_step(squared, damping);
     (step > 0.0 && step.is_finite()).then_some(step)
 }
 

@@ -9,7 +9,7 @@ use super::moving::{BodyMotion, Start};
 use super::parts::drift;
 use super::quantities::in_space;
 use super::shape::placed;
-use super::stability::{DIFFERENCE, critical_step, largest_eigenvalue};
+use super::stability::{DIFFERENCE, largest_eigenvalue};
 use super::vectors::{Field, fill, flat, negative, vector_of, zeros};
 use super::{BodyError, BodyParticles, BodyQuantities};
 use crate::algebra::{array_of, uniform};
@@ -18,6 +18,7 @@ use crate::lattice::Crystal;
 use crate::material::Hyperelastic;
 use crate::motion::{Fault, Ground, PatchState};
 use crate::scheme::PairLaw;
+use crate::time_step::Stepping;
 
 /// Total-Lagrangian body in motion.
 struct LagrangianBody<'a, const D: usize> {
@@ -306,7 +307,7 @@ impl<const D: usize> BodyMotion for LagrangianBody<'_, D> {
             Ok(negative(flat(&image, self.len())))
         })?;
         self.deform(0.0)?;
-        Ok(critical_step(largest + self.engine.stiffest_contact(), 0.0))
+        Ok(Stepping::VelocityVerlet.critical_step(largest + self.engine.stiffest_contact(), 0.0))
     }
 
     fn accelerations(&mut self) -> Result<Vec<f64>, Box<Fault>> {

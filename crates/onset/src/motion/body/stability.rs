@@ -34,6 +34,14 @@ pub(super) fn largest_eigenvalue(
     unknowns: usize,
     map: &mut dyn FnMut(&[f64], f64) -> Image,
 ) -> Result<f64, Box<Fault>> {
+    Ok(largest_mode(unknowns, map)?.map_or(0.0, |(bound, _)| bound.max(0.0)))
+}
+
+/// Bound of [`largest_eigenvalue`] with its Ritz vector, a unit vector; `None` if all images vanish.
+pub(super) fn largest_mode(
+    unknowns: usize,
+    map: &mut dyn FnMut(&[f64], f64) -> Image,
+) -> Result<Option<(f64, Vec<f64>)>, Box<Fault>> {
     let most = (NUMBERS / (2 * unknowns.max(1)))
         .clamp(MINIMUM_VECTORS, MAXIMUM_VECTORS)
         .min(unknowns);
@@ -54,22 +62,29 @@ pub(super) fn largest_eigenvalue(
             next = space.images.last().and_then(|image| space.beyond(image));
         }
         let Some((value, ritz)) = space.rightmost() else {
-            return Ok(0.0);
+            return Ok(None);
+        };
+        let found = |bound: f64| {
+            Ok(Some((
+                bound,
+                Space::combined(&space.vectors, ritz.as_slice()),
+            )))
         };
         let residual = space.residual(value, &ritz);
         let missed = norm(&residual);
         if missed <= RESIDUAL * value.abs() || space.vectors.len() == unknowns {
-            return Ok((value + missed).max(0.0));
+            return found(value + missed);
         }
         if images >= allowed {
             let steps = (images - 1) as f64;
             let mean = 0.103 * ((unknowns as f64 * steps * steps).ln() / steps).powi(2);
-            return Ok((value + missed.max(mean * value)).max(0.0));
+            return found(value + missed.max(mean * value));
         }
+        let kept = Space::combined(&space.vectors, ritz.as_slice());
         space.restart(&ritz, most / 3);
         next = space.beyond(&residual);
         if next.is_none() {
-            return Ok((value + missed).max(0.0));
+            return Ok(Some((value + missed, kept)));
         }
     }
 }
@@ -193,11 +208,4 @@ impl Space {
             self.add(vector, Self::combined(&old.images, share));
         }
     }
-}
-
-/// Returns the largest stable leapfrog step for the squared frequency `w^2` and the damping `c`; time.
-///
-/// The damping forces use the velocities half a step before. The step is the root of `w^2 dt^2 + 2 c dt = 4`, where the amplification factor is -1.
-pub(crate) fn critical_step(squared: f64, damping: f64) -> f64 {
-    4.0 / (damping + (damping * damping + 4.0 * squared).sqrt())
 }

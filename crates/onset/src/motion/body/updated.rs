@@ -25,7 +25,7 @@ use super::neighbors::Neighbors;
 use super::parts::drift;
 use super::quantities::in_space;
 use super::shape::placed;
-use super::stability::{DIFFERENCE, critical_step, largest_eigenvalue};
+use super::stability::{DIFFERENCE, largest_eigenvalue};
 use super::vectors::{Field, are_finite, fill, flat, negative, put, vector_of, zeros};
 use super::{BodyError, BodyParticles, BodyQuantities};
 use crate::algebra::{array_of, uniform};
@@ -34,6 +34,7 @@ use crate::material::Hyperelastic;
 use crate::motion::{Fault, Ground, PatchState};
 use crate::scheme::sph::CurrentPairs;
 use crate::scheme::{Discretization, NoForce};
+use crate::time_step::Stepping;
 use nalgebra::SMatrix;
 
 /// Distance, as a fraction of the support, within which two particles coincide.
@@ -458,7 +459,7 @@ impl<const D: usize> BodyMotion for UpdatedBody<'_, D> {
             Ok(negative(flat(&self.free(&change), self.len())))
         })?;
         if !self.engine.law().is_ok_and(CurrentPairs::is_viscous) {
-            return Ok(critical_step(squared, 0.0));
+            return Ok(Stepping::VelocityVerlet.critical_step(squared, 0.0));
         }
         let speed = DIFFERENCE * spacing * squared.sqrt().max(f64::MIN_POSITIVE);
         let damping = largest_eigenvalue(unknowns, &mut |own: &[f64], highest: f64| {
@@ -467,7 +468,7 @@ impl<const D: usize> BodyMotion for UpdatedBody<'_, D> {
             let change = change.map_err(|none| self.fault(none, 0.0))?;
             Ok(negative(flat(&self.free(&change), self.len())))
         })?;
-        Ok(critical_step(squared, damping))
+        Ok(Stepping::VelocityVerlet.critical_step(squared, damping))
     }
 
     fn accelerations(&mut self) -> Result<Vec<f64>, Box<Fault>> {

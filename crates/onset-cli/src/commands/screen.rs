@@ -1,0 +1,140 @@
+//! `onset screen`: the first cause of an instability in a run of another code.
+
+use super::{Failure, wrote};
+use crate::arguments::{BlockArguments, GivenArguments, ProblemArguments, ScreenArguments};
+use crate::fail_on;
+use crate::patience::{self, bar};
+use crate::printing::{print, tell};
+use onset_study::answers::Problem;
+use onset_study::output::Output;
+use onset_study::screen::{
+    Question, Recording, ScreenAnswer, ScreenChecks, ScreenError, ScreenFiles, Source,
+};
+use onset_study::settings::Family;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+impl From<ScreenError> for Failure {
+    fn from(error: ScreenError) -> Self {
+        match error {
+            ScreenError::Output(error) => Self::machine(error),
+            error => Self::input(error),
+        }
+    }
+}
+
+/// Screens a run, or tells only what was recognized in its files.
+pub fn screen(arguments: &ScreenArguments) -> Result<ExitCode, Failure> {
+    let (problem, files) = problem(arguments)?;
+    let source = source(arguments, files)?;
+    let output = arguments.out.as_deref().filter(|_| !arguments.check);
+    let output = output.map(|out| Output::at(out, &ScreenFiles::NAMES));
+    let output = output.transpose()?;
+    let dimension = problem.dimension();
+    let has_elements = problem.settings.method.method == Family::FiniteElements;
+    let (recording, run, mut series) = Recording::open(&source, dimension, has_elements)?;
+    if arguments.check {
+        let checks = ScreenChecks {
+            spacing: problem.analysis.spacing(),
+            recording,
+        };
+        return print(&checks, &checks.to_string(), None);
+    }
+    let question = Question {
+        time_step: arguments.time_step,
+        stepping: arguments.stepping,
+        threshold: arguments.threshold,
+        seed: arguments.seed,
+        bin: arguments.bin,
+    };
+    patience::end();
+    let progress = bar(
+        recording.frames as u64,
+        "{bar:32} frame {pos} of {len}, {eta} left",
+    );
+    let files = output.map(|output| ScreenFiles::new(output, &run, arguments.fields));
+    let mut files = files.transpose()?;
+    let mut frames = recording.frames(&mut series, dimension);
+    let answer = ScreenAnswer::new(
+        &problem,
+        &question,
+        &run,
+        Some(&recording),
+        &mut frames,
+        &mut |snapshot| {
+            progress.set_position(snapshot.number as u64 + 1);
+            match &mut files {
+                Some(files) => files.add(snapshot, recording.frames),
+                None => Ok(()),
+            }
+        },
+    );
+    progress.finish_and_clear();
+    let answer = answer?;
+    let written = match files {
+        Some(files) => files.finish(&answer)?,
+        None => Vec::new(),
+    };
+    let shown = match written.as_slice() {
+        [] => arguments.detail.text(&answer),
+        files => format!("{}\n\n{}", arguments.detail.text(&answer), wrote(files)),
+    };
+    let printed = print(&answer, &shown, Some(answer.csv()))?;
+    match arguments.fail_on.contains(&answer.cause) {
+        true => {
+            tell(format_args!(
+                "fails by --fail-on: the first cause is {} (exit code {})",
+                answer.cause.name(),
+                fail_on::CODE
+            ));
+            Ok(ExitCode::from(fail_on::CODE))
+        }
+        false => Ok(printed),
+    }
+}
+
+/// Problem of a study among the files or of the settings, and the other files.
+fn problem(arguments: &ScreenArguments) -> Result<(Problem, Vec<PathBuf>), Failure> {
+    let is_study = |path: &PathBuf| path.extension().is_some_and(|own| own == "toml");
+    let (studies, files): (Vec<PathBuf>, Vec<PathBuf>) =
+        arguments.files.iter().cloned().partition(is_study);
+    if studies.len() > 1 {
+        return Err(Failure::input(
+            "several studies are given\n  hint: name one file that ends with .toml, and the output files of the run",
+        ));
+    }
+    if files.is_empty() {
+        return Err(Failure::input(
+            "no output file of a run is given\n  hint: for example onset screen STUDY.toml dump.*.gz, or run.pvd",
+        ));
+    }
+    let problem = ProblemArguments {
+        given: GivenArguments {
+            file: studies.into_iter().next(),
+            assignments: arguments.assignments.clone(),
+            energy: arguments.energy.clone(),
+            trust: arguments.trust.clone(),
+        },
+        block: BlockArguments::default(),
+    };
+    Ok((problem.build()?, files))
+}
+
+fn source(arguments: &ScreenArguments, files: Vec<PathBuf>) -> Result<Source, Failure> {
+    let mut source = Source {
+        files,
+        reference: arguments.reference.clone(),
+        held: arguments.held.clone().unwrap_or_default(),
+        region: arguments.region.clone(),
+        ..Source::default()
+    };
+    source.reading.time_step = arguments.time_step;
+    source.reading.frames = arguments.frames;
+    if let Some(columns) = &arguments.columns {
+        source.reading = source
+            .reading
+            .with_columns(columns)
+            .map_err(Failure::input)?;
+    }
+    Ok(source)
+}

@@ -1,0 +1,185 @@
+//! Comparison of the deformation gradients and stresses in the files with those that follow from the positions and the law.
+
+use crate::answers::Problem;
+use crate::number::told;
+use crate::settings::Family;
+use nalgebra::Matrix3;
+use onset::kinematics::DeformationGradient;
+
+/// Relative difference above which gradients or stresses of half of the points differ.
+const DIFFERENT: f64 = 0.05;
+/// Smallest norm of `F - 1` for which gradients are compared.
+const DEFORMED: f64 = 1e-3;
+/// Largest number of points whose stresses are compared in a frame.
+const SAMPLES: usize = 500;
+/// Number of frames at the beginning whose stresses are compared.
+const FRAMES: usize = 5;
+
+/// Differences between the files and what follows from positions and law.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Agreement {
+    /// Text on the gradients of the last frame that was compared.
+    gradient: Option<String>,
+    /// Relative differences of stresses, and factors between them, in the frames at the beginning.
+    stress: Vec<(f64, f64)>,
+    frames: usize,
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.retain(|value| value.is_finite());
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
+fn rotation(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    let u = super::states::without_rotation(f)?;
+    Some(f * u.try_inverse()?)
+}
+
+impl Agreement {
+    /// Compares gradients in a file with those of the positions; `points` are those that count.
+    pub(super) fn compare_gradients(
+        &mut self,
+        dimension: usize,
+        given: &[[f64; 9]],
+        found: &[Option<Matrix3<f64>>],
+    ) {
+        let in_plane = |f: &Matrix3<f64>| {
+            let mut f = *f;
+            for i in 0..3 {
+                for j in 0..3 {
+                    if i.max(j) >= dimension {
+                        f[(i, j)] = if i == j { 1.0 } else { 0.0 };
+                    }
+                }
+            }
+            f
+        };
+        let deformed = |f: &Matrix3<f64>| (f - Matrix3::identity()).norm() > DEFORMED;
+        let pairs: Vec<(Matrix3<f64>, Matrix3<f64>)> = given
+            .iter()
+            .zip(found)
+            .filter_map(|(given, found)| {
+                Some((in_plane(&Matrix3::from_row_slice(given)), found.as_ref()?))
+            })
+            .filter(|(_, found)| deformed(found))
+            .map(|(given, found)| (given, *found))
+            .collect();
+        if pairs.is_empty() {
+            return;
+        }
+        let difference = |of: &dyn Fn(&Matrix3<f64>) -> Option<Matrix3<f64>>| {
+            let each = pairs.iter().filter_map(|(given, found)| {
+                let strain = (found - Matrix3::identity()).norm();
+                Some((given - of(found)?).norm() / strain)
+            });
+            median(each.collect()).unwrap_or(f64::INFINITY)
+        };
+        let own = difference(&|f| Some(*f));
+        let readings: [(&str, &dyn Fn(&Matrix3<f64>) -> Option<Matrix3<f64>>); 4] = [
+            ("the identity", &|_| Some(Matrix3::identity())),
+            ("their transposes", &|f| Some(f.transpose())),
+            (
+                "their stretches U, without rotation",
+                &super::states::without_rotation,
+            ),
+            ("their inverses", &|f| f.try_inverse()),
+        ];
+        let other = readings
+            .into_iter()
+            .map(|(name, reading)| (name, difference(reading)))
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        self.gradient = match other {
+            _ if own <= DIFFERENT => None,
+            Some((name, rest)) if rest <= DIFFERENT => Some(format!(
+                "deformation gradients in the files are {name}, not those of the positions, which are used instead"
+            )),
+            _ => Some(format!(
+                "deformation gradients in the files differ by {:.0} % (median) from those of the positions, which are used instead",
+                100.0 * own
+            )),
+        };
+    }
+
+    /// Compares stresses in a file with those of the law, in the first frames after the start.
+    pub(super) fn compare_stresses(
+        &mut self,
+        problem: &Problem,
+        given: &[[f64; 6]],
+        is_given: &[bool; 6],
+        found: &[Option<Matrix3<f64>>],
+    ) {
+        if self.frames >= FRAMES {
+            return;
+        }
+        let every = found.len().div_ceil(SAMPLES).max(1);
+        let components = |stress: &Matrix3<f64>| {
+            [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|at| stress[at])
+        };
+        let of_law = |f: &Matrix3<f64>| -> Option<[f64; 6]> {
+            let rotation = rotation(f)?;
+            let u = rotation.transpose() * f;
+            let u = std::array::from_fn(|i| std::array::from_fn(|j| u[(i, j)]));
+            let response = problem
+                .material
+                .response(&DeformationGradient::new(u).ok()?);
+            let stress = response.ok()?.cauchy();
+            Some(components(&(rotation * stress * rotation.transpose())))
+        };
+        let pairs: Vec<([f64; 6], [f64; 6])> = given
+            .iter()
+            .zip(found)
+            .step_by(every)
+            .filter_map(|(given, f)| Some((*given, of_law(f.as_ref()?)?)))
+            .collect();
+        let dot = |a: &[f64; 6], b: &[f64; 6]| -> f64 {
+            let own = (0..6).filter(|n| is_given[*n]);
+            own.map(|n| a[n] * b[n]).sum()
+        };
+        let (mut mixed, mut square) = (0.0, 0.0);
+        for (given, law) in &pairs {
+            mixed += dot(given, law);
+            square += dot(law, law);
+        }
+        let each = pairs.iter().map(|(given, law)| {
+            let rest: [f64; 6] = std::array::from_fn(|n| given[n] - law[n]);
+            (dot(&rest, &rest) / dot(law, law)).sqrt()
+        });
+        if let Some(difference) = median(each.collect()).filter(|_| square > 0.0) {
+            self.stress.push((difference, mixed / square));
+            self.frames += 1;
+        }
+    }
+
+    /// Differences of which the user must know.
+    pub(super) fn notes(&self, problem: &Problem) -> Vec<String> {
+        let mut notes: Vec<String> = self.gradient.iter().cloned().collect();
+        let difference = median(self.stress.iter().map(|own| own.0).collect());
+        let factor = median(self.stress.iter().map(|own| own.1).collect());
+        let (Some(difference), Some(factor)) = (difference, factor) else {
+            return notes;
+        };
+        if difference <= DIFFERENT {
+            return notes;
+        }
+        let method = &problem.settings.method;
+        let reason = match factor {
+            _ if (factor + 1.0).abs() < DIFFERENT => {
+                "they have the opposite sign: pressure is positive in the files".to_owned()
+            }
+            _ if !(0.5..2.0).contains(&factor) => format!(
+                "they are {} times those of the law: check units and moduli",
+                told(factor)
+            ),
+            _ if method.method == Family::UpdatedSph && !method.corrected => {
+                "uncorrected gradients of SPH measure other strains than the positions".to_owned()
+            }
+            _ => "check the law, its parameters, and whether the run is in plane strain".to_owned(),
+        };
+        notes.push(format!(
+            "stresses in the files differ by {:.0} % (median) from those of the law at the beginning; {reason}",
+            100.0 * difference
+        ));
+        notes
+    }
+}

@@ -1,0 +1,830 @@
+//! Answer to a run: the first cause, with its evidence, its limits and the remedy.
+
+use super::course::{
+    Course, ELLIPTIC_MARGIN, Event, Moment, Picture, Sink, StepLimit, crossing, follow,
+};
+use super::input::is_spaced;
+use super::remedy::{Remedy, remedies};
+use super::study::{command, study};
+use super::{Frame, Question, Recording, Run, ScreenError};
+use crate::answers::{Problem, StateAnswer, StateQuestion, notes};
+use crate::brief::{Brief, Short};
+use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
+use crate::number::{counted, told, told_with};
+use crate::output::{Files, text};
+use crate::settings::Effective;
+use onset::kinematics::DeformationGradient;
+use onset::verdict::Mechanism;
+use serde::Serialize;
+use std::fmt;
+use std::fmt::Write;
+
+/// Largest error of the predictions, as a share of the limit, for which a step or a state is at the limit.
+const AT_THE_LIMIT: f64 = 0.02;
+/// Factor of the largest stable step that is safe: loads and disorder stiffen a body.
+const SAFE: f64 = 0.9;
+/// Relative frequency of the weakest wave below which it has no energy.
+const NO_ENERGY: f64 = 1e-6;
+/// Share of the time from the begin of the run to what is seen by which a prediction may be later.
+const LATE: f64 = 0.35;
+
+/// Smallest amplitude in the figure; spacings.
+const LEAST_SHOWN: f64 = 1e-8;
+/// Width of a panel, to which the size of the particles in the map refers; pixels.
+const PANEL_WIDTH: f64 = 420.0;
+
+/// First cause of what is seen in a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Cause {
+    /// The material loses strong ellipticity.
+    Physical,
+    /// Waves of the discretization grow in a strongly elliptic material.
+    Numerical,
+    /// The time step exceeds the largest stable one.
+    TimeStep,
+    /// Short waves that no force resists.
+    ZeroEnergy,
+    /// Short waves that do not grow by themselves: loads, contact, gradients of strain.
+    Forced,
+    /// No short waves.
+    None,
+}
+
+impl Cause {
+    /// All causes.
+    pub const ALL: [Self; 6] = [
+        Self::Physical,
+        Self::Numerical,
+        Self::TimeStep,
+        Self::ZeroEnergy,
+        Self::Forced,
+        Self::None,
+    ];
+
+    /// Position in [`Cause::ALL`], as fields of output files contain it.
+    pub(super) fn number(self) -> f64 {
+        self as u8 as f64
+    }
+
+    /// Name in output documents and of `--fail-on`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Physical => "physical",
+            Self::Numerical => "numerical",
+            Self::TimeStep => "time-step",
+            Self::ZeroEnergy => "zero-energy",
+            Self::Forced => "forced",
+            Self::None => "none",
+        }
+    }
+}
+
+/// What was recognized in the files of a run, without an analysis.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ScreenChecks {
+    /// Files, frames, particles and columns.
+    pub recording: Recording,
+    /// Particle spacing of the settings; length.
+    pub spacing: f64,
+}
+
+impl fmt::Display for ScreenChecks {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let own = &self.recording;
+        writeln!(
+            formatter,
+            "{}, {}: {} from t = {} to {}, {}{}",
+            own.format,
+            counted(own.files, "file"),
+            counted(own.frames, "frame"),
+            told(own.times[0]),
+            told(own.times[1]),
+            counted(own.particles, "particle"),
+            match own.elements {
+                0 => String::new(),
+                cells => format!(", {}", counted(cells, "element")),
+            }
+        )?;
+        writeln!(formatter, "columns     {}", own.columns.join("; "))?;
+        writeln!(
+            formatter,
+            "spacing     {} in the file, {} in the settings",
+            told(own.spacing),
+            told(self.spacing)
+        )?;
+        write!(
+            formatter,
+            "held        {}{}",
+            counted(own.held, "particle"),
+            match own.held_by.as_str() {
+                "" => String::new(),
+                by => format!(" ({by})"),
+            }
+        )?;
+        for note in &own.notes {
+            write!(formatter, "\n\nnote: {note}")?;
+        }
+        Ok(())
+    }
+}
+
+/// Answer to a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ScreenAnswer {
+    /// First cause.
+    pub cause: Cause,
+    /// Mechanism of a numerical instability.
+    pub mechanism: Option<Mechanism>,
+    /// Cause, time, place, numbers and remedy in words.
+    pub sentence: String,
+    /// Whether two percent decide about the cause.
+    pub at_the_limit: bool,
+    /// Where and when the cause begins; for a time step, where and when it exceeds the largest stable one.
+    pub first: Option<Event>,
+    /// Time at which short waves are expected to show.
+    pub expected: Option<f64>,
+    /// First short waves above the threshold in the positions.
+    pub seen: Option<Event>,
+    /// Wavelength of the fastest-growing wave in the reference configuration, in spacings.
+    pub wavelength: Option<f64>,
+    /// Growth rate of this wave; 1/time.
+    pub growth: Option<f64>,
+    /// Facts that support the cause.
+    pub evidence: Vec<String>,
+    /// What to change, and commands that follow it up.
+    pub remedy: Vec<String>,
+    /// Changes of the discretization, with the time at which its waves then show.
+    pub changes: Vec<Remedy>,
+    /// What the theory cannot say about this run.
+    pub limits: Vec<String>,
+    /// Largest stable time steps.
+    pub time_step: Option<StepLimit>,
+    /// Amplitude at which short waves show; spacings.
+    pub threshold: f64,
+    /// Amplitude from which growth is predicted; spacings.
+    pub seed: f64,
+    /// Width of the bins of stretch.
+    pub bin: f64,
+    /// Time at which growth is expected to show with bins of twice the width.
+    pub expected_in_wide_bins: Option<f64>,
+    /// Number of states that were evaluated.
+    pub states: usize,
+    /// Particle spacing of the settings; length.
+    pub spacing: f64,
+    /// What was read.
+    pub recording: Option<Recording>,
+    /// Predictions and measurements of each frame.
+    pub moments: Vec<Moment>,
+    /// Particles at the time of the first event.
+    #[serde(skip)]
+    picture: Option<Picture>,
+    /// Study of the decisive state.
+    #[serde(skip)]
+    study: Option<String>,
+    /// Notes on law and method.
+    pub notes: Vec<String>,
+    /// All settings in effect.
+    pub settings: Effective,
+}
+
+fn place(event: &Event, dimension: usize) -> String {
+    let near: Vec<String> = event.place[..dimension].iter().map(|x| told(*x)).collect();
+    format!("near ({})", near.join(", "))
+}
+
+impl ScreenAnswer {
+    /// Screens a run. `sink` receives the fields of each frame.
+    ///
+    /// # Errors
+    /// [`ScreenError`] if a frame cannot be read, or if law or method cannot be evaluated.
+    pub fn new(
+        problem: &Problem,
+        question: &Question,
+        run: &Run,
+        recording: Option<&Recording>,
+        frames: &mut dyn Iterator<Item = Result<Frame, ScreenError>>,
+        sink: Sink<'_>,
+    ) -> Result<Self, ScreenError> {
+        let spacing = problem.analysis.spacing();
+        if let Some(found) = recording
+            .map(|own| own.spacing)
+            .filter(|found| !(found / spacing > 0.8 && found / spacing < 1.25))
+        {
+            return Err(ScreenError::Run {
+                what: format!(
+                    "particles of the file are {} apart, those of the settings {}",
+                    told(found),
+                    told(spacing)
+                ),
+                hint: format!("set discretization.spacing={}", told(found)),
+            });
+        }
+        let course = follow(problem, question, run, frames, sink)?;
+        Ok(Self::of(problem, question, recording, course))
+    }
+
+    fn of(
+        problem: &Problem,
+        question: &Question,
+        recording: Option<&Recording>,
+        course: Course,
+    ) -> Self {
+        let threshold = question.threshold;
+        let seen = course.seen.as_ref().map(|event| event.time);
+        let start = course.moments.first().map_or(0.0, |moment| moment.time);
+        let end = course.moments.last().map_or(0.0, |moment| moment.time);
+        let crosses = |pair: &[Moment]| {
+            let [from, to] = [&pair[0], &pair[1]];
+            (to.predicted_by_step > threshold).then(|| {
+                let share = crossing(from.predicted_by_step, to.predicted_by_step, threshold);
+                from.time + share.clamp(0.0, 1.0) * (to.time - from.time)
+            })
+        };
+        let by_step = course.moments.windows(2).find_map(crosses);
+        let grown = course.grown.as_ref().map(|(event, _)| event.time);
+        let lost = course.lost.as_ref().map(|event| event.time);
+        // What is predicted much later than short waves are seen is not their cause.
+        let is_in_time = |time: f64| seen.is_some_and(|seen| time <= seen + LATE * (seen - start));
+        let causes = [
+            (
+                Cause::Physical,
+                lost.filter(|time| seen.is_none_or(|seen| *time <= seen + LATE * (seen - start))),
+            ),
+            (Cause::TimeStep, by_step.filter(|time| is_in_time(*time))),
+            (Cause::Numerical, grown.filter(|time| is_in_time(*time))),
+        ];
+        let first = causes
+            .into_iter()
+            .filter_map(|(cause, time)| Some((cause, time?)))
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let has_no_energy = || {
+            let weakest = problem.analysis.weakest().ok().flatten();
+            weakest.is_some_and(|mode| mode.relative_frequency() < NO_ENERGY)
+        };
+        let (cause, expected) = match (first, seen) {
+            (Some((cause, time)), _) => (cause, Some(time)),
+            (None, Some(_)) if has_no_energy() => (Cause::ZeroEnergy, None),
+            (None, Some(_)) => (Cause::Forced, None),
+            (None, None) => (Cause::None, None),
+        };
+        let step = question.time_step;
+        let at_limit_of_step = course.step.as_ref().zip(step).is_some_and(|(limit, step)| {
+            matches!(cause, Cause::None | Cause::TimeStep | Cause::Forced)
+                && (step / limit.least - 1.0).abs() < AT_THE_LIMIT
+        });
+        // After short waves show, gradients are not those of the material.
+        let until = seen.unwrap_or(f64::INFINITY);
+        let least = course
+            .moments
+            .iter()
+            .filter(|moment| moment.time <= until)
+            .filter_map(|moment| moment.acoustic)
+            .fold(f64::INFINITY, f64::min);
+        let at_limit_of_law = matches!(cause, Cause::None) && least < ELLIPTIC_MARGIN;
+        let event = match cause {
+            Cause::Physical => course.lost.clone(),
+            Cause::Numerical => course.grown.as_ref().map(|(event, _)| event.clone()),
+            Cause::TimeStep => course.step.as_ref().map(|limit| {
+                let time = limit.exceeded.unwrap_or(start);
+                let point = limit.particle.unwrap_or(0);
+                Event {
+                    time,
+                    window: [time, time],
+                    point,
+                    place: limit.place.unwrap_or_default(),
+                    f: *DeformationGradient::identity().components(),
+                }
+            }),
+            Cause::ZeroEnergy | Cause::Forced => course.seen.clone(),
+            Cause::None => None,
+        };
+        let changes = match expected.filter(|_| cause == Cause::Numerical) {
+            Some(time) => remedies(problem, question, &course, time),
+            None => Vec::new(),
+        };
+        let decisive = match cause {
+            Cause::Physical | Cause::Numerical | Cause::ZeroEnergy => event.as_ref(),
+            _ => None,
+        };
+        let state = decisive.and_then(|event| {
+            let f = DeformationGradient::new(event.f).ok()?;
+            StateAnswer::asked(
+                problem,
+                &f.given_in(problem.dimension()).into(),
+                &StateQuestion::default(),
+            )
+            .ok()
+        });
+        let rates = course
+            .grown
+            .as_ref()
+            .filter(|_| cause == Cause::Numerical)
+            .map(|(_, rates)| rates);
+        let spacing = problem.analysis.spacing();
+        // Short waves show where the cause is; before they are seen there is little to draw.
+        let time = course.seen.as_ref().or(event.as_ref());
+        let time = time.map(|event| event.window[1]);
+        let mut pictures = course.pictures.iter();
+        let picture = pictures.find(|own| Some(own.time) == time).cloned();
+        let mut answer = Self {
+            cause,
+            mechanism: state.as_ref().and_then(|state| state.mechanism),
+            sentence: String::new(),
+            at_the_limit: at_limit_of_step || at_limit_of_law,
+            first: event,
+            expected,
+            seen: course.seen.clone(),
+            wavelength: rates.map(|rates| {
+                let k: f64 = rates.wave.iter().map(|k| k * k).sum();
+                std::f64::consts::TAU / k.sqrt() / spacing
+            }),
+            growth: match cause {
+                Cause::TimeStep => course.step.as_ref().map(|limit| limit.growth),
+                _ => rates.map(|rates| rates.growth),
+            },
+            evidence: Vec::new(),
+            remedy: Vec::new(),
+            changes,
+            limits: Vec::new(),
+            time_step: course.step.clone(),
+            threshold,
+            seed: course.seed,
+            bin: 0.5 * question.bin,
+            expected_in_wide_bins: course
+                .grown_in_wide_bins
+                .filter(|_| cause == Cause::Numerical),
+            states: course.states,
+            spacing,
+            recording: recording.cloned(),
+            moments: course.moments,
+            picture,
+            study: None,
+            notes: [course.notes, notes(&problem.settings, &*problem.material)].concat(),
+            settings: problem.settings.effective(),
+        };
+        answer.evidence = answer.evidence_of(problem, question, least, grown, by_step);
+        answer.remedy = answer.remedy_of(problem, state.as_ref());
+        answer.limits = answer.limits_of(problem, course.cut, course.points, end);
+        answer.sentence = answer.in_words(problem, question);
+        answer.study = study(&answer, problem);
+        answer
+    }
+
+    fn evidence_of(
+        &self,
+        problem: &Problem,
+        question: &Question,
+        least: f64,
+        grown: Option<f64>,
+        by_step: Option<f64>,
+    ) -> Vec<String> {
+        let mut evidence = Vec::new();
+        if least.is_finite() {
+            evidence.push(match self.cause {
+                Cause::Physical => {
+                    "the smallest acoustic eigenvalue of the law is not positive there".to_owned()
+                }
+                _ => format!(
+                    "smallest acoustic eigenvalue of the law in the run: {} of its modulus",
+                    told(least)
+                ),
+            });
+        }
+        let moment = |time: f64| self.moments.iter().find(|moment| moment.time >= time);
+        if self.cause == Cause::Numerical {
+            // Growth from the begin of the exponential part to the time at which it shows.
+            let begun = self
+                .moments
+                .iter()
+                .find(|own| own.predicted > 1.5 * self.seed);
+            let shown = self.seen.as_ref().and_then(|event| moment(event.time));
+            if let (Some(begun), Some(shown)) = (begun, shown) {
+                if begun.seen_mean > 0.0 && shown.time > begun.time {
+                    evidence.push(format!(
+                        "short waves grew by e^{:.1} from t = {} to {}, predicted e^{:.1}",
+                        (shown.seen_mean / begun.seen_mean).ln(),
+                        told(begun.time),
+                        told(shown.time),
+                        (shown.predicted / begun.predicted).ln()
+                    ));
+                }
+            }
+            if let (Some(fine), Some(wide)) = (self.expected, self.expected_in_wide_bins) {
+                evidence.push(format!(
+                    "expected at t = {} with bins of stretch of {}, at {} with {}",
+                    told(fine),
+                    told(self.bin),
+                    told(wide),
+                    told(2.0 * self.bin)
+                ));
+            }
+        }
+        if let (Some(limit), Some(step)) = (&self.time_step, question.time_step) {
+            let of_body = match limit.body {
+                Some(body) => format!(
+                    "{} of this body, {} of the infinite lattice",
+                    told(body),
+                    told(limit.lattice)
+                ),
+                None => format!(
+                    "{} of the infinite lattice (a body of this method can have less)",
+                    told(limit.lattice)
+                ),
+            };
+            evidence.push(format!(
+                "time step {}; largest stable one in {}: {of_body}; least during the run {}",
+                told(step),
+                question.stepping.name(),
+                told(limit.least)
+            ));
+        }
+        if self.cause != Cause::Numerical {
+            if let Some(time) = grown {
+                evidence.push(format!(
+                    "growing waves of the discretization are expected to show at t = {}",
+                    told(time)
+                ));
+            }
+        }
+        if self.cause != Cause::TimeStep {
+            if let Some(time) = by_step {
+                evidence.push(format!(
+                    "the time step is expected to show at t = {}",
+                    told(time)
+                ));
+            }
+        }
+        if self.seen.is_none() {
+            let most = self
+                .moments
+                .iter()
+                .map(|moment| moment.seen)
+                .fold(0.0, f64::max);
+            evidence.push(format!(
+                "short waves of the positions stay below {} spacings (threshold {})",
+                told(most),
+                told(self.threshold)
+            ));
+        }
+        let _ = problem;
+        evidence
+    }
+
+    fn remedy_of(&self, problem: &Problem, state: Option<&StateAnswer>) -> Vec<String> {
+        let mut remedy = Vec::new();
+        match self.cause {
+            Cause::TimeStep => {
+                if let Some(limit) = &self.time_step {
+                    let safe = told_with(SAFE * limit.least, 2);
+                    remedy.push(format!("a time step of {safe}"));
+                }
+            }
+            Cause::Physical => remedy.push(
+                "no spacing converges after this state: use a law that stays elliptic there, or one with a length".to_owned(),
+            ),
+            Cause::Numerical => remedy.extend(self.changes.iter().map(Remedy::told)),
+            Cause::ZeroEnergy => {}
+            Cause::Forced => remedy.push("examine loads, contact and gradients of strain there: no wave grows by itself".to_owned()),
+            Cause::None => {}
+        }
+        if let Some(state) = state {
+            remedy.extend(state.next.iter().cloned());
+        }
+        let decisive = matches!(self.cause, Cause::Physical | Cause::Numerical);
+        let event = self.first.as_ref().filter(|_| decisive);
+        remedy.extend(event.and_then(|event| command(problem, &event.f)));
+        remedy
+    }
+
+    fn limits_of(&self, problem: &Problem, cut: f64, points: [usize; 2], end: f64) -> Vec<String> {
+        let mut limits = vec![
+            "states are taken as homogeneous: regions smaller than half of the growing wave are not judged".to_owned(),
+        ];
+        if cut > 0.0 {
+            limits.push(format!(
+                "{:.0} % of the particles have cut neighborhoods, at faces; their waves are those of the inside",
+                (100.0 * cut).max(1.0)
+            ));
+        }
+        if points[1] > 0 {
+            limits.push(format!(
+                "{} beside held particles are not judged",
+                counted(points[1], "point")
+            ));
+        }
+        if let Some(event) = &self.seen {
+            if event.time < end {
+                limits.push(format!(
+                    "after t = {} the neighbors are not those of the reference configuration",
+                    told(event.time)
+                ));
+            }
+        }
+        if problem.material.is_path_dependent() {
+            limits.push("the stress of each state is that of a proportional path to it".to_owned());
+        }
+        let spacing = problem.analysis.spacing();
+        if self
+            .recording
+            .as_ref()
+            .is_some_and(|own| !is_spaced(own.spacing, spacing))
+        {
+            limits.push("particles of the file are not on the lattice of the settings".to_owned());
+        }
+        limits
+    }
+
+    fn in_words(&self, problem: &Problem, question: &Question) -> String {
+        let dimension = problem.dimension();
+        let at = self
+            .first
+            .as_ref()
+            .map_or(String::new(), |event| place(event, dimension));
+        let short = |value: f64| told_with(value, 4);
+        let seen = match &self.seen {
+            Some(event) if event.window[1] > event.window[0] => format!(
+                "seen at t = {} (frames {} to {})",
+                short(event.time),
+                told(event.window[0]),
+                told(event.window[1])
+            ),
+            Some(event) => format!("seen from the first frame on, t = {}", short(event.time)),
+            None => "not seen in the positions yet".to_owned(),
+        };
+        let expected = self.expected.map_or("?".to_owned(), short);
+        let limit = match (self.at_the_limit, self.cause) {
+            (false, _) => "",
+            (true, Cause::None) => " It is at the limit: two percent decide.",
+            (true, _) => " The time step is at the limit: two percent decide.",
+        };
+        let sentence = match self.cause {
+            Cause::Physical => format!(
+                "First cause: the material. It loses strong ellipticity {at} at t = {}; short waves are {seen}.",
+                self.first.as_ref().map_or("?".to_owned(), |event| format!(
+                    "{} (frames {} to {})",
+                    short(event.time),
+                    told(event.window[0]),
+                    told(event.window[1])
+                ))
+            ),
+            Cause::Numerical => format!(
+                "First cause: the discretization{}. Waves of {} spacings grow at the rate {} {at}, although the material is strongly elliptic there. They are expected to show at t = {expected}, and {seen}.",
+                self.mechanism.map_or(String::new(), |mechanism| format!(
+                    " ({} instability)",
+                    mechanism.name()
+                )),
+                self.wavelength.map_or("?".to_owned(), short),
+                self.growth.map_or("?".to_owned(), short),
+            ),
+            Cause::TimeStep => {
+                let step = question.time_step.unwrap_or_default();
+                let limit = self.time_step.as_ref();
+                let critical = limit.map_or(0.0, |limit| limit.least);
+                let scheme = question.stepping.name();
+                let of = match limit.and_then(|limit| limit.body) {
+                    Some(_) => format!(
+                        "the largest stable step of this body in {scheme}, which the particles {at} limit"
+                    ),
+                    None => format!("the largest stable step of the lattice in {scheme}"),
+                };
+                let from = self.first.as_ref();
+                format!(
+                    "First cause: the time step. From t = {} on, {} is above {}, {of}. Oscillations are expected to show at t = {expected}, and {seen}. A step of {} is safe.",
+                    from.map_or("?".to_owned(), |event| short(event.time)),
+                    told(step),
+                    short(critical),
+                    told_with(SAFE * critical, 2)
+                )
+            }
+            Cause::ZeroEnergy => format!(
+                "First cause: zero-energy modes of the discretization. Short waves are {seen} {at}; no force resists them, and no state of the run makes them grow."
+            ),
+            Cause::Forced => format!(
+                "No instability explains the short waves {at}, {seen}: material and discretization are stable in the states of this run. Loads, contact or gradients of strain force them."
+            ),
+            Cause::None => "No instability: short waves stay below the threshold, and the material stays strongly elliptic.".to_owned(),
+        };
+        sentence + limit
+    }
+
+    /// Table of the frames.
+    pub fn csv(&self) -> String {
+        let mut table = "time,predicted,predicted_by_step,seen,seen_mean,acoustic,growth,step_ratio,undefined\n".to_owned();
+        let optional = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+        for own in &self.moments {
+            let _ = writeln!(
+                table,
+                "{},{},{},{},{},{},{},{},{}",
+                own.time,
+                own.predicted,
+                own.predicted_by_step,
+                own.seen,
+                own.seen_mean,
+                optional(own.acoustic),
+                optional(own.growth),
+                optional(own.step_ratio),
+                own.undefined
+            );
+        }
+        table
+    }
+
+    /// Table, document, study and figure.
+    ///
+    /// # Errors
+    /// [`FigureError`] if the figure cannot be drawn.
+    pub fn files(&self) -> Result<Files, FigureError> {
+        let document = serde_json::to_string_pretty(self).unwrap_or_default();
+        let mut files = vec![
+            text("screen.csv", self.csv()),
+            text("screen.json", document + "\n"),
+        ];
+        let study = self.study.iter();
+        files.extend(study.map(|study| text("first.toml", study.as_str())));
+        files.extend(self.figure().files("screen")?);
+        Ok(files)
+    }
+
+    /// Amplitudes over time, and below them the smallest acoustic eigenvalue and the ratio of the steps.
+    fn figure(&self) -> Figure {
+        let of = |value: &dyn Fn(&Moment) -> Option<f64>| -> Vec<(f64, f64)> {
+            let all = self.moments.iter();
+            all.filter_map(|own| Some((own.time, value(own)?)))
+                .collect()
+        };
+        let floor = LEAST_SHOWN;
+        let amplitude =
+            |value: &dyn Fn(&Moment) -> f64| of(&|own| Some(value(own).clamp(floor, 10.0)));
+        let times = || self.moments.iter().map(|own| own.time);
+        let axis = || Axis::linear("time", (0.0, 1.0)).covering(times());
+        let least = self
+            .moments
+            .iter()
+            .map(|own| own.seen_mean.max(floor))
+            .fold(self.seed.max(floor), f64::min);
+        let mut upper = Panel::new(
+            "",
+            axis(),
+            Axis::log("amplitude of short waves / spacing", (0.3 * least, 3.0)),
+        )
+        .with(
+            Line::new(amplitude(&|own| own.seen))
+                .named("seen, largest")
+                .color(palette::BLACK),
+        )
+        .with(
+            Line::new(amplitude(&|own| own.seen_mean))
+                .named("seen, mean")
+                .color(palette::GREY),
+        )
+        .with(
+            Line::new(amplitude(&|own| own.predicted))
+                .named("predicted, growing waves")
+                .color(palette::VERMILION),
+        )
+        .with(Rule::horizontal(self.threshold).dotted());
+        if self.time_step.is_some() {
+            upper = upper.with(
+                Line::new(amplitude(&|own| own.predicted_by_step))
+                    .named("predicted, time step")
+                    .color(palette::BLUE)
+                    .dashed(),
+            );
+        }
+        let ratios = of(&|own| own.step_ratio);
+        let acoustic = of(&|own| own.acoustic.map(|value| value.clamp(-1.0, 2.0)));
+        let shown = acoustic
+            .iter()
+            .chain(&ratios)
+            .map(|(_, value)| value.min(2.0));
+        let y = Axis::linear("share of the limit", (0.0, 1.05)).covering(shown);
+        let mut lower = Panel::new("", axis(), y).with(
+            Line::new(acoustic)
+                .named("smallest acoustic eigenvalue / modulus")
+                .color(palette::GREEN),
+        );
+        if !ratios.is_empty() {
+            let ratios = ratios
+                .into_iter()
+                .map(|(time, ratio)| (time, ratio.min(2.0)))
+                .collect();
+            lower = lower
+                .with(
+                    Line::new(ratios)
+                        .named("time step / largest stable step")
+                        .color(palette::BLUE),
+                )
+                .with(Rule::horizontal(1.0).dotted());
+        }
+        if let Some(event) = &self.first {
+            let rule = || Rule::vertical(event.time).dashed().color(palette::PURPLE);
+            (upper, lower) = (
+                upper.with(rule().named(format!("first cause: {}", self.cause.name()))),
+                lower.with(rule()),
+            );
+        }
+        let mut figure = Figure::new("").caption(self.sentence.clone()).with(upper);
+        figure = match &self.picture {
+            Some(picture) => figure.columns(2).with(self.map(picture)),
+            None => figure.columns(1),
+        };
+        figure.with(lower)
+    }
+
+    /// Particles at one time, colored by the amplitude of their short waves.
+    fn map(&self, picture: &Picture) -> Panel {
+        let places: Vec<(f64, f64)> = picture.x.iter().map(|x| (x[0], x[1])).collect();
+        let x = Axis::linear("x₁", (0.0, 1.0)).covering(places.iter().map(|place| place.0));
+        let y = Axis::linear("x₂", (0.0, 1.0)).covering(places.iter().map(|place| place.1));
+        let logs: Vec<f64> = picture
+            .seen
+            .iter()
+            .map(|seen| seen.max(LEAST_SHOWN).log10())
+            .collect();
+        let most = logs.iter().copied().fold(self.threshold.log10(), f64::max);
+        let least = logs.iter().copied().fold(f64::INFINITY, f64::min);
+        let range = (least.min(most - 1.0), most);
+        Panel::new(format!("short waves at t = {}", told(picture.time)), x, y)
+            .equal_aspect()
+            .with_particles(&places, &logs, range, PANEL_WIDTH, |from, to| {
+                format!(
+                    "{} to {}",
+                    told_with(10_f64.powf(from), 2),
+                    told_with(10_f64.powf(to), 2)
+                )
+            })
+    }
+}
+
+impl Brief for ScreenAnswer {
+    fn brief(&self) -> Short {
+        let mut short = Short::new(self.sentence.clone());
+        for (rank, evidence) in self.evidence.iter().enumerate() {
+            short = short.row(
+                1 + rank as u8,
+                if rank == 0 { "evidence" } else { "" },
+                evidence.clone(),
+            );
+        }
+        for (rank, remedy) in self.remedy.iter().enumerate() {
+            short = short.row(
+                rank as u8,
+                if rank == 0 { "remedy" } else { "" },
+                remedy.clone(),
+            );
+        }
+        for (rank, limit) in self.limits.iter().enumerate() {
+            short = short.row(
+                6 + rank as u8,
+                if rank == 0 { "limits" } else { "" },
+                limit.clone(),
+            );
+        }
+        let notes: Vec<String> = self
+            .recording
+            .iter()
+            .flat_map(|own| own.notes.clone())
+            .collect();
+        short
+            .notes(&notes)
+            .settings("settings", self.settings.caption())
+    }
+}
+
+impl fmt::Display for ScreenAnswer {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(formatter, "{}", self.sentence)?;
+        for (title, lines) in [
+            ("evidence", &self.evidence),
+            ("remedy", &self.remedy),
+            ("limits", &self.limits),
+        ] {
+            if !lines.is_empty() {
+                writeln!(formatter, "\n{title}")?;
+            }
+            for line in lines {
+                writeln!(formatter, "  {line}")?;
+            }
+        }
+        writeln!(
+            formatter,
+            "\nThe amplitude from which waves grow is {} spacings; {} of bins of stretch of {} and {}.",
+            told(self.seed),
+            counted(self.states, "state"),
+            told(self.bin),
+            told(2.0 * self.bin)
+        )?;
+        if let Some(recording) = &self.recording {
+            let checks = ScreenChecks {
+                recording: recording.clone(),
+                spacing: self.spacing,
+            };
+            writeln!(formatter, "\n{checks}")?;
+        }
+        for note in &self.notes {
+            writeln!(formatter, "\nnote: {note}")?;
+        }
+        write!(formatter, "\n{}", self.settings)
+    }
+}

@@ -1,0 +1,732 @@
+//! The course of a run: growth of short waves that the states of the particles predict, beside the short waves that are there.
+
+use super::agreement::Agreement;
+use super::answer::Cause;
+use super::neighborhoods::Neighborhoods;
+use super::states::{StateRates, States, without_rotation};
+use super::{Frame, Question, Run, ScreenError};
+use crate::answers::{Problem, ProblemError};
+use crate::methods::method;
+use nalgebra::Matrix3;
+use onset::analysis::body_mode;
+use onset::kinematics::DeformationGradient;
+use onset::motion::{BodyMode, PlacedParticle};
+use onset::time_step::Stepping;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Integral of the growth rate from which waves count as growing: amplitudes are five percent larger.
+const BEGINNING: f64 = 0.05;
+/// Amplitude of short waves, in spacings, beyond which the states of a particle are not asked any more: its neighbors are not those of the reference.
+const ENDED: f64 = 0.5;
+/// Smallest acoustic eigenvalue over the modulus of a strongly elliptic material; below it is rounding.
+const ELLIPTIC: f64 = 1e-9;
+/// Smallest acoustic eigenvalue over the modulus up to which a state is at the limit of ellipticity.
+pub(super) const ELLIPTIC_MARGIN: f64 = 0.02;
+/// Radius of neighborhoods in spacings, for methods without a support radius.
+const RADIUS: f64 = 2.01;
+
+/// Quantities of the run at the time of a frame.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Moment {
+    /// Time of the frame.
+    pub time: f64,
+    /// Largest predicted amplitude of growing waves; spacings.
+    pub predicted: f64,
+    /// Predicted amplitude of the oscillation by a too large time step; spacings.
+    pub predicted_by_step: f64,
+    /// Largest amplitude of short waves in the positions; spacings.
+    pub seen: f64,
+    /// Root mean square of the amplitudes of short waves in the positions; spacings.
+    pub seen_mean: f64,
+    /// Smallest acoustic eigenvalue over the modulus of the reference state.
+    pub acoustic: Option<f64>,
+    /// Largest growth rate of a wave; 1/time.
+    pub growth: Option<f64>,
+    /// Time step over the largest stable step of the body.
+    pub step_ratio: Option<f64>,
+    /// Number of points without a state: inverted, too few neighbors, or outside of the domain of the law or the method.
+    pub undefined: usize,
+}
+
+/// First point and time at which something happens.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Event {
+    /// Time, interpolated between the frames.
+    pub time: f64,
+    /// Times of the frame before and of the frame.
+    pub window: [f64; 2],
+    /// Number of the particle or cell, from 0 in the order of the first frame.
+    pub point: usize,
+    /// Reference position.
+    pub place: [f64; 3],
+    /// Deformation gradient without rotation.
+    pub f: [[f64; 3]; 3],
+}
+
+/// Limit of the time step of the body.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StepLimit {
+    /// Largest stable step of the infinite lattice in the reference state; time.
+    pub lattice: f64,
+    /// Largest stable step of the body in the reference state; `None` for methods whose particles have no forces at arbitrary positions.
+    pub body: Option<f64>,
+    /// Smallest value of the largest stable step during the run, until the first event; time.
+    pub least: f64,
+    /// Time at which the step of the run first exceeds it.
+    pub exceeded: Option<f64>,
+    /// Growth rate of the fastest oscillation at that time; 1/time.
+    pub growth: f64,
+    /// Particle that limits the step.
+    pub particle: Option<usize>,
+    /// Its reference position.
+    pub place: Option<[f64; 3]>,
+}
+
+/// Everything that is measured and predicted in a run.
+pub(super) struct Course {
+    pub(super) moments: Vec<Moment>,
+    /// First loss of strong ellipticity.
+    pub(super) lost: Option<Event>,
+    /// First predicted amplitude above the threshold, with the rates there.
+    pub(super) grown: Option<(Event, StateRates)>,
+    /// Time of the same with bins of twice the width.
+    pub(super) grown_in_wide_bins: Option<f64>,
+    /// First amplitude in the positions above the threshold.
+    pub(super) seen: Option<Event>,
+    pub(super) step: Option<StepLimit>,
+    /// Amplitude of the short waves from which growth is predicted; spacings.
+    pub(super) seed: f64,
+    /// Number of points that were asked, and of those near held particles, which were not.
+    pub(super) points: [usize; 2],
+    /// Number of states that were evaluated.
+    pub(super) states: usize,
+    /// Share of points with fewer than nine tenths of the most neighbors.
+    pub(super) cut: f64,
+    /// Largest growth rate until short waves are seen; 1/time.
+    pub(super) fastest: f64,
+    /// Differences between the files and what follows from positions and law.
+    pub(super) notes: Vec<String>,
+    /// Time of each frame, and the stretch tensor of the point whose waves have grown most.
+    pub(super) leading: Vec<(f64, Matrix3<f64>)>,
+    /// Frames at which something happens first.
+    pub(super) pictures: Vec<Picture>,
+}
+
+/// Positions and short waves at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Picture {
+    pub(super) time: f64,
+    pub(super) x: Vec<[f64; 3]>,
+    pub(super) seen: Vec<f64>,
+}
+
+/// Points of a run at which states are asked: its particles, or the cells between them.
+struct Points {
+    nodes: Neighborhoods,
+    /// Neighborhoods of cells: gradients of the nodes of each cell about their mean.
+    cells: Option<Vec<Vec<usize>>>,
+    places: Vec<[f64; 3]>,
+}
+
+impl Points {
+    fn new(run: &Run, dimension: usize, radius: f64) -> Self {
+        let nodes = Neighborhoods::new(&run.reference, dimension, radius);
+        let places = match &run.cells {
+            None => run.reference.clone(),
+            Some(cells) => cells
+                .iter()
+                .map(|cell| mean(cell, &run.reference))
+                .collect(),
+        };
+        Self {
+            nodes,
+            cells: run.cells.clone(),
+            places,
+        }
+    }
+
+    fn deformation(
+        &self,
+        point: usize,
+        dimension: usize,
+        reference: &[[f64; 3]],
+        x: &[[f64; 3]],
+    ) -> Option<Matrix3<f64>> {
+        let Some(cells) = &self.cells else {
+            return self.nodes.deformation(point, x);
+        };
+        // Least squares over the corners about their mean: the mean gradient of parallelograms and simplices.
+        let cell = &cells[point];
+        let (from, to) = (mean(cell, reference), mean(cell, x));
+        let (mut moment, mut mixed) = (Matrix3::zeros(), Matrix3::zeros());
+        for node in cell {
+            for i in 0..dimension {
+                let a = reference[*node][i] - from[i];
+                for j in 0..dimension {
+                    moment[(i, j)] += a * (reference[*node][j] - from[j]);
+                    mixed[(i, j)] += (x[*node][i] - to[i]) * (reference[*node][j] - from[j]);
+                }
+            }
+        }
+        for axis in dimension..3 {
+            moment[(axis, axis)] = 1.0;
+            mixed[(axis, axis)] = 1.0;
+        }
+        Some(mixed * moment.try_inverse()?)
+    }
+}
+
+fn mean(cell: &[usize], x: &[[f64; 3]]) -> [f64; 3] {
+    let sum = |axis: usize| cell.iter().map(|node| x[*node][axis]).sum::<f64>();
+    std::array::from_fn(|axis| sum(axis) / cell.len().max(1) as f64)
+}
+
+/// Rate of the waves themselves: a scheme that damps them counts, one that amplifies them is a matter of the time step.
+pub(super) fn own_rate(rates: &StateRates) -> f64 {
+    rates
+        .stepped
+        .map_or(rates.growth, |stepped| stepped.min(rates.growth))
+}
+
+/// Growth that is integrated at each point.
+struct Growth<'p> {
+    states: States<'p>,
+    integral: Vec<f64>,
+    rate: Vec<f64>,
+    is_over: Vec<bool>,
+}
+
+impl<'p> Growth<'p> {
+    fn new(states: States<'p>, count: usize) -> Self {
+        Self {
+            states,
+            integral: vec![0.0; count],
+            rate: vec![0.0; count],
+            is_over: vec![false; count],
+        }
+    }
+
+    fn add(&mut self, keys: &[Option<[i32; 6]>], interval: f64) {
+        let asked = keys.iter().zip(&self.is_over);
+        let asked = asked.filter_map(|(key, is_over)| key.filter(|_| !is_over));
+        let asked: Vec<[i32; 6]> = asked.collect();
+        self.states.ask(asked);
+        for (n, key) in keys.iter().enumerate() {
+            let Some(rates) = key.as_ref().filter(|_| !self.is_over[n]) else {
+                continue;
+            };
+            let Some(rates) = self.states.of(rates) else {
+                continue;
+            };
+            let rate = own_rate(rates);
+            let grown = self.integral[n] + 0.5 * (self.rate[n] + rate) * interval;
+            self.integral[n] = grown.max(0.0);
+            self.rate[n] = rate;
+        }
+    }
+
+    fn largest(&self) -> Option<(usize, f64)> {
+        let all = self.integral.iter().copied().enumerate();
+        all.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}
+
+/// Share of an interval at which an amplitude that grows exponentially crosses a limit.
+pub(super) fn crossing(from: f64, to: f64, limit: f64) -> f64 {
+    match from > 0.0 && to > from {
+        true => (limit / from).ln() / (to / from).ln(),
+        false => 1.0,
+    }
+}
+
+fn components(f: &DeformationGradient) -> [[f64; 3]; 3] {
+    *f.components()
+}
+
+fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0), |(sum, count), x| (sum + x * x, count + 1));
+    (sum / f64::from(count.max(1))).sqrt()
+}
+
+/// Fields of a frame, for output files.
+#[derive(Debug)]
+pub struct Snapshot<'s> {
+    /// Number of the frame, from 0.
+    pub number: usize,
+    /// Time of the frame.
+    pub time: f64,
+    /// Number of dimensions.
+    pub dimension: usize,
+    /// Current positions of the particles or nodes.
+    pub x: &'s [[f64; 3]],
+    /// Fields of the particles or nodes.
+    pub of_nodes: Vec<(&'static str, Vec<f64>)>,
+    /// Fields of the points that have states: particles or elements.
+    pub of_points: Vec<(&'static str, Vec<f64>)>,
+}
+
+/// Receiver of the fields of each frame.
+pub type Sink<'s> = &'s mut dyn FnMut(&Snapshot<'_>) -> Result<(), ScreenError>;
+
+/// Follows a run from frame to frame. Two frames are in memory.
+pub(super) fn follow(
+    problem: &Problem,
+    question: &Question,
+    run: &Run,
+    frames: &mut dyn Iterator<Item = Result<Frame, ScreenError>>,
+    sink: Sink<'_>,
+) -> Result<Course, ScreenError> {
+    let mut follower = Follower::new(problem, question, run)?;
+    for (number, frame) in frames.enumerate() {
+        let frame = frame?;
+        onset::cancel::checkpoint();
+        let fields = follower.frame(&frame)?;
+        sink(&Snapshot {
+            number,
+            time: frame.time,
+            dimension: problem.dimension(),
+            x: &frame.x,
+            of_nodes: vec![("noise", fields.seen)],
+            of_points: vec![
+                ("acoustic", fields.acoustic),
+                ("growth", fields.growth),
+                ("amplitude", fields.amplitude),
+                ("step_ratio", fields.step_ratio),
+                ("cause", fields.cause),
+                ("checked", fields.checked),
+            ],
+        })?;
+    }
+    follower.finish()
+}
+
+/// Values of a frame: of each node (`seen`), or of each point.
+struct Fields {
+    seen: Vec<f64>,
+    acoustic: Vec<f64>,
+    growth: Vec<f64>,
+    amplitude: Vec<f64>,
+    step_ratio: Vec<f64>,
+    /// Position in [`Cause::ALL`].
+    cause: Vec<f64>,
+    checked: Vec<f64>,
+}
+
+/// State of [`follow`] between two frames.
+struct Follower<'p> {
+    problem: &'p Problem,
+    question: &'p Question,
+    run: &'p Run,
+    points: Points,
+    /// Nodes whose short waves count.
+    nodes: Vec<bool>,
+    /// Points whose states are asked.
+    is_asked: Vec<bool>,
+    coarse: Growth<'p>,
+    fine: Growth<'p>,
+    at_rest: StateRates,
+    limited: Option<(StepLimit, Option<BodyMode>)>,
+    speed: f64,
+    agreement: Agreement,
+    course: Course,
+    /// Amplitude of the first frame; spacings.
+    first_seed: f64,
+    has_begun: bool,
+    /// Integral of the growth rate by the time step.
+    by_step: f64,
+}
+
+impl<'p> Follower<'p> {
+    fn new(
+        problem: &'p Problem,
+        question: &'p Question,
+        run: &'p Run,
+    ) -> Result<Self, ScreenError> {
+        let analysis = &problem.analysis;
+        let (dimension, spacing) = (problem.dimension(), analysis.spacing());
+        let support = problem.settings.discretization.support;
+        let radius = match run.cells {
+            Some(_) => RADIUS,
+            None => support.clamp(1.5, 4.0),
+        };
+        let points = Points::new(run, dimension, radius * spacing);
+        let count = points.places.len();
+        let (nodes, is_asked) = far_from_held(run, &points);
+        let stepping = question.stepping();
+        let growth = |bin: f64| Growth::new(States::new(problem, stepping, bin), count);
+        let (coarse, fine) = (growth(question.bin), growth(0.5 * question.bin));
+        let at_rest = coarse.states.evaluate(&Matrix3::identity());
+        let at_rest = at_rest.ok_or(ScreenError::Reference)?;
+        let limited = limits(problem, run, stepping, &at_rest)?;
+        let speed = analysis.speed_squared().map_err(ProblemError::from)?.sqrt();
+        let asked = is_asked.iter().filter(|is| **is).count();
+        if asked == 0 {
+            return Err(ScreenError::Run {
+                what: "no particle is left to be judged: all are held, beside held ones, or outside of the region".to_owned(),
+                hint: "choose held particles with --held, or another --region".to_owned(),
+            });
+        }
+        let most = (0..points.nodes.len()).map(|n| points.nodes.count(n)).max();
+        let is_cut = |n: &usize| 10 * points.nodes.count(*n) < 9 * most.unwrap_or(0);
+        let cut = (0..points.nodes.len()).filter(is_cut).count();
+        Ok(Self {
+            course: Course {
+                moments: Vec::new(),
+                lost: None,
+                grown: None,
+                grown_in_wide_bins: None,
+                seen: None,
+                step: limited.as_ref().map(|(limit, _)| limit.clone()),
+                seed: 0.0,
+                points: [asked, count - asked],
+                states: 0,
+                cut: cut as f64 / points.nodes.len().max(1) as f64,
+                fastest: 0.0,
+                notes: Vec::new(),
+                leading: Vec::new(),
+                pictures: Vec::new(),
+            },
+            problem,
+            question,
+            run,
+            points,
+            nodes,
+            is_asked,
+            coarse,
+            fine,
+            at_rest,
+            limited,
+            speed,
+            agreement: Agreement::default(),
+            first_seed: 0.0,
+            has_begun: false,
+            by_step: 0.0,
+        })
+    }
+
+    /// Amplitudes of the nodes that count.
+    fn checked<'s>(&'s self, seen: &'s [f64]) -> impl Iterator<Item = f64> + 's {
+        let all = seen.iter().zip(&self.nodes);
+        all.filter(|(_, counts)| **counts).map(|(seen, _)| *seen)
+    }
+
+    /// Amplitude of short waves in the first frame, from positions and velocities; spacings.
+    fn first_seed(&self, frame: &Frame, mean: f64) -> f64 {
+        if let Some(seed) = self.question.seed {
+            return seed;
+        }
+        let of_velocity = frame.velocity.as_ref().map_or(0.0, |velocity| {
+            let short = self.points.nodes.short_waves(velocity);
+            root_mean_square(self.checked(&short)) / self.speed
+        });
+        let rounding = self.run.rounding / self.problem.analysis.spacing();
+        mean.max(of_velocity).max(rounding)
+    }
+
+    /// Stretch tensors of the points whose states are asked.
+    fn stretches(&self, found: &[Option<Matrix3<f64>>]) -> Vec<Option<Matrix3<f64>>> {
+        let all = found.par_iter();
+        all.map(|f| without_rotation(f.as_ref()?)).collect()
+    }
+
+    fn compare(&mut self, frame: &Frame, found: &[Option<Matrix3<f64>>]) {
+        let dimension = self.problem.dimension();
+        if let Some(gradient) = &frame.gradient {
+            self.agreement.compare_gradients(dimension, gradient, found);
+        }
+        if let Some(stress) = &frame.stress {
+            let is_given = &frame.stress_given;
+            self.agreement
+                .compare_stresses(self.problem, stress, is_given, found);
+        }
+    }
+
+    fn frame(&mut self, frame: &Frame) -> Result<Fields, ScreenError> {
+        let dimension = self.problem.dimension();
+        let spacing = self.problem.analysis.spacing();
+        let count = self.points.places.len();
+        let before = self.course.moments.last();
+        let before = before.map_or(frame.time, |moment| moment.time);
+        let interval = frame.time - before;
+        // Short waves of the positions.
+        let short = self.points.nodes.short_waves(&frame.x);
+        let seen: Vec<f64> = short.iter().map(|x| x / spacing).collect();
+        let most_seen = self.checked(&seen).fold(0.0, f64::max);
+        let mean_seen = root_mean_square(self.checked(&seen));
+        if self.course.moments.is_empty() {
+            self.first_seed = self.first_seed(frame, mean_seen);
+            self.course.seed = self.first_seed;
+        }
+        // States of the points.
+        let (points, run, is_asked) = (&self.points, self.run, &self.is_asked);
+        let found: Vec<Option<Matrix3<f64>>> = (0..count)
+            .into_par_iter()
+            .map(|point| match is_asked[point] {
+                true => points.deformation(point, dimension, &run.reference, &frame.x),
+                false => None,
+            })
+            .collect();
+        if self.course.seen.is_none() {
+            self.compare(frame, &found);
+        }
+        let stretches = self.stretches(&found);
+        for growth in [&mut self.coarse, &mut self.fine] {
+            for (n, own) in stretches.iter().enumerate() {
+                let is_far = self.points.cells.is_none() && seen[n] > ENDED;
+                growth.is_over[n] |= self.is_asked[n] && (own.is_none() || is_far);
+            }
+            let keys: Vec<Option<[i32; 6]>> = stretches
+                .iter()
+                .map(|own| own.as_ref().map(|u| growth.states.key(u)))
+                .collect();
+            growth.add(&keys, interval);
+        }
+        let event = |share: f64, (point, place): (usize, [f64; 3]), f: [[f64; 3]; 3]| Event {
+            time: before + share.clamp(0.0, 1.0) * interval,
+            window: [before, frame.time],
+            point,
+            place,
+            f,
+        };
+        let at = |point: usize| (point, self.points.places[point]);
+        // Predicted amplitudes start from the short waves at the begin of growth.
+        let (grown, integral) = self.fine.largest().unwrap_or((0, 0.0));
+        if !self.has_begun && integral > BEGINNING {
+            self.has_begun = true;
+            let seed = self.question.seed;
+            self.course.seed = seed.unwrap_or(self.first_seed.max(mean_seen));
+        }
+        if let Some(u) = stretches.get(grown).and_then(Option::as_ref) {
+            self.course.leading.push((frame.time, *u));
+        }
+        let seed = self.course.seed;
+        let predicted = seed * integral.exp();
+        let threshold = self.question.threshold;
+        let mut fields = Fields {
+            acoustic: vec![f64::NAN; count],
+            growth: vec![f64::NAN; count],
+            amplitude: vec![0.0; count],
+            step_ratio: vec![f64::NAN; count],
+            cause: vec![Cause::None.number(); count],
+            checked: self
+                .is_asked
+                .iter()
+                .map(|is| f64::from(u8::from(*is)))
+                .collect(),
+            seen: Vec::new(),
+        };
+        let critical = self.limited.as_ref();
+        let critical = critical.map(|(limit, _)| limit.body.unwrap_or(limit.lattice));
+        let mut undefined = 0;
+        let (mut squared, mut extra) = (0.0_f64, 0.0_f64);
+        let mut softest: Option<(usize, f64)> = None;
+        let mut fastest: Option<f64> = None;
+        for point in (0..count).filter(|point| self.is_asked[*point]) {
+            let rates = stretches[point]
+                .as_ref()
+                .filter(|_| !self.fine.is_over[point]);
+            let rates = rates.and_then(|u| self.fine.states.of(&self.fine.states.key(u)));
+            let Some(rates) = rates else {
+                undefined += 1;
+                continue;
+            };
+            let rate = own_rate(rates);
+            fastest = Some(fastest.map_or(rate, |own| own.max(rate)));
+            squared = squared.max(rates.squared);
+            if let Some(stepped) = rates.stepped {
+                extra = extra.max(stepped - rates.growth.max(0.0));
+            }
+            if softest.is_none_or(|(_, least)| rates.acoustic < least) {
+                softest = Some((point, rates.acoustic));
+            }
+            let amplitude = seed * self.fine.integral[point].exp();
+            (fields.acoustic[point], fields.growth[point]) = (rates.acoustic, rate);
+            fields.amplitude[point] = amplitude;
+            let harder = (rates.squared / self.at_rest.squared).sqrt();
+            let ratio = self.question.time_step.zip(critical);
+            let ratio = ratio.map(|(step, critical)| step * harder / critical);
+            fields.step_ratio[point] = ratio.unwrap_or(f64::NAN);
+            fields.cause[point] = match ratio {
+                _ if rates.acoustic < ELLIPTIC => Cause::Physical,
+                Some(ratio) if ratio > 1.0 => Cause::TimeStep,
+                _ if amplitude > threshold => Cause::Numerical,
+                _ => Cause::None,
+            }
+            .number();
+        }
+        let rates_of = |point: usize| {
+            let u = stretches[point].as_ref()?;
+            self.fine.states.of(&self.fine.states.key(u))
+        };
+        let last = self.course.moments.last();
+        if self.course.lost.is_none()
+            && let Some((point, least)) = softest.filter(|(_, least)| *least < ELLIPTIC)
+        {
+            let f = rates_of(point).map_or([[0.0; 3]; 3], |rates| components(&rates.f));
+            let positive = last.and_then(|own| own.acoustic).unwrap_or(0.0).max(0.0);
+            self.course.lost = Some(event(positive / (positive - least), at(point), f));
+        }
+        if self.course.grown.is_none() && self.has_begun && predicted > threshold {
+            let share = last.map_or(1.0, |own| crossing(own.predicted, predicted, threshold));
+            self.course.grown = rates_of(grown)
+                .map(|rates| (event(share, at(grown), components(&rates.f)), rates.clone()));
+        }
+        let in_coarse = self.coarse.largest().map_or(0.0, |(_, integral)| integral);
+        if self.course.grown_in_wide_bins.is_none() && seed * in_coarse.exp() > threshold {
+            self.course.grown_in_wide_bins = Some(frame.time);
+        }
+        if self.course.seen.is_none() {
+            self.course.fastest = self.course.fastest.max(fastest.unwrap_or(0.0));
+            if most_seen > threshold {
+                let all = seen.iter().zip(&self.nodes).enumerate();
+                let all = all.filter(|(_, (_, counts))| **counts);
+                let node = all
+                    .max_by(|a, b| a.1.0.total_cmp(b.1.0))
+                    .map_or(0, |(n, _)| n);
+                let f = self.points.nodes.deformation(node, &frame.x);
+                let f = f.and_then(|f| without_rotation(&f));
+                let f = f.unwrap_or_else(Matrix3::identity);
+                let share = last.map_or(1.0, |own| crossing(own.seen, most_seen, threshold));
+                let f = std::array::from_fn(|i| std::array::from_fn(|j| f[(i, j)]));
+                self.course.seen = Some(event(share, (node, self.run.reference[node]), f));
+            }
+        }
+        let step_ratio = self.step(before, interval, squared, extra);
+        self.course.moments.push(Moment {
+            time: frame.time,
+            predicted,
+            predicted_by_step: self.first_seed * self.by_step.exp(),
+            seen: most_seen,
+            seen_mean: mean_seen,
+            acoustic: softest.map(|(_, least)| least),
+            growth: fastest,
+            step_ratio,
+            undefined,
+        });
+        self.picture(frame, &seen);
+        fields.seen = seen;
+        Ok(fields)
+    }
+
+    /// Keeps positions and short waves of the frames at which something happens first.
+    fn picture(&mut self, frame: &Frame, seen: &[f64]) {
+        let at = |event: Option<&Event>| event.is_some_and(|own| own.window[1] == frame.time);
+        let grown = self.course.grown.as_ref().map(|(event, _)| event);
+        let happens = at(grown) || at(self.course.lost.as_ref()) || at(self.course.seen.as_ref());
+        if happens {
+            self.course.pictures.push(Picture {
+                time: frame.time,
+                x: frame.x.clone(),
+                seen: seen.to_vec(),
+            });
+        }
+    }
+
+    /// Adds the growth by the time step; returns the ratio of the step to the largest stable one of the body.
+    fn step(&mut self, before: f64, interval: f64, squared: f64, extra: f64) -> Option<f64> {
+        let (limit, mode) = self.limited.as_ref()?;
+        let (stepping, step) = self.question.stepping()?;
+        // States change the step of the body as they change that of the lattice.
+        let harder = match squared > 0.0 {
+            true => squared / self.at_rest.squared,
+            false => 1.0,
+        };
+        let critical = limit.body.unwrap_or(limit.lattice) / harder.sqrt();
+        let rate = match mode {
+            Some(mode) if step > critical => scaled(mode, harder).growth(stepping, step).max(extra),
+            _ => extra,
+        };
+        self.by_step = (self.by_step + rate * interval).max(0.0);
+        if let Some(told) = self
+            .course
+            .step
+            .as_mut()
+            .filter(|_| self.course.seen.is_none())
+        {
+            told.least = told.least.min(critical);
+            if told.exceeded.is_none() && step > critical {
+                (told.exceeded, told.growth) = (Some(before), rate);
+            }
+        }
+        Some(step / critical)
+    }
+
+    fn finish(mut self) -> Result<Course, ScreenError> {
+        self.course.states = self.coarse.states.len() + self.fine.states.len();
+        self.course.notes = self.agreement.notes(self.problem);
+        match self.course.moments.len() {
+            count @ 0..=1 => Err(ScreenError::TooFewFrames { count }),
+            _ => Ok(self.course),
+        }
+    }
+}
+
+/// Mode with all stiffnesses multiplied by a factor.
+fn scaled(mode: &BodyMode, factor: f64) -> BodyMode {
+    let mut mode = mode.clone();
+    mode.squared *= factor;
+    mode.parts.positions *= onset::algebra::Complex::new(factor, 0.0);
+    mode.parts.stress *= onset::algebra::Complex::new(factor, 0.0);
+    mode.parts.density *= onset::algebra::Complex::new(factor, 0.0);
+    mode
+}
+
+/// Largest stable steps in the reference state, with the mode of the body that limits it; `None` without a time step.
+fn limits(
+    problem: &Problem,
+    run: &Run,
+    stepping: Option<(Stepping, f64)>,
+    at_rest: &StateRates,
+) -> Result<Option<(StepLimit, Option<BodyMode>)>, ScreenError> {
+    let Some((stepping, _)) = stepping else {
+        return Ok(None);
+    };
+    let volume = problem.analysis.spacing().powi(problem.dimension() as i32);
+    let particle = |n: usize| PlacedParticle {
+        position: run.reference[n],
+        volume: run.volumes.as_ref().map_or(volume, |volumes| volumes[n]),
+    };
+    let particles: Vec<PlacedParticle> = (0..run.reference.len()).map(particle).collect();
+    let mode = body_mode(
+        &method(&problem.settings),
+        &*problem.material,
+        &particles,
+        &run.held,
+        &DeformationGradient::identity(),
+        stepping,
+    );
+    let mode = mode.map_err(ProblemError::from)?;
+    let body = mode.as_ref().map(|mode| mode.critical_time_step(stepping));
+    let lattice = stepping.critical_step(at_rest.squared, 0.0);
+    let limit = StepLimit {
+        lattice,
+        body,
+        least: body.unwrap_or(lattice),
+        exceeded: None,
+        growth: 0.0,
+        particle: mode.as_ref().map(|mode| mode.particle),
+        place: mode.as_ref().map(|mode| run.reference[mode.particle]),
+    };
+    Ok(Some((limit, mode)))
+}
+
+/// Nodes at which short waves count, and points whose states are asked: not held, and without held neighbors (for short waves, without held neighbors
+/// of neighbors).
+fn far_from_held(run: &Run, points: &Points) -> (Vec<bool>, Vec<bool>) {
+    let spread = |held: &[bool]| -> Vec<bool> {
+        let near = |n: usize| held[n] || points.nodes.numbers(n).any(|other| held[other]);
+        (0..held.len()).map(near).collect()
+    };
+    let near = spread(&run.held);
+    let nearer = spread(&near);
+    let nodes = nearer.iter().map(|is| !is).collect();
+    let asked = match &points.cells {
+        None => near.iter().map(|is| !is).collect(),
+        Some(cells) => cells
+            .iter()
+            .map(|cell| !cell.iter().any(|node| run.held[*node]))
+            .collect(),
+    };
+    (nodes, asked)
+}

@@ -1,0 +1,589 @@
+//! Runs read from the output files of a code.
+
+use super::{Frame, Run, ScreenError};
+use crate::number::counted;
+use onset_frames::{Cells, Frame as Read, Quantity, Reading, Recognized, Series};
+use serde::Serialize;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// Displacements of held particles that differ by less than this fraction of a spacing are equal.
+const RIGID: f64 = 1e-5;
+/// Largest number of different displacements of the held particles of one kind: two or more grips.
+const GRIPS: usize = 6;
+/// Smallest number of particles in a face that moves rigidly.
+const LEAST_FACE: usize = 3;
+/// Distance of a lattice position, in spacings, within which reference positions are regular.
+const REGULAR: f64 = 1e-3;
+
+/// Box of the reference configuration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    low: Vec<f64>,
+    high: Vec<f64>,
+}
+
+impl Region {
+    /// Returns true if a reference position lies in the box.
+    pub fn contains(&self, x: &[f64; 3]) -> bool {
+        let bounds = self.low.iter().zip(&self.high);
+        bounds
+            .zip(x)
+            .all(|((low, high), x)| (low..=high).contains(&x))
+    }
+}
+
+impl FromStr for Region {
+    type Err = ScreenError;
+
+    fn from_str(text: &str) -> Result<Self, ScreenError> {
+        let wrong = || {
+            wrong(
+                format!("`{}` is not a box", quoted(text)),
+                "write its lower and upper corner, for example -1,-1:3,20",
+            )
+        };
+        let corner = |text: &str| -> Option<Vec<f64>> {
+            let numbers = text.split(',').map(|x| x.trim().parse::<f64>().ok());
+            numbers.collect()
+        };
+        let (low, high) = text.split_once(':').ok_or_else(wrong)?;
+        let (low, high) = corner(low).zip(corner(high)).ok_or_else(wrong)?;
+        let is_box = low.len() == high.len()
+            && low.len() <= 3
+            && low.iter().zip(&high).all(|(low, high)| low <= high);
+        is_box.then_some(Self { low, high }).ok_or_else(wrong)
+    }
+}
+
+/// Particles whose motion is prescribed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Held {
+    /// Those that the file marks, or a minority kind that moves rigidly.
+    #[default]
+    Guessed,
+    /// Particles of a kind.
+    Kind(i64),
+    /// Particles in a box of the reference configuration.
+    Box(Region),
+    /// None.
+    No,
+}
+
+impl FromStr for Held {
+    type Err = ScreenError;
+
+    fn from_str(text: &str) -> Result<Self, ScreenError> {
+        let kind = text.strip_prefix("type=").unwrap_or(text);
+        match (text, kind.parse::<i64>()) {
+            ("none", _) => Ok(Self::No),
+            (_, Ok(kind)) => Ok(Self::Kind(kind)),
+            _ if text.contains(':') => Ok(Self::Box(text.parse()?)),
+            _ => Err(wrong(
+                format!("held particles `{}` are unknown", quoted(text)),
+                "write a type (2), a box (-1,-1:3,20) or none; a column is named by --columns held=NAME",
+            )),
+        }
+    }
+}
+
+/// Configuration to which deformation gradients refer.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Reference {
+    /// Reference positions or displacements in the files, or else the first frame.
+    #[default]
+    Recorded,
+    /// Positions of the first frame.
+    First,
+    /// Positions of the first frame of another file.
+    File(PathBuf),
+}
+
+/// How the files of a run are read.
+#[derive(Clone, Debug, Default)]
+pub struct Source {
+    /// Output files; wildcards are allowed in the last part of a path.
+    pub files: Vec<PathBuf>,
+    /// Columns, frames and time step.
+    pub reading: Reading,
+    /// Reference configuration.
+    pub reference: Reference,
+    /// Held particles.
+    pub held: Held,
+    /// Box of the reference configuration to which the answer is restricted.
+    pub region: Option<Region>,
+}
+
+/// Properties of the files that were recognized, and checked.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Recording {
+    /// Number of files.
+    pub files: usize,
+    /// Format of the files.
+    pub format: String,
+    /// Number of frames.
+    pub frames: usize,
+    /// Times of the first and the last frame.
+    pub times: [f64; 2],
+    /// Longest interval between two frames; time.
+    pub interval: f64,
+    /// Number of particles.
+    pub particles: usize,
+    /// Number of elements; the states are theirs, not those of the particles.
+    pub elements: usize,
+    /// Columns with the quantities that they were read as.
+    pub columns: Vec<String>,
+    /// Columns that are not used.
+    pub unused: Vec<String>,
+    /// Significant digits of the positions; `None` for numbers of 64 bits.
+    pub digits: Option<u32>,
+    /// Number of held particles.
+    pub held: usize,
+    /// How held particles were recognized.
+    pub held_by: String,
+    /// Median distance of nearest neighbors in the reference configuration; length.
+    pub spacing: f64,
+    /// Assumptions, differences and parts that were left out.
+    pub notes: Vec<String>,
+    #[serde(skip)]
+    identity: Option<Vec<u64>>,
+}
+
+fn wrong(what: impl Into<String>, hint: impl Into<String>) -> ScreenError {
+    ScreenError::Run {
+        what: what.into(),
+        hint: hint.into(),
+    }
+}
+
+/// Beginning of a word of the user.
+fn quoted(text: &str) -> String {
+    text.chars().take(40).collect()
+}
+
+/// Components beyond the dimensions are zero.
+fn flat(x: &[f64; 3], dimension: usize) -> [f64; 3] {
+    std::array::from_fn(|i| if i < dimension { x[i] } else { 0.0 })
+}
+
+impl Recording {
+    /// Reads all frames once, checks them, and returns the particles in the reference configuration with the series of frames.
+    ///
+    /// Frames from the first one on that lacks particles or has positions that are not finite are left out, with a note. With `has_elements` the
+    /// states are those of the elements of the files.
+    ///
+    /// # Errors
+    /// [`ScreenError`] for files that cannot be read, and for frames without times.
+    pub fn open(
+        source: &Source,
+        dimension: usize,
+        has_elements: bool,
+    ) -> Result<(Self, Run, Series), ScreenError> {
+        let mut series = Series::open(&source.files, &source.reading)?;
+        let mut own = Self::of(series.recognized());
+        let mut first: Option<Read> = None;
+        let mut last: Option<Read> = None;
+        let mut time = f64::NEG_INFINITY;
+        for frame in series.by_ref() {
+            onset::cancel::checkpoint();
+            let mut frame = frame?;
+            let now = time_of(&frame)?;
+            let Some(start) = &first else {
+                own.begin(&frame)?;
+                (own.times[0], time) = (now, now);
+                first = Some(frame);
+                own.frames = 1;
+                continue;
+            };
+            let fault = own.ordered(&mut frame).or_else(|| broken(&frame));
+            if let Some(fault) = fault {
+                own.notes.push(format!(
+                    "{fault}: this frame and those after it are left out"
+                ));
+                break;
+            }
+            if last.is_none() && frame.may_be_wrapped {
+                own.check_wrapping(start, dimension);
+            }
+            own.interval = own.interval.max(now - time);
+            time = now;
+            own.frames += 1;
+            last = Some(frame);
+        }
+        own.times[1] = time;
+        let (Some(first), Some(last)) = (first, last) else {
+            return Err(ScreenError::TooFewFrames { count: own.frames });
+        };
+        if first.may_be_wrapped && wraps(&first, &last, dimension) {
+            return Err(wrong(
+                "particles jump from one side of the periodic box to the other",
+                "write positions that are not wrapped (xu yu zu in LAMMPS)",
+            ));
+        }
+        let (reference, is_first) = own.reference(source, &first)?;
+        let reference: Vec<[f64; 3]> = reference.iter().map(|x| flat(x, dimension)).collect();
+        own.spacing = spacing(&reference, dimension);
+        let cells = first.cells.as_ref().filter(|_| has_elements);
+        let cells = cells.map(|cells| elements(cells, dimension));
+        let cells = cells.filter(|cells| !cells.is_empty());
+        own.elements = cells.as_ref().map_or(0, Vec::len);
+        let held = own.held(&source.held, &first, &last, &reference)?;
+        own.held = held.iter().filter(|is| **is).count();
+        let largest = reference
+            .iter()
+            .flatten()
+            .fold(0.0_f64, |most, x| most.max(x.abs()));
+        let rounding = own
+            .digits
+            .map_or(0.0, |digits| largest * 10.0_f64.powi(-(digits as i32)));
+        // Volumes of the first frame belong to its positions.
+        let volumes = first.volume.filter(|_| is_first);
+        let volumes = volumes.filter(|all| all.iter().all(|volume| *volume > 0.0));
+        let run = Run {
+            region: source.region.clone(),
+            reference,
+            volumes,
+            held,
+            cells,
+            rounding,
+        };
+        Ok((own, run, series))
+    }
+
+    fn of(recognized: &Recognized) -> Self {
+        let (used, unused): (Vec<_>, Vec<_>) = recognized
+            .columns
+            .iter()
+            .partition(|column| column.quantity.is_some());
+        let mut columns: Vec<(Quantity, Vec<&str>)> = Vec::new();
+        for column in used {
+            let Some(quantity) = column.quantity else {
+                continue;
+            };
+            match columns.iter_mut().find(|(own, _)| *own == quantity) {
+                Some((_, names)) => names.push(&column.name),
+                None => columns.push((quantity, vec![&column.name])),
+            }
+        }
+        let columns = columns.into_iter();
+        Self {
+            files: recognized.files.len(),
+            format: recognized.format.to_string(),
+            columns: columns
+                .map(|(quantity, names)| format!("{quantity}={}", names.join(",")))
+                .collect(),
+            unused: unused.iter().map(|column| column.name.clone()).collect(),
+            digits: recognized.digits,
+            notes: [&recognized.ignored[..], &recognized.assumed[..]].concat(),
+            ..Self::default()
+        }
+    }
+
+    /// Takes the particles of the first frame.
+    fn begin(&mut self, frame: &Read) -> Result<(), ScreenError> {
+        if let Some(fault) = broken(frame) {
+            return Err(wrong(
+                fault,
+                "a run begins with a frame that is sound; choose frames with --frames FIRST:END",
+            ));
+        }
+        if let Some(id) = frame.doubled().first() {
+            return Err(wrong(
+                format!("{}: particle {id} occurs twice", frame.source),
+                "write each particle once in a frame, with a number of its own",
+            ));
+        }
+        self.identity.clone_from(&frame.identity);
+        self.particles = frame.len();
+        Ok(())
+    }
+
+    /// Reference positions, and whether they are the positions of the first frame.
+    fn reference(
+        &mut self,
+        source: &Source,
+        first: &Read,
+    ) -> Result<(Vec<[f64; 3]>, bool), ScreenError> {
+        let path = match &source.reference {
+            Reference::File(path) => path,
+            Reference::First => return Ok((first.position.clone(), true)),
+            Reference::Recorded => {
+                let of_displacement = || {
+                    let displacement = first.displacement.as_ref()?;
+                    let both = first.position.iter().zip(displacement);
+                    let back = both.map(|(x, u)| std::array::from_fn(|i| x[i] - u[i]));
+                    Some(back.collect())
+                };
+                let recorded = first.reference.clone().or_else(of_displacement);
+                return Ok(match recorded {
+                    Some(reference) => (reference, false),
+                    None => (first.position.clone(), true),
+                });
+            }
+        };
+        let mut other = Series::open(std::slice::from_ref(path), &source.reading)?;
+        let mut frame = other.frame(0)?;
+        match self.ordered(&mut frame).or_else(|| broken(&frame)) {
+            None => Ok((frame.position, false)),
+            Some(fault) => Err(wrong(
+                fault,
+                "the file of --reference has the particles of the first frame, with the same numbers",
+            )),
+        }
+    }
+
+    /// Frames of the run, in the order of the particles of the first one.
+    pub fn frames<'s>(
+        &'s self,
+        series: &'s mut Series,
+        dimension: usize,
+    ) -> impl Iterator<Item = Result<Frame, ScreenError>> + 's {
+        series.rewind();
+        series.by_ref().take(self.frames).map(move |frame| {
+            let mut frame = frame?;
+            if let Some(fault) = self.ordered(&mut frame) {
+                return Err(wrong(fault, "the file was changed while it was read"));
+            }
+            let time = time_of(&frame)?;
+            let positions = frame.position.iter();
+            let x = positions.map(|x| flat(x, dimension)).collect();
+            let (gradient, stress, stress_given) = match frame.cells.take() {
+                Some(cells) if self.elements > 0 => {
+                    (cells.gradient, cells.stress, cells.stress_given)
+                }
+                _ => (frame.gradient, frame.stress, frame.stress_given),
+            };
+            Ok(Frame {
+                time,
+                x,
+                velocity: frame.velocity,
+                gradient,
+                stress,
+                stress_given,
+            })
+        })
+    }
+
+    fn check_wrapping(&mut self, first: &Read, dimension: usize) {
+        let is_periodic =
+            |bounds: &onset_frames::Bounds| bounds.periodic[..dimension].contains(&true);
+        if first.bounds.as_ref().is_some_and(is_periodic) {
+            self.notes.push("the box is periodic and positions may be wrapped: neighbors across its faces are not known".to_owned());
+        }
+    }
+
+    /// Sorts the particles in the order of the first frame; returns what prevents it.
+    fn ordered(&self, frame: &mut Read) -> Option<String> {
+        let place = frame.source.clone();
+        if let Some(identity) = &self.identity {
+            let order = frame.in_order_of(identity);
+            if let Some(id) = order.missing.first() {
+                let missing = counted(order.missing.len(), "particle");
+                return Some(format!(
+                    "{place}: {missing} of the first frame missing, for example {id}"
+                ));
+            }
+            if let Some(id) = order.doubled.first() {
+                return Some(format!("{place}: particle {id} occurs twice"));
+            }
+        }
+        (frame.len() != self.particles).then(|| {
+            let found = counted(frame.len(), "particle");
+            format!("{place}: {found} instead of {}", self.particles)
+        })
+    }
+
+    fn held(
+        &mut self,
+        held: &Held,
+        first: &Read,
+        last: &Read,
+        reference: &[[f64; 3]],
+    ) -> Result<Vec<bool>, ScreenError> {
+        let count = reference.len();
+        match held {
+            Held::No => Ok(vec![false; count]),
+            Held::Kind(kind) => {
+                let Some(kinds) = &first.kind else {
+                    return Err(wrong(
+                        "the file has no kinds of particles",
+                        "give the held particles by a box: --held LOW1,LOW2:HIGH1,HIGH2",
+                    ));
+                };
+                self.held_by = format!("type {kind}");
+                Ok(kinds.iter().map(|own| own == kind).collect())
+            }
+            Held::Box(region) => {
+                self.held_by = "a box".to_owned();
+                Ok(reference.iter().map(|x| region.contains(x)).collect())
+            }
+            Held::Guessed => {
+                if let Some(held) = &first.held {
+                    self.held_by = "the column of the file".to_owned();
+                    return Ok(held.clone());
+                }
+                let Some(kinds) = &first.kind else {
+                    return Ok(self.rigid_faces(first, last, reference));
+                };
+                let mut held = vec![false; count];
+                let mut all = kinds.clone();
+                all.sort_unstable();
+                all.dedup();
+                for kind in all {
+                    let own: Vec<usize> = (0..count).filter(|n| kinds[*n] == kind).collect();
+                    let mut moved: Vec<[i64; 3]> =
+                        own.iter().map(|n| self.moved(first, last, *n)).collect();
+                    moved.sort_unstable();
+                    // Rounding of the file may divide one displacement into neighboring ones.
+                    moved.dedup_by(|a, b| {
+                        a.iter().zip(b.iter()).all(|(a, b)| (*a - *b).abs() <= 50)
+                    });
+                    if 2 * own.len() < count && moved.len() <= GRIPS && own.len() > 2 * moved.len()
+                    {
+                        self.held_by = format!("type {kind}, which moves rigidly");
+                        own.iter().for_each(|n| held[*n] = true);
+                    }
+                }
+                match held.contains(&true) {
+                    true => Ok(held),
+                    false => Ok(self.rigid_faces(first, last, reference)),
+                }
+            }
+        }
+    }
+
+    /// Displacement of a particle in the run, in small fractions of the spacing.
+    fn moved(&self, first: &Read, last: &Read, n: usize) -> [i64; 3] {
+        let (from, to) = (&first.position[n], &last.position[n]);
+        let unit = RIGID * self.spacing;
+        std::array::from_fn(|i| ((to[i] - from[i]) / unit).round() as i64)
+    }
+
+    /// Outermost particles along an axis that all have one displacement, with all others that have it.
+    fn rigid_faces(&mut self, first: &Read, last: &Read, reference: &[[f64; 3]]) -> Vec<bool> {
+        let mut held = vec![false; reference.len()];
+        let mut faces = Vec::new();
+        for axis in 0..3 {
+            for side in [-1.0, 1.0] {
+                let height = |x: &[f64; 3]| side * x[axis];
+                let top = reference
+                    .iter()
+                    .map(height)
+                    .fold(f64::NEG_INFINITY, f64::max);
+                let is_outer = |n: &usize| top - height(&reference[*n]) < 0.25 * self.spacing;
+                let outer: Vec<usize> = (0..reference.len()).filter(is_outer).collect();
+                let Some(own) = outer.first().map(|n| self.moved(first, last, *n)) else {
+                    continue;
+                };
+                let is_rigid = |n: usize| self.moved(first, last, n) == own;
+                let is_face = (LEAST_FACE..reference.len() / 2).contains(&outer.len());
+                if is_face && outer.iter().all(|n| is_rigid(*n)) {
+                    let all = (0..reference.len()).filter(|n| is_rigid(*n));
+                    all.for_each(|n| held[n] = true);
+                    faces.push(format!(
+                        "{}{}",
+                        if side < 0.0 { "-" } else { "+" },
+                        axis + 1
+                    ));
+                }
+            }
+        }
+        let count = held.iter().filter(|is| **is).count();
+        if faces.is_empty() || 2 * count >= held.len() {
+            return vec![false; held.len()];
+        }
+        self.held_by = format!("faces that move rigidly: {}", faces.join(", "));
+        held
+    }
+}
+
+fn time_of(frame: &Read) -> Result<f64, ScreenError> {
+    frame.time.filter(|time| time.is_finite()).ok_or_else(|| {
+        wrong(
+            format!("{}: the frame has no time", frame.source),
+            "give the time step of the code (--time-step), or the column of the time (--columns time=NAME)",
+        )
+    })
+}
+
+/// Reason why a frame is not sound: positions that are not finite.
+fn broken(frame: &Read) -> Option<String> {
+    let is_finite = |x: &[f64; 3]| x.iter().all(|x| x.is_finite());
+    let n = frame.position.iter().position(|x| !is_finite(x))?;
+    let number = frame.identity.as_ref().map_or(n as u64, |all| all[n]);
+    Some(format!(
+        "{}: particle {number} has no finite position",
+        frame.source
+    ))
+}
+
+/// Returns true if a particle moves by more than half of a periodic box.
+fn wraps(first: &Read, last: &Read, dimension: usize) -> bool {
+    let Some(bounds) = &first.bounds else {
+        return false;
+    };
+    let jumps = |a: &[f64; 3], b: &[f64; 3]| {
+        (0..dimension).any(|i| {
+            let side = bounds.high[i] - bounds.low[i];
+            bounds.periodic[i] && (a[i] - b[i]).abs() > 0.5 * side
+        })
+    };
+    let mut both = first.position.iter().zip(&last.position);
+    both.any(|(a, b)| jumps(a, b))
+}
+
+/// Nodes of the elements that fill a part of the dimensions; points and lines are none.
+fn elements(cells: &Cells, dimension: usize) -> Vec<Vec<usize>> {
+    // In the numbering of VTK: points, lines and polylines, of any order.
+    let is_thin = |shape: u8| matches!(shape, 1..=4 | 21 | 35 | 68);
+    let all = (0..cells.len()).filter(|n| dimension == 1 || !is_thin(cells.shapes[*n]));
+    all.map(|n| cells.points(n).to_vec())
+        .filter(|points| points.len() > dimension)
+        .collect()
+}
+
+/// Median distance of nearest neighbors; length.
+fn spacing(reference: &[[f64; 3]], dimension: usize) -> f64 {
+    let low: [f64; 3] =
+        std::array::from_fn(|i| reference.iter().map(|x| x[i]).fold(f64::INFINITY, f64::min));
+    let high: [f64; 3] = std::array::from_fn(|i| {
+        reference
+            .iter()
+            .map(|x| x[i])
+            .fold(f64::NEG_INFINITY, f64::max)
+    });
+    let volume: f64 = (0..dimension)
+        .map(|i| (high[i] - low[i]).max(f64::MIN_POSITIVE))
+        .product();
+    let mut radius = 2.0 * (volume / reference.len() as f64).powf(1.0 / dimension as f64);
+    // Particles of a thin or hollow body are closer to each other than their box tells.
+    loop {
+        let near = super::neighborhoods::Neighborhoods::new(reference, dimension, radius);
+        let mean = (0..near.len()).map(|n| near.count(n)).sum::<usize>() as f64 / near.len() as f64;
+        if mean <= 200.0 || radius < 1e-12 {
+            let distance = |a: &[f64; 3], b: &[f64; 3]| {
+                (0..dimension)
+                    .map(|i| (a[i] - b[i]).powi(2))
+                    .sum::<f64>()
+                    .sqrt()
+            };
+            let mut nearest: Vec<f64> = (0..near.len())
+                .filter(|n| near.count(*n) > 0)
+                .map(|n| {
+                    let all = near
+                        .numbers(n)
+                        .map(|other| distance(&reference[n], &reference[other]));
+                    all.fold(f64::INFINITY, f64::min)
+                })
+                .collect();
+            nearest.sort_by(f64::total_cmp);
+            return nearest.get(nearest.len() / 2).copied().unwrap_or(radius);
+        }
+        radius *= 0.5;
+    }
+}
+
+/// Returns true if nearest neighbors have the distance of a regular lattice.
+pub(super) fn is_spaced(found: f64, spacing: f64) -> bool {
+    (found / spacing - 1.0).abs() < REGULAR
+}

@@ -1,0 +1,153 @@
+//! A run of another code: which particle became unstable first, when, and whether the material, the discretization or the time step is the cause.
+//!
+//! A [`Run`] is read from output files, or given as arrays. For each particle and frame the deformation gradient follows from the positions. Its state
+//! has a smallest acoustic eigenvalue and a fastest-growing wave. The integral of the growth rate over time, from the short waves at the start, gives the
+//! amplitude that is expected. It is compared with the short waves in the positions. The largest stable step is that of the body, in the scheme of the
+//! code.
+
+mod agreement;
+mod answer;
+mod course;
+mod files;
+mod input;
+mod neighborhoods;
+mod remedy;
+mod states;
+mod study;
+
+pub use answer::{Cause, ScreenAnswer, ScreenChecks};
+pub use course::{Event, Moment, Snapshot, StepLimit};
+pub use files::ScreenFiles;
+pub use input::{Held, Recording, Reference, Region, Source};
+pub use onset_frames::FrameRange;
+pub use remedy::Remedy;
+
+use crate::answers::ProblemError;
+use crate::figure::FigureError;
+use crate::output::OutputError;
+use onset::time_step::Stepping;
+use onset_frames::FrameError;
+use thiserror::Error;
+
+/// Default of [`Question::threshold`]; spacings.
+pub const THRESHOLD: f64 = 0.05;
+/// Default of [`Question::bin`].
+pub const BIN: f64 = 0.002;
+
+/// Time stepping scheme of a code and alternative names for it, as `--stepping` reads them.
+pub fn stepping_named(name: &str) -> Option<Stepping> {
+    let own = match name {
+        "central-differences" | "leapfrog" | "symplectic-euler" | "kick-drift-kick" => {
+            Stepping::VelocityVerlet.name()
+        }
+        other => other,
+    };
+    Stepping::ALL
+        .into_iter()
+        .find(|stepping| stepping.name() == own)
+}
+
+/// What is asked about a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Question {
+    /// Time step of the code; `None` if it is unknown, and limits of the step are not told.
+    pub time_step: Option<f64>,
+    /// Time integration of the code.
+    pub stepping: Stepping,
+    /// Amplitude at which short waves show; spacings.
+    pub threshold: f64,
+    /// Amplitude from which waves grow, in spacings; `None` for that of the file.
+    pub seed: Option<f64>,
+    /// Width of the bins of stretch in which particles share a state; the answer uses bins of half this width.
+    pub bin: f64,
+}
+
+impl Default for Question {
+    fn default() -> Self {
+        Self {
+            time_step: None,
+            stepping: Stepping::VelocityVerlet,
+            threshold: THRESHOLD,
+            seed: None,
+            bin: BIN,
+        }
+    }
+}
+
+impl Question {
+    fn stepping(&self) -> Option<(Stepping, f64)> {
+        self.time_step.map(|step| (self.stepping, step))
+    }
+}
+
+/// Particles of a run in the reference configuration.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Run {
+    /// Reference positions; length. Components beyond the dimensions are zero.
+    pub reference: Vec<[f64; 3]>,
+    /// Reference volumes, length^D; `None` for the square or cube of the spacing.
+    pub volumes: Option<Vec<f64>>,
+    /// Particles whose motion is prescribed.
+    pub held: Vec<bool>,
+    /// Nodes of each element, if states are those of elements.
+    pub cells: Option<Vec<Vec<usize>>>,
+    /// Rounding of positions in the file; length.
+    pub rounding: f64,
+    /// Box to which the answer is restricted.
+    pub region: Option<Region>,
+}
+
+/// Positions of the particles at one time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// Time of the frame.
+    pub time: f64,
+    /// Current positions, in the order of the reference positions; length.
+    pub x: Vec<[f64; 3]>,
+    /// Velocities; length/time.
+    pub velocity: Option<Vec<[f64; 3]>>,
+    /// Deformation gradients F_iJ of the particles or elements, row by row, as the code gives them.
+    pub gradient: Option<Vec<[f64; 9]>>,
+    /// Cauchy stresses xx, yy, zz, xy, xz, yz of the particles or elements, as the code gives them.
+    pub stress: Option<Vec<[f64; 6]>>,
+    /// Components of the stresses that the code gives.
+    pub stress_given: [bool; 6],
+}
+
+/// Reasons why a run cannot be screened.
+#[derive(Debug, Error)]
+pub enum ScreenError {
+    /// A file cannot be read.
+    #[error(transparent)]
+    Frames(#[from] FrameError),
+    /// Law or method cannot be evaluated.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// The reference state cannot be evaluated.
+    #[error(
+        "law or method are not defined in the reference state\n  hint: try `onset state --stretch 1,1` with the same settings"
+    )]
+    Reference,
+    /// The run and the settings do not belong together, or a frame does not belong to the run.
+    #[error("{what}\n  hint: {hint}")]
+    Run {
+        /// What is wrong, and where.
+        what: String,
+        /// Suggestion.
+        hint: String,
+    },
+    /// A run has at least two frames.
+    #[error(
+        "the run has {count} frame(s); growth needs at least two\n  hint: give all output files of the run, or a wildcard"
+    )]
+    TooFewFrames {
+        /// Number of frames.
+        count: usize,
+    },
+    /// The figure cannot be drawn.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+    /// Results cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}

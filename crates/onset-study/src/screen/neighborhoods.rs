@@ -1,0 +1,266 @@
+//! Neighborhoods of scattered particles in the reference configuration, with deformation gradients and short waves of their positions.
+
+use nalgebra::{DMatrix, Matrix3, Vector3};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// Distances that differ by less than this fraction of the radius count as equal to it.
+const RIM: f64 = 1e-9;
+/// Ratio of the smallest to the largest singular value below which neighbors determine no gradient.
+const SINGULAR: f64 = 1e-6;
+
+/// Mean position of the neighbors over their mean distance beyond which a neighborhood counts as cut by a face.
+const CUT: f64 = 0.2;
+
+/// Neighbors of each particle within a radius in the reference configuration.
+pub(super) struct Neighborhoods {
+    dimension: usize,
+    starts: Vec<usize>,
+    neighbors: Vec<Neighbor>,
+}
+
+struct Neighbor {
+    number: u32,
+    /// Least-squares gradient: `F = sum_j (x_j - x_i) (x) gradient_j`; 1/length.
+    gradient: Vector3<f64>,
+    /// Weight of the neighbor in the value at the particle of a fit to the neighbors.
+    fit: f64,
+}
+
+/// Least-squares gradients, and weights of a [`value_at_origin`], for neighbors at the given vectors; `None` if the vectors do not determine them.
+fn fitted(vectors: &[Vector3<f64>], dimension: usize) -> Option<Vec<(Vector3<f64>, f64)>> {
+    let mut moment = Matrix3::from_diagonal_element(0.0);
+    for vector in vectors {
+        moment += vector * vector.transpose();
+    }
+    let scale = moment.trace().max(f64::MIN_POSITIVE);
+    for axis in dimension..3 {
+        moment[(axis, axis)] = scale;
+    }
+    let values = moment.symmetric_eigenvalues();
+    if !(values.min() > SINGULAR * values.max()) {
+        return None;
+    }
+    let inverse = moment.try_inverse()?;
+    let length = (scale / vectors.len() as f64).sqrt();
+    let scaled: Vec<Vector3<f64>> = vectors.iter().map(|vector| vector / length).collect();
+    let mean = scaled.iter().sum::<Vector3<f64>>() / scaled.len() as f64;
+    let is_cut = mean.norm() > CUT;
+    let quadratic = || {
+        is_cut
+            .then(|| value_at_origin(&scaled, dimension, 2))
+            .flatten()
+    };
+    let weights = quadratic().or_else(|| value_at_origin(&scaled, dimension, 1))?;
+    let gradients = vectors.iter().map(|vector| inverse * vector);
+    Some(gradients.zip(weights).collect())
+}
+
+/// Weights of the neighbors in the value at the origin of a fitted polynomial of order 1 or 2; `None` if the vectors do not determine it.
+fn value_at_origin(vectors: &[Vector3<f64>], dimension: usize, order: usize) -> Option<Vec<f64>> {
+    let basis = |vector: &Vector3<f64>| -> Vec<f64> {
+        let mut terms = vec![1.0];
+        terms.extend(vector.iter().take(dimension));
+        if order > 1 {
+            for i in 0..dimension {
+                terms.extend((i..dimension).map(|j| vector[i] * vector[j]));
+            }
+        }
+        terms
+    };
+    let rows: Vec<Vec<f64>> = vectors.iter().map(basis).collect();
+    let count = rows.first()?.len();
+    let mut normal = DMatrix::<f64>::zeros(count, count);
+    for row in &rows {
+        for i in 0..count {
+            for j in 0..count {
+                normal[(i, j)] += row[i] * row[j];
+            }
+        }
+    }
+    let values = normal.symmetric_eigenvalues();
+    if !(values.min() > 1e-4 * values.max()) {
+        return None;
+    }
+    let first = normal.try_inverse()?.row(0).into_owned();
+    let weight = |row: &Vec<f64>| row.iter().zip(first.iter()).map(|(a, b)| a * b).sum();
+    Some(rows.iter().map(weight).collect())
+}
+
+impl Neighborhoods {
+    /// Finds the neighbors within a radius of each particle.
+    pub(super) fn new(reference: &[[f64; 3]], dimension: usize, radius: f64) -> Self {
+        let cell = |x: &[f64; 3]| x.map(|x| (x / radius).floor() as i64);
+        let mut boxes: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+        for (n, x) in reference.iter().enumerate() {
+            boxes.entry(cell(x)).or_default().push(n as u32);
+        }
+        let (mut starts, mut neighbors) = (vec![0], Vec::new());
+        let depth = if dimension > 2 { 1 } else { 0 };
+        let height = if dimension > 1 { 1 } else { 0 };
+        for (n, x) in reference.iter().enumerate() {
+            let center = cell(x);
+            let mut near: Vec<(u32, Vector3<f64>)> = Vec::new();
+            for a in -1..=1 {
+                for b in -height..=height {
+                    for c in -depth..=depth {
+                        let at = [center[0] + a, center[1] + b, center[2] + c];
+                        for other in boxes.get(&at).into_iter().flatten() {
+                            let y = &reference[*other as usize];
+                            let mut apart = Vector3::zeros();
+                            for axis in 0..dimension {
+                                apart[axis] = y[axis] - x[axis];
+                            }
+                            let is_near = apart.norm() <= radius * (1.0 + RIM);
+                            if is_near && *other as usize != n {
+                                near.push((*other, apart));
+                            }
+                        }
+                    }
+                }
+            }
+            near.sort_by_key(|(number, _)| *number);
+            let vectors: Vec<Vector3<f64>> = near.iter().map(|(_, apart)| *apart).collect();
+            if let Some(fits) = fitted(&vectors, dimension) {
+                let all = near.iter().zip(fits);
+                neighbors.extend(all.map(|((number, _), (gradient, fit))| Neighbor {
+                    number: *number,
+                    gradient,
+                    fit,
+                }));
+            }
+            starts.push(neighbors.len());
+        }
+        Self {
+            dimension,
+            starts,
+            neighbors,
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    fn of(&self, particle: usize) -> &[Neighbor] {
+        &self.neighbors[self.starts[particle]..self.starts[particle + 1]]
+    }
+
+    /// Number of neighbors of a particle; zero if they determine no gradient.
+    pub(super) fn count(&self, particle: usize) -> usize {
+        self.of(particle).len()
+    }
+
+    /// Numbers of the neighbors of a particle.
+    pub(super) fn numbers(&self, particle: usize) -> impl Iterator<Item = usize> {
+        self.of(particle).iter().map(|own| own.number as usize)
+    }
+
+    /// Deformation gradient of a particle, `sum_j (x_j - x_i) (x) gradient_j`, with the identity beyond the dimensions; `None` without enough neighbors.
+    pub(super) fn deformation(&self, particle: usize, x: &[[f64; 3]]) -> Option<Matrix3<f64>> {
+        if self.count(particle) == 0 {
+            return None;
+        }
+        let mut f = Matrix3::zeros();
+        for axis in self.dimension..3 {
+            f[(axis, axis)] = 1.0;
+        }
+        let own = &x[particle];
+        for neighbor in self.of(particle) {
+            let other = &x[neighbor.number as usize];
+            for i in 0..self.dimension {
+                for j in 0..self.dimension {
+                    f[(i, j)] += (other[i] - own[i]) * neighbor.gradient[j];
+                }
+            }
+        }
+        Some(f)
+    }
+
+    /// Residual of a field against fits to the neighbors: linear functions inside, quadratic ones at faces, whose neighborhoods are one-sided.
+    ///
+    /// Residuals are divided by the factor by which the fit amplifies random noise, relative to a mean of the neighbors.
+    fn residual(&self, field: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let of = |n: usize| {
+            let neighbors = self.of(n);
+            let (mut rest, mut squares) = (field[n], 1.0);
+            for neighbor in neighbors {
+                rest -= field[neighbor.number as usize] * neighbor.fit;
+                squares += neighbor.fit * neighbor.fit;
+            }
+            match neighbors.len() {
+                0 => Vector3::zeros(),
+                count => rest * ((1.0 + 1.0 / count as f64) / squares).sqrt(),
+            }
+        };
+        (0..self.len()).into_par_iter().map(of).collect()
+    }
+
+    /// Amplitudes of the short waves of a field: lengths of its residuals against fits to the neighbors, taken twice.
+    ///
+    /// Fields with a constant gradient, and smooth ones nearly, have none; particles that alternate by `a` have about `a`.
+    pub(super) fn short_waves(&self, field: &[[f64; 3]]) -> Vec<f64> {
+        let own: Vec<Vector3<f64>> = field.iter().map(|x| Vector3::from(*x)).collect();
+        let twice = self.residual(&self.residual(&own));
+        twice.iter().map(|rest| rest.norm()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Neighborhoods;
+
+    fn lattice(side: usize) -> Vec<[f64; 3]> {
+        let at = |n: usize| [(n % side) as f64, (n / side) as f64, 0.0];
+        (0..side * side).map(at).collect()
+    }
+
+    #[test]
+    fn homogeneous_deformations_have_their_gradient_and_no_short_waves() {
+        let reference = lattice(9);
+        let near = Neighborhoods::new(&reference, 2, 2.01);
+        let x: Vec<[f64; 3]> = reference
+            .iter()
+            .map(|[a, b, _]| [1.2 * a + 0.3 * b + 5.0, -0.1 * a + 0.9 * b, 0.0])
+            .collect();
+        for n in 0..reference.len() {
+            let f = near.deformation(n, &x).expect("a gradient");
+            let apart = [
+                f[(0, 0)] - 1.2,
+                f[(0, 1)] - 0.3,
+                f[(1, 0)] + 0.1,
+                f[(1, 1)] - 0.9,
+            ];
+            assert!(apart.iter().all(|x| x.abs() < 1e-12));
+            assert_eq!(f[(2, 2)], 1.0);
+        }
+        assert!(near.short_waves(&x).iter().all(|a| *a < 1e-12));
+    }
+
+    #[test]
+    fn bending_hardly_counts_as_short_waves_at_faces() {
+        let reference = lattice(15);
+        let near = Neighborhoods::new(&reference, 2, 2.01);
+        let x: Vec<[f64; 3]> = reference
+            .iter()
+            .map(|[a, b, _]| [a + 0.02 * a * b, b + 0.01 * a * a, 0.0])
+            .collect();
+        let short = near.short_waves(&x);
+        let at = |column: usize, row: usize| short[row * 15 + column];
+        assert!(at(7, 7) < 1e-12);
+        // A linear fit would have a residual of about 0.02.
+        assert!(at(7, 0) < 2e-3, "{}", at(7, 0));
+    }
+
+    #[test]
+    fn alternating_particles_have_about_their_amplitude() {
+        let reference = lattice(15);
+        let near = Neighborhoods::new(&reference, 2, 2.01);
+        let x: Vec<[f64; 3]> = reference
+            .iter()
+            .map(|[a, b, _]| [a + 0.01 * (-1.0_f64).powi(*a as i32), *b, 0.0])
+            .collect();
+        let inside = near.short_waves(&x)[7 * 15 + 7];
+        assert!((0.008..0.015).contains(&inside), "{inside}");
+    }
+}

@@ -1,0 +1,164 @@
+//! Changes of a discretization, each with the time at which its waves would show in the states of the run.
+
+use super::Question;
+use super::course::{Course, own_rate};
+use super::states::States;
+use crate::answers::{Problem, stabilization};
+use crate::number::told;
+use crate::settings::{Family, Value};
+use nalgebra::Matrix3;
+use onset::method::Frame;
+use serde::Serialize;
+use std::sync::Arc;
+
+/// Factors of the present coefficient of a stabilization that are tried, and values for one that is not used.
+const FACTORS: [f64; 4] = [2.0, 5.0, 10.0, 30.0];
+const VALUES: [f64; 4] = [0.05, 0.1, 0.3, 1.0];
+/// Largest number of changes in an answer.
+const MOST: usize = 3;
+
+/// Change of settings that avoids or delays an instability.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Remedy {
+    /// Settings that change, `key=value`.
+    pub settings: Vec<String>,
+    /// Time at which growing waves are then expected to show; `None` if they do not in the time of the run.
+    pub expected: Option<f64>,
+}
+
+impl Remedy {
+    /// The change and its effect, as a clause.
+    pub(super) fn told(&self) -> String {
+        let change = self.settings.join(" and ");
+        match self.expected {
+            None => format!("{change}: no such wave is expected to show in this run"),
+            Some(time) => format!("{change}: expected to show at t = {}", told(time)),
+        }
+    }
+}
+
+/// Ladders of changes, from the smallest to the largest; of each ladder the first change that helps is of interest.
+fn ladders(problem: &Problem) -> Vec<Vec<Vec<String>>> {
+    let settings = &problem.settings;
+    let mut ladders = Vec::new();
+    if let Some(key) = stabilization(settings, problem.analysis.sites() == 1) {
+        let now = match settings.value(key) {
+            Some(Value::Number(now)) => now,
+            _ => 0.0,
+        };
+        let values = match now > 0.0 {
+            true => FACTORS.map(|factor| factor * now),
+            false => VALUES,
+        };
+        let rung = |value: f64| vec![format!("{key}={}", told(value))];
+        ladders.push(values.map(rung).to_vec());
+    }
+    match settings.method.method {
+        Family::UpdatedSph => ladders.push(vec![vec![
+            "discretization.method=total-lagrangian-sph".to_owned(),
+            "discretization.penalty=0.1".to_owned(),
+        ]]),
+        Family::Kernel if settings.discretization.frame == Frame::Eulerian => {
+            ladders.push(vec![vec!["discretization.frame=lagrangian".to_owned()]]);
+        }
+        Family::FiniteElements => {
+            ladders.push(vec![vec!["discretization.integration=full".to_owned()]]);
+        }
+        _ => {}
+    }
+    ladders
+}
+
+/// The same law with changed settings; `None` if they do not belong together.
+fn changed(problem: &Problem, change: &[String]) -> Option<Problem> {
+    let mut settings = problem.settings.clone();
+    for assignment in change {
+        settings.assign(assignment).ok()?;
+    }
+    Problem::with_law(settings, Arc::clone(&problem.material)).ok()
+}
+
+/// States that lead the growth of a run. After short waves show, the loading goes on as until then.
+fn loading(course: &Course) -> Vec<(f64, Matrix3<f64>)> {
+    let grown = course.grown.as_ref().map(|(event, _)| event.window[1]);
+    let seen = course.seen.as_ref().map(|event| event.window[1]);
+    let end = grown.into_iter().chain(seen).fold(f64::INFINITY, f64::min);
+    let mut leading: Vec<(f64, Matrix3<f64>)> = course.leading.clone();
+    let sound = leading.iter().filter(|(time, _)| *time <= end).count();
+    let (Some((start, from)), Some((last, to))) = (
+        leading.first().copied(),
+        sound.checked_sub(1).map(|n| leading[n]),
+    ) else {
+        return leading;
+    };
+    if last > start {
+        let rate = (to - from) / (last - start);
+        leading.truncate(sound);
+        let later = course.moments.iter().map(|moment| moment.time);
+        let later = later.filter(|time| *time > last);
+        leading.extend(later.map(|time| (time, to + rate * (time - last))));
+    }
+    leading
+}
+
+/// Time at which waves of a problem show in the states that lead the growth of a run.
+fn expected(problem: &Problem, question: &Question, course: &Course) -> Option<Option<f64>> {
+    let mut states = States::new(problem, question.stepping(), question.bin);
+    let keys: Vec<(f64, [i32; 6])> = loading(course)
+        .iter()
+        .map(|(time, u)| (*time, states.key(u)))
+        .collect();
+    states.ask(keys.iter().map(|(_, key)| *key));
+    let (mut integral, mut before) = (0.0_f64, None::<(f64, f64)>);
+    for (time, key) in keys {
+        let rate = own_rate(states.of(&key)?);
+        if let Some((since, last)) = before {
+            integral = (integral + 0.5 * (last + rate) * (time - since)).max(0.0);
+        }
+        if course.seed * integral.exp() > question.threshold {
+            return Some(Some(time));
+        }
+        before = Some((time, rate));
+    }
+    Some(None)
+}
+
+/// Changes after which the waves of the discretization show clearly later than `now`, or not at all.
+pub(super) fn remedies(
+    problem: &Problem,
+    question: &Question,
+    course: &Course,
+    now: f64,
+) -> Vec<Remedy> {
+    let start = course.leading.first().map_or(0.0, |(time, _)| *time);
+    let mut found = Vec::new();
+    for ladder in ladders(problem) {
+        let mut best: Option<Remedy> = None;
+        for change in ladder {
+            onset::cancel::checkpoint();
+            let Some(other) = changed(problem, &change) else {
+                continue;
+            };
+            let Some(expected) = expected(&other, question, course) else {
+                continue;
+            };
+            let is_later = expected.is_none_or(|time| time - start > 1.2 * (now - start));
+            let is_better = match &best {
+                None => is_later,
+                Some(own) => expected.is_none_or(|time| own.expected.is_some_and(|own| time > own)),
+            };
+            if is_better {
+                best = Some(Remedy {
+                    settings: change,
+                    expected,
+                });
+            }
+            if expected.is_none() {
+                break;
+            }
+        }
+        found.extend(best);
+    }
+    found.truncate(MOST);
+    found
+}
