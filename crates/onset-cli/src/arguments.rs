@@ -673,7 +673,7 @@ pub struct ScreenArguments {
     /// Amplitude, in spacings, from which waves grow [default: that of the file].
     #[arg(long, value_name = "A", value_parser = share)]
     pub seed: Option<f64>,
-    /// Width of the bins of stretch in which particles share a state; the result is repeated with half of it.
+    /// Width of the bins of stretch in which particles share a state; an expected time is told for twice the width, too.
     #[arg(long, value_name = "WIDTH", value_parser = share, default_value_t = BIN)]
     pub bin: f64,
     /// Exit with code 3 if the first cause is one of these: physical, numerical, time-step, zero-energy, forced.

@@ -4,7 +4,7 @@ use super::course::{
     Course, ELLIPTIC_MARGIN, Event, Moment, Picture, Sink, StepLimit, crossing, follow,
 };
 use super::input::is_spaced;
-use super::remedy::{Remedy, remedies};
+use super::remedy::{Remedy, expected as expected_in, remedies};
 use super::study::{command, study};
 use super::{Frame, Question, Recording, Run, ScreenError};
 use crate::answers::{Problem, StateAnswer, StateQuestion, notes};
@@ -350,10 +350,10 @@ impl ScreenAnswer {
             time_step: course.step.clone(),
             threshold,
             seed: course.seed,
-            bin: 0.5 * question.bin,
-            expected_in_wide_bins: course
-                .grown_in_wide_bins
-                .filter(|_| cause == Cause::Numerical),
+            bin: question.bin,
+            expected_in_wide_bins: expected
+                .filter(|_| cause == Cause::Numerical)
+                .and_then(|_| expected_in(problem, question, &course, 2.0 * question.bin)?),
             states: course.states,
             spacing,
             recording: recording.cloned(),
@@ -724,12 +724,11 @@ impl ScreenAnswer {
                 lower.with(rule()),
             );
         }
-        let mut figure = Figure::new("").caption(self.sentence.clone()).with(upper);
-        figure = match &self.picture {
-            Some(picture) => figure.columns(2).with(self.map(picture)),
-            None => figure.columns(1),
-        };
-        figure.with(lower)
+        let figure = Figure::new("").caption(self.sentence.clone()).with(upper);
+        match &self.picture {
+            Some(picture) => figure.columns(3).with(lower).with(self.map(picture)),
+            None => figure.columns(2).with(lower),
+        }
     }
 
     /// Particles at one time, colored by the amplitude of their short waves.
@@ -809,11 +808,10 @@ impl fmt::Display for ScreenAnswer {
         }
         writeln!(
             formatter,
-            "\nThe amplitude from which waves grow is {} spacings; {} of bins of stretch of {} and {}.",
+            "\nThe amplitude from which waves grow is {} spacings; {} in bins of stretch of {}.",
             told(self.seed),
             counted(self.states, "state"),
-            told(self.bin),
-            told(2.0 * self.bin)
+            told(self.bin)
         )?;
         if let Some(recording) = &self.recording {
             let checks = ScreenChecks {

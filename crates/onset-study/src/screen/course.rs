@@ -90,8 +90,6 @@ pub(super) struct Course {
     pub(super) lost: Option<Event>,
     /// First predicted amplitude above the threshold, with the rates there.
     pub(super) grown: Option<(Event, StateRates)>,
-    /// Time of the same with bins of twice the width.
-    pub(super) grown_in_wide_bins: Option<f64>,
     /// First amplitude in the positions above the threshold.
     pub(super) seen: Option<Event>,
     pub(super) step: Option<StepLimit>,
@@ -323,8 +321,7 @@ struct Follower<'p> {
     nodes: Vec<bool>,
     /// Points whose states are asked.
     is_asked: Vec<bool>,
-    coarse: Growth<'p>,
-    fine: Growth<'p>,
+    growth: Growth<'p>,
     at_rest: StateRates,
     limited: Option<(StepLimit, Option<BodyMode>)>,
     speed: f64,
@@ -354,9 +351,8 @@ impl<'p> Follower<'p> {
         let count = points.places.len();
         let (nodes, is_asked) = far_from_held(run, &points);
         let stepping = question.stepping();
-        let growth = |bin: f64| Growth::new(States::new(problem, stepping, bin), count);
-        let (coarse, fine) = (growth(question.bin), growth(0.5 * question.bin));
-        let at_rest = coarse.states.evaluate(&Matrix3::identity());
+        let growth = Growth::new(States::new(problem, stepping, question.bin), count);
+        let at_rest = growth.states.evaluate(&Matrix3::identity());
         let at_rest = at_rest.ok_or(ScreenError::Reference)?;
         let limited = limits(problem, run, stepping, &at_rest)?;
         let speed = analysis.speed_squared().map_err(ProblemError::from)?.sqrt();
@@ -375,7 +371,6 @@ impl<'p> Follower<'p> {
                 moments: Vec::new(),
                 lost: None,
                 grown: None,
-                grown_in_wide_bins: None,
                 seen: None,
                 step: limited.as_ref().map(|(limit, _)| limit.clone()),
                 seed: 0.0,
@@ -393,8 +388,7 @@ impl<'p> Follower<'p> {
             points,
             nodes,
             is_asked,
-            coarse,
-            fine,
+            growth,
             at_rest,
             limited,
             speed,
@@ -471,17 +465,16 @@ impl<'p> Follower<'p> {
             self.compare(frame, &found);
         }
         let stretches = self.stretches(&found);
-        for growth in [&mut self.coarse, &mut self.fine] {
-            for (n, own) in stretches.iter().enumerate() {
-                let is_far = self.points.cells.is_none() && seen[n] > ENDED;
-                growth.is_over[n] |= self.is_asked[n] && (own.is_none() || is_far);
-            }
-            let keys: Vec<Option<[i32; 6]>> = stretches
-                .iter()
-                .map(|own| own.as_ref().map(|u| growth.states.key(u)))
-                .collect();
-            growth.add(&keys, interval);
+        let growth = &mut self.growth;
+        for (n, own) in stretches.iter().enumerate() {
+            let is_far = self.points.cells.is_none() && seen[n] > ENDED;
+            growth.is_over[n] |= self.is_asked[n] && (own.is_none() || is_far);
         }
+        let keys: Vec<Option<[i32; 6]>> = stretches
+            .iter()
+            .map(|own| own.as_ref().map(|u| growth.states.key(u)))
+            .collect();
+        growth.add(&keys, interval);
         let event = |share: f64, (point, place): (usize, [f64; 3]), f: [[f64; 3]; 3]| Event {
             time: before + share.clamp(0.0, 1.0) * interval,
             window: [before, frame.time],
@@ -491,7 +484,7 @@ impl<'p> Follower<'p> {
         };
         let at = |point: usize| (point, self.points.places[point]);
         // Predicted amplitudes start from the short waves at the begin of growth.
-        let (grown, integral) = self.fine.largest().unwrap_or((0, 0.0));
+        let (grown, integral) = self.growth.largest().unwrap_or((0, 0.0));
         if !self.has_begun && integral > BEGINNING {
             self.has_begun = true;
             let seed = self.question.seed;
@@ -525,8 +518,8 @@ impl<'p> Follower<'p> {
         for point in (0..count).filter(|point| self.is_asked[*point]) {
             let rates = stretches[point]
                 .as_ref()
-                .filter(|_| !self.fine.is_over[point]);
-            let rates = rates.and_then(|u| self.fine.states.of(&self.fine.states.key(u)));
+                .filter(|_| !self.growth.is_over[point]);
+            let rates = rates.and_then(|u| self.growth.states.of(&self.growth.states.key(u)));
             let Some(rates) = rates else {
                 undefined += 1;
                 continue;
@@ -540,7 +533,7 @@ impl<'p> Follower<'p> {
             if softest.is_none_or(|(_, least)| rates.acoustic < least) {
                 softest = Some((point, rates.acoustic));
             }
-            let amplitude = seed * self.fine.integral[point].exp();
+            let amplitude = seed * self.growth.integral[point].exp();
             (fields.acoustic[point], fields.growth[point]) = (rates.acoustic, rate);
             fields.amplitude[point] = amplitude;
             let harder = (rates.squared / self.at_rest.squared).sqrt();
@@ -557,7 +550,7 @@ impl<'p> Follower<'p> {
         }
         let rates_of = |point: usize| {
             let u = stretches[point].as_ref()?;
-            self.fine.states.of(&self.fine.states.key(u))
+            self.growth.states.of(&self.growth.states.key(u))
         };
         let last = self.course.moments.last();
         if self.course.lost.is_none()
@@ -571,10 +564,6 @@ impl<'p> Follower<'p> {
             let share = last.map_or(1.0, |own| crossing(own.predicted, predicted, threshold));
             self.course.grown = rates_of(grown)
                 .map(|rates| (event(share, at(grown), components(&rates.f)), rates.clone()));
-        }
-        let in_coarse = self.coarse.largest().map_or(0.0, |(_, integral)| integral);
-        if self.course.grown_in_wide_bins.is_none() && seed * in_coarse.exp() > threshold {
-            self.course.grown_in_wide_bins = Some(frame.time);
         }
         if self.course.seen.is_none() {
             self.course.fastest = self.course.fastest.max(fastest.unwrap_or(0.0));
@@ -653,7 +642,7 @@ impl<'p> Follower<'p> {
     }
 
     fn finish(mut self) -> Result<Course, ScreenError> {
-        self.course.states = self.coarse.states.len() + self.fine.states.len();
+        self.course.states = self.growth.states.len();
         self.course.notes = self.agreement.notes(self.problem);
         match self.course.moments.len() {
             count @ 0..=1 => Err(ScreenError::TooFewFrames { count }),

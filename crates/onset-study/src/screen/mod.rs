@@ -32,7 +32,7 @@ use thiserror::Error;
 /// Default of [`Question::threshold`]; spacings.
 pub const THRESHOLD: f64 = 0.05;
 /// Default of [`Question::bin`].
-pub const BIN: f64 = 0.002;
+pub const BIN: f64 = 0.001;
 
 /// Time stepping scheme of a code and alternative names for it, as `--stepping` reads them.
 pub fn stepping_named(name: &str) -> Option<Stepping> {
@@ -58,7 +58,7 @@ pub struct Question {
     pub threshold: f64,
     /// Amplitude from which waves grow, in spacings; `None` for that of the file.
     pub seed: Option<f64>,
-    /// Width of the bins of stretch in which particles share a state; the answer uses bins of half this width.
+    /// Width of the bins of stretch in which particles share a state. The first growth is told with bins of twice this width, too.
     pub bin: f64,
 }
 

@@ -1,7 +1,7 @@
 //! Changes of a discretization, each with the time at which its waves would show in the states of the run.
 
 use super::Question;
-use super::course::{Course, own_rate};
+use super::course::{Course, crossing, own_rate};
 use super::states::States;
 use crate::answers::{Problem, stabilization};
 use crate::number::told;
@@ -101,23 +101,35 @@ fn loading(course: &Course) -> Vec<(f64, Matrix3<f64>)> {
     leading
 }
 
-/// Time at which waves of a problem show in the states that lead the growth of a run.
-fn expected(problem: &Problem, question: &Question, course: &Course) -> Option<Option<f64>> {
-    let mut states = States::new(problem, question.stepping(), question.bin);
+/// Time at which waves of a problem show in the states that lead the growth of a run, in bins of a given width; `None` if a state is not defined.
+pub(super) fn expected(
+    problem: &Problem,
+    question: &Question,
+    course: &Course,
+    bin: f64,
+) -> Option<Option<f64>> {
+    let mut states = States::new(problem, question.stepping(), bin);
     let keys: Vec<(f64, [i32; 6])> = loading(course)
         .iter()
         .map(|(time, u)| (*time, states.key(u)))
         .collect();
     states.ask(keys.iter().map(|(_, key)| *key));
     let (mut integral, mut before) = (0.0_f64, None::<(f64, f64)>);
+    let mut last_amplitude = course.seed;
     for (time, key) in keys {
         let rate = own_rate(states.of(&key)?);
         if let Some((since, last)) = before {
             integral = (integral + 0.5 * (last + rate) * (time - since)).max(0.0);
         }
-        if course.seed * integral.exp() > question.threshold {
-            return Some(Some(time));
+        let amplitude = course.seed * integral.exp();
+        if amplitude > question.threshold {
+            let crossed = before.map_or(time, |(since, _)| {
+                let share = crossing(last_amplitude, amplitude, question.threshold);
+                since + share.clamp(0.0, 1.0) * (time - since)
+            });
+            return Some(Some(crossed));
         }
+        last_amplitude = amplitude;
         before = Some((time, rate));
     }
     Some(None)
@@ -139,7 +151,7 @@ pub(super) fn remedies(
             let Some(other) = changed(problem, &change) else {
                 continue;
             };
-            let Some(expected) = expected(&other, question, course) else {
+            let Some(expected) = expected(&other, question, course, question.bin) else {
                 continue;
             };
             let is_later = expected.is_none_or(|time| time - start > 1.2 * (now - start));

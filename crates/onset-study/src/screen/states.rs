@@ -4,7 +4,7 @@ use crate::answers::Problem;
 use nalgebra::Matrix3;
 use onset::cancel::{Scope, checkpoint};
 use onset::kinematics::DeformationGradient;
-use onset::time_step::Stepping;
+use onset::time_step::{Stepping, WaveParts};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -166,20 +166,26 @@ impl<'p> States<'p> {
             stepped: None,
             squared: 0.0,
         };
+        // In steps the fastest-growing wave and the one that limits the step most can grow fastest.
+        let mut decisive = [None; 2];
         for (wave, parts) in self.waves.iter().zip(&parts) {
-            let growth = parts.growth();
+            let (growth, squared) = (parts.growth(), parts.limiting(scheme));
             if !growth.is_finite() {
                 return None;
             }
             if growth > rates.growth {
                 (rates.growth, rates.wave) = (growth, wave.clone());
+                decisive[0] = Some(parts);
             }
-            rates.squared = rates.squared.max(parts.limiting(scheme));
-            if let Some((stepping, step)) = self.stepping {
-                let fastest = stepping.rates(parts, step).into_iter().map(|s| s.re);
-                let fastest = fastest.fold(f64::NEG_INFINITY, f64::max);
-                rates.stepped = Some(rates.stepped.map_or(fastest, |own| own.max(fastest)));
+            if squared > rates.squared {
+                rates.squared = squared;
+                decisive[1] = Some(parts);
             }
+        }
+        if let Some((stepping, step)) = self.stepping {
+            let of = |parts: &WaveParts| stepping.rates(parts, step).into_iter().map(|s| s.re);
+            let all = decisive.into_iter().flatten().flat_map(of);
+            rates.stepped = Some(all.fold(f64::NEG_INFINITY, f64::max));
         }
         Some(rates)
     }

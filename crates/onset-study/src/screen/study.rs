@@ -3,7 +3,6 @@
 use super::ScreenAnswer;
 use crate::answers::{Problem, assigned};
 use crate::shell::quoted;
-use std::fmt::Write;
 use toml::{Table, Value};
 
 /// Components of a deformation gradient in the dimensions of a problem, as `--deformation-gradient` reads them.
@@ -48,29 +47,12 @@ fn value(text: &str) -> Value {
     }
 }
 
-/// Stretches and rotation of a symmetric gradient without shear out of the plane, as the keys of `[state]`.
-fn state(u: &[[f64; 3]; 3]) -> Option<Table> {
-    if u[0][2] != 0.0 || u[1][2] != 0.0 {
-        return None;
-    }
-    let (mean, half) = (0.5 * (u[0][0] + u[1][1]), 0.5 * (u[0][0] - u[1][1]));
-    let apart = half.hypot(u[0][1]);
-    // U = R^T diag(mean + apart, mean - apart) R.
-    let rotation = -0.5 * u[0][1].atan2(half);
-    let entries = [
-        ("stretch-1", mean + apart),
-        ("stretch-2", mean - apart),
-        ("stretch-3", u[2][2]),
-        ("rotation", if apart == 0.0 { 0.0 } else { rotation }),
-    ];
-    let entries = entries.map(|(name, number)| (name.to_owned(), Value::Float(number)));
-    Some(entries.into_iter().collect())
-}
-
 /// Study with law, method and decisive state; `None` without such a state.
 pub(super) fn study(answer: &ScreenAnswer, problem: &Problem) -> Option<String> {
     let event = answer.first.as_ref()?;
-    let command = command(problem, &event.f)?;
+    if problem.settings.material.is_handed() {
+        return None;
+    }
     let mut tables = Table::new();
     for set in assigned(&problem.settings, None) {
         let (key, text) = set.split_once('=')?;
@@ -80,42 +62,10 @@ pub(super) fn study(answer: &ScreenAnswer, problem: &Problem) -> Option<String> 
             .or_insert_with(|| Value::Table(Table::new()));
         table.as_table_mut()?.insert(name.to_owned(), value(text));
     }
-    if let Some(state) = state(&event.f) {
-        tables.insert("state".to_owned(), Value::Table(state));
-    }
-    let mut text = String::new();
-    let _ = writeln!(text, "# {}\n# {command}\n", answer.sentence);
-    text.push_str(&toml::to_string(&tables).ok()?);
-    Some(text)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::state;
-    use crate::settings::StateSettings;
-
-    #[test]
-    fn stretches_and_rotation_restore_the_gradient() {
-        for u in [
-            [[1.2, 0.1, 0.0], [0.1, 0.9, 0.0], [0.0, 0.0, 1.05]],
-            [[0.8, -0.3, 0.0], [-0.3, 1.4, 0.0], [0.0, 0.0, 1.0]],
-            [[1.1, 0.0, 0.0], [0.0, 1.1, 0.0], [0.0, 0.0, 1.1]],
-        ] {
-            let table = state(&u).expect("no shear out of the plane");
-            let number = |name: &str| table[name].as_float().expect("a number");
-            let settings = StateSettings {
-                stretches: [
-                    number("stretch-1"),
-                    number("stretch-2"),
-                    number("stretch-3"),
-                ],
-                rotation: number("rotation"),
-                ..StateSettings::default()
-            };
-            let found = *settings.deformation().expect("a state").components();
-            for (found, given) in found.as_flattened().iter().zip(u.as_flattened()) {
-                assert!((found - given).abs() < 1e-12, "{found} {given}");
-            }
-        }
-    }
+    let f = gradient(&event.f, problem.dimension());
+    let head = format!(
+        "# {}\n#\n# onset state first.toml --deformation-gradient={f}\n# onset simulate first.toml --deformation-gradient={f} --mode critical\n",
+        answer.sentence
+    );
+    Some(head + "\n" + &toml::to_string(&tables).ok()?)
 }

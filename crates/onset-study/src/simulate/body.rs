@@ -313,8 +313,9 @@ impl Moving for MovingBody<'_> {
         let (ratios, shears) = (of(&ratio), of(&shear));
         let state = self.body.state();
         let mut positions = Vec::new();
-        let mut grid = grid(self.body.dimension(), &self.places, &state, &mut positions);
-        grid.vectors.push(("reference", self.body.positions()));
+        let reference = self.body.positions();
+        let dimension = self.body.dimension();
+        let mut grid = grid(dimension, &self.places, reference, &state, &mut positions);
         let flat = |f: &[[f64; 3]; 3]| std::array::from_fn(|n| f[n / 3][n % 3]);
         grid.matrices.push(("F", f.iter().map(flat).collect()));
         grid.scalars = vec![("volume_ratio", &ratios), ("shear_strain", &shears)];

@@ -120,7 +120,8 @@ impl Moving for MovingPatch<'_> {
 
     fn field(&mut self) -> Result<String, Box<Fault>> {
         let state = self.patch.state();
-        let dimension = self.patch.dimension();
-        Ok(grid(dimension, &self.places, &state, &mut Vec::new()).vtu())
+        let (dimension, reference) = (self.patch.dimension(), self.patch.positions());
+        let mut positions = Vec::new();
+        Ok(grid(dimension, &self.places, reference, &state, &mut positions).vtu())
     }
 }

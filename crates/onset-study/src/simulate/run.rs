@@ -97,12 +97,13 @@ fn field_name(number: usize) -> String {
     format!("field-{number:04}.vtu")
 }
 
-/// Particles at their current positions, with the vectors `displacement` and `velocity`.
+/// Particles at their current positions, with the vectors `displacement`, `velocity` and `reference` (position).
 ///
 /// Displacements are relative to `places`, velocities those that the integrator stores.
 pub(super) fn grid<'g>(
     dimension: usize,
     places: &[[f64; 3]],
+    reference: Vec<[f64; 3]>,
     state: &PatchState,
     positions: &'g mut Vec<[f64; 3]>,
 ) -> vtk::Grid<'g> {
@@ -121,6 +122,7 @@ pub(super) fn grid<'g>(
         vectors: vec![
             ("displacement", displacements),
             ("velocity", of(&state.velocities)),
+            ("reference", reference),
         ],
         ..vtk::Grid::default()
     }

@@ -240,16 +240,16 @@ impl<const D: usize> Crystal<D> {
         let map = metric * self.lattice.vectors();
         let mut found = Vec::new();
         for (site, place) in self.sites.iter().enumerate() {
-            let cells = match self.is_block {
-                true => vec![[0; D]],
-                false => ball.cells(&(point - place)),
-            };
-            for cell in cells {
+            let mut check = |cell| {
                 let particle = Particle { site, cell };
                 let apart = (map * (self.place(&particle) - point)).norm();
                 if apart < distance * (1.0 - 1e-12) {
                     found.push((apart, particle));
                 }
+            };
+            match self.is_block {
+                true => check([0; D]),
+                false => ball.cells(&(point - place)).into_iter().for_each(check),
             }
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -308,6 +308,14 @@ impl<const D: usize> Crystal<D> {
             is_block: true,
             ..self.supercell(counts)?
         })
+    }
+
+    /// The particles of one cell alone: [`within`](Self::within) returns only these.
+    pub(crate) fn isolated(self) -> Self {
+        Self {
+            is_block: true,
+            ..self
+        }
     }
 
     /// Displaces every particle of a cell at random; the volumes are recomputed from the new Voronoi cells.

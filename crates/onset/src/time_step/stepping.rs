@@ -90,15 +90,31 @@ impl WaveParts {
     /// The result is NaN if the parts are not finite.
     pub fn growth(&self) -> f64 {
         let n = self.positions.nrows();
-        let mut matrix = DMatrix::zeros(2 * n, 2 * n);
         let whole = &self.positions + &self.stress + &self.density;
+        let largest = |rates: Vec<f64>| rates.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        if self
+            .damping
+            .iter()
+            .all(|entry| *entry == Complex::default())
+        {
+            let squares = any_eigenvalues(&whole);
+            return squares.map_or(f64::NAN, |squares| {
+                largest(
+                    squares
+                        .iter()
+                        .map(|square| (-square).sqrt().re.abs())
+                        .collect(),
+                )
+            });
+        }
+        let mut matrix = DMatrix::zeros(2 * n, 2 * n);
         // Velocities in units of the frequency balance the two halves.
         let unit = Complex::new(whole.camax().sqrt().max(f64::MIN_POSITIVE), 0.0);
         matrix.view_mut((0, n), (n, n)).fill_diagonal(unit);
         matrix.view_mut((n, 0), (n, n)).copy_from(&(-whole / unit));
         matrix.view_mut((n, n), (n, n)).copy_from(&-&self.damping);
         any_eigenvalues(&matrix).map_or(f64::NAN, |rates| {
-            rates.iter().map(|s| s.re).fold(f64::NEG_INFINITY, f64::max)
+            largest(rates.iter().map(|s| s.re).collect())
         })
     }
 }

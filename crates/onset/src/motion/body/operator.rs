@@ -14,7 +14,7 @@ use crate::method::MethodError;
 use crate::scheme::{Discretization, MethodChoices};
 use crate::time_step::{Stepping, WaveParts};
 use nalgebra::{DMatrix, SMatrix, SVector};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 /// Largest number of particles whose operator is assembled at once. Larger bodies are divided into boxes.
 const PARTICLES_AT_ONCE: usize = 1500;
@@ -72,15 +72,20 @@ pub(crate) fn fastest_mode<const D: usize>(
     let shortest = singular.min().clamp(f64::MIN_POSITIVE, 1.0);
     let reach = (neighbors.ceil() + 1.0) * spacing / shortest;
     let mut fastest: Option<BodyMode> = None;
-    for part in parts::<D>(particles, reach) {
+    let mut known = HashSet::new();
+    for part in parts::<D>(particles, reach, spacing) {
         let own: Vec<PlacedParticle> = part.all.iter().map(|n| particles[*n]).collect();
+        let is_free = |n: usize| part.is_free[n] && !held[part.all[n]];
+        let free: Vec<bool> = (0..own.len()).map(is_free).collect();
+        // Boxes inside a regular body are equal.
+        if !known.insert(pattern::<D>(&own, &free, spacing)) {
+            continue;
+        }
         let crystal = isolated::<D>(&own, 3.0 * reach, spacing)?;
         let Some(discretization) = choices.of_particles(crystal)? else {
             return Ok(None);
         };
         let operator = Operator::new(&*discretization, material, f)?;
-        let is_free = |n: usize| part.is_free[n] && !held[part.all[n]];
-        let free: Vec<bool> = (0..own.len()).map(is_free).collect();
         let Some(mode) = operator.fastest(&free, stepping) else {
             continue;
         };
@@ -104,8 +109,24 @@ struct Part {
     is_free: Vec<bool>,
 }
 
+/// Positions relative to the first particle in small fractions of the spacing, with volumes and the particles that can move.
+fn pattern<const D: usize>(
+    particles: &[PlacedParticle],
+    free: &[bool],
+    spacing: f64,
+) -> Vec<([i64; D], u64, bool)> {
+    let Some(first) = particles.first() else {
+        return Vec::new();
+    };
+    let whole = |x: f64| (x / (1e-6 * spacing)).round() as i64;
+    let place = |own: &PlacedParticle| array_of(|i| whole(own.position[i] - first.position[i]));
+    let all = particles.iter().zip(free);
+    all.map(|(own, free)| (place(own), own.volume.to_bits(), *free))
+        .collect()
+}
+
 /// Divides a body into overlapping boxes of a limited number of particles each.
-fn parts<const D: usize>(particles: &[PlacedParticle], reach: f64) -> Vec<Part> {
+fn parts<const D: usize>(particles: &[PlacedParticle], reach: f64, spacing: f64) -> Vec<Part> {
     if particles.len() <= 2 * PARTICLES_AT_ONCE {
         return vec![Part {
             all: (0..particles.len()).collect(),
@@ -114,10 +135,13 @@ fn parts<const D: usize>(particles: &[PlacedParticle], reach: f64) -> Vec<Part> 
     }
     let volume: f64 = particles.iter().map(|own| own.volume).sum();
     let side = (volume / particles.len() as f64 * PARTICLES_AT_ONCE as f64).powf(1.0 / D as f64);
+    // Sides of whole spacings, with faces between the particles, make the boxes of a regular body equal.
+    let side = (side / spacing).round().max(1.0) * spacing;
+    let along = |i: usize| particles.iter().map(move |own| own.position[i]);
+    let low: [f64; D] = array_of(|i| along(i).fold(f64::INFINITY, f64::min) - 0.5 * spacing);
     let mut boxes: BTreeMap<[i64; D], Vec<usize>> = BTreeMap::new();
-    let cell = |x: f64| (x / side).floor() as i64;
     for (n, own) in particles.iter().enumerate() {
-        let at = array_of(|i| cell(own.position[i]));
+        let at = array_of(|i| ((own.position[i] - low[i]) / side).floor() as i64);
         boxes.entry(at).or_default().push(n);
     }
     // Forces on a particle reach twice the support: its neighbors have gradients of their own.
@@ -126,9 +150,8 @@ fn parts<const D: usize>(particles: &[PlacedParticle], reach: f64) -> Vec<Part> 
     let part = |at: &[i64; D]| {
         let outside = |n: usize| -> f64 {
             let over = (0..D).map(|i| {
-                let low = at[i] as f64 * side;
-                let x = particles[n].position[i];
-                (low - x).max(x - low - side).max(0.0)
+                let x = particles[n].position[i] - low[i] - at[i] as f64 * side;
+                (-x).max(x - side).max(0.0)
             });
             over.fold(0.0, f64::max)
         };
@@ -146,7 +169,7 @@ fn parts<const D: usize>(particles: &[PlacedParticle], reach: f64) -> Vec<Part> 
     boxes.keys().map(part).collect()
 }
 
-/// Crystal whose only cell holds the particles, with a gap around them.
+/// Crystal whose only cell holds the particles, without neighbors in other cells.
 fn isolated<const D: usize>(
     particles: &[PlacedParticle],
     gap: f64,
@@ -163,7 +186,7 @@ fn isolated<const D: usize>(
     let places = particles.iter().map(place).collect();
     let volumes = particles.iter().map(|own| own.volume).collect();
     let crystal = Crystal::with_volumes(lattice, places, volumes).map_err(MethodError::from)?;
-    Ok(crystal.with_spacing(spacing))
+    Ok(crystal.with_spacing(spacing).isolated())
 }
 
 /// Rows of a sparse matrix of blocks, divided by the masses.

@@ -1,0 +1,326 @@
+//! Runs of other codes with a known cause: LAMMPS (smd/tlsph), PySPH, and finite elements (forces of FElupe), every second frame of them.
+//!
+//! The causes are known from variants of each run: half the time step, more viscosity, half the spacing, another method.
+
+use onset_frames::FrameRange;
+use onset_study::answers::Problem;
+use onset_study::screen::{
+    Cause, Frame, Question, Recording, Reference, Run, ScreenAnswer, Source, stepping_named,
+};
+use onset_study::settings::{Family, Settings};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// A run with its settings.
+struct Known {
+    file: &'static str,
+    time_step: f64,
+    stepping: &'static str,
+    settings: &'static [&'static str],
+}
+
+const TLSPH: [&str; 9] = [
+    "material.model=hypoelastic-green-naghdi",
+    "material.young=1",
+    "material.poisson=0.3",
+    "discretization.method=total-lagrangian-sph",
+    "discretization.lattice=square",
+    "discretization.kernel=(1-q)^3",
+    "discretization.support=2.01",
+    "discretization.penalty=10",
+    "discretization.penalty-form=smd",
+];
+
+const HEALTHY: Known = Known {
+    file: "tl-healthy.dump.gz",
+    time_step: 0.05,
+    stepping: "extrapolated-stress",
+    settings: &TLSPH,
+};
+const NOTCH: Known = Known {
+    file: "notch-step.dump.gz",
+    time_step: 0.72,
+    ..HEALTHY
+};
+const TENSION: Known = Known {
+    file: "pysph-tension.npz",
+    time_step: 0.02,
+    stepping: "late-acceleration",
+    settings: &[
+        "material.model=hypoelastic-jaumann",
+        "material.young=1",
+        "material.poisson=0.3",
+        "material.n=1",
+        "discretization.method=updated-sph",
+        "discretization.lattice=square",
+        "discretization.kernel=cubic-spline",
+        "discretization.support=2.6",
+        "discretization.momentum=symmetric",
+        "discretization.density-evolution=continuity",
+        "discretization.corrected=false",
+        "discretization.viscosity=0.06",
+        "discretization.viscosity-switch=averaged",
+    ],
+};
+const ELEMENTS: Known = Known {
+    file: "fem/run.pvd",
+    time_step: 0.2,
+    stepping: "central-differences",
+    settings: &[
+        "material.model=blatz-ko",
+        "material.mu=1",
+        "discretization.method=finite-elements",
+        "discretization.mesh=quadrilaterals",
+    ],
+};
+
+impl Known {
+    fn path(&self) -> PathBuf {
+        Path::new("tests/screen/data").join(self.file)
+    }
+
+    fn problem(&self) -> Problem {
+        let all: Vec<String> = self.settings.iter().map(|own| (*own).to_owned()).collect();
+        let settings = Settings::of_file("", "", &all, &[]).expect("settings");
+        Problem::new(settings).expect("a problem")
+    }
+
+    fn question(&self) -> Question {
+        Question {
+            time_step: Some(self.time_step),
+            stepping: stepping_named(self.stepping).expect("a scheme"),
+            ..Question::default()
+        }
+    }
+
+    fn source(&self, file: PathBuf) -> Source {
+        let mut source = Source {
+            files: vec![file],
+            ..Source::default()
+        };
+        source.reading.time_step = Some(self.time_step);
+        source
+    }
+
+    fn screened(&self, source: &Source) -> ScreenAnswer {
+        let problem = self.problem();
+        let has_elements = problem.settings.method.method == Family::FiniteElements;
+        let (recording, run, mut series) =
+            Recording::open(source, 2, has_elements).expect("a recording");
+        let mut frames = recording.frames(&mut series, 2);
+        let question = self.question();
+        let answer = ScreenAnswer::new(
+            &problem,
+            &question,
+            &run,
+            Some(&recording),
+            &mut frames,
+            &mut |_| Ok(()),
+        );
+        answer.expect("an answer")
+    }
+
+    fn answer(&self) -> ScreenAnswer {
+        self.screened(&self.source(self.path()))
+    }
+}
+
+fn within(time: Option<f64>, window: std::ops::RangeInclusive<f64>) {
+    let time = time.expect("a time");
+    assert!(window.contains(&time), "{time} is not in {window:?}");
+}
+
+#[test]
+fn a_healthy_plate_has_no_cause() {
+    let answer = HEALTHY.answer();
+    assert_eq!(answer.cause, Cause::None);
+    assert!(answer.seen.is_none() && !answer.at_the_limit);
+    let recording = answer.recording.as_ref().expect("a recording");
+    assert_eq!((recording.particles, recording.digits), (392, Some(6)));
+    assert!(recording.held_by.contains("type 2"), "{recording:?}");
+    // Stresses of the law agree with those of the file.
+    assert!(!answer.notes.iter().any(|note| note.contains("stresses")));
+}
+
+#[test]
+fn updated_sph_in_tension_is_unstable_by_its_discretization() {
+    let answer = TENSION.answer();
+    assert_eq!(answer.cause, Cause::Numerical);
+    let mechanism = answer.mechanism.expect("a mechanism");
+    assert_eq!(mechanism.name(), "tensile");
+    within(answer.expected, 19.0..=26.0);
+    within(answer.seen.as_ref().map(|event| event.time), 19.0..=26.0);
+    // Artificial stress of 0.3 delays it: the code needs until t = 44.9.
+    let change = &answer.changes[0];
+    assert_eq!(change.settings, ["discretization.artificial-stress=0.3"]);
+    assert!(change.expected.is_none_or(|time| time > 35.0));
+}
+
+#[test]
+fn the_corners_of_a_notch_limit_the_time_step() {
+    let answer = NOTCH.answer();
+    assert_eq!(answer.cause, Cause::TimeStep);
+    let limit = answer.time_step.as_ref().expect("limits");
+    assert!((limit.body.expect("a body") - 0.7006).abs() < 2e-4);
+    assert!((limit.growth - 0.283).abs() < 1e-3);
+    within(answer.seen.as_ref().map(|event| event.time), 30.0..=50.0);
+    within(answer.expected, 30.0..=50.0);
+    let place = answer.first.as_ref().expect("a first cause").place;
+    let [x, y, _] = place;
+    assert!((14.5..=20.5).contains(&x) && y < 2.5, "{place:?}");
+    let is_identity = |note: &String| note.contains("gradients in the files are the identity");
+    assert!(answer.notes.iter().any(is_identity));
+}
+
+#[test]
+fn a_band_in_elements_belongs_to_the_material() {
+    let answer = ELEMENTS.answer();
+    assert_eq!(answer.cause, Cause::Physical);
+    let first = answer.first.as_ref().expect("a first cause");
+    within(Some(first.time), 220.0..=232.0);
+    assert!((6.5..=9.5).contains(&first.place[0]));
+    let recording = answer.recording.as_ref().expect("a recording");
+    assert_eq!((recording.elements, recording.held), (288, 26));
+}
+
+#[test]
+fn fewer_frames_and_a_reference_of_another_file_give_the_same_cause() {
+    let mut source = TENSION.source(TENSION.path());
+    source.reading.frames = FrameRange {
+        every: 2,
+        ..FrameRange::default()
+    };
+    let answer = TENSION.screened(&source);
+    assert_eq!(answer.cause, Cause::Numerical);
+    within(answer.expected, 18.0..=28.0);
+    // The first frame is missing, and is the reference.
+    let mut source = NOTCH.source(NOTCH.path());
+    source.reading.frames.first = Some(1);
+    source.reference = Reference::File(NOTCH.path());
+    let answer = NOTCH.screened(&source);
+    assert_eq!(answer.cause, Cause::TimeStep);
+    within(answer.seen.as_ref().map(|event| event.time), 30.0..=50.0);
+}
+
+/// Text of a dump whose frames are in reverse order, whose particles are in another order in each frame, and which has no columns beyond the velocities.
+fn shuffled(path: &Path) -> String {
+    let mut text = String::new();
+    let file = std::fs::File::open(path).expect("a file");
+    flate2::read::MultiGzDecoder::new(file)
+        .read_to_string(&mut text)
+        .expect("a text");
+    let blocks = text
+        .split("ITEM: TIMESTEP\n")
+        .filter(|block| !block.is_empty());
+    let block = |(n, block): (usize, &str)| {
+        let lines: Vec<&str> = block.lines().collect();
+        let is_head = |line: &&str| line.starts_with("ITEM: ATOMS");
+        let head = lines.iter().position(is_head).expect("columns") + 1;
+        let mut atoms: Vec<String> = lines[head..]
+            .iter()
+            .map(|line| line.split(' ').take(6).collect::<Vec<_>>().join(" "))
+            .collect();
+        let count = atoms.len();
+        atoms.rotate_left((17 * n) % count);
+        let mut own = lines[..head - 1].to_vec();
+        own.push("ITEM: ATOMS id type x y vx vy");
+        own.extend(atoms.iter().map(String::as_str));
+        format!("ITEM: TIMESTEP\n{}\n", own.join("\n"))
+    };
+    let mut all: Vec<String> = blocks.enumerate().map(block).collect();
+    all.reverse();
+    all.concat()
+}
+
+#[test]
+fn order_of_frames_and_particles_and_lost_columns_do_not_matter() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.dump");
+    std::fs::write(&path, shuffled(&NOTCH.path())).expect("written");
+    let (answer, other) = (NOTCH.answer(), NOTCH.screened(&NOTCH.source(path)));
+    assert_eq!(other.cause, Cause::TimeStep);
+    assert_eq!(other.moments, answer.moments);
+    assert_eq!(
+        other.seen.map(|event| event.place),
+        answer.seen.map(|event| event.place)
+    );
+}
+
+#[test]
+fn the_time_step_that_is_told_is_safe() {
+    let answer = NOTCH.answer();
+    let step = answer.time_step.expect("limits").least;
+    let known = Known {
+        time_step: 0.9 * step,
+        ..NOTCH
+    };
+    // The same frames with a smaller step: nothing is above the limit any more.
+    let mut source = known.source(known.path());
+    source.reading.time_step = Some(NOTCH.time_step);
+    let answer = known.screened(&source);
+    assert_ne!(answer.cause, Cause::TimeStep);
+    assert!(
+        answer
+            .moments
+            .iter()
+            .take(6)
+            .all(|own| own.step_ratio.is_some_and(|ratio| ratio < 1.0))
+    );
+}
+
+/// Frames of a plate that is stretched homogeneously, with particles that alternate.
+fn stretched(count: usize, amplitude: impl Fn(f64) -> f64) -> (Run, Vec<Frame>) {
+    let place = |n: usize| [(n % 14) as f64, (n / 14) as f64, 0.0];
+    let reference: Vec<[f64; 3]> = (0..196).map(place).collect();
+    let frame = |n: usize| {
+        let time = n as f64;
+        let moved = |x: &[f64; 3]| {
+            let sign = if (x[0] as i64 + x[1] as i64) % 2 == 0 {
+                1.0
+            } else {
+                -1.0
+            };
+            let stretch = 1.0 + 0.003 * time;
+            [stretch * x[0] + sign * amplitude(time), stretch * x[1], 0.0]
+        };
+        Frame {
+            time,
+            x: reference.iter().map(moved).collect(),
+            ..Frame::default()
+        }
+    };
+    let frames = (0..count).map(frame).collect();
+    let run = Run {
+        held: vec![false; reference.len()],
+        reference,
+        ..Run::default()
+    };
+    (run, frames)
+}
+
+fn of_arrays(known: &Known, (run, frames): &(Run, Vec<Frame>)) -> ScreenAnswer {
+    let problem = known.problem();
+    let mut frames = frames.iter().cloned().map(Ok);
+    let question = known.question();
+    let answer = ScreenAnswer::new(&problem, &question, run, None, &mut frames, &mut |_| Ok(()));
+    answer.expect("an answer")
+}
+
+#[test]
+fn short_waves_that_no_state_explains_are_forced_or_without_energy() {
+    // Total-Lagrangian SPH in small strain: alternating particles that grow linearly.
+    let run = stretched(12, |time| 0.01 * time);
+    assert_eq!(of_arrays(&HEALTHY, &run).cause, Cause::Forced);
+    let settings: Vec<&str> = TLSPH[..7]
+        .iter()
+        .copied()
+        .chain(["discretization.penalty=0"])
+        .collect();
+    let loose = Known {
+        settings: settings.leak(),
+        ..HEALTHY
+    };
+    assert_eq!(of_arrays(&loose, &run).cause, Cause::ZeroEnergy);
+    let still = stretched(12, |_| 1e-6);
+    assert_eq!(of_arrays(&HEALTHY, &still).cause, Cause::None);
+}
