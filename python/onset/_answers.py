@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from . import _onset
 from ._arrays import Complexes, Floats, place, received, whole, write
-from ._errors import InputError, asks
+from ._errors import InputError, OnsetError, asks
 from ._exports import Cell, Mode, band_yaml
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    import xarray
 
 
 class Record(Mapping[str, Any]):
@@ -650,6 +651,61 @@ class Simulation(Answer):
         from . import _plots
 
         return _plots.rates(self, ax)
+
+
+class Screening(Answer):
+    """First cause of an instability in a run, with evidence and remedy.
+
+    ``cause`` is ``physical``, ``numerical``, ``time-step``, ``zero-energy``, ``forced`` or ``none``; ``sentence`` says it in words. ``first`` and
+    ``observed`` are the times and places at which the cause begins and at which short waves are observed.
+    """
+
+    __slots__ = ("_kept",)
+    _kept: list[tuple[float, Mapping[str, bytes]]]
+
+    def __init__(self, answer: _onset.Answer, kept: list[tuple[float, Mapping[str, bytes]]] | None = None) -> None:
+        super().__init__(answer)
+        object.__setattr__(self, "_kept", kept or [])
+
+    def moments(self) -> xarray.Dataset:
+        """Predictions and measurements over ``time``: amplitudes in spacings, rates in 1/time, ratios of the limits. Requires xarray.
+
+        Raises
+        ------
+        OnsetError
+            If xarray is not installed.
+        """
+        from ._exports import dataset
+
+        rows = self.to_dict()["moments"]
+        time = [row["time"] for row in rows]
+        columns = {name: np.array([np.nan if row[name] is None else row[name] for row in rows], dtype=float) for name in rows[0] if name != "time"}
+        return dataset({name: ("time", values) for name, values in columns.items()}, {"time": time})
+
+    def fields(self) -> xarray.Dataset:
+        """Fields of all frames over ``time`` and ``point`` (``node`` for ``noise``), if ``onset.screen`` was called with ``fields=True``.
+
+        ``cause`` has the numbers 0 physical, 1 numerical, 2 time step, 5 none. Requires xarray.
+
+        Raises
+        ------
+        OnsetError
+            If xarray is not installed, or the fields were not kept.
+        """
+        from ._exports import dataset
+
+        if not self._kept:
+            raise OnsetError("the fields were not kept\n  hint: call onset.screen with fields=True")
+        names = self._kept[0][1]
+        arrays = {name: np.stack([np.frombuffer(found[name]) for _, found in self._kept]) for name in names}
+        axes = {name: ("time", "node" if name == "noise" else "point") for name in names}
+        return dataset({name: (axes[name], arrays[name]) for name in names}, {"time": [now for now, _ in self._kept]})
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws observed and predicted amplitudes over time."""
+        from . import _plots
+
+        return _plots.amplitudes(self, ax)
 
 
 class Mapped(Answer):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 import os
 from typing import Any
 
@@ -187,6 +187,70 @@ def components(F: ArrayLike) -> str:
     if given.ndim not in (0, 2) or given.ndim == 2 and given.shape[0] != given.shape[1]:
         raise InputError(f"F has the shape {given.shape}; expected (D, D) or (3, 3)")
     return typed(given)
+
+
+def frames_of(
+    x: Any, X: ArrayLike | None, time: ArrayLike | None, velocity: Any, F: Any, stress: Any, dimension: int
+) -> tuple[Callable[[int], tuple[float, bytes, bytes | None, bytes | None, bytes | None]], int, Floats, list[bool]]:
+    """Returns a function that gives the fields of a frame, the number of frames, the reference positions, and the components of stress that are given."""
+    try:
+        count = len(x)
+    except TypeError as error:
+        raise InputError("x has no frames; expected positions of the shape (frames, particles, D)") from error
+    if count < 2:
+        raise InputError(f"x has {count} frame(s); growth needs at least two")
+
+    def vectors(value: object, what: str, expected: int | None) -> Floats:
+        array = numbers(value, what)  # type: ignore[arg-type]
+        if array.ndim != 2 or array.shape[1] not in (dimension, 3) or expected not in (None, len(array)):
+            wanted = "particles" if expected is None else expected
+            raise InputError(f"{what} has the shape {array.shape}; expected ({wanted}, {dimension}) or ({wanted}, 3)")
+        full = np.zeros((len(array), 3))
+        full[:, :dimension] = array[:, :dimension]
+        if not np.all(np.isfinite(full)):
+            raise InputError(f"{what} has values that are not finite; leave out the frames after the run has broken down")
+        return full
+
+    reference = vectors(x[0] if X is None else X, "x[0]" if X is None else "X", None)
+    times = np.arange(count, dtype=float) if time is None else numbers(time, "time")
+    if times.shape != (count,) or not np.all(np.isfinite(times)) or not np.all(np.diff(times) > 0):
+        raise InputError(f"time has the shape {times.shape}; expected {count} ascending finite numbers, one for each frame")
+
+    def gradients(value: object, what: str) -> Floats:
+        array = numbers(value, what)  # type: ignore[arg-type]
+        side = array.shape[-1]
+        if array.ndim != 3 or array.shape[1] != side or side not in (dimension, 3):
+            raise InputError(f"{what} has the shape {array.shape}; expected (points, {dimension}, {dimension}) or (points, 3, 3)")
+        full = np.tile(np.eye(3), (len(array), 1, 1))
+        full[:, :side, :side] = array
+        return full
+
+    columns = {3: [0, 1, 3], 4: [0, 1, 2, 3], 6: [0, 1, 2, 3, 4, 5]}
+    given = [False] * 6
+
+    def stresses(value: object, what: str) -> Floats:
+        array = numbers(value, what)  # type: ignore[arg-type]
+        if array.ndim != 2 or array.shape[1] not in columns:
+            raise InputError(f"{what} has the shape {array.shape}; expected (points, 3) for xx, yy, xy or (points, 6) for xx, yy, zz, xy, xz, yz")
+        full = np.zeros((len(array), 6))
+        full[:, columns[array.shape[1]]] = array
+        return full
+
+    if stress is not None:
+        width = np.shape(stress[0])[-1]
+        stresses(stress[0], "stress[0]")
+        given = [column in columns[width] for column in range(6)]
+
+    def give(number: int) -> tuple[float, bytes, bytes | None, bytes | None, bytes | None]:
+        return (
+            float(times[number]),
+            vectors(x[number], f"x[{number}]", len(reference)).tobytes(),
+            None if velocity is None else vectors(velocity[number], f"velocity[{number}]", len(reference)).tobytes(),
+            None if F is None else gradients(F[number], f"F[{number}]").tobytes(),
+            None if stress is None else stresses(stress[number], f"stress[{number}]").tobytes(),
+        )
+
+    return give, count, reference, given
 
 
 def received(data: bytes, shape: Sequence[int]) -> Floats:

@@ -26,6 +26,7 @@ from ._answers import (
     Modes,
     Path,
     Recommendation,
+    Screening,
     Simulation,
     State,
     Tuning,
@@ -33,7 +34,7 @@ from ._answers import (
     Waves,
 )
 from ._arrays import Complexes, Floats, components, deformations, number, numbers, pair, positive, received, share, typed, whole
-from ._arrays import between, listed, names, place, switch
+from ._arrays import between, frames_of, listed, names, place, switch
 from ._arrays import state as state_as_typed
 from ._errors import InputError, OnsetError, asks
 from ._exports import Cell
@@ -482,6 +483,118 @@ def simulate(
             switch(overwrite, "overwrite"),
         )
     )
+
+
+@asks
+def screen(
+    x: Any,
+    X: ArrayLike | None = None,
+    time: ArrayLike | None = None,
+    material: MaterialLike = None,
+    method: MethodLike = None,
+    *,
+    velocity: Any = None,
+    F: Any = None,
+    stress: Any = None,
+    held: ArrayLike | None = None,
+    volumes: ArrayLike | None = None,
+    elements: ArrayLike | None = None,
+    region: tuple[ArrayLike, ArrayLike] | None = None,
+    time_step: float | None = None,
+    stepping: str = "velocity-verlet",
+    threshold: float = 0.05,
+    seed: float | None = None,
+    bin: float = 0.001,
+    fields: bool = False,
+) -> Screening:
+    """First cause of an instability in a run of your own code: ``onset screen``.
+
+    The gradient of each particle follows from the positions of its neighbors by least squares. The amplitude of short waves is predicted as
+    ``a_0 exp(integral of gamma dt)``, where ``gamma`` is the largest real part of the roots of ``s^2 + s C(k) + D(k) = 0`` in the state of the
+    particle. The cause is the first of lost ellipticity, a predicted amplitude above `threshold`, and a time step above the largest stable step of the
+    body.
+
+    Frames are read one after the other as ``x[0]``, ``x[1]``, ..., so that `x`, `velocity`, `F` and `stress` may be arrays, memory maps, datasets of
+    h5py or zarr, or arrays of Dask, of which one frame is in memory.
+
+    Parameters
+    ----------
+    x
+        Positions of the particles in each frame, shape (frames, particles, D) or (frames, particles, 3); length.
+    X
+        Reference positions, shape (particles, D) or (particles, 3); length. The first frame if omitted.
+    time
+        Time of each frame, shape (frames,), ascending; the numbers of the frames if omitted.
+    material, method
+        Material law and discretization; the defaults of the command if omitted.
+    velocity
+        Velocities, the shape of `x`; length/time. They improve the amplitude at the start.
+    F
+        Deformation gradients of the code, shape (frames, points, D, D) or (frames, points, 3, 3). They are compared with the positions.
+    stress
+        Cauchy stresses of the code, shape (frames, points, 3) as xx, yy, xy, or (frames, points, 6) as xx, yy, zz, xy, xz, yz. They are compared with
+        the law.
+    held
+        True for particles with prescribed motion, shape (particles,).
+    volumes
+        Reference volumes, shape (particles,); length^D. The square or cube of the spacing if omitted.
+    elements
+        Numbers of the nodes of each element, shape (elements, nodes). Elements then have the states.
+    region
+        Lower and upper corner of a box of reference positions, to which the answer is restricted.
+    time_step
+        Time step of the code. Its limit is not judged if it is omitted.
+    stepping
+        ``velocity-verlet`` (also leapfrog and central differences), ``extrapolated-stress`` (LAMMPS smd/tlsph), ``late-density`` (smd/ulsph) or
+        ``late-acceleration`` (PySPH).
+    threshold
+        Amplitude at which short waves count as observed; spacings.
+    seed
+        Amplitude from which waves grow, in spacings; the short waves of the first frames if omitted.
+    bin
+        Width of the bins of stretch in which particles share a state.
+    fields
+        Keep the fields of all frames for ``fields()`` of the answer.
+
+    Raises
+    ------
+    InputError
+        If shapes do not fit together, or a position is not finite.
+    """
+    problem = problem_of(material, method)
+    give, count, reference, given = frames_of(x, X, time, velocity, F, stress, problem.dimension)
+    particles = len(reference)
+
+    def of_particles(value: ArrayLike | None, what: str) -> Floats | None:
+        if value is None:
+            return None
+        array = numbers(value, what)
+        if array.shape != (particles,):
+            raise InputError(f"{what} has the shape {array.shape}; expected ({particles},), a value for each particle")
+        return array
+
+    fixed = of_particles(held, "held")
+    volume = of_particles(volumes, "volumes")
+    nodes = None if elements is None else np.atleast_2d(numbers(elements, "elements"))
+    if nodes is not None and not np.all((nodes >= 0) & (nodes < particles) & (nodes == np.floor(nodes))):
+        raise InputError(f"elements has numbers that are no particles; expected whole numbers from 0 to {particles - 1}")
+    corners = None if region is None else [typed(np.atleast_1d(numbers(corner, "region"))) for corner in region]
+    kept: list[tuple[float, Mapping[str, bytes]]] = []
+    asked: dict[str, object] = {
+        "reference": reference.tolist(),
+        "held": [False] * particles if fixed is None else [bool(is_held) for is_held in fixed],
+        "volumes": None if volume is None else volume.tolist(),
+        "elements": None if nodes is None else nodes.astype(int).tolist(),
+        "region": None if corners is None else ":".join(corners),
+        "stress_given": given,
+        "time_step": None if time_step is None else positive(time_step, "time_step"),
+        "stepping": stepping,
+        "threshold": share(threshold, "threshold"),
+        "seed": None if seed is None else share(seed, "seed"),
+        "bin": share(bin, "bin"),
+    }
+    take = (lambda _, now, found: kept.append((now, found))) if switch(fields, "fields") else None
+    return Screening(_onset.screen(problem, asked, count, give, take), kept)
 
 
 @asks

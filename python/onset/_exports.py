@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 import importlib
 import re
@@ -18,8 +18,19 @@ from ._errors import InputError, OnsetError, asks
 if TYPE_CHECKING:
     from ase import Atoms
     import meshio  # type: ignore[import-untyped]
+    import xarray
 
     from ._answers import Bands
+
+
+def dataset(arrays: Mapping[str, tuple[Any, Any]], coordinates: Mapping[str, Any]) -> xarray.Dataset:
+    """Returns arrays with their dimensions as a dataset."""
+    try:
+        import xarray
+    except ImportError as error:
+        raise OnsetError("a dataset requires xarray\n  hint: pip install xarray") from error
+    return xarray.Dataset(dict(arrays), dict(coordinates))
+
 
 #: Cells along a side of a patch: smallest and largest number tested for whole wavelengths, and the number used if none contains them.
 FEWEST, SOUGHT, ELSE = 4, 24, 12

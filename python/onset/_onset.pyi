@@ -21,6 +21,7 @@ __all__ = [
     "notes",
     "read_law",
     "recommend",
+    "screen",
     "tune",
     "verdict_names",
     "version",
@@ -100,6 +101,15 @@ class Problem:
         overwrite: bool,
     ) -> Answer: ...
 
+_Fields = tuple[float, bytes, bytes | None, bytes | None, bytes | None]
+
+def screen(
+    problem: Problem,
+    asked: Mapping[str, object],
+    count: int,
+    give: Callable[[int], _Fields],
+    take: Callable[[int, float, Mapping[str, bytes]], None] | None,
+) -> Answer: ...
 @final
 class Law:
     def __new__(cls, settings: _Settings, file: _Source | None, libraries: list[str], notes: list[str]) -> Law: ...

@@ -180,6 +180,26 @@ def rates(answer: Answer, ax: Axes | None) -> Axes:
     return ax
 
 
+def amplitudes(answer: Answer, ax: Axes | None) -> Axes:
+    """Draws the amplitudes of short waves over time, with the time of the first cause."""
+    ax = _axes(ax)
+    told = answer.to_dict()
+    rows = told["moments"]
+    time = [row["time"] for row in rows]
+    lines = {"observed": ("observed, largest", "-"), "observed_mean": ("observed, mean", ":"), "predicted": ("predicted, waves", "--")}
+    if told["time_step"] is not None:
+        lines["predicted_by_step"] = ("predicted, time step", "-.")
+    for name, (label, style) in lines.items():
+        ax.semilogy(time, [row[name] for row in rows], style, label=label)
+    ax.axhline(told["threshold"], color="gray", linewidth=0.8)
+    if told["first"] is not None:
+        ax.axvline(told["first"]["time"], color=PARTICLES, linewidth=0.8, label=f"first cause: {told['cause']}")
+    ax.set_xlabel("time")
+    ax.set_ylabel("amplitude / spacing")
+    ax.legend()
+    return ax
+
+
 def shares(answer: Answer, ax: Axes | None) -> Axes:
     """Draws the number of states for each verdict."""
     verdicts = answer.to_dict()["verdicts"]

@@ -664,16 +664,16 @@ pub struct ScreenArguments {
     /// Judge only the particles in a box of reference positions, for example 0,0:10,5.
     #[arg(long, value_name = "BOX", value_parser = Region::from_str, allow_hyphen_values = true, help_heading = "Reading")]
     pub region: Option<Region>,
-    /// Print what is recognized in the files, and stop.
+    /// Print format, columns, spacing and held particles of the files, and stop.
     #[arg(long, help_heading = "Reading")]
     pub check: bool,
-    /// Amplitude, in spacings, at which short waves of the positions count as seen.
+    /// Amplitude, in spacings, at which short waves of the positions count as observed.
     #[arg(long, value_name = "A", value_parser = share, default_value_t = THRESHOLD)]
     pub threshold: f64,
-    /// Amplitude, in spacings, from which waves grow [default: that of the file].
+    /// Amplitude, in spacings, from which waves grow [default: the short waves in the files].
     #[arg(long, value_name = "A", value_parser = share)]
     pub seed: Option<f64>,
-    /// Width of the bins of stretch in which particles share a state; an expected time is told for twice the width, too.
+    /// Width of the bins of stretch in which particles share a state. The expected time is also computed with twice the width.
     #[arg(long, value_name = "WIDTH", value_parser = share, default_value_t = BIN)]
     pub bin: f64,
     /// Exit with code 3 if the first cause is one of these: physical, numerical, time-step, zero-energy, forced.

@@ -21,6 +21,8 @@ pub enum Failure {
     Machine(String),
     /// Defect of the program, raised as `onset.OnsetError`.
     Defect(String),
+    /// Exception of a Python function that the caller handed over, raised unchanged.
+    Raised(PyErr),
     /// Question that was cancelled by the user.
     Ended,
 }
@@ -42,6 +44,7 @@ impl Failure {
     /// Creates the exception; an error if this fails.
     fn raised(self, py: Python<'_>) -> PyResult<PyErr> {
         let (class, text, key, place) = match self {
+            Self::Raised(error) => return Ok(error),
             Self::Setting(error) => {
                 let (key, place) = origin(&error);
                 ("SettingError", error.to_string(), key, place)

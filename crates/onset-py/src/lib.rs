@@ -17,6 +17,7 @@ mod names;
 mod plastic;
 mod pool;
 mod problem;
+mod screen;
 mod study;
 
 /// Compiled part of the package `onset`.
@@ -36,6 +37,8 @@ mod _onset {
     use crate::plastic::localize;
     #[pymodule_export]
     use crate::problem::Problem;
+    #[pymodule_export]
+    use crate::screen::screen;
     #[pymodule_export]
     use crate::study::Study;
 

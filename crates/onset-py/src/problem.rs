@@ -71,7 +71,7 @@ pub fn trusted(material: &mut MaterialSettings, libraries: &[PathBuf]) -> Result
 
 /// Material law with a discretization.
 #[pyclass(frozen, module = "onset._onset")]
-pub struct Problem(Arc<answers::Problem>);
+pub struct Problem(pub(crate) Arc<answers::Problem>);
 
 /// States from nine components each; the thickness stretch in plane stress must not be given.
 fn states(

@@ -7,7 +7,7 @@ use std::fmt::Write;
 /// Points with fields, and elements between them.
 #[derive(Default)]
 pub(crate) struct Grid<'g> {
-    /// Positions.
+    /// Positions of the points; length.
     pub points: &'g [[f64; 3]],
     /// Vectors of the points.
     pub vectors: Vec<(&'g str, Vec<[f64; 3]>)>,

@@ -23,7 +23,7 @@ impl From<ScreenError> for Failure {
     }
 }
 
-/// Screens a run, or tells only what was recognized in its files.
+/// Screens a run, or prints only the recognized contents of its files.
 pub fn screen(arguments: &ScreenArguments) -> Result<ExitCode, Failure> {
     let (problem, files) = problem(arguments)?;
     let source = source(arguments, files)?;

@@ -1,4 +1,4 @@
-//! Comparison of the deformation gradients and stresses in the files with those that follow from the positions and the law.
+//! Comparison of deformation gradients in the files with the positions, and of stresses in the files with the law.
 
 use crate::answers::Problem;
 use crate::number::told;
@@ -6,7 +6,7 @@ use crate::settings::Family;
 use nalgebra::Matrix3;
 use onset::kinematics::DeformationGradient;
 
-/// Relative difference above which gradients or stresses of half of the points differ.
+/// Median of relative differences that gradients and stresses of one state can have.
 const DIFFERENT: f64 = 0.05;
 /// Smallest norm of `F - 1` for which gradients are compared.
 const DEFORMED: f64 = 1e-3;
@@ -15,7 +15,7 @@ const SAMPLES: usize = 500;
 /// Number of frames at the beginning whose stresses are compared.
 const FRAMES: usize = 5;
 
-/// Differences between the files and what follows from positions and law.
+/// Differences of gradients and stresses in the files.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Agreement {
     /// Text on the gradients of the last frame that was compared.
@@ -37,7 +37,7 @@ fn rotation(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
 }
 
 impl Agreement {
-    /// Compares gradients in a file with those of the positions; `points` are those that count.
+    /// Compares gradients in a file with gradients `found` from positions.
     pub(super) fn compare_gradients(
         &mut self,
         dimension: usize,
@@ -92,16 +92,16 @@ impl Agreement {
         self.gradient = match other {
             _ if own <= DIFFERENT => None,
             Some((name, rest)) if rest <= DIFFERENT => Some(format!(
-                "deformation gradients in the files are {name}, not those of the positions, which are used instead"
+                "deformation gradients in the files are {name} and do not fit the positions; gradients of the positions are used instead"
             )),
             _ => Some(format!(
-                "deformation gradients in the files differ by {:.0} % (median) from those of the positions, which are used instead",
+                "deformation gradients in the files do not fit the positions (median difference {:.0} %); gradients of the positions are used instead",
                 100.0 * own
             )),
         };
     }
 
-    /// Compares stresses in a file with those of the law, in the first frames after the start.
+    /// Compares stresses in a file with the law, in the first frames after the start.
     pub(super) fn compare_stresses(
         &mut self,
         problem: &Problem,
@@ -151,7 +151,7 @@ impl Agreement {
         }
     }
 
-    /// Differences of which the user must know.
+    /// Clauses about the differences, for the user.
     pub(super) fn notes(&self, problem: &Problem) -> Vec<String> {
         let mut notes: Vec<String> = self.gradient.iter().cloned().collect();
         let difference = median(self.stress.iter().map(|own| own.0).collect());
@@ -168,7 +168,7 @@ impl Agreement {
                 "they have the opposite sign: pressure is positive in the files".to_owned()
             }
             _ if !(0.5..2.0).contains(&factor) => format!(
-                "they are {} times those of the law: check units and moduli",
+                "the law gives 1/{} of them: check units and moduli",
                 told(factor)
             ),
             _ if method.method == Family::UpdatedSph && !method.corrected => {
@@ -177,7 +177,7 @@ impl Agreement {
             _ => "check the law, its parameters, and whether the run is in plane strain".to_owned(),
         };
         notes.push(format!(
-            "stresses in the files differ by {:.0} % (median) from those of the law at the beginning; {reason}",
+            "stresses in the files differ from the law by {:.0} % (median) at the beginning; {reason}",
             100.0 * difference
         ));
         notes

@@ -23,17 +23,17 @@ use std::fmt::Write;
 const AT_THE_LIMIT: f64 = 0.02;
 /// Factor of the largest stable step that is safe: loads and disorder stiffen a body.
 const SAFE: f64 = 0.9;
-/// Relative frequency of the weakest wave below which it has no energy.
+/// Largest relative frequency of a wave without energy.
 const NO_ENERGY: f64 = 1e-6;
-/// Share of the time from the begin of the run to what is seen by which a prediction may be later.
+/// Largest delay of a prediction after the observation, as a share of the time until then.
 const LATE: f64 = 0.35;
 
 /// Smallest amplitude in the figure; spacings.
 const LEAST_SHOWN: f64 = 1e-8;
-/// Width of a panel, to which the size of the particles in the map refers; pixels.
+/// Width of the map; pixels.
 const PANEL_WIDTH: f64 = 420.0;
 
-/// First cause of what is seen in a run.
+/// First cause of the instability of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cause {
@@ -47,12 +47,12 @@ pub enum Cause {
     ZeroEnergy,
     /// Short waves that do not grow by themselves: loads, contact, gradients of strain.
     Forced,
-    /// No short waves.
+    /// No short waves and no lost ellipticity: nothing to explain.
     None,
 }
 
 impl Cause {
-    /// All causes.
+    /// All causes, in the order of the numbers in output fields.
     pub const ALL: [Self; 6] = [
         Self::Physical,
         Self::Numerical,
@@ -80,7 +80,7 @@ impl Cause {
     }
 }
 
-/// What was recognized in the files of a run, without an analysis.
+/// Recognized contents of the files of a run, without an analysis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ScreenChecks {
     /// Files, frames, particles and columns.
@@ -132,7 +132,7 @@ impl fmt::Display for ScreenChecks {
 /// Answer to a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ScreenAnswer {
-    /// First cause.
+    /// First cause of the instability.
     pub cause: Cause,
     /// Mechanism of a numerical instability.
     pub mechanism: Option<Mechanism>,
@@ -140,23 +140,23 @@ pub struct ScreenAnswer {
     pub sentence: String,
     /// Whether two percent decide about the cause.
     pub at_the_limit: bool,
-    /// Where and when the cause begins; for a time step, where and when it exceeds the largest stable one.
+    /// Place and time at which the cause begins. For a time step, it then exceeds the largest stable step.
     pub first: Option<Event>,
     /// Time at which short waves are expected to show.
     pub expected: Option<f64>,
     /// First short waves above the threshold in the positions.
-    pub seen: Option<Event>,
+    pub observed: Option<Event>,
     /// Wavelength of the fastest-growing wave in the reference configuration, in spacings.
     pub wavelength: Option<f64>,
     /// Growth rate of this wave; 1/time.
     pub growth: Option<f64>,
     /// Facts that support the cause.
     pub evidence: Vec<String>,
-    /// What to change, and commands that follow it up.
+    /// Suggested changes, and commands that examine the decisive state.
     pub remedy: Vec<String>,
     /// Changes of the discretization, with the time at which its waves then show.
     pub changes: Vec<Remedy>,
-    /// What the theory cannot say about this run.
+    /// Limits of the theory in this run.
     pub limits: Vec<String>,
     /// Largest stable time steps.
     pub time_step: Option<StepLimit>,
@@ -172,7 +172,7 @@ pub struct ScreenAnswer {
     pub states: usize,
     /// Particle spacing of the settings; length.
     pub spacing: f64,
-    /// What was read.
+    /// Recognized contents of the files; `None` for arrays.
     pub recording: Option<Recording>,
     /// Predictions and measurements of each frame.
     pub moments: Vec<Moment>,
@@ -213,7 +213,7 @@ impl ScreenAnswer {
         {
             return Err(ScreenError::Run {
                 what: format!(
-                    "particles of the file are {} apart, those of the settings {}",
+                    "the spacing of the particles is {} in the file and {} in the settings",
                     told(found),
                     told(spacing)
                 ),
@@ -231,7 +231,7 @@ impl ScreenAnswer {
         course: Course,
     ) -> Self {
         let threshold = question.threshold;
-        let seen = course.seen.as_ref().map(|event| event.time);
+        let observed = course.observed.as_ref().map(|event| event.time);
         let start = course.moments.first().map_or(0.0, |moment| moment.time);
         let end = course.moments.last().map_or(0.0, |moment| moment.time);
         let crosses = |pair: &[Moment]| {
@@ -244,12 +244,16 @@ impl ScreenAnswer {
         let by_step = course.moments.windows(2).find_map(crosses);
         let grown = course.grown.as_ref().map(|(event, _)| event.time);
         let lost = course.lost.as_ref().map(|event| event.time);
-        // What is predicted much later than short waves are seen is not their cause.
-        let is_in_time = |time: f64| seen.is_some_and(|seen| time <= seen + LATE * (seen - start));
+        // An instability that is predicted long after the first short waves is not their cause.
+        let is_in_time = |time: f64| {
+            observed.is_some_and(|observed| time <= observed + LATE * (observed - start))
+        };
         let causes = [
             (
                 Cause::Physical,
-                lost.filter(|time| seen.is_none_or(|seen| *time <= seen + LATE * (seen - start))),
+                lost.filter(|time| {
+                    observed.is_none_or(|observed| *time <= observed + LATE * (observed - start))
+                }),
             ),
             (Cause::TimeStep, by_step.filter(|time| is_in_time(*time))),
             (Cause::Numerical, grown.filter(|time| is_in_time(*time))),
@@ -262,7 +266,7 @@ impl ScreenAnswer {
             let weakest = problem.analysis.weakest().ok().flatten();
             weakest.is_some_and(|mode| mode.relative_frequency() < NO_ENERGY)
         };
-        let (cause, expected) = match (first, seen) {
+        let (cause, expected) = match (first, observed) {
             (Some((cause, time)), _) => (cause, Some(time)),
             (None, Some(_)) if has_no_energy() => (Cause::ZeroEnergy, None),
             (None, Some(_)) => (Cause::Forced, None),
@@ -273,8 +277,8 @@ impl ScreenAnswer {
             matches!(cause, Cause::None | Cause::TimeStep | Cause::Forced)
                 && (step / limit.least - 1.0).abs() < AT_THE_LIMIT
         });
-        // After short waves show, gradients are not those of the material.
-        let until = seen.unwrap_or(f64::INFINITY);
+        // Short waves distort the gradients.
+        let until = observed.unwrap_or(f64::INFINITY);
         let least = course
             .moments
             .iter()
@@ -296,7 +300,7 @@ impl ScreenAnswer {
                     f: *DeformationGradient::identity().components(),
                 }
             }),
-            Cause::ZeroEnergy | Cause::Forced => course.seen.clone(),
+            Cause::ZeroEnergy | Cause::Forced => course.observed.clone(),
             Cause::None => None,
         };
         let changes = match expected.filter(|_| cause == Cause::Numerical) {
@@ -322,8 +326,8 @@ impl ScreenAnswer {
             .filter(|_| cause == Cause::Numerical)
             .map(|(_, rates)| rates);
         let spacing = problem.analysis.spacing();
-        // Short waves show where the cause is; before they are seen there is little to draw.
-        let time = course.seen.as_ref().or(event.as_ref());
+        // The map shows the first short waves, or else the first event.
+        let time = course.observed.as_ref().or(event.as_ref());
         let time = time.map(|event| event.window[1]);
         let mut pictures = course.pictures.iter();
         let picture = pictures.find(|own| Some(own.time) == time).cloned();
@@ -334,7 +338,7 @@ impl ScreenAnswer {
             at_the_limit: at_limit_of_step || at_limit_of_law,
             first: event,
             expected,
-            seen: course.seen.clone(),
+            observed: course.observed.clone(),
             wavelength: rates.map(|rates| {
                 let k: f64 = rates.wave.iter().map(|k| k * k).sum();
                 std::f64::consts::TAU / k.sqrt() / spacing
@@ -398,12 +402,12 @@ impl ScreenAnswer {
                 .moments
                 .iter()
                 .find(|own| own.predicted > 1.5 * self.seed);
-            let shown = self.seen.as_ref().and_then(|event| moment(event.time));
+            let shown = self.observed.as_ref().and_then(|event| moment(event.time));
             if let (Some(begun), Some(shown)) = (begun, shown) {
-                if begun.seen_mean > 0.0 && shown.time > begun.time {
+                if begun.observed_mean > 0.0 && shown.time > begun.time {
                     evidence.push(format!(
                         "short waves grew by e^{:.1} from t = {} to {}, predicted e^{:.1}",
-                        (shown.seen_mean / begun.seen_mean).ln(),
+                        (shown.observed_mean / begun.observed_mean).ln(),
                         told(begun.time),
                         told(shown.time),
                         (shown.predicted / begun.predicted).ln()
@@ -433,7 +437,7 @@ impl ScreenAnswer {
                 ),
             };
             evidence.push(format!(
-                "time step {}; largest stable one in {}: {of_body}; least during the run {}",
+                "time step {}; largest stable one in {}: {of_body}, and at least {} during the run",
                 told(step),
                 question.stepping.name(),
                 told(limit.least)
@@ -455,11 +459,11 @@ impl ScreenAnswer {
                 ));
             }
         }
-        if self.seen.is_none() {
+        if self.observed.is_none() {
             let most = self
                 .moments
                 .iter()
-                .map(|moment| moment.seen)
+                .map(|moment| moment.observed)
                 .fold(0.0, f64::max);
             evidence.push(format!(
                 "short waves of the positions stay below {} spacings (threshold {})",
@@ -503,17 +507,17 @@ impl ScreenAnswer {
         ];
         if cut > 0.0 {
             limits.push(format!(
-                "{:.0} % of the particles have cut neighborhoods, at faces; their waves are those of the inside",
+                "{:.0} % of the particles have cut neighborhoods, at faces; their waves are taken from the inside",
                 (100.0 * cut).max(1.0)
             ));
         }
         if points[1] > 0 {
             limits.push(format!(
-                "{} beside held particles are not judged",
+                "{} near held particles are not judged",
                 counted(points[1], "point")
             ));
         }
-        if let Some(event) = &self.seen {
+        if let Some(event) = &self.observed {
             if event.time < end {
                 limits.push(format!(
                     "after t = {} the neighbors are not those of the reference configuration",
@@ -522,7 +526,7 @@ impl ScreenAnswer {
             }
         }
         if problem.material.is_path_dependent() {
-            limits.push("the stress of each state is that of a proportional path to it".to_owned());
+            limits.push("each state is reached on a proportional path".to_owned());
         }
         let spacing = problem.analysis.spacing();
         if self
@@ -542,15 +546,18 @@ impl ScreenAnswer {
             .as_ref()
             .map_or(String::new(), |event| place(event, dimension));
         let short = |value: f64| told_with(value, 4);
-        let seen = match &self.seen {
+        let observed = match &self.observed {
             Some(event) if event.window[1] > event.window[0] => format!(
-                "seen at t = {} (frames {} to {})",
+                "observed at t = {} (frames {} to {})",
                 short(event.time),
                 told(event.window[0]),
                 told(event.window[1])
             ),
-            Some(event) => format!("seen from the first frame on, t = {}", short(event.time)),
-            None => "not seen in the positions yet".to_owned(),
+            Some(event) => format!(
+                "observed from the first frame on, t = {}",
+                short(event.time)
+            ),
+            None => "not yet in the positions".to_owned(),
         };
         let expected = self.expected.map_or("?".to_owned(), short);
         let limit = match (self.at_the_limit, self.cause) {
@@ -560,7 +567,7 @@ impl ScreenAnswer {
         };
         let sentence = match self.cause {
             Cause::Physical => format!(
-                "First cause: the material. It loses strong ellipticity {at} at t = {}; short waves are {seen}.",
+                "First cause: the material. It loses strong ellipticity {at} at t = {}; short waves are {observed}.",
                 self.first.as_ref().map_or("?".to_owned(), |event| format!(
                     "{} (frames {} to {})",
                     short(event.time),
@@ -569,7 +576,7 @@ impl ScreenAnswer {
                 ))
             ),
             Cause::Numerical => format!(
-                "First cause: the discretization{}. Waves of {} spacings grow at the rate {} {at}, although the material is strongly elliptic there. They are expected to show at t = {expected}, and {seen}.",
+                "First cause: the discretization{}. Waves of {} spacings grow at the rate {} {at}, although the material is strongly elliptic there. They are expected to show at t = {expected}, and {observed}.",
                 self.mechanism.map_or(String::new(), |mechanism| format!(
                     " ({} instability)",
                     mechanism.name()
@@ -590,7 +597,7 @@ impl ScreenAnswer {
                 };
                 let from = self.first.as_ref();
                 format!(
-                    "First cause: the time step. From t = {} on, {} is above {}, {of}. Oscillations are expected to show at t = {expected}, and {seen}. A step of {} is safe.",
+                    "First cause: the time step. From t = {} on, {} is above {}, {of}. Oscillations are expected to show at t = {expected}, and {observed}. A step of {} is safe.",
                     from.map_or("?".to_owned(), |event| short(event.time)),
                     told(step),
                     short(critical),
@@ -598,10 +605,10 @@ impl ScreenAnswer {
                 )
             }
             Cause::ZeroEnergy => format!(
-                "First cause: zero-energy modes of the discretization. Short waves are {seen} {at}; no force resists them, and no state of the run makes them grow."
+                "First cause: zero-energy modes of the discretization. Short waves are {observed} {at}; no force resists them, and no state of the run makes them grow."
             ),
             Cause::Forced => format!(
-                "No instability explains the short waves {at}, {seen}: material and discretization are stable in the states of this run. Loads, contact or gradients of strain force them."
+                "No instability explains the short waves {at}, {observed}: material and discretization are stable in the states of this run. Loads, contact or gradients of strain force them."
             ),
             Cause::None => "No instability: short waves stay below the threshold, and the material stays strongly elliptic.".to_owned(),
         };
@@ -610,7 +617,7 @@ impl ScreenAnswer {
 
     /// Table of the frames.
     pub fn csv(&self) -> String {
-        let mut table = "time,predicted,predicted_by_step,seen,seen_mean,acoustic,growth,step_ratio,undefined\n".to_owned();
+        let mut table = "time,predicted,predicted_by_step,observed,observed_mean,acoustic,growth,step_ratio,undefined\n".to_owned();
         let optional = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
         for own in &self.moments {
             let _ = writeln!(
@@ -619,8 +626,8 @@ impl ScreenAnswer {
                 own.time,
                 own.predicted,
                 own.predicted_by_step,
-                own.seen,
-                own.seen_mean,
+                own.observed,
+                own.observed_mean,
                 optional(own.acoustic),
                 optional(own.growth),
                 optional(own.step_ratio),
@@ -661,7 +668,7 @@ impl ScreenAnswer {
         let least = self
             .moments
             .iter()
-            .map(|own| own.seen_mean.max(floor))
+            .map(|own| own.observed_mean.max(floor))
             .fold(self.seed.max(floor), f64::min);
         let mut upper = Panel::new(
             "",
@@ -669,13 +676,13 @@ impl ScreenAnswer {
             Axis::log("amplitude of short waves / spacing", (0.3 * least, 3.0)),
         )
         .with(
-            Line::new(amplitude(&|own| own.seen))
-                .named("seen, largest")
+            Line::new(amplitude(&|own| own.observed))
+                .named("observed, largest")
                 .color(palette::BLACK),
         )
         .with(
-            Line::new(amplitude(&|own| own.seen_mean))
-                .named("seen, mean")
+            Line::new(amplitude(&|own| own.observed_mean))
+                .named("observed, mean")
                 .color(palette::GREY),
         )
         .with(
@@ -737,9 +744,9 @@ impl ScreenAnswer {
         let x = Axis::linear("x₁", (0.0, 1.0)).covering(places.iter().map(|place| place.0));
         let y = Axis::linear("x₂", (0.0, 1.0)).covering(places.iter().map(|place| place.1));
         let logs: Vec<f64> = picture
-            .seen
+            .observed
             .iter()
-            .map(|seen| seen.max(LEAST_SHOWN).log10())
+            .map(|observed| observed.max(LEAST_SHOWN).log10())
             .collect();
         let most = logs.iter().copied().fold(self.threshold.log10(), f64::max);
         let least = logs.iter().copied().fold(f64::INFINITY, f64::min);

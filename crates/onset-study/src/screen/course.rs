@@ -1,4 +1,4 @@
-//! The course of a run: growth of short waves that the states of the particles predict, beside the short waves that are there.
+//! The course of a run: short waves that the states of the particles predict, and short waves in the positions.
 
 use super::agreement::Agreement;
 use super::answer::Cause;
@@ -16,12 +16,12 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 /// Integral of the growth rate from which waves count as growing: amplitudes are five percent larger.
-const BEGINNING: f64 = 0.05;
-/// Amplitude of short waves, in spacings, beyond which the states of a particle are not asked any more: its neighbors are not those of the reference.
+const INTEGRAL_AT_BEGINNING: f64 = 0.05;
+/// Largest amplitude of short waves, in spacings, at which a particle has a state. Beyond it the neighbors have changed.
 const ENDED: f64 = 0.5;
 /// Smallest acoustic eigenvalue over the modulus of a strongly elliptic material; below it is rounding.
 const ELLIPTIC: f64 = 1e-9;
-/// Smallest acoustic eigenvalue over the modulus up to which a state is at the limit of ellipticity.
+/// Largest acoustic eigenvalue over the modulus of a state at the limit of ellipticity.
 pub(super) const ELLIPTIC_MARGIN: f64 = 0.02;
 /// Radius of neighborhoods in spacings, for methods without a support radius.
 const RADIUS: f64 = 2.01;
@@ -36,9 +36,9 @@ pub struct Moment {
     /// Predicted amplitude of the oscillation by a too large time step; spacings.
     pub predicted_by_step: f64,
     /// Largest amplitude of short waves in the positions; spacings.
-    pub seen: f64,
+    pub observed: f64,
     /// Root mean square of the amplitudes of short waves in the positions; spacings.
-    pub seen_mean: f64,
+    pub observed_mean: f64,
     /// Smallest acoustic eigenvalue over the modulus of the reference state.
     pub acoustic: Option<f64>,
     /// Largest growth rate of a wave; 1/time.
@@ -58,7 +58,7 @@ pub struct Event {
     pub window: [f64; 2],
     /// Number of the particle or cell, from 0 in the order of the first frame.
     pub point: usize,
-    /// Reference position.
+    /// Reference position of the point; length.
     pub place: [f64; 3],
     /// Deformation gradient without rotation.
     pub f: [[f64; 3]; 3],
@@ -79,7 +79,7 @@ pub struct StepLimit {
     pub growth: f64,
     /// Particle that limits the step.
     pub particle: Option<usize>,
-    /// Its reference position.
+    /// Reference position of this particle; length.
     pub place: Option<[f64; 3]>,
 }
 
@@ -91,19 +91,19 @@ pub(super) struct Course {
     /// First predicted amplitude above the threshold, with the rates there.
     pub(super) grown: Option<(Event, StateRates)>,
     /// First amplitude in the positions above the threshold.
-    pub(super) seen: Option<Event>,
+    pub(super) observed: Option<Event>,
     pub(super) step: Option<StepLimit>,
     /// Amplitude of the short waves from which growth is predicted; spacings.
     pub(super) seed: f64,
-    /// Number of points that were asked, and of those near held particles, which were not.
+    /// Numbers of points with states, and of points near held particles without states.
     pub(super) points: [usize; 2],
     /// Number of states that were evaluated.
     pub(super) states: usize,
     /// Share of points with fewer than nine tenths of the most neighbors.
     pub(super) cut: f64,
-    /// Largest growth rate until short waves are seen; 1/time.
+    /// Largest growth rate before the first short waves; 1/time.
     pub(super) fastest: f64,
-    /// Differences between the files and what follows from positions and law.
+    /// Differences of gradients and stresses in the files.
     pub(super) notes: Vec<String>,
     /// Time of each frame, and the stretch tensor of the point whose waves have grown most.
     pub(super) leading: Vec<(f64, Matrix3<f64>)>,
@@ -116,10 +116,10 @@ pub(super) struct Course {
 pub(super) struct Picture {
     pub(super) time: f64,
     pub(super) x: Vec<[f64; 3]>,
-    pub(super) seen: Vec<f64>,
+    pub(super) observed: Vec<f64>,
 }
 
-/// Points of a run at which states are asked: its particles, or the cells between them.
+/// Points of a run that have states: its particles or its elements.
 struct Points {
     nodes: Neighborhoods,
     /// Neighborhoods of cells: gradients of the nodes of each cell about their mean.
@@ -180,7 +180,7 @@ fn mean(cell: &[usize], x: &[[f64; 3]]) -> [f64; 3] {
     std::array::from_fn(|axis| sum(axis) / cell.len().max(1) as f64)
 }
 
-/// Rate of the waves themselves: a scheme that damps them counts, one that amplifies them is a matter of the time step.
+/// Growth rate of the waves, with the damping but without the amplification by the scheme, which belongs to the time step.
 pub(super) fn own_rate(rates: &StateRates) -> f64 {
     rates
         .stepped
@@ -254,7 +254,7 @@ pub struct Snapshot<'s> {
     pub number: usize,
     /// Time of the frame.
     pub time: f64,
-    /// Number of dimensions.
+    /// Number of dimensions of the positions.
     pub dimension: usize,
     /// Current positions of the particles or nodes.
     pub x: &'s [[f64; 3]],
@@ -285,7 +285,7 @@ pub(super) fn follow(
             time: frame.time,
             dimension: problem.dimension(),
             x: &frame.x,
-            of_nodes: vec![("noise", fields.seen)],
+            of_nodes: vec![("noise", fields.observed)],
             of_points: vec![
                 ("acoustic", fields.acoustic),
                 ("growth", fields.growth),
@@ -299,14 +299,14 @@ pub(super) fn follow(
     follower.finish()
 }
 
-/// Values of a frame: of each node (`seen`), or of each point.
+/// Values of a frame: of each node (`observed`), or of each point.
 struct Fields {
-    seen: Vec<f64>,
+    observed: Vec<f64>,
     acoustic: Vec<f64>,
     growth: Vec<f64>,
     amplitude: Vec<f64>,
     step_ratio: Vec<f64>,
-    /// Position in [`Cause::ALL`].
+    /// Index of the cause in [`Cause::ALL`].
     cause: Vec<f64>,
     checked: Vec<f64>,
 }
@@ -319,7 +319,7 @@ struct Follower<'p> {
     points: Points,
     /// Nodes whose short waves count.
     nodes: Vec<bool>,
-    /// Points whose states are asked.
+    /// Whether a point has states.
     is_asked: Vec<bool>,
     growth: Growth<'p>,
     at_rest: StateRates,
@@ -359,7 +359,7 @@ impl<'p> Follower<'p> {
         let asked = is_asked.iter().filter(|is| **is).count();
         if asked == 0 {
             return Err(ScreenError::Run {
-                what: "no particle is left to be judged: all are held, beside held ones, or outside of the region".to_owned(),
+                what: "no particle is left to be judged: all are held, near held particles, or outside of the region".to_owned(),
                 hint: "choose held particles with --held, or another --region".to_owned(),
             });
         }
@@ -371,7 +371,7 @@ impl<'p> Follower<'p> {
                 moments: Vec::new(),
                 lost: None,
                 grown: None,
-                seen: None,
+                observed: None,
                 step: limited.as_ref().map(|(limit, _)| limit.clone()),
                 seed: 0.0,
                 points: [asked, count - asked],
@@ -400,9 +400,10 @@ impl<'p> Follower<'p> {
     }
 
     /// Amplitudes of the nodes that count.
-    fn checked<'s>(&'s self, seen: &'s [f64]) -> impl Iterator<Item = f64> + 's {
-        let all = seen.iter().zip(&self.nodes);
-        all.filter(|(_, counts)| **counts).map(|(seen, _)| *seen)
+    fn checked<'s>(&'s self, observed: &'s [f64]) -> impl Iterator<Item = f64> + 's {
+        let all = observed.iter().zip(&self.nodes);
+        all.filter(|(_, counts)| **counts)
+            .map(|(observed, _)| *observed)
     }
 
     /// Amplitude of short waves in the first frame, from positions and velocities; spacings.
@@ -418,7 +419,7 @@ impl<'p> Follower<'p> {
         mean.max(of_velocity).max(rounding)
     }
 
-    /// Stretch tensors of the points whose states are asked.
+    /// Stretch tensors of deformation gradients.
     fn stretches(&self, found: &[Option<Matrix3<f64>>]) -> Vec<Option<Matrix3<f64>>> {
         let all = found.par_iter();
         all.map(|f| without_rotation(f.as_ref()?)).collect()
@@ -445,11 +446,11 @@ impl<'p> Follower<'p> {
         let interval = frame.time - before;
         // Short waves of the positions.
         let short = self.points.nodes.short_waves(&frame.x);
-        let seen: Vec<f64> = short.iter().map(|x| x / spacing).collect();
-        let most_seen = self.checked(&seen).fold(0.0, f64::max);
-        let mean_seen = root_mean_square(self.checked(&seen));
+        let observed: Vec<f64> = short.iter().map(|x| x / spacing).collect();
+        let most_observed = self.checked(&observed).fold(0.0, f64::max);
+        let mean_observed = root_mean_square(self.checked(&observed));
         if self.course.moments.is_empty() {
-            self.first_seed = self.first_seed(frame, mean_seen);
+            self.first_seed = self.first_seed(frame, mean_observed);
             self.course.seed = self.first_seed;
         }
         // States of the points.
@@ -461,13 +462,13 @@ impl<'p> Follower<'p> {
                 false => None,
             })
             .collect();
-        if self.course.seen.is_none() {
+        if self.course.observed.is_none() {
             self.compare(frame, &found);
         }
         let stretches = self.stretches(&found);
         let growth = &mut self.growth;
         for (n, own) in stretches.iter().enumerate() {
-            let is_far = self.points.cells.is_none() && seen[n] > ENDED;
+            let is_far = self.points.cells.is_none() && observed[n] > ENDED;
             growth.is_over[n] |= self.is_asked[n] && (own.is_none() || is_far);
         }
         let keys: Vec<Option<[i32; 6]>> = stretches
@@ -485,10 +486,10 @@ impl<'p> Follower<'p> {
         let at = |point: usize| (point, self.points.places[point]);
         // Predicted amplitudes start from the short waves at the begin of growth.
         let (grown, integral) = self.growth.largest().unwrap_or((0, 0.0));
-        if !self.has_begun && integral > BEGINNING {
+        if !self.has_begun && integral > INTEGRAL_AT_BEGINNING {
             self.has_begun = true;
             let seed = self.question.seed;
-            self.course.seed = seed.unwrap_or(self.first_seed.max(mean_seen));
+            self.course.seed = seed.unwrap_or(self.first_seed.max(mean_observed));
         }
         if let Some(u) = stretches.get(grown).and_then(Option::as_ref) {
             self.course.leading.push((frame.time, *u));
@@ -507,7 +508,7 @@ impl<'p> Follower<'p> {
                 .iter()
                 .map(|is| f64::from(u8::from(*is)))
                 .collect(),
-            seen: Vec::new(),
+            observed: Vec::new(),
         };
         let critical = self.limited.as_ref();
         let critical = critical.map(|(limit, _)| limit.body.unwrap_or(limit.lattice));
@@ -565,10 +566,10 @@ impl<'p> Follower<'p> {
             self.course.grown = rates_of(grown)
                 .map(|rates| (event(share, at(grown), components(&rates.f)), rates.clone()));
         }
-        if self.course.seen.is_none() {
+        if self.course.observed.is_none() {
             self.course.fastest = self.course.fastest.max(fastest.unwrap_or(0.0));
-            if most_seen > threshold {
-                let all = seen.iter().zip(&self.nodes).enumerate();
+            if most_observed > threshold {
+                let all = observed.iter().zip(&self.nodes).enumerate();
                 let all = all.filter(|(_, (_, counts))| **counts);
                 let node = all
                     .max_by(|a, b| a.1.0.total_cmp(b.1.0))
@@ -576,9 +577,10 @@ impl<'p> Follower<'p> {
                 let f = self.points.nodes.deformation(node, &frame.x);
                 let f = f.and_then(|f| without_rotation(&f));
                 let f = f.unwrap_or_else(Matrix3::identity);
-                let share = last.map_or(1.0, |own| crossing(own.seen, most_seen, threshold));
+                let share =
+                    last.map_or(1.0, |own| crossing(own.observed, most_observed, threshold));
                 let f = std::array::from_fn(|i| std::array::from_fn(|j| f[(i, j)]));
-                self.course.seen = Some(event(share, (node, self.run.reference[node]), f));
+                self.course.observed = Some(event(share, (node, self.run.reference[node]), f));
             }
         }
         let step_ratio = self.step(before, interval, squared, extra);
@@ -586,28 +588,29 @@ impl<'p> Follower<'p> {
             time: frame.time,
             predicted,
             predicted_by_step: self.first_seed * self.by_step.exp(),
-            seen: most_seen,
-            seen_mean: mean_seen,
+            observed: most_observed,
+            observed_mean: mean_observed,
             acoustic: softest.map(|(_, least)| least),
             growth: fastest,
             step_ratio,
             undefined,
         });
-        self.picture(frame, &seen);
-        fields.seen = seen;
+        self.picture(frame, &observed);
+        fields.observed = observed;
         Ok(fields)
     }
 
     /// Keeps positions and short waves of the frames at which something happens first.
-    fn picture(&mut self, frame: &Frame, seen: &[f64]) {
+    fn picture(&mut self, frame: &Frame, observed: &[f64]) {
         let at = |event: Option<&Event>| event.is_some_and(|own| own.window[1] == frame.time);
         let grown = self.course.grown.as_ref().map(|(event, _)| event);
-        let happens = at(grown) || at(self.course.lost.as_ref()) || at(self.course.seen.as_ref());
+        let happens =
+            at(grown) || at(self.course.lost.as_ref()) || at(self.course.observed.as_ref());
         if happens {
             self.course.pictures.push(Picture {
                 time: frame.time,
                 x: frame.x.clone(),
-                seen: seen.to_vec(),
+                observed: observed.to_vec(),
             });
         }
     }
@@ -616,7 +619,7 @@ impl<'p> Follower<'p> {
     fn step(&mut self, before: f64, interval: f64, squared: f64, extra: f64) -> Option<f64> {
         let (limit, mode) = self.limited.as_ref()?;
         let (stepping, step) = self.question.stepping()?;
-        // States change the step of the body as they change that of the lattice.
+        // The states change the steps of body and lattice by the same factor.
         let harder = match squared > 0.0 {
             true => squared / self.at_rest.squared,
             false => 1.0,
@@ -631,7 +634,7 @@ impl<'p> Follower<'p> {
             .course
             .step
             .as_mut()
-            .filter(|_| self.course.seen.is_none())
+            .filter(|_| self.course.observed.is_none())
         {
             told.least = told.least.min(critical);
             if told.exceeded.is_none() && step > critical {
@@ -700,7 +703,7 @@ fn limits(
     Ok(Some((limit, mode)))
 }
 
-/// Nodes at which short waves count, and points whose states are asked: not held, and without held neighbors (for short waves, without held neighbors
+/// Nodes whose short waves count, and points with states: not held, and without held neighbors (for short waves, without held neighbors
 /// of neighbors).
 fn far_from_held(run: &Run, points: &Points) -> (Vec<bool>, Vec<bool>) {
     let spread = |held: &[bool]| -> Vec<bool> {

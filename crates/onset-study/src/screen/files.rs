@@ -39,7 +39,7 @@ impl<'r> ScreenFiles<'r> {
         })
     }
 
-    /// Writes the fields of a frame, unless it is one of those that are left out.
+    /// Writes the fields of a frame. Frames are skipped evenly if there are more than the largest number.
     ///
     /// # Errors
     /// [`ScreenError::Output`] if a file cannot be written.

@@ -59,14 +59,14 @@ impl FromStr for Region {
 /// Particles whose motion is prescribed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Held {
-    /// Those that the file marks, or a minority kind that moves rigidly.
+    /// Particles that the file marks, or else a minority kind or faces that move rigidly.
     #[default]
     Guessed,
     /// Particles of a kind.
     Kind(i64),
     /// Particles in a box of the reference configuration.
     Box(Region),
-    /// None.
+    /// All particles move freely.
     No,
 }
 
@@ -87,7 +87,7 @@ impl FromStr for Held {
     }
 }
 
-/// Configuration to which deformation gradients refer.
+/// Reference configuration of deformation gradients.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Reference {
     /// Reference positions or displacements in the files, or else the first frame.
@@ -99,37 +99,37 @@ pub enum Reference {
     File(PathBuf),
 }
 
-/// How the files of a run are read.
+/// Files of a run, with the choices for reading.
 #[derive(Clone, Debug, Default)]
 pub struct Source {
     /// Output files; wildcards are allowed in the last part of a path.
     pub files: Vec<PathBuf>,
     /// Columns, frames and time step.
     pub reading: Reading,
-    /// Reference configuration.
+    /// Reference configuration of deformation gradients.
     pub reference: Reference,
-    /// Held particles.
+    /// Particles with prescribed motion.
     pub held: Held,
-    /// Box of the reference configuration to which the answer is restricted.
+    /// The answer is restricted to this box.
     pub region: Option<Region>,
 }
 
 /// Properties of the files that were recognized, and checked.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Recording {
-    /// Number of files.
+    /// Number of files after wildcards.
     pub files: usize,
     /// Format of the files.
     pub format: String,
-    /// Number of frames.
+    /// Number of frames that were read.
     pub frames: usize,
     /// Times of the first and the last frame.
     pub times: [f64; 2],
     /// Longest interval between two frames; time.
     pub interval: f64,
-    /// Number of particles.
+    /// Number of particles in the first frame.
     pub particles: usize,
-    /// Number of elements; the states are theirs, not those of the particles.
+    /// Number of elements, which then have the states.
     pub elements: usize,
     /// Columns with the quantities that they were read as.
     pub columns: Vec<String>,
@@ -139,7 +139,7 @@ pub struct Recording {
     pub digits: Option<u32>,
     /// Number of held particles.
     pub held: usize,
-    /// How held particles were recognized.
+    /// Rule that recognized the held particles.
     pub held_by: String,
     /// Median distance of nearest neighbors in the reference configuration; length.
     pub spacing: f64,
@@ -169,8 +169,8 @@ fn flat(x: &[f64; 3], dimension: usize) -> [f64; 3] {
 impl Recording {
     /// Reads all frames once, checks them, and returns the particles in the reference configuration with the series of frames.
     ///
-    /// Frames from the first one on that lacks particles or has positions that are not finite are left out, with a note. With `has_elements` the
-    /// states are those of the elements of the files.
+    /// Reading ends, with a note, at a frame that lacks particles or has infinite positions. With `has_elements`
+    /// the elements of the files have the states.
     ///
     /// # Errors
     /// [`ScreenError`] for files that cannot be read, and for frames without times.
@@ -290,7 +290,7 @@ impl Recording {
         if let Some(id) = frame.doubled().first() {
             return Err(wrong(
                 format!("{}: particle {id} occurs twice", frame.source),
-                "write each particle once in a frame, with a number of its own",
+                "write each particle once in a frame, with a unique number",
             ));
         }
         self.identity.clone_from(&frame.identity);
@@ -532,7 +532,7 @@ fn wraps(first: &Read, last: &Read, dimension: usize) -> bool {
     both.any(|(a, b)| jumps(a, b))
 }
 
-/// Nodes of the elements that fill a part of the dimensions; points and lines are none.
+/// Nodes of the elements. Points and lines are not elements.
 fn elements(cells: &Cells, dimension: usize) -> Vec<Vec<usize>> {
     // In the numbering of VTK: points, lines and polylines, of any order.
     let is_thin = |shape: u8| matches!(shape, 1..=4 | 21 | 35 | 68);
@@ -556,7 +556,7 @@ fn spacing(reference: &[[f64; 3]], dimension: usize) -> f64 {
         .map(|i| (high[i] - low[i]).max(f64::MIN_POSITIVE))
         .product();
     let mut radius = 2.0 * (volume / reference.len() as f64).powf(1.0 / dimension as f64);
-    // Particles of a thin or hollow body are closer to each other than their box tells.
+    // Particles of a thin or hollow body are closer to each other than on average in their box.
     loop {
         let near = super::neighborhoods::Neighborhoods::new(reference, dimension, radius);
         let mean = (0..near.len()).map(|n| near.count(n)).sum::<usize>() as f64 / near.len() as f64;

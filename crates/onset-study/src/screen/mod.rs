@@ -2,8 +2,7 @@
 //!
 //! A [`Run`] is read from output files, or given as arrays. For each particle and frame the deformation gradient follows from the positions. Its state
 //! has a smallest acoustic eigenvalue and a fastest-growing wave. The integral of the growth rate over time, from the short waves at the start, gives the
-//! amplitude that is expected. It is compared with the short waves in the positions. The largest stable step is that of the body, in the scheme of the
-//! code.
+//! amplitude that is expected. It is compared with the short waves in the positions. The largest stable step refers to the body and to the scheme of the code.
 
 mod agreement;
 mod answer;
@@ -19,19 +18,19 @@ pub use answer::{Cause, ScreenAnswer, ScreenChecks};
 pub use course::{Event, Moment, Snapshot, StepLimit};
 pub use files::ScreenFiles;
 pub use input::{Held, Recording, Reference, Region, Source};
+pub use onset::time_step::Stepping;
 pub use onset_frames::FrameRange;
 pub use remedy::Remedy;
 
 use crate::answers::ProblemError;
 use crate::figure::FigureError;
 use crate::output::OutputError;
-use onset::time_step::Stepping;
 use onset_frames::FrameError;
 use thiserror::Error;
 
-/// Default of [`Question::threshold`]; spacings.
+/// Default amplitude at which short waves count; spacings.
 pub const THRESHOLD: f64 = 0.05;
-/// Default of [`Question::bin`].
+/// Default width of the bins of stretch.
 pub const BIN: f64 = 0.001;
 
 /// Time stepping scheme of a code and alternative names for it, as `--stepping` reads them.
@@ -47,18 +46,18 @@ pub fn stepping_named(name: &str) -> Option<Stepping> {
         .find(|stepping| stepping.name() == own)
 }
 
-/// What is asked about a run.
+/// Time integration of the code, and thresholds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
-    /// Time step of the code; `None` if it is unknown, and limits of the step are not told.
+    /// Time step of the code; `None` for runs whose step is not judged.
     pub time_step: Option<f64>,
     /// Time integration of the code.
     pub stepping: Stepping,
     /// Amplitude at which short waves show; spacings.
     pub threshold: f64,
-    /// Amplitude from which waves grow, in spacings; `None` for that of the file.
+    /// Amplitude from which waves grow, in spacings; `None` for the short waves in the files.
     pub seed: Option<f64>,
-    /// Width of the bins of stretch in which particles share a state. The first growth is told with bins of twice this width, too.
+    /// Width of the bins of stretch in which particles share a state. The expected time is also computed with twice this width.
     pub bin: f64,
 }
 
@@ -89,11 +88,11 @@ pub struct Run {
     pub volumes: Option<Vec<f64>>,
     /// Particles whose motion is prescribed.
     pub held: Vec<bool>,
-    /// Nodes of each element, if states are those of elements.
+    /// Nodes of each element, if elements have the states.
     pub cells: Option<Vec<Vec<usize>>>,
     /// Rounding of positions in the file; length.
     pub rounding: f64,
-    /// Box to which the answer is restricted.
+    /// The answer is restricted to this box.
     pub region: Option<Region>,
 }
 
@@ -104,7 +103,7 @@ pub struct Frame {
     pub time: f64,
     /// Current positions, in the order of the reference positions; length.
     pub x: Vec<[f64; 3]>,
-    /// Velocities; length/time.
+    /// Velocities of the particles; length/time.
     pub velocity: Option<Vec<[f64; 3]>>,
     /// Deformation gradients F_iJ of the particles or elements, row by row, as the code gives them.
     pub gradient: Option<Vec<[f64; 9]>>,
@@ -131,9 +130,9 @@ pub enum ScreenError {
     /// The run and the settings do not belong together, or a frame does not belong to the run.
     #[error("{what}\n  hint: {hint}")]
     Run {
-        /// What is wrong, and where.
+        /// Fault and its place.
         what: String,
-        /// Suggestion.
+        /// Remedy for the user.
         hint: String,
     },
     /// A run has at least two frames.
@@ -141,7 +140,7 @@ pub enum ScreenError {
         "the run has {count} frame(s); growth needs at least two\n  hint: give all output files of the run, or a wildcard"
     )]
     TooFewFrames {
-        /// Number of frames.
+        /// Number of frames that were read.
         count: usize,
     },
     /// The figure cannot be drawn.

@@ -6,10 +6,10 @@ use std::collections::HashMap;
 
 /// Distances that differ by less than this fraction of the radius count as equal to it.
 const RIM: f64 = 1e-9;
-/// Ratio of the smallest to the largest singular value below which neighbors determine no gradient.
+/// Smallest ratio of the singular values of neighbors that determine a gradient.
 const SINGULAR: f64 = 1e-6;
 
-/// Mean position of the neighbors over their mean distance beyond which a neighborhood counts as cut by a face.
+/// Largest mean position of the neighbors over their mean distance in a neighborhood that no face cuts.
 const CUT: f64 = 0.2;
 
 /// Neighbors of each particle within a radius in the reference configuration.
@@ -179,7 +179,7 @@ impl Neighborhoods {
 
     /// Residual of a field against fits to the neighbors: linear functions inside, quadratic ones at faces, whose neighborhoods are one-sided.
     ///
-    /// Residuals are divided by the factor by which the fit amplifies random noise, relative to a mean of the neighbors.
+    /// A fit amplifies random noise more than a mean of the neighbors does. Residuals are divided by this factor.
     fn residual(&self, field: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         let of = |n: usize| {
             let neighbors = self.of(n);
@@ -198,7 +198,7 @@ impl Neighborhoods {
 
     /// Amplitudes of the short waves of a field: lengths of its residuals against fits to the neighbors, taken twice.
     ///
-    /// Fields with a constant gradient, and smooth ones nearly, have none; particles that alternate by `a` have about `a`.
+    /// The amplitude vanishes for fields with a constant gradient, is small for smooth fields, and about `a` for particles that alternate by `a`.
     pub(super) fn short_waves(&self, field: &[[f64; 3]]) -> Vec<f64> {
         let own: Vec<Vector3<f64>> = field.iter().map(|x| Vector3::from(*x)).collect();
         let twice = self.residual(&self.residual(&own));
@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn bending_hardly_counts_as_short_waves_at_faces() {
+    fn smooth_bending_adds_few_short_waves_at_faces() {
         let reference = lattice(15);
         let near = Neighborhoods::new(&reference, 2, 2.01);
         let x: Vec<[f64; 3]> = reference

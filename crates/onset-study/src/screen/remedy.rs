@@ -11,11 +11,11 @@ use onset::method::Frame;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Factors of the present coefficient of a stabilization that are tried, and values for one that is not used.
+/// Trial factors of the present coefficient of a stabilization, and trial values without a stabilization.
 const FACTORS: [f64; 4] = [2.0, 5.0, 10.0, 30.0];
 const VALUES: [f64; 4] = [0.05, 0.1, 0.3, 1.0];
 /// Largest number of changes in an answer.
-const MOST: usize = 3;
+const MAXIMUM_CHANGES: usize = 3;
 
 /// Change of settings that avoids or delays an instability.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -69,7 +69,7 @@ fn ladders(problem: &Problem) -> Vec<Vec<Vec<String>>> {
     ladders
 }
 
-/// The same law with changed settings; `None` if they do not belong together.
+/// Changed settings with the law of a problem; `None` if they do not belong together.
 fn changed(problem: &Problem, change: &[String]) -> Option<Problem> {
     let mut settings = problem.settings.clone();
     for assignment in change {
@@ -78,11 +78,14 @@ fn changed(problem: &Problem, change: &[String]) -> Option<Problem> {
     Problem::with_law(settings, Arc::clone(&problem.material)).ok()
 }
 
-/// States that lead the growth of a run. After short waves show, the loading goes on as until then.
+/// States that lead the growth of a run, extrapolated at the mean rate of loading after the first short waves.
 fn loading(course: &Course) -> Vec<(f64, Matrix3<f64>)> {
     let grown = course.grown.as_ref().map(|(event, _)| event.window[1]);
-    let seen = course.seen.as_ref().map(|event| event.window[1]);
-    let end = grown.into_iter().chain(seen).fold(f64::INFINITY, f64::min);
+    let observed = course.observed.as_ref().map(|event| event.window[1]);
+    let end = grown
+        .into_iter()
+        .chain(observed)
+        .fold(f64::INFINITY, f64::min);
     let mut leading: Vec<(f64, Matrix3<f64>)> = course.leading.clone();
     let sound = leading.iter().filter(|(time, _)| *time <= end).count();
     let (Some((start, from)), Some((last, to))) = (
@@ -171,6 +174,6 @@ pub(super) fn remedies(
         }
         found.extend(best);
     }
-    found.truncate(MOST);
+    found.truncate(MAXIMUM_CHANGES);
     found
 }

@@ -28,7 +28,7 @@ pub(super) struct StateRates {
     pub(super) squared: f64,
 }
 
-/// Rates of all states of a run that were asked.
+/// Rates of the evaluated states of a run.
 pub(super) struct States<'p> {
     problem: &'p Problem,
     waves: Vec<Vec<f64>>,
@@ -51,7 +51,7 @@ fn coarse_zone(problem: &Problem) -> Vec<Vec<f64>> {
     for a in along(0) {
         for b in along(1) {
             for c in along(2) {
-                // Of `k` and `-k` the one whose first number that is not zero is positive.
+                // The first nonzero number is positive: `-k` has the rates of `k`.
                 if [a, b, c]
                     .into_iter()
                     .find(|n| *n != 0)
@@ -166,7 +166,7 @@ impl<'p> States<'p> {
             stepped: None,
             squared: 0.0,
         };
-        // In steps the fastest-growing wave and the one that limits the step most can grow fastest.
+        // In steps the fastest-growing wave or the wave that limits the step most grows fastest.
         let mut decisive = [None; 2];
         for (wave, parts) in self.waves.iter().zip(&parts) {
             let (growth, squared) = (parts.growth(), parts.limiting(scheme));

@@ -99,7 +99,7 @@ fn field_name(number: usize) -> String {
 
 /// Particles at their current positions, with the vectors `displacement`, `velocity` and `reference` (position).
 ///
-/// Displacements are relative to `places`, velocities those that the integrator stores.
+/// Displacements are relative to `places`; the integrator stores the velocities.
 pub(super) fn grid<'g>(
     dimension: usize,
     places: &[[f64; 3]],

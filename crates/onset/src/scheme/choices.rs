@@ -78,7 +78,7 @@ impl MethodChoices {
         self.in_cell(CellKind::Described)
     }
 
-    /// Returns the discretization of other particles than those of the choices; `None` for methods whose particles have no forces at arbitrary
+    /// Returns the discretization of given particles; `None` for methods whose particles have no forces at arbitrary
     /// positions: finite elements, conforming integration, material points, and quadrature points other than the particles.
     ///
     /// # Errors

@@ -141,8 +141,7 @@ impl Stepping {
     /// Weights of `X`, `S` and `R` in the matrix whose largest eigenvalue `w^2` limits the step by `w^2 dt^2 = 4`: there a solution alternates from
     /// step to step (`z = -1`).
     ///
-    /// With `h' = -h`, `a = -2 h/dt` and `x = dt h/2` the table of [`Stepping`] gives `s = dt h` for velocities extrapolated to the end of the step and
-    /// `r = -dt h` for those of the previous step. A late acceleration has no such solution. It amplifies every oscillation.
+    /// With `h' = -h`, `a = -2 h/dt` and `x = dt h/2` the table of [`Stepping`] gives `s = dt h` for velocities extrapolated to the end of the step, and `r = -dt h` for velocities of the previous step. A late acceleration has no such solution. It amplifies every oscillation.
     pub fn weights(self) -> [f64; 3] {
         match self {
             Self::VelocityVerlet | Self::LateAcceleration => [1.0, 1.0, 1.0],

@@ -1,6 +1,6 @@
 //! Linearized forces of a free body as a sparse matrix, for methods whose particles can have any positions.
 //!
-//! The body is the only cell of a lattice whose cells lie so far apart that they do not interact. The method then gives its equations, the parts
+//! The body is a crystal of one cell without neighbors. The method then gives its equations, the parts
 //! that codes integrate and its damping as for any crystal, at the wave vector zero.
 
 use super::stability::largest_mode;
@@ -16,7 +16,7 @@ use crate::time_step::{Stepping, WaveParts};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::collections::{BTreeMap, HashSet};
 
-/// Largest number of particles whose operator is assembled at once. Larger bodies are divided into boxes.
+/// Largest number of particles in an assembled operator. Larger bodies are divided into boxes.
 const PARTICLES_AT_ONCE: usize = 1500;
 
 /// Oscillation of a body that limits the time step of a scheme most.
@@ -43,11 +43,12 @@ impl BodyMode {
     }
 }
 
-/// Returns the mode of a free body in a homogeneous state that limits the time step of a scheme most; `None` for methods whose particles have no
-/// forces at arbitrary positions (finite elements, conforming integration, material points, quadrature points other than the particles).
+/// Returns the mode of a free body in a homogeneous state that limits the time step of a scheme most.
 ///
-/// Particles with `held` have no displacement. Bodies of more than 1500 particles are divided into overlapping boxes; the mode is then the fastest of
-/// those that vanish outside of one box, which is local enough for the difference not to matter.
+/// The result is `None` for methods whose particles have no forces at arbitrary positions: finite elements, conforming integration, material points, and
+/// quadrature points other than the particles.
+///
+/// Particles with `held` have no displacement. Bodies of more than 1500 particles are divided into overlapping boxes; the mode then vanishes outside of one box. Fastest modes are so local that the difference does not matter.
 ///
 /// # Errors
 /// [`BodyError`] if the method or the material cannot be evaluated for these particles.
@@ -144,7 +145,7 @@ fn parts<const D: usize>(particles: &[PlacedParticle], reach: f64, spacing: f64)
         let at = array_of(|i| ((own.position[i] - low[i]) / side).floor() as i64);
         boxes.entry(at).or_default().push(n);
     }
-    // Forces on a particle reach twice the support: its neighbors have gradients of their own.
+    // Forces on a particle reach twice the support: they depend on the gradients of its neighbors.
     let halo = 3.0 * reach;
     let near = (halo / side).ceil() as i64;
     let part = |at: &[i64; D]| {
@@ -225,7 +226,7 @@ impl<const D: usize> Sparse<D> {
     }
 }
 
-/// Part of the equations: a stiffness, after the smoothing of the velocities with which particles move.
+/// Part of the equations: a stiffness, which acts on smoothed velocities if the method smooths them.
 struct Stiffness<const D: usize> {
     stiffness: Sparse<D>,
     drift: Option<Sparse<D>>,
@@ -375,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn the_step_of_a_block_is_that_of_the_engine_of_bodies() {
+    fn the_step_of_a_block_agrees_with_the_engine_of_bodies() {
         let (choices, law) = (total_lagrangian(), ModifiedMooneyRivlin::default());
         let f = DeformationGradient::from_stretches([1.1, 0.97, 1.0]).expect("stretches");
         let particles = block(7, 5);
