@@ -573,7 +573,7 @@ def screen(
             raise InputError(f"{what} has the shape {array.shape}; expected ({particles},), a value for each particle")
         return array
 
-    fixed = of_particles(held, "held")
+    fixed = of_particles(None if held is None else np.asarray(held) * 1, "held")
     volume = of_particles(volumes, "volumes")
     nodes = None if elements is None else np.atleast_2d(numbers(elements, "elements"))
     if nodes is not None and not np.all((nodes >= 0) & (nodes < particles) & (nodes == np.floor(nodes))):

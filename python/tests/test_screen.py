@@ -1,0 +1,119 @@
+"""Screening of runs given as arrays."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import onset
+
+RUNS = Path(__file__).parents[2] / "runs"
+LAW = onset.Material("hypoelastic-jaumann", young=1, poisson=0.3, n=1)
+SPH = onset.Method(
+    "updated-sph",
+    lattice="square",
+    kernel="cubic-spline",
+    support=2.6,
+    momentum="symmetric",
+    density_evolution="continuity",
+    corrected=False,
+    viscosity=0.06,
+    viscosity_switch="averaged",
+)
+
+
+class Lazy:
+    """Frames that are made one by one."""
+
+    def __init__(self, array: Any) -> None:
+        self.array = array
+        self.read: list[int] = []
+
+    def __len__(self) -> int:
+        return len(self.array)
+
+    def __getitem__(self, frame: int) -> Any:
+        self.read.append(frame)
+        return self.array[frame]
+
+
+def tension() -> dict[str, Any]:
+    with np.load(RUNS / "tension.npz") as run:
+        return {name: run[name] for name in run}
+
+
+def screened(run: dict[str, Any], **more: Any) -> onset.Screening:
+    given = {"held": run["held"], "velocity": run["velocity"], "stress": run["stress"]}
+    scheme = {"time_step": 0.02, "stepping": "late-acceleration"}
+    return onset.screen(run["position"], run["reference"], run["time"], LAW, SPH, **{**given, **scheme, **more})
+
+
+def test_arrays_and_lazy_frames_have_one_answer() -> None:
+    run = tension()
+    # The last two frames have one time.
+    run = {name: value[:20] if name in ("position", "velocity", "stress", "time") else value for name, value in run.items()}
+    answer = screened(run)
+    assert (answer.cause, answer.mechanism) == ("numerical", "tensile")
+    assert 19 < answer.expected < 26
+    assert "First cause: the discretization (tensile instability)" in str(answer)
+    lazy = {name: Lazy(run[name]) for name in ("position", "velocity", "stress")}
+    other = screened({**run, **lazy}, fields=True)
+    assert other.json == answer.json
+    assert sorted(set(lazy["position"].read)) == list(range(20))
+    fields = other.fields()
+    assert fields["noise"].sizes == {"time": 20, "node": 400}
+    moments = answer.moments()
+    inside = fields["noise"].where(fields["noise"].max("time") < np.inf).max("node")
+    assert np.all(inside >= moments["observed"] - 1e-15)
+    with pytest.raises(onset.OnsetError, match="fields=True"):
+        answer.fields()
+
+
+def plate(side: int = 10) -> tuple[Any, Any]:
+    X = np.stack(np.meshgrid(np.arange(side), np.arange(side), indexing="ij"), -1).reshape(-1, 2).astype(float)
+    return X, np.stack([X * [1 + 0.001 * n, 1] for n in range(6)])
+
+
+def test_a_step_above_the_limit_of_the_body_is_reported() -> None:
+    X, x = plate()
+    method = onset.Method("total-lagrangian-sph", support=2.01, penalty=0.3)
+    answer = onset.screen(x, X, None, None, method, time_step=3.0)
+    assert answer.cause == "none"
+    assert float(answer.moments()["step_ratio"].min()) > 1
+
+
+def test_faults_name_the_argument() -> None:
+    X, x = plate()
+    with pytest.raises(onset.InputError, match=r"x\[2\] has values that are not finite"):
+        broken = x.copy()
+        broken[2, 0, 0] = np.nan
+        onset.screen(broken, X)
+    for given, message in [
+        ({"x": x[:, :, :1]}, r"x\[0\] has the shape \(100, 1\)"),
+        ({"X": X[:50]}, r"x\[0\] has the shape \(100, 2\); expected \(50, 2\)"),
+        ({"time": [0, 1]}, "time has the shape"),
+        ({"held": [True]}, "held has the shape"),
+        ({"stress": np.zeros((6, 100, 5))}, r"stress\[0\] has the shape"),
+        ({"elements": [[0, 1, 100]]}, "elements has numbers that are no particles"),
+        ({"stepping": "euler"}, "expected one of velocity-verlet"),
+        ({"region": ([0, 0], [-1])}, "is not a box"),
+        ({"x": x[:1]}, "growth needs at least two"),
+    ]:
+        with pytest.raises(onset.InputError, match=message):
+            onset.screen(**{"x": x, "X": X, **given})
+
+
+def test_exceptions_of_frames_are_raised_unchanged() -> None:
+    X, x = plate()
+
+    class Failing(Lazy):
+        def __getitem__(self, frame: int) -> Any:
+            if frame == 3:
+                raise OSError("the disk is gone")
+            return super().__getitem__(frame)
+
+    with pytest.raises(OSError, match="the disk is gone"):
+        onset.screen(Failing(x), X)
