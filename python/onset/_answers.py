@@ -667,7 +667,7 @@ class Screening(Answer):
         super().__init__(answer)
         object.__setattr__(self, "_kept", kept or [])
 
-    def moments(self) -> xarray.Dataset:
+    def to_xarray(self) -> xarray.Dataset:
         """Predictions and measurements over ``time``: amplitudes in spacings, rates in 1/time, ratios of the limits. Requires xarray.
 
         Raises

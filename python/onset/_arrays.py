@@ -203,7 +203,7 @@ def frames_of(
     def vectors(value: object, what: str, expected: int | None) -> Floats:
         array = numbers(value, what)  # type: ignore[arg-type]
         if array.ndim != 2 or array.shape[1] not in (dimension, 3) or expected not in (None, len(array)):
-            wanted = "particles" if expected is None else expected
+            wanted = expected or "particles"
             raise InputError(f"{what} has the shape {array.shape}; expected ({wanted}, {dimension}) or ({wanted}, 3)")
         full = np.zeros((len(array), 3))
         full[:, :dimension] = array[:, :dimension]
@@ -213,8 +213,11 @@ def frames_of(
 
     reference = vectors(x[0] if X is None else X, "x[0]" if X is None else "X", None)
     times = np.arange(count, dtype=float) if time is None else numbers(time, "time")
-    if times.shape != (count,) or not np.all(np.isfinite(times)) or not np.all(np.diff(times) > 0):
-        raise InputError(f"time has the shape {times.shape}; expected {count} ascending finite numbers, one for each frame")
+    if times.shape != (count,) or not np.all(np.isfinite(times)):
+        raise InputError(f"time has the shape {times.shape}; expected {count} finite numbers, one for each frame")
+    if np.any(np.diff(times) <= 0):
+        late = int(np.argmax(np.diff(times) <= 0)) + 1
+        raise InputError(f"time[{late}] is {times[late]!r}, not after {times[late - 1]!r}; expected ascending times")
 
     def gradients(value: object, what: str) -> Floats:
         array = numbers(value, what)  # type: ignore[arg-type]

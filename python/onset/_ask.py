@@ -514,8 +514,8 @@ def screen(
     particle. The cause is the first of lost ellipticity, a predicted amplitude above `threshold`, and a time step above the largest stable step of the
     body.
 
-    Frames are read one after the other as ``x[0]``, ``x[1]``, ..., so that `x`, `velocity`, `F` and `stress` may be arrays, memory maps, datasets of
-    h5py or zarr, or arrays of Dask, of which one frame is in memory.
+    Frames are read in turn as ``x[0]``, ``x[1]``, ..., and one frame is in memory. The arguments `x`, `velocity`, `F` and `stress` may be arrays, memory maps,
+    datasets of h5py or zarr, or arrays of Dask.
 
     Parameters
     ----------
@@ -541,7 +541,7 @@ def screen(
     elements
         Numbers of the nodes of each element, shape (elements, nodes). Elements then have the states.
     region
-        Lower and upper corner of a box of reference positions, to which the answer is restricted.
+        Lower and upper corner of a box of reference positions; other particles are not judged.
     time_step
         Time step of the code. Its limit is not judged if it is omitted.
     stepping
@@ -577,22 +577,22 @@ def screen(
     volume = of_particles(volumes, "volumes")
     nodes = None if elements is None else np.atleast_2d(numbers(elements, "elements"))
     if nodes is not None and not np.all((nodes >= 0) & (nodes < particles) & (nodes == np.floor(nodes))):
-        raise InputError(f"elements has numbers that are no particles; expected whole numbers from 0 to {particles - 1}")
+        raise InputError(f"elements refers to missing particles; expected whole numbers from 0 to {particles - 1}")
     corners = None if region is None else [typed(np.atleast_1d(numbers(corner, "region"))) for corner in region]
     kept: list[tuple[float, Mapping[str, bytes]]] = []
-    asked: dict[str, object] = {
-        "reference": reference.tolist(),
-        "held": [False] * particles if fixed is None else [bool(is_held) for is_held in fixed],
-        "volumes": None if volume is None else volume.tolist(),
-        "elements": None if nodes is None else nodes.astype(int).tolist(),
-        "region": None if corners is None else ":".join(corners),
-        "stress_given": given,
-        "time_step": None if time_step is None else positive(time_step, "time_step"),
-        "stepping": stepping,
-        "threshold": share(threshold, "threshold"),
-        "seed": None if seed is None else share(seed, "seed"),
-        "bin": share(bin, "bin"),
-    }
+    asked: dict[str, object] = dict(
+        reference=reference.tolist(),
+        held=[False] * particles if fixed is None else [bool(is_held) for is_held in fixed],
+        volumes=None if volume is None else volume.tolist(),
+        elements=None if nodes is None else nodes.astype(int).tolist(),
+        region=None if corners is None else ":".join(corners),
+        stress_given=given,
+        time_step=None if time_step is None else positive(time_step, "time_step"),
+        stepping=stepping,
+        threshold=share(threshold, "threshold"),
+        seed=None if seed is None else share(seed, "seed"),
+        bin=share(bin, "bin"),
+    )
     take = (lambda _, now, found: kept.append((now, found))) if switch(fields, "fields") else None
     return Screening(_onset.screen(problem, asked, count, give, take), kept)
 

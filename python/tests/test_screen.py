@@ -65,7 +65,7 @@ def test_arrays_and_lazy_frames_have_one_answer() -> None:
     assert sorted(set(lazy["position"].read)) == list(range(20))
     fields = other.fields()
     assert fields["noise"].sizes == {"time": 20, "node": 400}
-    moments = answer.moments()
+    moments = answer.to_xarray()
     inside = fields["noise"].where(fields["noise"].max("time") < np.inf).max("node")
     assert np.all(inside >= moments["observed"] - 1e-15)
     with pytest.raises(onset.OnsetError, match="fields=True"):
@@ -82,7 +82,7 @@ def test_a_step_above_the_limit_of_the_body_is_reported() -> None:
     method = onset.Method("total-lagrangian-sph", support=2.01, penalty=0.3)
     answer = onset.screen(x, X, None, None, method, time_step=3.0)
     assert answer.cause == "none"
-    assert float(answer.moments()["step_ratio"].min()) > 1
+    assert float(answer.to_xarray()["step_ratio"].min()) > 1
 
 
 def test_faults_name_the_argument() -> None:
@@ -95,9 +95,11 @@ def test_faults_name_the_argument() -> None:
         ({"x": x[:, :, :1]}, r"x\[0\] has the shape \(100, 1\)"),
         ({"X": X[:50]}, r"x\[0\] has the shape \(100, 2\); expected \(50, 2\)"),
         ({"time": [0, 1]}, "time has the shape"),
+        ({"time": [0, 1, 1, 2, 3, 4]}, r"time\[2\] is .*1.0.*, not after"),
+        ({"X": 3 * X}, "the spacing of the particles is 3"),
         ({"held": [True]}, "held has the shape"),
         ({"stress": np.zeros((6, 100, 5))}, r"stress\[0\] has the shape"),
-        ({"elements": [[0, 1, 100]]}, "elements has numbers that are no particles"),
+        ({"elements": [[0, 1, 100]]}, "elements refers to missing particles"),
         ({"stepping": "euler"}, "expected one of velocity-verlet"),
         ({"region": ([0, 0], [-1])}, "is not a box"),
         ({"x": x[:1]}, "growth needs at least two"),

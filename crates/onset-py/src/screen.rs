@@ -69,7 +69,7 @@ fn keep(py: Python<'_>, take: &Py<PyAny>, snapshot: &Snapshot<'_>) -> PyResult<(
     Ok(())
 }
 
-/// Screens a run of `count` frames. `give` returns the fields of a frame, and `take` receives what follows from them.
+/// Screens a run of `count` frames. `give` returns the fields of a frame, and `take` receives the results.
 #[pyfunction]
 pub fn screen(
     py: Python<'_>,

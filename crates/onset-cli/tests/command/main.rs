@@ -41,6 +41,7 @@ mod printing;
 mod readme;
 mod refusals;
 mod renamed;
+mod screen;
 mod settings;
 mod space;
 #[cfg(target_os = "linux")]

@@ -25,6 +25,9 @@ pub(super) struct Agreement {
     frames: usize,
 }
 
+/// Way to read a gradient in a file.
+type Reading<'r> = &'r dyn Fn(&Matrix3<f64>) -> Option<Matrix3<f64>>;
+
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.retain(|value| value.is_finite());
     values.sort_by(f64::total_cmp);
@@ -68,7 +71,7 @@ impl Agreement {
         if pairs.is_empty() {
             return;
         }
-        let difference = |of: &dyn Fn(&Matrix3<f64>) -> Option<Matrix3<f64>>| {
+        let difference = |of: Reading<'_>| {
             let each = pairs.iter().filter_map(|(given, found)| {
                 let strain = (found - Matrix3::identity()).norm();
                 Some((given - of(found)?).norm() / strain)
@@ -76,7 +79,7 @@ impl Agreement {
             median(each.collect()).unwrap_or(f64::INFINITY)
         };
         let own = difference(&|f| Some(*f));
-        let readings: [(&str, &dyn Fn(&Matrix3<f64>) -> Option<Matrix3<f64>>); 4] = [
+        let readings: [(&str, Reading<'_>); 4] = [
             ("the identity", &|_| Some(Matrix3::identity())),
             ("their transposes", &|f| Some(f.transpose())),
             (

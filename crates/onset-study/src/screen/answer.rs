@@ -25,6 +25,8 @@ const AT_THE_LIMIT: f64 = 0.02;
 const SAFE: f64 = 0.9;
 /// Largest relative frequency of a wave without energy.
 const NO_ENERGY: f64 = 1e-6;
+/// Smallest growth of short waves that are still below the threshold but follow a prediction.
+const RISEN: f64 = 10.0;
 /// Largest delay of a prediction after the observation, as a share of the time until then.
 const LATE: f64 = 0.35;
 
@@ -207,10 +209,10 @@ impl ScreenAnswer {
         sink: Sink<'_>,
     ) -> Result<Self, ScreenError> {
         let spacing = problem.analysis.spacing();
-        if let Some(found) = recording
-            .map(|own| own.spacing)
-            .filter(|found| !(found / spacing > 0.8 && found / spacing < 1.25))
-        {
+        let measured = || run.spacing(problem.dimension());
+        let found = recording.map_or_else(measured, |own| own.spacing);
+        let is_near = found / spacing > 0.8 && found / spacing < 1.25;
+        if !is_near {
             return Err(ScreenError::Run {
                 what: format!(
                     "the spacing of the particles is {} in the file and {} in the settings",
@@ -245,8 +247,11 @@ impl ScreenAnswer {
         let grown = course.grown.as_ref().map(|(event, _)| event.time);
         let lost = course.lost.as_ref().map(|event| event.time);
         // An instability that is predicted long after the first short waves is not their cause.
-        let is_in_time = |time: f64| {
-            observed.is_some_and(|observed| time <= observed + LATE * (observed - start))
+        let last = course.moments.last();
+        let is_rising = last.is_some_and(|last| last.observed_mean > RISEN * course.seed);
+        let is_in_time = |time: f64| match observed {
+            Some(observed) => time <= observed + LATE * (observed - start),
+            None => is_rising,
         };
         let causes = [
             (
@@ -403,16 +408,17 @@ impl ScreenAnswer {
                 .iter()
                 .find(|own| own.predicted > 1.5 * self.seed);
             let shown = self.observed.as_ref().and_then(|event| moment(event.time));
-            if let (Some(begun), Some(shown)) = (begun, shown) {
-                if begun.observed_mean > 0.0 && shown.time > begun.time {
-                    evidence.push(format!(
-                        "short waves grew by e^{:.1} from t = {} to {}, predicted e^{:.1}",
-                        (shown.observed_mean / begun.observed_mean).ln(),
-                        told(begun.time),
-                        told(shown.time),
-                        (shown.predicted / begun.predicted).ln()
-                    ));
-                }
+            if let (Some(begun), Some(shown)) = (begun, shown)
+                && begun.observed_mean > 0.0
+                && shown.time > begun.time
+            {
+                evidence.push(format!(
+                    "short waves grew by e^{:.1} from t = {} to {}, predicted e^{:.1}",
+                    (shown.observed_mean / begun.observed_mean).ln(),
+                    told(begun.time),
+                    told(shown.time),
+                    (shown.predicted / begun.predicted).ln()
+                ));
             }
             if let (Some(fine), Some(wide)) = (self.expected, self.expected_in_wide_bins) {
                 evidence.push(format!(
@@ -443,21 +449,21 @@ impl ScreenAnswer {
                 told(limit.least)
             ));
         }
-        if self.cause != Cause::Numerical {
-            if let Some(time) = grown {
-                evidence.push(format!(
-                    "growing waves of the discretization are expected to show at t = {}",
-                    told(time)
-                ));
-            }
+        if self.cause != Cause::Numerical
+            && let Some(time) = grown
+        {
+            evidence.push(format!(
+                "growing waves of the discretization are expected to show at t = {}",
+                told(time)
+            ));
         }
-        if self.cause != Cause::TimeStep {
-            if let Some(time) = by_step {
-                evidence.push(format!(
-                    "the time step is expected to show at t = {}",
-                    told(time)
-                ));
-            }
+        if self.cause != Cause::TimeStep
+            && let Some(time) = by_step
+        {
+            evidence.push(format!(
+                "the time step is expected to show at t = {}",
+                told(time)
+            ));
         }
         if self.observed.is_none() {
             let most = self
@@ -517,13 +523,13 @@ impl ScreenAnswer {
                 counted(points[1], "point")
             ));
         }
-        if let Some(event) = &self.observed {
-            if event.time < end {
-                limits.push(format!(
-                    "after t = {} the neighbors are not those of the reference configuration",
-                    told(event.time)
-                ));
-            }
+        if let Some(event) = &self.observed
+            && event.time < end
+        {
+            limits.push(format!(
+                "after t = {} the neighbors are not those of the reference configuration",
+                told(event.time)
+            ));
         }
         if problem.material.is_path_dependent() {
             limits.push("each state is reached on a proportional path".to_owned());
@@ -557,7 +563,7 @@ impl ScreenAnswer {
                 "observed from the first frame on, t = {}",
                 short(event.time)
             ),
-            None => "not yet in the positions".to_owned(),
+            None => format!("still below {} spacings at the end", short(self.threshold)),
         };
         let expected = self.expected.map_or("?".to_owned(), short);
         let limit = match (self.at_the_limit, self.cause) {

@@ -410,6 +410,16 @@ impl Recording {
                         "give the held particles by a box: --held LOW1,LOW2:HIGH1,HIGH2",
                     ));
                 };
+                if !kinds.contains(kind) {
+                    let mut all = kinds.clone();
+                    all.sort_unstable();
+                    all.dedup();
+                    let all: Vec<String> = all.iter().take(20).map(i64::to_string).collect();
+                    return Err(wrong(
+                        format!("no particle has the type {kind}"),
+                        format!("the types are {}", all.join(", ")),
+                    ));
+                }
                 self.held_by = format!("type {kind}");
                 Ok(kinds.iter().map(|own| own == kind).collect())
             }
@@ -543,7 +553,7 @@ fn elements(cells: &Cells, dimension: usize) -> Vec<Vec<usize>> {
 }
 
 /// Median distance of nearest neighbors; length.
-fn spacing(reference: &[[f64; 3]], dimension: usize) -> f64 {
+pub(super) fn spacing(reference: &[[f64; 3]], dimension: usize) -> f64 {
     let low: [f64; 3] =
         std::array::from_fn(|i| reference.iter().map(|x| x[i]).fold(f64::INFINITY, f64::min));
     let high: [f64; 3] = std::array::from_fn(|i| {

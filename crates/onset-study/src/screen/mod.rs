@@ -96,6 +96,13 @@ pub struct Run {
     pub region: Option<Region>,
 }
 
+impl Run {
+    /// Median distance of nearest neighbors in the reference configuration; length.
+    pub fn spacing(&self, dimension: usize) -> f64 {
+        input::spacing(&self.reference, dimension)
+    }
+}
+
 /// Positions of the particles at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {

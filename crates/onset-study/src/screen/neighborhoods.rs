@@ -9,6 +9,8 @@ const RIM: f64 = 1e-9;
 /// Smallest ratio of the singular values of neighbors that determine a gradient.
 const SINGULAR: f64 = 1e-6;
 
+/// Smallest ratio of the eigenvalues of normal equations that determine a polynomial.
+const REGULAR: f64 = 1e-4;
 /// Largest mean position of the neighbors over their mean distance in a neighborhood that no face cuts.
 const CUT: f64 = 0.2;
 
@@ -38,7 +40,8 @@ fn fitted(vectors: &[Vector3<f64>], dimension: usize) -> Option<Vec<(Vector3<f64
         moment[(axis, axis)] = scale;
     }
     let values = moment.symmetric_eigenvalues();
-    if !(values.min() > SINGULAR * values.max()) {
+    let is_regular = values.min() > SINGULAR * values.max();
+    if !is_regular {
         return None;
     }
     let inverse = moment.try_inverse()?;
@@ -79,7 +82,8 @@ fn value_at_origin(vectors: &[Vector3<f64>], dimension: usize, order: usize) -> 
         }
     }
     let values = normal.symmetric_eigenvalues();
-    if !(values.min() > 1e-4 * values.max()) {
+    let is_regular = values.min() > REGULAR * values.max();
+    if !is_regular {
         return None;
     }
     let first = normal.try_inverse()?.row(0).into_owned();

@@ -74,7 +74,8 @@ fn coarse_zone(problem: &Problem) -> Vec<Vec<f64>> {
 
 /// Stretch tensor `U` of `F = R U`; `None` unless `det F` is positive.
 pub(super) fn without_rotation(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
-    if !(f.determinant() > 0.0) {
+    let is_proper = f.determinant() > 0.0;
+    if !is_proper {
         return None;
     }
     let eigen = (f.transpose() * f).symmetric_eigen();

@@ -241,10 +241,10 @@ impl<const D: usize> Analysis for Body<D> {
         let at = |k: &Vec<f64>| {
             let k = vector(k);
             let mut parts = WaveParts::of_positions(whole.dynamical_matrix_at(&k));
-            if let StateWaves::System(system) = &whole {
-                if let Some(damping) = system.0.damping_at(&k) {
-                    parts.damping = damping;
-                }
+            if let StateWaves::System(system) = &whole
+                && let Some(damping) = system.0.damping_at(&k)
+            {
+                parts.damping = damping;
             }
             if let Some(carried) = &carried {
                 let all = carried.all.dynamical_matrix_at(&k);
