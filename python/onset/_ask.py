@@ -514,7 +514,7 @@ def screen(
     particle. The cause is the first of lost ellipticity, a predicted amplitude above `threshold`, and a time step above the largest stable step of the
     body.
 
-    Frames are read in turn as ``x[0]``, ``x[1]``, ..., and one frame is in memory. The arguments `x`, `velocity`, `F` and `stress` may be arrays, memory maps,
+    Frames are read one by one as ``x[0]``, ``x[1]``, ..., and one frame is in memory. The arguments `x`, `velocity`, `F` and `stress` may be arrays, memory maps,
     datasets of h5py or zarr, or arrays of Dask.
 
     Parameters

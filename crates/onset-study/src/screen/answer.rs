@@ -279,8 +279,11 @@ impl ScreenAnswer {
         };
         let step = question.time_step;
         let at_limit_of_step = course.step.as_ref().zip(step).is_some_and(|(limit, step)| {
+            // The limit of the undeformed body, and the least during the run.
+            let limits = limit.least..=limit.body.unwrap_or(limit.lattice).max(limit.least);
             matches!(cause, Cause::None | Cause::TimeStep | Cause::Forced)
-                && (step / limit.least - 1.0).abs() < AT_THE_LIMIT
+                && step > (1.0 - AT_THE_LIMIT) * limits.start()
+                && step < (1.0 + AT_THE_LIMIT) * limits.end()
         });
         // Short waves distort the gradients.
         let until = observed.unwrap_or(f64::INFINITY);
@@ -566,10 +569,17 @@ impl ScreenAnswer {
             None => format!("still below {} spacings at the end", short(self.threshold)),
         };
         let expected = self.expected.map_or("?".to_owned(), short);
-        let limit = match (self.at_the_limit, self.cause) {
-            (false, _) => "",
-            (true, Cause::None) => " It is at the limit: two percent decide.",
-            (true, _) => " The time step is at the limit: two percent decide.",
+        let step = question.time_step.zip(self.time_step.as_ref());
+        let above = step.filter(|(_, limit)| limit.exceeded.is_some());
+        let limit = match (self.at_the_limit, self.cause, above) {
+            (false, Cause::None | Cause::Forced, Some((step, limit))) => format!(
+                " The time step {} is above the largest stable one, {}, without a trace in the positions so far.",
+                told(step),
+                short(limit.least)
+            ),
+            (false, ..) => String::new(),
+            (true, Cause::None, None) => " The run is at the limit: two percent decide.".to_owned(),
+            (true, ..) => " The time step is at the limit: two percent decide.".to_owned(),
         };
         let sentence = match self.cause {
             Cause::Physical => format!(
@@ -618,7 +628,7 @@ impl ScreenAnswer {
             ),
             Cause::None => "No instability: short waves stay below the threshold, and the material stays strongly elliptic.".to_owned(),
         };
-        sentence + limit
+        sentence + &limit
     }
 
     /// Table of the frames.
