@@ -573,7 +573,7 @@ impl ScreenAnswer {
         let above = step.filter(|(_, limit)| limit.exceeded.is_some());
         let limit = match (self.at_the_limit, self.cause, above) {
             (false, Cause::None | Cause::Forced, Some((step, limit))) => format!(
-                " The time step {} is above the largest stable one, {}, without a trace in the positions so far.",
+                " The time step {} is above the largest stable one, {}, although the positions show nothing yet.",
                 told(step),
                 short(limit.least)
             ),
