@@ -433,7 +433,7 @@ pub enum Command {
     ///
     /// Reads the output files of a run, the law and the method, and follows all particles through time. The cause is the material (physical), the
     /// discretization (numerical, zero-energy), the time step, or a motion that is forced. Formats: LAMMPS text dumps, VTU, VTP and PVD, NumPy
-    /// arrays, CSV.
+    /// arrays, extended XYZ, CSV.
     #[command(after_help = SCREEN_EXAMPLES, after_long_help = with_keys(SCREEN_EXAMPLES, &keys()))]
     Screen(Box<ScreenArguments>),
     /// Simulate the particles of a periodic patch or of a body, step by step

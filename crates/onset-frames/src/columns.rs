@@ -144,6 +144,7 @@ fn rules(quantity: Quantity) -> &'static [Rule] {
             Base("velocity"),
             Base("velocities"),
             Base("vel"),
+            Base("velo"),
             Names(["vx", "vy", "vz"]),
             Base("v"),
             Base("V"),

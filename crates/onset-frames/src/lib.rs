@@ -12,6 +12,7 @@
 //! | LAMMPS text dump | `ITEM:` in the first line |
 //! | VTK XML (`.vtu`, `.vtp`, `.pvtu`, `.pvtp`, `.pvd`) | `<VTKFile` |
 //! | NumPy (`.npz`, `.npy`) | signature |
+//! | extended XYZ (`.xyz`) | number of particles in the first line |
 //! | table (`.csv`, `.tsv`) | any other text |
 //!
 //! Text may be compressed with gzip.

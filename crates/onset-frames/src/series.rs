@@ -2,7 +2,7 @@
 
 use crate::columns::{ColumnUse, Plan};
 use crate::error::{FrameError, word};
-use crate::formats::{Source, Stamp, lammps, numpy, table, vtk};
+use crate::formats::{Source, Stamp, lammps, numpy, table, vtk, xyz};
 use crate::frame::Frame;
 use crate::reading::{Quantity, Reading};
 use crate::text::head;
@@ -19,6 +19,8 @@ pub enum Format {
     Vtk,
     /// Arrays of NumPy, one file or an archive of several.
     Numpy,
+    /// Extended XYZ.
+    Xyz,
     /// Table with names of columns.
     Table,
 }
@@ -30,6 +32,7 @@ impl Format {
             Self::Lammps => "LAMMPS dump",
             Self::Vtk => "VTK XML",
             Self::Numpy => "NumPy arrays",
+            Self::Xyz => "extended XYZ",
             Self::Table => "table",
         }
     }
@@ -54,10 +57,19 @@ impl Format {
                 "the file is of the legacy format of VTK",
                 "convert it to .vtu, for example with meshio or ParaView",
             ),
+            _ if start.starts_with(b"\x89HDF") => refused(
+                "the file is of the format HDF5",
+                "read its arrays with h5py and pass them to onset.screen in Python, or save them with numpy.savez",
+            ),
+            _ if start.starts_with(b"\x28\xb5\x2f\xfd") => refused(
+                "the file is compressed with zstd",
+                "decompress it, or compress it with gzip",
+            ),
             _ if text.contains(&0) || start.starts_with(b"\x80") => refused(
                 "the file is binary, of an unknown format",
-                "known formats: LAMMPS text dump, VTK XML, NumPy arrays without pickle, CSV",
+                "known formats: LAMMPS text dump, VTK XML, NumPy arrays without pickle, extended XYZ, CSV",
             ),
+            _ if xyz::is_start(text) => Ok(Self::Xyz),
             _ => Ok(Self::Table),
         }
     }
@@ -151,6 +163,7 @@ impl Series {
             Format::Lammps => lammps::open(&files, reading),
             Format::Vtk => vtk::open(&files, reading),
             Format::Numpy => numpy::open(&files, reading),
+            Format::Xyz => xyz::open(&files, reading),
             Format::Table => table::open(&files, reading),
         }?;
         let mut ignored = opened.ignored;

@@ -21,6 +21,7 @@ impl Random {
 
 const DUMP: &str = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS xy xz yz pp pp ss\n0 1 0.1\n0 1 0\n0 1 0\nITEM: ATOMS id type xs ys zs ix iy iz c_S[1] c_S[2] c_S[3]\n1 1 0 0 0 0 0 0 1 2 3\n2 1 0.5 0 0 1 0 0 1 2 3\n";
 const TABLE: &str = "# run\ntime,id,x,y,stress_xx,stress_yy,stress_xy,\"held\"\n0,1,0,0,1,2,3,0\n0,2,1,0,1,2,3,1\n1,1,0,0,1,2,3,0\n1,2,1.5,0,1,2,3,1\n";
+const XYZ: &str = "2\nLattice=\"10 0 0 0 10 0 0 0 1\" Properties=species:S:1:pos:R:3:id:I:1 Time=0.5\nA 0 0 0 1\nB 1 0 0 2\n";
 /// Words that change the meaning of counts and names.
 const WORDS: [&str; 14] = [
     "0",
@@ -87,6 +88,7 @@ fn damaged_files_give_frames_or_an_error() {
     let files: Vec<(&str, Vec<u8>)> = vec![
         ("a.dump", DUMP.repeat(2).into_bytes()),
         ("a.csv", TABLE.into()),
+        ("a.xyz", XYZ.repeat(2).into_bytes()),
         ("a.dump.gz", read("small.dump.gz")),
         ("a.npz", read("small.npz")),
         ("b.npz", read("stored.npz")),

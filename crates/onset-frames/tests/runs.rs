@@ -322,3 +322,48 @@ fn pickled_arrays_and_other_formats_are_refused_with_a_hint() {
     #[cfg(unix)]
     assert!(refused("/dev/zero".into(), &Reading::default()).contains("not a regular file"));
 }
+
+#[test]
+fn formats_that_are_not_read_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, start, told) in [
+        ("run.h5", &b"\x89HDF\r\n\x1a\n"[..], "h5py"),
+        ("run.dump.zst", &b"\x28\xb5\x2f\xfd"[..], "zstd"),
+    ] {
+        let path = written(&folder, name, [start, &[0; 64]].concat());
+        assert!(refused(path, &Reading::default()).contains(told));
+    }
+}
+
+#[test]
+fn extended_xyz_has_properties_times_and_a_box() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let frame = |time: f64, x: f64| {
+        format!(
+            "2\nLattice=\"10 0 0 0 10 0 0 0 1\" Properties=species:S:1:pos:R:3:velo:R:3:id:I:1:F:R:9 Time={time} pbc=\"F F T\"\n\
+             A {x} 0.5 0 1 2 0 7 1 0.1 0 0 1 0 0 0 1\nB 1.25 0.5 0 1 2 0 3 1 0 0 0.2 1 0 0 0 1\n"
+        )
+    };
+    let text = frame(0.0, 0.25) + &frame(0.5, 0.375) + "2\nProperties=pos:R:3 Time=1\n1 1 1\n";
+    let path = written(&folder, "run.xyz", text);
+    let series = Series::open(&[path], &Reading::default()).expect("a series");
+    assert_eq!(series.recognized().format, Format::Xyz);
+    assert_eq!(series.recognized().digits, Some(3));
+    assert!(series.recognized().ignored[0].contains("cut off"));
+    let frames = all(series);
+    assert_eq!(frames.len(), 2);
+    let last = &frames[1];
+    assert_eq!(
+        (last.time, last.position[0]),
+        (Some(0.5), [0.375, 0.5, 0.0])
+    );
+    assert_eq!(last.identity.as_deref(), Some(&[7, 3][..]));
+    assert_eq!(
+        last.velocity.as_ref().expect("velocities")[1],
+        [1.0, 2.0, 0.0]
+    );
+    assert_eq!(last.gradient.as_ref().expect("gradients")[0][1], 0.1);
+    assert_eq!(last.bounds.expect("a box").periodic, [false, false, true]);
+    let path = written(&folder, "bad2.xyz", "1\nProperties=pos:R:x\n1 1 1\n");
+    assert!(refused(path, &Reading::default()).contains("Properties=NAME:TYPE:NUMBER"));
+}

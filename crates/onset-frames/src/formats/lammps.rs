@@ -1,11 +1,12 @@
 //! Text dumps of LAMMPS: `ITEM:` lines, then a row for each atom.
 
-use super::{Opened, Source, Stamp};
-use crate::columns::{Available, Dialect, Plan};
+use super::blocks::{self, Head};
+use super::{Opened, Stamp};
+use crate::columns::Dialect;
 use crate::error::{FrameError, Place};
 use crate::frame::{Bounds, Frame};
-use crate::reading::{Quantity, Reading};
-use crate::text::{Digits, Lines, Mark, Rows, words};
+use crate::reading::Reading;
+use crate::text::{Lines, words};
 use std::path::PathBuf;
 
 const HINT: &str = "give a text dump of the style custom; binary dumps are not read";
@@ -20,181 +21,123 @@ struct Header {
     names: Vec<String>,
 }
 
-struct Dump {
-    reading: Reading,
-    paths: Vec<PathBuf>,
-    /// File, place and number of each frame in its file.
-    frames: Vec<(usize, Mark, usize)>,
-    open: Option<(usize, Lines)>,
-    plan: Plan,
-    is_shuffled: bool,
+/// Opens text dumps.
+pub(crate) fn open(paths: &[PathBuf], reading: &Reading) -> Result<Opened, FrameError> {
+    blocks::open::<Header>(paths, reading)
 }
 
-pub(crate) fn open(paths: &[PathBuf], reading: &Reading) -> Result<Opened, FrameError> {
-    let (mut frames, mut stamps, mut ignored) = (Vec::new(), Vec::new(), Vec::new());
-    let mut plan: Option<Plan> = None;
-    let mut digits = Digits::default();
-    for (file, path) in paths.iter().enumerate() {
-        let mut lines = Lines::open(path, reading.limits)?;
-        for number in 0.. {
-            let mark = lines.mark();
-            let Some(header) = header(&mut lines, number)? else {
-                if lines.mark() != mark {
-                    ignored.push(cut(path, number));
+impl Head for Header {
+    const DIALECT: Dialect = Dialect::Lammps;
+    const HINT: &'static str = HINT;
+
+    fn read(lines: &mut Lines, frame: usize) -> Result<Option<Self>, FrameError> {
+        let mut header = Self::default();
+        let mut is_numbered = false;
+        loop {
+            if !lines.next_whole()? {
+                return Ok(None);
+            }
+            let Some(item) = lines.line().strip_prefix(b"ITEM: ") else {
+                if !is_numbered && lines.line().trim_ascii().is_empty() {
+                    continue;
                 }
-                break;
-            };
-            if header.count > reading.limits.particles as u64 {
-                return Err(too_many(lines.place(), header.count, reading));
-            }
-            if plan.is_none() {
-                let own = planned(&header, reading, &lines.place())?;
-                digits.columns = own.columns_of(Quantity::Position);
-                plan = Some(own);
-            }
-            // Rows in all parts of the frame: particles of the same part often have the same coordinates.
-            let stride = header.count / Digits::ROWS + 1;
-            let mut rest = header.count;
-            let mut is_complete = true;
-            while is_complete && rest > 0 {
-                is_complete = lines.next_whole()?;
-                digits.read(words(lines.line()));
-                let skipped = (stride - 1).min(rest - 1);
-                is_complete = is_complete && lines.skip(skipped)?;
-                rest -= 1 + skipped;
-            }
-            if !is_complete {
-                ignored.push(cut(path, number));
-                break;
-            }
-            if frames.len() >= reading.limits.frames {
-                return Err(FrameError::refused(
+                let expected = format!("`ITEM:` of frame {frame}");
+                return Err(FrameError::unexpected(
                     lines.place(),
-                    format!("more than {} frames", reading.limits.frames),
-                    "split the file, or write fewer frames",
+                    expected,
+                    lines.line(),
+                    HINT,
                 ));
+            };
+            let item = String::from_utf8_lossy(item).into_owned();
+            let mut parts = item.split_ascii_whitespace();
+            match parts.next() {
+                Some("ATOMS") => {
+                    header.names = parts.map(str::to_owned).collect();
+                    if !is_numbered || header.names.is_empty() {
+                        return Err(FrameError::wrong(
+                            lines.place(),
+                            "`ITEM: NUMBER OF ATOMS` before, and names of columns after `ITEM: ATOMS`",
+                            HINT,
+                        ));
+                    }
+                    return Ok(Some(header));
+                }
+                Some("BOX") => {
+                    let flags: Vec<&str> = parts.skip(1).collect();
+                    match bounds(lines, &flags)? {
+                        Some(bounds) => header.bounds = bounds,
+                        None => return Ok(None),
+                    }
+                }
+                name => {
+                    let name = name.unwrap_or_default().to_owned();
+                    if !lines.next_whole()? {
+                        return Ok(None);
+                    }
+                    let text = String::from_utf8_lossy(lines.line().trim_ascii());
+                    let wrong = |expected: &str| {
+                        FrameError::unexpected(lines.place(), expected, text.as_bytes(), HINT)
+                    };
+                    match name.as_str() {
+                        "TIMESTEP" => {
+                            header.step = text
+                                .parse()
+                                .map_err(|_| wrong("the number of a time step"))?;
+                        }
+                        "NUMBER" => {
+                            header.count =
+                                text.parse().map_err(|_| wrong("the number of atoms"))?;
+                            is_numbered = true;
+                        }
+                        "TIME" => {
+                            header.time = Some(text.parse().map_err(|_| wrong("a time"))?);
+                        }
+                        // UNITS, and items of later versions with one line.
+                        _ => {}
+                    }
+                }
             }
-            frames.push((file, mark, number));
-            stamps.push(Stamp {
-                time: header
-                    .time
-                    .or_else(|| Some(header.step as f64 * reading.time_step?)),
-                step: Some(header.step),
-            });
         }
     }
-    let Some(plan) = plan else {
-        return Err(FrameError::wrong(
-            Place::file(&paths[0]),
-            "at least one complete frame",
-            HINT,
-        ));
-    };
-    let source = Dump {
-        reading: reading.clone(),
-        paths: paths.to_vec(),
-        frames,
-        open: None,
-        plan: plan.clone(),
-        is_shuffled: false,
-    };
-    Ok(Opened {
-        source: Box::new(source),
-        stamps,
-        plan,
-        digits: Some(digits.most).filter(|digits| *digits > 0),
-        ignored,
-    })
-}
 
-fn cut(path: &std::path::Path, frame: usize) -> String {
-    format!("{} is cut off in the frame", Place::frame(path, frame))
-}
+    fn count(&self) -> u64 {
+        self.count
+    }
 
-fn too_many(place: Place, count: u64, reading: &Reading) -> FrameError {
-    FrameError::refused(
-        place,
-        format!(
-            "{count} particles; the limit is {}",
-            reading.limits.particles
-        ),
-        "give a smaller region of the simulation, or raise the limit",
-    )
-}
+    fn names(&self) -> &[String] {
+        &self.names
+    }
 
-fn planned(header: &Header, reading: &Reading, place: &Place) -> Result<Plan, FrameError> {
-    let available = header.names.iter().map(Available::scalar).collect();
-    Plan::of(available, reading, Dialect::Lammps, place)
-}
-
-/// Reads the lines before the rows, or returns `None` at the end of the file.
-fn header(lines: &mut Lines, frame: usize) -> Result<Option<Header>, FrameError> {
-    let mut header = Header::default();
-    let mut is_numbered = false;
-    loop {
-        if !lines.next_whole()? {
-            return Ok(None);
+    fn stamp(&self) -> Stamp {
+        Stamp {
+            time: self.time,
+            step: Some(self.step),
         }
-        let Some(item) = lines.line().strip_prefix(b"ITEM: ") else {
-            if !is_numbered && lines.line().trim_ascii().is_empty() {
-                continue;
-            }
-            let expected = format!("`ITEM:` of frame {frame}");
-            return Err(FrameError::unexpected(
-                lines.place(),
-                expected,
-                lines.line(),
-                HINT,
-            ));
-        };
-        let item = String::from_utf8_lossy(item).into_owned();
-        let mut parts = item.split_ascii_whitespace();
-        match parts.next() {
-            Some("ATOMS") => {
-                header.names = parts.map(str::to_owned).collect();
-                if !is_numbered || header.names.is_empty() {
-                    return Err(FrameError::wrong(
-                        lines.place(),
-                        "`ITEM: NUMBER OF ATOMS` before, and names of columns after `ITEM: ATOMS`",
-                        HINT,
-                    ));
-                }
-                return Ok(Some(header));
-            }
-            Some("BOX") => {
-                let flags: Vec<&str> = parts.skip(1).collect();
-                match bounds(lines, &flags)? {
-                    Some(bounds) => header.bounds = bounds,
-                    None => return Ok(None),
-                }
-            }
-            name => {
-                let name = name.unwrap_or_default().to_owned();
-                if !lines.next_whole()? {
-                    return Ok(None);
-                }
-                let text = String::from_utf8_lossy(lines.line().trim_ascii());
-                let wrong = |expected: &str| {
-                    FrameError::unexpected(lines.place(), expected, text.as_bytes(), HINT)
-                };
-                match name.as_str() {
-                    "TIMESTEP" => {
-                        header.step = text
-                            .parse()
-                            .map_err(|_| wrong("the number of a time step"))?;
-                    }
-                    "NUMBER" => {
-                        header.count = text.parse().map_err(|_| wrong("the number of atoms"))?;
-                        is_numbered = true;
-                    }
-                    "TIME" => {
-                        header.time = Some(text.parse().map_err(|_| wrong("a time"))?);
-                    }
-                    // UNITS, and items of later versions with one line.
-                    _ => {}
-                }
-            }
-        }
+    }
+
+    fn extra(&self) -> Vec<usize> {
+        self.images().into_iter().flatten().collect()
+    }
+
+    fn finish(
+        &self,
+        frame: &mut Frame,
+        columns: &[usize],
+        values: &[Vec<f64>],
+    ) -> Result<(), FrameError> {
+        let place = frame.source.clone();
+        unscale(frame, self, columns, &place)?;
+        unwrap(frame, self, columns, &self.images(), values);
+        frame.bounds = self.bounds;
+        Ok(())
+    }
+}
+
+impl Header {
+    /// Columns of the image flags.
+    fn images(&self) -> [Option<usize>; 3] {
+        ["ix", "iy", "iz"].map(|name| self.names.iter().position(|own| own == name))
     }
 }
 
@@ -247,81 +190,6 @@ fn bounds(lines: &mut Lines, flags: &[&str]) -> Result<Option<Option<Bounds>>, F
         tilt,
         periodic,
     })))
-}
-
-impl Dump {
-    fn lines(&mut self, file: usize) -> Result<&mut Lines, FrameError> {
-        if self.open.as_ref().is_none_or(|(own, _)| *own != file) {
-            let mut lines = Lines::open(&self.paths[file], self.reading.limits)?;
-            if self.is_shuffled {
-                lines.unpack()?;
-            }
-            self.open = Some((file, lines));
-        }
-        match &mut self.open {
-            Some((_, lines)) => Ok(lines),
-            None => unreachable!("opened above"),
-        }
-    }
-}
-
-impl Source for Dump {
-    fn shuffle(&mut self) -> Result<(), FrameError> {
-        self.is_shuffled = true;
-        self.open = None;
-        Ok(())
-    }
-
-    fn read(&mut self, frame: usize) -> Result<Frame, FrameError> {
-        let (file, mark, number) = self.frames[frame];
-        let changed = |place| {
-            FrameError::refused(
-                place,
-                "the file has changed since it was opened",
-                "wait until the simulation has ended",
-            )
-        };
-        let lines = self.lines(file)?;
-        lines.go_to(mark)?;
-        let start = Place {
-            line: Some(mark.lines + 1),
-            ..Place::frame(lines.path(), number)
-        };
-        let Some(header) = header(lines, number)? else {
-            return Err(changed(start));
-        };
-        let names = lines.place();
-        if !self.plan.is_for_names(&header.names) {
-            self.plan = planned(&header, &self.reading, &names)?;
-        }
-        if header.count > self.reading.limits.particles as u64 {
-            return Err(too_many(names, header.count, &self.reading));
-        }
-        let mut rows = Rows::new(self.plan.wanted());
-        let images = ["ix", "iy", "iz"].map(|name| header.names.iter().position(|own| own == name));
-        for column in images.into_iter().flatten() {
-            rows.want(column);
-        }
-        let lines = self.lines(file)?;
-        for _ in 0..header.count {
-            if !lines.next_whole()? {
-                return Err(changed(start));
-            }
-            rows.push(words(lines.line()), || lines.place())?;
-        }
-        let count = header.count as usize;
-        let mut own = self
-            .plan
-            .frame(&rows.values, count, None)
-            .map_err(|expected| FrameError::wrong(start.clone(), expected, HINT))?;
-        let columns = self.plan.columns_of(Quantity::Position);
-        unscale(&mut own, &header, &columns, &start)?;
-        unwrap(&mut own, &header, &columns, &images, &rows.values);
-        own.step = Some(header.step);
-        own.source = start;
-        own.bounds = header.bounds;
-        Ok(own)
-    }
 }
 
 /// Converts scaled coordinates to lengths in the box.

@@ -1,9 +1,11 @@
 //! One reader for each format.
 
+mod blocks;
 pub(crate) mod lammps;
 pub(crate) mod numpy;
 pub(crate) mod table;
 pub(crate) mod vtk;
+pub(crate) mod xyz;
 mod zip;
 
 use crate::columns::Plan;
