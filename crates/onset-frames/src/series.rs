@@ -19,7 +19,7 @@ pub enum Format {
     Vtk,
     /// Arrays of NumPy, one file or an archive of several.
     Numpy,
-    /// Extended XYZ.
+    /// Blocks of particles in extended XYZ.
     Xyz,
     /// Table with names of columns.
     Table,
@@ -298,8 +298,10 @@ fn ordered(stamps: &[Stamp], ignored: &mut Vec<String>) -> Vec<(usize, Stamp)> {
         frames.dedup_by(|(_, b), (_, a)| compare(a, b) == Ordering::Equal);
         match count - frames.len() {
             0 => {}
-            1 => ignored.push("a frame whose time another frame has".to_owned()),
-            repeated => ignored.push(format!("{repeated} frames whose time another frame has")),
+            1 => ignored.push("a frame that repeats the time of another frame".to_owned()),
+            repeated => ignored.push(format!(
+                "{repeated} frames that repeat the time of another frame"
+            )),
         }
     }
     frames

@@ -315,7 +315,7 @@ fn pickled_arrays_and_other_formats_are_refused_with_a_hint() {
     );
     assert!(error.contains("legacy"), "{error}");
     let error = refused(
-        written(&folder, "a.bin", b"\x89HDF\r\n\x1a\n\0\0"),
+        written(&folder, "a.bin", b"\x89BIN\r\n\x1a\n\0\0"),
         &Reading::default(),
     );
     assert!(error.contains("binary"), "{error}");

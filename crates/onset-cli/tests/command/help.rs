@@ -22,6 +22,7 @@ fn every_command_has_a_help_text() {
         "umat-utilities",
         "verify",
         "simulate",
+        "screen",
         "schema",
         "completions",
         "man",
@@ -82,7 +83,7 @@ fn help_on_commands_about_a_law_names_no_key_of_a_discretization() {
 #[test]
 fn short_help_is_short_and_has_examples_that_run() {
     let overview = onset(&["-h"]).stdout;
-    assert!(overview.lines().count() <= 36, "{overview}");
+    assert!(overview.lines().count() <= 37, "{overview}");
     for command in [
         "state",
         #[cfg(feature = "explore")]
@@ -99,6 +100,7 @@ fn short_help_is_short_and_has_examples_that_run() {
         "tune",
         "limit",
         "simulate",
+        "screen",
         "check",
         "map",
         "plot",

@@ -18,7 +18,7 @@ pub(super) trait Head: Sized + Send + 'static {
     /// Reads a head, or returns `None` at the end of the file; the number of the frame is for messages.
     fn read(lines: &mut Lines, number: usize) -> Result<Option<Self>, FrameError>;
 
-    /// Number of rows.
+    /// Number of rows, one for each particle.
     fn count(&self) -> u64;
 
     /// Names of the columns.
@@ -27,12 +27,12 @@ pub(super) trait Head: Sized + Send + 'static {
     /// Time and number of the step.
     fn stamp(&self) -> Stamp;
 
-    /// Columns that [`finish`](Self::finish) needs beside those of quantities.
+    /// Further columns that [`finish`](Self::finish) needs.
     fn extra(&self) -> Vec<usize> {
         Vec::new()
     }
 
-    /// Completes a frame by the contents of the head. `columns` are those of the positions, `values` those of all columns in use.
+    /// Completes a frame by the contents of the head, with the columns of the positions, and the values of all used columns.
     fn finish(
         &self,
         frame: &mut Frame,

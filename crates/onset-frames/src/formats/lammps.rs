@@ -21,7 +21,7 @@ struct Header {
     names: Vec<String>,
 }
 
-/// Opens text dumps.
+/// Opens text dumps, and finds their complete frames.
 pub(crate) fn open(paths: &[PathBuf], reading: &Reading) -> Result<Opened, FrameError> {
     blocks::open::<Header>(paths, reading)
 }

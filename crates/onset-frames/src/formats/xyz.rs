@@ -55,7 +55,7 @@ fn pairs(line: &str) -> Vec<(String, String)> {
     pairs
 }
 
-/// Names of the columns of `NAME:TYPE:NUMBER:...`; columns of texts get names that are no quantity.
+/// Names of the columns of `NAME:TYPE:NUMBER:...`; names of text columns begin with `text:`.
 fn names(properties: &str) -> Option<Vec<String>> {
     let parts: Vec<&str> = properties.split(':').collect();
     let mut names = Vec::new();

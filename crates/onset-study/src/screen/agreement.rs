@@ -144,9 +144,11 @@ impl Agreement {
             mixed += dot(given, law);
             square += dot(law, law);
         }
+        // While a first wave runs through the body most stresses are small.
+        let usual = square / pairs.len().max(1) as f64;
         let each = pairs.iter().map(|(given, law)| {
             let rest: [f64; 6] = std::array::from_fn(|n| given[n] - law[n]);
-            (dot(&rest, &rest) / dot(law, law)).sqrt()
+            (dot(&rest, &rest) / usual).sqrt()
         });
         if let Some(difference) = median(each.collect()).filter(|_| square > 0.0) {
             self.stress.push((difference, mixed / square));

@@ -23,8 +23,12 @@ use std::fmt::Write;
 const AT_THE_LIMIT: f64 = 0.02;
 /// Factor of the largest stable step that is safe: loads and disorder stiffen a body.
 const SAFE: f64 = 0.9;
-/// Largest relative frequency of a wave without energy.
-const NO_ENERGY: f64 = 1e-6;
+/// Largest relative frequency of weakly controlled waves, as in `onset modes`.
+const WEAKLY_CONTROLLED: f64 = 0.1;
+/// Smallest growth exponent before the observation that explains short waves, even if they were expected later.
+const GROWN: f64 = 2.0;
+/// Ratio of short waves to the threshold at which a body is destroyed.
+const DESTROYED: f64 = 10.0;
 /// Smallest growth of short waves that are still below the threshold but follow a prediction.
 const RISEN: f64 = 10.0;
 /// Largest delay of a prediction after the observation, as a share of the time until then.
@@ -191,7 +195,8 @@ pub struct ScreenAnswer {
 }
 
 fn place(event: &Event, dimension: usize) -> String {
-    let near: Vec<String> = event.place[..dimension].iter().map(|x| told(*x)).collect();
+    let near = event.place[..dimension].iter().map(|x| told_with(*x, 4));
+    let near: Vec<String> = near.collect();
     format!("near ({})", near.join(", "))
 }
 
@@ -267,13 +272,21 @@ impl ScreenAnswer {
             .into_iter()
             .filter_map(|(cause, time)| Some((cause, time?)))
             .min_by(|a, b| a.1.total_cmp(&b.1));
-        let has_no_energy = || {
+        let weakest = || {
             let weakest = problem.analysis.weakest().ok().flatten();
-            weakest.is_some_and(|mode| mode.relative_frequency() < NO_ENERGY)
+            weakest.map_or(1.0, |mode| mode.relative_frequency())
         };
+        // Noise of another origin can come before the growth that then destroys the body.
+        let most = course.moments.iter().map(|moment| moment.observed);
+        let is_destroyed = most.fold(0.0, f64::max) > DESTROYED * threshold;
+        let exceeded = course.step.as_ref().and_then(|limit| limit.exceeded);
+        let by_excess = exceeded.filter(|_| is_destroyed).and(by_step.or(observed));
+        let late = grown.filter(|_| course.grown_until_observed > GROWN);
         let (cause, expected) = match (first, observed) {
             (Some((cause, time)), _) => (cause, Some(time)),
-            (None, Some(_)) if has_no_energy() => (Cause::ZeroEnergy, None),
+            (None, Some(_)) if by_excess.is_some() => (Cause::TimeStep, by_excess),
+            (None, Some(_)) if course.grown_until_observed > GROWN => (Cause::Numerical, late),
+            (None, Some(_)) if weakest() < WEAKLY_CONTROLLED => (Cause::ZeroEnergy, None),
             (None, Some(_)) => (Cause::Forced, None),
             (None, None) => (Cause::None, None),
         };
@@ -296,7 +309,10 @@ impl ScreenAnswer {
         let at_limit_of_law = matches!(cause, Cause::None) && least < ELLIPTIC_MARGIN;
         let event = match cause {
             Cause::Physical => course.lost.clone(),
-            Cause::Numerical => course.grown.as_ref().map(|(event, _)| event.clone()),
+            Cause::Numerical => {
+                let grown = course.grown.as_ref().map(|(event, _)| event.clone());
+                grown.or_else(|| course.observed.clone())
+            }
             Cause::TimeStep => course.step.as_ref().map(|limit| {
                 let time = limit.exceeded.unwrap_or(start);
                 let point = limit.particle.unwrap_or(0);
@@ -328,11 +344,9 @@ impl ScreenAnswer {
             )
             .ok()
         });
-        let rates = course
-            .grown
-            .as_ref()
-            .filter(|_| cause == Cause::Numerical)
-            .map(|(_, rates)| rates);
+        let rates = course.grown.as_ref().map(|(_, rates)| rates);
+        let rates = rates.or(course.growing.as_ref());
+        let rates = rates.filter(|_| cause == Cause::Numerical);
         let spacing = problem.analysis.spacing();
         // The map shows the first short waves, or else the first event.
         let time = course.observed.as_ref().or(event.as_ref());
@@ -375,7 +389,13 @@ impl ScreenAnswer {
             notes: [course.notes, notes(&problem.settings, &*problem.material)].concat(),
             settings: problem.settings.effective(),
         };
-        answer.evidence = answer.evidence_of(problem, question, least, grown, by_step);
+        answer.evidence = answer.evidence_of(
+            problem,
+            question,
+            least,
+            [grown, by_step],
+            course.lost.as_ref(),
+        );
         answer.remedy = answer.remedy_of(problem, state.as_ref());
         answer.limits = answer.limits_of(problem, course.cut, course.points, end);
         answer.sentence = answer.in_words(problem, question);
@@ -388,8 +408,8 @@ impl ScreenAnswer {
         problem: &Problem,
         question: &Question,
         least: f64,
-        grown: Option<f64>,
-        by_step: Option<f64>,
+        [grown, by_step]: [Option<f64>; 2],
+        lost: Option<&Event>,
     ) -> Vec<String> {
         let mut evidence = Vec::new();
         if least.is_finite() {
@@ -398,7 +418,11 @@ impl ScreenAnswer {
                     "the smallest acoustic eigenvalue of the law is not positive there".to_owned()
                 }
                 _ => format!(
-                    "smallest acoustic eigenvalue of the law in the run: {} of its modulus",
+                    "smallest acoustic eigenvalue of the law{}: {} of its modulus",
+                    match self.observed {
+                        Some(_) => " before the first short waves",
+                        None => " in the run",
+                    },
                     told(least)
                 ),
             });
@@ -464,7 +488,7 @@ impl ScreenAnswer {
             && let Some(time) = by_step
         {
             evidence.push(format!(
-                "the time step is expected to show at t = {}",
+                "oscillations by the time step are expected to show at t = {}",
                 told(time)
             ));
         }
@@ -480,7 +504,13 @@ impl ScreenAnswer {
                 told(self.threshold)
             ));
         }
-        let _ = problem;
+        if let Some(event) = lost.filter(|_| self.cause != Cause::Physical) {
+            evidence.push(format!(
+                "the law loses strong ellipticity {} at t = {}, after the first short waves",
+                place(event, problem.dimension()),
+                told_with(event.time, 4)
+            ));
+        }
         evidence
     }
 
@@ -498,7 +528,7 @@ impl ScreenAnswer {
             ),
             Cause::Numerical => remedy.extend(self.changes.iter().map(Remedy::told)),
             Cause::ZeroEnergy => {}
-            Cause::Forced => remedy.push("examine loads, contact and gradients of strain there: no wave grows by itself".to_owned()),
+            Cause::Forced => remedy.push("examine loads, contact and gradients of strain there".to_owned()),
             Cause::None => {}
         }
         if let Some(state) = state {
@@ -548,6 +578,12 @@ impl ScreenAnswer {
         limits
     }
 
+    /// Returns true if short waves are expected to have grown clearly at the end.
+    fn rises(&self) -> bool {
+        let last = self.moments.last();
+        last.is_some_and(|last| last.predicted > RISEN * self.seed)
+    }
+
     fn in_words(&self, problem: &Problem, question: &Question) -> String {
         let dimension = problem.dimension();
         let at = self
@@ -559,14 +595,21 @@ impl ScreenAnswer {
             Some(event) if event.window[1] > event.window[0] => format!(
                 "observed at t = {} (frames {} to {})",
                 short(event.time),
-                told(event.window[0]),
-                told(event.window[1])
+                short(event.window[0]),
+                short(event.window[1])
             ),
             Some(event) => format!(
                 "observed from the first frame on, t = {}",
                 short(event.time)
             ),
             None => format!("still below {} spacings at the end", short(self.threshold)),
+        };
+        let expectation = match self.expected {
+            Some(time) => format!(
+                "They are expected to show at t = {}, and {observed}",
+                short(time)
+            ),
+            None => format!("They are {observed}, earlier than expected"),
         };
         let expected = self.expected.map_or("?".to_owned(), short);
         let step = question.time_step.zip(self.time_step.as_ref());
@@ -577,8 +620,15 @@ impl ScreenAnswer {
                 told(step),
                 short(limit.least)
             ),
+            (false, Cause::None, _) if self.rises() => format!(
+                " But waves of the discretization grow: an amplitude of {} spacings is expected at the end.",
+                short(self.moments.last().map_or(0.0, |last| last.predicted))
+            ),
             (false, ..) => String::new(),
-            (true, Cause::None, None) => " The run is at the limit: two percent decide.".to_owned(),
+            (true, Cause::None, None) => {
+                " The law is at the limit of ellipticity: two percent of its modulus decide."
+                    .to_owned()
+            }
             (true, ..) => " The time step is at the limit: two percent decide.".to_owned(),
         };
         let sentence = match self.cause {
@@ -587,12 +637,12 @@ impl ScreenAnswer {
                 self.first.as_ref().map_or("?".to_owned(), |event| format!(
                     "{} (frames {} to {})",
                     short(event.time),
-                    told(event.window[0]),
-                    told(event.window[1])
+                    short(event.window[0]),
+                    short(event.window[1])
                 ))
             ),
             Cause::Numerical => format!(
-                "First cause: the discretization{}. Waves of {} spacings grow at the rate {} {at}, although the material is strongly elliptic there. They are expected to show at t = {expected}, and {observed}.",
+                "First cause: the discretization{}. Waves of {} spacings grow at the rate {} {at}, although the material is strongly elliptic there. {expectation}.",
                 self.mechanism.map_or(String::new(), |mechanism| format!(
                     " ({} instability)",
                     mechanism.name()
@@ -621,7 +671,7 @@ impl ScreenAnswer {
                 )
             }
             Cause::ZeroEnergy => format!(
-                "First cause: zero-energy modes of the discretization. Short waves are {observed} {at}; no force resists them, and no state of the run makes them grow."
+                "First cause: zero-energy or weakly controlled modes of the discretization. Short waves are {observed} {at}. Forces resist them little, and no state of the run makes them grow."
             ),
             Cause::Forced => format!(
                 "No instability explains the short waves {at}, {observed}: material and discretization are stable in the states of this run. Loads, contact or gradients of strain force them."

@@ -23,6 +23,8 @@ const ENDED: f64 = 0.5;
 const ELLIPTIC: f64 = 1e-9;
 /// Largest acoustic eigenvalue over the modulus of a state at the limit of ellipticity.
 pub(super) const ELLIPTIC_MARGIN: f64 = 0.02;
+/// Amplitude of short waves in an exact lattice; spacings.
+const EXACT: f64 = 1e-10;
 /// Radius of neighborhoods in spacings, for methods without a support radius.
 const RADIUS: f64 = 2.01;
 
@@ -101,6 +103,10 @@ pub(super) struct Course {
     pub(super) states: usize,
     /// Share of points with fewer than nine tenths of the most neighbors.
     pub(super) cut: f64,
+    /// Rates of the point whose waves had grown most when the first short waves were observed.
+    pub(super) growing: Option<StateRates>,
+    /// Largest integral of a growth rate before the first short waves.
+    pub(super) grown_until_observed: f64,
     /// Largest growth rate before the first short waves; 1/time.
     pub(super) fastest: f64,
     /// Differences of gradients and stresses in the files.
@@ -377,6 +383,8 @@ impl<'p> Follower<'p> {
                 points: [asked, count - asked],
                 states: 0,
                 cut: cut as f64 / points.nodes.len().max(1) as f64,
+                growing: None,
+                grown_until_observed: 0.0,
                 fastest: 0.0,
                 notes: Vec::new(),
                 leading: Vec::new(),
@@ -452,6 +460,11 @@ impl<'p> Follower<'p> {
         if self.course.moments.is_empty() {
             self.first_seed = self.first_seed(frame, mean_observed);
             self.course.seed = self.first_seed;
+        } else if self.first_seed < EXACT && self.question.seed.is_none() {
+            // Positions of an exact lattice without velocities: noise appears in a later frame.
+            self.first_seed = self.first_seed.max(mean_observed);
+            self.course.seed = self.first_seed;
+            self.by_step = 0.0;
         }
         // States of the points.
         let (points, run, is_asked) = (&self.points, self.run, &self.is_asked);
@@ -567,6 +580,8 @@ impl<'p> Follower<'p> {
                 .map(|rates| (event(share, at(grown), components(&rates.f)), rates.clone()));
         }
         if self.course.observed.is_none() {
+            self.course.grown_until_observed = integral;
+            self.course.growing = rates_of(grown).cloned();
             self.course.fastest = self.course.fastest.max(fastest.unwrap_or(0.0));
             if most_observed > threshold {
                 let all = observed.iter().zip(&self.nodes).enumerate();
@@ -712,13 +727,18 @@ fn far_from_held(run: &Run, points: &Points) -> (Vec<bool>, Vec<bool>) {
     };
     let near = spread(&run.held);
     let nearer = spread(&near);
-    let nodes = nearer.iter().map(|is| !is).collect();
-    let asked = match &points.cells {
-        None => near.iter().map(|is| !is).collect(),
-        Some(cells) => cells
-            .iter()
-            .map(|cell| !cell.iter().any(|node| run.held[*node]))
-            .collect(),
+    let is_in = |x: &[f64; 3]| run.region.as_ref().is_none_or(|region| region.contains(x));
+    let is_free = |near: &[bool]| -> Vec<bool> {
+        let all = near.iter().zip(&run.reference);
+        all.map(|(near, x)| !near && is_in(x)).collect()
     };
-    (nodes, asked)
+    let asked = match &points.cells {
+        None => is_free(&near),
+        Some(cells) => {
+            let is_held = |cell: &[usize]| cell.iter().any(|node| run.held[*node]);
+            let all = cells.iter().zip(&points.places);
+            all.map(|(cell, x)| !is_held(cell) && is_in(x)).collect()
+        }
+    };
+    (is_free(&nearer), asked)
 }

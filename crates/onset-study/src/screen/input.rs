@@ -511,7 +511,7 @@ fn time_of(frame: &Read) -> Result<f64, ScreenError> {
     frame.time.filter(|time| time.is_finite()).ok_or_else(|| {
         wrong(
             format!("{}: the frame has no time", frame.source),
-            "give the time step of the code (--time-step), or the column of the time (--columns time=NAME)",
+            "give the time step of the code (--time-step) for files that number their steps, a column (--columns time=NAME), or for VTK a .pvd file or a field TimeValue",
         )
     })
 }
