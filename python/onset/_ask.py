@@ -550,7 +550,7 @@ def screen(
     threshold
         Amplitude at which short waves count as observed; spacings.
     seed
-        Amplitude from which waves grow, in spacings; the short waves of the first frames if omitted.
+        Amplitude of the waves when growth begins, in spacings; the short waves of the first frames if omitted.
     bin
         Width of the bins of stretch in which particles share a state.
     fields

@@ -670,7 +670,7 @@ pub struct ScreenArguments {
     /// Amplitude, in spacings, at which short waves of the positions count as observed.
     #[arg(long, value_name = "A", value_parser = share, default_value_t = THRESHOLD)]
     pub threshold: f64,
-    /// Amplitude, in spacings, from which waves grow [default: the short waves in the files].
+    /// Amplitude of the waves when growth begins, in spacings [default: the short waves in the files].
     #[arg(long, value_name = "A", value_parser = share)]
     pub seed: Option<f64>,
     /// Width of the bins of stretch in which particles share a state. The expected time is also computed with twice the width.

@@ -23,8 +23,6 @@ use std::fmt::Write;
 const AT_THE_LIMIT: f64 = 0.02;
 /// Factor of the largest stable step that is safe: loads and disorder stiffen a body.
 const SAFE: f64 = 0.9;
-/// Largest relative frequency of weakly controlled waves, as in `onset modes`.
-const WEAKLY_CONTROLLED: f64 = 0.1;
 /// Smallest growth exponent before the observation that explains short waves, even if they were expected later.
 const GROWN: f64 = 2.0;
 /// Ratio of short waves to the threshold at which a body is destroyed.
@@ -168,7 +166,7 @@ pub struct ScreenAnswer {
     pub time_step: Option<StepLimit>,
     /// Amplitude at which short waves show; spacings.
     pub threshold: f64,
-    /// Amplitude from which growth is predicted; spacings.
+    /// Amplitude of the short waves when growth begins; spacings.
     pub seed: f64,
     /// Width of the bins of stretch.
     pub bin: f64,
@@ -261,9 +259,7 @@ impl ScreenAnswer {
         let causes = [
             (
                 Cause::Physical,
-                lost.filter(|time| {
-                    observed.is_none_or(|observed| *time <= observed + LATE * (observed - start))
-                }),
+                lost.filter(|time| observed.is_none() || is_in_time(*time)),
             ),
             (Cause::TimeStep, by_step.filter(|time| is_in_time(*time))),
             (Cause::Numerical, grown.filter(|time| is_in_time(*time))),
@@ -281,12 +277,13 @@ impl ScreenAnswer {
         let is_destroyed = most.fold(0.0, f64::max) > DESTROYED * threshold;
         let exceeded = course.step.as_ref().and_then(|limit| limit.exceeded);
         let by_excess = exceeded.filter(|_| is_destroyed).and(by_step.or(observed));
-        let late = grown.filter(|_| course.grown_until_observed > GROWN);
         let (cause, expected) = match (first, observed) {
             (Some((cause, time)), _) => (cause, Some(time)),
             (None, Some(_)) if by_excess.is_some() => (Cause::TimeStep, by_excess),
-            (None, Some(_)) if course.grown_until_observed > GROWN => (Cause::Numerical, late),
-            (None, Some(_)) if weakest() < WEAKLY_CONTROLLED => (Cause::ZeroEnergy, None),
+            (None, Some(_)) if course.grown_until_observed > GROWN => (Cause::Numerical, grown),
+            (None, Some(_)) if weakest() < StateQuestion::default().weak => {
+                (Cause::ZeroEnergy, None)
+            }
             (None, Some(_)) => (Cause::Forced, None),
             (None, None) => (Cause::None, None),
         };
@@ -616,9 +613,13 @@ impl ScreenAnswer {
         let above = step.filter(|(_, limit)| limit.exceeded.is_some());
         let limit = match (self.at_the_limit, self.cause, above) {
             (false, Cause::None | Cause::Forced, Some((step, limit))) => format!(
-                " The time step {} is above the largest stable one, {}, although the positions show nothing yet.",
+                " The time step {} is above the largest stable one, {}{}.",
                 told(step),
-                short(limit.least)
+                short(limit.least),
+                match self.cause {
+                    Cause::None => ", although the positions show nothing yet",
+                    _ => ", too",
+                }
             ),
             (false, Cause::None, _) if self.rises() => format!(
                 " But waves of the discretization grow: an amplitude of {} spacings is expected at the end.",
@@ -881,7 +882,7 @@ impl fmt::Display for ScreenAnswer {
         }
         writeln!(
             formatter,
-            "\nThe amplitude from which waves grow is {} spacings; {} in bins of stretch of {}.",
+            "\nWaves grow from an amplitude of {} spacings; {} in bins of stretch of {}.",
             told(self.seed),
             counted(self.states, "state"),
             told(self.bin)

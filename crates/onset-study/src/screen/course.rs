@@ -15,7 +15,7 @@ use onset::time_step::Stepping;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Integral of the growth rate from which waves count as growing: amplitudes are five percent larger.
+/// Smallest integral of the growth rate of growing waves: amplitudes are five percent larger.
 const INTEGRAL_AT_BEGINNING: f64 = 0.05;
 /// Largest amplitude of short waves, in spacings, at which a particle has a state. Beyond it the neighbors have changed.
 const ENDED: f64 = 0.5;
@@ -95,7 +95,7 @@ pub(super) struct Course {
     /// First amplitude in the positions above the threshold.
     pub(super) observed: Option<Event>,
     pub(super) step: Option<StepLimit>,
-    /// Amplitude of the short waves from which growth is predicted; spacings.
+    /// Amplitude of the short waves when growth begins; spacings.
     pub(super) seed: f64,
     /// Numbers of points with states, and of points near held particles without states.
     pub(super) points: [usize; 2],
@@ -107,8 +107,6 @@ pub(super) struct Course {
     pub(super) growing: Option<StateRates>,
     /// Largest integral of a growth rate before the first short waves.
     pub(super) grown_until_observed: f64,
-    /// Largest growth rate before the first short waves; 1/time.
-    pub(super) fastest: f64,
     /// Differences of gradients and stresses in the files.
     pub(super) notes: Vec<String>,
     /// Time of each frame, and the stretch tensor of the point whose waves have grown most.
@@ -242,10 +240,6 @@ pub(super) fn crossing(from: f64, to: f64, limit: f64) -> f64 {
         true => (limit / from).ln() / (to / from).ln(),
         false => 1.0,
     }
-}
-
-fn components(f: &DeformationGradient) -> [[f64; 3]; 3] {
-    *f.components()
 }
 
 fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
@@ -385,7 +379,6 @@ impl<'p> Follower<'p> {
                 cut: cut as f64 / points.nodes.len().max(1) as f64,
                 growing: None,
                 grown_until_observed: 0.0,
-                fastest: 0.0,
                 notes: Vec::new(),
                 leading: Vec::new(),
                 pictures: Vec::new(),
@@ -523,6 +516,7 @@ impl<'p> Follower<'p> {
                 .collect(),
             observed: Vec::new(),
         };
+        let rates_of = |point: usize| self.growth.states.of(keys[point].as_ref()?);
         let critical = self.limited.as_ref();
         let critical = critical.map(|(limit, _)| limit.body.unwrap_or(limit.lattice));
         let mut undefined = 0;
@@ -530,10 +524,7 @@ impl<'p> Follower<'p> {
         let mut softest: Option<(usize, f64)> = None;
         let mut fastest: Option<f64> = None;
         for point in (0..count).filter(|point| self.is_asked[*point]) {
-            let rates = stretches[point]
-                .as_ref()
-                .filter(|_| !self.growth.is_over[point]);
-            let rates = rates.and_then(|u| self.growth.states.of(&self.growth.states.key(u)));
+            let rates = rates_of(point).filter(|_| !self.growth.is_over[point]);
             let Some(rates) = rates else {
                 undefined += 1;
                 continue;
@@ -562,27 +553,26 @@ impl<'p> Follower<'p> {
             }
             .number();
         }
-        let rates_of = |point: usize| {
-            let u = stretches[point].as_ref()?;
-            self.growth.states.of(&self.growth.states.key(u))
-        };
         let last = self.course.moments.last();
         if self.course.lost.is_none()
             && let Some((point, least)) = softest.filter(|(_, least)| *least < ELLIPTIC)
         {
-            let f = rates_of(point).map_or([[0.0; 3]; 3], |rates| components(&rates.f));
+            let f = rates_of(point).map_or([[0.0; 3]; 3], |rates| *rates.f.components());
             let positive = last.and_then(|own| own.acoustic).unwrap_or(0.0).max(0.0);
             self.course.lost = Some(event(positive / (positive - least), at(point), f));
         }
         if self.course.grown.is_none() && self.has_begun && predicted > threshold {
             let share = last.map_or(1.0, |own| crossing(own.predicted, predicted, threshold));
-            self.course.grown = rates_of(grown)
-                .map(|rates| (event(share, at(grown), components(&rates.f)), rates.clone()));
+            self.course.grown = rates_of(grown).map(|rates| {
+                (
+                    event(share, at(grown), *rates.f.components()),
+                    rates.clone(),
+                )
+            });
         }
         if self.course.observed.is_none() {
             self.course.grown_until_observed = integral;
             self.course.growing = rates_of(grown).cloned();
-            self.course.fastest = self.course.fastest.max(fastest.unwrap_or(0.0));
             if most_observed > threshold {
                 let all = observed.iter().zip(&self.nodes).enumerate();
                 let all = all.filter(|(_, (_, counts))| **counts);

@@ -308,14 +308,7 @@ impl Recording {
             Reference::File(path) => path,
             Reference::First => return Ok((first.position.clone(), true)),
             Reference::Recorded => {
-                let of_displacement = || {
-                    let displacement = first.displacement.as_ref()?;
-                    let both = first.position.iter().zip(displacement);
-                    let back = both.map(|(x, u)| std::array::from_fn(|i| x[i] - u[i]));
-                    Some(back.collect())
-                };
-                let recorded = first.reference.clone().or_else(of_displacement);
-                return Ok(match recorded {
+                return Ok(match first.reference.clone() {
                     Some(reference) => (reference, false),
                     None => (first.position.clone(), true),
                 });

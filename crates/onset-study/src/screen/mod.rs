@@ -55,7 +55,7 @@ pub struct Question {
     pub stepping: Stepping,
     /// Amplitude at which short waves show; spacings.
     pub threshold: f64,
-    /// Amplitude from which waves grow, in spacings; `None` for the short waves in the files.
+    /// Amplitude of the waves when growth begins, in spacings; `None` for the short waves in the files.
     pub seed: Option<f64>,
     /// Width of the bins of stretch in which particles share a state. The expected time is also computed with twice this width.
     pub bin: f64,
