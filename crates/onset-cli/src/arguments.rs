@@ -668,13 +668,13 @@ pub struct ScreenArguments {
     #[arg(long, help_heading = "Reading")]
     pub check: bool,
     /// Amplitude, in spacings, at which short waves of the positions count as observed.
-    #[arg(long, value_name = "A", value_parser = share, default_value_t = THRESHOLD)]
+    #[arg(long, value_name = "A", value_parser = share, allow_negative_numbers = true, default_value_t = THRESHOLD)]
     pub threshold: f64,
     /// Amplitude of the waves when growth begins, in spacings [default: the short waves in the files].
-    #[arg(long, value_name = "A", value_parser = share)]
+    #[arg(long, value_name = "A", value_parser = share, allow_negative_numbers = true)]
     pub seed: Option<f64>,
     /// Width of the bins of stretch in which particles share a state. The expected time is also computed with twice the width.
-    #[arg(long, value_name = "WIDTH", value_parser = share, default_value_t = BIN)]
+    #[arg(long, value_name = "WIDTH", value_parser = share, allow_negative_numbers = true, default_value_t = BIN)]
     pub bin: f64,
     /// Exit with code 3 if the first cause is one of these: physical, numerical, time-step, zero-energy, forced.
     #[arg(
