@@ -14,6 +14,7 @@ mod csv;
 pub mod domain;
 pub mod explore;
 pub mod figure;
+pub mod fit;
 mod html;
 pub mod input;
 pub mod json;

@@ -51,7 +51,7 @@ pub use schema::schema;
 pub use state::StateSettings;
 pub use study::Study;
 pub use trust::{TRUST_VARIABLE, Trust};
-pub use units::Units;
+pub use units::{Units, stress_unit};
 
 use crate::number::counted;
 use material::PLANE;

@@ -76,6 +76,13 @@ const UNITS: &[(&str, &[(&str, f64)])] = &[
     ),
 ];
 
+/// Value of a unit of stress in pascals; `None` if it is not known.
+pub fn stress_unit(name: &str) -> Option<f64> {
+    let (_, units) = UNITS.iter().find(|(dimension, _)| *dimension == "stress")?;
+    let found = units.iter().find(|(own, _)| plain(own) == plain(name));
+    found.map(|(_, value)| *value)
+}
+
 /// SI unit of a dimension; `None` for dimensionless quantities, and for angles, whose keys name the unit.
 pub(crate) fn si(dimension: &str) -> Option<&'static str> {
     match dimension {

@@ -1,0 +1,457 @@
+//! Laws that can be fitted: energies as functions of the squares of the principal stretches and of the constants.
+//!
+//! The library of laws has its constants as numbers. Here they are variables, so that derivatives by them are exact. Each energy is a sum of terms,
+//! each a modulus times a function of at most two further constants; a test compares each family with the law of the library.
+
+use onset::real::{Dual, Jet, Real};
+use std::fmt::Write;
+
+/// Constant of a family.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constant {
+    /// Name of the constant in settings, such as `c10` or `alpha1`.
+    pub name: String,
+    /// Whether the energy is linear in the constant, which then has the unit of stress. Otherwise the constant has no unit.
+    pub is_modulus: bool,
+    /// Admissible values.
+    pub bounds: [f64; 2],
+    /// Range in which first guesses are drawn.
+    pub guesses: [f64; 2],
+}
+
+/// How a fitted law is written in settings.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Model {
+    /// Name of a law of the library, with the constants of the family.
+    Library(&'static str),
+    /// Energy as a formula of the constants, with the bulk modulus `kappa`.
+    Formula(String),
+}
+
+/// Function of the stretches that a modulus multiplies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Part {
+    /// `(I1 - 3)^i (I2 - 3)^j` of the isochoric invariants.
+    Powers(i32, i32),
+    /// `(l1^alpha + l2^alpha + l3^alpha - 3) / alpha`.
+    Ogden,
+    /// `-jm/2 ln(1 - (I1 - 3)/jm)`.
+    Gent,
+    /// `sum a_i / locking^(2i-2) (I1^i - 3^i)`.
+    ArrudaBoyce,
+    /// `(exp(b (I1 - 3)) - 1) / (2 b)`.
+    Fung,
+    /// `|dev h|^2`.
+    Hencky,
+    /// `(exp(k |dev h|^2) - 1) / k`.
+    ExponentiatedHencky,
+    /// `2/alpha^2 (lambda_1^alpha + lambda_2^alpha + lambda_3^alpha - 3 + (J^(-alpha beta) - 1)/beta)`.
+    Foam,
+}
+
+/// Coefficients of the series of the inverse Langevin function, as in Arruda and Boyce, J. Mech. Phys. Solids 41 (1993) 389.
+const CHAINS: [f64; 5] = [
+    1.0 / 2.0,
+    1.0 / 20.0,
+    11.0 / 1050.0,
+    19.0 / 7000.0,
+    519.0 / 673_750.0,
+];
+
+/// Term of an energy.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Term {
+    part: Part,
+    factor: f64,
+    /// Index of the modulus among the constants.
+    pub modulus: usize,
+    /// Indices of the other constants.
+    pub shapes: Vec<usize>,
+}
+
+/// Number of constants beside the modulus that a term can have.
+pub(crate) const SHAPES: usize = 2;
+
+impl Term {
+    /// Energy of the term for a unit modulus at the squares of the principal stretches.
+    ///
+    /// Terms of incompressible laws are functions of all stretches that agree with the law where the volume is kept.
+    pub fn energy<R: Real>(&self, shapes: [R; SHAPES], squares: [R; 3]) -> R {
+        let [a, b, c] = squares;
+        let powers = |power: R| {
+            let [a, b, c] = squares.map(|square| (square.ln() * power * 0.5).exp());
+            a + b + c
+        };
+        let logs = || squares.map(|square| square.ln() * 0.5);
+        let of_logs = || {
+            let [a, b, c] = logs();
+            a * a + b * b + c * c
+        };
+        let first = || a + b + c - 3.0;
+        let [shape, other] = shapes;
+        let value = match self.part {
+            Part::Powers(i, j) => {
+                let second = || a * b + b * c + c * a - 3.0;
+                match (i, j) {
+                    (_, 0) => first().powi(i),
+                    (0, _) => second().powi(j),
+                    _ => first().powi(i) * second().powi(j),
+                }
+            }
+            Part::Ogden => (powers(shape) - 3.0) / shape,
+            Part::Gent => -(shape * 0.5) * (-(first() / shape) + 1.0).ln(),
+            Part::ArrudaBoyce => {
+                let links = (shape * shape).recip();
+                let chains = |x: R| {
+                    let horner = |sum: R, a: &f64| sum * x * links + *a;
+                    x * CHAINS.iter().rev().fold(R::constant(0.0), horner)
+                };
+                chains(first() + 3.0) - chains(R::constant(3.0))
+            }
+            Part::Fung => ((first() * shape).exp() - 1.0) / (shape * 2.0),
+            Part::Hencky => of_logs(),
+            Part::ExponentiatedHencky => ((of_logs() * shape).exp() - 1.0) / shape,
+            Part::Foam => {
+                let [a, b, c] = logs();
+                let volumetric = ((-((a + b + c) * shape * other)).exp() - 1.0) / other;
+                (powers(shape) - 3.0 + volumetric) * 2.0 / (shape * shape)
+            }
+        };
+        value * self.factor
+    }
+}
+
+/// Law that can be fitted, with constants as unknowns.
+///
+/// ```
+/// let yeoh = onset_fit::Family::named("yeoh").ok_or("no such law")?;
+/// let names: Vec<&str> = yeoh.constants().iter().map(|own| own.name.as_str()).collect();
+/// assert_eq!(names, ["c10", "c20", "c30"]);
+/// assert!(yeoh.is_linear());
+/// # Ok::<(), &str>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Family {
+    name: String,
+    model: Model,
+    constants: Vec<Constant>,
+    terms: Vec<Term>,
+    is_compressible: bool,
+}
+
+/// Names of the families of [`Family::all`], from few constants to many.
+const NAMES: [&str; 18] = [
+    "neo-hooke-isochoric",
+    "hencky",
+    "gent",
+    "arruda-boyce",
+    "fung-isotropic",
+    "exponentiated-hencky",
+    "mooney-rivlin-isochoric",
+    "isihara",
+    "yeoh",
+    "biderman",
+    "james-green-simpson",
+    "polynomial-2",
+    "polynomial-3",
+    "ogden-1",
+    "ogden-2",
+    "ogden-3",
+    "ogden-4",
+    "hyperfoam-2",
+];
+
+/// Largest number of terms of Ogden's law and of the law of foams in the library.
+const OGDEN_TERMS: usize = 6;
+const FOAM_TERMS: usize = 3;
+/// Exponents of smaller magnitude are not tried: two of them would be one term with a logarithm.
+const SMALLEST_EXPONENT: f64 = 0.05;
+
+impl Family {
+    /// Names of the families that are tried when all are asked for.
+    pub fn all() -> impl Iterator<Item = &'static str> {
+        NAMES.into_iter()
+    }
+
+    /// Family with a name of [`Family::all`], a law of the library, or `ogden-N` (N up to 6) and `hyperfoam-N` (N up to 3).
+    pub fn named(name: &str) -> Option<Self> {
+        let polynomial = |powers: &[(i32, i32)]| Self::polynomial(name, powers);
+        Some(match name {
+            "neo-hooke-isochoric" | "neo-hooke" => {
+                Self::single("neo-hooke-isochoric", Part::Powers(1, 0), 0.5, &[])
+            }
+            "hencky" => Self::single(name, Part::Hencky, 1.0, &[]),
+            "gent" => Self::single(name, Part::Gent, 1.0, &[("jm", [1e-3, 1e6], [3.0, 300.0])]),
+            "arruda-boyce" => {
+                let locking = ("locking", [1.0, 1e3], [1.2, 10.0]);
+                Self::single(name, Part::ArrudaBoyce, 1.0, &[locking])
+            }
+            "fung-isotropic" => {
+                Self::single(name, Part::Fung, 1.0, &[("b", [1e-6, 1e3], [1e-3, 3.0])])
+            }
+            "exponentiated-hencky" => Self::single(
+                name,
+                Part::ExponentiatedHencky,
+                1.0,
+                &[("k", [1e-6, 1e3], [0.01, 3.0])],
+            ),
+            "mooney-rivlin-isochoric" | "mooney-rivlin" | "polynomial-1" => {
+                Self::polynomial("mooney-rivlin-isochoric", &[(1, 0), (0, 1)])
+            }
+            "yeoh" => polynomial(&[(1, 0), (2, 0), (3, 0)]),
+            "isihara" => polynomial(&[(1, 0), (0, 1), (2, 0)]),
+            "biderman" => polynomial(&[(1, 0), (0, 1), (2, 0), (3, 0)]),
+            "james-green-simpson" => polynomial(&[(1, 0), (0, 1), (1, 1), (2, 0), (3, 0)]),
+            "polynomial-2" | "polynomial-3" => {
+                let order = if name.ends_with('2') { 2 } else { 3 };
+                let powers = (1..=order).flat_map(|n| (0..=n).map(move |j| (n - j, j)));
+                polynomial(&powers.collect::<Vec<_>>())
+            }
+            "ogden" => Self::ogden(3),
+            "hyperfoam" => Self::foam(2),
+            _ => {
+                let (law, terms) = name.rsplit_once('-')?;
+                let terms: usize = terms.parse().ok()?;
+                match law {
+                    "ogden" if (1..=OGDEN_TERMS).contains(&terms) => Self::ogden(terms),
+                    "hyperfoam" if (1..=FOAM_TERMS).contains(&terms) => Self::foam(terms),
+                    _ => return None,
+                }
+            }
+        })
+    }
+
+    /// Law of one term.
+    fn single(name: &str, part: Part, factor: f64, shapes: &[(&str, [f64; 2], [f64; 2])]) -> Self {
+        let shape = |(name, bounds, guesses): &(&str, [f64; 2], [f64; 2])| Constant {
+            name: (*name).to_owned(),
+            is_modulus: false,
+            bounds: *bounds,
+            guesses: *guesses,
+        };
+        let mut constants = vec![Constant::modulus("mu", [0.0, f64::INFINITY])];
+        constants.extend(shapes.iter().map(shape));
+        Self {
+            name: name.to_owned(),
+            model: Model::Library(onset::material::Law::named(name).map_or("", |law| law.name)),
+            terms: vec![Term {
+                part,
+                factor,
+                modulus: 0,
+                shapes: (1..constants.len()).collect(),
+            }],
+            constants,
+            is_compressible: false,
+        }
+    }
+
+    /// Polynomial in the invariants.
+    fn polynomial(name: &str, powers: &[(i32, i32)]) -> Self {
+        let library = onset::material::Law::named(name);
+        let mut energy = "let x = I1bar - 3; let y = I2bar - 3; ".to_owned();
+        for (i, j) in powers {
+            let _ = write!(energy, "c{i}{j}");
+            for (variable, power) in [("x", i), ("y", j)] {
+                let _ = match power {
+                    0 => Ok(()),
+                    1 => write!(energy, "*{variable}"),
+                    _ => write!(energy, "*{variable}^{power}"),
+                };
+            }
+            energy.push_str(" + ");
+        }
+        energy.push_str("kappa/2*(J - 1)^2");
+        if powers.iter().all(|(_, j)| *j == 0) {
+            energy = energy.replace("let y = I2bar - 3; ", "");
+        }
+        let name_of = |(i, j): &(i32, i32)| format!("c{i}{j}");
+        Self {
+            name: name.to_owned(),
+            model: library.map_or(Model::Formula(energy), |law| Model::Library(law.name)),
+            constants: powers
+                .iter()
+                .map(|own| Constant::modulus(&name_of(own), [f64::NEG_INFINITY, f64::INFINITY]))
+                .collect(),
+            terms: powers
+                .iter()
+                .enumerate()
+                .map(|(n, (i, j))| Term {
+                    part: Part::Powers(*i, *j),
+                    factor: 1.0,
+                    modulus: n,
+                    shapes: Vec::new(),
+                })
+                .collect(),
+            is_compressible: false,
+        }
+    }
+
+    fn ogden(terms: usize) -> Self {
+        Self::of_terms(
+            format!("ogden-{terms}"),
+            Model::Library("ogden"),
+            Part::Ogden,
+            terms,
+            &[("alpha", [-60.0, 60.0], [-6.0, 10.0])],
+        )
+    }
+
+    fn foam(terms: usize) -> Self {
+        let shapes = [
+            ("alpha", [-60.0, 60.0], [-6.0, 20.0]),
+            ("beta", [-0.33, 20.0], [-0.2, 1.0]),
+        ];
+        let mut foam = Self::of_terms(
+            format!("hyperfoam-{terms}"),
+            Model::Library("hyperfoam"),
+            Part::Foam,
+            terms,
+            &shapes,
+        );
+        foam.is_compressible = true;
+        foam
+    }
+
+    /// Law of equal terms with a modulus `mu1`, `mu2`, ... each.
+    fn of_terms(
+        name: String,
+        model: Model,
+        part: Part,
+        count: usize,
+        shapes: &[(&str, [f64; 2], [f64; 2])],
+    ) -> Self {
+        let mut constants = Vec::new();
+        let mut terms = Vec::new();
+        for n in 1..=count {
+            let modulus = constants.len();
+            let any = [f64::NEG_INFINITY, f64::INFINITY];
+            constants.push(Constant::modulus(&format!("mu{n}"), any));
+            for (shape, bounds, guesses) in shapes {
+                constants.push(Constant {
+                    name: format!("{shape}{n}"),
+                    is_modulus: false,
+                    bounds: *bounds,
+                    guesses: *guesses,
+                });
+            }
+            terms.push(Term {
+                part,
+                factor: 1.0,
+                modulus,
+                shapes: (modulus + 1..constants.len()).collect(),
+            });
+        }
+        Self {
+            name,
+            model,
+            constants,
+            terms,
+            is_compressible: false,
+        }
+    }
+
+    /// Name of the family.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// How a fitted law of the family is written in settings.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Constants in their order.
+    pub fn constants(&self) -> &[Constant] {
+        &self.constants
+    }
+
+    /// Constants with which the law of the library has no further terms, such as `mu3 = 0` of `ogden` with two terms.
+    pub fn unused(&self) -> Vec<(String, f64)> {
+        let Model::Library(name) = self.model else {
+            return Vec::new();
+        };
+        let law = onset::material::Law::named(name);
+        let parameters = law.map_or(&[][..], |law| law.parameters);
+        let is_spare = |name: &str| {
+            name.strip_prefix("mu")
+                .and_then(|number| number.parse().ok())
+                .is_some_and(|number: usize| number > self.terms.len())
+        };
+        let spare = parameters.iter().filter(|own| is_spare(own.name));
+        let nonzero = spare.filter(|own| own.default != 0.0);
+        nonzero.map(|own| (own.name.to_owned(), 0.0)).collect()
+    }
+
+    /// Whether the energy is linear in all constants, so that the optimum of a fit is the global one.
+    pub fn is_linear(&self) -> bool {
+        self.constants.iter().all(|own| own.is_modulus)
+    }
+
+    /// Whether volumes change in tests, so that lateral stretches are needed. Other laws are fitted to their incompressible response.
+    pub fn is_compressible(&self) -> bool {
+        self.is_compressible
+    }
+
+    pub(crate) fn terms(&self) -> &[Term] {
+        &self.terms
+    }
+
+    /// Values of the further constants of a term, as constants of the number type.
+    pub(crate) fn shapes<R: Real>(term: &Term, constants: &[f64]) -> [R; SHAPES] {
+        let mut shapes = [R::constant(1.0); SHAPES];
+        for (own, index) in shapes.iter_mut().zip(&term.shapes) {
+            *own = R::constant(constants[*index]);
+        }
+        shapes
+    }
+
+    /// Energy with derivatives by the squares of the principal stretches, to second order.
+    pub(crate) fn jet<R: Real>(&self, constants: &[f64], squares: [R; 3]) -> Jet<3, R> {
+        let variables = Jet::variables(squares);
+        let zero = Jet::<3, R>::constant(0.0);
+        self.terms.iter().fold(zero, |sum, term| {
+            sum + term.energy(Self::shapes(term, constants), variables) * constants[term.modulus]
+        })
+    }
+
+    /// Energy of a term for a unit modulus, with derivatives by the squares of the stretches (jet) and by its further constants (dual).
+    pub(crate) fn jet_of(
+        term: &Term,
+        constants: &[f64],
+        squares: [f64; 3],
+    ) -> Jet<3, Dual<SHAPES>> {
+        let mut shapes = [Dual::constant(1.0); SHAPES];
+        for (n, (own, index)) in shapes.iter_mut().zip(&term.shapes).enumerate() {
+            *own = Dual::variable(constants[*index], n);
+        }
+        let variables = Jet::variables(squares.map(Dual::constant));
+        let fixed = |value: Dual<SHAPES>| {
+            let mut jet = Jet::constant(0.0);
+            jet.value = value;
+            jet
+        };
+        term.energy(shapes.map(fixed), variables)
+    }
+
+    /// Ensures that no exponent is too close to zero.
+    pub(crate) fn admissible(&self, constants: &mut [f64]) {
+        for (own, value) in self.constants.iter().zip(constants) {
+            *value = value.clamp(own.bounds[0], own.bounds[1]);
+            let is_exponent = own.name.starts_with("alpha") || own.name.starts_with("beta");
+            if is_exponent && value.abs() < SMALLEST_EXPONENT {
+                *value = SMALLEST_EXPONENT.copysign(*value);
+            }
+        }
+    }
+}
+
+impl Constant {
+    fn modulus(name: &str, bounds: [f64; 2]) -> Self {
+        Self {
+            name: name.to_owned(),
+            is_modulus: true,
+            bounds,
+            guesses: [0.0, 1.0],
+        }
+    }
+}

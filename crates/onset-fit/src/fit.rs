@@ -1,0 +1,504 @@
+//! The fit: free, then subject to stability.
+
+use crate::family::Family;
+use crate::moduli::Criterion;
+use crate::proof::{Proof, prove};
+use crate::range::{Limit, Mode, Numbers, Patch, Range, Worst, limits, worst_states};
+use crate::solve::{Cut, Problem, Solution};
+use crate::tests_of_specimens::{Equations, Misfit, Scales, Test};
+use crate::uncertainty::Uncertainty;
+use onset::cancel::checkpoint;
+use rayon::prelude::*;
+use serde::Serialize;
+use thiserror::Error;
+
+/// Weights of the measured points.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Weights {
+    /// Errors relative to the measured stress, or to this part of the largest stress of the test where that is more.
+    Relative(f64),
+    /// Errors in units of stress.
+    Absolute,
+}
+
+/// What is asked of a fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Weights of the measured points.
+    pub weights: Weights,
+    /// Where the law is to be stable; `None` for a free fit.
+    pub range: Option<Range>,
+    /// Criteria that are to hold there.
+    pub criteria: Vec<Criterion>,
+    /// Lowest value of a criterion, relative to its value in the reference.
+    pub margin: f64,
+    /// Number of first guesses for constants in which the energy is not linear.
+    pub starts: usize,
+    /// Constants with fixed values.
+    pub fixed: Vec<(String, f64)>,
+    /// Bounds of constants.
+    pub bounds: Vec<(String, [f64; 2])>,
+}
+
+impl Default for Options {
+    /// Relative errors; Drucker's inequality and strong ellipticity up to 1.25 times the largest stretch of the tests.
+    fn default() -> Self {
+        Self {
+            weights: Weights::Relative(0.0),
+            range: Some(Range::Data(1.25)),
+            criteria: vec![Criterion::Drucker, Criterion::StrongEllipticity],
+            margin: 1e-4,
+            starts: 64,
+            fixed: Vec::new(),
+            bounds: Vec::new(),
+        }
+    }
+}
+
+/// Reason why a law cannot be fitted.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum FitError {
+    /// Fewer measured points than constants.
+    #[error(
+        "{law} has {constants} constants to be found, and the tests have {points} points; expected at least as many points"
+    )]
+    TooFewPoints {
+        /// Name of the law.
+        law: String,
+        /// Number of constants that are not fixed.
+        constants: usize,
+        /// Number of conditions.
+        points: usize,
+    },
+    /// The tests do not tell constants from each other.
+    #[error("the tests do not determine the constants of {law}; {hint}")]
+    Undetermined {
+        /// Name of the law.
+        law: String,
+        /// What would determine them.
+        hint: &'static str,
+    },
+    /// A compressible law needs lateral stretches.
+    #[error("{law} needs lateral stretches, which the {test} test lacks")]
+    NoLateralStretch {
+        /// Name of the law.
+        law: String,
+        /// Name of the test.
+        test: String,
+    },
+    /// A constant that the law does not have.
+    #[error("{law} has no constant `{name}`; it has {known}")]
+    UnknownConstant {
+        /// Name of the law.
+        law: String,
+        /// Name that was given.
+        name: String,
+        /// Constants of the law.
+        known: String,
+    },
+    /// No constants satisfy all demands.
+    #[error("no constants of {law} are stable at all states of the range")]
+    NotStable {
+        /// Name of the law.
+        law: String,
+    },
+}
+
+/// Constants of a law with what they achieve.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Fitted {
+    /// Values in the order of [`Family::constants`].
+    pub constants: Vec<f64>,
+    /// Shear modulus at small strains; units of stress.
+    pub shear_modulus: f64,
+    /// Sum of the squared errors.
+    pub loss: f64,
+    /// Root mean square of the errors relative to the measured stresses, over all points.
+    pub relative: f64,
+    /// Errors by test.
+    pub misfits: Vec<Misfit>,
+    /// First losses of the criteria along loadings, at stretches from 0.1 to 10; for incompressible response.
+    pub limits: Vec<Limit>,
+    /// Lowest state of the criteria in the range; `None` without a range.
+    pub worst: Option<Worst>,
+    /// How closely the tests determine the constants.
+    pub uncertainty: Uncertainty,
+}
+
+/// Result of a fit.
+#[derive(Clone, Debug, Serialize)]
+pub struct Fit {
+    /// Law that was fitted.
+    #[serde(skip)]
+    pub family: Family,
+    /// Best constants without a demand for stability.
+    pub free: Fitted,
+    /// Best constants that are stable in the range; `None` if they are the free ones, or if nothing was demanded.
+    pub stable: Option<Fitted>,
+    /// Whether the stability of the result is proved; `None` without a range.
+    pub proof: Option<Proof>,
+    /// Other constants whose sum of squares is within 5 % of the best, as values and sum.
+    pub others: Vec<(Vec<f64>, f64)>,
+    /// Limits of the principal stretches of the range.
+    pub stretches: Option<[f64; 2]>,
+}
+
+impl Fit {
+    /// The stable constants, or the free ones where nothing was demanded or lost.
+    pub fn result(&self) -> &Fitted {
+        self.stable.as_ref().unwrap_or(&self.free)
+    }
+
+    /// Factor by which the demand for stability raises the root mean square of the weighted errors.
+    pub fn cost(&self) -> f64 {
+        match self.result().loss == self.free.loss {
+            true => 1.0,
+            false => (self.result().loss / self.free.loss).sqrt(),
+        }
+    }
+
+    /// Whether the optimum is the global one: the energy is linear in all constants.
+    pub fn is_global(&self) -> bool {
+        self.family.is_linear()
+    }
+}
+
+/// Rounds of added states.
+const ROUNDS: usize = 80;
+/// States added in one round.
+const ADDED: usize = 6;
+/// Part of the margin that the worst state must have.
+const ENOUGH: f64 = 0.5;
+/// Optima within this part of the best are listed.
+const SIMILAR: f64 = 0.05;
+/// Optima whose constants differ by less than this part are one.
+const SAME: f64 = 1e-3;
+/// Free optima from which a fit with demands begins.
+const CONTINUED: usize = 6;
+
+/// Fits a law to tests.
+///
+/// Laws that do not change volume are fitted to their incompressible response: `P = (w_1 - w_3)/lambda_1` with `w_i = dW/dln(lambda_i)` and the free face 3.
+/// The sum of squares is that of the errors over all points, times the weights of their tests.
+///
+/// # Errors
+/// [`FitError`] if the tests do not determine the constants, or no constants are stable.
+pub fn fit(tests: &[Test], family: &Family, options: &Options) -> Result<Fit, FitError> {
+    let compressible = family.is_compressible();
+    if compressible {
+        let lacks = |test: &&Test| {
+            !matches!(test.mode, Mode::SimpleShear | Mode::Volumetric)
+                && test.points.iter().any(|point| point.lateral.is_none())
+        };
+        if let Some(test) = tests.iter().find(lacks) {
+            return Err(FitError::NoLateralStretch {
+                law: family.name().to_owned(),
+                test: test.name.clone(),
+            });
+        }
+    }
+    let bounds = bounds_of(family, options)?;
+    let scales = match options.weights {
+        Weights::Relative(floor) => Scales {
+            relative: true,
+            floor,
+        },
+        Weights::Absolute => Scales {
+            relative: false,
+            floor: 0.0,
+        },
+    };
+    let equations = Equations::new(tests, compressible, &scales);
+    let is_free: Vec<bool> = bounds.iter().map(|[low, high]| low < high).collect();
+    let unknown = is_free.iter().filter(|own| **own).count();
+    if equations.len() < unknown {
+        return Err(FitError::TooFewPoints {
+            law: family.name().to_owned(),
+            constants: unknown,
+            points: equations.len(),
+        });
+    }
+    let search = Search {
+        tests,
+        family,
+        equations: &equations,
+        options,
+        bounds: &bounds,
+        is_free: &is_free,
+        patches: options
+            .range
+            .map_or(Vec::new(), |range| range.patches(tests, compressible)),
+    };
+    search.run()
+}
+
+/// Bounds of the constants; equal ones for fixed constants.
+fn bounds_of(family: &Family, options: &Options) -> Result<Vec<[f64; 2]>, FitError> {
+    let mut bounds: Vec<[f64; 2]> = family.constants().iter().map(|own| own.bounds).collect();
+    let fixed = options
+        .fixed
+        .iter()
+        .map(|(name, value)| (name, [*value; 2]));
+    for (name, given) in fixed.chain(options.bounds.iter().map(|(name, own)| (name, *own))) {
+        let Some(n) = family.constants().iter().position(|own| own.name == *name) else {
+            let names = family.constants().iter().map(|own| own.name.as_str());
+            return Err(FitError::UnknownConstant {
+                law: family.name().to_owned(),
+                name: name.clone(),
+                known: names.collect::<Vec<_>>().join(", "),
+            });
+        };
+        bounds[n] = [given[0].max(bounds[n][0]), given[1].min(bounds[n][1])];
+    }
+    Ok(bounds)
+}
+
+struct Search<'a> {
+    tests: &'a [Test],
+    family: &'a Family,
+    equations: &'a Equations,
+    options: &'a Options,
+    bounds: &'a [[f64; 2]],
+    is_free: &'a [bool],
+    patches: Vec<Patch>,
+}
+
+impl Search<'_> {
+    fn run(&self) -> Result<Fit, FitError> {
+        let free = self.optima(&self.guesses(), &|problem, start| problem.solve(start));
+        let Some(best) = free.first() else {
+            let planar = self.tests.iter().all(|test| test.mode == Mode::Planar);
+            return Err(FitError::Undetermined {
+                law: self.family.name().to_owned(),
+                hint: match planar {
+                    true => {
+                        "in planar tension both invariants are equal: add another test, or choose a law with fewer constants"
+                    }
+                    false => "add another kind of test, or choose a law with fewer constants",
+                },
+            });
+        };
+        let mut result = Fit {
+            family: self.family.clone(),
+            free: self.fitted(best),
+            stable: None,
+            proof: None,
+            others: self.others(&free),
+            stretches: None,
+        };
+        let Some(range) = self.options.range else {
+            return Ok(result);
+        };
+        result.stretches = Some(range.stretches(self.tests, self.family.is_compressible()));
+        let is_enough = |worst: &Worst| worst.value >= ENOUGH * self.options.margin;
+        if result.free.worst.as_ref().is_none_or(is_enough) {
+            match prove(&self.numbers(&best.constants), &self.patches) {
+                Proof::Refuted { .. } => {}
+                proof => {
+                    result.proof = Some(proof);
+                    return Ok(result);
+                }
+            }
+        }
+        let mut starts: Vec<Vec<f64>> = free.iter().map(|own| own.constants.clone()).collect();
+        starts.truncate(CONTINUED);
+        if !self.family.is_linear() {
+            starts.extend(self.guesses().into_iter().take(CONTINUED));
+        }
+        let found = self.optima(&starts, &|problem, start| {
+            self.demanded(problem, start, Vec::new())
+        });
+        let none = || FitError::NotStable {
+            law: self.family.name().to_owned(),
+        };
+        let mut best = found.first().cloned().ok_or_else(none)?;
+        result.others = self.others(&found);
+        // A state that the samples missed is added, too.
+        let mut missed = Vec::new();
+        let proof = loop {
+            match prove(&self.numbers(&best.constants), &self.patches) {
+                Proof::Refuted { worst } if missed.len() < ROUNDS => missed.push(Cut::from(worst)),
+                proof => break proof,
+            }
+            let again = self.demanded(&self.problem(), &best.constants, missed.clone());
+            best = again.ok_or_else(none)?;
+        };
+        result.proof = Some(proof);
+        result.stable = Some(self.fitted(&best));
+        Ok(result)
+    }
+
+    fn problem(&self) -> Problem<'_> {
+        Problem {
+            family: self.family,
+            equations: self.equations,
+            cuts: &[],
+            margin: self.options.margin,
+            bounds: self.bounds,
+        }
+    }
+
+    fn numbers<'b>(&'b self, constants: &'b [f64]) -> Numbers<'b> {
+        Numbers {
+            family: self.family,
+            constants,
+            criteria: &self.options.criteria,
+        }
+    }
+
+    /// First guesses: points of Halton's sequence in the ranges of guesses, within the bounds.
+    fn guesses(&self) -> Vec<Vec<f64>> {
+        const BASES: [usize; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
+        let count = match self.family.is_linear() {
+            true => 1,
+            false => self.options.starts.max(1),
+        };
+        let part = |mut n: usize, base: usize| {
+            let (mut sum, mut unit) = (0.0, 1.0);
+            while n > 0 {
+                unit /= base as f64;
+                sum += unit * (n % base) as f64;
+                n /= base;
+            }
+            sum
+        };
+        let guess = |n: usize| {
+            let constants = self.family.constants().iter().zip(self.bounds).enumerate();
+            constants
+                .map(|(c, (own, bounds))| {
+                    let [low, high] = own.guesses.map(|end| end.clamp(bounds[0], bounds[1]));
+                    let t = part(n + 1, BASES[c % BASES.len()]);
+                    match own.is_modulus {
+                        true => low.max(0.0),
+                        // Constants of one sign vary by orders of magnitude.
+                        false if low > 0.0 => low * (high / low).powf(t),
+                        false => low + (high - low) * t,
+                    }
+                })
+                .collect()
+        };
+        (0..count).map(guess).collect()
+    }
+
+    /// Distinct optima from several starts, the best first.
+    fn optima(
+        &self,
+        starts: &[Vec<f64>],
+        solve: &(dyn Fn(&Problem<'_>, &[f64]) -> Option<Solution> + Sync),
+    ) -> Vec<Solution> {
+        let problem = self.problem();
+        let mut all: Vec<Solution> = starts
+            .par_iter()
+            .filter_map(|start| {
+                checkpoint();
+                solve(&problem, start)
+            })
+            .filter(|own| own.loss.is_finite())
+            .collect();
+        all.sort_by(|a, b| a.loss.total_cmp(&b.loss));
+        let mut distinct: Vec<Solution> = Vec::new();
+        for mut own in all {
+            self.sort(&mut own.constants);
+            let is_same = |other: &Solution| {
+                let pairs = own.constants.iter().zip(&other.constants);
+                pairs
+                    .into_iter()
+                    .all(|(a, b)| (a - b).abs() <= SAME * a.abs().max(b.abs()))
+            };
+            if !distinct.iter().any(is_same) {
+                distinct.push(own);
+            }
+        }
+        distinct
+    }
+
+    /// Puts equal terms in the order of their exponents, the largest first.
+    fn sort(&self, constants: &mut [f64]) {
+        let terms = self.family.terms();
+        if terms.len() < 2 || terms[0].shapes.is_empty() || self.is_free.contains(&false) {
+            return;
+        }
+        let width = 1 + terms[0].shapes.len();
+        let mut blocks: Vec<Vec<f64>> = constants.chunks(width).map(<[f64]>::to_vec).collect();
+        blocks.sort_by(|a, b| b[1].total_cmp(&a[1]));
+        for (own, value) in constants.iter_mut().zip(blocks.into_iter().flatten()) {
+            *own = value;
+        }
+    }
+
+    /// Solution that satisfies the demands at all states of the range: states are added until none is violated.
+    fn demanded(
+        &self,
+        problem: &Problem<'_>,
+        start: &[f64],
+        mut cuts: Vec<Cut>,
+    ) -> Option<Solution> {
+        let mut constants = start.to_vec();
+        for _ in 0..ROUNDS {
+            checkpoint();
+            let found = Problem {
+                cuts: &cuts,
+                ..*problem
+            }
+            .solve(&constants)?;
+            let law = self.numbers(&found.constants);
+            if !(law.shear_modulus() > 0.0) {
+                return None;
+            }
+            let mut worst = worst_states(&law, &self.patches);
+            worst.retain(|own| own.value < ENOUGH * self.options.margin);
+            worst.truncate(ADDED);
+            if worst.is_empty() {
+                return Some(found);
+            }
+            cuts.extend(worst.into_iter().map(Cut::from));
+            constants = found.constants;
+        }
+        None
+    }
+
+    fn others(&self, optima: &[Solution]) -> Vec<(Vec<f64>, f64)> {
+        let Some(best) = optima.first() else {
+            return Vec::new();
+        };
+        let similar = optima[1..]
+            .iter()
+            .filter(|own| own.loss <= best.loss * (1.0 + SIMILAR));
+        similar
+            .map(|own| (own.constants.clone(), own.loss))
+            .collect()
+    }
+
+    fn fitted(&self, solution: &Solution) -> Fitted {
+        let misfits = self
+            .equations
+            .misfits(self.tests, self.family, &solution.constants);
+        let pairs = self.tests.iter().zip(&misfits).flat_map(|(test, own)| {
+            let points = test.points.iter().zip(&own.stresses);
+            points.filter(|(_, stress)| stress.is_finite())
+        });
+        let squares: Vec<f64> = pairs
+            .map(|(point, stress)| ((stress - point.stress) / point.stress).powi(2))
+            .collect();
+        let law = self.numbers(&solution.constants);
+        Fitted {
+            constants: solution.constants.clone(),
+            shear_modulus: law.shear_modulus(),
+            loss: solution.loss,
+            relative: (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt(),
+            misfits,
+            limits: match self.family.is_compressible() {
+                true => Vec::new(),
+                false => limits(self.family, &solution.constants, &self.options.criteria),
+            },
+            worst: worst_states(&law, &self.patches).into_iter().next(),
+            uncertainty: Uncertainty::new(
+                self.family,
+                self.equations,
+                &solution.constants,
+                self.is_free,
+            ),
+        }
+    }
+}

@@ -1,0 +1,280 @@
+//! Proof that a law is stable at all states of a range, by interval arithmetic.
+//!
+//! The range is divided into cells. On a cell the numbers that decide (leading minors of Drucker's matrix, Bernstein coefficients of the elliptic
+//! forms) are enclosed by their mean-value form, `f(middle) + f'(cell) (cell - middle)`, whose excess is of second order in the size of the cell. A cell
+//! with a number that may be negative is halved; one with a state that is not stable ends the proof.
+
+use crate::moduli::{Criterion, Moduli, cubic, quadratic};
+use crate::range::{Numbers, Patch, Worst};
+use onset::cancel::checkpoint;
+use onset::real::{Dual, Interval, Real};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Result of a proof.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+pub enum Proof {
+    /// No state of the range is unstable.
+    Proved {
+        /// Number of cells.
+        cells: usize,
+    },
+    /// A state was found that is not stable.
+    Refuted {
+        /// The state.
+        worst: Worst,
+    },
+    /// The states of the range were sampled and found stable; the proof needs more cells than were allowed, or the law has no proof.
+    Sampled,
+}
+
+/// Largest number of cells.
+const CELLS: usize = 40_000;
+/// Number with derivatives by the parameters of a patch.
+type Slope = Dual<2, Interval>;
+/// Number that stands for an interval, with or without derivatives.
+trait Bounded: Real {
+    /// Number anywhere in an interval.
+    fn between(interval: Interval) -> Self;
+    /// Interval of the number.
+    fn range(self) -> Interval;
+}
+
+impl Bounded for Interval {
+    fn between(interval: Interval) -> Self {
+        interval
+    }
+
+    fn range(self) -> Interval {
+        self
+    }
+}
+
+impl Bounded for Slope {
+    fn between(interval: Interval) -> Self {
+        Self {
+            value: interval,
+            gradient: [Interval::ZERO; 2],
+        }
+    }
+
+    fn range(self) -> Interval {
+        self.value
+    }
+}
+
+/// Halvings of the triangle of directions.
+const TURNS: usize = 5;
+/// Rounding of the coefficients of a part, relative to the largest one.
+const ROUNDING: f64 = 1e-14;
+/// Strains of a cell closer than this have the quotient of their mean.
+const CLOSE: f64 = 0.02;
+/// Parts of the segment over which the mean is taken.
+const SEGMENTS: usize = 2;
+
+/// Proves that the criteria are positive on all patches.
+pub(crate) fn prove(law: &Numbers<'_>, patches: &[Patch]) -> Proof {
+    if law.family.is_compressible() {
+        return Proof::Sampled;
+    }
+    let shear = law.shear_modulus();
+    let mut cells = 0;
+    for patch in patches {
+        let dimension = patch.axes.len();
+        let ends = |a: usize| match a < dimension {
+            true => [patch.low[a], patch.high[a]],
+            false => [0.0; 2],
+        };
+        let mut level = vec![[ends(0), ends(1)]];
+        while !level.is_empty() {
+            checkpoint();
+            level.retain(|cell| !(patch.ordered && is_outside(patch, cell)));
+            cells += level.len();
+            if cells > CELLS {
+                return Proof::Sampled;
+            }
+            let open: Vec<_> = level
+                .into_par_iter()
+                .filter(|cell| !is_stable(law, patch, cell))
+                .collect();
+            level = Vec::with_capacity(2 * open.len());
+            for cell in open {
+                let middle = cell.map(|[a, b]| 0.5 * (a + b));
+                let logs = patch.logs(&middle[..dimension]);
+                if !patch.ordered || logs.is_sorted_by(|a, b| a >= b) {
+                    let worst = law.worst_at(logs, shear);
+                    if worst.value <= 0.0 {
+                        return Proof::Refuted { worst };
+                    }
+                }
+                let axis = usize::from(cell[1][1] - cell[1][0] > cell[0][1] - cell[0][0]);
+                let [a, b] = cell[axis];
+                for half in [[a, middle[axis]], [middle[axis], b]] {
+                    let mut part = cell;
+                    part[axis] = half;
+                    level.push(part);
+                }
+            }
+        }
+    }
+    Proof::Proved { cells }
+}
+
+/// Whether no state of a cell has its strains in descending order.
+fn is_outside(patch: &Patch, cell: &[[f64; 2]; 2]) -> bool {
+    let parameter = |a: usize| Interval::new(cell[a][0], cell[a][1]);
+    let logs = logs_of(patch, [parameter(0), parameter(1)]);
+    (logs[0] - logs[1]).high < 0.0 || (logs[1] - logs[2]).high < 0.0
+}
+
+fn logs_of<R: Real>(patch: &Patch, at: [R; 2]) -> [R; 3] {
+    std::array::from_fn(|i| {
+        let parts = patch.axes.iter().zip(at);
+        parts.fold(R::constant(0.0), |sum, (axis, t)| sum + t * axis[i])
+    })
+}
+
+/// Numbers that decide at the states of a cell, on the whole cell or at its middle.
+struct Deciding<R> {
+    drucker: [R; 2],
+    trace: [R; 6],
+    determinant: [R; 10],
+}
+
+fn is_stable(law: &Numbers<'_>, patch: &Patch, cell: &[[f64; 2]; 2]) -> bool {
+    let whole = cell.map(|[a, b]| Interval::new(a, b));
+    let middle = whole.map(|own| Interval::point(own.midpoint()));
+    let on_cell = deciding(law, patch, Slope::variables(whole));
+    let at_middle = deciding(law, patch, middle);
+    let offsets: [Interval; 2] = std::array::from_fn(|a| whole[a] - middle[a]);
+    let bound = |on_cell: &Slope, at_middle: &Interval| {
+        let mut sum = *at_middle;
+        for a in 0..2 {
+            // An axis without extent must not meet an unbounded slope.
+            if cell[a][0] < cell[a][1] {
+                sum = sum + on_cell.gradient[a] * offsets[a];
+            }
+        }
+        let low = sum.low.max(on_cell.value.low);
+        if low.is_nan() { f64::NEG_INFINITY } else { low }
+    };
+    law.criteria.iter().all(|criterion| match criterion {
+        Criterion::Drucker => {
+            (0..2).all(|n| bound(&on_cell.drucker[n], &at_middle.drucker[n]) > 0.0)
+        }
+        Criterion::StrongEllipticity => {
+            let trace: [f64; 6] =
+                std::array::from_fn(|n| bound(&on_cell.trace[n], &at_middle.trace[n]));
+            let determinant: [f64; 10] =
+                std::array::from_fn(|n| bound(&on_cell.determinant[n], &at_middle.determinant[n]));
+            is_positive(trace, quadratic_halves, TURNS)
+                && is_positive(determinant, cubic_halves, TURNS)
+        }
+    })
+}
+
+fn deciding<R: Bounded>(law: &Numbers<'_>, patch: &Patch, at: [R; 2]) -> Deciding<R> {
+    let logs = logs_of(patch, at);
+    let squares = logs.map(|log| (log * 2.0).exp());
+    let energy = law.family.jet(law.constants, squares);
+    let quotient = |i: usize, j: usize| {
+        let distance = squares[i] - squares[j];
+        let apart = (logs[i] - logs[j]).range();
+        if apart.low > CLOSE || apart.high < -CLOSE {
+            return (energy.gradient[i] - energy.gradient[j]) * 2.0 / distance;
+        }
+        // Mean over the segment to the state with the two squares exchanged; it is symmetric about its middle.
+        let mut sum = R::constant(0.0);
+        for n in 0..SEGMENTS {
+            let part = Interval::new(n as f64, (n + 1) as f64) * (0.5 / SEGMENTS as f64);
+            let share = R::between(part);
+            let mut moved = squares;
+            moved[i] = squares[i] - distance * share;
+            moved[j] = squares[j] + distance * share;
+            let h = law.family.jet(law.constants, moved).hessian;
+            sum = sum + (h[i][i] + h[j][j] - h[i][j] * 2.0) / SEGMENTS as f64;
+        }
+        sum
+    };
+    let moduli = Moduli::with_quotients(&energy, squares, quotient);
+    let [[a, b], [_, d]] = moduli.isochoric();
+    let (trace, determinant) = moduli.elliptic_forms();
+    Deciding {
+        drucker: [a + d, a * d - b * b],
+        trace,
+        determinant,
+    }
+}
+
+/// Whether a form is positive on a triangle: all Bernstein coefficients are, or those of its parts.
+fn is_positive<const N: usize>(
+    form: [f64; N],
+    halves: fn(&[f64; N], usize) -> [[f64; N]; 2],
+    depth: usize,
+) -> bool {
+    // Rounding of the halvings.
+    let least = ROUNDING * form.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+    if form.iter().all(|own| *own > least) {
+        return true;
+    }
+    // The first three coefficients are values at the corners.
+    if depth == 0 || form[..3].iter().any(|own| !(*own > least)) {
+        return false;
+    }
+    // Three halvings, one an edge, quarter the size.
+    let mut parts = vec![form];
+    for edge in 0..3 {
+        parts = parts.iter().flat_map(|own| halves(own, edge)).collect();
+    }
+    parts
+        .into_iter()
+        .all(|own| is_positive(own, halves, depth - 1))
+}
+
+/// Corners of the edge opposite to a corner.
+fn ends_of(edge: usize) -> (usize, usize) {
+    ((edge + 1) % 3, (edge + 2) % 3)
+}
+
+/// Bernstein coefficients on the two halves of a triangle whose edge is cut in its middle: values of the polar form, in which the corner that moves is the
+/// mean of both ends of the edge.
+fn quadratic_halves(form: &[f64; 6], edge: usize) -> [[f64; 6]; 2] {
+    let (p, q) = ends_of(edge);
+    [q, p].map(|moved| {
+        let mut part = [0.0; 6];
+        for a in 0..3 {
+            for b in a..3 {
+                let places = [a, b].map(|own| if own == moved { [p, q] } else { [own, own] });
+                let sum: f64 = (0..4)
+                    .map(|n| form[quadratic(places[0][n & 1], places[1][n >> 1])])
+                    .sum();
+                part[quadratic(a, b)] = sum / 4.0;
+            }
+        }
+        part
+    })
+}
+
+fn cubic_halves(form: &[f64; 10], edge: usize) -> [[f64; 10]; 2] {
+    let (p, q) = ends_of(edge);
+    [q, p].map(|moved| {
+        let mut part = [0.0; 10];
+        for a in 0..3 {
+            for b in a..3 {
+                for c in b..3 {
+                    let places =
+                        [a, b, c].map(|own| if own == moved { [p, q] } else { [own, own] });
+                    let sum: f64 = (0..8)
+                        .map(|n| {
+                            let at = |i: usize| places[i][n >> i & 1];
+                            form[cubic(at(0), at(1), at(2))]
+                        })
+                        .sum();
+                    part[cubic(a, b, c)] = sum / 8.0;
+                }
+            }
+        }
+        part
+    })
+}

@@ -1,0 +1,432 @@
+//! Where a law is to be stable, and the worst state there.
+
+use crate::family::Family;
+use crate::moduli::{Criterion, Moduli, Perturbation};
+use crate::tests_of_specimens::Test;
+use serde::Serialize;
+
+/// Loading of a specimen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// Tension or compression along one axis.
+    Uniaxial,
+    /// Equal tension or compression along two axes.
+    Equibiaxial,
+    /// Tension or compression of a wide sheet, whose width is kept (pure shear).
+    Planar,
+    /// Simple shear.
+    SimpleShear,
+    /// Change of volume alone.
+    Volumetric,
+}
+
+impl Mode {
+    /// Loadings of which every incompressible specimen has a state with free faces.
+    pub const LOADINGS: [Self; 3] = [Self::Uniaxial, Self::Equibiaxial, Self::Planar];
+
+    /// Name of the loading in files and answers.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Uniaxial => "uniaxial",
+            Self::Equibiaxial => "equibiaxial",
+            Self::Planar => "planar",
+            Self::SimpleShear => "simple-shear",
+            Self::Volumetric => "volumetric",
+        }
+    }
+
+    /// Loading with a name.
+    pub fn named(name: &str) -> Option<Self> {
+        let all = [
+            Self::Uniaxial,
+            Self::Equibiaxial,
+            Self::Planar,
+            Self::SimpleShear,
+            Self::Volumetric,
+        ];
+        all.into_iter().find(|own| own.name() == name)
+    }
+
+    /// Logarithms of the principal stretches of an incompressible specimen, for `ln lambda = 1`.
+    pub(crate) fn direction(self) -> [f64; 3] {
+        match self {
+            Self::Uniaxial => [1.0, -0.5, -0.5],
+            Self::Equibiaxial => [1.0, 1.0, -2.0],
+            Self::Planar | Self::SimpleShear => [1.0, 0.0, -1.0],
+            Self::Volumetric => [1.0 / 3.0; 3],
+        }
+    }
+}
+
+/// States at which a fitted law is to be stable.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Range {
+    /// All states whose principal stretches are between the smallest and the largest stretch of the tests, widened by a factor; for incompressible
+    /// response no stretch above the largest one.
+    Data(f64),
+    /// All states with principal stretches between two limits.
+    Box(f64, f64),
+    /// Uniaxial, equibiaxial and planar loadings between two stretches, as Abaqus checks them.
+    Loadings(f64, f64),
+}
+
+/// Part of a range: states `origin + sum_a t_a axes[a]` of the logarithmic strains with `low_a < t_a < high_a`.
+#[derive(Clone, Debug)]
+pub(crate) struct Patch {
+    pub axes: Vec<[f64; 3]>,
+    pub low: Vec<f64>,
+    pub high: Vec<f64>,
+    /// Whether only states with stretches in descending order are meant, of which the others are permutations.
+    pub ordered: bool,
+}
+
+impl Patch {
+    /// Logarithmic strains of a state.
+    pub fn logs(&self, at: &[f64]) -> [f64; 3] {
+        std::array::from_fn(|i| self.axes.iter().zip(at).map(|(axis, t)| axis[i] * t).sum())
+    }
+
+    fn contains(&self, at: &[f64]) -> bool {
+        let [a, b, c] = self.logs(at);
+        let slack = 1e-12;
+        !self.ordered || (a >= b - slack && b >= c - slack)
+    }
+}
+
+impl Range {
+    /// Limits of the principal stretches for given tests.
+    pub fn stretches(&self, tests: &[Test], compressible: bool) -> [f64; 2] {
+        match *self {
+            Self::Box(low, high) | Self::Loadings(low, high) => [low, high],
+            Self::Data(factor) => {
+                let mut ends = [1.0_f64; 2];
+                for test in tests.iter().filter(|test| test.mode != Mode::Volumetric) {
+                    for point in &test.points {
+                        let stretches = match test.mode {
+                            Mode::SimpleShear => {
+                                let h = (0.5 * point.stretch).asinh();
+                                [h.exp(), (-h).exp(), 1.0]
+                            }
+                            _ => match point.lateral {
+                                Some(lateral) => [point.stretch, lateral, 1.0],
+                                None => test
+                                    .mode
+                                    .direction()
+                                    .map(|part| (part * point.stretch.ln()).exp()),
+                            },
+                        };
+                        for stretch in stretches {
+                            ends = [ends[0].min(stretch), ends[1].max(stretch)];
+                        }
+                    }
+                }
+                let high = ends[1] * factor;
+                match compressible {
+                    true => [ends[0] / factor, high],
+                    false => [high.powi(-2), high],
+                }
+            }
+        }
+    }
+
+    /// Parts of the range.
+    pub(crate) fn patches(&self, tests: &[Test], compressible: bool) -> Vec<Patch> {
+        let [low, high] = self.stretches(tests, compressible).map(f64::ln);
+        if let Self::Loadings(..) = self {
+            let line = |mode: Mode| Patch {
+                axes: vec![mode.direction()],
+                low: vec![low],
+                high: vec![high],
+                ordered: false,
+            };
+            return Mode::LOADINGS.into_iter().map(line).collect();
+        }
+        if compressible {
+            return vec![Patch {
+                axes: vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+                low: vec![low; 3],
+                high: vec![high; 3],
+                ordered: true,
+            }];
+        }
+        // Largest strain and minus the smallest one; the third follows.
+        vec![Patch {
+            axes: vec![[1.0, -1.0, 0.0], [0.0, 1.0, -1.0]],
+            low: vec![0.0; 2],
+            high: vec![high.min(-2.0 * low), (-low).min(2.0 * high)],
+            ordered: true,
+        }]
+    }
+}
+
+/// State of a range at which a criterion has its lowest value.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Worst {
+    /// Criterion with the lowest value.
+    pub criterion: Criterion,
+    /// Lowest value, relative to the value in the reference.
+    pub value: f64,
+    /// Principal stretches of the state.
+    pub stretches: [f64; 3],
+    #[serde(skip)]
+    pub(crate) logs: [f64; 3],
+    #[serde(skip)]
+    pub(crate) perturbation: Perturbation,
+}
+
+/// Law with numbers for its constants.
+#[derive(Clone, Copy)]
+pub(crate) struct Numbers<'a> {
+    pub family: &'a Family,
+    pub constants: &'a [f64],
+    pub criteria: &'a [Criterion],
+}
+
+impl Numbers<'_> {
+    /// Shear modulus in the reference.
+    pub fn shear_modulus(&self) -> f64 {
+        let energy = self.family.jet(self.constants, [1.0; 3]);
+        Moduli::new(&energy, [1.0; 3]).shear_modulus()
+    }
+
+    /// Lowest relative value of the criteria at a state. States beyond the locking of chains, at which the
+    /// law has no energy, are not asked: their value is infinite.
+    pub fn worst_at(&self, logs: [f64; 3], shear: f64) -> Worst {
+        let squares = logs.map(|log| (2.0 * log).exp());
+        let moduli = Moduli::new(&self.family.jet(self.constants, squares), squares);
+        let compressible = self.family.is_compressible();
+        let mut worst: Option<Worst> = None;
+        for criterion in self.criteria {
+            let (value, perturbation) = moduli.lowest(*criterion, compressible);
+            let value = match value.is_nan() {
+                true => f64::INFINITY,
+                false => value / criterion.reference(shear),
+            };
+            if worst.as_ref().is_none_or(|own| value < own.value) {
+                worst = Some(Worst {
+                    criterion: *criterion,
+                    value,
+                    stretches: logs.map(f64::exp),
+                    logs,
+                    perturbation,
+                });
+            }
+        }
+        worst.unwrap_or(Worst {
+            criterion: Criterion::Drucker,
+            value: f64::INFINITY,
+            stretches: [1.0; 3],
+            logs,
+            perturbation: Perturbation::Strain([0.0; 3]),
+        })
+    }
+}
+
+impl Criterion {
+    /// Value in the reference for a shear modulus.
+    pub(crate) fn reference(self, shear: f64) -> f64 {
+        match self {
+            Self::Drucker => 2.0 * shear,
+            Self::StrongEllipticity => shear,
+        }
+    }
+}
+
+/// Grid points along the edge of a patch with one, two and three parameters.
+const POINTS: [usize; 3] = [301, 41, 13];
+/// Number of local minima of a grid that are improved.
+const IMPROVED: usize = 8;
+
+/// Local minima of the criteria over parts of a range, the lowest first.
+pub(crate) fn worst_states(law: &Numbers<'_>, patches: &[Patch]) -> Vec<Worst> {
+    let shear = law.shear_modulus();
+    let mut found: Vec<Worst> = Vec::new();
+    for patch in patches {
+        let dimension = patch.axes.len();
+        let count = POINTS[dimension - 1];
+        let place = |n: usize| -> Vec<f64> {
+            (0..dimension)
+                .map(|a| {
+                    let t = (n / count.pow(a as u32) % count) as f64 / (count - 1) as f64;
+                    patch.low[a] + (patch.high[a] - patch.low[a]) * t
+                })
+                .collect()
+        };
+        let total = count.pow(dimension as u32);
+        let values: Vec<Option<Worst>> = (0..total)
+            .map(|n| {
+                let at = place(n);
+                patch
+                    .contains(&at)
+                    .then(|| law.worst_at(patch.logs(&at), shear))
+            })
+            .collect();
+        let value = |n: usize| values[n].as_ref().map_or(f64::INFINITY, |own| own.value);
+        let is_low = |n: usize| {
+            (0..dimension).all(|a| {
+                let stride = count.pow(a as u32);
+                let digit = n / stride % count;
+                let below = digit == 0 || value(n - stride) >= value(n);
+                let above = digit + 1 == count || value(n + stride) >= value(n);
+                below && above
+            })
+        };
+        let mut lows: Vec<usize> = (0..total)
+            .filter(|n| values[*n].is_some() && is_low(*n))
+            .collect();
+        lows.sort_by(|a, b| value(*a).total_cmp(&value(*b)));
+        for n in lows.into_iter().take(IMPROVED) {
+            let steps: Vec<f64> = (0..dimension)
+                .map(|a| 0.5 * (patch.high[a] - patch.low[a]) / (count - 1) as f64)
+                .collect();
+            let start = values[n].clone();
+            found.extend(start.map(|start| improved(law, patch, shear, place(n), steps, start)));
+        }
+    }
+    found.sort_by(|a, b| a.value.total_cmp(&b.value));
+    found
+}
+
+/// Local minimum near a state by a search along the axes of a patch.
+fn improved(
+    law: &Numbers<'_>,
+    patch: &Patch,
+    shear: f64,
+    mut place: Vec<f64>,
+    mut steps: Vec<f64>,
+    mut best: Worst,
+) -> Worst {
+    let dimension = place.len();
+    let smallest = steps.iter().fold(0.0_f64, |a, b| a.max(*b)) * 1e-4;
+    while steps.iter().any(|step| *step > smallest) {
+        let mut moved = false;
+        for n in 1..3_usize.pow(dimension as u32) {
+            let trial: Vec<f64> = (0..dimension)
+                .map(|a| {
+                    let sign = [0.0, 1.0, -1.0][n / 3_usize.pow(a as u32) % 3];
+                    (place[a] + sign * steps[a]).clamp(patch.low[a], patch.high[a])
+                })
+                .collect();
+            if !patch.contains(&trial) {
+                continue;
+            }
+            let found = law.worst_at(patch.logs(&trial), shear);
+            if found.value < best.value {
+                (best, place, moved) = (found, trial, true);
+            }
+        }
+        if !moved {
+            steps.iter_mut().for_each(|step| *step *= 0.5);
+        }
+    }
+    best
+}
+
+/// Stretches up to which a law is stable along the loadings of an incompressible specimen, in tension and in compression.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Limit {
+    /// Loading.
+    pub mode: Mode,
+    /// Criterion that is lost.
+    pub criterion: Criterion,
+    /// Stretch at which it is lost.
+    pub stretch: f64,
+}
+
+/// Stretches between which limits are looked for, as in the check of Abaqus.
+const LOOKED_UP: [f64; 2] = [0.1, 10.0];
+/// States along a loading.
+const ALONG: usize = 400;
+
+/// First losses of each criterion along uniaxial, equibiaxial and planar loadings between stretches 0.1 and 10, that with the smallest stretch first.
+pub fn limits(family: &Family, constants: &[f64], criteria: &[Criterion]) -> Vec<Limit> {
+    let mut all = Vec::new();
+    for mode in Mode::LOADINGS {
+        for criterion in criteria {
+            let law = Numbers {
+                family,
+                constants,
+                criteria: std::slice::from_ref(criterion),
+            };
+            let shear = law.shear_modulus();
+            let at = |s: f64| {
+                law.worst_at(mode.direction().map(|part| part * s), shear)
+                    .value
+            };
+            for end in LOOKED_UP.map(f64::ln) {
+                let lost = (1..=ALONG)
+                    .map(|n| end * n as f64 / ALONG as f64)
+                    .find(|s| at(*s) <= 0.0);
+                let Some(beyond) = lost else { continue };
+                let (mut inside, mut outside) = (beyond - end / ALONG as f64, beyond);
+                while (outside - inside).abs() > 1e-12 {
+                    let middle = 0.5 * (inside + outside);
+                    match at(middle) <= 0.0 {
+                        true => outside = middle,
+                        false => inside = middle,
+                    }
+                }
+                all.push(Limit {
+                    mode,
+                    criterion: *criterion,
+                    stretch: outside.exp(),
+                });
+            }
+        }
+    }
+    let largest = |own: &Limit| {
+        let logs = own.mode.direction().map(|part| part * own.stretch.ln());
+        logs.into_iter().fold(0.0, f64::max)
+    };
+    all.sort_by(|a, b| largest(a).total_cmp(&largest(b)));
+    all
+}
+
+impl Family {
+    /// Logarithms of the principal stretches of an incompressible specimen; `stretch` is the amount of shear in simple shear.
+    pub fn logs(mode: Mode, stretch: f64) -> [f64; 3] {
+        let h = match mode {
+            Mode::SimpleShear => (0.5 * stretch).asinh(),
+            _ => stretch.ln(),
+        };
+        mode.direction().map(|part| part * h)
+    }
+
+    /// Nominal stress of an incompressible specimen along the load; `None` for compressible laws and volumetric loading. Units of stress.
+    pub fn stress(&self, constants: &[f64], mode: Mode, stretch: f64) -> Option<f64> {
+        if self.is_compressible() || mode == Mode::Volumetric {
+            return None;
+        }
+        let squares = Self::logs(mode, stretch).map(|log| (2.0 * log).exp());
+        let energy = self.jet(constants, squares);
+        let kirchhoff = |i: usize| 2.0 * squares[i] * energy.gradient[i];
+        let slope = match mode {
+            Mode::SimpleShear => (4.0 + stretch * stretch).sqrt().recip(),
+            _ => stretch.recip(),
+        };
+        Some(slope * (kirchhoff(0) - kirchhoff(2)))
+    }
+
+    /// Whether criteria hold at a state of a loading.
+    pub fn is_stable(
+        &self,
+        constants: &[f64],
+        criteria: &[Criterion],
+        mode: Mode,
+        stretch: f64,
+    ) -> bool {
+        self.is_stable_at(constants, criteria, Self::logs(mode, stretch))
+    }
+
+    /// Whether criteria hold at a state, given by the logarithms of its principal stretches.
+    pub fn is_stable_at(&self, constants: &[f64], criteria: &[Criterion], logs: [f64; 3]) -> bool {
+        let law = Numbers {
+            family: self,
+            constants,
+            criteria,
+        };
+        law.worst_at(logs, law.shear_modulus()).value > 0.0
+    }
+}

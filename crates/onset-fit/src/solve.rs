@@ -1,0 +1,325 @@
+//! Least squares under linearized constraints, by Gauss and Newton's method with damping.
+//!
+//! Each step solves `min |J s + r|^2 + damping |s|^2` subject to `G s >= g`. With `J = Q R` and `y = R s` the quadratic program has the identity as
+//! its matrix, so that it is as well conditioned as the least-squares problem allows. For a law that is linear in its constants the first step without
+//! damping is the optimum.
+
+use crate::family::Family;
+use crate::moduli::{Criterion, Moduli, Perturbation};
+use crate::range::Worst;
+use crate::tests_of_specimens::Equations;
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
+use nalgebra::{DMatrix, DVector};
+use onset::real::Dual;
+
+/// Demand that a form of the law is not below a margin: `q(state, perturbation) >= margin q(reference)`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cut {
+    pub criterion: Criterion,
+    pub logs: [f64; 3],
+    pub perturbation: Perturbation,
+}
+
+impl From<Worst> for Cut {
+    fn from(worst: Worst) -> Self {
+        Self {
+            criterion: worst.criterion,
+            logs: worst.logs,
+            perturbation: worst.perturbation,
+        }
+    }
+}
+
+/// Least-squares problem with demands.
+pub(crate) struct Problem<'a> {
+    pub family: &'a Family,
+    pub equations: &'a Equations,
+    pub cuts: &'a [Cut],
+    pub margin: f64,
+    /// Bounds of the constants; equal for those that are fixed.
+    pub bounds: &'a [[f64; 2]],
+}
+
+/// Constants with the sum of squares.
+#[derive(Clone, Debug)]
+pub(crate) struct Solution {
+    pub constants: Vec<f64>,
+    pub loss: f64,
+}
+
+/// Largest number of steps of one solution.
+const STEPS: usize = 200;
+/// A step that lowers the sum of squares by less than this part is the last one.
+const ENOUGH: f64 = 1e-13;
+/// Weight of a violated demand, relative to the sum of squares at the start.
+const PENALTY: f64 = 10.0;
+
+impl Problem<'_> {
+    /// Values of the demands with their derivatives, scaled by the size of the gradient.
+    fn demands(&self, constants: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
+        let count = self.cuts.len();
+        let mut values = DVector::<f64>::zeros(count);
+        let mut slopes = DMatrix::<f64>::zeros(count, constants.len());
+        for term in self.family.terms() {
+            let one = [1.0; 3];
+            let shear = Moduli::new(&Family::jet_of(term, constants, one), one).shear_modulus();
+            for (row, cut) in self.cuts.iter().enumerate() {
+                let squares = cut.logs.map(|log| (2.0 * log).exp());
+                let moduli = Moduli::new(&Family::jet_of(term, constants, squares), squares);
+                let scale = cut.criterion.reference(1.0);
+                let form: Dual<2> = moduli.form(&cut.perturbation) - shear * (self.margin * scale);
+                let modulus = constants[term.modulus];
+                values[row] += modulus * form.value;
+                slopes[(row, term.modulus)] += form.value;
+                for (n, index) in term.shapes.iter().enumerate() {
+                    slopes[(row, *index)] += modulus * form.gradient[n];
+                }
+            }
+        }
+        for row in 0..count {
+            let size = slopes.row(row).norm().max(f64::MIN_POSITIVE);
+            values[row] /= size;
+            slopes.row_mut(row).scale_mut(size.recip());
+        }
+        (values, slopes)
+    }
+
+    /// Solution from a first guess; `None` if no constants satisfy the demands, or the law is not defined at the guess.
+    pub fn solve(&self, start: &[f64]) -> Option<Solution> {
+        let mut constants = start.to_vec();
+        self.confine(&mut constants);
+        let is_free: Vec<bool> = self.bounds.iter().map(|[low, high]| low < high).collect();
+        if self.family.is_linear() {
+            return self.of_moduli(&constants, &is_free);
+        }
+        constants = self.of_moduli(&constants, &is_free)?.constants;
+        let (mut errors, mut jacobian) = self.equations.errors(self.family, &constants);
+        let mut violated = self.violation(&constants);
+        let mut loss = errors.norm_squared();
+        let unit = loss.max(f64::MIN_POSITIVE);
+        let merit = |loss: f64, violated: f64| loss + PENALTY * unit * violated;
+        let mut damping = 1e-3;
+        let mut idle = 0;
+        for _ in 0..STEPS {
+            let (values, slopes) = self.demands(&constants);
+            let step = self.step(
+                &errors,
+                &jacobian,
+                (&values, &slopes),
+                &constants,
+                damping,
+                &is_free,
+            );
+            let Some(step) = step else {
+                damping *= 10.0;
+                if damping > 1e8 {
+                    break;
+                }
+                continue;
+            };
+            let mut trial: Vec<f64> = constants
+                .iter()
+                .zip(step.iter())
+                .map(|(x, s)| x + s)
+                .collect();
+            self.confine(&mut trial);
+            // The moduli follow from the other constants.
+            if let Some(better) = self.of_moduli(&trial, &is_free) {
+                trial = better.constants;
+            }
+            let (new_errors, new_jacobian) = self.equations.errors(self.family, &trial);
+            let new_loss = new_errors.norm_squared();
+            let new_violated = self.violation(&trial);
+            let gain = merit(loss, violated) - merit(new_loss, new_violated);
+            if gain > 0.0 {
+                let part = gain / merit(loss, violated);
+                (constants, errors, jacobian) = (trial, new_errors, new_jacobian);
+                (loss, violated) = (new_loss, new_violated);
+                damping = (damping * 0.2).max(1e-15);
+                idle = if part < ENOUGH { idle + 1 } else { 0 };
+            } else {
+                damping *= 8.0;
+                idle += usize::from(damping > 1e3);
+            }
+            if idle > 2 || damping > 1e8 {
+                break;
+            }
+        }
+        (loss.is_finite() && violated < 1e-6).then_some(Solution { constants, loss })
+    }
+
+    fn violation(&self, constants: &[f64]) -> f64 {
+        let (values, _) = self.demands(constants);
+        let scale = constants.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        values.iter().map(|value| (-value / scale).max(0.0)).sum()
+    }
+
+    fn confine(&self, constants: &mut [f64]) {
+        self.family.admissible(constants);
+        for (value, [low, high]) in constants.iter_mut().zip(self.bounds) {
+            *value = value.clamp(*low, *high);
+        }
+    }
+
+    /// Best moduli for given further constants.
+    fn of_moduli(&self, constants: &[f64], is_free: &[bool]) -> Option<Solution> {
+        let (mut errors, mut jacobian) = self.equations.errors(self.family, constants);
+        let moduli = self.family.constants().iter().map(|own| own.is_modulus);
+        let free: Vec<bool> = moduli
+            .zip(is_free)
+            .map(|(own, free)| own && *free)
+            .collect();
+        if !jacobian
+            .iter()
+            .chain(errors.iter())
+            .all(|own| own.is_finite())
+        {
+            return None;
+        }
+        let mut found = constants.to_vec();
+        // A second step removes the rounding of the first one.
+        for pass in 0..2 {
+            let (values, slopes) = self.demands(&found);
+            let Some(step) = self.step(&errors, &jacobian, (&values, &slopes), &found, 0.0, &free)
+            else {
+                if pass == 0 {
+                    return None;
+                }
+                break;
+            };
+            for (x, s) in found.iter_mut().zip(step.iter()) {
+                *x += s;
+            }
+            (errors, jacobian) = self.equations.errors(self.family, &found);
+        }
+        Some(Solution {
+            loss: errors.norm_squared(),
+            constants: found,
+        })
+    }
+
+    /// One step of the method in the free constants.
+    fn step(
+        &self,
+        errors: &DVector<f64>,
+        jacobian: &DMatrix<f64>,
+        (values, slopes): (&DVector<f64>, &DMatrix<f64>),
+        constants: &[f64],
+        damping: f64,
+        is_free: &[bool],
+    ) -> Option<DVector<f64>> {
+        let free: Vec<usize> = (0..constants.len()).filter(|n| is_free[*n]).collect();
+        if free.is_empty() {
+            return Some(DVector::zeros(constants.len()));
+        }
+        let (rows, columns) = (errors.len(), free.len());
+        let sizes: Vec<f64> = free
+            .iter()
+            .map(|n| jacobian.column(*n).norm().max(1e-150))
+            .collect();
+        let extra = if damping > 0.0 { columns } else { 0 };
+        let matrix = DMatrix::from_fn(rows + extra, columns, |i, j| match i < rows {
+            true => jacobian[(i, free[j])] / sizes[j],
+            false => f64::from(u8::from(i - rows == j)) * damping.sqrt(),
+        });
+        let mut right = DVector::zeros(rows + extra);
+        right.rows_mut(0, rows).copy_from(&(-errors));
+        if matrix.nrows() < columns {
+            return None;
+        }
+        let qr = matrix.qr();
+        let upper = qr.r();
+        let target = qr.q().transpose() * right;
+        if (0..columns).any(|n| upper[(n, n)].abs() < 1e-14) {
+            return None;
+        }
+        // Conditions on the scaled step: demands, and bounds of the constants.
+        let mut conditions: Vec<(DVector<f64>, f64)> = Vec::new();
+        for row in 0..values.len() {
+            let slope = DVector::from_fn(columns, |j, _| slopes[(row, free[j])] / sizes[j]);
+            conditions.push((slope, -values[row]));
+        }
+        for (j, n) in free.iter().enumerate() {
+            let unit = |sign: f64| {
+                DVector::from_fn(columns, |i, _| if i == j { sign / sizes[j] } else { 0.0 })
+            };
+            let [low, high] = self.bounds[*n];
+            if low.is_finite() {
+                conditions.push((unit(1.0), low - constants[*n]));
+            }
+            if high.is_finite() {
+                conditions.push((unit(-1.0), constants[*n] - high));
+            }
+        }
+        let free_step = upper.solve_upper_triangular(&target)?;
+        let holds = |step: &DVector<f64>| {
+            conditions
+                .iter()
+                .all(|(slope, bound)| slope.dot(step) >= *bound)
+        };
+        let scaled = match holds(&free_step) {
+            true => free_step,
+            false => upper.solve_upper_triangular(&nearest(&upper, &target, &conditions)?)?,
+        };
+        let mut step = DVector::zeros(constants.len());
+        for (j, n) in free.iter().enumerate() {
+            step[*n] = scaled[j] / sizes[j];
+        }
+        Some(step)
+    }
+}
+
+/// Point `y` nearest to `target` with `slope . R^-1 y >= bound`; `None` if there is none.
+fn nearest(
+    upper: &DMatrix<f64>,
+    target: &DVector<f64>,
+    conditions: &[(DVector<f64>, f64)],
+) -> Option<DVector<f64>> {
+    let count = target.len();
+    let lower = upper.transpose();
+    let mut rows = Vec::new();
+    let mut bounds = Vec::new();
+    for (slope, bound) in conditions {
+        // slope . R^-1 y = (R^-T slope) . y
+        let turned = lower.solve_lower_triangular(slope)?;
+        let size = turned.norm();
+        if size < 1e-300 {
+            continue;
+        }
+        rows.push(turned / -size);
+        bounds.push(-bound / size);
+    }
+    // In units of the distance of the nearest point from the origin, or of what the conditions demand.
+    let needed = bounds.iter().fold(0.0_f64, |most, own| most.max(-own));
+    let unit = target.norm().max(needed).max(1e-300);
+    let matrix: Vec<Vec<f64>> = rows
+        .iter()
+        .map(|row| row.iter().copied().collect())
+        .collect();
+    let bounds: Vec<f64> = bounds.iter().map(|own| own / unit).collect();
+    let linear: Vec<f64> = target.iter().map(|own| -own / unit).collect();
+    let settings = DefaultSettings {
+        verbose: false,
+        tol_gap_abs: 1e-13,
+        tol_gap_rel: 1e-13,
+        tol_feas: 1e-13,
+        ..DefaultSettings::default()
+    };
+    let cones = [SupportedConeT::NonnegativeConeT(bounds.len())];
+    let mut solver = DefaultSolver::new(
+        &CscMatrix::identity(count),
+        &linear,
+        &CscMatrix::from(&matrix),
+        &bounds,
+        &cones,
+        settings,
+    )
+    .ok()?;
+    solver.solve();
+    let is_solved = matches!(
+        solver.solution.status,
+        SolverStatus::Solved | SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress
+    );
+    is_solved.then(|| DVector::from_vec(solver.solution.x) * unit)
+}

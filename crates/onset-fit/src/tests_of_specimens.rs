@@ -1,0 +1,201 @@
+//! What was measured: stretches and nominal stresses of homogeneous specimens.
+
+use crate::range::Mode;
+use nalgebra::{DMatrix, DVector};
+use onset::real::{Dual, Real};
+use serde::Serialize;
+
+use crate::family::{Family, SHAPES};
+
+/// Measured point of a test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Stretch along the load; the amount of shear `gamma` in simple shear, the volume ratio `J` in a volumetric test.
+    pub stretch: f64,
+    /// Lateral stretch along axis 2 (and 3, if they are equal); for compressible laws. In equibiaxial and planar tests it is the stretch through the
+    /// thickness.
+    pub lateral: Option<f64>,
+    /// Nominal stress along the load, or pressure in a volumetric test; units of stress.
+    pub stress: f64,
+}
+
+/// Test of a specimen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Test {
+    /// Name of the test in answers.
+    pub name: String,
+    /// Loading of the specimen.
+    pub mode: Mode,
+    /// Measured points in any order.
+    pub points: Vec<Point>,
+    /// Weight of the squared errors of this test.
+    pub weight: f64,
+}
+
+/// Distance of a fitted law from a test.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Misfit {
+    /// Name of the test.
+    pub test: String,
+    /// Root mean square of the errors relative to the measured stress.
+    pub relative: f64,
+    /// Root mean square of the errors; units of stress.
+    pub absolute: f64,
+    /// Computed stresses in the order of the points; units of stress.
+    pub stresses: Vec<f64>,
+}
+
+/// Condition that a measured point puts on a law: a combination of the principal Kirchhoff stresses `2 e_i dW/de_i`.
+#[derive(Clone, Copy, Debug)]
+struct Equation {
+    /// Index of the test and of the point.
+    place: (usize, usize),
+    squares: [f64; 3],
+    factors: [f64; 3],
+    measured: f64,
+    /// Factor of the error in the sum of squares.
+    scale: f64,
+}
+
+/// All conditions of all tests.
+#[derive(Clone, Debug)]
+pub(crate) struct Equations {
+    all: Vec<Equation>,
+}
+
+/// Weights of single points, see [`crate::Weights`].
+pub(crate) struct Scales {
+    pub relative: bool,
+    pub floor: f64,
+}
+
+impl Equations {
+    /// Conditions of tests on a law. Points at the reference say nothing and are left out.
+    pub fn new(tests: &[Test], compressible: bool, scales: &Scales) -> Self {
+        let mut all = Vec::new();
+        for (t, test) in tests.iter().enumerate() {
+            let magnitudes = test.points.iter().map(|point| point.stress.abs());
+            let largest = magnitudes.fold(0.0, f64::max);
+            for (p, point) in test.points.iter().enumerate() {
+                let scale = match scales.relative {
+                    true => point.stress.abs().max(scales.floor * largest).recip(),
+                    false => 1.0,
+                } * test.weight.sqrt();
+                let at = |logs: [f64; 3], factors: [f64; 3], measured| {
+                    let squares = logs.map(|log| (2.0 * log).exp());
+                    Equation {
+                        place: (t, p),
+                        squares,
+                        factors: std::array::from_fn(|i| 2.0 * squares[i] * factors[i]),
+                        measured,
+                        scale,
+                    }
+                };
+                let h = point.stretch.ln();
+                let inverse = point.stretch.recip();
+                let across = point.lateral.map_or(0.0, f64::ln);
+                let first = match (test.mode, compressible) {
+                    (Mode::Volumetric, _) => continue,
+                    (Mode::SimpleShear, _) => {
+                        let h = (0.5 * point.stretch).asinh();
+                        let slope = (4.0 + point.stretch.powi(2)).sqrt().recip();
+                        at([h, 0.0, -h], [slope, 0.0, -slope], point.stress)
+                    }
+                    (mode, false) => {
+                        let along = mode.direction();
+                        let logs = along.map(|part| part * h);
+                        at(logs, [inverse, 0.0, -inverse], point.stress)
+                    }
+                    (Mode::Uniaxial, true) => {
+                        at([h, across, across], [inverse, 0.0, 0.0], point.stress)
+                    }
+                    (Mode::Equibiaxial, true) => {
+                        at([h, h, across], [inverse, 0.0, 0.0], point.stress)
+                    }
+                    (Mode::Planar, true) => at([h, 0.0, across], [inverse, 0.0, 0.0], point.stress),
+                };
+                all.push(first);
+                if compressible && test.mode != Mode::SimpleShear {
+                    let squares = first.squares;
+                    let factors = [0.0, 0.0, 2.0 * across.exp()];
+                    all.push(Equation {
+                        squares,
+                        factors,
+                        measured: 0.0,
+                        ..first
+                    });
+                }
+            }
+        }
+        Self { all }
+    }
+
+    /// Number of conditions.
+    pub fn len(&self) -> usize {
+        self.all.len()
+    }
+
+    /// Scaled errors of a law, and their derivatives by its constants.
+    pub fn errors(&self, family: &Family, constants: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
+        let mut errors = DVector::zeros(self.all.len());
+        let mut jacobian = DMatrix::zeros(self.all.len(), constants.len());
+        for (row, own) in self.all.iter().enumerate() {
+            let mut sum = -own.measured;
+            for term in family.terms() {
+                let mut shapes = [Dual::<3, Dual<SHAPES>>::constant(1.0); SHAPES];
+                for (n, (shape, index)) in shapes.iter_mut().zip(&term.shapes).enumerate() {
+                    shape.value = Dual::variable(constants[*index], n);
+                }
+                let squares = Dual::variables(own.squares.map(Dual::constant));
+                let energy = term.energy(shapes, squares);
+                let stress = (0..3).fold(Dual::constant(0.0), |sum, i| {
+                    sum + energy.gradient[i] * own.factors[i]
+                });
+                let modulus = constants[term.modulus];
+                sum += modulus * stress.value;
+                jacobian[(row, term.modulus)] += own.scale * stress.value;
+                for (n, index) in term.shapes.iter().enumerate() {
+                    jacobian[(row, *index)] += own.scale * modulus * stress.gradient[n];
+                }
+            }
+            errors[row] = own.scale * sum;
+        }
+        (errors, jacobian)
+    }
+
+    /// Errors of a law by test.
+    pub fn misfits(&self, tests: &[Test], family: &Family, constants: &[f64]) -> Vec<Misfit> {
+        let (errors, _) = self.errors(family, constants);
+        let of = |(t, test): (usize, &Test)| {
+            let mut stresses = vec![f64::NAN; test.points.len()];
+            let own = self.all.iter().zip(errors.iter());
+            for (equation, error) in own.filter(|(own, _)| own.place.0 == t) {
+                let stress = &mut stresses[equation.place.1];
+                if stress.is_nan() {
+                    *stress = equation.measured + error / equation.scale;
+                }
+            }
+            let pairs: Vec<(f64, f64)> = test
+                .points
+                .iter()
+                .zip(&stresses)
+                .filter(|(_, own)| own.is_finite())
+                .map(|(point, own)| (own - point.stress, point.stress))
+                .collect();
+            let mean = |of: &dyn Fn(f64, f64) -> f64| {
+                let sum: f64 = pairs
+                    .iter()
+                    .map(|(error, stress)| of(*error, *stress).powi(2))
+                    .sum();
+                (sum / pairs.len().max(1) as f64).sqrt()
+            };
+            Misfit {
+                test: test.name.clone(),
+                relative: mean(&|error, stress| error / stress),
+                absolute: mean(&|error, _| error),
+                stresses,
+            }
+        };
+        tests.iter().enumerate().map(of).collect()
+    }
+}

@@ -1,0 +1,638 @@
+//! Answer of a fit: errors, what stability costs, constants, and the ranking of laws.
+
+use super::{FittingError, Tests, assignments};
+use crate::brief::{Brief, Short};
+use crate::csv;
+use crate::number::{counted, told, told_with};
+use crate::output::{Files, text};
+use crate::settings::{Program, law_written};
+use crate::shell::quoted;
+use onset_fit::{Criterion, Fit, Misfit, Mode, Model, Options, Proof, Range, Test, Weights};
+use serde::Serialize;
+use std::fmt::{self, Write};
+
+/// Test with the extent of its data.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TestAnswer {
+    /// Name of the test.
+    pub name: String,
+    /// Loading.
+    pub mode: Mode,
+    /// Number of points.
+    pub points: usize,
+    /// Smallest and largest stretch.
+    pub stretches: [f64; 2],
+}
+
+/// Fitted constant.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ConstantAnswer {
+    /// Name of the constant in settings.
+    pub name: String,
+    /// Fitted value.
+    pub value: f64,
+    /// Standard deviation; `None` where the tests do not determine it or the constant is fixed.
+    pub deviation: Option<f64>,
+    /// Unit: `stress`, or `1`.
+    pub unit: &'static str,
+}
+
+/// First loss of a criterion along a loading.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LossAnswer {
+    /// Loading.
+    pub mode: Mode,
+    /// Criterion that is lost.
+    pub criterion: Criterion,
+    /// Imposed stretch.
+    pub stretch: f64,
+    /// Whether the tests reach the state.
+    pub inside_of_data: bool,
+}
+
+/// Fitted law.
+#[derive(Clone, Debug, Serialize)]
+pub struct LawAnswer {
+    /// Name of the law.
+    pub law: String,
+    /// Constants in their order.
+    pub constants: Vec<ConstantAnswer>,
+    /// Bulk modulus of the settings; `None` for laws that have none.
+    pub kappa: Option<f64>,
+    /// Shear modulus at small strains.
+    pub shear_modulus: f64,
+    /// Root mean square of the errors relative to the measured stresses.
+    pub error: f64,
+    /// Sum of squares that was minimized.
+    pub loss: f64,
+    /// Errors by test.
+    pub tests: Vec<Misfit>,
+    /// Error of the best fit without a demand for stability.
+    pub free_error: f64,
+    /// Its sum of squares.
+    pub free_loss: f64,
+    /// First losses of the best fit without a demand, between stretches 0.1 and 10.
+    pub free_losses: Vec<LossAnswer>,
+    /// Losses of the result between the same stretches, outside of the range.
+    pub losses: Vec<LossAnswer>,
+    /// Whether the best fit without a demand is stable in the range.
+    pub needs_no_demand: bool,
+    /// Proof of the stability of the result.
+    pub proof: Option<Proof>,
+    /// Whether no other constants have a smaller sum of squares.
+    pub is_global: bool,
+    /// Pairs of strongly correlated constants.
+    pub correlated: Vec<(String, String, f64)>,
+    /// Number of other optima whose sum of squares is within 5 %.
+    pub other_optima: usize,
+    /// Settings of the law.
+    pub settings: Vec<String>,
+    #[serde(skip)]
+    pub(super) fit: Fit,
+}
+
+/// Answer of a fit.
+#[derive(Clone, Debug, Serialize)]
+pub struct FitAnswer {
+    /// Tests.
+    pub tests: Vec<TestAnswer>,
+    /// Unit of stress of the tables.
+    pub unit: Option<String>,
+    /// Weights of the points.
+    pub weights: Weights,
+    /// Range in which stability was demanded.
+    pub range: Option<Range>,
+    /// Limits of the principal stretches of the range.
+    pub stretches: Option<[f64; 2]>,
+    /// Criteria that were demanded.
+    pub criteria: Vec<Criterion>,
+    /// Fitted laws, that with the smallest error first.
+    pub laws: Vec<LawAnswer>,
+    /// Laws that could not be fitted, with the reasons.
+    pub refused: Vec<(String, String)>,
+    /// Remarks.
+    pub notes: Vec<String>,
+    #[serde(skip)]
+    pub(super) data: Vec<Test>,
+}
+
+/// Significant digits of stretches and constants in sentences.
+const DIGITS: usize = 4;
+
+fn percent(part: f64) -> String {
+    format!("{} %", told_with(100.0 * part, 3))
+}
+
+fn short(value: f64) -> String {
+    told_with(value, DIGITS)
+}
+
+impl FitAnswer {
+    pub(super) fn new(
+        tables: Tests,
+        fits: Vec<Fit>,
+        refused: Vec<(String, String)>,
+        options: &Options,
+        bulk: Option<f64>,
+    ) -> Result<Self, FittingError> {
+        let tests: Vec<TestAnswer> = tables
+            .tests
+            .iter()
+            .map(|test| {
+                let stretches = test.points.iter().map(|point| point.stretch);
+                TestAnswer {
+                    name: test.name.clone(),
+                    mode: test.mode,
+                    points: test.points.len(),
+                    stretches: [
+                        stretches.clone().fold(f64::INFINITY, f64::min),
+                        stretches.fold(0.0, f64::max),
+                    ],
+                }
+            })
+            .collect();
+        let mut notes = tables.notes;
+        let untested: Vec<&str> = Mode::LOADINGS
+            .into_iter()
+            .filter(|mode| tests.iter().all(|test| test.mode != *mode))
+            .map(Mode::name)
+            .collect();
+        if !untested.is_empty() {
+            notes.push(format!(
+                "no test covers {} loading: there the fitted laws are predictions",
+                untested.join(" and ")
+            ));
+        }
+        let has_volume = tests.iter().any(|test| test.mode == Mode::Volumetric);
+        if bulk.is_none() && !has_volume {
+            notes.push(format!(
+                "no volumetric test: the bulk modulus is {} shear moduli; give it with --bulk",
+                super::BULK_RATIO
+            ));
+        }
+        let stretches = fits.first().and_then(|fit| fit.stretches);
+        let laws = fits.into_iter().map(|fit| {
+            LawAnswer::new(fit, &tables.tests, &tests, bulk).map_err(FittingError::Setting)
+        });
+        Ok(Self {
+            unit: tables.unit,
+            weights: options.weights,
+            range: options.range,
+            stretches,
+            criteria: options.criteria.clone(),
+            laws: laws.collect::<Result<_, _>>()?,
+            refused,
+            notes,
+            tests,
+            data: tables.tests,
+        })
+    }
+
+    /// Law with the smallest error.
+    pub fn best(&self) -> &LawAnswer {
+        &self.laws[0]
+    }
+
+    /// Whether stability was demanded and not reached by some law, or the best law is not stable.
+    pub fn is_stable(&self) -> bool {
+        self.best().proof.is_some()
+    }
+
+    /// Range in words.
+    fn range_in_words(&self) -> String {
+        let Some([low, high]) = self.stretches else {
+            return String::new();
+        };
+        match self.range {
+            Some(Range::Data(_)) => format!("at all states up to stretch {}", short(high)),
+            Some(Range::Box(..)) => format!(
+                "at all states with stretches from {} to {}",
+                short(low),
+                short(high)
+            ),
+            Some(Range::Loadings(..)) => format!(
+                "in uniaxial, equibiaxial and planar loading between stretches {} and {}",
+                short(low),
+                short(high)
+            ),
+            None => String::new(),
+        }
+    }
+
+    fn sentence(&self) -> String {
+        let best = self.best();
+        let mut text = format!(
+            "{} fits the {} within {} (root mean square of relative errors)",
+            best.law,
+            counted(self.tests.len(), "test"),
+            percent(best.error)
+        );
+        match &best.proof {
+            Some(Proof::Proved { .. }) => {
+                let _ = write!(text, " and is stable {} (proved).", self.range_in_words());
+            }
+            Some(_) => {
+                let _ = write!(text, " and is stable {} (sampled).", self.range_in_words());
+            }
+            None => text.push_str("; stability was not demanded."),
+        }
+        text.push(' ');
+        text.push_str(&best.demand());
+        if let [_, others @ ..] = self.laws.as_slice()
+            && let Some(simple) = others
+                .iter()
+                .filter(|own| {
+                    own.error < SIMILAR * best.error && own.constants.len() < best.constants.len()
+                })
+                .min_by_key(|own| own.constants.len())
+        {
+            let _ = write!(
+                text,
+                " With {} instead of {}, {} fits within {}.",
+                counted(simple.constants.len(), "constant"),
+                best.constants.len(),
+                simple.law,
+                percent(simple.error)
+            );
+        }
+        text
+    }
+
+    fn table(&self) -> Vec<String> {
+        let width = self
+            .laws
+            .iter()
+            .map(|own| own.law.len())
+            .max()
+            .unwrap_or(0)
+            .max(3);
+        let mut lines = vec![format!(
+            "{:width$}  constants   error  worst test             in the range  without the demand",
+            "law"
+        )];
+        for own in &self.laws {
+            let worst = own.tests.iter().filter(|test| test.relative.is_finite());
+            let worst = worst.max_by(|a, b| a.relative.total_cmp(&b.relative));
+            let worst = worst.map_or(String::new(), |test| {
+                format!("{} {}", test.test, percent(test.relative))
+            });
+            let stable = match &own.proof {
+                Some(Proof::Proved { .. }) => "proved",
+                Some(_) => "sampled",
+                None => "not asked",
+            };
+            let free = match (own.needs_no_demand, own.free_losses.first()) {
+                (true, _) => "the same".to_owned(),
+                (false, None) => percent(own.free_error),
+                (false, Some(loss)) => format!("{}, {}", percent(own.free_error), loss.brief()),
+            };
+            lines.push(format!(
+                "{:width$}  {:>9}  {:>6}  {worst:21}  {stable:12}  {free}",
+                own.law,
+                own.constants.len(),
+                percent(own.error),
+            ));
+        }
+        lines
+    }
+
+    fn constants(&self) -> String {
+        let unit = self
+            .unit
+            .as_deref()
+            .map_or(String::new(), |unit| format!(" {unit}"));
+        let best = self.best();
+        let told = best.constants.iter().map(|own| {
+            let deviation = own
+                .deviation
+                .map_or(String::new(), |own| format!(" ± {}", told_with(own, 2)));
+            let unit = if own.unit == "stress" {
+                unit.as_str()
+            } else {
+                ""
+            };
+            format!("{} {}{deviation}{unit}", own.name, told(own.value))
+        });
+        told.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Command that asks the stability criteria of the best law.
+    fn next(&self) -> String {
+        let sets = self.best().settings.iter();
+        let sets = sets.map(|set| format!(" --set {}", quoted(set)));
+        format!(
+            "onset criteria --incompressible{}",
+            sets.collect::<String>()
+        )
+    }
+
+    fn correlated(&self) -> String {
+        let pairs = self.best().correlated.iter();
+        let pairs = pairs.map(|(a, b, own)| format!("{a} and {b} ({})", told_with(*own, 3)));
+        pairs.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Measured and fitted stresses of all laws as a table.
+    pub fn csv(&self) -> String {
+        let mut table = "law,test,mode,stretch,measured,fitted,free\n".to_owned();
+        for own in &self.laws {
+            let free = &own.fit.free.misfits;
+            for ((test, misfit), free) in self.data.iter().zip(&own.tests).zip(free) {
+                let values = misfit.stresses.iter().zip(&free.stresses);
+                for (point, (fitted, free)) in test.points.iter().zip(values) {
+                    let _ = writeln!(
+                        table,
+                        "{},{},{},{},{},{},{}",
+                        csv::text(&own.law),
+                        csv::text(&test.name),
+                        test.mode.name(),
+                        point.stretch,
+                        point.stress,
+                        fitted,
+                        free
+                    );
+                }
+            }
+        }
+        table
+    }
+
+    /// Names of the files of [`FitAnswer::files`].
+    pub fn names() -> Vec<String> {
+        let own = ["fit.toml", "fit.json", "fit.csv", "fit.svg", "fit.png"];
+        let blocks = BLOCKS.map(|(_, name)| name);
+        own.into_iter().chain(blocks).map(str::to_owned).collect()
+    }
+
+    /// Settings, table, figure, and blocks of the best law for other programs, as far as these have the law.
+    ///
+    /// # Errors
+    /// [`FittingError::Figure`] if the figure is too large.
+    pub fn files(&self) -> Result<Files, FittingError> {
+        let mut files = vec![
+            text("fit.toml", self.study()),
+            text("fit.json", crate::json::text(self)),
+            text("fit.csv", self.csv()),
+        ];
+        files.extend(self.figure().files("fit")?);
+        for (program, name) in BLOCKS {
+            if let Some(block) = self.block(program) {
+                files.push(text(name, block));
+            }
+        }
+        Ok(files)
+    }
+
+    /// Block of the best law for another program; `None` if the program lacks the law.
+    fn block(&self, program: Program) -> Option<String> {
+        let best = self.best();
+        let law = match best.fit.family.model() {
+            Model::Library(name) => name,
+            Model::Formula(_) => "polynomial",
+        };
+        let constants = best
+            .constants
+            .iter()
+            .map(|own| (own.name.as_str(), own.value));
+        let parameters: Vec<(&str, f64)> = constants
+            .chain(best.kappa.map(|own| ("kappa", own)))
+            .collect();
+        law_written(program, law, &parameters)
+            .ok()
+            .map(|own| own.text)
+    }
+
+    /// Study with the best law, for other commands.
+    fn study(&self) -> String {
+        let mut study = format!("# {}\n", self.sentence().replace('\n', " "));
+        if let Some(unit) = &self.unit {
+            let _ = writeln!(study, "# Stresses are in {unit}.");
+        }
+        study.push_str("[material]\n");
+        for set in &self.best().settings {
+            if let Some((key, value)) = set.trim_start_matches("material.").split_once('=') {
+                let _ = match value.parse::<f64>() {
+                    Ok(number) => writeln!(study, "{key} = {number:?}"),
+                    Err(_) => writeln!(study, "{key} = {value:?}"),
+                };
+            }
+        }
+        study
+    }
+}
+
+/// Largest ratio of the errors of two laws that fit about as well.
+const SIMILAR: f64 = 1.25;
+
+/// Programs with the names of files for their blocks.
+const BLOCKS: [(Program, &str); 7] = [
+    (Program::Abaqus, "abaqus.inp"),
+    (Program::Ansys, "ansys.dat"),
+    (Program::Calculix, "calculix.inp"),
+    (Program::Febio, "febio.feb"),
+    (Program::Felupe, "felupe.py"),
+    (Program::LsDyna, "lsdyna.k"),
+    (Program::Radioss, "radioss.rad"),
+];
+
+impl LossAnswer {
+    fn brief(&self) -> String {
+        format!("lost at {} {}", short(self.stretch), self.mode.name())
+    }
+}
+
+impl LawAnswer {
+    fn new(
+        fit: Fit,
+        data: &[Test],
+        tests: &[TestAnswer],
+        bulk: Option<f64>,
+    ) -> Result<Self, crate::settings::SettingError> {
+        let result = fit.result().clone();
+        let (settings, kappa) = assignments(&fit.family, &result, data, bulk)?;
+        let deviations = &result.uncertainty.deviations;
+        let constants = fit
+            .family
+            .constants()
+            .iter()
+            .zip(&result.constants)
+            .zip(deviations);
+        let losses = |own: &onset_fit::Fitted| {
+            let all = own.limits.iter().map(|limit| {
+                let reached = tests.iter().filter(|test| test.mode == limit.mode);
+                LossAnswer {
+                    mode: limit.mode,
+                    criterion: limit.criterion,
+                    stretch: limit.stretch,
+                    inside_of_data: reached.into_iter().any(|test| {
+                        (test.stretches[0]..=test.stretches[1]).contains(&limit.stretch)
+                    }),
+                }
+            });
+            all.collect()
+        };
+        Ok(Self {
+            law: fit.family.name().to_owned(),
+            constants: constants
+                .map(|((own, value), deviation)| ConstantAnswer {
+                    name: own.name.clone(),
+                    value: *value,
+                    deviation: deviation.is_finite().then_some(*deviation),
+                    unit: if own.is_modulus { "stress" } else { "1" },
+                })
+                .collect(),
+            kappa,
+            shear_modulus: result.shear_modulus,
+            error: result.relative,
+            loss: result.loss,
+            tests: result.misfits.clone(),
+            free_error: fit.free.relative,
+            free_loss: fit.free.loss,
+            free_losses: losses(&fit.free),
+            losses: losses(&result),
+            needs_no_demand: fit.stable.is_none(),
+            proof: fit.proof.clone(),
+            is_global: fit.is_global(),
+            correlated: result.uncertainty.correlated.clone(),
+            other_optima: fit.others.len(),
+            settings,
+            fit,
+        })
+    }
+
+    /// What the demand for stability costs.
+    fn demand(&self) -> String {
+        if self.proof.is_none() {
+            return match self.free_losses.first() {
+                None => "It loses neither criterion between stretches 0.1 and 10.".to_owned(),
+                Some(_) => format!("It loses {}.", in_words(&self.free_losses)),
+            };
+        }
+        if self.needs_no_demand {
+            return "The best fit is stable as it is: the demand costs nothing.".to_owned();
+        }
+        let mut text = format!(
+            "Without the demand it would fit within {}",
+            percent(self.free_error)
+        );
+        if !self.free_losses.is_empty() {
+            let _ = write!(text, ", and lose {}", in_words(&self.free_losses));
+        }
+        text + "."
+    }
+}
+
+/// First loss of each criterion in words.
+fn in_words(losses: &[LossAnswer]) -> String {
+    let mut told: Vec<&LossAnswer> = Vec::new();
+    for loss in losses {
+        if told.iter().all(|own| own.criterion != loss.criterion) {
+            told.push(loss);
+        }
+    }
+    let told = told.iter().map(|loss| {
+        format!(
+            "{} at stretch {} in {} {}{}",
+            loss.criterion.of_library().title(),
+            short(loss.stretch),
+            loss.mode.name(),
+            if loss.stretch > 1.0 {
+                "tension"
+            } else {
+                "compression"
+            },
+            if loss.inside_of_data {
+                ", inside of the data"
+            } else {
+                ""
+            }
+        )
+    });
+    told.collect::<Vec<_>>().join(" and ")
+}
+
+impl Brief for FitAnswer {
+    fn brief(&self) -> Short {
+        let best = self.best();
+        let mut short = Short::new(self.sentence());
+        if self.laws.len() > 1 {
+            short = short.table(self.table());
+        } else {
+            let tests = best.tests.iter().filter(|own| own.relative.is_finite());
+            let tests = tests.map(|own| format!("{} {}", own.test, percent(own.relative)));
+            short = short.row(1, "by test", tests.collect::<Vec<_>>().join(", "));
+        }
+        short = short.row(1, "constants", self.constants());
+        let correlated = self.correlated();
+        if !correlated.is_empty() {
+            short = short.row(3, "correlated", correlated);
+        }
+        if best.other_optima > 0 {
+            short = short.row(
+                2,
+                "not unique",
+                format!(
+                    "{} have a sum of squares within 5 %",
+                    counted(best.other_optima, "other optimum")
+                ),
+            );
+        }
+        short.row(4, "next", self.next()).notes(&self.notes)
+    }
+}
+
+impl fmt::Display for FitAnswer {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(formatter, "{}\n", self.sentence())?;
+        for line in self.table() {
+            writeln!(formatter, "{line}")?;
+        }
+        let unit = self.unit.as_deref().unwrap_or("the unit of the tables");
+        writeln!(formatter)?;
+        for own in &self.tests {
+            writeln!(
+                formatter,
+                "test        {}: {} at stretches from {} to {}",
+                own.name,
+                counted(own.points, "point"),
+                short(own.stretches[0]),
+                short(own.stretches[1])
+            )?;
+        }
+        writeln!(formatter, "\nconstants   (stresses in {unit})")?;
+        for own in &self.laws {
+            let values = own
+                .constants
+                .iter()
+                .map(|own| format!("{} = {}", own.name, own.value));
+            writeln!(
+                formatter,
+                "{}: {}",
+                own.law,
+                values.collect::<Vec<_>>().join(", ")
+            )?;
+            let optimum = match own.is_global {
+                true => "the least that constants of this law can reach",
+                false => "the least of many starts",
+            };
+            writeln!(
+                formatter,
+                "  sum of squares {}, {optimum}; without the demand {}",
+                told(own.loss),
+                told(own.free_loss)
+            )?;
+        }
+        for (law, reason) in &self.refused {
+            writeln!(
+                formatter,
+                "not fitted  {law}: {}",
+                reason.replace("\n  hint:", ";")
+            )?;
+        }
+        writeln!(formatter, "\nnext        {}", self.next())?;
+        for note in &self.notes {
+            write!(formatter, "\nnote: {note}")?;
+        }
+        Ok(())
+    }
+}

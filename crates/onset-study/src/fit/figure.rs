@@ -1,0 +1,188 @@
+//! Figure of a fit: a panel for each test, and the plane of the largest and the smallest stretch with data, range and lost states.
+
+use super::FitAnswer;
+use crate::figure::{Axis, Figure, Line, Panel, Points, Regions, palette};
+use onset_fit::{Mode, Test};
+
+/// Points of a curve.
+const CURVE: usize = 200;
+/// Cells along an axis of the plane of stretches.
+const CELLS: usize = 90;
+/// Share of the data by which curves go on.
+const BEYOND: f64 = 1.1;
+
+impl FitAnswer {
+    /// Draws the law with the smallest error.
+    pub fn figure(&self) -> Figure {
+        let best = self.best();
+        let mut figure = Figure::new(format!("{} fitted to {}", best.law, crate::number::counted(self.tests.len(), "test")))
+            .caption("Circles: measured. Lines: fitted; dotted where the law has lost a criterion. Plane: largest stretch and inverse of the smallest one at constant volume.")
+            .columns(2);
+        for test in self
+            .data
+            .iter()
+            .filter(|test| test.mode != Mode::Volumetric)
+        {
+            figure = figure.with(self.panel(test));
+        }
+        if best.fit.family.is_compressible() {
+            return figure;
+        }
+        figure.with(self.plane())
+    }
+
+    fn panel(&self, test: &Test) -> Panel {
+        let best = self.best();
+        let fit = &best.fit;
+        let stretches: Vec<f64> = test.points.iter().map(|point| point.stretch).collect();
+        let rest = if test.mode == Mode::SimpleShear {
+            0.0
+        } else {
+            1.0
+        };
+        let low = stretches.iter().fold(rest, |a, b| a.min(*b));
+        let high = stretches.iter().fold(rest, |a, b| a.max(*b)) * BEYOND;
+        let unit = self
+            .unit
+            .as_deref()
+            .map_or(String::new(), |unit| format!(" ({unit})"));
+        let stresses = test.points.iter().map(|point| point.stress);
+        let label = match test.mode {
+            Mode::SimpleShear => "amount of shear γ (−)",
+            _ => "stretch λ (−)",
+        };
+        let mut panel = Panel::new(
+            &test.name,
+            Axis::linear(label, (low, high)),
+            Axis::linear(format!("nominal stress{unit}"), (0.0, 0.0))
+                .covering(stresses.chain([0.0])),
+        );
+        let needs_both = !best.needs_no_demand;
+        let mut drawn = vec![(fit.result(), "fitted", palette::BLUE, 2.0)];
+        if needs_both {
+            drawn.insert(0, (&fit.free, "without the demand", palette::GREY, 1.5));
+        }
+        for (fitted, name, color, width) in drawn {
+            let (mut held, mut lost) = (Vec::new(), Vec::new());
+            for n in 0..=CURVE {
+                let stretch = low + (high - low) * n as f64 / CURVE as f64;
+                let stress = fit.family.stress(&fitted.constants, test.mode, stretch);
+                let Some(stress) = stress.filter(|own| own.is_finite()) else {
+                    continue;
+                };
+                let is_held =
+                    fit.family
+                        .is_stable(&fitted.constants, &self.criteria, test.mode, stretch);
+                let point = (stretch, stress);
+                let gap = (f64::NAN, f64::NAN);
+                held.push(if is_held { point } else { gap });
+                lost.push(if is_held { gap } else { point });
+            }
+            let line = Line::new(held).color(color).width(width).named(name);
+            panel = panel.with(line);
+            if lost.iter().any(|own| own.0.is_finite()) {
+                let line = Line::new(lost)
+                    .color(palette::VERMILION)
+                    .width(width)
+                    .dotted();
+                panel = panel.with(line.named("lost"));
+            }
+        }
+        let points = test
+            .points
+            .iter()
+            .map(|point| (point.stretch, point.stress));
+        panel.with(
+            Points::new(points.collect())
+                .color(palette::BLACK)
+                .open()
+                .named("measured"),
+        )
+    }
+
+    /// States at constant volume by their largest stretch and the inverse of their smallest one.
+    fn plane(&self) -> Panel {
+        let best = self.best();
+        let reach = self.stretches.map_or(1.0, |[_, high]| high);
+        let tested = self
+            .tests
+            .iter()
+            .filter(|test| test.mode != Mode::Volumetric);
+        let tested = tested.fold(1.0_f64, |most, test| {
+            most.max(test.stretches[1]).max(test.stretches[0].recip())
+        });
+        let high = reach.max(tested) * BEYOND;
+        let end = high.powf(1.5);
+        let axis = |label: &str, end: f64| super::super::criteria::stretch_axis(label, 1.0, end);
+        let mut classes = Vec::new();
+        for row in 0..CELLS {
+            for column in 0..CELLS {
+                let at = |n: usize, end: f64| end.ln() * (n as f64 + 0.5) / CELLS as f64;
+                let (x, y) = (at(column, high), at(row, end));
+                let class = match (y > 2.0 * x || x > 2.0 * y, self.stretches) {
+                    (true, _) => 9,
+                    (false, range) => {
+                        let logs = [x, y - x, -y];
+                        let state = |own: &onset_fit::Fitted| {
+                            best.fit
+                                .family
+                                .is_stable_at(&own.constants, &self.criteria, logs)
+                        };
+                        let inside =
+                            range.is_some_and(|[low, high]| x <= high.ln() && -y >= low.ln());
+                        match (state(best.fit.result()), state(&best.fit.free), inside) {
+                            (true, true, true) => 0,
+                            (true, false, _) => 1,
+                            (true, true, false) => 2,
+                            (false, _, _) => 3,
+                        }
+                    }
+                };
+                classes.push(class);
+            }
+        }
+        let key = [
+            ("stable, in the range", crate::figure::Color::hex(0xcfe8f3)),
+            (
+                "lost without the demand",
+                crate::figure::Color::hex(0xf2c07a),
+            ),
+            (
+                "stable, beyond the range",
+                crate::figure::Color::hex(0xeeeeee),
+            ),
+            ("lost", crate::figure::Color::hex(0xd9895f)),
+        ];
+        let regions = Regions {
+            x: (1.0, high),
+            y: (1.0, end),
+            columns: CELLS,
+            rows: CELLS,
+            classes,
+            key: key.map(|(name, color)| (name.to_owned(), color)).to_vec(),
+        };
+        let mut panel = Panel::new(
+            "states at constant volume",
+            axis("largest stretch λ₁ (−)", high),
+            axis("1/λ₃ (−)", end),
+        )
+        .with(regions);
+        for (test, color) in self.data.iter().zip(palette::SERIES) {
+            if test.mode == Mode::Volumetric {
+                continue;
+            }
+            let states = test.points.iter().map(|point| {
+                let mut logs = onset_fit::Family::logs(test.mode, point.stretch);
+                logs.sort_by(|a, b| b.total_cmp(a));
+                (logs[0].exp(), (-logs[2]).exp())
+            });
+            panel = panel.with(
+                Points::new(states.collect())
+                    .color(color)
+                    .size(4.0)
+                    .named(&test.name),
+            );
+        }
+        panel
+    }
+}

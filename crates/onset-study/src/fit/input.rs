@@ -1,0 +1,802 @@
+//! Tables of test data: CSV with a header, and test data in decks of Abaqus.
+//!
+//! A table is refused where it contradicts itself or its header, because a fit of a misread table looks as good as any other.
+
+use crate::input::{self, MOST_TEXT};
+use crate::number::told;
+use crate::settings::stress_unit;
+use onset_fit::{Mode, Point, Test};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Reason why a table of test data cannot be used.
+#[derive(Debug, Error)]
+pub enum TableError {
+    /// A file that cannot be read.
+    #[error("{}: {source}", path.display())]
+    Unreadable {
+        /// Path of the file.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: std::io::Error,
+    },
+    /// A line that cannot be used.
+    #[error("{}, line {line}: {message}\n  hint: {hint}", path.display())]
+    Line {
+        /// Path of the file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What was found and what was expected.
+        message: String,
+        /// What to do.
+        hint: String,
+    },
+    /// A file that cannot be used as a whole.
+    #[error("{}: {message}\n  hint: {hint}", path.display())]
+    File {
+        /// Path of the file.
+        path: PathBuf,
+        /// What was found and what was expected.
+        message: String,
+        /// What to do.
+        hint: String,
+    },
+    /// Tests that contradict each other.
+    #[error("{message}\n  hint: {hint}")]
+    Tests {
+        /// What was noticed.
+        message: String,
+        /// What to do.
+        hint: String,
+    },
+}
+
+/// How tables are read.
+#[derive(Clone, Debug, Default)]
+pub struct Reading {
+    /// Unit of stress of tables that do not name one.
+    pub unit: Option<String>,
+    /// Area of the undeformed cross-section, which turns forces into nominal stresses.
+    pub area: Option<f64>,
+    /// Stretches of the points that are used.
+    pub range: Option<[f64; 2]>,
+}
+
+/// Tests with what was noticed when they were read.
+#[derive(Clone, Debug, Default)]
+pub struct Tests {
+    /// Tests in the order of the files.
+    pub tests: Vec<Test>,
+    /// Unit of all stresses, if the tables name one.
+    pub unit: Option<String>,
+    /// Remarks for the reader.
+    pub notes: Vec<String>,
+}
+
+/// Fewest points of a test.
+const FEWEST: usize = 3;
+/// Largest stretch of rubber; larger numbers are percents.
+const LARGEST: f64 = 20.0;
+/// Ratios of the shear moduli of two tests at small strains above which they cannot belong to one material, and above which a note is due.
+const CONTRADICTION: f64 = 10.0;
+const DISAGREEMENT: f64 = 2.5;
+
+impl Tests {
+    /// Reads files, each with the loading that was named for it.
+    ///
+    /// # Errors
+    /// [`TableError`] with the line if a table cannot be used, or if the tests contradict each other.
+    pub fn read(files: &[(PathBuf, Option<Mode>)], reading: &Reading) -> Result<Self, TableError> {
+        let mut all = Self::default();
+        let mut units: Vec<(String, Option<String>)> = Vec::new();
+        for (path, mode) in files {
+            let source = |source| TableError::Unreadable {
+                path: path.clone(),
+                source,
+            };
+            let text = input::text(path, MOST_TEXT).map_err(source)?;
+            let table = Table {
+                path,
+                text: &text,
+                reading,
+            };
+            let found = match is_deck(&text) {
+                true => table.deck()?,
+                false => vec![table.csv(*mode, &mut all.notes)?],
+            };
+            for (mut test, unit) in found {
+                if let Some([low, high]) = reading.range {
+                    test.points
+                        .retain(|own| (low..=high).contains(&own.stretch));
+                }
+                if test.points.len() < FEWEST {
+                    return Err(table.refused(
+                        format!(
+                            "the {} test has {} points; expected at least {FEWEST}",
+                            test.mode.name(),
+                            test.points.len()
+                        ),
+                        "add points, or widen --range",
+                    ));
+                }
+                units.push((test.name.clone(), unit.or_else(|| reading.unit.clone())));
+                all.tests.push(test);
+            }
+        }
+        all.convert(&units)?;
+        all.compare()?;
+        all.number();
+        Ok(all)
+    }
+
+    /// Converts all stresses to the unit of the first test.
+    fn convert(&mut self, units: &[(String, Option<String>)]) -> Result<(), TableError> {
+        let Some((first, unit)) = units.first() else {
+            return Ok(());
+        };
+        for ((name, own), test) in units.iter().zip(&mut self.tests) {
+            let (Some(unit), Some(own)) = (unit, own) else {
+                if unit.is_none() && own.is_none() {
+                    continue;
+                }
+                return Err(TableError::Tests {
+                    message: format!("one of the tests {first} and {name} names a unit of stress, and the other does not"),
+                    hint: "write the unit into each header, for example nominal_stress [MPa], or give --unit".to_owned(),
+                });
+            };
+            let factor = stress_unit(own)
+                .zip(stress_unit(unit))
+                .map(|(own, unit)| own / unit);
+            let Some(factor) = factor else {
+                let unknown = if stress_unit(own).is_none() {
+                    own
+                } else {
+                    unit
+                };
+                return Err(TableError::Tests {
+                    message: format!("the unit of stress `{unknown}` is not known"),
+                    hint: "expected Pa, kPa, MPa, GPa, N/mm^2, bar, psi or ksi".to_owned(),
+                });
+            };
+            if factor != 1.0 {
+                self.notes.push(format!(
+                    "stresses of {name} are converted from {own} to {unit}"
+                ));
+                test.points
+                    .iter_mut()
+                    .for_each(|point| point.stress *= factor);
+            }
+        }
+        self.unit.clone_from(unit);
+        Ok(())
+    }
+
+    /// Compares the shear moduli at small strains.
+    fn compare(&mut self) -> Result<(), TableError> {
+        let moduli: Vec<(String, f64)> = self
+            .tests
+            .iter()
+            .filter_map(|test| Some((test.name.clone(), initial_modulus(test)?)))
+            .collect();
+        let by = |a: &&(String, f64), b: &&(String, f64)| a.1.total_cmp(&b.1);
+        let (Some(least), Some(most)) = (moduli.iter().min_by(by), moduli.iter().max_by(by)) else {
+            return Ok(());
+        };
+        let text = format!(
+            "the tests give different shear moduli at small strains: {} from {} and {} from {}",
+            told(least.1),
+            least.0,
+            told(most.1),
+            most.0
+        );
+        if most.1 > CONTRADICTION * least.1 {
+            return Err(TableError::Tests {
+                message: text,
+                hint: "check the units of stress, percents taken as strains, and the loading of each file".to_owned(),
+            });
+        }
+        if most.1 > DISAGREEMENT * least.1 {
+            self.notes.push(format!(
+                "{text}; is a true stress given as a nominal one, or another loading?"
+            ));
+        }
+        Ok(())
+    }
+
+    /// Gives tests of one name numbers.
+    fn number(&mut self) {
+        let names: Vec<String> = self.tests.iter().map(|test| test.name.clone()).collect();
+        for (n, test) in self.tests.iter_mut().enumerate() {
+            let before = names[..n].iter().filter(|own| **own == names[n]).count();
+            if before > 0 {
+                test.name = format!("{} {}", names[n], before + 1);
+            }
+        }
+    }
+}
+
+/// Shear modulus from the points with the smallest strains; `None` if there are none.
+fn initial_modulus(test: &Test) -> Option<f64> {
+    // Exponents of the strain of neo-Hooke's law, P = mu (lambda - lambda^-n).
+    let exponent = match test.mode {
+        Mode::Uniaxial => -2,
+        Mode::Equibiaxial => -5,
+        Mode::Planar => -3,
+        Mode::SimpleShear | Mode::Volumetric => return None,
+    };
+    let strain = |own: &Point| own.stretch - own.stretch.powi(exponent);
+    let nearest = test
+        .points
+        .iter()
+        .filter(|own| (0.5..2.0).contains(&own.stretch) && own.stretch != 1.0);
+    let mut near: Vec<&Point> = nearest.collect();
+    near.sort_by(|a, b| a.stretch.ln().abs().total_cmp(&b.stretch.ln().abs()));
+    near.truncate(4);
+    let (above, below) = near.iter().fold((0.0, 0.0), |(above, below), own| {
+        let strain = strain(own);
+        (above + own.stress * strain, below + strain * strain)
+    });
+    (below > 0.0 && above > 0.0).then(|| above / below)
+}
+
+fn is_deck(text: &str) -> bool {
+    text.lines().any(|line| {
+        let plain: String = line.chars().filter(|own| !own.is_whitespace()).collect();
+        plain.to_ascii_uppercase().starts_with('*')
+            && plain.to_ascii_uppercase().contains("TESTDATA")
+    })
+}
+
+/// Loading that a text names.
+fn mode_in(text: &str) -> Option<Mode> {
+    let plain: String = text
+        .to_lowercase()
+        .chars()
+        .map(|own| if own.is_alphanumeric() { own } else { ' ' })
+        .collect();
+    let words: Vec<&str> = plain.split_whitespace().collect();
+    let has = |word: &str| words.contains(&word);
+    if has("simple") && has("shear") || has("simpleshear") {
+        Some(Mode::SimpleShear)
+    } else if has("equibiaxial") || has("biaxial") || has("equi") {
+        Some(Mode::Equibiaxial)
+    } else if has("planar") || has("pure") && has("shear") || has("pureshear") {
+        Some(Mode::Planar)
+    } else if has("volumetric") || has("hydrostatic") {
+        Some(Mode::Volumetric)
+    } else if has("uniaxial") || has("tension") || has("tensile") || has("compression") {
+        Some(Mode::Uniaxial)
+    } else {
+        None
+    }
+}
+
+/// Meaning of a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Column {
+    Stretch,
+    Strain,
+    TrueStrain,
+    NominalStress,
+    TrueStress,
+    Force,
+    LateralStretch,
+    LateralStrain,
+    VolumeRatio,
+    Pressure,
+}
+
+impl Column {
+    /// Column by its name without unit, in small letters with underscores.
+    fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "stretch" | "stretch_ratio" | "lambda" | "λ" | "lambda1" => Self::Stretch,
+            "strain" | "nominal_strain" | "engineering_strain" | "eng_strain" | "gamma"
+            | "shear_strain" | "shear" => Self::Strain,
+            "true_strain" | "log_strain" | "logarithmic_strain" | "hencky_strain" => {
+                Self::TrueStrain
+            }
+            "nominal_stress" | "stress" | "engineering_stress" | "eng_stress" | "first_piola"
+            | "pk1" | "p" | "p11" | "shear_stress" => Self::NominalStress,
+            "true_stress" | "cauchy_stress" | "cauchy" | "sigma" => Self::TrueStress,
+            "force" | "load" => Self::Force,
+            "lateral_stretch" | "transverse_stretch" | "lateral" | "lambda2" => {
+                Self::LateralStretch
+            }
+            "lateral_strain" | "transverse_strain" => Self::LateralStrain,
+            "volume_ratio" | "j" | "jacobian" => Self::VolumeRatio,
+            "pressure" => Self::Pressure,
+            _ => return None,
+        })
+    }
+}
+
+/// Name of a column without its unit, and the unit in brackets or parentheses.
+fn split(header: &str) -> (String, Option<String>) {
+    let header = header.trim().trim_matches('"').trim();
+    let (name, unit) = match header.split_once(['[', '(']) {
+        Some((name, rest)) => (
+            name,
+            Some(rest.trim_end_matches([']', ')']).trim().to_owned()),
+        ),
+        None => match header.split_once('/') {
+            Some((name, unit)) => (name, Some(unit.trim().to_owned())),
+            None => (header, None),
+        },
+    };
+    let plain: String = name
+        .trim()
+        .to_lowercase()
+        .chars()
+        .map(|own| if own.is_alphanumeric() { own } else { '_' })
+        .collect();
+    let unit = unit.filter(|own| !own.is_empty() && own != "-" && own != "1");
+    (plain.trim_matches('_').to_owned(), unit)
+}
+
+struct Table<'a> {
+    path: &'a Path,
+    text: &'a str,
+    reading: &'a Reading,
+}
+
+impl Table<'_> {
+    fn line(&self, line: usize, message: impl Into<String>, hint: impl Into<String>) -> TableError {
+        TableError::Line {
+            path: self.path.to_owned(),
+            line,
+            message: message.into(),
+            hint: hint.into(),
+        }
+    }
+
+    fn refused(&self, message: impl Into<String>, hint: impl Into<String>) -> TableError {
+        TableError::File {
+            path: self.path.to_owned(),
+            message: message.into(),
+            hint: hint.into(),
+        }
+    }
+
+    /// Loading by the option, a comment of the file, or its name.
+    fn mode(&self, given: Option<Mode>) -> Result<Mode, TableError> {
+        let comments = self.text.lines().map(str::trim_start);
+        let comments = comments.take_while(|line| line.starts_with('#') || line.is_empty());
+        let comment = comments
+            .filter_map(|line| line.trim_start_matches('#').trim().strip_prefix("mode:"))
+            .find_map(mode_in);
+        let name = self
+            .path
+            .file_stem()
+            .and_then(|stem| mode_in(&stem.to_string_lossy()));
+        if let (None, Some(comment), Some(name)) = (given, comment, name)
+            && comment != name
+        {
+            return Err(self.refused(
+                format!(
+                    "its comment says {}, and its name {}",
+                    comment.name(),
+                    name.name()
+                ),
+                format!("name the loading, for example --{} FILE", comment.name()),
+            ));
+        }
+        given.or(comment).or(name).ok_or_else(|| {
+            self.refused(
+                "the loading is not known: neither the name of the file nor a comment `# mode: planar` says it",
+                "use --uniaxial, --equibiaxial, --planar, --simple-shear or --volumetric FILE",
+            )
+        })
+    }
+
+    /// Table with a header.
+    fn csv(
+        &self,
+        given: Option<Mode>,
+        notes: &mut Vec<String>,
+    ) -> Result<(Test, Option<String>), TableError> {
+        let mode = self.mode(given)?;
+        let lines = self
+            .text
+            .lines()
+            .enumerate()
+            .map(|(n, line)| (n + 1, line.trim()));
+        let mut lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+        let Some((at, header)) = lines.next() else {
+            return Err(self.refused("it has no rows", "expected a header and rows of numbers"));
+        };
+        let delimiter = [';', '\t', ',']
+            .into_iter()
+            .find(|own| header.contains(*own));
+        let cells = |line: &str| -> Vec<String> {
+            match delimiter {
+                Some(own) => line.split(own).map(|cell| cell.trim().to_owned()).collect(),
+                None => line.split_whitespace().map(str::to_owned).collect(),
+            }
+        };
+        let names = cells(header);
+        if names
+            .iter()
+            .all(|own| own.replace(',', ".").parse::<f64>().is_ok())
+        {
+            return Err(self.line(
+                at,
+                "numbers where the names of the columns were expected",
+                "add a header, for example stretch,nominal_stress [MPa]",
+            ));
+        }
+        let mut columns: Vec<Option<(Column, Option<String>)>> = Vec::new();
+        for name in &names {
+            let (plain, unit) = split(name);
+            let column = Column::named(&plain);
+            if column.is_none() {
+                notes.push(format!(
+                    "{}: the column `{name}` is not read",
+                    self.path.display()
+                ));
+            }
+            columns.push(column.map(|column| (column, unit)));
+        }
+        for (n, own) in columns.iter().enumerate() {
+            let own = own.as_ref().map(|(column, _)| *column);
+            let same = columns[..n]
+                .iter()
+                .flatten()
+                .any(|(column, _)| Some(*column) == own);
+            if own.is_some() && same {
+                return Err(self.line(
+                    at,
+                    format!("two columns mean `{}`", names[n]),
+                    "keep one of them",
+                ));
+            }
+        }
+        let find = |wanted: &[Column]| {
+            wanted.iter().find_map(|wanted| {
+                let place = columns
+                    .iter()
+                    .position(|own| own.as_ref().is_some_and(|(own, _)| own == wanted))?;
+                Some((
+                    *wanted,
+                    place,
+                    columns[place].as_ref().and_then(|(_, unit)| unit.clone()),
+                ))
+            })
+        };
+        let (along, across, stress) = match mode {
+            Mode::Volumetric => (
+                find(&[Column::VolumeRatio, Column::Stretch]),
+                None,
+                find(&[Column::Pressure, Column::NominalStress, Column::TrueStress]),
+            ),
+            _ => (
+                find(&[Column::Stretch, Column::Strain, Column::TrueStrain]),
+                find(&[Column::LateralStretch, Column::LateralStrain]),
+                find(&[Column::NominalStress, Column::TrueStress, Column::Force]),
+            ),
+        };
+        let expected = match mode {
+            Mode::Volumetric => "expected volume_ratio and pressure",
+            Mode::SimpleShear => "expected gamma and shear_stress",
+            _ => "expected stretch or strain, and nominal_stress, true_stress or force",
+        };
+        let (Some(along), Some(stress)) = (along, stress) else {
+            return Err(self.line(
+                at,
+                format!("the header has `{header}`; {expected}"),
+                "rename the columns",
+            ));
+        };
+        if mode == Mode::SimpleShear && along.0 != Column::Strain {
+            return Err(self.line(
+                at,
+                "a simple shear test needs the amount of shear",
+                "name its column gamma",
+            ));
+        }
+        let percent = |unit: &Option<String>| unit.as_deref() == Some("%");
+        for (column, place, unit) in [Some(&along), across.as_ref()].into_iter().flatten() {
+            let known = matches!(
+                unit.as_deref(),
+                None | Some("%" | "mm/mm" | "m/m" | "in/in")
+            );
+            if !known || percent(unit) && matches!(column, Column::Stretch | Column::LateralStretch)
+            {
+                return Err(self.line(
+                    at,
+                    format!(
+                        "the column `{}` has the unit {}",
+                        names[*place],
+                        unit.as_deref().unwrap_or_default()
+                    ),
+                    "stretches have no unit; strains have none, or %",
+                ));
+            }
+        }
+        if stress.0 == Column::Force && self.reading.area.is_none() {
+            return Err(self.line(
+                at,
+                "forces are given without the area of the cross-section",
+                "give the undeformed area with --area",
+            ));
+        }
+        let decimal_comma = delimiter != Some(',');
+        let mut rows: Vec<(usize, Point)> = Vec::new();
+        for (line, text) in lines {
+            let cells = cells(text);
+            if cells.len() != names.len() {
+                return Err(self.line(
+                    line,
+                    format!("{} cells where the header has {}", cells.len(), names.len()),
+                    "each row has a number for every column",
+                ));
+            }
+            let number = |place: usize| -> Result<f64, TableError> {
+                let cell = match decimal_comma {
+                    true => cells[place].replace(',', "."),
+                    false => cells[place].clone(),
+                };
+                let value = cell.parse::<f64>().ok().filter(|own| own.is_finite());
+                value.ok_or_else(|| {
+                    self.line(
+                        line,
+                        format!("a cell of the column `{}` is not a number", names[place]),
+                        "write numbers such as 1.25 or 3e-2",
+                    )
+                })
+            };
+            let length = |own: &(Column, usize, Option<String>)| -> Result<f64, TableError> {
+                let value = number(own.1)? * if percent(&own.2) { 0.01 } else { 1.0 };
+                Ok(match own.0 {
+                    Column::Strain | Column::LateralStrain if mode != Mode::SimpleShear => {
+                        1.0 + value
+                    }
+                    Column::TrueStrain => value.exp(),
+                    _ => value,
+                })
+            };
+            let stretch = length(&along)?;
+            let lateral = across.as_ref().map(&length).transpose()?;
+            let value = number(stress.1)?;
+            self.check_stretch(line, mode, stretch, lateral, along.0)?;
+            let value = match stress.0 {
+                Column::Force => value / self.reading.area.unwrap_or(1.0),
+                // Nominal stress is true stress times the area ratio, the volume ratio over the stretch.
+                Column::TrueStress if !matches!(mode, Mode::Volumetric | Mode::SimpleShear) => {
+                    let volume = match (mode, lateral) {
+                        (_, None) => 1.0,
+                        (Mode::Uniaxial, Some(lateral)) => stretch * lateral * lateral,
+                        (Mode::Equibiaxial, Some(lateral)) => stretch * stretch * lateral,
+                        (_, Some(lateral)) => stretch * lateral,
+                    };
+                    value * volume / stretch
+                }
+                _ => value,
+            };
+            rows.push((
+                line,
+                Point {
+                    stretch,
+                    lateral,
+                    stress: value,
+                },
+            ));
+        }
+        self.check_rows(mode, &rows, along.0)?;
+        let unit = match stress.0 {
+            Column::Force => None,
+            _ => stress.2,
+        };
+        let rest = if mode == Mode::SimpleShear { 0.0 } else { 1.0 };
+        let points = rows.into_iter().map(|(_, point)| point);
+        let test = Test {
+            name: mode.name().to_owned(),
+            mode,
+            points: points.filter(|point| point.stretch != rest).collect(),
+            weight: 1.0,
+        };
+        Ok((test, unit))
+    }
+
+    fn check_stretch(
+        &self,
+        line: usize,
+        mode: Mode,
+        stretch: f64,
+        lateral: Option<f64>,
+        column: Column,
+    ) -> Result<(), TableError> {
+        if mode == Mode::SimpleShear {
+            return Ok(());
+        }
+        if let Some(own) = [Some(stretch), lateral]
+            .into_iter()
+            .flatten()
+            .find(|own| *own <= 0.0)
+        {
+            return Err(self.line(
+                line,
+                format!(
+                    "the stretch is {}; a stretch is a ratio of lengths and must be positive",
+                    told(own)
+                ),
+                match column {
+                    Column::Stretch => "if the column holds strains, name it strain",
+                    _ => "if the strains are percents, name the column strain [%]",
+                },
+            ));
+        }
+        if stretch > LARGEST {
+            return Err(self.line(
+                line,
+                format!(
+                    "the stretch is {}, more than any rubber bears ({LARGEST})",
+                    told(stretch)
+                ),
+                "if the strains are percents, name the column strain [%]",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Signs and order of the rows.
+    fn check_rows(
+        &self,
+        mode: Mode,
+        rows: &[(usize, Point)],
+        column: Column,
+    ) -> Result<(), TableError> {
+        let rest = if mode == Mode::SimpleShear { 0.0 } else { 1.0 };
+        let sign = if mode == Mode::Volumetric { -1.0 } else { 1.0 };
+        let is_wrong = |own: &&(usize, Point)| sign * (own.1.stretch - rest) * own.1.stress < 0.0;
+        let wrong: Vec<&(usize, Point)> = rows.iter().filter(is_wrong).collect();
+        if let Some((line, point)) = wrong.first() {
+            let (what, hint) = match (mode, column, wrong.len() == rows.len()) {
+                (Mode::Volumetric, _, _) => (
+                    "pressure and change of volume",
+                    "pressures are positive in compression",
+                ),
+                (_, Column::Stretch, _) if point.stretch < 1.0 => (
+                    "stress and stretch",
+                    "if the column holds strains, name it strain; stresses are positive in tension",
+                ),
+                (_, _, true) => (
+                    "stress and strain",
+                    "stresses and strains are positive in tension",
+                ),
+                _ => (
+                    "stress and strain",
+                    "remove the offset of the zero point, so that the stress is 0 without strain",
+                ),
+            };
+            return Err(self.line(
+                *line,
+                format!(
+                    "{what} have different signs: {} at the stretch {}",
+                    told(point.stress),
+                    told(point.stretch)
+                ),
+                hint,
+            ));
+        }
+        // A strain column that begins at 1 without stress holds stretches.
+        let largest = rows
+            .iter()
+            .fold(0.0_f64, |most, own| most.max(own.1.stress.abs()));
+        if let Some((line, point)) = rows.first()
+            && column == Column::Strain
+            && mode != Mode::SimpleShear
+            && (1.9..2.2).contains(&point.stretch)
+            && point.stress.abs() < 0.05 * largest
+        {
+            return Err(self.line(
+                *line,
+                format!(
+                    "the strain begins with {} at hardly any stress",
+                    told(point.stretch - 1.0)
+                ),
+                "if the column holds stretches, name it stretch",
+            ));
+        }
+        let steps = rows
+            .windows(2)
+            .map(|pair| (pair[1].0, pair[1].1.stretch - pair[0].1.stretch));
+        let steps: Vec<(usize, f64)> = steps.filter(|(_, step)| *step != 0.0).collect();
+        let turns: Vec<usize> = steps
+            .windows(2)
+            .filter(|pair| pair[0].1 * pair[1].1 < 0.0)
+            .map(|pair| pair[1].0)
+            .collect();
+        match turns.as_slice() {
+            [] => Ok(()),
+            [line] => Err(self.line(
+                *line,
+                "the stretch turns back: loading is followed by unloading",
+                "keep one branch of the test; an elastic law has one stress for a stretch",
+            )),
+            [line, ..] => Err(self.line(
+                *line,
+                format!(
+                    "the rows are not sorted by stretch: the stretch turns back {} times",
+                    turns.len()
+                ),
+                "sort the rows; of a cyclic test keep one branch",
+            )),
+        }
+    }
+
+    /// Test data of a deck of Abaqus: nominal stress, nominal strain and lateral strain; pressure and volume ratio.
+    fn deck(&self) -> Result<Vec<(Test, Option<String>)>, TableError> {
+        let mut found: Vec<(Mode, Vec<(usize, Point)>)> = Vec::new();
+        let mut is_open = false;
+        for (n, text) in self.text.lines().enumerate() {
+            let (line, text) = (n + 1, text.trim());
+            if text.is_empty() || text.starts_with("**") {
+                continue;
+            }
+            if text.starts_with('*') {
+                let keyword = text.split(',').next().unwrap_or_default();
+                let plain: String = keyword.chars().filter(|own| !own.is_whitespace()).collect();
+                let mode = match plain.to_ascii_uppercase().as_str() {
+                    "*UNIAXIALTESTDATA" => Some(Mode::Uniaxial),
+                    "*BIAXIALTESTDATA" => Some(Mode::Equibiaxial),
+                    "*PLANARTESTDATA" => Some(Mode::Planar),
+                    "*SIMPLESHEARTESTDATA" => Some(Mode::SimpleShear),
+                    "*VOLUMETRICTESTDATA" => Some(Mode::Volumetric),
+                    _ => None,
+                };
+                is_open = mode.is_some();
+                found.extend(mode.map(|mode| (mode, Vec::new())));
+                continue;
+            }
+            let Some((mode, rows)) = found.last_mut().filter(|_| is_open) else {
+                continue;
+            };
+            let cells = text.split(',').map(str::trim).filter(|own| !own.is_empty());
+            let values: Option<Vec<f64>> = cells
+                .map(|own| own.parse::<f64>().ok().filter(|own| own.is_finite()))
+                .collect();
+            let Some(values) = values.filter(|own| own.len() >= 2) else {
+                return Err(self.line(
+                    line,
+                    "expected a stress and a strain",
+                    "data lines of Abaqus hold nominal stress, nominal strain and lateral strain",
+                ));
+            };
+            let stretch = match mode {
+                Mode::SimpleShear | Mode::Volumetric => values[1],
+                _ => 1.0 + values[1],
+            };
+            let lateral = match mode {
+                Mode::SimpleShear | Mode::Volumetric => None,
+                _ => values.get(2).map(|own| 1.0 + own),
+            };
+            self.check_stretch(line, *mode, stretch, lateral, Column::Strain)?;
+            rows.push((
+                line,
+                Point {
+                    stretch,
+                    lateral,
+                    stress: values[0],
+                },
+            ));
+        }
+        let mut tests = Vec::new();
+        for (mode, rows) in found {
+            self.check_rows(mode, &rows, Column::Strain)?;
+            let rest = if mode == Mode::SimpleShear { 0.0 } else { 1.0 };
+            let points = rows.into_iter().map(|(_, point)| point);
+            tests.push((
+                Test {
+                    name: mode.name().to_owned(),
+                    mode,
+                    points: points.filter(|point| point.stretch != rest).collect(),
+                    weight: 1.0,
+                },
+                None,
+            ));
+        }
+        Ok(tests)
+    }
+}

@@ -1,0 +1,198 @@
+//! Laws fitted to test data, subject to stability where they are used: from tables to settings of other commands.
+//!
+//! The mathematics is in the crate `onset-fit`.
+
+mod answer;
+mod figure;
+mod input;
+
+pub use answer::{ConstantAnswer, FitAnswer, LawAnswer, TestAnswer};
+pub use input::{Reading, TableError, Tests};
+pub use onset_fit::{Criterion, Mode, Options, Point, Range, Test, Weights};
+
+use crate::settings::{SettingError, Settings};
+use onset::kinematics::DeformationGradient;
+use onset_fit::{Family, Fit, FitError, Fitted, Model, fit};
+use thiserror::Error;
+
+/// Ratio of bulk to shear modulus of a fitted law if there is no volumetric test.
+pub const BULK_RATIO: f64 = 1000.0;
+
+/// Reason why nothing can be fitted.
+#[derive(Debug, Error)]
+pub enum FittingError {
+    /// A table that cannot be used.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// A law that cannot be fitted.
+    #[error("{law} cannot be fitted to such tests: {reason}\n  hint: laws that can: {known}")]
+    Law {
+        /// Name of the law.
+        law: String,
+        /// Reason in words.
+        reason: String,
+        /// Laws that can be fitted.
+        known: String,
+    },
+    /// No law could be fitted.
+    #[error("{0}")]
+    None(String),
+    /// A fitted law that the settings refuse.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// A figure that cannot be drawn.
+    #[error(transparent)]
+    Figure(#[from] crate::figure::FigureError),
+    /// A file that cannot be written.
+    #[error(transparent)]
+    Output(#[from] crate::output::OutputError),
+}
+
+/// Families with the names of laws; all of them for `all`.
+///
+/// # Errors
+/// [`FittingError::Law`] with the reason if a law cannot be fitted.
+pub fn families(names: &[String]) -> Result<Vec<Family>, FittingError> {
+    let mut all: Vec<Family> = Vec::new();
+    for name in names {
+        if name == "all" {
+            all.extend(Family::all().filter_map(Family::named));
+            continue;
+        }
+        let family = Family::named(name).ok_or_else(|| {
+            let reason = match onset::material::Law::named(name) {
+                Some(law) if law.symmetry != onset::material::Symmetry::Isotropic => {
+                    "it is anisotropic, and the tests do not tell the directions of the specimens".to_owned()
+                }
+                Some(_) => "its volumetric and its isochoric part have common constants, which tests at constant volume do not determine".to_owned(),
+                None => format!(
+                    "there is no law of this name{}",
+                    crate::settings::did_you_mean(name, Family::all())
+                ),
+            };
+            FittingError::Law {
+                law: name.clone(),
+                reason,
+                known: Family::all().collect::<Vec<_>>().join(", "),
+            }
+        })?;
+        all.push(family);
+    }
+    all.dedup_by(|a, b| a.name() == b.name());
+    Ok(all)
+}
+
+/// Fits laws to tests. `each` is told the name of each law before it is fitted.
+///
+/// # Errors
+/// [`FittingError`] if no law can be fitted.
+pub fn fitted(
+    tables: Tests,
+    families: &[Family],
+    options: &Options,
+    bulk: Option<f64>,
+    each: &mut dyn FnMut(&str),
+) -> Result<FitAnswer, FittingError> {
+    let mut fits: Vec<Fit> = Vec::new();
+    let mut refused: Vec<(String, String)> = Vec::new();
+    let several = families.len() > 1;
+    for family in families {
+        each(family.name());
+        // A constant that only some of several laws have concerns these.
+        let mut own = options.clone();
+        if several {
+            let has = |name: &str| family.constants().iter().any(|own| own.name == name);
+            own.fixed.retain(|(name, _)| has(name));
+            own.bounds.retain(|(name, _)| has(name));
+        }
+        match fit(&tables.tests, family, &own) {
+            Ok(fit) => fits.push(fit),
+            Err(error) => refused.push((family.name().to_owned(), hinted(&error))),
+        }
+    }
+    if fits.is_empty() {
+        let reasons: Vec<String> = refused.iter().map(|(_, reason)| reason.clone()).collect();
+        return Err(FittingError::None(reasons.join("\n")));
+    }
+    fits.sort_by(|a, b| a.result().relative.total_cmp(&b.result().relative));
+    FitAnswer::new(tables, fits, refused, options, bulk)
+}
+
+fn hinted(error: &FitError) -> String {
+    let hint = match error {
+        FitError::TooFewPoints { .. } => {
+            "choose a law with fewer constants, or fix some with --fix"
+        }
+        FitError::Undetermined { .. } => return error.to_string(),
+        FitError::NoLateralStretch { .. } => {
+            "add a column lateral_stretch, or choose a law of rubber"
+        }
+        FitError::UnknownConstant { .. } => "name one of them",
+        FitError::NotStable { .. } => {
+            "demand stability in a smaller range, for example --stable box=0.5,2, or choose another law"
+        }
+    };
+    format!("{error}\n  hint: {hint}")
+}
+
+/// Assignments `material.key=value` of a fitted law, with the bulk modulus.
+fn assignments(
+    family: &Family,
+    fitted: &Fitted,
+    tests: &[Test],
+    bulk: Option<f64>,
+) -> Result<(Vec<String>, Option<f64>), SettingError> {
+    let mut sets = match family.model() {
+        Model::Library(name) => vec![format!("material.model={name}")],
+        Model::Formula(energy) => vec![
+            "material.model=formula".to_owned(),
+            format!("material.energy={energy}"),
+        ],
+    };
+    let named = family.constants().iter().zip(&fitted.constants);
+    sets.extend(named.map(|(own, value)| format!("material.{}={value}", own.name)));
+    let unused = family.unused();
+    sets.extend(
+        unused
+            .iter()
+            .map(|(name, value)| format!("material.{name}={value}")),
+    );
+    if family.is_compressible() {
+        return Ok((sets, None));
+    }
+    let shear = fitted.shear_modulus;
+    let at = |kappa: f64| {
+        let mut own = sets.clone();
+        own.push(format!("material.kappa={kappa}"));
+        own
+    };
+    let kappa = match (bulk, volumetric(tests)) {
+        (Some(bulk), _) => bulk,
+        (None, None) => BULK_RATIO * shear,
+        (None, Some(points)) => {
+            // The pressure is linear in the bulk modulus.
+            let unit = BULK_RATIO * shear;
+            let law = Settings::from_assignments(&at(unit))?.material.build()?;
+            let (mut above, mut below) = (0.0, 0.0);
+            for point in points {
+                let stretch = point.stretch.cbrt();
+                let state = DeformationGradient::from_stretches([stretch; 3]).ok();
+                let pressure = state.and_then(|state| law.response(&state).ok());
+                if let Some(response) = pressure {
+                    let pressure = -response.cauchy()[(0, 0)] / unit;
+                    above += pressure * point.stress;
+                    below += pressure * pressure;
+                }
+            }
+            above / below
+        }
+    };
+    Ok((at(kappa), Some(kappa)))
+}
+
+/// Points of volumetric tests; `None` without such a test.
+fn volumetric(tests: &[Test]) -> Option<Vec<Point>> {
+    let own = tests.iter().filter(|test| test.mode == Mode::Volumetric);
+    let points: Vec<Point> = own.flat_map(|test| test.points.iter().copied()).collect();
+    (!points.is_empty()).then_some(points)
+}
