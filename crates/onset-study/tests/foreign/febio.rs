@@ -41,7 +41,8 @@ fn materials_of_the_whole_deformation_have_the_energies_of_the_manual() {
 
 #[test]
 fn uncoupled_materials_have_the_energies_of_the_manual_and_a_pressure_model() {
-    let volumes: [(&str, fn(f64) -> f64); 5] = [
+    type Volume = fn(f64) -> f64;
+    let volumes: [(&str, Volume); 5] = [
         ("", |j| j.ln().powi(2) / 2.0),
         ("<pressure_model>default</pressure_model>", |j| {
             j.ln().powi(2) / 2.0
@@ -101,7 +102,8 @@ fn yeoh_and_arruda_boyce_have_the_stresses_of_the_sources() {
     let yeoh = "<c1>0.4</c1><c2>-0.02</c2><c3>0.003</c3><k>20</k>";
     let chain = "<mu>0.27</mu><N>8</N><k>20</k>";
     let factors = [0.5, 0.1, 11.0 / 350.0, 19.0 / 1750.0, 519.0 / 134_750.0];
-    let slopes: [(&str, &str, &dyn Fn(f64) -> f64); 2] = [
+    type Slope<'f> = &'f dyn Fn(f64) -> f64;
+    let slopes: [(&str, &str, Slope<'_>); 2] = [
         ("Yeoh", yeoh, &|i1| {
             0.4 - 0.02 * (i1 - 3.0) + 0.003 * (i1 - 3.0).powi(2)
         }),

@@ -5,6 +5,7 @@ mod febio;
 mod felupe;
 mod lsdyna;
 mod radioss;
+mod written;
 
 use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;

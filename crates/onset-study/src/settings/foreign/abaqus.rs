@@ -8,9 +8,10 @@
 //!
 //! CalculiX reads the same keywords with N to 3, and fills in zero compressibilities.
 
-use super::law::{Energy, ForeignLaw, LOGARITHM, Volume, named, van_der_waals};
+use super::law::{Energy, ForeignLaw, LOGARITHM, SQUARE, Volume, named, powers_to, van_der_waals};
 use super::marlow::{self, Test};
 use super::unread::{Relaxation, Unread};
+use super::write::{self, Form, Refusal, Sheet, list, order, ordered};
 use super::{Program, Trouble, number};
 
 /// Number of constants on a data line.
@@ -27,6 +28,9 @@ struct Block<'t> {
     parameters: Vec<(String, Option<String>)>,
     data: Vec<(usize, &'t str)>,
 }
+
+/// Smallest compressibility that CalculiX keeps.
+const CALCULIX_SMALLEST: f64 = 1e-10;
 
 const LAWS: [&str; 3] = ["HYPERELASTIC", "HYPERFOAM", "ANISOTROPICHYPERELASTIC"];
 
@@ -289,7 +293,7 @@ impl Block<'_> {
         }
         let mut filled = Vec::new();
         for (n, d) in own.iter_mut().enumerate() {
-            if d.abs() < 1e-10 {
+            if d.abs() < CALCULIX_SMALLEST {
                 *d = (0.1 / shear).powi(n as i32 + 1);
                 filled.push(format!("D{} = {d}", n + 1));
             }
@@ -411,10 +415,7 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         }
         "POLYNOMIAL" => {
             let n = block.count("N", 6)?;
-            // Ordered by the sum of the powers, the highest power of `I1` first.
-            let powers: Vec<(usize, usize)> = (1..=n)
-                .flat_map(|sum| (0..=sum).map(move |j| (sum - j, j)))
-                .collect();
+            let powers = powers_to(n);
             let c = block.constants(powers.len() + n)?;
             let constants: Vec<_> = powers.iter().copied().zip(c.iter().copied()).collect();
             Ok(polynomial(title(n), &constants, &c[powers.len()..]))
@@ -579,4 +580,87 @@ fn fibers(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     );
     law.needed = ["material.fiber1-angle", "material.fiber2-angle"][..families].to_vec();
     Ok(law)
+}
+
+/// Writes a law as a block of Abaqus or CalculiX.
+pub(super) fn write(program: Program, sheet: &Sheet) -> Result<write::Block, Refusal> {
+    let most = if program == Program::Calculix { 3 } else { 6 };
+    let compressibilities = |count: usize| compressibilities(program, sheet, count);
+    let within = |count: usize, most: usize| match count <= most {
+        true => Ok(()),
+        false => Err(Refusal::Lacks),
+    };
+    let (form, mut values, function) = match &sheet.form {
+        Form::Polynomial(constants) => {
+            let (n, of_first) = order(constants);
+            within(n, most)?;
+            let first: Vec<(usize, usize)> = (1..=n).map(|i| (i, 0)).collect();
+            let (form, powers, count) = match (n, of_first) {
+                (1, true) => ("NEO HOOKE".to_owned(), first, 1),
+                (1, false) => ("MOONEY-RIVLIN".to_owned(), powers_to(1), 1),
+                (2 | 3, true) => ("YEOH".to_owned(), vec![(1, 0), (2, 0), (3, 0)], 3),
+                (_, true) => (format!("REDUCED POLYNOMIAL, N={n}"), first, n),
+                (_, false) => (format!("POLYNOMIAL, N={n}"), powers_to(n), n),
+            };
+            let mut values = ordered(constants, &powers)?;
+            values.extend(compressibilities(count)?);
+            (form, values, Some(SQUARE))
+        }
+        Form::Ogden(terms) => {
+            within(terms.len(), most)?;
+            let mut values = Vec::new();
+            for (mu, alpha) in terms {
+                values.extend([0.5 * mu * alpha, *alpha]);
+            }
+            values.extend(compressibilities(terms.len())?);
+            (format!("OGDEN, N={}", terms.len()), values, Some(SQUARE))
+        }
+        Form::ArrudaBoyce(mu, locking) => {
+            let values = [vec![*mu, *locking], compressibilities(1)?].concat();
+            ("ARRUDA-BOYCE".to_owned(), values, Some(LOGARITHM))
+        }
+        Form::Gent(..) => return Err(Refusal::Lacks),
+        Form::Foam(terms) => {
+            within(terms.len(), 3)?;
+            let mut values = Vec::new();
+            for [mu, alpha, _] in terms {
+                values.extend([*mu, *alpha]);
+            }
+            (String::new(), values, None)
+        }
+    };
+    let mut keyword = format!("*HYPERELASTIC, {form}");
+    if let Form::Foam(terms) = &sheet.form {
+        keyword = format!("*HYPERFOAM, N={}", terms.len());
+        for [_, _, beta] in terms {
+            values.push(write::ratio(*beta)?);
+        }
+    }
+    let mut lines = vec!["*MATERIAL, NAME=LAW".to_owned(), keyword];
+    lines.extend(values.chunks(A_LINE).map(list));
+    Ok(write::Block {
+        lines,
+        function,
+        notes: Vec::new(),
+    })
+}
+
+/// Compressibilities of `count` terms: `2/K` and zeros, or numbers that CalculiX keeps and that remove its other terms.
+fn compressibilities(program: Program, sheet: &Sheet, count: usize) -> Result<Vec<f64>, Refusal> {
+    let first = match (program, sheet.bulk) {
+        (Program::Calculix, _) => 2.0 / sheet.required_bulk()?,
+        (_, Some(bulk)) => 2.0 / bulk,
+        (_, None) => 0.0,
+    };
+    let other = match program {
+        Program::Calculix if first < CALCULIX_SMALLEST => {
+            return Err(Refusal::Constants(format!(
+                "D1 = 2/kappa = {first} is below 1e-10, which CalculiX replaces; write the constants in a larger unit of stress"
+            )));
+        }
+        Program::Calculix => first * 1e20,
+        _ => 0.0,
+    };
+    let rest = (1..count).map(|_| other);
+    Ok([first].into_iter().chain(rest).collect())
 }

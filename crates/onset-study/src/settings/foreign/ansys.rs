@@ -3,8 +3,9 @@
 //! The energies follow the Mechanical APDL Theory Reference. With `d = 2/K` the volumetric part is `(J - 1)^(2i)/d_i`, except for Arruda-Boyce and
 //! Gent with `((J^2 - 1)/2 - ln J)/d`. Ogden's moduli enter as `mu/alpha`.
 
-use super::law::{Energy, ForeignLaw, Volume, extended_tube};
+use super::law::{Energy, ForeignLaw, LOGARITHM, SQUARE, Volume, extended_tube, powers_to};
 use super::unread::{Relaxation, Unread};
+use super::write::{Block, Form, Refusal, Sheet, list, order, ordered};
 use super::{Trouble, number};
 
 /// Table of constants with its form.
@@ -279,10 +280,7 @@ fn mooney(table: &Table, title: String) -> Result<ForeignLaw, Trouble> {
 
 fn polynomial(table: &Table, title: String) -> Result<ForeignLaw, Trouble> {
     let n = table.count(6)?;
-    let powers: Vec<(usize, usize)> = (1..=n)
-        .flat_map(|sum| (0..=sum).map(move |j| (sum - j, j)))
-        .collect();
-    of_powers(table, title, &powers, n)
+    of_powers(table, title, &powers_to(n), n)
 }
 
 fn of_powers(
@@ -323,4 +321,64 @@ fn tube(table: &Table, title: String) -> Result<ForeignLaw, Trouble> {
         [c[0], c[1], c[2], c[3]],
         Volume::Powers(&c[4..]),
     )
+}
+
+/// Writes a law as a table of ANSYS.
+pub(super) fn write(sheet: &Sheet) -> Result<Block, Refusal> {
+    // d = 0 is incompressible.
+    let compressibility = sheet.bulk.map_or(0.0, |bulk| 2.0 / bulk);
+    let volumes = |count: usize| {
+        let rest = (1..count).map(|_| 0.0);
+        [compressibility].into_iter().chain(rest)
+    };
+    let mut function = Some(SQUARE);
+    let (form, count, values) = match &sheet.form {
+        Form::Polynomial(constants) => {
+            let (n, of_first) = order(constants);
+            let first: Vec<(usize, usize)> = (1..=n).map(|i| (i, 0)).collect();
+            let (form, count, powers, terms) = match (n, of_first) {
+                (7.., _) => return Err(Refusal::Lacks),
+                (1, true) => ("NEO", None, first, 1),
+                (1, false) => ("MOONEY", Some(2), powers_to(1), 1),
+                (_, true) => ("YEOH", Some(n), first, n),
+                (_, false) => ("POLY", Some(n), powers_to(n), n),
+            };
+            let mut values = ordered(constants, &powers)?;
+            if form == "NEO" {
+                values[0] *= 2.0;
+            }
+            values.extend(volumes(terms));
+            (form, count, values)
+        }
+        Form::Ogden(terms) => {
+            let values = terms.iter().flat_map(|(mu, alpha)| [*mu, *alpha]);
+            let values = values.chain(volumes(terms.len())).collect();
+            ("OGDEN", Some(terms.len()), values)
+        }
+        Form::ArrudaBoyce(mu, second) | Form::Gent(mu, second) => {
+            function = Some(LOGARITHM);
+            let is_gent = matches!(sheet.form, Form::Gent(..));
+            let form = if is_gent { "GENT" } else { "BOYCE" };
+            (form, None, vec![*mu, *second, compressibility])
+        }
+        Form::Foam(terms) if terms.len() > 3 => return Err(Refusal::Lacks),
+        Form::Foam(terms) => {
+            function = None;
+            let values = terms
+                .iter()
+                .flat_map(|[mu, alpha, _]| [2.0 * mu / alpha, *alpha]);
+            let values = values.chain(terms.iter().map(|[_, _, beta]| *beta));
+            ("FOAM", Some(terms.len()), values.collect::<Vec<f64>>())
+        }
+    };
+    let count = count.map_or(String::new(), |count| count.to_string());
+    let mut lines = vec![format!("TB,HYPER,1,,{count},{form}")];
+    for (n, values) in values.chunks(6).enumerate() {
+        lines.push(format!("TBDATA,{},{}", 6 * n + 1, list(values)));
+    }
+    Ok(Block {
+        lines,
+        function,
+        notes: Vec::new(),
+    })
 }

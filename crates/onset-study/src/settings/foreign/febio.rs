@@ -8,6 +8,7 @@
 
 use super::law::{Energy, ForeignLaw, HENCKY, LOGARITHM, SQUARE, Volume, named};
 use super::unread::{Relaxation, Unread};
+use super::write::{Block, Form, Refusal, Sheet, order, ordered};
 use super::{Trouble, number};
 use roxmltree::{Document, Node};
 
@@ -23,6 +24,18 @@ const LAWS: [(&str, Reader); 10] = [
     ("Ogden unconstrained", unconstrained_ogden),
     ("Arruda-Boyce", arruda_boyce),
     ("Gent", gent),
+];
+
+/// Powers of the constants of `polynomial`.
+const POWERS: [(usize, usize); 8] = [
+    (1, 0),
+    (0, 1),
+    (2, 0),
+    (1, 1),
+    (0, 2),
+    (2, 1),
+    (1, 2),
+    (2, 2),
 ];
 
 type Reader = fn(&Law<'_, '_>) -> Result<ForeignLaw, Trouble>;
@@ -347,16 +360,7 @@ fn yeoh(law: &Law<'_, '_>) -> Result<ForeignLaw, Trouble> {
 
 fn polynomial(law: &Law<'_, '_>) -> Result<ForeignLaw, Trouble> {
     let mut constants = Vec::new();
-    for (i, j) in [
-        (1, 0),
-        (0, 1),
-        (2, 0),
-        (1, 1),
-        (0, 2),
-        (2, 1),
-        (1, 2),
-        (2, 2),
-    ] {
+    for (i, j) in POWERS {
         constants.push(((i, j), law.or_zero(&format!("c{i}{j}"))?));
     }
     // FEBio multiplies by D1 where other programs divide.
@@ -423,4 +427,68 @@ fn gent(law: &Law<'_, '_>) -> Result<ForeignLaw, Trouble> {
     let constants = (law.required("G")?, law.required("Jm")?);
     let volume = law.volume()?;
     Ok(ForeignLaw::gent(law.line, law.title(), constants, volume))
+}
+
+/// Writes a law as a material.
+pub(super) fn write(sheet: &Sheet) -> Result<Block, Refusal> {
+    let bulk = || sheet.required_bulk();
+    let named = |name: &str, value: f64| (name.to_owned(), value);
+    let mut notes = Vec::new();
+    let (kind, mut parameters) = match &sheet.form {
+        Form::Polynomial(constants) => match order(constants) {
+            (1, true) => ("incomp neo-Hookean", vec![named("G", sheet.shear())]),
+            (1, false) => {
+                let values = ordered(constants, &[(1, 0), (0, 1)])?;
+                (
+                    "Mooney-Rivlin",
+                    vec![named("c1", values[0]), named("c2", values[1])],
+                )
+            }
+            (2..=6, true) => {
+                notes.push("the stress of Yeoh in FEBio 4 is that of sum c_i (I1 - 3)^i/i; c_i is i times the constant of the law".to_owned());
+                let own = constants
+                    .iter()
+                    .map(|((i, _), value)| (format!("c{i}"), *i as f64 * value));
+                ("Yeoh", own.collect())
+            }
+            _ => {
+                ordered(constants, &POWERS)?;
+                let own = constants
+                    .iter()
+                    .map(|((i, j), value)| (format!("c{i}{j}"), *value));
+                let own = own.chain([named("D1", 0.5 * bulk()?), named("D2", 0.0)]);
+                ("polynomial", own.collect())
+            }
+        },
+        Form::Ogden(terms) if terms.len() > 6 => return Err(Refusal::Lacks),
+        Form::Ogden(terms) => {
+            let own = terms.iter().enumerate().flat_map(|(n, (mu, alpha))| {
+                let n = n + 1;
+                [(format!("c{n}"), mu * alpha), (format!("m{n}"), *alpha)]
+            });
+            ("Ogden", own.collect())
+        }
+        Form::Gent(mu, limit) => ("Gent", vec![named("G", *mu), named("Jm", *limit)]),
+        // Its material Arruda-Boyce evaluates another series.
+        Form::ArrudaBoyce(..) | Form::Foam(_) => return Err(Refusal::Lacks),
+    };
+    if kind != "polynomial" {
+        let model = if sheet.function == SQUARE { 2.0 } else { 3.0 };
+        parameters.extend([named("k", bulk()?), named("pressure_model", model)]);
+    }
+    let mut lines = vec![
+        format!("<material id=\"1\" name=\"law\" type=\"{kind}\">"),
+        "  <density>1</density>".to_owned(),
+    ];
+    lines.extend(
+        parameters
+            .iter()
+            .map(|(name, value)| format!("  <{name}>{value}</{name}>")),
+    );
+    lines.push("</material>".to_owned());
+    Ok(Block {
+        lines,
+        function: Some(sheet.function),
+        notes,
+    })
 }

@@ -408,6 +408,13 @@ impl ForeignLaw {
     }
 }
 
+/// Powers of both invariants up to an order, by their sum, the highest power of the first invariant first.
+pub(super) fn powers_to(order: usize) -> Vec<(usize, usize)> {
+    (1..=order)
+        .flat_map(|sum| (0..=sum).map(move |j| (sum - j, j)))
+        .collect()
+}
+
 /// Constants with names.
 pub(super) fn named(constants: &[(&str, f64)]) -> Vec<(String, f64)> {
     let named = constants

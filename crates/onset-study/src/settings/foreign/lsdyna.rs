@@ -11,6 +11,7 @@
 use super::fields::{Card, terms};
 use super::law::{Energy, ForeignLaw, LINEAR, SQUARE, Volume, bulk_modulus, named};
 use super::unread::{Relaxation, Unread};
+use super::write::{self, Form, Refusal, Sheet, columns, ordered};
 use super::{Trouble, number};
 
 /// Laws by name and by number, and what reads them.
@@ -21,6 +22,9 @@ const LAWS: [(&str, &str, Reader); 5] = [
     ("ARRUDA_BOYCE_RUBBER", "127", arruda_boyce),
     ("HILL_FOAM", "177", hill),
 ];
+
+/// Powers of the constants of `*MAT_077_H` in the order of its fields.
+const POWERS: [(usize, usize); 6] = [(1, 0), (0, 1), (1, 1), (2, 0), (0, 2), (3, 0)];
 
 type Reader = fn(&Block<'_>) -> Result<ForeignLaw, Trouble>;
 
@@ -284,20 +288,13 @@ fn volume(
 fn polynomial(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     let (poisson, place, unread) = head(block)?;
     let fields = "expected C10, C01, C11, C20, C02, C30";
-    let [c10, c01, c11, c20, c02, c30] = block.numbers(place, fields)?;
+    let values = block.numbers::<6>(place, fields)?;
     let line = block.cards[place].line;
-    let shear = 2.0 * (c10 + c01);
+    let shear = 2.0 * (values[0] + values[1]);
     if shear == 0.0 {
         return Err(Trouble::new(line, "C10 + C01 is 0", fields));
     }
-    let constants = [
-        ((1, 0), c10),
-        ((0, 1), c01),
-        ((1, 1), c11),
-        ((2, 0), c20),
-        ((0, 2), c02),
-        ((3, 0), c30),
-    ];
+    let constants: Vec<_> = POWERS.into_iter().zip(values).collect();
     let volume = volume(block.cards[0].line, SQUARE, shear, poisson)?;
     let mut law = ForeignLaw::polynomial(block.line, block.title(), &constants, volume);
     law.unread = unread;
@@ -395,4 +392,58 @@ fn hill(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         law.unread.parts.push(("R and M".to_owned(), card.line));
     }
     Ok(law)
+}
+
+/// Writes a law as a keyword with fields of 20 columns.
+pub(super) fn write(sheet: &Sheet) -> Result<write::Block, Refusal> {
+    let (keyword, cards, function) = match &sheet.form {
+        Form::Polynomial(constants) => {
+            let values = ordered(constants, &POWERS)?;
+            let head = vec![1.0, sheet.poisson()?, 0.0];
+            ("HYPERELASTIC_RUBBER", vec![head, values], Some(SQUARE))
+        }
+        Form::Ogden(terms) if terms.len() > 8 => return Err(Refusal::Lacks),
+        Form::Ogden(terms) => {
+            let (moduli, exponents) = terms.iter().copied().unzip();
+            let head = vec![1.0, sheet.poisson()?, 0.0];
+            ("OGDEN_RUBBER", vec![head, moduli, exponents], Some(LINEAR))
+        }
+        Form::ArrudaBoyce(mu, locking) => {
+            let head = vec![1.0, sheet.required_bulk()?, *mu, locking * locking];
+            ("ARRUDA_BOYCE_RUBBER", vec![head, vec![0.0]], Some(SQUARE))
+        }
+        Form::Gent(..) => return Err(Refusal::Lacks),
+        Form::Foam(terms) => {
+            let exponent = terms[0][2];
+            if terms.iter().any(|[_, _, beta]| *beta != exponent) {
+                return Err(Refusal::Constants(
+                    "*MAT_HILL_FOAM has one volumetric exponent, and beta differs between the terms".to_owned(),
+                ));
+            }
+            let bulk = terms
+                .iter()
+                .map(|[mu, _, beta]| 2.0 * mu * (1.0 / 3.0 + beta));
+            let head = vec![1.0, bulk.sum(), exponent];
+            let constants = terms
+                .iter()
+                .map(|[mu, alpha, _]| 2.0 * mu / alpha)
+                .collect();
+            let exponents = terms.iter().map(|[_, alpha, _]| *alpha).collect();
+            ("HILL_FOAM", vec![head, constants, exponents], None)
+        }
+    };
+    let mut lines = vec![format!("*MAT_{keyword}+")];
+    for (n, card) in cards.iter().enumerate() {
+        let number = if n == 0 {
+            format!("{:>20}", 1)
+        } else {
+            String::new()
+        };
+        lines.push(number + &columns(card));
+    }
+    Ok(write::Block {
+        lines,
+        function,
+        notes: Vec::new(),
+    })
 }

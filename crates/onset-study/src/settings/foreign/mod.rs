@@ -14,9 +14,11 @@ mod marlow;
 mod python;
 mod radioss;
 mod unread;
+mod write;
 
 pub(in crate::settings) use marlow::Table;
 use unread::Unread;
+pub use write::{WriteError, Writing, law_written};
 
 use super::{Origin, SettingError, did_you_mean};
 use std::str::FromStr;
@@ -113,12 +115,21 @@ impl Program {
             .filter(|letter| !letter.is_whitespace())
             .collect();
         let plain = plain.to_ascii_uppercase();
-        let begins: [(Self, &[&str]); 7] = [
-            (Self::Abaqus, &["*HYPER", "*ANISOTROPICHYPERELASTIC"]),
-            (Self::Ansys, &["TB,HYPER"]),
+        let begins_line = |word: &&str| {
+            let mut starts = text.lines().map(str::trim_start);
+            starts.any(|line| {
+                let start = line.get(..word.len());
+                start.is_some_and(|start| start.eq_ignore_ascii_case(word))
+            })
+        };
+        let lines: [(Self, &[&str]); 3] = [
             (Self::LsDyna, &["*MAT_"]),
             (Self::Radioss, &["/MAT/"]),
-            (Self::Febio, &["<FEBIO_SPEC", "<MATERIAL"]),
+            (Self::Febio, &["<febio_spec", "<material"]),
+        ];
+        let words: [(Self, &[&str]); 4] = [
+            (Self::Abaqus, &["*HYPER", "*ANISOTROPICHYPERELASTIC"]),
+            (Self::Ansys, &["TB,HYPER"]),
             (Self::Felupe, &["FEM.", "FELUPE"]),
             (
                 Self::Hyperelastic,
@@ -129,9 +140,14 @@ impl Program {
                 ],
             ),
         ];
-        let mut known = begins.into_iter();
-        let found = known.find(|(_, words)| words.iter().any(|word| plain.contains(word)));
-        found.map(|(program, _)| program)
+        let by_line = lines
+            .iter()
+            .find(|(_, words)| words.iter().any(begins_line));
+        let by_word = || {
+            let mut words = words.iter();
+            words.find(|(_, words)| words.iter().any(|word| plain.contains(word)))
+        };
+        by_line.or_else(by_word).map(|(program, _)| *program)
     }
 }
 

@@ -5,6 +5,7 @@
 //! runs.
 
 use super::law::{Energy, ForeignLaw, SQUARE, Volume, extended_tube, named, van_der_waals};
+use super::write::{Block, Form, Refusal, Sheet, order, ordered};
 use super::{Program, Trouble};
 
 /// Name of a model, and the conversion of its arguments to a law.
@@ -57,6 +58,15 @@ const FELUPE_REFUSED: &[(&str, &str)] = &[
 ];
 
 const HYPERELASTIC: &[Model] = &[("ThirdOrderDeformation", polynomial), ("Ogden", ogden)];
+
+/// Arguments of the polynomials, with the powers of both invariants.
+const POWERS: [(&str, (usize, usize)); 5] = [
+    ("C10", (1, 0)),
+    ("C01", (0, 1)),
+    ("C11", (1, 1)),
+    ("C20", (2, 0)),
+    ("C30", (3, 0)),
+];
 
 /// A model with its arguments.
 struct Call {
@@ -376,13 +386,6 @@ fn neo_hooke(call: &Call) -> Result<ForeignLaw, Trouble> {
 
 /// Reads `C10`, `C01`, ...; missing constants are zero in both packages, or not part of the model.
 fn polynomial(call: &Call) -> Result<ForeignLaw, Trouble> {
-    const POWERS: [(&str, (usize, usize)); 5] = [
-        ("C10", (1, 0)),
-        ("C01", (0, 1)),
-        ("C11", (1, 1)),
-        ("C20", (2, 0)),
-        ("C30", (3, 0)),
-    ];
     let taken: &[&str] = match call.title.split(' ').next() {
         Some("mooney_rivlin") => &["C10", "C01"],
         Some("yeoh") => &["C10", "C20", "C30"],
@@ -568,4 +571,86 @@ fn kilian(call: &Call) -> Result<ForeignLaw, Trouble> {
             .to_owned(),
     );
     Ok(law)
+}
+
+/// Writes a law as a script.
+pub(super) fn write(program: Program, sheet: &Sheet) -> Result<Block, Refusal> {
+    let list = |values: Vec<f64>| {
+        let values: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
+        format!("[{}]", values.join(", "))
+    };
+    let is_felupe = program == Program::Felupe;
+    let (model, arguments) = match &sheet.form {
+        Form::Polynomial(constants) => {
+            let (model, count) = match order(constants) {
+                _ if !is_felupe => ("invariants.ThirdOrderDeformation", 5),
+                (1, true) => ("neo_hooke", 1),
+                (1, false) => ("mooney_rivlin", 2),
+                (2 | 3, true) => ("yeoh", 3),
+                _ => ("third_order_deformation", 5),
+            };
+            let powers: Vec<(usize, usize)> = POWERS.iter().map(|(_, powers)| *powers).collect();
+            let values = ordered(constants, &powers)?;
+            let arguments = POWERS.iter().zip(values);
+            let arguments = arguments.filter(|((_, (_, j)), _)| count != 3 || *j == 0);
+            let arguments: Vec<String> = match count {
+                1 => vec![format!("mu={:?}", sheet.shear())],
+                2 => arguments.take(2).map(argument).collect(),
+                _ => arguments.map(argument).collect(),
+            };
+            (model, arguments.join(", "))
+        }
+        Form::Ogden(terms) => {
+            let model = if is_felupe {
+                "ogden"
+            } else {
+                "stretches.Ogden"
+            };
+            let moduli = terms.iter().map(|(mu, alpha)| 0.5 * mu * alpha).collect();
+            let exponents = terms.iter().map(|(_, alpha)| *alpha).collect();
+            let arguments = format!("mu={}, alpha={}", list(moduli), list(exponents));
+            (model, arguments)
+        }
+        Form::ArrudaBoyce(mu, locking) if is_felupe => {
+            ("arruda_boyce", format!("C1={mu:?}, limit={locking:?}"))
+        }
+        Form::Foam(terms) if is_felupe => {
+            let of = |place: usize| list(terms.iter().map(|term| term[place]).collect());
+            let arguments = format!("mu={}, alpha={}, beta={}", of(0), of(1), of(2));
+            ("storakers", arguments)
+        }
+        _ => return Err(Refusal::Lacks),
+    };
+    let volume = match (&sheet.form, sheet.bulk) {
+        (Form::Foam(_), _) | (_, None) => String::new(),
+        (_, Some(bulk)) => format!(" & fem.Volumetric(bulk={bulk:?})"),
+    };
+    let mut lines = vec!["import felupe as fem".to_owned()];
+    match is_felupe {
+        true => lines.push(format!(
+            "umat = fem.Hyperelastic(fem.{model}, {arguments}){volume}"
+        )),
+        false => {
+            let framework = match sheet.form {
+                Form::Ogden(_) => "StretchesFramework",
+                _ => "InvariantsFramework",
+            };
+            lines.push("import hyperelastic".to_owned());
+            lines.push(format!("model = hyperelastic.models.{model}({arguments})"));
+            lines.push(format!("framework = hyperelastic.{framework}(model)"));
+            lines.push(format!(
+                "umat = hyperelastic.DistortionalSpace(framework){volume}"
+            ));
+        }
+    }
+    let is_foam = matches!(sheet.form, Form::Foam(_));
+    Ok(Block {
+        lines,
+        function: (!is_foam).then_some(SQUARE),
+        notes: Vec::new(),
+    })
+}
+
+fn argument(((name, _), value): (&(&str, (usize, usize)), f64)) -> String {
+    format!("{name}={value:?}")
 }

@@ -11,8 +11,9 @@
 //! Poisson's ratio 0 means 0.495. `LAW69` is fitted to a curve by the Starter.
 
 use super::fields::{Card, terms};
-use super::law::{ForeignLaw, LINEAR, SQUARE, Volume, bulk_modulus};
+use super::law::{ForeignLaw, LINEAR, LOGARITHM, SQUARE, Volume, bulk_modulus};
 use super::unread::Relaxation;
+use super::write::{self, Form, Refusal, Sheet, columns, order, ordered, ratio};
 use super::{Trouble, number};
 
 /// Laws by number and name, and what reads them.
@@ -27,6 +28,22 @@ const LAWS: [(&str, &str, Reader); 7] = [
 ];
 
 type Reader = fn(&Block<'_>) -> Result<ForeignLaw, Trouble>;
+
+/// Powers of the polynomial of `LAW100` in the order of its fields.
+const POWERS: [(usize, usize); 9] = [
+    (1, 0),
+    (0, 1),
+    (2, 0),
+    (1, 1),
+    (0, 2),
+    (3, 0),
+    (2, 1),
+    (1, 2),
+    (0, 3),
+];
+
+/// Largest Poisson's ratio of a term of `LAW62`.
+const LARGEST_RATIO: f64 = 0.499;
 
 /// Poisson's ratio in the place of 0.
 const POISSON: f64 = 0.495;
@@ -255,7 +272,7 @@ fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     let mut own = Vec::new();
     for (n, mu) in moduli.iter().enumerate() {
         // Radioss takes 0.499 in the place of larger ratios, and the exponent 1 in the place of 0.
-        let ratio = if has_ratios { ratios[n] } else { nu }.min(0.499);
+        let ratio = if has_ratios { ratios[n] } else { nu }.min(LARGEST_RATIO);
         let exponent = if exponents[n] == 0.0 {
             1.0
         } else {
@@ -389,20 +406,7 @@ fn networks(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     let card = block.card(1, "expected N_net, Flag_HE, Flag_Cr")?;
     let [networks, form, creep] = card.numbers(10)?;
     let (powers, lines): (&[(usize, usize)], &[usize]) = match form {
-        0.0 | 1.0 => (
-            &[
-                (1, 0),
-                (0, 1),
-                (2, 0),
-                (1, 1),
-                (0, 2),
-                (3, 0),
-                (2, 1),
-                (1, 2),
-                (0, 3),
-            ],
-            &[5, 4, 3],
-        ),
+        0.0 | 1.0 => (&POWERS, &[5, 4, 3]),
         3.0 => (&[(1, 0)], &[2]),
         4.0 => (&[(1, 0), (0, 1)], &[3]),
         5.0 => (&[(1, 0), (2, 0), (3, 0)], &[4]),
@@ -439,4 +443,87 @@ fn networks(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         }
     }
     Ok(law)
+}
+
+/// Writes a law as a material.
+pub(super) fn write(sheet: &Sheet) -> Result<write::Block, Refusal> {
+    let compressibility = || Ok(vec![2.0 / sheet.required_bulk()?]);
+    let (law, lines, function) = match &sheet.form {
+        Form::Polynomial(constants) => match order(constants) {
+            (1, _) => {
+                let values = ordered(constants, &[(1, 0), (0, 1)])?;
+                let terms = [(2.0 * values[0], 2.0), (-2.0 * values[1], -2.0)];
+                let terms: Vec<_> = terms.into_iter().filter(|(mu, _)| *mu != 0.0).collect();
+                ("LAW42", law_42(sheet, &terms)?, Some(SQUARE))
+            }
+            (2 | 3, true) => {
+                let values = ordered(constants, &[(1, 0), (2, 0), (3, 0)])?;
+                let lines = vec![
+                    String::new(),
+                    columns(&values),
+                    columns(&compressibility()?),
+                ];
+                ("LAW94", lines, Some(SQUARE))
+            }
+            _ => {
+                let values = ordered(constants, &POWERS)?;
+                let flags = format!("{:>10}{:>10}{:>10}", 0, 1, 0);
+                let lines = vec![
+                    flags,
+                    columns(&values[..5]),
+                    columns(&values[5..]),
+                    columns(&compressibility()?),
+                ];
+                ("LAW100", lines, Some(SQUARE))
+            }
+        },
+        Form::Ogden(terms) => ("LAW42", law_42(sheet, terms)?, Some(SQUARE)),
+        Form::ArrudaBoyce(mu, locking) => {
+            let values = [*mu, compressibility()?[0], *locking];
+            (
+                "LAW92",
+                vec![columns(&values), String::new()],
+                Some(LOGARITHM),
+            )
+        }
+        Form::Gent(..) => return Err(Refusal::Lacks),
+        Form::Foam(terms) => {
+            let mut lines = vec![format!("{:>20}{:>10}{:>10}", 0, terms.len(), 0)];
+            let ratios = terms.iter().map(|[_, _, beta]| ratio(*beta));
+            let ratios = ratios.collect::<Result<Vec<f64>, Refusal>>()?;
+            if ratios.iter().any(|ratio| *ratio > LARGEST_RATIO) {
+                return Err(Refusal::Constants(
+                    "LAW62 has Poisson's ratios to 0.499, and a beta is larger".to_owned(),
+                ));
+            }
+            let moduli: Vec<f64> = terms.iter().map(|[mu, _, _]| *mu).collect();
+            let exponents: Vec<f64> = terms.iter().map(|[_, alpha, _]| *alpha).collect();
+            for values in [moduli, exponents, ratios] {
+                lines.extend(values.chunks(5).map(columns));
+            }
+            ("LAW62", lines, None)
+        }
+    };
+    let head = [format!("/MAT/{law}/1"), "law".to_owned(), columns(&[1.0])];
+    Ok(write::Block {
+        lines: head.into_iter().chain(lines).collect(),
+        function,
+        notes: Vec::new(),
+    })
+}
+
+/// Lines of `LAW42` after the density.
+fn law_42(sheet: &Sheet, terms: &[(f64, f64)]) -> Result<Vec<String>, Refusal> {
+    if terms.len() > 10 {
+        return Err(Refusal::Lacks);
+    }
+    let (moduli, exponents): (Vec<f64>, Vec<f64>) = terms.iter().copied().unzip();
+    let mut lines = vec![columns(&[sheet.poisson()?])];
+    for values in [moduli, exponents] {
+        for half in 0..2 {
+            let own = values.chunks(5).nth(half).unwrap_or_default();
+            lines.push(columns(own));
+        }
+    }
+    Ok(lines)
 }
