@@ -9,7 +9,7 @@ mod written;
 
 use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
-use onset_study::settings::{MaterialSettings, Program, law_from, law_of};
+use onset_study::settings::{MaterialSettings, Program, law_from, law_of, law_written};
 
 /// Builds the material of a block with additional assignments.
 fn read(program: Program, block: &str, beside: &[&str]) -> Box<dyn Hyperelastic> {
@@ -602,4 +602,93 @@ fn ignored_keywords_of_a_deck_are_listed_with_their_lines() {
         assert!(first.contains(fact), "{fact} is not in {first}");
     }
     assert!(notes(Program::Ansys, ansys, Some("2")).contains("material.c10=1"));
+}
+
+/// Keywords begin lines, so that a path with `/mat/` in a study is no deck.
+#[test]
+fn programs_are_recognized_by_their_keywords() {
+    for (text, program) in [
+        ("** a deck\n*HYPERELASTIC, YEOH\n", Some(Program::Abaqus)),
+        ("TB, HYPER,1\n", Some(Program::Ansys)),
+        ("$\n*mat_077_h\n", Some(Program::LsDyna)),
+        ("#\n/MAT/OGDEN/1\n", Some(Program::Radioss)),
+        (
+            "<?xml?>\n <febio_spec version=\"4.0\">",
+            Some(Program::Febio),
+        ),
+        ("<material id=\"1\" type=\"Ogden\">", Some(Program::Febio)),
+        ("umat = fem.NeoHooke(mu=1)", Some(Program::Felupe)),
+        ("material.library = \"/opt/mat/law.so\"", None),
+    ] {
+        assert_eq!(Program::of_text(text), program, "{text}");
+    }
+    for (name, program) in [
+        ("LS-DYNA", Program::LsDyna),
+        ("OpenRadioss", Program::Radioss),
+        ("febio", Program::Febio),
+    ] {
+        assert_eq!(name.parse(), Ok(program), "{name}");
+    }
+    let error = "ls-dnya".parse::<Program>().expect_err("a typing error");
+    assert_eq!(
+        error,
+        "expected abaqus, ansys, calculix, febio, felupe, hyperelastic, lsdyna or radioss; did you mean `lsdyna`?"
+    );
+}
+
+/// Lines cut off, doubled, and letters replaced: an answer or an error, and never a panic.
+#[test]
+fn damaged_decks_are_read_or_refused() {
+    let laws: [(&str, &[(&str, f64)]); 4] = [
+        (
+            "ogden",
+            &[
+                ("mu1", 0.6),
+                ("alpha1", 1.3),
+                ("mu2", -0.01),
+                ("alpha2", -2.0),
+                ("kappa", 50.0),
+            ],
+        ),
+        (
+            "polynomial",
+            &[("c10", 0.4), ("c20", 0.01), ("kappa", 50.0)],
+        ),
+        (
+            "arruda-boyce",
+            &[("mu", 0.3), ("locking", 5.0), ("kappa", 50.0)],
+        ),
+        (
+            "hyperfoam",
+            &[("mu1", 2.0), ("alpha1", 4.0), ("beta1", 0.5)],
+        ),
+    ];
+    let letters = [
+        "", " ", "0", "-", ",", "é", "\n", "<", ">", "/", "*", "1e400", "nan",
+    ];
+    for program in Program::ALL {
+        for (law, parameters) in laws {
+            let Ok(written) = law_written(program, law, parameters) else {
+                continue;
+            };
+            let text = written.text;
+            for (at, _) in text.char_indices() {
+                let end = at + text[at..].chars().next().map_or(0, char::len_utf8);
+                for letter in letters {
+                    let damaged = format!("{}{letter}{}", &text[..at], &text[end..]);
+                    if let Ok(reading) = law_from(program, "a deck", &damaged, &[]) {
+                        let numbers = reading
+                            .assignments
+                            .iter()
+                            .filter_map(|own| own.split_once('='));
+                        let finite = numbers
+                            .filter_map(|(_, value)| value.parse::<f64>().ok())
+                            .all(f64::is_finite);
+                        assert!(finite, "{damaged}: {:?}", reading.assignments);
+                    }
+                }
+                let _ = law_from(program, "a deck", &text[..at], &[]);
+            }
+        }
+    }
 }

@@ -232,7 +232,7 @@ impl Law<'_, '_> {
         Ok(self.given(name)?.unwrap_or(0.0))
     }
 
-    /// Numbered constants; missing ones are zero.
+    /// Numbered constants, zero where they are missing.
     fn list<const N: usize>(&self, letter: char) -> Result<[f64; N], Trouble> {
         let mut numbers = [0.0; N];
         for (n, own) in numbers.iter_mut().enumerate() {
@@ -352,7 +352,7 @@ fn yeoh(law: &Law<'_, '_>) -> Result<ForeignLaw, Trouble> {
         .map(|(n, c)| ((n + 1, 0), c / (n + 1) as f64))
         .collect();
     let note = own[1..].iter().any(|c| *c != 0.0).then(|| {
-        "the manual of FEBio has the energy sum c_i (I1 - 3)^i; its stress is that of sum c_i (I1 - 3)^i/i, which is read here"
+        "FEBio documents the energy sum c_i x^i, x = I1bar - 3, and evaluates the stress of sum c_i x^i/i; the evaluated law is read"
             .to_owned()
     });
     Ok(law.polynomial(&constants)?.noted(note))
@@ -419,7 +419,7 @@ fn arruda_boyce(law: &Law<'_, '_>) -> Result<ForeignLaw, Trouble> {
     let energy = Energy::Formula(energy);
     let own = ForeignLaw::new(law.line, law.title(), energy, constants, (mu, volume));
     Ok(own.noted(Some(
-        "the manual of FEBio has the series of Arruda and Boyce; its stress has the i-th term i times, which is read here".to_owned(),
+        "FEBio documents the series of Arruda and Boyce, and evaluates its i-th term i times; the evaluated law is read".to_owned(),
     )))
 }
 
@@ -445,7 +445,7 @@ pub(super) fn write(sheet: &Sheet) -> Result<Block, Refusal> {
                 )
             }
             (2..=6, true) => {
-                notes.push("the stress of Yeoh in FEBio 4 is that of sum c_i (I1 - 3)^i/i; c_i is i times the constant of the law".to_owned());
+                notes.push("FEBio 4 evaluates Yeoh as sum c_i x^i/i with x = I1bar - 3, so c_i is i times the constant of the law".to_owned());
                 let own = constants
                     .iter()
                     .map(|((i, _), value)| (format!("c{i}"), *i as f64 * value));

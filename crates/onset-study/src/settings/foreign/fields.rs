@@ -57,7 +57,7 @@ pub(super) fn terms(
         true => Err(Trouble::new(
             line,
             "an exponent alpha is 0 where its modulus is not",
-            "expected as many exponents as moduli",
+            "expected an exponent for every modulus",
         )),
         false => Ok(terms),
     }

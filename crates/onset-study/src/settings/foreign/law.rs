@@ -320,7 +320,7 @@ impl ForeignLaw {
         Self::of_constants(line, title, energy, constants)
     }
 
-    /// Adds a remark.
+    /// Returns the law with a further remark for the reader.
     pub fn noted(mut self, note: Option<String>) -> Self {
         self.notes.extend(note);
         self
@@ -395,7 +395,7 @@ impl ForeignLaw {
         )];
         if self.incompressible && !is_set("material.kappa") {
             notes.push(format!(
-                "without a compressibility (D = 0, no bulk modulus) the material is incompressible; here the bulk modulus is {INCOMPRESSIBLE_BULK_RATIO} shear moduli, and --incompressible asks the incompressible response"
+                "without a compressibility (D = 0, no bulk modulus, Poisson's ratio 0.5) the material is incompressible; here the bulk modulus is {INCOMPRESSIBLE_BULK_RATIO} shear moduli, and --incompressible asks the incompressible response"
             ));
         }
         notes.extend(self.unread.notes(self.shear));
@@ -415,7 +415,7 @@ pub(super) fn powers_to(order: usize) -> Vec<(usize, usize)> {
         .collect()
 }
 
-/// Constants with names.
+/// Converts names and values to the constants of a law.
 pub(super) fn named(constants: &[(&str, f64)]) -> Vec<(String, f64)> {
     let named = constants
         .iter()

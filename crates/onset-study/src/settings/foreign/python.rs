@@ -450,7 +450,7 @@ fn storakers(call: &Call) -> Result<ForeignLaw, Trouble> {
     Ok(ForeignLaw::foam(call.line, &call.title, &terms))
 }
 
-/// `mu (tr C/2 - ln J) + lambda (ln J)^2/2`.
+/// Reads the compressible law `mu (tr C/2 - ln J) + lambda (ln J)^2/2`.
 fn compressible(call: &Call) -> Result<ForeignLaw, Trouble> {
     call.only(&["mu", "lmbda"])?;
     let lambda = match call.list("lmbda") {
@@ -474,7 +474,7 @@ fn blatz_ko(call: &Call) -> Result<ForeignLaw, Trouble> {
     let model = Energy::Model("blatz-ko");
     let mut law = ForeignLaw::of_constants(call.line, &call.title, model, constants);
     law.notes.push(
-        "blatz_ko of felupe 11.3 evaluates mu (I2/I3 + 2 J - 5), whose shear modulus is twice mu; read is what it evaluates"
+        "blatz_ko of felupe 11.3 evaluates mu (I2/I3 + 2 J - 5) with the shear modulus 2 mu, twice its documented energy; the evaluated energy is read"
             .to_owned(),
     );
     Ok(law)
@@ -506,7 +506,7 @@ fn saint_venant_kirchhoff(call: &Call) -> Result<ForeignLaw, Trouble> {
     ))
 }
 
-/// `mu N ((I1bar - 3)/(6 N) - ln((I1bar - 3 N)/(3 - 3 N)))`.
+/// Reads `mu N ((I1bar - 3)/(6 N) - ln((I1bar - 3 N)/(3 - 3 N)))`.
 fn anssari_benam_bucchi(call: &Call) -> Result<ForeignLaw, Trouble> {
     call.only(&["mu", "N"])?;
     let (mu, links) = (call.one("mu")?, call.one("N")?);
@@ -532,7 +532,7 @@ fn anssari_benam_bucchi(call: &Call) -> Result<ForeignLaw, Trouble> {
     ))
 }
 
-/// `sum 3^(1 - alpha)/(2 alpha) mu (I1bar^alpha - 3^alpha)`.
+/// Reads `sum 3^(1 - alpha)/(2 alpha) mu (I1bar^alpha - 3^alpha)`.
 fn lopez_pamies(call: &Call) -> Result<ForeignLaw, Trouble> {
     call.only(&["mu", "alpha"])?;
     let terms = call.terms(["mu", "alpha"])?;
@@ -566,7 +566,7 @@ fn kilian(call: &Call) -> Result<ForeignLaw, Trouble> {
     }
     let mut law = van_der_waals(call.line, &call.title, constants, call.volume()?)?;
     law.notes.push(
-        "read is Kilian's energy of the isochoric invariants; felupe 11.3 adds 1e-4 to I - 3, and with beta > 0 forms its second invariant from tr C \
+        "Kilian's energy of the isochoric invariants is read; felupe 11.3 adds 1e-4 to I - 3, and with beta > 0 forms its second invariant from tr C \
          with the change of volume"
             .to_owned(),
     );

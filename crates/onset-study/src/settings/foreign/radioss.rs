@@ -366,7 +366,7 @@ fn arruda_boyce(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     let volume = Volume::logarithm(compressibility);
     let law = ForeignLaw::arruda_boyce(block.line, block.title(), (mu, locking), volume);
     Ok(law.noted(Some(
-        "read is the documented volumetric energy ((J^2 - 1)/2 - ln J)/D; OpenRadioss divides its pressure by J once more, equal at small changes of volume"
+        "the documented volumetric energy ((J^2 - 1)/2 - ln J)/D is read; OpenRadioss has its pressure divided by J, which is equal at small changes of volume"
             .to_owned(),
     )))
 }

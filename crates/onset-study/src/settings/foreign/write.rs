@@ -1,4 +1,4 @@
-//! Laws written as blocks of other programs, each in its own convention.
+//! Writers of laws as blocks of other programs, in the convention of the program.
 
 use super::law::{LOGARITHM, SQUARE};
 use super::{Program, abaqus, ansys, febio, lsdyna, python, radioss};
@@ -20,7 +20,7 @@ pub enum WriteError {
     /// The name belongs to no law that can be written.
     #[error("{law} cannot be written for other programs; laws that can: {}{}", NAMES.join(", "), did_you_mean(law, NAMES))]
     Law {
-        /// Name as given.
+        /// Name of the law in the call.
         law: String,
     },
     /// A parameter is missing, unknown or outside of its range.
@@ -34,7 +34,7 @@ pub enum WriteError {
     /// The program lacks the law.
     #[error("{} has no {law} of this form; {}", program.title(), having(others))]
     Lacks {
-        /// The program.
+        /// Program of the block.
         program: Program,
         /// Name of the law.
         law: &'static str,
@@ -44,7 +44,7 @@ pub enum WriteError {
     /// The program has the law, but not with these constants.
     #[error("{}: {message}", program.title())]
     Constants {
-        /// The program.
+        /// Program of the block.
         program: Program,
         /// Description of the error.
         message: String,
@@ -112,8 +112,8 @@ pub(super) enum Refusal {
 
 /// Writes a law as a block of another program.
 ///
-/// Parameters are those of the law in the library; without `kappa` the material is incompressible. `polynomial` has the constants `c10`, `c01`, `c20`,
-/// ... of `sum c_ij (I1bar - 3)^i (I2bar - 3)^j` and `kappa` of `kappa/2 (J - 1)^2`. Parameters that are not named are not part of the law.
+/// The parameters have the names of the library; without `kappa` the material is incompressible. `polynomial` has the constants `c10`, `c01`, `c20`,
+/// ... of `sum c_ij (I1bar - 3)^i (I2bar - 3)^j` and `kappa` of `kappa/2 (J - 1)^2`. Terms without a modulus are not part of the law.
 ///
 /// If the program has another volumetric energy, the block has the same bulk modulus and the same energy at constant volume, and a note says so.
 ///
@@ -151,7 +151,7 @@ pub fn law_written(
     let mut notes = block.notes;
     if let Some(own) = block.function.filter(|own| *own != sheet.function) {
         notes.push(format!(
-            "volumetric energy of {}: {own}; of {law}: {}; the bulk modulus and the energy at constant volume are equal",
+            "volumetric energy: {} has {own}, {law} has {}. The bulk modulus and the energy at constant volume are equal",
             program.title(),
             sheet.function
         ));
