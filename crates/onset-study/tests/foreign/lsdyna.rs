@@ -56,6 +56,7 @@ fn ogden_rubber_has_moduli_over_exponents_and_a_logarithmic_volume() {
         "long-term",
         "LS-DYNA adds G1, G2",
         "1.16895 times",
+        "is taken as kappa*(J - 1 - ln(J))",
     ] {
         assert!(notes.contains(fact), "{fact} is not in {notes}");
     }

@@ -218,6 +218,13 @@ impl Block<'_> {
     }
 }
 
+/// Note on the volumetric energy, which keyword decks do not show.
+fn note_on(function: &str) -> Option<String> {
+    Some(format!(
+        "the volumetric energy of LS-DYNA is taken as {function}; another one with the same bulk modulus changes only states with a change of volume"
+    ))
+}
+
 const FIRST_OF_77: &str = "expected MID, RO, PR, N, NV, G, SIGF, REF";
 
 /// First lines of both forms of `*MAT_077`: Poisson's ratio, the place of the constants, and unread parts.
@@ -296,7 +303,8 @@ fn polynomial(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     }
     let constants: Vec<_> = POWERS.into_iter().zip(values).collect();
     let volume = volume(block.cards[0].line, SQUARE, shear, poisson)?;
-    let mut law = ForeignLaw::polynomial(block.line, block.title(), &constants, volume);
+    let law = ForeignLaw::polynomial(block.line, block.title(), &constants, volume);
+    let mut law = law.noted(note_on(SQUARE));
     law.unread = unread;
     law.unread.relaxation = block.relaxation(place + 1, shear)?;
     Ok(law)
@@ -309,7 +317,8 @@ fn ogden(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     let terms = terms(block.cards[place].line, &moduli, &exponents)?;
     let shear = 0.5 * terms.iter().map(|(mu, alpha)| mu * alpha).sum::<f64>();
     let volume = volume(block.cards[0].line, LINEAR, shear, poisson)?;
-    let mut law = ForeignLaw::ogden(block.line, block.title(), &terms, volume);
+    let law = ForeignLaw::ogden(block.line, block.title(), &terms, volume);
+    let mut law = law.noted(note_on(LINEAR));
     law.unread = unread;
     law.unread.relaxation = block.relaxation(place + 2, shear)?;
     Ok(law)
@@ -359,7 +368,8 @@ fn arruda_boyce(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     }
     let volume = Volume::Function(SQUARE, Some(bulk));
     let constants = (shear, links.sqrt());
-    let mut law = ForeignLaw::arruda_boyce(block.line, block.title(), constants, volume);
+    let law = ForeignLaw::arruda_boyce(block.line, block.title(), constants, volume);
+    let mut law = law.noted(note_on(SQUARE));
     if let Some(card) = block.cards.get(1)
         && card.numbers::<1>(block.width)?[0] != 0.0
     {
