@@ -284,7 +284,7 @@ class Material(_Settings):
         block
             Text of the block, or the path of a file.
         program
-            ``abaqus``, ``ansys``, ``felupe`` or ``hyperelastic``.
+            ``abaqus``, ``ansys``, ``calculix``, ``febio``, ``felupe``, ``hyperelastic``, ``lsdyna`` or ``radioss``.
         material
             Name or number of one of several materials.
 

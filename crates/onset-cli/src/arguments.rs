@@ -488,7 +488,8 @@ pub struct CourseArguments {
     #[arg(long, value_name = "WHAT", value_parser = lateral, requires = "mode", help_heading = "Path")]
     pub lateral: Option<Lateral>,
     /// Start: two or three stretches, or the components F11,F12,F21,F22; with --mode one stretch [default: 1], or gamma in simple shear [default: 0].
-    /// The name of a program (abaqus, ansys, felupe or hyperelastic) states that FILE is a block of this program (give --from twice for both).
+    /// The name of a program (abaqus, ansys, calculix, febio, felupe, hyperelastic, lsdyna or radioss) states that FILE is a block of this program
+    /// (give --from twice for both).
     #[arg(
         long,
         value_name = "L1,L2",
@@ -497,7 +498,7 @@ pub struct CourseArguments {
         help_heading = "Path"
     )]
     pub from: Vec<String>,
-    /// Material in FILE if FILE is a block: its name in Abaqus, its number in ANSYS [default: the first material with a law].
+    /// Material in FILE if FILE is a block: its name or its number [default: the first material with a law].
     #[arg(long, value_name = "NAME", requires = "from", help_heading = "Problem")]
     pub material: Option<String>,
     /// End of the path, in the same form as the start.
@@ -1339,8 +1340,9 @@ pub struct GivenArguments {
 /// Block of another program instead of a study.
 #[derive(Clone, Debug, Default, Args)]
 pub struct BlockArguments {
-    /// FILE is a block of another program: abaqus (*HYPERELASTIC ...), ansys (TB,HYPER ...), felupe (fem.Hyperelastic(fem.ogden, mu=...)) or
-    /// hyperelastic (ThirdOrderDeformation(C10=...)). Its constants are read as this program defines them.
+    /// FILE is a block of another program: abaqus or calculix (*HYPERELASTIC ...), ansys (TB,HYPER ...), febio (<material type="Ogden">), felupe
+    /// (fem.Hyperelastic(fem.ogden, mu=...)), hyperelastic (ThirdOrderDeformation(C10=...)), lsdyna (*MAT_OGDEN_RUBBER ...) or radioss
+    /// (/MAT/LAW42 ...). Its constants are read as this program defines them.
     #[arg(
         long,
         value_name = "PROGRAM",
@@ -1348,7 +1350,7 @@ pub struct BlockArguments {
         help_heading = "Problem"
     )]
     pub from: Option<Program>,
-    /// Material in FILE: its name in Abaqus, its number in ANSYS [default: the first material with a law].
+    /// Material in FILE: its name in Abaqus, CalculiX and FEBio, its number in ANSYS, LS-DYNA and Radioss [default: the first material with a law].
     #[arg(long, value_name = "NAME", requires = "from", help_heading = "Problem")]
     pub material: Option<String>,
 }

@@ -303,7 +303,7 @@ fn blocks_that_determine_no_law_are_refused_with_the_line_number() {
     assert!(
         answer
             .stderr
-            .contains("abaqus, ansys, felupe or hyperelastic"),
+            .contains("abaqus, ansys, calculix, febio, felupe, hyperelastic, lsdyna or radioss"),
         "{}",
         answer.stderr
     );

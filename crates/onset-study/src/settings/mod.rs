@@ -35,7 +35,7 @@ pub use body::{BODY_KEYS, BodySettings, GRIP_KEYS};
 pub use comparison::{COMPARISON_KEYS, Candidate, CompareSettings, Comparison};
 pub use effective::{Choice, Effective};
 pub use error::{Origin, SettingError, did_you_mean};
-pub use foreign::{Program, Reading, law_from, law_of};
+pub use foreign::{Program, Reading, WriteError, Writing, law_from, law_of, law_written};
 pub use key::{KEYS, Key, Kind, MAP_KEYS, STATE_KEYS, study_keys};
 pub use map::{MapSettings, OUTPUTS, Outputs};
 pub use material::{MaterialSettings, Plane};

@@ -5,17 +5,21 @@
 //! - polynomials of `I1bar - 3` and `I2bar - 3` with `(J - 1)^(2i)/D_i`,
 //! - Ogden and foams with `2 mu_i/alpha_i^2`,
 //! - Arruda-Boyce, Van der Waals and Holzapfel-Gasser-Ogden with `((J^2 - 1)/2 - ln J)/D`.
+//!
+//! CalculiX reads the same keywords with N to 3, and fills in zero compressibilities.
 
-use super::law::{Energy, ForeignLaw, LOGARITHM_OF_VOLUME};
+use super::law::{Energy, ForeignLaw, LOGARITHM, SQUARE, Volume, named, powers_to, van_der_waals};
 use super::marlow::{self, Test};
 use super::unread::{Relaxation, Unread};
-use super::{Trouble, number};
+use super::write::{self, Form, Refusal, Sheet, list, order, ordered};
+use super::{Program, Trouble, number};
 
 /// Number of constants on a data line.
 const A_LINE: usize = 8;
 
 /// Keyword line with its data lines.
 struct Block<'t> {
+    program: Program,
     line: usize,
     keyword: String,
     /// Keyword in the spelling of the file.
@@ -24,6 +28,9 @@ struct Block<'t> {
     parameters: Vec<(String, Option<String>)>,
     data: Vec<(usize, &'t str)>,
 }
+
+/// Smallest compressibility that CalculiX keeps.
+const CALCULIX_SMALLEST: f64 = 1e-10;
 
 const LAWS: [&str; 3] = ["HYPERELASTIC", "HYPERFOAM", "ANISOTROPICHYPERELASTIC"];
 
@@ -44,8 +51,12 @@ fn materials<'b, 't>(blocks: &'b [Block<'t>]) -> Vec<(String, &'b [Block<'t>])> 
 }
 
 /// Reads the law of the named material, or of the first material with a law.
-pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Trouble> {
-    let blocks = blocks(text);
+pub(super) fn read(
+    program: Program,
+    text: &str,
+    material: Option<&str>,
+) -> Result<ForeignLaw, Trouble> {
+    let blocks = blocks(program, text);
     let mut with_law = materials(&blocks);
     with_law.retain(|(_, blocks)| blocks.iter().any(is_law));
     let names: Vec<String> = with_law.iter().map(|(name, _)| name.clone()).collect();
@@ -68,7 +79,10 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
     let Some((name, own)) = with_law.get(at) else {
         return Err(Trouble::new(
             1,
-            "there is no hyperelastic law of Abaqus in this text",
+            format!(
+                "there is no hyperelastic law of {} in this text",
+                program.title()
+            ),
             "expected *HYPERELASTIC, *HYPERFOAM or *ANISOTROPIC HYPERELASTIC with its data lines, for example `*HYPERELASTIC, OGDEN, N=1` \
              and `0.4, 1.3, 0.02`",
         ));
@@ -82,7 +96,7 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
 
 /// Reads the first law with Marlow's form in a text.
 pub(super) fn marlow_of(text: &str) -> Result<ForeignLaw, Trouble> {
-    let blocks = blocks(text);
+    let blocks = blocks(Program::Abaqus, text);
     let all = materials(&blocks);
     let of_table = |block: &Block<'_>| is_law(block) && block.has("MARLOW");
     let own = all.iter().find(|(_, blocks)| blocks.iter().any(of_table));
@@ -160,6 +174,15 @@ fn law(blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble> {
         .iter()
         .find(|block| is_law(block))
         .ok_or_else(|| Trouble::new(1, "there is no law", "expected *HYPERELASTIC"))?;
+    let foreign = ["MARLOW", "TESTDATAINPUT", "HOLZAPFEL", "FUNG", "USER"];
+    let foreign = foreign.into_iter().find(|form| block.has(form));
+    if let (Program::Calculix, Some(form)) = (block.program, foreign) {
+        return Err(Trouble::new(
+            block.line,
+            format!("CalculiX has no {}, {form}", block.title),
+            "CalculiX has *HYPERELASTIC and *HYPERFOAM with constants; read forms of Abaqus with --from abaqus",
+        ));
+    }
     if block.keyword == "HYPERELASTIC" && block.has("MARLOW") {
         return marlow(block, blocks);
     }
@@ -178,7 +201,7 @@ fn law(blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble> {
 }
 
 /// Splits a text into blocks. Comments begin with two stars, and a keyword line that ends with a comma continues on the next line.
-fn blocks(text: &str) -> Vec<Block<'_>> {
+fn blocks(program: Program, text: &str) -> Vec<Block<'_>> {
     let mut blocks: Vec<Block<'_>> = Vec::new();
     let mut goes_on = false;
     for (n, line) in text.lines().enumerate() {
@@ -191,6 +214,7 @@ fn blocks(text: &str) -> Vec<Block<'_>> {
             let mut fields = own.trim_start_matches('*').split(',').map(word);
             if is_keyword {
                 blocks.push(Block {
+                    program,
                     line: n + 1,
                     keyword: fields.next().unwrap_or_default(),
                     title: own
@@ -244,6 +268,10 @@ impl Block<'_> {
             return Ok(1);
         };
         let value = value.as_deref().unwrap_or_default();
+        let most = match self.program {
+            Program::Calculix => most.min(3),
+            _ => most,
+        };
         let number = value.parse().ok().filter(|n| (1..=most).contains(n));
         number.ok_or_else(|| {
             Trouble::new(
@@ -252,6 +280,36 @@ impl Block<'_> {
                 "write it as N=2",
             )
         })
+    }
+
+    /// Compressibilities as the program takes them, with a note if it replaces zeros.
+    ///
+    /// CalculiX replaces `D_i` below 1e-10 by `(0.1/mu)^i`. A term with a much larger `D_i` than `D_1` vanishes in rounding, which is how its decks leave
+    /// out terms.
+    fn filled(&self, shear: f64, compressibilities: &[f64]) -> (Vec<f64>, Option<String>) {
+        let mut own = compressibilities.to_vec();
+        if self.program != Program::Calculix {
+            return (own, None);
+        }
+        let mut filled = Vec::new();
+        for (n, d) in own.iter_mut().enumerate() {
+            if d.abs() < CALCULIX_SMALLEST {
+                *d = (0.1 / shear).powi(n as i32 + 1);
+                filled.push(format!("D{} = {d}", n + 1));
+            }
+        }
+        for n in 1..own.len() {
+            if own[n] > 1e16 * own[0] {
+                own[n] = 0.0;
+            }
+        }
+        let note = (!filled.is_empty()).then(|| {
+            format!(
+                "CalculiX replaces compressibilities below 1e-10 by (0.1/mu)^i, which depends on the units: {}",
+                filled.join(", ")
+            )
+        });
+        (own, note)
     }
 
     /// Constants of one temperature; missing fields at the end of a line are zero.
@@ -299,14 +357,6 @@ impl Block<'_> {
     }
 }
 
-/// Appends the number of the term to the name of a constant.
-fn named(constants: &[(&str, f64)]) -> Vec<(String, f64)> {
-    let named = constants
-        .iter()
-        .map(|(name, value)| ((*name).to_owned(), *value));
-    named.collect()
-}
-
 fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     const FORMS: [&str; 8] = [
         "NEOHOOKE",
@@ -332,23 +382,26 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         ));
     }
     let form = form.unwrap_or("POLYNOMIAL");
-    let title = |n: usize| format!("*HYPERELASTIC, {form}, N={n} of Abaqus");
-    let one = || format!("*HYPERELASTIC, {form} of Abaqus");
+    let program = block.program.title();
+    let title = |n: usize| format!("*HYPERELASTIC, {form}, N={n} of {program}");
+    let one = || format!("*HYPERELASTIC, {form} of {program}");
     let line = block.line;
+    let polynomial = |title: String, constants: &[((usize, usize), f64)], d: &[f64]| {
+        let shear = constants.iter().filter(|((i, j), _)| i + j == 1);
+        let shear = 2.0 * shear.map(|(_, value)| value).sum::<f64>();
+        let (d, note) = block.filled(shear, d);
+        let law = ForeignLaw::polynomial(line, title, constants, Volume::Powers(&d));
+        law.noted(note)
+    };
     match form {
         "NEOHOOKE" => {
             let c = block.constants(2)?;
-            Ok(ForeignLaw::polynomial(
-                line,
-                one(),
-                &[((1, 0), c[0])],
-                &c[1..],
-            ))
+            Ok(polynomial(one(), &[((1, 0), c[0])], &c[1..]))
         }
         "MOONEY-RIVLIN" => {
             let c = block.constants(3)?;
             let constants = [((1, 0), c[0]), ((0, 1), c[1])];
-            Ok(ForeignLaw::polynomial(line, one(), &constants, &c[2..]))
+            Ok(polynomial(one(), &constants, &c[2..]))
         }
         "YEOH" | "REDUCEDPOLYNOMIAL" => {
             let n = if form == "YEOH" {
@@ -358,22 +411,14 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
             };
             let c = block.constants(2 * n)?;
             let constants: Vec<_> = (0..n).map(|i| ((i + 1, 0), c[i])).collect();
-            Ok(ForeignLaw::polynomial(line, title(n), &constants, &c[n..]))
+            Ok(polynomial(title(n), &constants, &c[n..]))
         }
         "POLYNOMIAL" => {
             let n = block.count("N", 6)?;
-            // Ordered by the sum of the powers, the highest power of `I1` first.
-            let powers: Vec<(usize, usize)> = (1..=n)
-                .flat_map(|sum| (0..=sum).map(move |j| (sum - j, j)))
-                .collect();
+            let powers = powers_to(n);
             let c = block.constants(powers.len() + n)?;
             let constants: Vec<_> = powers.iter().copied().zip(c.iter().copied()).collect();
-            Ok(ForeignLaw::polynomial(
-                line,
-                title(n),
-                &constants,
-                &c[powers.len()..],
-            ))
+            Ok(polynomial(title(n), &constants, &c[powers.len()..]))
         }
         "OGDEN" => {
             let n = block.count("N", 6)?;
@@ -386,21 +431,27 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
                 // `2 mu/alpha^2` in Abaqus corresponds to `mu/alpha` in the library.
                 terms.push((2.0 * pair[0] / pair[1], pair[1]));
             }
-            Ok(ForeignLaw::ogden(line, title(n), &terms, &c[2 * n..]))
+            let shear = c[..2 * n].iter().step_by(2).sum();
+            let (d, note) = block.filled(shear, &c[2 * n..]);
+            Ok(ForeignLaw::ogden(line, title(n), &terms, Volume::Powers(&d)).noted(note))
         }
         "ARRUDA-BOYCE" => {
             let c = block.constants(3)?;
-            let constants = named(&[("mu", c[0]), ("locking", c[1])]);
-            let model = Energy::Model("arruda-boyce");
-            Ok(ForeignLaw::new(
+            let (d, note) = block.filled(c[0], &c[2..]);
+            let law = ForeignLaw::arruda_boyce(line, one(), (c[0], c[1]), Volume::logarithm(d[0]));
+            Ok(law.noted(note))
+        }
+        _ => {
+            let c = block.constants(5)?;
+            let (d, note) = block.filled(c[0], &c[4..]);
+            let law = van_der_waals(
                 line,
                 one(),
-                model,
-                constants,
-                (c[0], &c[2..]),
-            ))
+                [c[0], c[1], c[2], c[3]],
+                Volume::logarithm(d[0]),
+            )?;
+            Ok(law.noted(note))
         }
-        _ => van_der_waals(block, &one()),
     }
 }
 
@@ -447,36 +498,6 @@ fn exponent(block: &Block<'_>) -> Trouble {
     )
 }
 
-/// Van der Waals energy `mu (-(lm^2 - 3) (ln(1 - h) + h) - 2/3 a ((I - 3)/2)^(3/2))` with `h^2 = (I - 3)/(lm^2 - 3)` and `I = (1 - beta) I1bar + beta
-/// I2bar`.
-fn van_der_waals(block: &Block<'_>, title: &str) -> Result<ForeignLaw, Trouble> {
-    let c = block.constants(5)?;
-    if c[1] * c[1] <= 3.0 {
-        return Err(Trouble::new(
-            block.line,
-            format!(
-                "the locking stretch is {}; expected more than the root of 3",
-                c[1]
-            ),
-            "the constants are mu, lambda_m, a, beta, D",
-        ));
-    }
-    // At `I = 3` the powers 3/2 have no finite derivative; nearby, their contribution is below rounding and is dropped.
-    let energy = format!(
-        "let x = (1 - beta)*I1bar + beta*I2bar - 3; let m = locking^2 - 3; \
-         mu*if(x < 1e-14, x/2, -m*(ln(1 - sqrt(x/m)) + sqrt(x/m)) - 2/3*a*(x/2)^1.5) + {}",
-        LOGARITHM_OF_VOLUME
-    );
-    let constants = named(&[("mu", c[0]), ("locking", c[1]), ("a", c[2]), ("beta", c[3])]);
-    Ok(ForeignLaw::new(
-        block.line,
-        title,
-        Energy::Formula(energy),
-        constants,
-        (c[0], &c[4..]),
-    ))
-}
-
 /// Foam energy `2 mu_i/alpha_i^2 (sum lambda^alpha_i - 3 + (J^(-alpha_i beta_i) - 1)/beta_i)` with `beta_i = nu_i/(1 - 2 nu_i)`.
 fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     // An argument of fits: "valid only when testData = ON" (Abaqus Scripting Reference Guide, Hyperfoam object).
@@ -491,13 +512,8 @@ fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     }
     let n = block.count("N", 3)?;
     let c = block.constants(3 * n)?;
-    let mut constants = Vec::new();
-    for term in 0..3 {
-        let place = term + 1;
-        if term >= n {
-            constants.push((format!("mu{place}"), 0.0));
-            continue;
-        }
+    let mut terms = Vec::new();
+    for term in 0..n {
         let (mu, alpha, nu) = (c[2 * term], c[2 * term + 1], c[2 * n + term]);
         if alpha == 0.0 {
             return Err(exponent(block));
@@ -505,27 +521,14 @@ fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         if nu >= 0.5 {
             return Err(Trouble::new(
                 block.line,
-                format!("nu{place} is {nu}; expected less than 0.5"),
+                format!("nu{} is {nu}; expected less than 0.5", term + 1),
                 "the constants are mu1, alpha1, mu2, alpha2, ..., nu1, nu2, ...",
             ));
         }
-        constants.push((format!("mu{place}"), mu));
-        constants.push((format!("alpha{place}"), alpha));
-        constants.push((format!("beta{place}"), nu / (1.0 - 2.0 * nu)));
+        terms.push([mu, alpha, nu / (1.0 - 2.0 * nu)]);
     }
-    let title = format!("*HYPERFOAM, N={n} of Abaqus");
-    Ok(ForeignLaw {
-        line: block.line,
-        title,
-        energy: Energy::Model("hyperfoam"),
-        constants,
-        incompressible: false,
-        needed: Vec::new(),
-        notes: Vec::new(),
-        name: None,
-        shear: None,
-        unread: Unread::default(),
-    })
+    let title = format!("*HYPERFOAM, N={n} of {}", block.program.title());
+    Ok(ForeignLaw::foam(block.line, title, &terms))
 }
 
 /// Holzapfel, Gasser and Ogden with dispersion: `c10 (I1bar - 3) + k1/(2 k2) sum (exp(k2 <E>^2) - 1) + ((J^2 - 1)/2 - ln J)/D` with `E = k (I1bar -
@@ -559,7 +562,7 @@ fn fibers(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     for invariant in ["I4", "I6"].into_iter().take(families) {
         energy.push_str(&format!(" + k1/(2*k2)*(exp(k2*{}) - 1)", strain(invariant)));
     }
-    energy.push_str(&format!(" + {}", LOGARITHM_OF_VOLUME));
+    energy.push_str(&format!(" + {LOGARITHM}"));
     let constants = named(&[
         ("c10", c[0]),
         ("k1", c[2]),
@@ -573,8 +576,91 @@ fn fibers(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         title,
         Energy::Formula(energy),
         constants,
-        (2.0 * c[0], &c[1..2]),
+        (2.0 * c[0], Volume::logarithm(c[1])),
     );
     law.needed = ["material.fiber1-angle", "material.fiber2-angle"][..families].to_vec();
     Ok(law)
+}
+
+/// Writes a law as a block of Abaqus or CalculiX.
+pub(super) fn write(program: Program, sheet: &Sheet) -> Result<write::Block, Refusal> {
+    let most = if program == Program::Calculix { 3 } else { 6 };
+    let compressibilities = |count: usize| compressibilities(program, sheet, count);
+    let within = |count: usize, most: usize| match count <= most {
+        true => Ok(()),
+        false => Err(Refusal::Lacks),
+    };
+    let (form, mut values, function) = match &sheet.form {
+        Form::Polynomial(constants) => {
+            let (n, of_first) = order(constants);
+            within(n, most)?;
+            let first: Vec<(usize, usize)> = (1..=n).map(|i| (i, 0)).collect();
+            let (form, powers, count) = match (n, of_first) {
+                (1, true) => ("NEO HOOKE".to_owned(), first, 1),
+                (1, false) => ("MOONEY-RIVLIN".to_owned(), powers_to(1), 1),
+                (2 | 3, true) => ("YEOH".to_owned(), vec![(1, 0), (2, 0), (3, 0)], 3),
+                (_, true) => (format!("REDUCED POLYNOMIAL, N={n}"), first, n),
+                (_, false) => (format!("POLYNOMIAL, N={n}"), powers_to(n), n),
+            };
+            let mut values = ordered(constants, &powers)?;
+            values.extend(compressibilities(count)?);
+            (form, values, Some(SQUARE))
+        }
+        Form::Ogden(terms) => {
+            within(terms.len(), most)?;
+            let mut values = Vec::new();
+            for (mu, alpha) in terms {
+                values.extend([0.5 * mu * alpha, *alpha]);
+            }
+            values.extend(compressibilities(terms.len())?);
+            (format!("OGDEN, N={}", terms.len()), values, Some(SQUARE))
+        }
+        Form::ArrudaBoyce(mu, locking) => {
+            let values = [vec![*mu, *locking], compressibilities(1)?].concat();
+            ("ARRUDA-BOYCE".to_owned(), values, Some(LOGARITHM))
+        }
+        Form::Gent(..) => return Err(Refusal::Lacks),
+        Form::Foam(terms) => {
+            within(terms.len(), 3)?;
+            let mut values = Vec::new();
+            for [mu, alpha, _] in terms {
+                values.extend([*mu, *alpha]);
+            }
+            (String::new(), values, None)
+        }
+    };
+    let mut keyword = format!("*HYPERELASTIC, {form}");
+    if let Form::Foam(terms) = &sheet.form {
+        keyword = format!("*HYPERFOAM, N={}", terms.len());
+        for [_, _, beta] in terms {
+            values.push(write::ratio(*beta)?);
+        }
+    }
+    let mut lines = vec!["*MATERIAL, NAME=LAW".to_owned(), keyword];
+    lines.extend(values.chunks(A_LINE).map(list));
+    Ok(write::Block {
+        lines,
+        function,
+        notes: Vec::new(),
+    })
+}
+
+/// Compressibilities of `count` terms: `2/K` and zeros, or numbers that CalculiX keeps and that remove its other terms.
+fn compressibilities(program: Program, sheet: &Sheet, count: usize) -> Result<Vec<f64>, Refusal> {
+    let first = match (program, sheet.bulk) {
+        (Program::Calculix, _) => 2.0 / sheet.required_bulk()?,
+        (_, Some(bulk)) => 2.0 / bulk,
+        (_, None) => 0.0,
+    };
+    let other = match program {
+        Program::Calculix if first < CALCULIX_SMALLEST => {
+            return Err(Refusal::Constants(format!(
+                "D1 = 2/kappa = {first} is below 1e-10, which CalculiX replaces; write the constants in a larger unit of stress"
+            )));
+        }
+        Program::Calculix => first * 1e20,
+        _ => 0.0,
+    };
+    let rest = (1..count).map(|_| other);
+    Ok([first].into_iter().chain(rest).collect())
 }

@@ -3,8 +3,9 @@
 //! The energies follow the Mechanical APDL Theory Reference. With `d = 2/K` the volumetric part is `(J - 1)^(2i)/d_i`, except for Arruda-Boyce and
 //! Gent with `((J^2 - 1)/2 - ln J)/d`. Ogden's moduli enter as `mu/alpha`.
 
-use super::law::{Energy, ForeignLaw, extended_tube};
+use super::law::{Energy, ForeignLaw, LOGARITHM, SQUARE, Volume, extended_tube, powers_to};
 use super::unread::{Relaxation, Unread};
+use super::write::{Block, Form, Refusal, Sheet, list, order, ordered};
 use super::{Trouble, number};
 
 /// Table of constants with its form.
@@ -34,7 +35,7 @@ fn law(table: &Table) -> Result<ForeignLaw, Trouble> {
                 line,
                 title,
                 &[((1, 0), 0.5 * c[0])],
-                &c[1..],
+                Volume::Powers(&c[1..]),
             ))
         }
         "" | "MOONEY" => mooney(table, title),
@@ -43,38 +44,42 @@ fn law(table: &Table) -> Result<ForeignLaw, Trouble> {
             let n = table.count(6)?;
             let c = table.constants(2 * n)?;
             let constants: Vec<_> = (0..n).map(|i| ((i + 1, 0), c[i])).collect();
-            Ok(ForeignLaw::polynomial(line, title, &constants, &c[n..]))
+            Ok(ForeignLaw::polynomial(
+                line,
+                title,
+                &constants,
+                Volume::Powers(&c[n..]),
+            ))
         }
         "OGDEN" => {
             let n = table.count(6)?;
             let c = table.constants(3 * n)?;
             let terms: Vec<(f64, f64)> = c[..2 * n].chunks_exact(2).map(|p| (p[0], p[1])).collect();
             table.no_zero(&terms)?;
-            Ok(ForeignLaw::ogden(line, title, &terms, &c[2 * n..]))
+            Ok(ForeignLaw::ogden(
+                line,
+                title,
+                &terms,
+                Volume::Powers(&c[2 * n..]),
+            ))
         }
         "BOYCE" | "GENT" => {
             let c = table.constants(3)?;
-            let (model, second) = match table.form.as_str() {
-                "BOYCE" => ("arruda-boyce", "locking"),
-                _ => ("gent", "jm"),
-            };
-            let constants = vec![("mu".to_owned(), c[0]), (second.to_owned(), c[1])];
-            let energy = Energy::Model(model);
-            Ok(ForeignLaw::new(
-                line,
-                title,
-                energy,
-                constants,
-                (c[0], &c[2..]),
-            ))
+            let (constants, volume) = ((c[0], c[1]), Volume::logarithm(c[2]));
+            Ok(match table.form.as_str() {
+                "BOYCE" => ForeignLaw::arruda_boyce(line, title, constants, volume),
+                _ => ForeignLaw::gent(line, title, constants, volume),
+            })
         }
         "BLATZ" => {
             let c = table.constants(1)?;
-            let mut law = ForeignLaw::ogden(line, title, &[], &[]);
-            law.energy = Energy::Model("blatz-ko");
-            law.constants = vec![("mu".to_owned(), c[0])];
-            law.incompressible = false;
-            Ok(law)
+            let constants = vec![("mu".to_owned(), c[0])];
+            Ok(ForeignLaw::of_constants(
+                line,
+                title,
+                Energy::Model("blatz-ko"),
+                constants,
+            ))
         }
         "FOAM" => foam(table, title),
         "ETUBE" => tube(table, title),
@@ -275,10 +280,7 @@ fn mooney(table: &Table, title: String) -> Result<ForeignLaw, Trouble> {
 
 fn polynomial(table: &Table, title: String) -> Result<ForeignLaw, Trouble> {
     let n = table.count(6)?;
-    let powers: Vec<(usize, usize)> = (1..=n)
-        .flat_map(|sum| (0..=sum).map(move |j| (sum - j, j)))
-        .collect();
-    of_powers(table, title, &powers, n)
+    of_powers(table, title, &powers_to(n), n)
 }
 
 fn of_powers(
@@ -293,7 +295,7 @@ fn of_powers(
         table.line,
         title,
         &constants,
-        &c[powers.len()..],
+        Volume::Powers(&c[powers.len()..]),
     ))
 }
 
@@ -303,25 +305,80 @@ fn foam(table: &Table, title: String) -> Result<ForeignLaw, Trouble> {
     let c = table.constants(3 * n)?;
     let terms: Vec<(f64, f64)> = c[..2 * n].chunks_exact(2).map(|p| (p[0], p[1])).collect();
     table.no_zero(&terms)?;
-    let mut constants = Vec::new();
-    for place in 1..=3 {
-        match terms.get(place - 1) {
-            Some((mu, alpha)) => {
-                constants.push((format!("mu{place}"), 0.5 * mu * alpha));
-                constants.push((format!("alpha{place}"), *alpha));
-                constants.push((format!("beta{place}"), c[2 * n + place - 1]));
-            }
-            None => constants.push((format!("mu{place}"), 0.0)),
-        }
-    }
-    let mut law = ForeignLaw::ogden(table.line, title, &[], &[]);
-    law.energy = Energy::Model("hyperfoam");
-    law.constants = constants;
-    law.incompressible = false;
-    Ok(law)
+    let terms: Vec<[f64; 3]> = terms
+        .iter()
+        .zip(&c[2 * n..])
+        .map(|((mu, alpha), beta)| [0.5 * mu * alpha, *alpha, *beta])
+        .collect();
+    Ok(ForeignLaw::foam(table.line, title, &terms))
 }
 
 fn tube(table: &Table, title: String) -> Result<ForeignLaw, Trouble> {
     let c = table.constants(5)?;
-    extended_tube(table.line, title, [c[0], c[1], c[2], c[3]], &c[4..])
+    extended_tube(
+        table.line,
+        title,
+        [c[0], c[1], c[2], c[3]],
+        Volume::Powers(&c[4..]),
+    )
+}
+
+/// Writes a law as a table of ANSYS.
+pub(super) fn write(sheet: &Sheet) -> Result<Block, Refusal> {
+    // d = 0 is incompressible.
+    let compressibility = sheet.bulk.map_or(0.0, |bulk| 2.0 / bulk);
+    let volumes = |count: usize| {
+        let rest = (1..count).map(|_| 0.0);
+        [compressibility].into_iter().chain(rest)
+    };
+    let mut function = Some(SQUARE);
+    let (form, count, values) = match &sheet.form {
+        Form::Polynomial(constants) => {
+            let (n, of_first) = order(constants);
+            let first: Vec<(usize, usize)> = (1..=n).map(|i| (i, 0)).collect();
+            let (form, count, powers, terms) = match (n, of_first) {
+                (7.., _) => return Err(Refusal::Lacks),
+                (1, true) => ("NEO", None, first, 1),
+                (1, false) => ("MOONEY", Some(2), powers_to(1), 1),
+                (_, true) => ("YEOH", Some(n), first, n),
+                (_, false) => ("POLY", Some(n), powers_to(n), n),
+            };
+            let mut values = ordered(constants, &powers)?;
+            if form == "NEO" {
+                values[0] *= 2.0;
+            }
+            values.extend(volumes(terms));
+            (form, count, values)
+        }
+        Form::Ogden(terms) => {
+            let values = terms.iter().flat_map(|(mu, alpha)| [*mu, *alpha]);
+            let values = values.chain(volumes(terms.len())).collect();
+            ("OGDEN", Some(terms.len()), values)
+        }
+        Form::ArrudaBoyce(mu, second) | Form::Gent(mu, second) => {
+            function = Some(LOGARITHM);
+            let is_gent = matches!(sheet.form, Form::Gent(..));
+            let form = if is_gent { "GENT" } else { "BOYCE" };
+            (form, None, vec![*mu, *second, compressibility])
+        }
+        Form::Foam(terms) if terms.len() > 3 => return Err(Refusal::Lacks),
+        Form::Foam(terms) => {
+            function = None;
+            let values = terms
+                .iter()
+                .flat_map(|[mu, alpha, _]| [2.0 * mu / alpha, *alpha]);
+            let values = values.chain(terms.iter().map(|[_, _, beta]| *beta));
+            ("FOAM", Some(terms.len()), values.collect::<Vec<f64>>())
+        }
+    };
+    let count = count.map_or(String::new(), |count| count.to_string());
+    let mut lines = vec![format!("TB,HYPER,1,,{count},{form}")];
+    for (n, values) in values.chunks(6).enumerate() {
+        lines.push(format!("TBDATA,{},{}", 6 * n + 1, list(values)));
+    }
+    Ok(Block {
+        lines,
+        function,
+        notes: Vec::new(),
+    })
 }

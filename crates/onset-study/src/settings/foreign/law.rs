@@ -42,16 +42,104 @@ pub(super) enum Energy {
 /// Ratio of bulk to shear modulus for materials that the program takes as incompressible.
 const INCOMPRESSIBLE_BULK_RATIO: f64 = 1000.0;
 
+/// Volumetric part of an energy.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Volume<'a> {
+    /// `sum_i (J - 1)^(2 i) / D_i` with `kappa = 2/D_1`; zero compressibilities are missing terms.
+    Powers(&'a [f64]),
+    /// Function of `J` with the bulk modulus `kappa`; incompressible without it.
+    Function(&'static str, Option<f64>),
+}
+
+/// Volumetric function `kappa/2 (J - 1)^2`.
+pub(super) const SQUARE: &str = "kappa/2*(J - 1)^2";
+/// Volumetric function `kappa/2 ((J^2 - 1)/2 - ln J)`.
+pub(super) const LOGARITHM: &str = "kappa/2*((J^2 - 1)/2 - ln(J))";
+/// Volumetric function `kappa (J - 1 - ln J)`.
+pub(super) const LINEAR: &str = "kappa*(J - 1 - ln(J))";
+/// Volumetric function `kappa/2 (ln J)^2`.
+pub(super) const HENCKY: &str = "kappa/2*ln(J)^2";
+
+/// Bulk modulus for a shear modulus and Poisson's ratio.
+pub(super) fn bulk_modulus(shear: f64, poisson: f64) -> f64 {
+    2.0 * shear * (1.0 + poisson) / (3.0 * (1.0 - 2.0 * poisson))
+}
+
+impl<'a> Volume<'a> {
+    /// `kappa/2 ((J^2 - 1)/2 - ln J)` with `kappa = 2/D`; incompressible for `D = 0`.
+    pub fn logarithm(compressibility: f64) -> Self {
+        Self::Function(
+            LOGARITHM,
+            Some(2.0 / compressibility).filter(|bulk| bulk.is_finite()),
+        )
+    }
+
+    /// Formula with `kappa` and `vol<i> = 1/D_i`.
+    pub fn energy(self) -> String {
+        let Self::Powers(compressibilities) = self else {
+            return self.function().unwrap_or_default().to_owned();
+        };
+        let higher = compressibilities.iter().enumerate().skip(1);
+        let higher = higher
+            .filter(|(_, d)| **d != 0.0)
+            .map(|(n, _)| format!(" + vol{}*(J - 1)^{}", n + 1, 2 * (n + 1)));
+        format!("{SQUARE}{}", higher.collect::<String>())
+    }
+
+    /// The function, unless it is a sum of several powers.
+    fn function(self) -> Option<&'static str> {
+        match self {
+            Self::Powers(d) => d.iter().skip(1).all(|d| *d == 0.0).then_some(SQUARE),
+            Self::Function(function, _) => Some(function),
+        }
+    }
+
+    /// Bulk modulus; `None` if the material is incompressible.
+    fn bulk(self) -> Option<f64> {
+        match self {
+            Self::Powers(d) if d.iter().all(|d| *d == 0.0) => None,
+            Self::Powers(d) if d[0] == 0.0 => Some(0.0),
+            Self::Powers(d) => Some(2.0 / d[0]),
+            Self::Function(_, bulk) => bulk,
+        }
+    }
+}
+
 impl ForeignLaw {
-    /// Creates a law with the bulk modulus `2/D_1` for compressibilities `D_i`; `shear` is its shear modulus.
+    /// Creates a law with the bulk modulus of its volumetric part; `shear` is its shear modulus.
     pub fn new(
         line: usize,
         title: impl Into<String>,
         energy: Energy,
         constants: Vec<(String, f64)>,
-        (shear, compressibilities): (f64, &[f64]),
+        (shear, volume): (f64, Volume<'_>),
     ) -> Self {
+        let bulk = volume.bulk();
         let mut law = Self {
+            incompressible: bulk.is_none(),
+            shear: Some(shear).filter(|shear| *shear != 0.0),
+            ..Self::of_constants(line, title, energy, constants)
+        };
+        let bulk = bulk.unwrap_or(INCOMPRESSIBLE_BULK_RATIO * shear.abs());
+        law.constants.push(("kappa".to_owned(), bulk));
+        if let Volume::Powers(compressibilities) = volume {
+            for (n, d) in compressibilities.iter().enumerate().skip(1) {
+                if *d != 0.0 {
+                    law.constants.push((format!("vol{}", n + 1), 1.0 / d));
+                }
+            }
+        }
+        law
+    }
+
+    /// Creates a law whose constants determine the bulk modulus too.
+    pub fn of_constants(
+        line: usize,
+        title: impl Into<String>,
+        energy: Energy,
+        constants: Vec<(String, f64)>,
+    ) -> Self {
+        Self {
             line,
             title: title.into(),
             energy,
@@ -60,23 +148,9 @@ impl ForeignLaw {
             needed: Vec::new(),
             notes: Vec::new(),
             name: None,
-            shear: Some(shear).filter(|shear| *shear != 0.0),
+            shear: None,
             unread: Unread::default(),
-        };
-        let first = compressibilities.first().copied().unwrap_or(0.0);
-        law.incompressible = compressibilities.iter().all(|d| *d == 0.0);
-        let bulk = match law.incompressible {
-            true => INCOMPRESSIBLE_BULK_RATIO * shear.abs(),
-            false if first == 0.0 => 0.0,
-            false => 2.0 / first,
-        };
-        law.constants.push(("kappa".to_owned(), bulk));
-        for (n, d) in compressibilities.iter().enumerate().skip(1) {
-            if *d != 0.0 {
-                law.constants.push((format!("vol{}", n + 1), 1.0 / d));
-            }
         }
-        law
     }
 
     /// Creates a law from constants `c_ij` of `sum c_ij (I1bar - 3)^i (I2bar - 3)^j`: a law of the library if it has these terms, otherwise a
@@ -85,7 +159,7 @@ impl ForeignLaw {
         line: usize,
         title: impl Into<String>,
         constants: &[((usize, usize), f64)],
-        compressibilities: &[f64],
+        volume: Volume<'_>,
     ) -> Self {
         let of = |i: usize, j: usize| {
             let found = constants.iter().find(|(own, _)| *own == (i, j));
@@ -93,27 +167,25 @@ impl ForeignLaw {
         };
         let shear = 2.0 * (of(1, 0) + of(0, 1));
         let counts = |(_, value): &&((usize, usize), f64)| *value != 0.0;
-        let plain = compressibilities.iter().skip(1).all(|d| *d == 0.0);
-        let only = |admitted: &[(usize, usize)]| {
-            plain
+        let only = |function: &str, admitted: &[(usize, usize)]| {
+            volume.function() == Some(function)
                 && constants
                     .iter()
                     .filter(counts)
                     .all(|(own, _)| admitted.contains(own))
         };
-        let named = |names: &[(&str, f64)]| {
-            let named = names
-                .iter()
-                .map(|(name, value)| ((*name).to_owned(), *value));
-            named.collect::<Vec<_>>()
-        };
-        let volume = (shear, compressibilities);
-        if only(&[(1, 0), (0, 1)]) && of(0, 1) != 0.0 {
+        let energy = volume.energy();
+        let volume = (shear, volume);
+        if only(LOGARITHM, &[(1, 0)]) && shear > 0.0 {
+            let model = Energy::Model("neo-hooke-isochoric");
+            return Self::new(line, title, model, named(&[("mu", shear)]), volume);
+        }
+        if only(SQUARE, &[(1, 0), (0, 1)]) && of(0, 1) != 0.0 {
             let constants = named(&[("c10", of(1, 0)), ("c01", of(0, 1))]);
             let model = Energy::Model("mooney-rivlin-isochoric");
             return Self::new(line, title, model, constants, volume);
         }
-        if only(&[(1, 0), (2, 0), (3, 0)]) && of(1, 0) > 0.0 {
+        if only(SQUARE, &[(1, 0), (2, 0), (3, 0)]) && of(1, 0) > 0.0 {
             let constants = named(&[("c10", of(1, 0)), ("c20", of(2, 0)), ("c30", of(3, 0))]);
             return Self::new(line, title, Energy::Model("yeoh"), constants, volume);
         }
@@ -133,6 +205,7 @@ impl ForeignLaw {
             let mut counted = constants.iter().filter(counts);
             counted.any(|(powers, _)| of(powers) > 0)
         };
+        terms.push(energy);
         let mut energy = String::new();
         if has(|(i, _)| *i) {
             energy.push_str("let x = I1bar - 3; ");
@@ -140,7 +213,6 @@ impl ForeignLaw {
         if has(|(_, j)| *j) {
             energy.push_str("let y = I2bar - 3; ");
         }
-        terms.push(powers_of_volume(compressibilities));
         energy.push_str(&terms.join(" + "));
         Self::new(line, title, Energy::Formula(energy), own, volume)
     }
@@ -150,7 +222,7 @@ impl ForeignLaw {
         line: usize,
         title: impl Into<String>,
         terms: &[(f64, f64)],
-        compressibilities: &[f64],
+        volume: Volume<'_>,
     ) -> Self {
         let shear = 0.5 * terms.iter().map(|(mu, alpha)| mu * alpha).sum::<f64>();
         let mut constants = Vec::new();
@@ -158,14 +230,13 @@ impl ForeignLaw {
             constants.push((format!("mu{}", n + 1), *mu));
             constants.push((format!("alpha{}", n + 1), *alpha));
         }
-        let plain = compressibilities.iter().skip(1).all(|d| *d == 0.0);
-        let volume = (shear, compressibilities);
-        if plain {
+        if volume.function() == Some(SQUARE) && terms.len() <= 6 {
             // Terms that are not set would otherwise keep their default moduli.
             for n in terms.len()..3 {
                 constants.push((format!("mu{}", n + 1), 0.0));
             }
-            return Self::new(line, title, Energy::Model("ogden"), constants, volume);
+            let model = Energy::Model("ogden");
+            return Self::new(line, title, model, constants, (shear, volume));
         }
         let term = |n: usize| {
             format!(
@@ -173,12 +244,86 @@ impl ForeignLaw {
             )
         };
         let energy: Vec<String> = (1..=terms.len()).map(term).collect();
-        let energy = format!(
-            "{} + {}",
-            energy.join(" + "),
-            powers_of_volume(compressibilities)
-        );
-        Self::new(line, title, Energy::Formula(energy), constants, volume)
+        let energy = format!("{} + {}", energy.join(" + "), volume.energy());
+        let energy = Energy::Formula(energy);
+        Self::new(line, title, energy, constants, (shear, volume))
+    }
+
+    /// Law of Arruda and Boyce with five terms of its series.
+    pub fn arruda_boyce(
+        line: usize,
+        title: impl Into<String>,
+        (mu, locking): (f64, f64),
+        volume: Volume<'_>,
+    ) -> Self {
+        let constants = named(&[("mu", mu), ("locking", locking)]);
+        let energy = match volume.function() == Some(LOGARITHM) {
+            true => Energy::Model("arruda-boyce"),
+            false => Energy::Formula(format!(
+                "let b = 1/locking^2; mu*((I1bar - 3)/2 + b*(I1bar^2 - 9)/20 + 11*b^2*(I1bar^3 - 27)/1050 + 19*b^3*(I1bar^4 - 81)/7000 \
+                 + 519*b^4*(I1bar^5 - 243)/673750) + {}",
+                volume.energy()
+            )),
+        };
+        Self::new(line, title, energy, constants, (mu, volume))
+    }
+
+    /// Gent's law with the shear modulus and the limit of `I1bar - 3`.
+    pub fn gent(
+        line: usize,
+        title: impl Into<String>,
+        (mu, limit): (f64, f64),
+        volume: Volume<'_>,
+    ) -> Self {
+        let constants = named(&[("mu", mu), ("jm", limit)]);
+        let energy = match volume.function() == Some(LOGARITHM) {
+            true => Energy::Model("gent"),
+            false => Energy::Formula(format!(
+                "-mu*jm/2*ln(1 - (I1bar - 3)/jm) + {}",
+                volume.energy()
+            )),
+        };
+        Self::new(line, title, energy, constants, (mu, volume))
+    }
+
+    /// Foam with terms `mu`, `alpha`, `beta` of `2 mu/alpha^2 (sum lambda^alpha - 3 + (J^(-alpha beta) - 1)/beta)`.
+    pub fn foam(line: usize, title: impl Into<String>, terms: &[[f64; 3]]) -> Self {
+        let mut constants = Vec::new();
+        for place in 1..=terms.len().max(3) {
+            let Some([mu, alpha, beta]) = terms.get(place - 1) else {
+                constants.push((format!("mu{place}"), 0.0));
+                continue;
+            };
+            constants.push((format!("mu{place}"), *mu));
+            constants.push((format!("alpha{place}"), *alpha));
+            if terms.len() <= 3 || *beta != 0.0 {
+                constants.push((format!("beta{place}"), *beta));
+            }
+        }
+        let term = |(n, [_, _, beta]): (usize, &[f64; 3])| {
+            let n = n + 1;
+            let volume = match *beta == 0.0 {
+                true => format!("- alpha{n}*ln(J)"),
+                false => format!("+ (J^(-alpha{n}*beta{n}) - 1)/beta{n}"),
+            };
+            format!(
+                "2*mu{n}/alpha{n}^2*(lambda1^alpha{n} + lambda2^alpha{n} + lambda3^alpha{n} - 3 {volume})"
+            )
+        };
+        let energy = match terms.len() <= 3 {
+            true => Energy::Model("hyperfoam"),
+            false => {
+                let terms = terms.iter().enumerate().map(term);
+                Energy::Formula(terms.collect::<Vec<_>>().join(" + "))
+            }
+        };
+        Self::of_constants(line, title, energy, constants)
+    }
+
+    /// Returns the law with a further remark for the reader.
+    pub fn noted(mut self, note: Option<String>) -> Self {
+        self.notes.extend(note);
+        self
     }
 
     /// Converts the law to settings, except keys that the user sets. A table is read from the file `place`, or is `text` itself if there is no such
@@ -250,7 +395,7 @@ impl ForeignLaw {
         )];
         if self.incompressible && !is_set("material.kappa") {
             notes.push(format!(
-                "without a compressibility (D = 0, no bulk modulus) the material is incompressible; here the bulk modulus is {INCOMPRESSIBLE_BULK_RATIO} shear moduli, and --incompressible asks the incompressible response"
+                "without a compressibility (D = 0, no bulk modulus, Poisson's ratio 0.5) the material is incompressible; here the bulk modulus is {INCOMPRESSIBLE_BULK_RATIO} shear moduli, and --incompressible asks the incompressible response"
             ));
         }
         notes.extend(self.unread.notes(self.shear));
@@ -263,13 +408,28 @@ impl ForeignLaw {
     }
 }
 
+/// Powers of both invariants up to an order, by their sum, the highest power of the first invariant first.
+pub(super) fn powers_to(order: usize) -> Vec<(usize, usize)> {
+    (1..=order)
+        .flat_map(|sum| (0..=sum).map(move |j| (sum - j, j)))
+        .collect()
+}
+
+/// Converts names and values to the constants of a law.
+pub(super) fn named(constants: &[(&str, f64)]) -> Vec<(String, f64)> {
+    let named = constants
+        .iter()
+        .map(|(name, value)| ((*name).to_owned(), *value));
+    named.collect()
+}
+
 /// Extended tube model of Kaliske and Heinrich: `gc/2 ((1 - delta^2) x/(1 - delta^2 x) + ln(1 - delta^2 x)) + 2 ge/beta^2 (sum lbar^-beta - 3) + (J -
 /// 1)^2/d` with `x = I1bar - 3`.
 pub(super) fn extended_tube(
     line: usize,
     title: impl Into<String>,
     [gc, delta, ge, beta]: [f64; 4],
-    compressibilities: &[f64],
+    volume: Volume<'_>,
 ) -> Result<ForeignLaw, Trouble> {
     if beta == 0.0 {
         return Err(Trouble::new(
@@ -281,30 +441,46 @@ pub(super) fn extended_tube(
     let energy = format!(
         "let x = I1bar - 3; gc/2*((1 - delta^2)*x/(1 - delta^2*x) + ln(1 - delta^2*x)) \
          + 2*ge/beta^2*((lambda1^(-beta) + lambda2^(-beta) + lambda3^(-beta))*J^(beta/3) - 3) + {}",
-        powers_of_volume(compressibilities)
+        volume.energy()
     );
-    let constants = [("gc", gc), ("delta", delta), ("ge", ge), ("beta", beta)];
-    let constants = constants
-        .map(|(name, value)| (name.to_owned(), value))
-        .to_vec();
+    let constants = named(&[("gc", gc), ("delta", delta), ("ge", ge), ("beta", beta)]);
     let shear = gc * (1.0 - 2.0 * delta * delta) + ge;
     Ok(ForeignLaw::new(
         line,
         title,
         Energy::Formula(energy),
         constants,
-        (shear, compressibilities),
+        (shear, volume),
     ))
 }
 
-/// Volumetric part `sum_i (J - 1)^(2 i) / D_i` with `kappa = 2/D_1` and `vol<i> = 1/D_i`.
-pub(super) fn powers_of_volume(compressibilities: &[f64]) -> String {
-    let higher = compressibilities.iter().enumerate().skip(1);
-    let higher = higher
-        .filter(|(_, d)| **d != 0.0)
-        .map(|(n, _)| format!(" + vol{}*(J - 1)^{}", n + 1, 2 * (n + 1)));
-    format!("kappa/2*(J - 1)^2{}", higher.collect::<String>())
+/// Kilian's energy `mu (-(lm^2 - 3) (ln(1 - h) + h) - 2/3 a ((I - 3)/2)^(3/2))` with `h^2 = (I - 3)/(lm^2 - 3)` and `I = (1 - beta) I1bar + beta
+/// I2bar`.
+pub(super) fn van_der_waals(
+    line: usize,
+    title: impl Into<String>,
+    [mu, locking, a, beta]: [f64; 4],
+    volume: Volume<'_>,
+) -> Result<ForeignLaw, Trouble> {
+    if locking * locking <= 3.0 {
+        return Err(Trouble::new(
+            line,
+            format!("the locking stretch is {locking}; expected more than the root of 3"),
+            "the constants are mu, lambda_m, a, beta",
+        ));
+    }
+    // At `I = 3` the powers 3/2 have no finite derivative; nearby, their contribution is below rounding and is dropped.
+    let energy = format!(
+        "let x = (1 - beta)*I1bar + beta*I2bar - 3; let m = locking^2 - 3; \
+         mu*if(x < 1e-14, x/2, -m*(ln(1 - sqrt(x/m)) + sqrt(x/m)) - 2/3*a*(x/2)^1.5) + {}",
+        volume.energy()
+    );
+    let constants = named(&[("mu", mu), ("locking", locking), ("a", a), ("beta", beta)]);
+    Ok(ForeignLaw::new(
+        line,
+        title,
+        Energy::Formula(energy),
+        constants,
+        (mu, volume),
+    ))
 }
-
-/// Volumetric part `((J^2 - 1)/2 - ln J) / D` with `kappa = 2/D`.
-pub(super) const LOGARITHM_OF_VOLUME: &str = "kappa/2*((J^2 - 1)/2 - ln(J))";

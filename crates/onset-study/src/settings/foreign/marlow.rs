@@ -8,7 +8,7 @@
 //! The energy has two continuous derivatives, and meets the test exactly at the points. Before the first point and after the last one `w` is
 //! extrapolated along its tangent.
 
-use super::law::{Energy, ForeignLaw};
+use super::law::{Energy, ForeignLaw, Volume};
 use super::{Trouble, number};
 use crate::number::counted;
 use onset::kinematics::DeformationGradient;
@@ -87,7 +87,7 @@ pub(super) fn law(
         "*HYPERELASTIC, MARLOW of Abaqus",
         Energy::Table(Table(pieces_of(&knots))),
         Vec::new(),
-        (shear, &[compressibility]),
+        (shear, Volume::Powers(&[compressibility])),
     );
     law.name = Some(format!(
         "Marlow, {} of a {} test",

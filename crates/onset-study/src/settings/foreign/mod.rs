@@ -1,18 +1,24 @@
-//! Constants of laws from other programs: blocks of Abaqus and ANSYS, and models of felupe and hyperelastic, converted to settings of the same
-//! energy.
+//! Constants of laws from other programs: blocks of finite-element programs, and models of felupe and hyperelastic, converted to settings of the
+//! same energy, and back.
 //!
 //! Programs write the same law with different constants: Ogden's moduli with `mu/alpha` or `2 mu/alpha^2`, compressibility as `D = 2/K`, foams with
 //! Poisson's ratio. A block is read with the meaning of its program. A form that is missing in the library becomes a user-defined energy.
 
 mod abaqus;
 mod ansys;
+mod febio;
+mod fields;
 mod law;
+mod lsdyna;
 mod marlow;
 mod python;
+mod radioss;
 mod unread;
+mod write;
 
 pub(in crate::settings) use marlow::Table;
 use unread::Unread;
+pub use write::{WriteError, Writing, law_written};
 
 use super::{Origin, SettingError, did_you_mean};
 use std::str::FromStr;
@@ -22,8 +28,16 @@ use std::str::FromStr;
 pub enum Program {
     /// Abaqus: `*HYPERELASTIC`, `*HYPERFOAM` and `*ANISOTROPIC HYPERELASTIC` with their data lines.
     Abaqus,
+    /// CalculiX: `*HYPERELASTIC` and `*HYPERFOAM` as in Abaqus, with its compressibilities in the place of zeros.
+    Calculix,
     /// ANSYS: `TB,HYPER` with `TBDATA`.
     Ansys,
+    /// LS-DYNA: `*MAT_HYPERELASTIC_RUBBER`, `*MAT_OGDEN_RUBBER`, `*MAT_MOONEY-RIVLIN_RUBBER` and others, by name or number.
+    LsDyna,
+    /// Radioss and OpenRadioss: `/MAT/LAW42`, `/MAT/LAW82`, `/MAT/LAW92` and others, by number or name.
+    Radioss,
+    /// FEBio: `<material type="Ogden">` and others.
+    Febio,
     /// Python package felupe: models with their arguments, `fem.Hyperelastic(fem.ogden, mu=[...], alpha=[...])`.
     Felupe,
     /// Python package hyperelastic: `ThirdOrderDeformation(C10=...)`, `Ogden(mu=[...], alpha=[...])`.
@@ -34,38 +48,86 @@ impl FromStr for Program {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        match text.to_ascii_lowercase().as_str() {
-            "abaqus" => Ok(Self::Abaqus),
-            "ansys" => Ok(Self::Ansys),
-            "felupe" => Ok(Self::Felupe),
-            "hyperelastic" => Ok(Self::Hyperelastic),
-            other => Err(format!(
-                "expected abaqus, ansys, felupe or hyperelastic{}",
-                did_you_mean(other, ["abaqus", "ansys", "felupe", "hyperelastic"])
-            )),
-        }
+        let own = text.to_ascii_lowercase();
+        let plain = own.replace(['-', '_'], "");
+        let plain = plain.strip_prefix("open").unwrap_or(&plain);
+        let found = Self::ALL
+            .into_iter()
+            .find(|program| program.name() == plain);
+        found.ok_or_else(|| {
+            let names = Self::ALL.map(Self::name);
+            let (last, others) = names.split_last().unwrap_or((&"", &[]));
+            format!(
+                "expected {} or {last}{}",
+                others.join(", "),
+                did_you_mean(&own, names)
+            )
+        })
     }
 }
 
 impl Program {
+    /// All programs, in the order of lists.
+    pub const ALL: [Self; 8] = [
+        Self::Abaqus,
+        Self::Ansys,
+        Self::Calculix,
+        Self::Febio,
+        Self::Felupe,
+        Self::Hyperelastic,
+        Self::LsDyna,
+        Self::Radioss,
+    ];
+
     /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Abaqus => "abaqus",
+            Self::Calculix => "calculix",
             Self::Ansys => "ansys",
+            Self::LsDyna => "lsdyna",
+            Self::Radioss => "radioss",
+            Self::Febio => "febio",
             Self::Felupe => "felupe",
             Self::Hyperelastic => "hyperelastic",
         }
     }
 
-    /// Recognizes the program by the keywords of hyperelastic laws in a text; `None` without such a keyword.
+    /// Name in a sentence.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Abaqus => "Abaqus",
+            Self::Calculix => "CalculiX",
+            Self::Ansys => "ANSYS",
+            Self::LsDyna => "LS-DYNA",
+            Self::Radioss => "Radioss",
+            Self::Febio => "FEBio",
+            Self::Felupe => "felupe",
+            Self::Hyperelastic => "hyperelastic",
+        }
+    }
+
+    /// Recognizes the program by the keywords of hyperelastic laws in a text; `None` without such a keyword. Keywords of CalculiX are those of
+    /// Abaqus.
     pub fn of_text(text: &str) -> Option<Self> {
         let plain: String = text
             .chars()
             .filter(|letter| !letter.is_whitespace())
             .collect();
         let plain = plain.to_ascii_uppercase();
-        let begins: [(Self, &[&str]); 4] = [
+        let begins_line = |word: &&str| {
+            let mut starts = text.lines().map(str::trim_start);
+            starts.any(|line| {
+                let start = line.get(..word.len());
+                start.is_some_and(|start| start.eq_ignore_ascii_case(word))
+            })
+        };
+        let lines: [(Self, &[&str]); 3] = [
+            (Self::LsDyna, &["*MAT_"]),
+            (Self::Radioss, &["/MAT/"]),
+            (Self::Febio, &["<febio_spec", "<material"]),
+        ];
+        let words: [(Self, &[&str]); 4] = [
             (Self::Abaqus, &["*HYPER", "*ANISOTROPICHYPERELASTIC"]),
             (Self::Ansys, &["TB,HYPER"]),
             (Self::Felupe, &["FEM.", "FELUPE"]),
@@ -78,9 +140,14 @@ impl Program {
                 ],
             ),
         ];
-        let mut known = begins.into_iter();
-        let found = known.find(|(_, words)| words.iter().any(|word| plain.contains(word)));
-        found.map(|(program, _)| program)
+        let by_line = lines
+            .iter()
+            .find(|(_, words)| words.iter().any(begins_line));
+        let by_word = || {
+            let mut words = words.iter();
+            words.find(|(_, words)| words.iter().any(|word| plain.contains(word)))
+        };
+        by_line.or_else(by_word).map(|(program, _)| *program)
     }
 }
 
@@ -118,7 +185,7 @@ pub fn law_from(
     law_of(program, name, text, None, set)
 }
 
-/// Reads a block like [`law_from`], for a material given by its name in Abaqus or its number in ANSYS.
+/// Reads a block like [`law_from`], for a material given by its name or its number.
 ///
 /// # Errors
 /// Fails like [`law_from`], and when no material has this name.
@@ -130,7 +197,10 @@ pub fn law_of(
     set: &[String],
 ) -> Result<Reading, SettingError> {
     let law = match program {
-        Program::Abaqus => abaqus::read(text, material),
+        Program::Abaqus | Program::Calculix => abaqus::read(program, text, material),
+        Program::LsDyna => lsdyna::read(text, material),
+        Program::Radioss => radioss::read(text, material),
+        Program::Febio => febio::read(text, material),
         Program::Ansys => ansys::read(text, material),
         Program::Felupe | Program::Hyperelastic => python::read(program, text),
     };

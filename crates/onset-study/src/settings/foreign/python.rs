@@ -4,7 +4,8 @@
 //! modulus. Polynomials are of `I1bar - 3` and `I2bar - 3`, and the volumetric part is `bulk (J - 1)^2/2`. The script is read as text: no Python
 //! runs.
 
-use super::law::{Energy, ForeignLaw, extended_tube, powers_of_volume};
+use super::law::{Energy, ForeignLaw, SQUARE, Volume, extended_tube, named, van_der_waals};
+use super::write::{Block, Form, Refusal, Sheet, order, ordered};
 use super::{Program, Trouble};
 
 /// Name of a model, and the conversion of its arguments to a law.
@@ -13,6 +14,7 @@ type Model = (&'static str, fn(&Call) -> Result<ForeignLaw, Trouble>);
 const FELUPE: &[Model] = &[
     ("neo_hooke", neo_hooke),
     ("NeoHooke", neo_hooke),
+    ("NeoHookeCompressible", compressible),
     ("mooney_rivlin", polynomial),
     ("yeoh", polynomial),
     ("third_order_deformation", polynomial),
@@ -20,9 +22,51 @@ const FELUPE: &[Model] = &[
     ("arruda_boyce", arruda_boyce),
     ("extended_tube", tube),
     ("storakers", storakers),
+    ("blatz_ko", blatz_ko),
+    ("saint_venant_kirchhoff", saint_venant_kirchhoff),
+    ("anssari_benam_bucchi", anssari_benam_bucchi),
+    ("lopez_pamies", lopez_pamies),
+    ("van_der_waals", kilian),
+];
+
+/// Models of felupe without an equal energy here, and the reason.
+const FELUPE_REFUSED: &[(&str, &str)] = &[
+    (
+        "alexander",
+        "its energy is an integral of exp(k x^2), the imaginary error function, which formulas do not have",
+    ),
+    (
+        "miehe_goektepe_lulei",
+        "its energy is an average over the directions of a sphere, not a function of the invariants",
+    ),
+    (
+        "saint_venant_kirchhoff_orthotropic",
+        "its axes are vectors in space; set material.model=saint-venant-orthotropic with its parameters",
+    ),
+    (
+        "morph",
+        "its stress depends on the history of deformation; no energy determines it",
+    ),
+    (
+        "morph_representative_directions",
+        "its stress depends on the history of deformation; no energy determines it",
+    ),
+    (
+        "finite_strain_viscoelastic",
+        "its stress depends on the history of deformation; no energy determines it",
+    ),
 ];
 
 const HYPERELASTIC: &[Model] = &[("ThirdOrderDeformation", polynomial), ("Ogden", ogden)];
+
+/// Arguments of the polynomials, with the powers of both invariants.
+const POWERS: [(&str, (usize, usize)); 5] = [
+    ("C10", (1, 0)),
+    ("C01", (0, 1)),
+    ("C11", (1, 1)),
+    ("C20", (2, 0)),
+    ("C30", (3, 0)),
+];
 
 /// A model with its arguments.
 struct Call {
@@ -46,7 +90,7 @@ pub(super) fn read(program: Program, text: &str) -> Result<ForeignLaw, Trouble> 
         Some((*place, model))
     });
     let Some((place, (name, make))) = found else {
-        return Err(no_model(package, models, &words));
+        return Err(no_model(package, models, &words, &text));
     };
     let line = line_of(&text, place);
     if let Some((place, _)) = words
@@ -70,7 +114,23 @@ pub(super) fn read(program: Program, text: &str) -> Result<ForeignLaw, Trouble> 
 }
 
 /// Error for a text without a known model.
-fn no_model(package: &'static str, models: &[Model], words: &[(usize, &str)]) -> Trouble {
+fn no_model(
+    package: &'static str,
+    models: &[Model],
+    words: &[(usize, &str)],
+    text: &str,
+) -> Trouble {
+    let refused = words.iter().find_map(|(place, word)| {
+        let reason = FELUPE_REFUSED.iter().find(|(name, _)| name == word)?;
+        (package == "felupe").then_some((*place, reason))
+    });
+    if let Some((place, (name, reason))) = refused {
+        return Trouble::new(
+            line_of(text, place),
+            format!("{name} of felupe is not read: {reason}"),
+            "choose another law, or type its energy with --energy",
+        );
+    }
     let names: Vec<&str> = models.iter().map(|(name, _)| *name).collect();
     let is_gent = words
         .iter()
@@ -276,16 +336,16 @@ impl Call {
         }
     }
 
-    /// `D_1 = 2/K`, or 0 if the script gives no bulk modulus.
-    fn compressibility(&self) -> Result<[f64; 1], Trouble> {
+    /// `bulk (J - 1)^2/2`; incompressible if the script gives no bulk modulus.
+    fn volume(&self) -> Result<Volume<'static>, Trouble> {
         match self.bulk {
-            Some(bulk) if bulk > 0.0 => Ok([2.0 / bulk]),
+            None => Ok(Volume::Function(SQUARE, None)),
+            Some(bulk) if bulk > 0.0 => Ok(Volume::Function(SQUARE, Some(bulk))),
             Some(bulk) => Err(Trouble::new(
                 self.line,
                 format!("bulk is {bulk}; expected a positive number"),
                 "leave it out for an incompressible material",
             )),
-            None => Ok([0.0]),
         }
     }
 
@@ -308,12 +368,12 @@ impl Call {
 
     /// Polynomial with constants by the powers of both invariants, and the volumetric part of the call.
     fn polynomial(&self, constants: &[((usize, usize), f64)]) -> Result<ForeignLaw, Trouble> {
-        let volume = self.compressibility()?;
+        let volume = self.volume()?;
         Ok(ForeignLaw::polynomial(
             self.line,
             &self.title,
             constants,
-            &volume,
+            volume,
         ))
     }
 }
@@ -326,13 +386,6 @@ fn neo_hooke(call: &Call) -> Result<ForeignLaw, Trouble> {
 
 /// Reads `C10`, `C01`, ...; missing constants are zero in both packages, or not part of the model.
 fn polynomial(call: &Call) -> Result<ForeignLaw, Trouble> {
-    const POWERS: [(&str, (usize, usize)); 5] = [
-        ("C10", (1, 0)),
-        ("C01", (0, 1)),
-        ("C11", (1, 1)),
-        ("C20", (2, 0)),
-        ("C30", (3, 0)),
-    ];
     let taken: &[&str] = match call.title.split(' ').next() {
         Some("mooney_rivlin") => &["C10", "C01"],
         Some("yeoh") => &["C10", "C20", "C30"],
@@ -364,27 +417,20 @@ fn ogden(call: &Call) -> Result<ForeignLaw, Trouble> {
         .iter()
         .map(|[mu, alpha]| (2.0 * mu / alpha, *alpha))
         .collect();
-    let volume = call.compressibility()?;
-    Ok(ForeignLaw::ogden(call.line, &call.title, &terms, &volume))
+    let volume = call.volume()?;
+    Ok(ForeignLaw::ogden(call.line, &call.title, &terms, volume))
 }
 
 /// Arruda-Boyce law with five terms of its series, `C1` as the modulus and `limit` as the locking stretch.
 fn arruda_boyce(call: &Call) -> Result<ForeignLaw, Trouble> {
     call.only(&["C1", "limit"])?;
-    let (modulus, locking) = (call.one("C1")?, call.one("limit")?);
-    let volume = call.compressibility()?;
-    let energy = format!(
-        "let b = 1/locking^2; mu*((I1bar - 3)/2 + b*(I1bar^2 - 9)/20 + 11*b^2*(I1bar^3 - 27)/1050 + 19*b^3*(I1bar^4 - 81)/7000 \
-         + 519*b^4*(I1bar^5 - 243)/673750) + {}",
-        powers_of_volume(&volume)
-    );
-    let constants = vec![("mu".to_owned(), modulus), ("locking".to_owned(), locking)];
-    Ok(ForeignLaw::new(
+    let constants = (call.one("C1")?, call.one("limit")?);
+    let volume = call.volume()?;
+    Ok(ForeignLaw::arruda_boyce(
         call.line,
         &call.title,
-        Energy::Formula(energy),
         constants,
-        (modulus, &volume),
+        volume,
     ))
 }
 
@@ -394,34 +440,217 @@ fn tube(call: &Call) -> Result<ForeignLaw, Trouble> {
     for (constant, name) in constants.iter_mut().zip(["Gc", "delta", "Ge", "beta"]) {
         *constant = call.one(name)?;
     }
-    extended_tube(call.line, &call.title, constants, &call.compressibility()?)
+    extended_tube(call.line, &call.title, constants, call.volume()?)
 }
 
 /// Energy of felupe for foams: `sum 2 mu/alpha^2 (sum l^alpha - 3 + (J^(-alpha beta) - 1)/beta)`.
 fn storakers(call: &Call) -> Result<ForeignLaw, Trouble> {
     call.only(&["mu", "alpha", "beta"])?;
     let terms = call.terms(["mu", "alpha", "beta"])?;
-    if terms.len() > 3 {
+    Ok(ForeignLaw::foam(call.line, &call.title, &terms))
+}
+
+/// Reads the compressible law `mu (tr C/2 - ln J) + lambda (ln J)^2/2`.
+fn compressible(call: &Call) -> Result<ForeignLaw, Trouble> {
+    call.only(&["mu", "lmbda"])?;
+    let lambda = match call.list("lmbda") {
+        Some(_) => call.one("lmbda")?,
+        None => 0.0,
+    };
+    let constants = named(&[("mu", call.one("mu")?), ("lambda", lambda)]);
+    let model = Energy::Model("neo-hooke");
+    Ok(ForeignLaw::of_constants(
+        call.line,
+        &call.title,
+        model,
+        constants,
+    ))
+}
+
+/// felupe documents `mu/2 (I2/I3 + 2 J - 5)` and evaluates twice this energy.
+fn blatz_ko(call: &Call) -> Result<ForeignLaw, Trouble> {
+    call.only(&["mu"])?;
+    let constants = named(&[("mu", 2.0 * call.one("mu")?)]);
+    let model = Energy::Model("blatz-ko");
+    let mut law = ForeignLaw::of_constants(call.line, &call.title, model, constants);
+    law.notes.push(
+        "blatz_ko of felupe 11.3 evaluates mu (I2/I3 + 2 J - 5) with the shear modulus 2 mu, twice its documented energy; the evaluated energy is read"
+            .to_owned(),
+    );
+    Ok(law)
+}
+
+fn saint_venant_kirchhoff(call: &Call) -> Result<ForeignLaw, Trouble> {
+    call.only(&["mu", "lmbda", "k"])?;
+    let (mu, lambda) = (call.one("mu")?, call.one("lmbda")?);
+    let exponent = match call.list("k") {
+        Some(_) => call.one("k")?,
+        None => 2.0,
+    };
+    let (model, constants) = match exponent {
+        2.0 => ("saint-venant-kirchhoff", [("mu", mu), ("lambda", lambda)]),
+        0.0 => ("hencky", [("mu", mu), ("kappa", lambda + mu / 1.5)]),
+        _ => {
+            return Err(Trouble::new(
+                call.line,
+                format!("k is {exponent}; expected 2 (Green's strain) or 0 (Hencky's strain)"),
+                "type the energy of other strains with --energy",
+            ));
+        }
+    };
+    Ok(ForeignLaw::of_constants(
+        call.line,
+        &call.title,
+        Energy::Model(model),
+        named(&constants),
+    ))
+}
+
+/// Reads `mu N ((I1bar - 3)/(6 N) - ln((I1bar - 3 N)/(3 - 3 N)))`.
+fn anssari_benam_bucchi(call: &Call) -> Result<ForeignLaw, Trouble> {
+    call.only(&["mu", "N"])?;
+    let (mu, links) = (call.one("mu")?, call.one("N")?);
+    if links <= 1.0 {
         return Err(Trouble::new(
             call.line,
-            format!("{} terms of a foam", terms.len()),
-            "up to three are supported",
+            format!("N is {links}; expected more than 1"),
+            "N is the number of segments of a chain",
         ));
     }
+    let volume = call.volume()?;
+    let energy = format!(
+        "mu*((I1bar - 3)/6 - links*ln((3*links - I1bar)/(3*links - 3))) + {}",
+        volume.energy()
+    );
+    let shear = mu * (3.0 * links - 1.0) / (3.0 * links - 3.0);
+    Ok(ForeignLaw::new(
+        call.line,
+        &call.title,
+        Energy::Formula(energy),
+        named(&[("mu", mu), ("links", links)]),
+        (shear, volume),
+    ))
+}
+
+/// Reads `sum 3^(1 - alpha)/(2 alpha) mu (I1bar^alpha - 3^alpha)`.
+fn lopez_pamies(call: &Call) -> Result<ForeignLaw, Trouble> {
+    call.only(&["mu", "alpha"])?;
+    let terms = call.terms(["mu", "alpha"])?;
     let mut constants = Vec::new();
-    for place in 1..=3 {
-        match terms.get(place - 1) {
-            Some([mu, alpha, beta]) => {
-                constants.push((format!("mu{place}"), *mu));
-                constants.push((format!("alpha{place}"), *alpha));
-                constants.push((format!("beta{place}"), *beta));
-            }
-            None => constants.push((format!("mu{place}"), 0.0)),
+    for (n, [mu, alpha]) in terms.iter().enumerate() {
+        constants.push((format!("mu{}", n + 1), *mu));
+        constants.push((format!("alpha{}", n + 1), *alpha));
+    }
+    let term =
+        |n: usize| format!("3^(1 - alpha{n})/(2*alpha{n})*mu{n}*(I1bar^alpha{n} - 3^alpha{n})");
+    let volume = call.volume()?;
+    let energy: Vec<String> = (1..=terms.len()).map(term).collect();
+    let energy = format!("{} + {}", energy.join(" + "), volume.energy());
+    let shear = terms.iter().map(|[mu, _]| mu).sum();
+    let energy = Energy::Formula(energy);
+    Ok(ForeignLaw::new(
+        call.line,
+        &call.title,
+        energy,
+        constants,
+        (shear, volume),
+    ))
+}
+
+/// Kilian's energy; the evaluation of felupe differs where the volume changes.
+fn kilian(call: &Call) -> Result<ForeignLaw, Trouble> {
+    call.only(&["mu", "limit", "a", "beta"])?;
+    let mut constants = [0.0; 4];
+    for (constant, name) in constants.iter_mut().zip(["mu", "limit", "a", "beta"]) {
+        *constant = call.one(name)?;
+    }
+    let mut law = van_der_waals(call.line, &call.title, constants, call.volume()?)?;
+    law.notes.push(
+        "Kilian's energy of the isochoric invariants is read; felupe 11.3 adds 1e-4 to I - 3, and with beta > 0 forms its second invariant from tr C \
+         with the change of volume"
+            .to_owned(),
+    );
+    Ok(law)
+}
+
+/// Writes a law as a script.
+pub(super) fn write(program: Program, sheet: &Sheet) -> Result<Block, Refusal> {
+    let list = |values: Vec<f64>| {
+        let values: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
+        format!("[{}]", values.join(", "))
+    };
+    let is_felupe = program == Program::Felupe;
+    let (model, arguments) = match &sheet.form {
+        Form::Polynomial(constants) => {
+            let (model, count) = match order(constants) {
+                _ if !is_felupe => ("invariants.ThirdOrderDeformation", 5),
+                (1, true) => ("neo_hooke", 1),
+                (1, false) => ("mooney_rivlin", 2),
+                (2 | 3, true) => ("yeoh", 3),
+                _ => ("third_order_deformation", 5),
+            };
+            let powers: Vec<(usize, usize)> = POWERS.iter().map(|(_, powers)| *powers).collect();
+            let values = ordered(constants, &powers)?;
+            let arguments = POWERS.iter().zip(values);
+            let arguments = arguments.filter(|((_, (_, j)), _)| count != 3 || *j == 0);
+            let arguments: Vec<String> = match count {
+                1 => vec![format!("mu={:?}", sheet.shear())],
+                2 => arguments.take(2).map(argument).collect(),
+                _ => arguments.map(argument).collect(),
+            };
+            (model, arguments.join(", "))
+        }
+        Form::Ogden(terms) => {
+            let model = if is_felupe {
+                "ogden"
+            } else {
+                "stretches.Ogden"
+            };
+            let moduli = terms.iter().map(|(mu, alpha)| 0.5 * mu * alpha).collect();
+            let exponents = terms.iter().map(|(_, alpha)| *alpha).collect();
+            let arguments = format!("mu={}, alpha={}", list(moduli), list(exponents));
+            (model, arguments)
+        }
+        Form::ArrudaBoyce(mu, locking) if is_felupe => {
+            ("arruda_boyce", format!("C1={mu:?}, limit={locking:?}"))
+        }
+        Form::Foam(terms) if is_felupe => {
+            let of = |place: usize| list(terms.iter().map(|term| term[place]).collect());
+            let arguments = format!("mu={}, alpha={}, beta={}", of(0), of(1), of(2));
+            ("storakers", arguments)
+        }
+        _ => return Err(Refusal::Lacks),
+    };
+    let volume = match (&sheet.form, sheet.bulk) {
+        (Form::Foam(_), _) | (_, None) => String::new(),
+        (_, Some(bulk)) => format!(" & fem.Volumetric(bulk={bulk:?})"),
+    };
+    let mut lines = vec!["import felupe as fem".to_owned()];
+    match is_felupe {
+        true => lines.push(format!(
+            "umat = fem.Hyperelastic(fem.{model}, {arguments}){volume}"
+        )),
+        false => {
+            let framework = match sheet.form {
+                Form::Ogden(_) => "StretchesFramework",
+                _ => "InvariantsFramework",
+            };
+            lines.push("import hyperelastic".to_owned());
+            lines.push(format!("model = hyperelastic.models.{model}({arguments})"));
+            lines.push(format!("framework = hyperelastic.{framework}(model)"));
+            lines.push(format!(
+                "umat = hyperelastic.DistortionalSpace(framework){volume}"
+            ));
         }
     }
-    let mut law = ForeignLaw::ogden(call.line, &call.title, &[], &[]);
-    law.energy = Energy::Model("hyperfoam");
-    law.constants = constants;
-    law.incompressible = false;
-    Ok(law)
+    let is_foam = matches!(sheet.form, Form::Foam(_));
+    Ok(Block {
+        lines,
+        function: (!is_foam).then_some(SQUARE),
+        notes: Vec::new(),
+    })
+}
+
+fn argument(((name, _), value): (&(&str, (usize, usize)), f64)) -> String {
+    format!("{name}={value:?}")
 }

@@ -1,8 +1,15 @@
 //! Blocks of other programs, compared with the energies in their manuals, which are implemented here independently.
 
+mod calculix;
+mod febio;
+mod felupe;
+mod lsdyna;
+mod radioss;
+mod written;
+
 use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
-use onset_study::settings::{MaterialSettings, Program, law_from, law_of};
+use onset_study::settings::{MaterialSettings, Program, law_from, law_of, law_written};
 
 /// Builds the material of a block with additional assignments.
 fn read(program: Program, block: &str, beside: &[&str]) -> Box<dyn Hyperelastic> {
@@ -30,6 +37,45 @@ fn invariants(f: &DeformationGradient) -> (f64, f64, f64, [f64; 3]) {
         j,
         f.principal_stretches(),
     )
+}
+
+/// Notes on a block, or the error, as one text.
+fn told(program: Program, block: &str, material: Option<&str>) -> String {
+    match law_of(program, "a deck", block, material, &[]) {
+        Ok(reading) => reading.notes.join("\n"),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// Ogden's sum `sum factor (sum lbar^alpha - 3)` of the isochoric stretches.
+fn ogden(f: &DeformationGradient, terms: &[(f64, f64)]) -> f64 {
+    let (_, _, j, stretches) = invariants(f);
+    let term = |(factor, alpha): &(f64, f64)| {
+        let sum: f64 = stretches.iter().map(|l| (l / j.cbrt()).powf(*alpha)).sum();
+        factor * (sum - 3.0)
+    };
+    terms.iter().map(term).sum()
+}
+
+/// Five terms of the series of Arruda and Boyce without the modulus, for the square of the locking stretch.
+fn chains(f: &DeformationGradient, links: f64) -> f64 {
+    let i1 = invariants(f).0;
+    let series = [
+        0.5,
+        1.0 / 20.0,
+        11.0 / 1050.0,
+        19.0 / 7000.0,
+        519.0 / 673_750.0,
+    ];
+    let terms = (1..=5).zip(series);
+    terms
+        .map(|(i, a)| a * links.powi(1 - i) * (i1.powi(i) - 3.0_f64.powi(i)))
+        .sum()
+}
+
+/// Bulk modulus for a shear modulus and Poisson's ratio.
+fn bulk(shear: f64, poisson: f64) -> f64 {
+    2.0 * shear * (1.0 + poisson) / (3.0 * (1.0 - 2.0 * poisson))
 }
 
 fn agrees(law: &dyn Hyperelastic, energy: impl Fn(&DeformationGradient) -> f64) {
@@ -107,19 +153,6 @@ fn abaqus_polynomials_have_the_energies_of_its_manual() {
 /// Ogden's law: `sum 2 mu_i/alpha_i^2 (sum lbar^alpha_i - 3)` in Abaqus, `sum mu_i/alpha_i (...)` in ANSYS.
 #[test]
 fn ogden_blocks_of_abaqus_and_ansys_have_the_energies_of_their_manuals() {
-    let ogden = |f: &DeformationGradient, terms: &[(f64, f64)]| {
-        let (_, _, j, stretches) = invariants(f);
-        terms
-            .iter()
-            .map(|(factor, alpha)| {
-                let sum: f64 = stretches
-                    .iter()
-                    .map(|l| (l * j.cbrt().recip()).powf(*alpha))
-                    .sum();
-                factor * (sum - 3.0)
-            })
-            .sum::<f64>()
-    };
     let law = read(
         Program::Abaqus,
         "*HYPERELASTIC, OGDEN, N=2\n0.4, 1.3, 0.01, 5.0, 0.02, 0.3",
@@ -569,4 +602,93 @@ fn ignored_keywords_of_a_deck_are_listed_with_their_lines() {
         assert!(first.contains(fact), "{fact} is not in {first}");
     }
     assert!(notes(Program::Ansys, ansys, Some("2")).contains("material.c10=1"));
+}
+
+/// Keywords begin lines, so that a path with `/mat/` in a study is no deck.
+#[test]
+fn programs_are_recognized_by_their_keywords() {
+    for (text, program) in [
+        ("** a deck\n*HYPERELASTIC, YEOH\n", Some(Program::Abaqus)),
+        ("TB, HYPER,1\n", Some(Program::Ansys)),
+        ("$\n*mat_077_h\n", Some(Program::LsDyna)),
+        ("#\n/MAT/OGDEN/1\n", Some(Program::Radioss)),
+        (
+            "<?xml?>\n <febio_spec version=\"4.0\">",
+            Some(Program::Febio),
+        ),
+        ("<material id=\"1\" type=\"Ogden\">", Some(Program::Febio)),
+        ("umat = fem.NeoHooke(mu=1)", Some(Program::Felupe)),
+        ("material.library = \"/opt/mat/law.so\"", None),
+    ] {
+        assert_eq!(Program::of_text(text), program, "{text}");
+    }
+    for (name, program) in [
+        ("LS-DYNA", Program::LsDyna),
+        ("OpenRadioss", Program::Radioss),
+        ("febio", Program::Febio),
+    ] {
+        assert_eq!(name.parse(), Ok(program), "{name}");
+    }
+    let error = "ls-dnya".parse::<Program>().expect_err("a typing error");
+    assert_eq!(
+        error,
+        "expected abaqus, ansys, calculix, febio, felupe, hyperelastic, lsdyna or radioss; did you mean `lsdyna`?"
+    );
+}
+
+/// Lines cut off, doubled, and letters replaced: an answer or an error, and never a panic.
+#[test]
+fn damaged_decks_are_read_or_refused() {
+    let laws: [(&str, &[(&str, f64)]); 4] = [
+        (
+            "ogden",
+            &[
+                ("mu1", 0.6),
+                ("alpha1", 1.3),
+                ("mu2", -0.01),
+                ("alpha2", -2.0),
+                ("kappa", 50.0),
+            ],
+        ),
+        (
+            "polynomial",
+            &[("c10", 0.4), ("c20", 0.01), ("kappa", 50.0)],
+        ),
+        (
+            "arruda-boyce",
+            &[("mu", 0.3), ("locking", 5.0), ("kappa", 50.0)],
+        ),
+        (
+            "hyperfoam",
+            &[("mu1", 2.0), ("alpha1", 4.0), ("beta1", 0.5)],
+        ),
+    ];
+    let letters = [
+        "", " ", "0", "-", ",", "é", "\n", "<", ">", "/", "*", "1e400", "nan",
+    ];
+    for program in Program::ALL {
+        for (law, parameters) in laws {
+            let Ok(written) = law_written(program, law, parameters) else {
+                continue;
+            };
+            let text = written.text;
+            for (at, _) in text.char_indices() {
+                let end = at + text[at..].chars().next().map_or(0, char::len_utf8);
+                for letter in letters {
+                    let damaged = format!("{}{letter}{}", &text[..at], &text[end..]);
+                    if let Ok(reading) = law_from(program, "a deck", &damaged, &[]) {
+                        let numbers = reading
+                            .assignments
+                            .iter()
+                            .filter_map(|own| own.split_once('='));
+                        let finite = numbers
+                            .filter_map(|(_, value)| value.parse::<f64>().ok())
+                            .all(f64::is_finite);
+                        assert!(finite, "{damaged}: {:?}", reading.assignments);
+                    }
+                }
+                let _ = law_from(program, "a deck", &text[..at], &[]);
+            }
+        }
+    }
 }
