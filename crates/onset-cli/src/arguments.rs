@@ -157,6 +157,10 @@ const SCREEN_EXAMPLES: &str = "Examples:
   onset screen run.dump.gz STUDY.toml --time-step 0.05 --check
   onset screen run.dump.gz STUDY.toml --time-step 0.05 --stepping extrapolated-stress --out screened
   onset screen 'plate_*.vtp' --set discretization.method=tlsph --columns F=DefGrad --fail-on numerical,time-step";
+const FIT_EXAMPLES: &str = "Examples:
+  onset fit rubber/treloar-*.csv --law ogden-3,yeoh
+  onset fit --uniaxial pull.csv --planar shear.csv --law polynomial-2 --stable box=0.3,4 --out fitted
+  onset fit rubber.inp --law all --weights absolute --bulk 2000";
 const SIMULATE_EXAMPLES: &str = "Examples:
   onset simulate --stretch 1.3,1 --set discretization.method=updated-sph --mode critical
   onset simulate STUDY.toml --stretch 1.2,0.9 --cells 16 --mode noise --steps 20000 --out run --resume
@@ -436,6 +440,13 @@ pub enum Command {
     /// arrays, extended XYZ, CSV.
     #[command(after_help = SCREEN_EXAMPLES, after_long_help = with_keys(SCREEN_EXAMPLES, &keys()))]
     Screen(Box<ScreenArguments>),
+    /// Fit laws of rubber and foam to test data, stable in the range where they are used
+    ///
+    /// Reads tables of tests (CSV with a header, test data in decks of Abaqus) and finds the constants with the least squared errors among those for
+    /// which the law is stable at all states of a range. The answer ranks the laws, tells what the demand for stability costs, and where the best
+    /// fit without it would become unstable.
+    #[command(after_help = FIT_EXAMPLES)]
+    Fit(Box<FitArguments>),
     /// Simulate the particles of a periodic patch or of a body, step by step
     ///
     /// A patch of cells moves about a homogeneous state under the nonlinear forces of the method, and starts with one wave or with noise. The
@@ -700,6 +711,144 @@ pub struct ScreenArguments {
     /// Length of the printed answer.
     #[command(flatten)]
     pub detail: DetailArguments,
+}
+
+/// Command-line arguments of `onset fit`.
+#[derive(Debug, Args)]
+pub struct FitArguments {
+    /// Tables of tests. The loading is that of a comment `# mode: planar` or of the name of the file.
+    #[arg(value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Table of a uniaxial test.
+    #[arg(long, value_name = "FILE", help_heading = "Tests")]
+    pub uniaxial: Vec<PathBuf>,
+    /// Table of an equibiaxial test.
+    #[arg(long, value_name = "FILE", help_heading = "Tests")]
+    pub equibiaxial: Vec<PathBuf>,
+    /// Table of a planar test (pure shear).
+    #[arg(long, value_name = "FILE", help_heading = "Tests")]
+    pub planar: Vec<PathBuf>,
+    /// Table of a simple shear test.
+    #[arg(long, value_name = "FILE", help_heading = "Tests")]
+    pub simple_shear: Vec<PathBuf>,
+    /// Table of a volumetric test.
+    #[arg(long, value_name = "FILE", help_heading = "Tests")]
+    pub volumetric: Vec<PathBuf>,
+    /// Unit of stress of tables that name none, for example MPa.
+    #[arg(long, value_name = "UNIT", help_heading = "Tests")]
+    pub unit: Option<String>,
+    /// Area of the undeformed cross-section, which turns forces into nominal stresses.
+    #[arg(long, value_name = "A", value_parser = positive, help_heading = "Tests")]
+    pub area: Option<f64>,
+    /// Use only points with stretches between two limits.
+    #[arg(long, value_name = "LOW,HIGH", value_parser = stretches_between, help_heading = "Tests")]
+    pub range: Option<[f64; 2]>,
+    /// Laws to fit: names separated by commas, or all.
+    #[arg(
+        long,
+        value_name = "LAWS",
+        value_delimiter = ',',
+        default_value = "all",
+        help_heading = "Fit"
+    )]
+    pub law: Vec<String>,
+    /// Weights of the points: relative (errors over measured stress) or absolute.
+    #[arg(long, value_name = "KIND", value_parser = ["relative", "absolute"], default_value = "relative", help_heading = "Fit")]
+    pub weights: String,
+    /// Part of the largest stress of a test below which relative errors refer to it.
+    #[arg(long, value_name = "PART", value_parser = share, allow_negative_numbers = true, help_heading = "Fit")]
+    pub floor: Option<f64>,
+    /// Fix a constant, for example alpha1=2 (may be given several times).
+    #[arg(long, value_name = "NAME=VALUE", value_parser = constant, allow_hyphen_values = true, help_heading = "Fit")]
+    pub fix: Vec<(String, f64)>,
+    /// Bound a constant, for example alpha1=-5,10 (may be given several times).
+    #[arg(long, value_name = "NAME=LOW,HIGH", value_parser = bound, allow_hyphen_values = true, help_heading = "Fit")]
+    pub bound: Vec<(String, [f64; 2])>,
+    /// Bulk modulus of the fitted law [default: from a volumetric test, or 1000 shear moduli].
+    #[arg(long, value_name = "KAPPA", value_parser = positive, help_heading = "Fit")]
+    pub bulk: Option<f64>,
+    /// First guesses for constants in which a law is not linear.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=10_000), default_value_t = 64, help_heading = "Fit")]
+    pub starts: u16,
+    /// Range in which the law is to be stable: data (up to 1.25 times the largest stretch of the tests), data=FACTOR, box=LOW,HIGH (all principal
+    /// stretches), loadings=LOW,HIGH (uniaxial, equibiaxial and planar), or none.
+    #[arg(long, value_name = "RANGE", value_parser = stable_range, default_value = "data", help_heading = "Stability")]
+    pub stable: StableRange,
+    /// Criterion that is to hold: drucker, ellipticity or both.
+    #[arg(long, value_name = "NAME", value_parser = ["drucker", "ellipticity", "both"], default_value = "both", help_heading = "Stability")]
+    pub criterion: String,
+    /// Least value of a criterion, as a part of its value in the reference.
+    #[arg(long, value_name = "PART", value_parser = share, allow_negative_numbers = true, default_value_t = 1e-4, help_heading = "Stability")]
+    pub margin: f64,
+    /// Exit with code 3 if no fitted law is stable: unstable.
+    #[arg(long, value_name = "WHAT", value_parser = ["unstable"], help_heading = "Stability")]
+    pub fail_on: Option<String>,
+    /// Folder for fit.toml, fit.json, fit.csv, fit.svg, fit.png and blocks for other programs; nothing is written without it.
+    #[arg(long, value_name = "DIR", help_heading = "Files")]
+    pub out: Option<PathBuf>,
+    /// Length of the printed answer.
+    #[command(flatten)]
+    pub detail: DetailArguments,
+}
+
+/// Range of `--stable`; `None` for a free fit.
+#[derive(Clone, Copy, Debug)]
+pub struct StableRange(pub Option<onset_study::fit::Range>);
+
+/// Two positive numbers in ascending order.
+fn stretches_between(text: &str) -> Result<[f64; 2], String> {
+    let numbers = text.split(',').map(|own| own.trim().parse::<f64>().ok());
+    match numbers.collect::<Option<Vec<f64>>>().as_deref() {
+        Some([low, high]) if 0.0 < *low && low < high && high.is_finite() => Ok([*low, *high]),
+        _ => Err("expected two positive stretches LOW,HIGH, for example 0.5,3".to_owned()),
+    }
+}
+
+fn stable_range(text: &str) -> Result<StableRange, String> {
+    use onset_study::fit::Range;
+    let expected = "expected data, data=FACTOR, box=LOW,HIGH, loadings=LOW,HIGH or none, for example box=0.3,4";
+    let within = |own: &str| {
+        let [low, high] = stretches_between(own)?;
+        match low < 1.0 && high > 1.0 {
+            true => Ok((low, high)),
+            false => Err("expected limits on both sides of 1, the reference".to_owned()),
+        }
+    };
+    Ok(StableRange(match text.split_once('=') {
+        None if text == "none" => None,
+        None if text == "data" => Some(Range::Data(1.25)),
+        Some(("data", factor)) => match factor.parse::<f64>() {
+            Ok(factor) if (1.0..100.0).contains(&factor) => Some(Range::Data(factor)),
+            _ => return Err("expected a factor from 1 to 100, for example data=1.25".to_owned()),
+        },
+        Some(("box", own)) => within(own).map(|(low, high)| Some(Range::Box(low, high)))?,
+        Some(("loadings", own)) => {
+            within(own).map(|(low, high)| Some(Range::Loadings(low, high)))?
+        }
+        _ => return Err(expected.to_owned()),
+    }))
+}
+
+fn constant(text: &str) -> Result<(String, f64), String> {
+    let pair = text.split_once('=').and_then(|(name, value)| {
+        let value = value
+            .trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|own| own.is_finite())?;
+        Some((name.trim().to_owned(), value))
+    });
+    pair.ok_or_else(|| "expected NAME=VALUE, for example alpha1=2".to_owned())
+}
+
+fn bound(text: &str) -> Result<(String, [f64; 2]), String> {
+    let found = text.split_once('=').and_then(|(name, values)| {
+        let (low, high) = values.split_once(',')?;
+        let low = low.trim().parse::<f64>().ok()?;
+        let high = high.trim().parse::<f64>().ok()?;
+        (low < high).then(|| (name.trim().to_owned(), [low, high]))
+    });
+    found.ok_or_else(|| "expected NAME=LOW,HIGH, for example alpha1=-5,10".to_owned())
 }
 
 fn reference(text: &str) -> Result<Reference, String> {

@@ -7,6 +7,7 @@ mod compare;
 mod criteria;
 #[cfg(feature = "explore")]
 mod explore;
+mod fit;
 mod limit;
 mod localize;
 mod modes;
@@ -194,6 +195,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         Command::Plot(arguments) => plot::plot(&arguments),
         Command::Verify { task } => verify::verify(&task),
         Command::Screen(arguments) => screen::screen(&arguments),
+        Command::Fit(arguments) => fit::fit(&arguments),
         Command::Simulate(arguments) => simulate::simulate(&arguments),
         Command::Reproduce { out } => reproduce(&out),
     }
@@ -213,6 +215,7 @@ fn waiting_for(command: &Command) -> Option<&'static str> {
         Command::Audit(_) => Some("differentiating"),
         Command::Modes(_) => Some("searching the zone"),
         Command::Screen(_) => Some("reading the frames"),
+        Command::Fit(_) => Some("reading the tests"),
         Command::Simulate(_) => Some("setting up the motion"),
         Command::Check { .. } => Some("looking at states"),
         Command::Verify {

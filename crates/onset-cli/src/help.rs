@@ -30,7 +30,7 @@ const GROUPS: [(&str, &[&str]); 5] = [
         "A method",
         &["recommend", "compare", "tune", "limit", "verify"],
     ),
-    ("A law", &["criteria", "card", "audit", "localize"]),
+    ("A law", &["fit", "criteria", "card", "audit", "localize"]),
     ("A study", &["check", "map", "plot", "boundary"]),
     (
         "Help and more",

@@ -1,6 +1,6 @@
 //! Safe range card of a law: the stretches at which it is strongly elliptic, on one page.
 
-use super::figure::{held, mark, stretches};
+use super::figure::{IMPOSED, held, mark, stretches};
 use super::sentence::{opening, title, witness};
 use super::{
     CriteriaError, CriterionAnswer, EndAnswer, KinkAnswer, LawAnswer, LoadingAnswer, Question,
@@ -326,7 +326,7 @@ impl CardAnswer {
         let ticks = names.enumerate().map(|(n, name)| (rows - n as f64, name));
         let mut panel = Panel::new(
             "",
-            stretches(low, high),
+            stretches(IMPOSED, low, high),
             Axis::linear("", (0.4, rows + 0.6)).ticks(ticks),
         )
         .with(Rule::vertical(1.0));

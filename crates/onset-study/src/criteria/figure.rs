@@ -33,7 +33,7 @@ impl CriteriaAnswer {
             .map(|(n, answer)| (rows - n as f64, answer.criterion.name()));
         let mut panel = Panel::new(
             loading.title,
-            stretches(low, high),
+            stretches(IMPOSED, low, high),
             Axis::linear("", (0.4, rows + 0.6)).ticks(names),
         );
         panel = panel.with(Rule::vertical(1.0));
@@ -69,8 +69,11 @@ pub(super) fn mark(kink: &KinkAnswer) -> (f64, &'static str) {
     (kink.stretch, name)
 }
 
+/// Label of an axis of imposed stretches.
+pub(super) const IMPOSED: &str = "imposed stretch λ (−)";
+
 /// Logarithmic axis of stretches, with ticks at round numbers.
-pub(super) fn stretches(low: f64, high: f64) -> Axis {
+pub(crate) fn stretches(label: &str, low: f64, high: f64) -> Axis {
     let round = [
         0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0,
         10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0,
@@ -80,7 +83,7 @@ pub(super) fn stretches(low: f64, high: f64) -> Axis {
         .into_iter()
         .filter(|x| (low..=high).contains(x))
         .filter(|x| !wide || ![0.3, 0.7, 1.5, 3.0].contains(x));
-    Axis::log("imposed stretch λ (−)", (low, high)).ticks(shown.map(|x| (x, format!("{x}"))))
+    Axis::log(label, (low, high)).ticks(shown.map(|x| (x, format!("{x}"))))
 }
 
 /// Color of a criterion's class of perturbations, and its name in the legend.

@@ -3,6 +3,7 @@
 
 mod card;
 mod figure;
+pub(crate) use figure::stretches as stretch_axis;
 mod html;
 mod sentence;
 mod short;

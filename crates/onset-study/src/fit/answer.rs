@@ -2,11 +2,11 @@
 
 use super::{FittingError, Tests, assignments};
 use crate::brief::{Brief, Short};
-use crate::csv;
 use crate::number::{counted, told, told_with};
 use crate::output::{Files, text};
 use crate::settings::{Program, law_written};
 use crate::shell::quoted;
+use crate::{csv, json};
 use onset_fit::{Criterion, Fit, Misfit, Mode, Model, Options, Proof, Range, Test, Weights};
 use serde::Serialize;
 use std::fmt::{self, Write};
@@ -171,9 +171,9 @@ impl FitAnswer {
             ));
         }
         let stretches = fits.first().and_then(|fit| fit.stretches);
-        let laws = fits.into_iter().map(|fit| {
-            LawAnswer::new(fit, &tables.tests, &tests, bulk).map_err(FittingError::Setting)
-        });
+        let laws = fits
+            .into_iter()
+            .map(|fit| LawAnswer::new(fit, &tables.tests, &tests, bulk));
         Ok(Self {
             unit: tables.unit,
             weights: options.weights,
@@ -319,7 +319,7 @@ impl FitAnswer {
     /// Command that asks the stability criteria of the best law.
     fn next(&self) -> String {
         let sets = self.best().settings.iter();
-        let sets = sets.map(|set| format!(" --set {}", quoted(set)));
+        let sets = sets.map(|set| format!(" --set {}", quoted(set.as_ref())));
         format!(
             "onset criteria --incompressible{}",
             sets.collect::<String>()
@@ -371,7 +371,7 @@ impl FitAnswer {
     pub fn files(&self) -> Result<Files, FittingError> {
         let mut files = vec![
             text("fit.toml", self.study()),
-            text("fit.json", crate::json::text(self)),
+            text("fit.json", json::document(self)?),
             text("fit.csv", self.csv()),
         ];
         files.extend(self.figure().files("fit")?);
@@ -447,7 +447,7 @@ impl LawAnswer {
         data: &[Test],
         tests: &[TestAnswer],
         bulk: Option<f64>,
-    ) -> Result<Self, crate::settings::SettingError> {
+    ) -> Result<Self, FittingError> {
         let result = fit.result().clone();
         let (settings, kappa) = assignments(&fit.family, &result, data, bulk)?;
         let deviations = &result.uncertainty.deviations;

@@ -35,7 +35,7 @@ impl FitAnswer {
         let best = self.best();
         let fit = &best.fit;
         let stretches: Vec<f64> = test.points.iter().map(|point| point.stretch).collect();
-        let rest = if test.mode == Mode::SimpleShear {
+        let rest: f64 = if test.mode == Mode::SimpleShear {
             0.0
         } else {
             1.0
@@ -113,7 +113,7 @@ impl FitAnswer {
         });
         let high = reach.max(tested) * BEYOND;
         let end = high.powf(1.5);
-        let axis = |label: &str, end: f64| super::super::criteria::stretch_axis(label, 1.0, end);
+        let axis = |label: &str, end: f64| crate::criteria::stretch_axis(label, 1.0, end);
         let mut classes = Vec::new();
         for row in 0..CELLS {
             for column in 0..CELLS {

@@ -40,6 +40,12 @@ pub enum FittingError {
     /// A fitted law that the settings refuse.
     #[error(transparent)]
     Setting(#[from] SettingError),
+    /// A fitted law that cannot be made.
+    #[error(transparent)]
+    Material(#[from] onset::material::MaterialError),
+    /// An answer that cannot be written as JSON.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
     /// A figure that cannot be drawn.
     #[error(transparent)]
     Figure(#[from] crate::figure::FigureError),
@@ -141,7 +147,7 @@ fn assignments(
     fitted: &Fitted,
     tests: &[Test],
     bulk: Option<f64>,
-) -> Result<(Vec<String>, Option<f64>), SettingError> {
+) -> Result<(Vec<String>, Option<f64>), FittingError> {
     let mut sets = match family.model() {
         Model::Library(name) => vec![format!("material.model={name}")],
         Model::Formula(energy) => vec![

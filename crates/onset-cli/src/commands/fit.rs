@@ -1,0 +1,97 @@
+//! `onset fit`: laws fitted to test data, stable in the range where they are used.
+
+use super::{Failure, wrote};
+use crate::arguments::FitArguments;
+use crate::fail_on;
+use crate::patience::{self, bar};
+use crate::printing::{print, tell};
+use onset_study::fit::{
+    Criterion, FitAnswer, FittingError, Mode, Options, Reading, Tests, Weights, families, fitted,
+};
+use onset_study::output::Output;
+use std::process::ExitCode;
+
+impl From<FittingError> for Failure {
+    fn from(error: FittingError) -> Self {
+        match error {
+            FittingError::Output(error) => Self::machine(error),
+            error => Self::input(error),
+        }
+    }
+}
+
+/// Fits the laws and prints them in the order of their errors.
+pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
+    let named = [
+        (&arguments.uniaxial, Mode::Uniaxial),
+        (&arguments.equibiaxial, Mode::Equibiaxial),
+        (&arguments.planar, Mode::Planar),
+        (&arguments.simple_shear, Mode::SimpleShear),
+        (&arguments.volumetric, Mode::Volumetric),
+    ];
+    let named = named
+        .into_iter()
+        .flat_map(|(files, mode)| files.iter().map(move |file| (file.clone(), Some(mode))));
+    let files: Vec<_> = arguments
+        .files
+        .iter()
+        .map(|file| (file.clone(), None))
+        .chain(named)
+        .collect();
+    if files.is_empty() {
+        return Err(Failure::input(
+            "no table of a test is given\n  hint: for example onset fit uniaxial.csv planar.csv, or --uniaxial FILE",
+        ));
+    }
+    let reading = Reading {
+        unit: arguments.unit.clone(),
+        area: arguments.area,
+        range: arguments.range,
+    };
+    let families = families(&arguments.law)?;
+    let tests = Tests::read(&files, &reading).map_err(FittingError::Table)?;
+    let output = arguments.out.as_deref();
+    let output = output.map(|out| Output::at(out, &FitAnswer::names()));
+    let output = output.transpose()?;
+    let options = Options {
+        weights: match arguments.weights.as_str() {
+            "absolute" => Weights::Absolute,
+            _ => Weights::Relative(arguments.floor.unwrap_or(0.0)),
+        },
+        range: arguments.stable.0,
+        criteria: match arguments.criterion.as_str() {
+            "drucker" => vec![Criterion::Drucker],
+            "ellipticity" => vec![Criterion::StrongEllipticity],
+            _ => vec![Criterion::Drucker, Criterion::StrongEllipticity],
+        },
+        margin: arguments.margin,
+        starts: usize::from(arguments.starts),
+        fixed: arguments.fix.clone(),
+        bounds: arguments.bound.clone(),
+    };
+    patience::end();
+    let progress = bar(families.len() as u64, "{bar:32} law {pos} of {len}: {msg}");
+    let answer = fitted(tests, &families, &options, arguments.bulk, &mut |law| {
+        progress.inc(1);
+        progress.set_message(law.to_owned());
+    });
+    progress.finish_and_clear();
+    let answer = answer?;
+    let text = arguments.detail.text(&answer);
+    let shown = match output {
+        Some(output) => {
+            let written = output.write(&answer.files()?)?;
+            format!("{text}\n\n{}", wrote(&written))
+        }
+        None => text,
+    };
+    let printed = print(&answer, &shown, Some(answer.csv()))?;
+    if arguments.fail_on.is_some() && !answer.is_stable() {
+        tell(format_args!(
+            "fails by --fail-on: no fitted law is stable in the range (exit code {})",
+            fail_on::CODE
+        ));
+        return Ok(ExitCode::from(fail_on::CODE));
+    }
+    Ok(printed)
+}
