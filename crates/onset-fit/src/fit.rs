@@ -118,7 +118,7 @@ pub struct Fitted {
     pub relative: f64,
     /// Errors by test.
     pub misfits: Vec<Misfit>,
-    /// First losses of the criteria along loadings, at stretches from 0.1 to 10; for incompressible response.
+    /// First losses of the criteria in tension up to stretch 10; for incompressible response.
     pub limits: Vec<Limit>,
     /// Lowest state of the criteria in the range; `None` without a range.
     pub worst: Option<Worst>,
@@ -443,7 +443,7 @@ impl Search<'_> {
             }
             .solve(&constants)?;
             let law = self.numbers(&found.constants);
-            if !(law.shear_modulus() > 0.0) {
+            if law.shear_modulus().is_nan() || law.shear_modulus() <= 0.0 {
                 return None;
             }
             let mut worst = worst_states(&law, &self.patches);

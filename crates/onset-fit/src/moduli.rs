@@ -104,6 +104,11 @@ impl<R: Real> Moduli<R> {
         self.second[i][j] * 4.0 + self.quotients[3 - i - j]
     }
 
+    /// `W_ii W_jj - W_ij^2`.
+    fn determinant(&self, i: usize, j: usize) -> R {
+        self.second[i][i] * self.second[j][j] - self.second[i][j] * self.second[i][j]
+    }
+
     /// Second derivative by the logarithms of two stretches.
     fn logarithmic(&self, i: usize, j: usize) -> R {
         let both = self.squares[i] * self.squares[j] * self.second[i][j] * 4.0;
@@ -160,6 +165,27 @@ impl<R: Real> Moduli<R> {
         [[of(&a, &a), across], [across, of(&b, &b)]]
     }
 
+    /// Trace and determinant of Drucker's matrix `w` on increments without change of volume, up to positive factors: `sum w_ii - sum_(i<j) w_ij` and the sum of all
+    /// cofactors. Written so that terms that cancel are not added to each other.
+    pub fn isochoric_minors(&self) -> [R; 2] {
+        let e = self.squares;
+        let w = |i: usize, j: usize| self.logarithmic(i, j);
+        let trace = w(0, 0) + w(1, 1) + w(2, 2) - w(0, 1) - w(0, 2) - w(1, 2);
+        let mut sum = R::constant(0.0);
+        for (i, j) in PAIRS {
+            let k = 3 - i - j;
+            let product = e[i] * e[j];
+            let stress =
+                e[i] * self.second[i][i] * self.first[j] + e[j] * self.second[j][j] * self.first[i];
+            sum = sum
+                + product
+                    * (product * self.determinant(i, j) + stress + self.first[i] * self.first[j])
+                    * 16.0;
+            sum = sum + (w(i, k) * w(j, k) - w(i, j) * w(k, k)) * 2.0;
+        }
+        [trace, sum]
+    }
+
     /// Forms in `p_i = N_i^2` that are positive for all directions if and only if incompressible response is strongly elliptic: the trace and the
     /// determinant of `Q(N)` on the amplitudes normal to `n`, times `|n|^2`. Coefficients in the Bernstein basis of the triangle of `p`.
     pub fn elliptic_forms(&self) -> ([R; 6], [R; 10]) {
@@ -196,7 +222,7 @@ impl<R: Real> Moduli<R> {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
             let coupling = self.coupling(i, j);
             for a in 0..3 {
-                for b in 0..3 {
+                for b in (0..3).filter(|b| (a, *b) != (i, j)) {
                     add(
                         [a, b, k],
                         self.diagonal(i, a) * self.diagonal(j, b) * inverse[k],
@@ -204,7 +230,15 @@ impl<R: Real> Moduli<R> {
                 }
                 add([a, i, j], coupling * self.diagonal(k, a) * -2.0);
             }
-            add([i, j, k], -(coupling * coupling * e[i] * e[j] * inverse[k]));
+            // Q_ii Q_jj - Q_ij^2 of the two squares, with what cancels grouped.
+            let (first, second, quotient) = (self.first, self.second, self.quotients[k]);
+            let stress = e[i] * second[i][i] * first[j] + e[j] * second[j][j] * first[i];
+            let own = e[i]
+                * e[j]
+                * (self.determinant(i, j) * 16.0 - quotient * (second[i][j] * 8.0 + quotient))
+                + stress * 8.0
+                + first[i] * first[j] * 4.0;
+            add([i, j, k], own * inverse[k]);
             add(
                 [i, j, k],
                 self.coupling(i, k) * self.coupling(j, k) * e[k] * 2.0,

@@ -30,7 +30,7 @@ pub enum Proof {
 }
 
 /// Largest number of cells.
-const CELLS: usize = 40_000;
+const CELLS: usize = 12_000;
 /// Number with derivatives by the parameters of a patch.
 type Slope = Dual<2, Interval>;
 /// Number that stands for an interval, with or without derivatives.
@@ -198,10 +198,9 @@ fn deciding<R: Bounded>(law: &Numbers<'_>, patch: &Patch, at: [R; 2]) -> Decidin
         sum
     };
     let moduli = Moduli::with_quotients(&energy, squares, quotient);
-    let [[a, b], [_, d]] = moduli.isochoric();
     let (trace, determinant) = moduli.elliptic_forms();
     Deciding {
-        drucker: [a + d, a * d - b * b],
+        drucker: moduli.isochoric_minors(),
         trace,
         determinant,
     }
@@ -219,7 +218,8 @@ fn is_positive<const N: usize>(
         return true;
     }
     // The first three coefficients are values at the corners.
-    if depth == 0 || form[..3].iter().any(|own| !(*own > least)) {
+    let corners_hold = form[..3].iter().all(|own| *own > least);
+    if depth == 0 || !corners_hold {
         return false;
     }
     // Three halvings, one an edge, quarter the size.

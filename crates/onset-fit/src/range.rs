@@ -324,7 +324,8 @@ fn improved(
     best
 }
 
-/// Stretches up to which a law is stable along the loadings of an incompressible specimen, in tension and in compression.
+/// Stretch up to which a law is stable along a loading of an incompressible specimen in tension. Compression passes through the states of another
+/// loading in tension.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Limit {
     /// Loading.
@@ -335,12 +336,12 @@ pub struct Limit {
     pub stretch: f64,
 }
 
-/// Stretches between which limits are looked for, as in the check of Abaqus.
-const LOOKED_UP: [f64; 2] = [0.1, 10.0];
+/// Stretch up to which limits are looked for, as in the check of Abaqus.
+const LOOKED_UP: f64 = 10.0;
 /// States along a loading.
 const ALONG: usize = 400;
 
-/// First losses of each criterion along uniaxial, equibiaxial and planar loadings between stretches 0.1 and 10, that with the smallest stretch first.
+/// First losses of each criterion in uniaxial, equibiaxial and planar tension up to stretch 10, that with the smallest stretch first.
 pub fn limits(family: &Family, constants: &[f64], criteria: &[Criterion]) -> Vec<Limit> {
     let mut all = Vec::new();
     for mode in Mode::LOADINGS {
@@ -355,32 +356,27 @@ pub fn limits(family: &Family, constants: &[f64], criteria: &[Criterion]) -> Vec
                 law.worst_at(mode.direction().map(|part| part * s), shear)
                     .value
             };
-            for end in LOOKED_UP.map(f64::ln) {
-                let lost = (1..=ALONG)
-                    .map(|n| end * n as f64 / ALONG as f64)
-                    .find(|s| at(*s) <= 0.0);
-                let Some(beyond) = lost else { continue };
-                let (mut inside, mut outside) = (beyond - end / ALONG as f64, beyond);
-                while (outside - inside).abs() > 1e-12 {
-                    let middle = 0.5 * (inside + outside);
-                    match at(middle) <= 0.0 {
-                        true => outside = middle,
-                        false => inside = middle,
-                    }
+            let end = LOOKED_UP.ln();
+            let lost = (1..=ALONG)
+                .map(|n| end * n as f64 / ALONG as f64)
+                .find(|s| at(*s) <= 0.0);
+            let Some(beyond) = lost else { continue };
+            let (mut inside, mut outside) = (beyond - end / ALONG as f64, beyond);
+            while outside - inside > 1e-12 {
+                let middle = 0.5 * (inside + outside);
+                match at(middle) <= 0.0 {
+                    true => outside = middle,
+                    false => inside = middle,
                 }
-                all.push(Limit {
-                    mode,
-                    criterion: *criterion,
-                    stretch: outside.exp(),
-                });
             }
+            all.push(Limit {
+                mode,
+                criterion: *criterion,
+                stretch: outside.exp(),
+            });
         }
     }
-    let largest = |own: &Limit| {
-        let logs = own.mode.direction().map(|part| part * own.stretch.ln());
-        logs.into_iter().fold(0.0, f64::max)
-    };
-    all.sort_by(|a, b| largest(a).total_cmp(&largest(b)));
+    all.sort_by(|a, b| a.stretch.total_cmp(&b.stretch));
     all
 }
 

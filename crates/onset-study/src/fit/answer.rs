@@ -71,7 +71,7 @@ pub struct LawAnswer {
     pub free_error: f64,
     /// Its sum of squares.
     pub free_loss: f64,
-    /// First losses of the best fit without a demand, between stretches 0.1 and 10.
+    /// First losses of the best fit without a demand, in tension up to stretch 10.
     pub free_losses: Vec<LossAnswer>,
     /// Losses of the result between the same stretches, outside of the range.
     pub losses: Vec<LossAnswer>,
@@ -459,14 +459,27 @@ impl LawAnswer {
             .zip(deviations);
         let losses = |own: &onset_fit::Fitted| {
             let all = own.limits.iter().map(|limit| {
-                let reached = tests.iter().filter(|test| test.mode == limit.mode);
+                // Compression passes through the states of another loading in tension.
+                let [uniaxial, equibiaxial, planar] = match limit.mode {
+                    Mode::Equibiaxial => [limit.stretch.powi(-2), limit.stretch, 1.0],
+                    Mode::Uniaxial => [limit.stretch, limit.stretch.powf(-0.5), 1.0],
+                    _ => [1.0, 1.0, limit.stretch],
+                };
+                let is_reached = |test: &TestAnswer| {
+                    let [low, high] = test.stretches;
+                    let within = |stretch: f64| stretch != 1.0 && (low..=high).contains(&stretch);
+                    match test.mode {
+                        Mode::Uniaxial => within(uniaxial),
+                        Mode::Equibiaxial => within(equibiaxial),
+                        Mode::Planar => within(planar) || within(planar.recip()),
+                        _ => false,
+                    }
+                };
                 LossAnswer {
                     mode: limit.mode,
                     criterion: limit.criterion,
                     stretch: limit.stretch,
-                    inside_of_data: reached.into_iter().any(|test| {
-                        (test.stretches[0]..=test.stretches[1]).contains(&limit.stretch)
-                    }),
+                    inside_of_data: tests.iter().any(is_reached),
                 }
             });
             all.collect()
@@ -504,7 +517,7 @@ impl LawAnswer {
     fn demand(&self) -> String {
         if self.proof.is_none() {
             return match self.free_losses.first() {
-                None => "It loses neither criterion between stretches 0.1 and 10.".to_owned(),
+                None => "It loses no criterion in tension up to stretch 10.".to_owned(),
                 Some(_) => format!("It loses {}.", in_words(&self.free_losses)),
             };
         }
@@ -532,15 +545,10 @@ fn in_words(losses: &[LossAnswer]) -> String {
     }
     let told = told.iter().map(|loss| {
         format!(
-            "{} at stretch {} in {} {}{}",
+            "{} at stretch {} in {} tension{}",
             loss.criterion.of_library().title(),
             short(loss.stretch),
             loss.mode.name(),
-            if loss.stretch > 1.0 {
-                "tension"
-            } else {
-                "compression"
-            },
             if loss.inside_of_data {
                 ", inside of the data"
             } else {
