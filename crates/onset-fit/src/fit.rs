@@ -443,9 +443,6 @@ impl Search<'_> {
             }
             .solve(&constants)?;
             let law = self.numbers(&found.constants);
-            if law.shear_modulus().is_nan() || law.shear_modulus() <= 0.0 {
-                return None;
-            }
             let mut worst = worst_states(&law, &self.patches);
             worst.retain(|own| own.value < ENOUGH * self.options.margin);
             worst.truncate(ADDED);

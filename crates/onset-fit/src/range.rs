@@ -202,7 +202,7 @@ impl Numbers<'_> {
             let (value, perturbation) = moduli.lowest(*criterion, compressible);
             let value = match value.is_nan() {
                 true => f64::INFINITY,
-                false => value / criterion.reference(shear),
+                false => value / criterion.reference(shear.abs()),
             };
             if worst.as_ref().is_none_or(|own| value < own.value) {
                 worst = Some(Worst {

@@ -224,7 +224,10 @@ impl FitAnswer {
         let mut text = format!(
             "{} fits the {} within {} (root mean square of relative errors)",
             best.law,
-            counted(self.tests.len(), "test"),
+            match self.tests.len() {
+                1 => "test".to_owned(),
+                count => counted(count, "test"),
+            },
             percent(best.error)
         );
         match &best.proof {
@@ -550,7 +553,7 @@ fn in_words(losses: &[LossAnswer]) -> String {
             short(loss.stretch),
             loss.mode.name(),
             if loss.inside_of_data {
-                ", inside of the data"
+                " (inside the data)"
             } else {
                 ""
             }
