@@ -365,10 +365,8 @@ fn modes_of_runs_are_short_waves_only_where_the_discretization_fails() {
     );
     // The next frame is at t = 22.5.
     let tension = TENSION.modes(22.0);
-    assert_eq!(
-        (tension.asked, tension.time, tension.frame),
-        (22.0, 22.5, 15)
-    );
+    assert_eq!((tension.asked, tension.frame), (22.0, 8));
+    assert!((tension.time - 22.5).abs() < 1e-9);
     let lowest = &tension.modes[0];
     assert_eq!(lowest.kind, ModeKind::ShortWave);
     // The infinite lattice has 0.577 in the most stretched state.

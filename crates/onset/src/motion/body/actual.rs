@@ -31,7 +31,7 @@ const VECTORS: usize = 160;
 const SPACES: usize = 12;
 /// Residual over eigenvalue of `(A - s)^-1` at which a mode has converged.
 const RESIDUAL: f64 = 1e-8;
-/// Relative difference of mirrored entries below which the tangent is symmetric.
+/// Relative difference of mirrored entries below which the tangent is symmetric, and relative force on rigid motions below which they are free.
 const SYMMETRIC: f64 = 1e-9;
 /// Largest number of particles: the search for neighbors takes time in proportion to its square.
 const PARTICLES: usize = 50_000;
@@ -237,11 +237,12 @@ pub(crate) fn lowest_modes<const D: usize>(
     let is_symmetric = asymmetry(&matrix) <= SYMMETRIC * scale;
     let (shift, factors) = below_the_spectrum(&matrix, &places, scale)?;
     let rigid = rigid_motions::<D>(body, &free, &masses);
-    let wanted = (count + rigid.len()).min(unknowns);
-    let found = largest_of_inverse(&factors, unknowns, wanted, is_symmetric);
+    let free_motions = without_force(&matrix, &rigid, scale);
+    let wanted = count + rigid.len() - free_motions.len();
+    let found = largest_of_inverse(&factors, &free_motions, unknowns, wanted, is_symmetric);
     let mut all = ActualModes {
         modes: Vec::new(),
-        rigid: 0,
+        rigid: free_motions.len(),
         unknowns,
         is_symmetric,
         scale,
@@ -348,9 +349,40 @@ fn rigid_motions<const D: usize>(
     space.vectors
 }
 
-/// Eigenvalues of the inverse that belong to the lowest modes, with unit vectors; `None` if they do not converge.
+/// Orthonormal combinations of vectors that a matrix maps to zero.
+fn without_force<const D: usize>(
+    matrix: &Rows<D>,
+    vectors: &[Vec<f64>],
+    scale: f64,
+) -> Vec<Vec<f64>> {
+    let image = |vector: &Vec<f64>| -> Vec<f64> {
+        let of_row = |row: &Vec<(u32, SMatrix<f64, D, D>)>| {
+            let terms = row.iter().map(|(to, block)| {
+                block * SVector::<f64, D>::from_column_slice(&vector[D * *to as usize..][..D])
+            });
+            let sum: SVector<f64, D> = terms.sum();
+            array_of::<_, D>(|i| sum[i])
+        };
+        matrix.0.iter().flat_map(of_row).collect()
+    };
+    let images: Vec<Vec<f64>> = vectors.iter().map(image).collect();
+    let images = DMatrix::from_fn(D * matrix.0.len(), vectors.len(), |i, j| images[j][i]);
+    let parts = images.svd(false, true);
+    let Some(shares) = parts.v_t else {
+        return Vec::new();
+    };
+    let is_null = |n: &usize| parts.singular_values[*n] <= SYMMETRIC * scale;
+    let combined = |n: usize| Space::combined(vectors, shares.row(n).transpose().as_slice());
+    (0..parts.singular_values.len())
+        .filter(is_null)
+        .map(combined)
+        .collect()
+}
+
+/// Eigenvalues of the inverse that belong to the lowest modes, with unit vectors orthogonal to given modes; `None` if they do not converge.
 fn largest_of_inverse<const D: usize>(
     factors: &Factors<D>,
+    known: &[Vec<f64>],
     unknowns: usize,
     wanted: usize,
     is_symmetric: bool,
@@ -363,7 +395,20 @@ fn largest_of_inverse<const D: usize>(
                 .collect()
         })
         .collect();
-    let most = VECTORS.max(4 * wanted).min(unknowns);
+    let all = unknowns - known.len();
+    let wanted = wanted.min(all);
+    if wanted == 0 {
+        return Some(Vec::new());
+    }
+    let most = VECTORS.max(4 * wanted).min(all);
+    let without_known = |mut vector: Vec<f64>| {
+        for own in known {
+            let share = dot(own, &vector);
+            let both = vector.iter_mut().zip(own);
+            both.for_each(|(x, own)| *x -= share * own);
+        }
+        vector
+    };
     for _ in 0..SPACES {
         let mut space = Space::default();
         let mut next = std::mem::take(&mut start);
@@ -372,10 +417,11 @@ fn largest_of_inverse<const D: usize>(
             let mut images = Vec::new();
             for vector in next {
                 crate::cancel::checkpoint();
-                let Some(own) = space.beyond(&vector).filter(|_| space.vectors.len() < most) else {
+                let own = space.beyond(&without_known(vector));
+                let Some(own) = own.filter(|_| space.vectors.len() < most) else {
                     continue;
                 };
-                let image = factors.solved(&own);
+                let image = without_known(factors.solved(&own));
                 space.add(own, image.clone());
                 images.push(image);
             }
@@ -384,7 +430,7 @@ fn largest_of_inverse<const D: usize>(
                 checked = space.vectors.len() + 4 * AT_ONCE;
                 let found = space.largest_pairs(wanted, is_symmetric)?;
                 let has_all = found.len() == wanted;
-                let is_exact = space.vectors.len() == unknowns;
+                let is_exact = space.vectors.len() == all;
                 if has_all && (is_exact || found.iter().all(|own| own.missed <= RESIDUAL)) {
                     return Some(
                         found
