@@ -717,13 +717,13 @@ class Screening(Answer):
         Raises
         ------
         OnsetError
-            If xarray is not installed, or no modes were asked for.
+            If xarray is not installed, or ``actual`` was not given.
         """
         from ._exports import dataset
 
         actual = self.to_dict()["actual"]
         if actual is None:
-            raise OnsetError("no modes were asked for\n  hint: call onset.screen with actual, the time of a frame")
+            raise OnsetError("there are no modes\n  hint: call onset.screen with actual, the time of a frame")
         displacements = [np.frombuffer(mode).reshape(-1, 3) for mode in self._modes]
         arrays: dict[str, Any] = {"displacement": (("mode", "node", "axis"), np.stack(displacements))}
         for name in ("omega_squared", "growth", "kind", "short_waves", "strained", "particle"):

@@ -556,7 +556,7 @@ def screen(
         Width of the bins of stretch in which particles share a state.
     actual
         Time at whose nearest frame the lowest modes of the body are found: ``K u = omega^2 M u`` with ``K`` the tangent of the forces on all particles at
-        their positions, minus the derivative of the forces with respect to the displacements. Held particles are at rest, and rigid motions are left
+        their positions, minus the derivative of the forces with respect to the displacements. Held particles are fixed, and rigid motions are left
         out. ``answer["actual"]`` has ``omega_squared`` (1/time^2), the growth rate (1/time) and the kind of each mode; ``modes()`` has its displacements.
     fields
         Keep the fields of all frames for ``fields()`` of the answer.

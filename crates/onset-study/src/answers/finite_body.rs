@@ -132,9 +132,7 @@ pub(crate) fn hint_on_body(error: &BodyError) -> &'static str {
         BodyError::NoStress { .. } | BodyError::NotConverged => {
             "choose an earlier time, or check law and reference positions"
         }
-        BodyError::OtherElement { .. } => {
-            "the elements of the run must be those of discretization.mesh"
-        }
+        BodyError::OtherElement { .. } => "set discretization.mesh to the elements of the run",
         BodyError::TooLarge { .. } => {
             "some 50,000 particles in the plane fit, and some 10,000 in space: choose a coarser run"
         }

@@ -12,13 +12,13 @@ use onset::kinematics::DeformationGradient;
 use onset::motion::{ActualBody, ActualMode, PlacedParticle};
 use serde::Serialize;
 
-/// Number of modes.
+/// Number of modes in an answer.
 const MODES: usize = 6;
 /// Smallest `omega^2` that is not rounding, over the largest entry of the tangent over masses.
 const ROUNDING: f64 = 1e-9;
 /// Radius of the neighborhoods in which a mode is linear or not, in spacings: nearest neighbors and, on square lattices, those along diagonals.
 const RADIUS: f64 = 1.6;
-/// Share of a mode in short waves above which it is one: waves of up to four spacings.
+/// Smallest share of short waves in a mode of this kind: waves of up to four spacings.
 const SHORT: f64 = 0.2;
 /// Largest share of the body that strains in a localized mode, and its largest width in spacings.
 const LOCALIZED: (f64, f64) = (0.2, 6.0);
@@ -64,9 +64,9 @@ pub struct BodyModeAnswer {
 /// Lowest modes of the body in a frame: `K u = omega^2 M u` with the tangent `K` of the forces on its particles.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Actual {
-    /// Time that was asked for.
+    /// Time that the user gave.
     pub asked: f64,
-    /// Time of the nearest frame, to which the modes belong.
+    /// Time of the nearest frame, that of the modes.
     pub time: f64,
     /// Number of this frame, from 0.
     pub frame: usize,

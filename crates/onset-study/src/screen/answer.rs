@@ -163,7 +163,7 @@ pub struct ScreenAnswer {
     pub changes: Vec<Remedy>,
     /// Limits of the theory in this run.
     pub limits: Vec<String>,
-    /// Lowest modes of the body in the frame that was asked for.
+    /// Lowest modes of the body in one frame.
     pub actual: Option<Actual>,
     /// Largest stable time steps.
     pub time_step: Option<StepLimit>,

@@ -334,7 +334,7 @@ struct Follower<'p> {
     /// Amplitude of the first frame; spacings.
     first_seed: f64,
     has_begun: bool,
-    /// Frame nearest to the time whose modes are asked for.
+    /// Frame nearest to the time of the modes.
     nearest: Option<Nearest>,
     /// Integral of the growth rate by the time step.
     by_step: f64,
@@ -644,7 +644,7 @@ impl<'p> Follower<'p> {
         }
     }
 
-    /// Lowest modes of the body in the frame nearest to the time that is asked for.
+    /// Lowest modes of the body in the nearest frame.
     fn actual(&mut self) -> Result<Option<Actual>, ScreenError> {
         let Some((asked, nearest)) = self.question.actual.zip(self.nearest.take()) else {
             return Ok(None);

@@ -457,7 +457,7 @@ pub fn body_mode(
     )
 }
 
-/// Returns the lowest modes of a body in an actual state, at most `count` besides rigid motions: `K u = omega^2 M u` with the tangent `K` of the forces
+/// Returns the `count` lowest modes of a body in an actual state, without rigid motions: `K u = omega^2 M u` with the tangent `K` of the forces
 /// on its particles.
 ///
 /// # Errors

@@ -1,7 +1,7 @@
 //! Lowest modes of a body in an actual state, in which each particle has another deformation.
 //!
 //! The tangent `K` is minus the exact derivative of the forces on all particles at their actual positions. The modes satisfy `K u = omega^2 M u`, with the held
-//! particles at rest. With `A = M^-1/2 K M^-1/2` and a shift `s` below the spectrum, `(A - s)^-1` has the eigenvalues `1 / (omega^2 - s)`: those of the
+//! particles fixed. With `A = M^-1/2 K M^-1/2` and a shift `s` below the spectrum, `(A - s)^-1` has the eigenvalues `1 / (omega^2 - s)`: those of the
 //! lowest modes are largest, and a block Krylov space finds them first. The shift is below the spectrum if all pivots of `A - s` are positive (the law of
 //! inertia); for an unsymmetric tangent the pivots of its symmetric part are taken.
 
@@ -35,7 +35,7 @@ const RESIDUAL: f64 = 1e-8;
 const SYMMETRIC: f64 = 1e-9;
 /// Largest number of particles: the search for neighbors takes time in proportion to its square.
 const PARTICLES: usize = 50_000;
-/// Share of a mode in rigid motions above which it is one.
+/// Smallest share of a rigid motion's mode in rigid motions.
 const RIGID: f64 = 0.99;
 
 /// Body in an actual state.
@@ -43,7 +43,7 @@ const RIGID: f64 = 0.99;
 pub struct ActualBody<'b> {
     /// Particles in the reference configuration.
     pub particles: &'b [PlacedParticle],
-    /// Current positions; length.
+    /// Current positions of the particles; length.
     pub positions: &'b [[f64; 3]],
     /// Deformation gradients, which particles with kernels in current coordinates carry; `None` where they are unknown.
     pub deformations: &'b [Option<DeformationGradient>],
@@ -76,7 +76,7 @@ pub struct ActualModes {
     pub modes: Vec<ActualMode>,
     /// Number of rigid motions among the lowest modes.
     pub rigid: usize,
-    /// Number of unknowns.
+    /// Number of components of the displacements of free particles.
     pub unknowns: usize,
     /// Whether the tangent is symmetric: forces have a potential.
     pub is_symmetric: bool,
@@ -189,7 +189,7 @@ fn lost(body: &ActualBody<'_>, particle: usize) -> BodyError {
     }
 }
 
-/// Returns the lowest modes of a body in an actual state, at most `count` besides rigid motions.
+/// Returns the `count` lowest modes of a body in an actual state, without rigid motions.
 ///
 /// # Errors
 /// [`BodyError`] if method or law have no tangent there, or if the body is too large.

@@ -1,6 +1,6 @@
 //! Direct solution of sparse linear systems of bodies: LU factors of dense fronts, in the order of a nested dissection.
 //!
-//! The body is divided by separators into halves, again and again. Unknowns of the parts are eliminated before those of their separators. Each
+//! Separators divide the body into halves, and these further. Unknowns of the halves are eliminated before those of their separators. Each
 //! elimination is a dense operation on a front, the unknowns that are eliminated together with all later ones that they are coupled to. A body of `n`
 //! particles in the plane has `n log n` nonzero factors. Pivots are chosen within a front only: the matrix should be positive definite, not
 //! necessarily symmetric.
@@ -29,7 +29,7 @@ pub(super) enum NoFactors {
     TooMany,
 }
 
-/// Particles that are eliminated together, with the later ones that they are coupled to.
+/// Particles that are eliminated together, with the later particles that they are coupled to.
 struct Front {
     own: Vec<u32>,
     beyond: Vec<u32>,
@@ -231,7 +231,7 @@ impl<const D: usize> Factors<D> {
     }
 }
 
-/// Eliminates the own unknowns of a front; returns the matrix of the rest, too.
+/// Eliminates the unknowns of a front; also returns the matrix of the later ones.
 fn eliminated<const D: usize>(
     own: &[u32],
     beyond: &[u32],
