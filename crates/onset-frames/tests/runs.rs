@@ -389,6 +389,9 @@ fn data_sets_of_hdf5_have_frames_as_their_first_axis() {
         let reference = frame.reference.as_ref().expect("reference positions");
         assert_eq!(reference[8], [2.0, 2.0, 0.0]);
         let gradient = frame.gradient.as_ref().expect("gradients");
+        let held = frame.held.as_ref().expect("held particles");
+        assert_eq!(held[..4], [true, false, false, true]);
+        assert_eq!(frame.identity.as_ref().expect("numbers")[..2], [8, 7]);
         assert!((gradient[0][0] - stretch).abs() < 1e-12 && gradient[0][1] == 0.0);
     }
     // A data set can be named by its path, too.

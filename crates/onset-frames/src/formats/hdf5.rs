@@ -10,7 +10,7 @@ use crate::error::{FrameError, Place, word};
 use crate::frame::Frame;
 use crate::input::regular;
 use crate::reading::{Quantity, Reading};
-use rust_hdf5::{DatatypeMessage, H5File, Hdf5Error};
+use rust_hdf5::{DatatypeMessage, H5Dataset, H5File, Hdf5Error};
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
@@ -25,8 +25,29 @@ struct Stored {
     /// Last part of the path, if no other data set has it, or else the path.
     name: String,
     shape: Vec<usize>,
+    kind: Kind,
     /// Bytes of a number.
     size: usize,
+}
+
+/// Type of the numbers in a data set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Float,
+    Signed,
+    Unsigned,
+    /// Truth values, which h5py writes as enumerations of bytes.
+    Flag,
+}
+
+fn kind_of(set: &H5Dataset) -> Option<Kind> {
+    match set.datatype().ok()? {
+        DatatypeMessage::FloatingPoint { .. } => Some(Kind::Float),
+        DatatypeMessage::FixedPoint { signed: true, .. } => Some(Kind::Signed),
+        DatatypeMessage::FixedPoint { .. } => Some(Kind::Unsigned),
+        DatatypeMessage::Enum { .. } if set.element_size() == 1 => Some(Kind::Flag),
+        _ => None,
+    }
 }
 
 /// Open file with its columns.
@@ -48,12 +69,10 @@ struct Bodies {
 }
 
 fn damaged(path: &Path, error: &Hdf5Error) -> FrameError {
+    let reason: String = error.to_string().chars().take(120).collect();
     FrameError::wrong(
         Place::file(path),
-        format!(
-            "a readable HDF5 file ({})",
-            word(error.to_string().as_bytes())
-        ),
+        format!("a readable HDF5 file ({})", reason.escape_debug()),
         HINT,
     )
 }
@@ -87,18 +106,15 @@ fn stored(
     let mut sets = Vec::new();
     for own in names {
         let set = file.dataset(&own).map_err(failed)?;
-        let is_number = matches!(
-            set.datatype(),
-            Ok(DatatypeMessage::FixedPoint { .. } | DatatypeMessage::FloatingPoint { .. })
-        );
-        match is_number {
-            true => sets.push(Stored {
+        match kind_of(&set) {
+            Some(kind) => sets.push(Stored {
                 shape: set.shape(),
+                kind,
                 size: set.element_size(),
                 name: String::new(),
                 path: own,
             }),
-            false => ignored.push(format!("`{}` holds no numbers", word(own.as_bytes()))),
+            None => ignored.push(format!("`{}` holds no numbers", word(own.as_bytes()))),
         }
     }
     // One body of PySPH: the chosen one, or the one with the most particles.
@@ -156,7 +172,19 @@ fn numbers(
 ) -> Result<Vec<f64>, FrameError> {
     let failed = |error: Hdf5Error| damaged(path, &error);
     let open = file.dataset(&set.path).map_err(failed)?;
-    let values: Vec<f64> = open.read_numeric_slice_as(starts, counts).map_err(failed)?;
+    let values: Result<Vec<f64>, Hdf5Error> = match set.kind {
+        Kind::Float => open.read_numeric_slice_as(starts, counts),
+        Kind::Signed => open
+            .read_numeric_slice_as::<i64>(starts, counts)
+            .map(|all| all.into_iter().map(|x| x as f64).collect()),
+        Kind::Unsigned => open
+            .read_numeric_slice_as::<u64>(starts, counts)
+            .map(|all| all.into_iter().map(|x| x as f64).collect()),
+        Kind::Flag => open
+            .read_slice::<i8>(starts, counts)
+            .map(|all| all.into_iter().map(f64::from).collect()),
+    };
+    let values = values.map_err(failed)?;
     match values.len() == counts.iter().product::<usize>() {
         true => Ok(values),
         false => Err(FrameError::wrong(
