@@ -660,12 +660,19 @@ class Screening(Answer):
     ``observed`` are the times and places at which the cause begins and at which short waves are observed.
     """
 
-    __slots__ = ("_kept",)
+    __slots__ = ("_kept", "_modes")
     _kept: list[tuple[float, Mapping[str, bytes]]]
+    _modes: list[bytes]
 
-    def __init__(self, answer: _onset.Answer, kept: list[tuple[float, Mapping[str, bytes]]] | None = None) -> None:
+    def __init__(
+        self,
+        answer: _onset.Answer,
+        kept: list[tuple[float, Mapping[str, bytes]]] | None = None,
+        modes: list[bytes] | None = None,
+    ) -> None:
         super().__init__(answer)
         object.__setattr__(self, "_kept", kept or [])
+        object.__setattr__(self, "_modes", modes or [])
 
     def to_xarray(self) -> xarray.Dataset:
         """Predictions and measurements over ``time``: amplitudes in spacings, rates in 1/time, ratios of the limits. Requires xarray.
@@ -700,6 +707,28 @@ class Screening(Answer):
         arrays = {name: np.stack([np.frombuffer(found[name]) for _, found in self._kept]) for name in names}
         axes = {name: ("time", "node" if name == "noise" else "point") for name in names}
         return dataset({name: (axes[name], arrays[name]) for name in names}, {"time": [now for now, _ in self._kept]})
+
+    def modes(self) -> xarray.Dataset:
+        """Lowest modes of the body over ``mode``, if ``onset.screen`` was called with ``actual``.
+
+        ``displacement`` over ``mode``, ``node`` and ``axis`` has a largest vector of length 1. ``omega_squared`` is in 1/time^2, ``growth`` in 1/time. Requires
+        xarray.
+
+        Raises
+        ------
+        OnsetError
+            If xarray is not installed, or ``actual`` was not given.
+        """
+        from ._exports import dataset
+
+        actual = self.to_dict()["actual"]
+        if actual is None:
+            raise OnsetError("there are no modes\n  hint: call onset.screen with actual, the time of a frame")
+        displacements = [np.frombuffer(mode).reshape(-1, 3) for mode in self._modes]
+        arrays: dict[str, Any] = {"displacement": (("mode", "node", "axis"), np.stack(displacements))}
+        for name in ("omega_squared", "growth", "kind", "short_waves", "strained", "particle"):
+            arrays[name] = ("mode", np.array([mode[name] for mode in actual["modes"]]))
+        return dataset(arrays, {"mode": np.arange(1, 1 + len(displacements)), "axis": ["x", "y", "z"]})
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draws observed and predicted amplitudes over time."""

@@ -505,6 +505,7 @@ def screen(
     threshold: float = 0.05,
     seed: float | None = None,
     bin: float = 0.001,
+    actual: float | None = None,
     fields: bool = False,
 ) -> Screening:
     """First cause of an instability in a run of your own code: ``onset screen``.
@@ -539,7 +540,7 @@ def screen(
     volumes
         Reference volumes, shape (particles,); length^D. The square or cube of the spacing if omitted.
     elements
-        Numbers of the nodes of each element, shape (elements, nodes). Elements then have the states.
+        Numbers of the nodes of each element in the order of VTK, shape (elements, nodes). Elements then have the states.
     region
         Lower and upper corner of a box of reference positions; other particles are not judged.
     time_step
@@ -553,6 +554,10 @@ def screen(
         Amplitude of the waves when growth begins, in spacings; the short waves of the first frames if omitted.
     bin
         Width of the bins of stretch in which particles share a state.
+    actual
+        Time at whose nearest frame the lowest modes of the body are found: ``K u = omega^2 M u`` with ``K`` the tangent of the forces on all particles at
+        their positions, minus the derivative of the forces with respect to the displacements. Held particles are fixed, and rigid motions are left
+        out. ``answer["actual"]`` has ``omega_squared`` (1/time^2), the growth rate (1/time) and the kind of each mode; ``modes()`` has its displacements.
     fields
         Keep the fields of all frames for ``fields()`` of the answer.
 
@@ -592,9 +597,11 @@ def screen(
         threshold=share(threshold, "threshold"),
         seed=None if seed is None else share(seed, "seed"),
         bin=share(bin, "bin"),
+        actual=None if actual is None else number(actual, "actual"),
     )
     take = (lambda _, now, found: kept.append((now, found))) if switch(fields, "fields") else None
-    return Screening(_onset.screen(problem, asked, count, give, take), kept)
+    modes: list[bytes] = []
+    return Screening(_onset.screen(problem, asked, count, give, take, modes.append), kept, modes)
 
 
 @asks

@@ -109,6 +109,7 @@ def screen(
     count: int,
     give: Callable[[int], _Fields],
     take: Callable[[int, float, Mapping[str, bytes]], None] | None,
+    modes: Callable[[bytes], None],
 ) -> Answer: ...
 @final
 class Law:

@@ -85,6 +85,24 @@ def test_a_step_above_the_limit_of_the_body_is_reported() -> None:
     assert float(answer.to_xarray()["step_ratio"].min()) > 1
 
 
+def test_modes_are_arrays() -> None:
+    X, x = plate()
+    held = X[:, 0] == 0
+    method = onset.Method("total-lagrangian-sph", support=2.01, penalty=0.3)
+    answer = onset.screen(x, X, None, None, method, held=held, actual=1.2)
+    assert (answer["actual"]["time"], answer["actual"]["frame"], answer["actual"]["unknowns"]) == (1, 1, 180)
+    modes = answer.modes()
+    assert modes["displacement"].shape == (6, 100, 3)
+    assert np.all(modes["displacement"].values[:, held] == 0)
+    length = np.linalg.norm(modes["displacement"], axis=-1).max(-1)
+    assert np.allclose(length, 1)
+    assert np.all(np.diff(modes["omega_squared"]) >= 0)
+    assert float(modes["omega_squared"][0]) > 0
+    assert list(modes["kind"][:2]) == ["structural"] * 2
+    with pytest.raises(onset.OnsetError, match="there are no modes"):
+        onset.screen(x, X, None, None, method).modes()
+
+
 def test_faults_name_the_argument() -> None:
     X, x = plate()
     with pytest.raises(onset.InputError, match=r"x\[2\] has values that are not finite"):
@@ -102,6 +120,7 @@ def test_faults_name_the_argument() -> None:
         ({"elements": [[0, 1, 100]]}, "elements refers to missing particles"),
         ({"stepping": "euler"}, "expected one of velocity-verlet"),
         ({"region": ([0, 0], [-1])}, "is not a box"),
+        ({"actual": 6}, "the frames are from t = 0 to 5"),
         ({"x": x[:1]}, "growth needs at least two"),
     ]:
         with pytest.raises(onset.InputError, match=message):

@@ -688,6 +688,9 @@ pub struct ScreenArguments {
     /// Width of the bins of stretch in which particles share a state. The expected time is also computed with twice the width.
     #[arg(long, value_name = "WIDTH", value_parser = share, allow_negative_numbers = true, default_value_t = BIN)]
     pub bin: f64,
+    /// Find the lowest modes of the body, with the tangent of all forces, in the frame nearest to this time: structural, localized, or short waves.
+    #[arg(long, value_name = "TIME", value_parser = time, allow_negative_numbers = true)]
+    pub actual: Option<f64>,
     /// Exit with code 3 if the first cause is one of these: physical, numerical, time-step, zero-energy, forced.
     #[arg(
         long,
@@ -696,7 +699,7 @@ pub struct ScreenArguments {
         value_delimiter = ','
     )]
     pub fail_on: Vec<Cause>,
-    /// Folder for screen.pvd with fields, screen.json, screen.csv, screen.svg, screen.png and first.toml; nothing is written without it.
+    /// Folder for screen.pvd with fields, screen.json, screen.csv, screen.svg, screen.png, first.toml and modes.vtu; nothing is written without it.
     #[arg(long, value_name = "DIR", help_heading = "Files")]
     pub out: Option<PathBuf>,
     /// Largest number of frames whose fields are written.
@@ -968,6 +971,13 @@ fn positive(text: &str) -> Result<f64, String> {
     number
         .filter(|number| Positive.holds(*number, "time"))
         .ok_or_else(|| format!("expected {}, for example 0.05", Positive.expected("time")))
+}
+
+fn time(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok();
+    number
+        .filter(|number| number.is_finite())
+        .ok_or_else(|| "expected a time, for example 190".to_owned())
 }
 
 fn stepping(text: &str) -> Result<Stepping, String> {

@@ -2,7 +2,7 @@
 
 use crate::columns::{ColumnUse, Plan};
 use crate::error::{FrameError, word};
-use crate::formats::{Source, Stamp, lammps, numpy, table, vtk, xyz};
+use crate::formats::{Source, Stamp, hdf5, lammps, numpy, table, vtk, xyz};
 use crate::frame::Frame;
 use crate::reading::{Quantity, Reading};
 use crate::text::head;
@@ -19,6 +19,8 @@ pub enum Format {
     Vtk,
     /// Arrays of NumPy, one file or an archive of several.
     Numpy,
+    /// Data sets of HDF5.
+    Hdf5,
     /// Blocks of particles in extended XYZ.
     Xyz,
     /// Table with names of columns.
@@ -32,6 +34,7 @@ impl Format {
             Self::Lammps => "LAMMPS dump",
             Self::Vtk => "VTK XML",
             Self::Numpy => "NumPy arrays",
+            Self::Hdf5 => "HDF5",
             Self::Xyz => "extended XYZ",
             Self::Table => "table",
         }
@@ -57,17 +60,14 @@ impl Format {
                 "the file is of the legacy format of VTK",
                 "convert it to .vtu, for example with meshio or ParaView",
             ),
-            _ if start.starts_with(b"\x89HDF") => refused(
-                "the file is of the format HDF5",
-                "read its arrays with h5py and pass them to onset.screen in Python, or save them with numpy.savez",
-            ),
+            _ if start.starts_with(b"\x89HDF\r\n\x1a\n") => Ok(Self::Hdf5),
             _ if start.starts_with(b"\x28\xb5\x2f\xfd") => refused(
                 "the file is compressed with zstd",
                 "decompress it, or compress it with gzip",
             ),
             _ if text.contains(&0) || start.starts_with(b"\x80") => refused(
                 "the file is binary, of an unknown format",
-                "known formats: LAMMPS text dump, VTK XML, NumPy arrays without pickle, extended XYZ, CSV",
+                "known formats: LAMMPS text dump, VTK XML, NumPy arrays without pickle, HDF5, extended XYZ, CSV",
             ),
             _ if xyz::is_start(text) => Ok(Self::Xyz),
             _ => Ok(Self::Table),
@@ -163,6 +163,7 @@ impl Series {
             Format::Lammps => lammps::open(&files, reading),
             Format::Vtk => vtk::open(&files, reading),
             Format::Numpy => numpy::open(&files, reading),
+            Format::Hdf5 => hdf5::open(&files, reading),
             Format::Xyz => xyz::open(&files, reading),
             Format::Table => table::open(&files, reading),
         }?;
@@ -338,7 +339,11 @@ fn stem(path: &Path) -> String {
         .unwrap_or_default()
         .to_string_lossy()
         .into_owned();
-    let Some(end) = name.rfind(|letter: char| letter.is_ascii_digit()) else {
+    // The 5 of `.hdf5` counts nothing, unlike that of `dump.5`.
+    let has_letters = |ending: &str| ending.contains(|letter: char| letter.is_alphabetic());
+    let counted = name.rfind('.').filter(|dot| has_letters(&name[*dot..]));
+    let counted = &name[..counted.unwrap_or(name.len())];
+    let Some(end) = counted.rfind(|letter: char| letter.is_ascii_digit()) else {
         return name;
     };
     let start = name[..end].rfind(|letter: char| !letter.is_ascii_digit());

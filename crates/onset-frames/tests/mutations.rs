@@ -96,6 +96,8 @@ fn damaged_files_give_frames_or_an_error() {
         ("b.vtu", read("meshio-base64.vtu")),
         ("c.vtu", read("meshio-zlib.vtu")),
         ("a.pvd", read("small.pvd")),
+        ("a.h5", read("series.h5")),
+        ("b.h5", read("square_5.hdf5")),
     ];
     for name in ["meshio-ascii.vtu", "meshio-zlib.vtu"] {
         std::fs::write(folder.path().join(name), read(name)).expect("written");

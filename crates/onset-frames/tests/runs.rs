@@ -327,7 +327,7 @@ fn pickled_arrays_and_other_formats_are_refused_with_a_hint() {
 fn formats_that_are_not_read_are_named() {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, start, told) in [
-        ("run.h5", &b"\x89HDF\r\n\x1a\n"[..], "h5py"),
+        ("run.h5", &b"\x89HDF\r\n\x1a\n"[..], "HDF5"),
         ("run.dump.zst", &b"\x28\xb5\x2f\xfd"[..], "zstd"),
     ] {
         let path = written(&folder, name, [start, &[0; 64]].concat());
@@ -366,4 +366,72 @@ fn extended_xyz_has_properties_times_and_a_box() {
     assert_eq!(last.bounds.expect("a box").periodic, [false, false, true]);
     let path = written(&folder, "bad2.xyz", "1\nProperties=pos:R:x\n1 1 1\n");
     assert!(refused(path, &Reading::default()).contains("Properties=NAME:TYPE:NUMBER"));
+}
+
+#[test]
+fn data_sets_of_hdf5_have_frames_as_their_first_axis() {
+    let series = open("series.h5");
+    let recognized = series.recognized().clone();
+    assert_eq!(recognized.format, Format::Hdf5);
+    assert_eq!(recognized.digits, Some(7));
+    assert!(
+        recognized
+            .ignored
+            .iter()
+            .any(|text| text.contains("run/name"))
+    );
+    let frames = all(series);
+    assert_eq!(frames.len(), 4);
+    for (n, frame) in frames.iter().enumerate() {
+        let stretch = 1.0 + 0.01 * n as f64;
+        assert_eq!(frame.time, Some(0.5 * n as f64));
+        assert!((frame.position[8][0] - 2.0 * stretch).abs() < 1e-6);
+        let reference = frame.reference.as_ref().expect("reference positions");
+        assert_eq!(reference[8], [2.0, 2.0, 0.0]);
+        let gradient = frame.gradient.as_ref().expect("gradients");
+        let held = frame.held.as_ref().expect("held particles");
+        assert_eq!(held[..4], [true, false, false, true]);
+        assert_eq!(frame.identity.as_ref().expect("numbers")[..2], [8, 7]);
+        assert!((gradient[0][0] - stretch).abs() < 1e-12 && gradient[0][1] == 0.0);
+    }
+    // A data set can be named by its path, too.
+    let reading = Reading::default();
+    let reading = reading
+        .with_columns("x=run/reference time=time")
+        .expect("columns");
+    let series = Series::open(&[data("series.h5")], &reading).expect("a series");
+    assert_eq!(all(series)[3].position[8], [2.0, 2.0, 0.0]);
+}
+
+#[test]
+fn hdf5_files_of_pysph_are_frames_of_one_body() {
+    let reading = Reading {
+        time_step: Some(0.1),
+        ..Reading::default()
+    };
+    let series = Series::open(&[data("square_*.hdf5")], &reading).expect("a series");
+    let recognized = series.recognized().clone();
+    assert_eq!(recognized.digits, None);
+    assert!(
+        recognized
+            .ignored
+            .iter()
+            .any(|text| text.contains("`wall`"))
+    );
+    let frames = all(series);
+    let times: Vec<f64> = frames.iter().filter_map(|frame| frame.time).collect();
+    assert_eq!(times, [0.5, 1.0, 10.5]);
+    let last = &frames[2];
+    assert_eq!(last.len(), 9);
+    assert!((last.position[8][0] - 2.0 * 1.105).abs() < 1e-12);
+    assert_eq!(last.velocity.as_ref().expect("velocities")[8][0], 0.02);
+    // The stress is the deviator minus the pressure.
+    let stress = last.stress.as_ref().expect("stresses")[8];
+    assert!((stress[0] - (0.2 - 0.5)).abs() < 1e-12);
+    let wall = Reading {
+        group: Some("wall".to_owned()),
+        ..reading
+    };
+    let series = Series::open(&[data("square_5.hdf5")], &wall).expect("a series");
+    assert_eq!(all(series)[0].len(), 3);
 }

@@ -7,7 +7,8 @@ use crate::pool::evaluating;
 use crate::problem::Problem;
 use onset::cancel::checkpoint;
 use onset_study::screen::{
-    Frame, Question, Region, Run, ScreenAnswer, ScreenError, Snapshot, Stepping, stepping_named,
+    Actual, Frame, Question, Region, Run, ScreenAnswer, ScreenError, Snapshot, Stepping,
+    stepping_named,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -38,6 +39,7 @@ pub struct Asked {
     threshold: f64,
     seed: Option<f64>,
     bin: f64,
+    actual: Option<f64>,
 }
 
 /// Rows of a field from bytes of doubles.
@@ -69,7 +71,15 @@ fn keep(py: Python<'_>, take: &Py<PyAny>, snapshot: &Snapshot<'_>) -> PyResult<(
     Ok(())
 }
 
-/// Screens a run of `count` frames. `give` returns the fields of a frame, and `take` receives the results.
+fn keep_modes(py: Python<'_>, take: &Py<PyAny>, actual: &Actual) -> PyResult<()> {
+    for mode in &actual.modes {
+        let displacements = crate::arrays::bytes(py, mode.displacements.as_flattened());
+        evaluating(|| take.call1(py, (displacements,)))?;
+    }
+    Ok(())
+}
+
+/// Screens a run of `count` frames. `give` returns the fields of a frame, `take` receives the results, and `modes` the displacements of each mode.
 #[pyfunction]
 pub fn screen(
     py: Python<'_>,
@@ -78,6 +88,7 @@ pub fn screen(
     count: usize,
     give: Py<PyAny>,
     take: Option<Py<PyAny>>,
+    modes: Py<PyAny>,
 ) -> PyResult<Answer> {
     let problem = Arc::clone(&problem.0);
     interrupt::answer(py, move || {
@@ -94,6 +105,7 @@ pub fn screen(
             threshold: asked.threshold,
             seed: asked.seed,
             bin: asked.bin,
+            actual: asked.actual,
         };
         let region = asked.region.as_deref().map(str::parse::<Region>);
         let run = Run {
@@ -129,6 +141,12 @@ pub fn screen(
             }
         };
         let answer = ScreenAnswer::new(&problem, &question, &run, None, &mut frames, &mut sink);
+        if let Ok(answer) = &answer
+            && let Some(actual) = &answer.actual
+        {
+            let kept = Python::try_attach(|py| keep_modes(py, &modes, actual));
+            *raised.borrow_mut() = kept.and_then(Result::err);
+        }
         let answer = match (answer, raised.take()) {
             (_, Some(error)) => return Err(Failure::Raised(error)),
             (Ok(answer), None) => answer,

@@ -5,7 +5,8 @@
 use onset_frames::FrameRange;
 use onset_study::answers::Problem;
 use onset_study::screen::{
-    Cause, Frame, Question, Recording, Reference, Run, ScreenAnswer, Source, stepping_named,
+    Actual, Cause, Frame, ModeKind, Question, Recording, Reference, Run, ScreenAnswer, ScreenError,
+    Source, stepping_named,
 };
 use onset_study::settings::{Family, Settings};
 use std::io::Read;
@@ -82,15 +83,18 @@ impl Known {
     }
 
     fn screened(&self, source: &Source) -> ScreenAnswer {
+        self.asked(source, &self.question())
+    }
+
+    fn asked(&self, source: &Source, question: &Question) -> ScreenAnswer {
         let problem = self.problem(&[]);
         let has_elements = problem.settings.method.method == Family::FiniteElements;
         let (recording, run, mut series) =
             Recording::open(source, 2, has_elements).expect("a recording");
         let mut frames = recording.frames(&mut series, 2);
-        let question = self.question();
         let answer = ScreenAnswer::new(
             &problem,
-            &question,
+            question,
             &run,
             Some(&recording),
             &mut frames,
@@ -101,6 +105,16 @@ impl Known {
 
     fn answer(&self) -> ScreenAnswer {
         self.screened(&self.source(self.path()))
+    }
+
+    /// Lowest modes of the body at a time.
+    fn modes(&self, time: f64) -> Actual {
+        let question = Question {
+            actual: Some(time),
+            ..self.question()
+        };
+        let answer = self.asked(&self.source(self.path()), &question);
+        answer.actual.expect("modes")
     }
 }
 
@@ -286,12 +300,19 @@ fn stretched(count: usize, amplitude: impl Fn(f64) -> f64) -> (Run, Vec<Frame>) 
     (run, frames)
 }
 
-fn of_arrays(known: &Known, more: &[&str], (run, frames): &(Run, Vec<Frame>)) -> ScreenAnswer {
+fn of_arrays(known: &Known, more: &[&str], run: &(Run, Vec<Frame>)) -> ScreenAnswer {
+    asked_of_arrays(known, more, run, &known.question()).expect("an answer")
+}
+
+fn asked_of_arrays(
+    known: &Known,
+    more: &[&str],
+    (run, frames): &(Run, Vec<Frame>),
+    question: &Question,
+) -> Result<ScreenAnswer, ScreenError> {
     let problem = known.problem(more);
     let mut frames = frames.iter().cloned().map(Ok);
-    let question = known.question();
-    let answer = ScreenAnswer::new(&problem, &question, run, None, &mut frames, &mut |_| Ok(()));
-    answer.expect("an answer")
+    ScreenAnswer::new(&problem, question, run, None, &mut frames, &mut |_| Ok(()))
 }
 
 #[test]
@@ -303,4 +324,88 @@ fn short_waves_that_no_state_explains_are_forced_or_without_energy() {
     assert_eq!(of_arrays(&HEALTHY, &none, &run).cause, Cause::ZeroEnergy);
     let still = stretched(12, |_| 1e-6);
     assert_eq!(of_arrays(&HEALTHY, &[], &still).cause, Cause::None);
+}
+
+#[test]
+fn a_neck_comes_before_the_band() {
+    // Ellipticity is lost at t = 223.6.
+    let lowest = |time: f64| {
+        let modes = ELEMENTS.modes(time);
+        assert!(modes.is_symmetric && modes.rigid == 0);
+        let lowest = modes.modes[0].clone();
+        assert!(
+            modes
+                .modes
+                .windows(2)
+                .all(|pair| pair[0].omega_squared <= pair[1].omega_squared)
+        );
+        lowest
+    };
+    let stable = lowest(185.0);
+    assert!(stable.omega_squared > 0.0 && stable.growth == 0.0);
+    let neck = lowest(215.0);
+    assert!(neck.omega_squared < 0.0);
+    assert_eq!(neck.kind, ModeKind::Structural);
+    assert!((neck.growth.powi(2) + neck.omega_squared).abs() < 1e-12);
+    let band = lowest(235.0);
+    assert!(band.growth > 2.0 * neck.growth);
+    assert_eq!(band.kind, ModeKind::Localized);
+    assert!((7.0..=9.0).contains(&band.place[0]), "{:?}", band.place);
+}
+
+#[test]
+fn modes_of_runs_are_short_waves_only_where_the_discretization_fails() {
+    let healthy = HEALTHY.modes(0.0);
+    assert!(healthy.modes.iter().all(|mode| mode.omega_squared > 1e-3));
+    assert!(
+        healthy
+            .modes
+            .iter()
+            .all(|mode| mode.kind == ModeKind::Structural)
+    );
+    // The next frame is at t = 22.5.
+    let tension = TENSION.modes(22.0);
+    assert_eq!((tension.asked, tension.frame), (22.0, 8));
+    assert!((tension.time - 22.5).abs() < 1e-9);
+    let lowest = &tension.modes[0];
+    assert_eq!(lowest.kind, ModeKind::ShortWave);
+    // The infinite lattice has 0.577 in the most stretched state.
+    assert!((0.4..=0.6).contains(&lowest.growth), "{}", lowest.growth);
+    let largest = |u: &[f64; 3]| u.iter().map(|x| x * x).sum::<f64>();
+    let most = lowest.displacements.iter().map(largest).fold(0.0, f64::max);
+    assert!((most - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn hourglass_modes_have_no_frequency_and_times_outside_of_the_run_are_refused() {
+    let (mut run, frames) = stretched(4, |_| 0.0);
+    let corner = |n: usize| n % 13 + n / 13 * 14;
+    let element = |a: usize| vec![a, a + 1, a + 15, a + 14];
+    run.cells = Some((0..169).map(|n| element(corner(n))).collect());
+    let run = (run, frames);
+    let at = |time: f64| Question {
+        actual: Some(time),
+        ..ELEMENTS.question()
+    };
+    let mut settings = vec!["discretization.integration=one-point"];
+    let free = asked_of_arrays(&ELEMENTS, &settings, &run, &at(0.0)).expect("an answer");
+    let modes = free.actual.as_ref().expect("modes");
+    assert_eq!(modes.rigid, 3);
+    for hourglass in &modes.modes[..2] {
+        assert_eq!((hourglass.omega_squared, hourglass.growth), (0.0, 0.0));
+        assert_eq!(hourglass.kind, ModeKind::ShortWave);
+    }
+    assert!(free.to_string().contains("no force resists it"), "{free}");
+    settings.push("discretization.hourglass-stiffness=0.1");
+    let resisted = asked_of_arrays(&ELEMENTS, &settings, &run, &at(0.0)).expect("an answer");
+    let resisted = resisted.actual.expect("modes");
+    assert!(resisted.modes[0].omega_squared > 1e-3);
+    assert_eq!(resisted.modes[0].kind, ModeKind::Structural);
+    let outside = asked_of_arrays(&ELEMENTS, &[], &run, &at(3.5)).expect_err("no such time");
+    assert!(
+        outside
+            .to_string()
+            .contains("t = 3.5, but the frames are from t = 0 to 3"),
+        "{outside}"
+    );
 }

@@ -46,6 +46,7 @@ pub fn screen(arguments: &ScreenArguments) -> Result<ExitCode, Failure> {
         threshold: arguments.threshold,
         seed: arguments.seed,
         bin: arguments.bin,
+        actual: arguments.actual,
     };
     patience::end();
     let progress = bar(

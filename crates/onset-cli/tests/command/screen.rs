@@ -146,6 +146,8 @@ fn files_and_exit_code_follow_the_cause() {
         out,
         "--fail-on",
         "numerical,time-step",
+        "--actual",
+        "21",
     ];
     let answer = onset(&notched(&[&STEP[..], &more].concat()));
     assert_eq!(answer.code, Some(3), "{}", answer.stderr);
@@ -163,9 +165,22 @@ fn files_and_exit_code_follow_the_cause() {
         "screen.svg",
         "screen.png",
         "first.toml",
+        "modes.vtu",
     ] {
         assert!(folder.join(name).exists(), "{name}");
     }
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).expect("a file");
+    let modes = read("modes.vtu");
+    assert!(modes.contains("Name=\"mode_1\" NumberOfComponents=\"3\""));
+    let document: Value = serde_json::from_str(&read("screen.json")).expect("a document");
+    let actual = &document["actual"];
+    assert_eq!(number(&document, "/actual/asked"), 21.0);
+    assert_eq!(actual["modes"].as_array().map(Vec::len), Some(6));
+    assert!(
+        answer.stdout.contains("the frame nearest to 21"),
+        "{}",
+        answer.stdout
+    );
     // The fields can be read again, as a run.
     let fields = folder.join("screen.pvd");
     let study = concat!(env!("CARGO_MANIFEST_DIR"), "/../../runs/notched-plate.toml");

@@ -1,6 +1,7 @@
 //! One reader for each format.
 
 mod blocks;
+pub(crate) mod hdf5;
 pub(crate) mod lammps;
 pub(crate) mod numpy;
 pub(crate) mod table;

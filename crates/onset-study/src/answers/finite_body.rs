@@ -126,6 +126,16 @@ pub(crate) fn hint_on_body(error: &BodyError) -> &'static str {
             "choose a larger discretization.support, or a body of more rows of particles"
         }
         BodyError::EmptyGrip { .. } => "boxes are in the reference state, from and to in spacings",
+        BodyError::NoTangent => {
+            "finite elements, peridynamics and SPH have one, without a support that follows the deformation, and kernel methods with nodal quadrature and frame = \"lagrangian\""
+        }
+        BodyError::NoStress { .. } | BodyError::NotConverged => {
+            "choose an earlier time, or check law and reference positions"
+        }
+        BodyError::OtherElement { .. } => "set discretization.mesh to the elements of the run",
+        BodyError::TooLarge { .. } => {
+            "some 50,000 particles in the plane fit, and some 10,000 in space: choose a coarser run"
+        }
         BodyError::HeldTwice { .. } => "boxes of grips must not share particles",
         BodyError::Method(_)
         | BodyError::Empty

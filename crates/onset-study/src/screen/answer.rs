@@ -1,5 +1,6 @@
 //! Answer to a run: the first cause, with its evidence, its limits and the remedy.
 
+use super::actual::Actual;
 use super::course::{
     Course, ELLIPTIC_MARGIN, Event, Moment, Picture, Sink, StepLimit, crossing, follow,
 };
@@ -162,6 +163,8 @@ pub struct ScreenAnswer {
     pub changes: Vec<Remedy>,
     /// Limits of the theory in this run.
     pub limits: Vec<String>,
+    /// Lowest modes of the body in one frame.
+    pub actual: Option<Actual>,
     /// Largest stable time steps.
     pub time_step: Option<StepLimit>,
     /// Amplitude at which short waves show; spacings.
@@ -381,6 +384,7 @@ impl ScreenAnswer {
             spacing,
             recording: recording.cloned(),
             moments: course.moments,
+            actual: course.actual,
             picture,
             study: None,
             notes: [course.notes, notes(&problem.settings, &*problem.material)].concat(),
@@ -561,6 +565,17 @@ impl ScreenAnswer {
                 told(event.time)
             ));
         }
+        let own = &problem.settings.method;
+        let slowed = [
+            own.viscosity,
+            own.hourglass_viscosity,
+            own.velocity_smoothing,
+        ];
+        if self.actual.is_some() && slowed.iter().any(|coefficient| *coefficient != 0.0) {
+            limits.push(
+                "growth rates of modes are without viscosity and velocity smoothing".to_owned(),
+            );
+        }
         if problem.material.is_path_dependent() {
             limits.push("each state is reached on a proportional path".to_owned());
         }
@@ -714,6 +729,8 @@ impl ScreenAnswer {
             text("screen.csv", self.csv()),
             text("screen.json", document + "\n"),
         ];
+        let actual = self.actual.iter();
+        files.extend(actual.map(|actual| text("modes.vtu", actual.vtu())));
         let study = self.study.iter();
         files.extend(study.map(|study| text("first.toml", study.as_str())));
         files.extend(self.figure().files("screen")?);
@@ -847,6 +864,10 @@ impl Brief for ScreenAnswer {
                 remedy.clone(),
             );
         }
+        let modes = self.actual.iter().flat_map(Actual::told);
+        for (rank, mode) in modes.enumerate() {
+            short = short.row(1, if rank == 0 { "modes" } else { "" }, mode);
+        }
         for (rank, limit) in self.limits.iter().enumerate() {
             short = short.row(
                 6 + rank as u8,
@@ -868,9 +889,11 @@ impl Brief for ScreenAnswer {
 impl fmt::Display for ScreenAnswer {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(formatter, "{}", self.sentence)?;
+        let modes = self.actual.iter().flat_map(Actual::told).collect();
         for (title, lines) in [
             ("evidence", &self.evidence),
             ("remedy", &self.remedy),
+            ("modes", &modes),
             ("limits", &self.limits),
         ] {
             if !lines.is_empty() {

@@ -1,5 +1,6 @@
 //! The course of a run: short waves that the states of the particles predict, and short waves in the positions.
 
+use super::actual::{Actual, Nearest, placed};
 use super::agreement::Agreement;
 use super::answer::Cause;
 use super::neighborhoods::Neighborhoods;
@@ -7,10 +8,11 @@ use super::states::{StateRates, States, without_rotation};
 use super::{Frame, Question, Run, ScreenError};
 use crate::answers::{Problem, ProblemError};
 use crate::methods::method;
+use crate::number::told;
 use nalgebra::Matrix3;
 use onset::analysis::body_mode;
 use onset::kinematics::DeformationGradient;
-use onset::motion::{BodyMode, PlacedParticle};
+use onset::motion::BodyMode;
 use onset::time_step::Stepping;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -113,6 +115,8 @@ pub(super) struct Course {
     pub(super) leading: Vec<(f64, Matrix3<f64>)>,
     /// Frames at which something happens first.
     pub(super) pictures: Vec<Picture>,
+    /// Lowest modes of the body in a frame.
+    pub(super) actual: Option<Actual>,
 }
 
 /// Positions and short waves at one time.
@@ -330,6 +334,8 @@ struct Follower<'p> {
     /// Amplitude of the first frame; spacings.
     first_seed: f64,
     has_begun: bool,
+    /// Frame nearest to the time of the modes.
+    nearest: Option<Nearest>,
     /// Integral of the growth rate by the time step.
     by_step: f64,
 }
@@ -382,7 +388,9 @@ impl<'p> Follower<'p> {
                 notes: Vec::new(),
                 leading: Vec::new(),
                 pictures: Vec::new(),
+                actual: None,
             },
+            nearest: None,
             problem,
             question,
             run,
@@ -601,6 +609,7 @@ impl<'p> Follower<'p> {
             undefined,
         });
         self.picture(frame, &observed);
+        self.keep_nearest(frame);
         fields.observed = observed;
         Ok(fields)
     }
@@ -618,6 +627,49 @@ impl<'p> Follower<'p> {
                 observed: observed.to_vec(),
             });
         }
+    }
+
+    fn keep_nearest(&mut self, frame: &Frame) {
+        let Some(asked) = self.question.actual else {
+            return;
+        };
+        let distance = |time: f64| (time - asked).abs();
+        let before = self.nearest.as_ref();
+        if before.is_none_or(|own| distance(frame.time) < distance(own.time)) {
+            self.nearest = Some(Nearest {
+                time: frame.time,
+                frame: self.course.moments.len() - 1,
+                x: frame.x.clone(),
+            });
+        }
+    }
+
+    /// Lowest modes of the body in the nearest frame.
+    fn actual(&mut self) -> Result<Option<Actual>, ScreenError> {
+        let Some((asked, nearest)) = self.question.actual.zip(self.nearest.take()) else {
+            return Ok(None);
+        };
+        let times = || self.course.moments.iter().map(|moment| moment.time);
+        let (first, last) = (
+            times().next().unwrap_or(asked),
+            times().last().unwrap_or(asked),
+        );
+        if !(first..=last).contains(&asked) {
+            return Err(ScreenError::Run {
+                what: format!(
+                    "the actual state is asked for at t = {}, but the frames are from t = {} to {}",
+                    told(asked),
+                    told(first),
+                    told(last)
+                ),
+                hint: "choose a time of the run".to_owned(),
+            });
+        }
+        let nodes = &self.points.nodes;
+        let deformations: Vec<_> = (0..nodes.len())
+            .map(|n| nodes.deformation(n, &nearest.x))
+            .collect();
+        Actual::new(self.problem, asked, self.run, nearest, &deformations).map(Some)
     }
 
     /// Adds the growth by the time step; returns the ratio of the step to the largest stable one of the body.
@@ -652,6 +704,7 @@ impl<'p> Follower<'p> {
     fn finish(mut self) -> Result<Course, ScreenError> {
         self.course.states = self.growth.states.len();
         self.course.notes = self.agreement.notes(self.problem);
+        self.course.actual = self.actual()?;
         match self.course.moments.len() {
             count @ 0..=1 => Err(ScreenError::TooFewFrames { count }),
             _ => Ok(self.course),
@@ -680,11 +733,7 @@ fn limits(
         return Ok(None);
     };
     let volume = problem.analysis.spacing().powi(problem.dimension() as i32);
-    let particle = |n: usize| PlacedParticle {
-        position: run.reference[n],
-        volume: run.volumes.as_ref().map_or(volume, |volumes| volumes[n]),
-    };
-    let particles: Vec<PlacedParticle> = (0..run.reference.len()).map(particle).collect();
+    let particles = placed(run, volume);
     let mode = body_mode(
         &method(&problem.settings),
         &*problem.material,

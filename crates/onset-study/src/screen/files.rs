@@ -17,13 +17,14 @@ pub struct ScreenFiles<'r> {
 
 impl<'r> ScreenFiles<'r> {
     /// Names of the files whose number does not depend on the frames.
-    pub const NAMES: [&'static str; 6] = [
+    pub const NAMES: [&'static str; 7] = [
         "screen.pvd",
         "screen.csv",
         "screen.json",
         "screen.svg",
         "screen.png",
         "first.toml",
+        "modes.vtu",
     ];
 
     /// Writes into a folder, with fields of at most `most` frames.

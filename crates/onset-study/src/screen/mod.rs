@@ -4,6 +4,7 @@
 //! has a smallest acoustic eigenvalue and a fastest-growing wave. The integral of the growth rate over time, from the short waves at the start, gives the
 //! amplitude that is expected. It is compared with the short waves in the positions. The largest stable step refers to the body and to the scheme of the code.
 
+mod actual;
 mod agreement;
 mod answer;
 mod course;
@@ -14,6 +15,7 @@ mod remedy;
 mod states;
 mod study;
 
+pub use actual::{Actual, BodyModeAnswer, ModeKind};
 pub use answer::{Cause, ScreenAnswer, ScreenChecks};
 pub use course::{Event, Moment, Snapshot, StepLimit};
 pub use files::ScreenFiles;
@@ -59,6 +61,8 @@ pub struct Question {
     pub seed: Option<f64>,
     /// Width of the bins of stretch in which particles share a state. The expected time is also computed with twice this width.
     pub bin: f64,
+    /// Time at whose nearest frame the lowest modes of the body are found.
+    pub actual: Option<f64>,
 }
 
 impl Default for Question {
@@ -69,6 +73,7 @@ impl Default for Question {
             threshold: THRESHOLD,
             seed: None,
             bin: BIN,
+            actual: None,
         }
     }
 }

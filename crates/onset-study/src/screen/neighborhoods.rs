@@ -165,10 +165,16 @@ impl Neighborhoods {
         if self.count(particle) == 0 {
             return None;
         }
-        let mut f = Matrix3::zeros();
+        let mut f = self.gradient(particle, x);
         for axis in self.dimension..3 {
             f[(axis, axis)] = 1.0;
         }
+        Some(f)
+    }
+
+    /// Gradient of a field at a particle, `sum_j (u_j - u_i) (x) gradient_j`; zero without enough neighbors.
+    pub(super) fn gradient(&self, particle: usize, x: &[[f64; 3]]) -> Matrix3<f64> {
+        let mut f = Matrix3::zeros();
         let own = &x[particle];
         for neighbor in self.of(particle) {
             let other = &x[neighbor.number as usize];
@@ -178,7 +184,7 @@ impl Neighborhoods {
                 }
             }
         }
-        Some(f)
+        f
     }
 
     /// Residual of a field against fits to the neighbors: linear functions inside, quadratic ones at faces, whose neighborhoods are one-sided.

@@ -17,8 +17,8 @@ use crate::material::{Hyperelastic, MaterialError};
 use crate::measures::{DispersionError, Fidelity, Load, OnsetPair, SpuriousModes, StateWindow};
 use crate::method::MethodError;
 use crate::motion::{
-    BodyError, BodyMode, BodyMotion, BodyParticles, Contact, Grip, PatchMotion, PlacedParticle,
-    fastest_mode,
+    ActualBody, ActualModes, BodyError, BodyMode, BodyMotion, BodyParticles, Contact, Grip,
+    PatchMotion, PlacedParticle, fastest_mode, lowest_modes,
 };
 use crate::scheme::MethodChoices;
 use crate::time_step::{Integrator, Stepping, WaveParts};
@@ -454,6 +454,23 @@ pub fn body_mode(
     in_dimension!(
         method.dimension(),
         fastest_mode(method, material, particles, held, f, stepping)
+    )
+}
+
+/// Returns the `count` lowest modes of a body in an actual state, without rigid motions: `K u = omega^2 M u` with the tangent `K` of the forces
+/// on its particles.
+///
+/// # Errors
+/// [`BodyError`] if method or law have no tangent there, or if the body is too large.
+pub fn actual_modes(
+    method: &MethodChoices,
+    material: &dyn Hyperelastic,
+    body: &ActualBody<'_>,
+    count: usize,
+) -> Result<ActualModes, BodyError> {
+    in_dimension!(
+        method.dimension(),
+        lowest_modes(method, material, body, count)
     )
 }
 

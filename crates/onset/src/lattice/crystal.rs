@@ -318,6 +318,11 @@ impl<const D: usize> Crystal<D> {
         }
     }
 
+    /// Returns true if the particles of the cell have no neighbors in other cells.
+    pub(crate) fn is_block(&self) -> bool {
+        self.is_block
+    }
+
     /// Displaces every particle of a cell at random; the volumes are recomputed from the new Voronoi cells.
     ///
     /// Each Cartesian component changes by a number between `-amplitude` and `amplitude` (a length). Equal seeds give equal numbers on every machine.

@@ -26,13 +26,13 @@ mod transfer;
 mod waves;
 
 pub use body::{
-    BodyError, BodyMode, BodyMotion, BodyParticles, BodyQuantities, Contact, Grip, Notch,
-    PlacedParticle, Shape, Start,
+    ActualBody, ActualMode, ActualModes, BodyError, BodyMode, BodyMotion, BodyParticles,
+    BodyQuantities, Contact, Grip, Notch, PlacedParticle, Shape, Start,
 };
 pub use fault::{Fault, Ground};
 pub use patch::{MovingPatch, PatchMotion, PatchState, Quantities};
 pub use stepper::Stepper;
 pub use waves::{PatchWave, SteppedWave};
 
-pub(crate) use body::{fastest_mode, step_of_free_blocks, with_body};
+pub(crate) use body::{fastest_mode, lowest_modes, step_of_free_blocks, with_body};
 pub(crate) use patch::with_motion;

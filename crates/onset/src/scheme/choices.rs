@@ -169,7 +169,7 @@ impl MethodChoices {
 }
 
 /// Builds updated-Lagrangian SPH with the artificial stress of the spacing of its particles.
-fn updated<const D: usize>(
+pub(crate) fn updated<const D: usize>(
     crystal: Crystal<D>,
     choices: &UpdatedSphChoices,
 ) -> Result<UpdatedSph<D>, MethodError> {

@@ -87,41 +87,50 @@ pub(super) fn differentiated<I: Interaction<D> + ?Sized, const D: usize>(
     blocks: &mut BlochBlocks<D>,
 ) {
     let mut sums = blocks.between(interaction.particles());
-    derivatives(interaction, by_velocity, &mut |from, to, block| {
-        sums.add(from, to, block);
-    });
+    let at_rest = vec![[0.0; D]; interaction.particles().len()];
+    derivatives(
+        interaction,
+        &at_rest,
+        by_velocity,
+        &mut |from, to, block| {
+            sums.add(from, to, block);
+        },
+    );
     sums.finish();
 }
 
 /// Calls `take` with minus the derivative of the force on each particle of an interaction with respect to the displacement or velocity of each particle.
 ///
-/// The arguments are the numbers of both particles and the block.
+/// The particles have the displacements `at` and no velocities. The arguments are the numbers of both particles and the block.
 pub(super) fn derivatives<I: Interaction<D> + ?Sized, const D: usize>(
     interaction: &I,
+    at: &[[f64; D]],
     by_velocity: bool,
     take: &mut dyn FnMut(usize, usize, &SMatrix<f64, D, D>),
 ) {
     type Number = Dual<LANES>;
     let particles = interaction.particles();
-    let fixed = vec![[Number::constant(0.0); D]; particles.len()];
+    let still = vec![[Number::constant(0.0); D]; particles.len()];
+    let displaced: Vec<[Number; D]> = at.iter().map(|u| u.map(Number::constant)).collect();
     let unknowns = D * particles.len();
     // Columns of one particle, collected until the block is complete.
     let mut columns = vec![SMatrix::<f64, D, D>::zeros(); particles.len()];
     for start in (0..unknowns).step_by(LANES) {
-        let mut varied = fixed.clone();
+        let mut varied = if by_velocity { &still } else { &displaced }.clone();
         let lanes = start..(start + LANES).min(unknowns);
         for (lane, unknown) in lanes.clone().enumerate() {
-            varied[unknown / D][unknown % D] = Number::variable(0.0, lane);
+            let own = &mut varied[unknown / D][unknown % D];
+            *own = Number::variable(own.value(), lane);
         }
         let motion = if by_velocity {
             Motion {
-                displacements: &fixed,
+                displacements: &displaced,
                 velocities: &varied,
             }
         } else {
             Motion {
                 displacements: &varied,
-                velocities: &fixed,
+                velocities: &still,
             }
         };
         let forces = interaction.forces(motion);
@@ -129,7 +138,11 @@ pub(super) fn derivatives<I: Interaction<D> + ?Sized, const D: usize>(
             let (to, column) = (unknown / D, unknown % D);
             for (block, force) in columns.iter_mut().zip(&forces) {
                 for i in 0..D {
-                    block[(i, column)] = -force[i].gradient[lane];
+                    // An undefined force is a constant without derivatives.
+                    block[(i, column)] = match force[i].value().is_finite() {
+                        true => -force[i].gradient[lane],
+                        false => f64::NAN,
+                    };
                 }
             }
             if column == D - 1 {

@@ -29,6 +29,7 @@ mod strain_roots;
 mod strain_rows;
 
 pub use choices::MethodChoices;
+pub(crate) use choices::updated;
 pub use lagrangian::LagrangianPoint;
 pub(crate) use layout::{Measure, Weighed};
 pub use linearized::{Forced, linearized};
@@ -44,7 +45,7 @@ pub use peridynamics::{
     ZeroEnergyControl,
 };
 pub use response::PointResponse;
-pub(crate) use response::{determinant, inverse};
+pub(crate) use response::{Afresh, determinant, inverse};
 pub use strain::{SeenForm, SeenPoint, StrainOperator};
 pub(crate) use strain_roots::Singular;
 pub(crate) use strain_rows::StrainRows;
@@ -111,6 +112,11 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
 
     /// Reference density; mass per reference volume.
     fn density(&self) -> f64;
+
+    /// Masses of the particles of a cell; mass (in 1D and 2D per unit of the omitted dimensions). For consistent mass matrices, the sums of their rows.
+    fn masses(&self) -> Vec<f64> {
+        lumped_masses(self.crystal(), self.density())
+    }
 
     /// Returns the linearized equations of motion of a material in a homogeneous state.
     ///

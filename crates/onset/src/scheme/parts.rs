@@ -53,7 +53,8 @@ impl<const D: usize> Part<D> {
             if is_viscous && !interaction.is_viscous() {
                 continue;
             }
-            derivatives(interaction, is_viscous, &mut |from, to, block| {
+            let at_rest = vec![[0.0; D]; places.len()];
+            derivatives(interaction, &at_rest, is_viscous, &mut |from, to, block| {
                 let (Some(from), Some(to)) = (places[from], places[to]) else {
                     return;
                 };

@@ -1,7 +1,9 @@
 //! Periodic patches of particles and the forces on them.
 
+use super::linearized::derivatives;
 use super::{Interaction, Motion};
 use crate::algebra::Each;
+use crate::cancel::checkpoint;
 use crate::lattice::{Crystal, Particle, cells_between};
 use crate::method::MethodError;
 use nalgebra::{SMatrix, SVector};
@@ -76,6 +78,16 @@ pub trait PatchForces<const D: usize> {
         displacements: &[SVector<f64, D>],
         velocities: &[SVector<f64, D>],
     ) -> Result<Vec<SVector<f64, D>>, NoForce>;
+
+    /// Calls `take` with blocks of the tangent at the given displacements, without velocities: minus the derivative of the force on the first particle with
+    /// respect to the displacement of the second. The tangent is the sum of all blocks. Returns false if the forces have no derivatives.
+    fn tangent(
+        &self,
+        _displacements: &[SVector<f64, D>],
+        _take: &mut dyn FnMut(usize, usize, &SMatrix<f64, D, D>),
+    ) -> bool {
+        false
+    }
 
     /// Time step of a method that carries velocities on points and accelerates them on a grid; `None` for methods that integrators step.
     fn transfer(&self) -> Option<&dyn PatchTransfer<D>> {
@@ -206,6 +218,23 @@ impl<I: Interaction<D>, const D: usize> PatchForces<D> for Assembled<'_, I, D> {
         }
         Ok(forces)
     }
+
+    fn tangent(
+        &self,
+        displacements: &[SVector<f64, D>],
+        take: &mut dyn FnMut(usize, usize, &SMatrix<f64, D, D>),
+    ) -> bool {
+        for (interaction, repeated) in &self.repeated {
+            for numbers in repeated {
+                checkpoint();
+                let at: Vec<[f64; D]> = numbers.iter().map(|n| displacements[*n].into()).collect();
+                derivatives(*interaction, &at, false, &mut |from, to, block| {
+                    take(numbers[from], numbers[to], block);
+                });
+            }
+        }
+        true
+    }
 }
 
 /// Sum of two kinds of forces.
@@ -221,5 +250,13 @@ impl<A: PatchForces<D>, B: PatchForces<D>, const D: usize> PatchForces<D> for Bo
         let more = self.1.at(displacements, velocities)?;
         forces.iter_mut().zip(more).for_each(|(own, f)| *own += f);
         Ok(forces)
+    }
+
+    fn tangent(
+        &self,
+        displacements: &[SVector<f64, D>],
+        take: &mut dyn FnMut(usize, usize, &SMatrix<f64, D, D>),
+    ) -> bool {
+        self.0.tangent(displacements, take) && self.1.tangent(displacements, take)
     }
 }

@@ -39,6 +39,19 @@ impl Hyperelastic for PartOf<'_> {
     }
 }
 
+/// Law whose stress and tangent are evaluated at each deformation anew, also if it is path-dependent: not by a linear comparison solid.
+pub(crate) struct Afresh<'a>(pub(crate) &'a dyn Hyperelastic);
+
+impl Hyperelastic for Afresh<'_> {
+    fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        self.0.response(f)
+    }
+
+    fn dimension(&self) -> usize {
+        self.0.dimension()
+    }
+}
+
 /// Response of a material at a quadrature point: the stress at deformations near a homogeneous state.
 ///
 /// Plain numbers give the stress of the law at any deformation. Dual numbers use the value and the tangent of the law at the value of the

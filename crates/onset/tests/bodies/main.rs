@@ -2,6 +2,7 @@
 
 mod bands;
 mod contact;
+mod modes;
 #[path = "../shared/random.rs"]
 #[allow(dead_code, reason = "shared with tests that turn things")]
 mod random;

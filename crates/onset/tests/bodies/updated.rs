@@ -49,11 +49,11 @@ fn dynamic<const D: usize>(matrix: &SMatrix<f64, D, D>) -> DMatrix<f64> {
 }
 
 /// Equations of motion as sums over all particles, with the quartic spline and its integral written out.
-struct Sums<'a, const D: usize> {
+pub(super) struct Sums<'a, const D: usize> {
     choices: &'a UpdatedSphChoices,
-    x: Vec<SVector<f64, D>>,
-    f: Vec<SMatrix<f64, D, D>>,
-    v: Vec<SVector<f64, D>>,
+    pub(super) x: Vec<SVector<f64, D>>,
+    pub(super) f: Vec<SMatrix<f64, D, D>>,
+    pub(super) v: Vec<SVector<f64, D>>,
     masses: Vec<f64>,
 }
 
@@ -158,7 +158,7 @@ impl<const D: usize> Sums<'_, D> {
         -self.gradient(i, j) * (self.masses[i] * self.masses[j] * pi / density)
     }
 
-    fn accelerations(&self) -> Vec<f64> {
+    pub(super) fn accelerations(&self) -> Vec<f64> {
         let of = |i: usize| {
             let mut force = SVector::<f64, D>::zeros();
             for j in (0..self.x.len()).filter(|j| *j != i) {
@@ -184,7 +184,7 @@ impl<const D: usize> Sums<'_, D> {
     }
 
     /// Velocity gradient `sum_J V_J (w_J - w_I) (x) grad W_IJ K_I^-1`.
-    fn gradient_of(&self, i: usize, w: &[SVector<f64, D>]) -> SMatrix<f64, D, D> {
+    pub(super) fn gradient_of(&self, i: usize, w: &[SVector<f64, D>]) -> SMatrix<f64, D, D> {
         let mut sum = SMatrix::zeros();
         for j in 0..self.x.len() {
             let along = self.gradient(i, j).transpose() * (self.masses[j] / self.density(j));
@@ -227,7 +227,7 @@ impl<const D: usize> Sums<'_, D> {
 
 /// Disordered particles of different volumes with displacements, strains and velocities, so that all neighborhoods differ from the reference
 /// configuration.
-fn disordered<const D: usize>(
+pub(super) fn disordered<const D: usize>(
     choices: &UpdatedSphChoices,
     count: usize,
 ) -> (BodyParticles, Sums<'_, D>) {
@@ -274,7 +274,7 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// All combinations of choices.
-fn all_choices(radius: f64) -> Vec<UpdatedSphChoices> {
+pub(super) fn all_choices(radius: f64) -> Vec<UpdatedSphChoices> {
     let plain = choices(radius);
     let mut all = Vec::new();
     for momentum in [

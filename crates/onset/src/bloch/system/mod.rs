@@ -50,6 +50,16 @@ pub enum Mass<const D: usize> {
     Consistent(BlochSum<D>),
 }
 
+impl<const D: usize> Mass<D> {
+    /// Masses of the particles of a cell; the row sums of a consistent mass matrix.
+    pub(crate) fn of_particles(&self) -> Cow<'_, [f64]> {
+        match self {
+            Self::Lumped(masses) => Cow::Borrowed(masses),
+            Self::Consistent(sum) => sum.row_sums().iter().map(|block| block[(0, 0)]).collect(),
+        }
+    }
+}
+
 impl<const D: usize> WaveSystem<D> {
     /// Creates a system without damping and without smoothed velocities.
     pub fn new(crystal: Crystal<D>, stiffness: BlochSum<D>, mass: Mass<D>) -> Self {
@@ -113,10 +123,7 @@ impl<const D: usize> WaveSystem<D> {
 
     /// Masses of the particles of a cell; the row sums of a consistent mass matrix.
     pub(crate) fn particle_masses(&self) -> Cow<'_, [f64]> {
-        match &self.mass {
-            Mass::Lumped(masses) => Cow::Borrowed(masses),
-            Mass::Consistent(sum) => sum.row_sums().iter().map(|block| block[(0, 0)]).collect(),
-        }
+        self.mass.of_particles()
     }
 
     /// Damping `C`, if forces depend on velocities. Force/velocity.

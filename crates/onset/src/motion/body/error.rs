@@ -12,6 +12,38 @@ pub enum BodyError {
     /// The method does not support bodies.
     #[error("this method has no bodies")]
     NoBodies,
+    /// The forces on the particles have no tangent at arbitrary positions.
+    #[error("this method has no tangent for particles at arbitrary positions")]
+    NoTangent,
+    /// The stress of a particle, its derivative or its deformation gradient is undefined.
+    #[error(
+        "particle {particle} at {position:?} has no stress: the law is undefined there, or its neighbors do not determine a deformation gradient"
+    )]
+    NoStress {
+        /// Number of the particle.
+        particle: usize,
+        /// Position of the particle; length.
+        position: Vec<f64>,
+    },
+    /// An element does not have the shape of the mesh of the method.
+    #[error("element {element} has {nodes} nodes; the mesh of the method has elements of {needed}")]
+    OtherElement {
+        /// Number of the element.
+        element: usize,
+        /// Number of its nodes.
+        nodes: usize,
+        /// Number of nodes of an element of the method.
+        needed: usize,
+    },
+    /// The tangent of the body takes too much memory or time.
+    #[error("the tangent of a body of {particles} particles is too large")]
+    TooLarge {
+        /// Number of particles.
+        particles: usize,
+    },
+    /// The iteration for the lowest modes did not converge.
+    #[error("the lowest modes do not converge")]
+    NotConverged,
     /// The contact would have no effect or no stiffness; with the reason.
     #[error("there is no contact: {0}")]
     NoContact(&'static str),

@@ -28,11 +28,13 @@
 //! [`Discretization::current_pairs`]: crate::scheme::Discretization::current_pairs
 //! [`Discretization::with_forces`]: crate::scheme::Discretization::with_forces
 
+mod actual;
 mod blocks;
 mod contact;
 mod current;
 mod engine;
 mod error;
+mod factor;
 mod grip;
 mod lagrangian;
 mod links;
@@ -47,6 +49,8 @@ mod stability;
 mod updated;
 mod vectors;
 
+pub(crate) use actual::lowest_modes;
+pub use actual::{ActualBody, ActualMode, ActualModes};
 pub(crate) use blocks::step_of_free_blocks;
 pub use contact::Contact;
 pub use error::BodyError;

@@ -171,7 +171,7 @@ fn parts<const D: usize>(particles: &[PlacedParticle], reach: f64, spacing: f64)
 }
 
 /// Crystal whose only cell holds the particles, without neighbors in other cells.
-fn isolated<const D: usize>(
+pub(super) fn isolated<const D: usize>(
     particles: &[PlacedParticle],
     gap: f64,
     spacing: f64,

@@ -93,12 +93,12 @@ fn norm(vector: &[f64]) -> f64 {
     dot(vector, vector).sqrt()
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Normalizes a vector; `None` for the zero vector.
-fn unit(mut vector: Vec<f64>) -> Option<Vec<f64>> {
+pub(super) fn unit(mut vector: Vec<f64>) -> Option<Vec<f64>> {
     let length = norm(&vector);
     vector.iter_mut().for_each(|x| *x /= length);
     (length > 0.0 && length.is_finite()).then_some(vector)
@@ -106,15 +106,15 @@ fn unit(mut vector: Vec<f64>) -> Option<Vec<f64>> {
 
 /// Orthonormal vectors with their images under a linear map, and the projection of the map onto their space.
 #[derive(Default)]
-struct Space {
-    vectors: Vec<Vec<f64>>,
-    images: Vec<Vec<f64>>,
+pub(super) struct Space {
+    pub(super) vectors: Vec<Vec<f64>>,
+    pub(super) images: Vec<Vec<f64>>,
     /// Projection of the map, `v_i . A v_j`.
-    within: DMatrix<f64>,
+    pub(super) within: DMatrix<f64>,
 }
 
 impl Space {
-    fn add(&mut self, vector: Vec<f64>, image: Vec<f64>) {
+    pub(super) fn add(&mut self, vector: Vec<f64>, image: Vec<f64>) {
         self.vectors.push(vector);
         self.images.push(image);
         let count = self.vectors.len();
@@ -127,7 +127,7 @@ impl Space {
     }
 
     /// Normalized part of a vector that is orthogonal to the space; `None` if this part is a rounding error.
-    fn beyond(&self, vector: &[f64]) -> Option<Vec<f64>> {
+    pub(super) fn beyond(&self, vector: &[f64]) -> Option<Vec<f64>> {
         let mut rest = vector.to_vec();
         let whole = norm(&rest);
         // The second pass removes the errors of cancellation.
@@ -172,7 +172,7 @@ impl Space {
     }
 
     /// Linear combination of vectors.
-    fn combined(vectors: &[Vec<f64>], shares: &[f64]) -> Vec<f64> {
+    pub(super) fn combined(vectors: &[Vec<f64>], shares: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; vectors[0].len()];
         for (vector, share) in vectors.iter().zip(shares) {
             sum.iter_mut()

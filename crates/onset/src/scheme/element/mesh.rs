@@ -24,13 +24,33 @@ impl<const D: usize> Mesh<D> {
         shape: ElementShape,
         elements: Vec<Vec<Particle<D>>>,
     ) -> Result<Self, MeshError> {
+        let cell = crystal.lattice().cell_volume();
+        let (mesh, sum) = Self::free(crystal, shape, elements)?;
+        if (sum - cell).abs() > 1e-9 * cell {
+            return Err(MeshError::Volume {
+                elements: sum,
+                cell,
+            });
+        }
+        Ok(mesh)
+    }
+
+    /// Builds a mesh that need not fill the cell, and returns it with the volume of its elements.
+    ///
+    /// # Errors
+    /// [`MeshError`] if an element does not have the given shape.
+    pub(crate) fn free(
+        crystal: Crystal<D>,
+        shape: ElementShape,
+        elements: Vec<Vec<Particle<D>>>,
+    ) -> Result<(Self, f64), MeshError> {
         let mesh = Self {
             crystal,
             shape,
             elements,
         };
-        mesh.check()?;
-        Ok(mesh)
+        let sum = mesh.check()?;
+        Ok((mesh, sum))
     }
 
     /// Mesh with one element per cell, the parallelepiped spanned by the primitive vectors: bars, quadrilaterals or bricks.
@@ -165,7 +185,8 @@ impl<const D: usize> Mesh<D> {
         self.shape.samples(&positions).unwrap_or_default()
     }
 
-    fn check(&self) -> Result<(), MeshError> {
+    /// Checks the elements, and returns their volume.
+    fn check(&self) -> Result<f64, MeshError> {
         let needed = self.shape.nodes::<D>();
         let sites = self.crystal.sites().len();
         let mut sum = 0.0;
@@ -194,14 +215,7 @@ impl<const D: usize> Mesh<D> {
             }
             sum += volumes.iter().map(|volume| volume.abs()).sum::<f64>();
         }
-        let cell = self.crystal.lattice().cell_volume();
-        if (sum - cell).abs() > 1e-9 * cell {
-            return Err(MeshError::Volume {
-                elements: sum,
-                cell,
-            });
-        }
-        Ok(())
+        Ok(sum)
     }
 }
 

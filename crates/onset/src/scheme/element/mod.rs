@@ -324,6 +324,10 @@ impl<const D: usize> Discretization<D> for FiniteElements<D> {
         Ok(())
     }
 
+    fn masses(&self) -> Vec<f64> {
+        self.mass.of_particles().into_owned()
+    }
+
     fn finite_bodies(
         &self,
         material: &dyn Hyperelastic,

@@ -67,7 +67,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         let mut chain = Self {
             stress,
             order: Order::new(D, pairs.corrects_forces(), pairs.takes_both_densities()),
-            f: stress.surroundings.response.leading(),
+            f: stress.response(0).leading(),
             moment: stress.moment(&rest),
             shifts: (0..stress.particles.len())
                 .map(|n| stress.shares(n).collect())

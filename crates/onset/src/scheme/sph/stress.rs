@@ -9,9 +9,26 @@ use crate::lattice::Particle;
 use crate::real::Real;
 use std::borrow::Cow;
 
+/// Responses of the law at the particles of a state.
+pub(super) enum Responses<'a, const D: usize> {
+    /// All particles have the same deformation gradient.
+    Equal(PointResponse<'a, D>),
+    /// Each site has its own deformation gradient.
+    OfSites(Vec<PointResponse<'a, D>>),
+}
+
+impl<'a, const D: usize> Responses<'a, D> {
+    pub(super) fn of(&self, site: usize) -> &PointResponse<'a, D> {
+        match self {
+            Self::Equal(response) => response,
+            Self::OfSites(all) => &all[site],
+        }
+    }
+}
+
 /// Common data of the particles of a state.
 pub(super) struct Surroundings<'a, const D: usize> {
-    pub(super) response: &'a PointResponse<'a, D>,
+    pub(super) responses: &'a Responses<'a, D>,
     pub(super) pairs: &'a CurrentPairs<D>,
     /// Whether positions are held, so that a displacement changes only the quantities that particles carry along.
     pub(super) holds_positions: bool,
@@ -79,11 +96,17 @@ impl<const D: usize> StressOf<'_, D> {
         }
     }
 
-    /// Deformation gradient that a particle carries, `(1 + sum_J u_J (x) g_J) F`.
-    fn deformation<R: Real>(&self, displacements: &[[R; D]], circle: &Circle<D>) -> [[R; D]; D] {
+    /// Response of the law at the particle with a number.
+    pub(super) fn response(&self, number: usize) -> &PointResponse<'_, D> {
+        self.surroundings.responses.of(self.particles[number].site)
+    }
+
+    /// Deformation gradient that the particle with a number carries, `(1 + sum_J u_J (x) g_J) F`.
+    fn deformation<R: Real>(&self, displacements: &[[R; D]], number: usize) -> [[R; D]; D] {
+        let circle = &self.circles[number];
         let seen: Vec<[R; D]> = circle.members.iter().map(|n| displacements[*n]).collect();
         let step = displacement_gradient(&seen, &circle.gradients);
-        transported(&step, &self.surroundings.response.leading())
+        transported(&step, &self.response(number).leading())
     }
 
     /// Density of the particle with a number.
@@ -97,7 +120,7 @@ impl<const D: usize> StressOf<'_, D> {
                 sum + pairs.weigh(&x).value * self.masses[*member]
             });
         }
-        let f = self.deformation(&moved.displacements, circle);
+        let f = self.deformation(&moved.displacements, number);
         determinant(&f).recip() * pairs.reference_density()
     }
 
@@ -139,11 +162,9 @@ impl<const D: usize> StressOf<'_, D> {
         density: R,
         moment: Option<&[[R; D]; D]>,
     ) -> Laden<R, D> {
-        let Surroundings {
-            response, pairs, ..
-        } = self.surroundings;
+        let pairs = self.surroundings.pairs;
         let stress = over(
-            &times_transpose(&response.first_piola(f), f),
+            &times_transpose(&self.response(0).first_piola(f), f),
             determinant(f),
         );
         let along = match moment {
@@ -184,7 +205,7 @@ impl<const D: usize> Interaction<D> for StressOf<'_, D> {
             positions: self.positions.iter().enumerate().map(position).collect(),
         };
         let circle = &self.circles[0];
-        let f = self.deformation(motion.displacements, circle);
+        let f = self.deformation(motion.displacements, 0);
         let density = self.density(0, &moved);
         let own = self.laden(&f, density, self.moment(&moved).as_ref());
         let pairs = self.surroundings.pairs;

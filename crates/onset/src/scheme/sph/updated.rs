@@ -7,18 +7,19 @@ use super::super::stabilization::{
     ViscousScales, assert_coefficients, smoothed_velocities, smoothing_share, viscous_bonds,
 };
 use super::super::{
-    Assembled, CarriedWaves, Discretization, PatchForces, PeriodicPatch, PointResponse,
-    StrainOperator, linearized, lumped_masses,
+    Assembled, CarriedWaves, Discretization, Interaction, PatchForces, PeriodicPatch,
+    PointResponse, StrainOperator, linearized, lumped_masses,
 };
 use super::current::CurrentPairs;
 use super::interaction::SphInteraction;
 use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
-use super::stress::{Circle, StressOf, Surroundings};
+use super::stress::{Circle, Responses, StressOf, Surroundings};
 use crate::algebra::Each;
-use crate::bloch::{Mass, WaveSystem};
+use crate::bloch::{BlochBlocks, BlochSum, Mass, WaveSystem};
+use crate::cancel::checkpoint;
 use crate::kernel::Kernel;
 use crate::kinematics::DeformationGradient;
-use crate::lattice::{Crystal, Particle};
+use crate::lattice::{Crystal, Particle, determinant};
 use crate::material::Hyperelastic;
 use crate::method::{MethodError, SupportSize};
 use std::collections::BTreeMap;
@@ -215,7 +216,12 @@ impl<const D: usize> UpdatedSph<D> {
         &self.choices
     }
 
-    fn state(&self, f: &DeformationGradient) -> Result<State<D>, MethodError> {
+    /// Neighborhoods and densities with the kernels of a homogeneous state, and the volume ratios of the sites.
+    fn state(
+        &self,
+        f: &DeformationGradient,
+        ratio: impl Fn(usize) -> f64,
+    ) -> Result<State<D>, MethodError> {
         assert_planar::<D>(f)?;
         let UpdatedSphChoices {
             kernel,
@@ -227,7 +233,9 @@ impl<const D: usize> UpdatedSph<D> {
         let neighborhoods = neighborhoods(&self.crystal, &layout)?;
         let density = |neighborhood: &Neighborhood<D>| match self.choices.density_evolution {
             DensityEvolution::Summation => neighborhood.summed_density(&self.masses),
-            DensityEvolution::Continuity => self.choices.density / layout.jacobian(),
+            DensityEvolution::Continuity => {
+                self.choices.density / ratio(neighborhood.particles[0].site)
+            }
         };
         let densities: Vec<f64> = neighborhoods.iter().map(density).collect();
         let shares = self.masses.iter().zip(&densities);
@@ -252,23 +260,64 @@ impl<const D: usize> UpdatedSph<D> {
         holds_positions: bool,
         work: impl FnOnce(&State<D>, &[SphInteraction<'_, D>]) -> T,
     ) -> Result<T, MethodError> {
-        let state = self.state(f)?;
+        let volume = determinant(&f.leading::<D>());
+        let state = self.state(f, |_| volume)?;
         let response = PointResponse::new(material, f)?;
         let pairs = self.pairs_of(&state.layout, material, &response)?;
         let surroundings = Surroundings {
-            response: &response,
+            responses: &Responses::Equal(response),
             pairs: &pairs,
             holds_positions,
         };
-        let sites = 0..self.crystal.sites().len();
-        let mut interactions: Vec<SphInteraction<'_, D>> = sites
-            .map(|site| SphInteraction::Moving(self.stress_of(site, &state, &surroundings)))
-            .collect();
+        let mut interactions: Vec<SphInteraction<'_, D>> =
+            self.stresses(&state, &surroundings).collect();
         if let Some(dashpot) = pairs.dashpot {
             let bonds = Self::viscous_bonds(dashpot, &self.masses, &state);
             interactions.extend(bonds.into_iter().map(SphInteraction::Viscous));
         }
         Ok(work(&state, &interactions))
+    }
+
+    fn stresses<'a>(
+        &'a self,
+        state: &'a State<D>,
+        surroundings: &'a Surroundings<'a, D>,
+    ) -> impl Iterator<Item = SphInteraction<'a, D>> {
+        let sites = 0..self.crystal.sites().len();
+        sites.map(move |site| SphInteraction::Moving(self.stress_of(site, state, surroundings)))
+    }
+
+    /// Minus the derivatives of the forces with respect to the displacements, if the particles of the crystal are at their current positions and carry the
+    /// given deformation gradients. `None` for supports whose size depends on the deformation.
+    ///
+    /// # Errors
+    /// [`MethodError`] if the discretization or the material cannot be evaluated there.
+    pub(crate) fn tangent(
+        &self,
+        material: &dyn Hyperelastic,
+        deformations: &[DeformationGradient],
+    ) -> Result<Option<BlochSum<D>>, MethodError> {
+        if self.choices.support_size != SupportSize::Fixed {
+            return Ok(None);
+        }
+        let undeformed = DeformationGradient::identity();
+        let state = self.state(&undeformed, |site| {
+            determinant(&deformations[site].leading::<D>())
+        })?;
+        let response = PointResponse::new(material, &undeformed)?;
+        let pairs = self.pairs_of(&state.layout, material, &response)?;
+        let responses = deformations.iter().map(|f| PointResponse::new(material, f));
+        let surroundings = Surroundings {
+            responses: &Responses::OfSites(responses.collect::<Result<_, _>>()?),
+            pairs: &pairs,
+            holds_positions: false,
+        };
+        let mut blocks = BlochBlocks::new();
+        for interaction in self.stresses(&state, &surroundings) {
+            checkpoint();
+            interaction.add_stiffness(&mut blocks);
+        }
+        Ok(Some(blocks.sum(&self.crystal)))
     }
 
     /// Pair forces with the kernels of a homogeneous state.
@@ -462,7 +511,7 @@ impl<const D: usize> Discretization<D> for UpdatedSph<D> {
     }
 
     fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
-        let state = self.state(&DeformationGradient::identity())?;
+        let state = self.state(&DeformationGradient::identity(), |_| 1.0)?;
         let mut strain = StrainOperator::new();
         for (neighborhood, gradients) in state.neighborhoods.iter().zip(&state.gradients) {
             let gradients = gradients.iter().map(|b| (*b).into()).collect();
