@@ -213,6 +213,24 @@ fn a_dump_that_is_still_written_ends_with_its_last_complete_frame() {
 }
 
 #[test]
+fn a_grid_that_is_cut_off_is_refused_and_a_list_of_grids_is_reported() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let grid = std::fs::read_to_string(data("meshio-ascii.vtu")).expect("a grid");
+    for place in ["<PointData>", "<CellData>", "</Piece>", "</VTKFile>"] {
+        let cut = grid.find(place).expect("a place");
+        let told = refused(written(&folder, "a.vtu", &grid[..cut]), &Reading::default());
+        assert!(told.contains("the end of `VTKFile`"), "{place}: {told}");
+    }
+    let list = std::fs::read_to_string(data("small.pvd")).expect("a list");
+    written(&folder, "meshio-ascii.vtu", &grid);
+    let cut = list.find("meshio-zlib").expect("the second file");
+    let path = written(&folder, "a.pvd", &list[..cut]);
+    let series = Series::open(&[path], &Reading::default()).expect("a series");
+    assert!(series.recognized().ignored[0].contains("is cut off or damaged"));
+    assert_eq!(all(series).len(), 1);
+}
+
+#[test]
 fn rows_of_a_table_are_sorted_into_frames() {
     let folder = tempfile::tempdir().expect("a folder");
     let table = "\u{feff}id;time;x [mm];y [mm];Fxx;Fxy;Fyx;Fyy\n1;0;0;0;1;0;0;1\n1;1;0.5;0;2;0;0;1\n2;0;1;0;1;0;0;1\n2;1;1.5;0;2;3;0;1\n";

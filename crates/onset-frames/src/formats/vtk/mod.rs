@@ -62,6 +62,8 @@ struct Document {
     /// Files of a collection with their times.
     collection: Vec<(Option<f64>, PathBuf)>,
     encoding: Option<Encoding>,
+    /// Whether the file has its end.
+    is_whole: bool,
 }
 
 fn read_file(path: &Path, reading: &Reading) -> Result<Vec<u8>, FrameError> {
@@ -103,6 +105,7 @@ fn document(path: &Path, bytes: &[u8], is_head: bool) -> Result<Document, FrameE
         let fail = |expected: &str| wrong(path, bytes, tag.place.start, expected);
         if tag.is_end {
             match tag.name.as_str() {
+                "VTKFile" => own.is_whole = true,
                 "Piece" => in_piece = false,
                 "FieldData" | "PointData" | "CellData" | "Points" | "Cells" | "Verts" | "Lines"
                 | "Polys" | "Strips" => section = Section::Other,
@@ -232,6 +235,9 @@ fn document(path: &Path, bytes: &[u8], is_head: bool) -> Result<Document, FrameE
     if own.encoding.is_none() {
         return Err(wrong(path, bytes, 0, "`VTKFile`"));
     }
+    if !is_head && !own.is_whole && own.collection.is_empty() {
+        return Err(wrong(path, bytes, bytes.len(), "the end of `VTKFile`"));
+    }
     Ok(own)
 }
 
@@ -355,6 +361,11 @@ pub(crate) fn open(paths: &[PathBuf], reading: &Reading) -> Result<Opened, Frame
         if own.collection.is_empty() {
             frames.push(vec![path.clone()]);
             stamps.push(Stamp { time, step: None });
+        } else if !own.is_whole {
+            ignored.push(format!(
+                "{} is cut off or damaged, and files that it lists after that place are left out",
+                path.display()
+            ));
         }
         for (time, file) in own.collection {
             // Parts of one frame have the same time.
