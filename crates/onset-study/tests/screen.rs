@@ -304,3 +304,51 @@ fn short_waves_that_no_state_explains_are_forced_or_without_energy() {
     let still = stretched(12, |_| 1e-6);
     assert_eq!(of_arrays(&HEALTHY, &[], &still).cause, Cause::None);
 }
+
+#[test]
+fn a_step_that_distorted_states_exceed_after_the_first_short_waves_is_no_cause() {
+    let known = Known {
+        time_step: 0.7,
+        ..HEALTHY
+    };
+    // Alternating particles show at about t = 8; compression then stiffens the plate.
+    let (run, mut frames) = stretched(14, |time| 0.006 * time);
+    for frame in &mut frames {
+        let factor = 1.0 - 0.003 * frame.time * frame.time;
+        for x in &mut frame.x {
+            x[0] *= factor;
+        }
+    }
+    let answer = of_arrays(&known, &[], &(run, frames));
+    let observed = answer.observed.expect("short waves").time;
+    let limit = answer.time_step.expect("limits");
+    assert!(limit.exceeded.is_none(), "{limit:?}");
+    let later = answer.moments.iter().filter(|own| own.time > observed);
+    assert!(
+        later
+            .filter_map(|own| own.step_ratio)
+            .any(|ratio| ratio > 1.0)
+    );
+    assert_eq!(answer.cause, Cause::Forced);
+}
+
+#[test]
+fn a_run_without_particles_whose_short_waves_count_is_refused() {
+    let (mut run, frames) = stretched(4, |_| 0.0);
+    // One particle is more than a neighborhood away from held particles, and none is two.
+    for (held, x) in run.held.iter_mut().zip(&run.reference) {
+        *held = (x[0] - 7.0).hypot(x[1] - 7.0) > 2.5;
+    }
+    let problem = HEALTHY.problem(&[]);
+    let mut frames = frames.into_iter().map(Ok);
+    let answer = ScreenAnswer::new(
+        &problem,
+        &HEALTHY.question(),
+        &run,
+        None,
+        &mut frames,
+        &mut |_| Ok(()),
+    );
+    let told = answer.expect_err("a refusal").to_string();
+    assert!(told.contains("no particle is left to be judged"), "{told}");
+}

@@ -23,8 +23,9 @@ use std::fmt::Write;
 const AT_THE_LIMIT: f64 = 0.02;
 /// Factor of the largest stable step that is safe: loads and disorder stiffen a body.
 const SAFE: f64 = 0.9;
-/// Smallest growth exponent before the observation that explains short waves, even if they were expected later.
-const GROWN: f64 = 2.0;
+/// Smallest growth exponent before the observation that explains short waves, even if they were expected later: gradients of strain, which
+/// are part of the short waves, let them show earlier.
+const GROWN: f64 = 1.0;
 /// Ratio of short waves to the threshold at which a body is destroyed.
 const DESTROYED: f64 = 10.0;
 /// Smallest growth of short waves that are still below the threshold but follow a prediction.

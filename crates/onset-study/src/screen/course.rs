@@ -357,7 +357,7 @@ impl<'p> Follower<'p> {
         let limited = limits(problem, run, stepping, &at_rest)?;
         let speed = analysis.speed_squared().map_err(ProblemError::from)?.sqrt();
         let asked = is_asked.iter().filter(|is| **is).count();
-        if asked == 0 {
+        if asked == 0 || !nodes.contains(&true) {
             return Err(ScreenError::Run {
                 what: "no particle is left to be judged: all are held, near held particles, or outside of the region".to_owned(),
                 hint: "choose held particles with --held, or another --region".to_owned(),
@@ -494,8 +494,12 @@ impl<'p> Follower<'p> {
         let (grown, integral) = self.growth.largest().unwrap_or((0, 0.0));
         if !self.has_begun && integral > INTEGRAL_AT_BEGINNING {
             self.has_begun = true;
-            let seed = self.question.seed;
-            self.course.seed = seed.unwrap_or(self.first_seed.max(mean_observed));
+            // Short waves that are observed already did not grow from themselves.
+            let is_early =
+                self.course.observed.is_none() && most_observed <= self.question.threshold;
+            if is_early && self.question.seed.is_none() {
+                self.course.seed = self.first_seed.max(mean_observed);
+            }
         }
         if let Some(u) = stretches.get(grown).and_then(Option::as_ref) {
             self.course.leading.push((frame.time, *u));
@@ -631,6 +635,8 @@ impl<'p> Follower<'p> {
         };
         let critical = limit.body.unwrap_or(limit.lattice) / harder.sqrt();
         let rate = match mode {
+            // States after the first short waves are distorted by them.
+            _ if self.course.observed.is_some() && self.by_step < INTEGRAL_AT_BEGINNING => 0.0,
             Some(mode) if step > critical => scaled(mode, harder).growth(stepping, step).max(extra),
             _ => extra,
         };
