@@ -10,6 +10,7 @@ mod made;
 mod motion;
 mod pysph;
 mod refusals;
+mod screened;
 mod zoo;
 
 #[path = "../../../onset/tests/shared/hunt.rs"]
