@@ -213,6 +213,18 @@ fn a_dump_that_is_still_written_ends_with_its_last_complete_frame() {
 }
 
 #[test]
+fn an_archive_with_a_changed_byte_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let whole = std::fs::read(data("stored.npz")).expect("an archive");
+    let numbers = 1.0_f64.to_le_bytes();
+    let place = whole.windows(8).position(|bytes| bytes == numbers);
+    let mut changed = whole.clone();
+    changed[place.expect("a one") + 6] ^= 1;
+    let told = refused(written(&folder, "a.npz", changed), &Reading::default());
+    assert!(told.contains("the checksum of an array is wrong"), "{told}");
+}
+
+#[test]
 fn a_grid_that_is_cut_off_is_refused_and_a_list_of_grids_is_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let grid = std::fs::read_to_string(data("meshio-ascii.vtu")).expect("a grid");
@@ -223,11 +235,14 @@ fn a_grid_that_is_cut_off_is_refused_and_a_list_of_grids_is_reported() {
     }
     let list = std::fs::read_to_string(data("small.pvd")).expect("a list");
     written(&folder, "meshio-ascii.vtu", &grid);
-    let cut = list.find("meshio-zlib").expect("the second file");
-    let path = written(&folder, "a.pvd", &list[..cut]);
-    let series = Series::open(&[path], &Reading::default()).expect("a series");
-    assert!(series.recognized().ignored[0].contains("is cut off or damaged"));
-    assert_eq!(all(series).len(), 1);
+    let second = list.find("meshio-zlib").expect("the second file");
+    let (head, tail) = list.split_at(list.rfind("DataSet").expect("a tag"));
+    for damaged in [&list[..second], &format!("{head}dataset{}", &tail[7..])] {
+        let path = written(&folder, "a.pvd", damaged);
+        let series = Series::open(&[path], &Reading::default()).expect("a series");
+        assert!(series.recognized().ignored[0].contains("is cut off or damaged"));
+        assert_eq!(all(series).len(), 1);
+    }
 }
 
 #[test]

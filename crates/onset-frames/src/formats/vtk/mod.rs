@@ -62,7 +62,7 @@ struct Document {
     /// Files of a collection with their times.
     collection: Vec<(Option<f64>, PathBuf)>,
     encoding: Option<Encoding>,
-    /// Whether the file has its end.
+    /// Whether the file has its end, and a list nothing but files.
     is_whole: bool,
 }
 
@@ -93,6 +93,7 @@ fn document(path: &Path, bytes: &[u8], is_head: bool) -> Result<Document, FrameE
     let mut section = Section::Other;
     let mut in_piece = false;
     let mut appended: Vec<Appended> = Vec::new();
+    let mut has_others = false;
     let mut at = 0;
     loop {
         let tag = match xml::next(bytes, at) {
@@ -113,6 +114,7 @@ fn document(path: &Path, bytes: &[u8], is_head: bool) -> Result<Document, FrameE
             }
             continue;
         }
+        has_others |= !["VTKFile", "Collection", "DataSet"].contains(&tag.name.as_str());
         match tag.name.as_str() {
             "VTKFile" => own.encoding = Some(encoding(&tag, path)?),
             "ImageData"
@@ -235,6 +237,8 @@ fn document(path: &Path, bytes: &[u8], is_head: bool) -> Result<Document, FrameE
     if own.encoding.is_none() {
         return Err(wrong(path, bytes, 0, "`VTKFile`"));
     }
+    // A misspelled tag of a list hides a file.
+    own.is_whole &= own.collection.is_empty() || !has_others;
     if !is_head && !own.is_whole && own.collection.is_empty() {
         return Err(wrong(path, bytes, bytes.len(), "the end of `VTKFile`"));
     }
@@ -363,7 +367,7 @@ pub(crate) fn open(paths: &[PathBuf], reading: &Reading) -> Result<Opened, Frame
             stamps.push(Stamp { time, step: None });
         } else if !own.is_whole {
             ignored.push(format!(
-                "{} is cut off or damaged, and files that it lists after that place are left out",
+                "{} is cut off or damaged: some of the files that it lists are left out",
                 path.display()
             ));
         }
