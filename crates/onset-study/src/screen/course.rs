@@ -17,6 +17,8 @@ use serde::Serialize;
 
 /// Smallest integral of the growth rate of growing waves: amplitudes are five percent larger.
 const INTEGRAL_AT_BEGINNING: f64 = 0.05;
+/// Largest integral whose exponential is finite for all seeds.
+const LARGEST_INTEGRAL: f64 = 500.0;
 /// Largest amplitude of short waves, in spacings, at which a particle has a state. Beyond it the neighbors have changed.
 const ENDED: f64 = 0.5;
 /// Smallest acoustic eigenvalue over the modulus of a strongly elliptic material; below it is rounding.
@@ -240,6 +242,11 @@ pub(super) fn crossing(from: f64, to: f64, limit: f64) -> f64 {
         true => (limit / from).ln() / (to / from).ln(),
         false => 1.0,
     }
+}
+
+/// Amplitude after a growth integral; finite.
+pub(super) fn amplified(seed: f64, integral: f64) -> f64 {
+    seed * integral.min(LARGEST_INTEGRAL).exp()
 }
 
 fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
@@ -505,7 +512,7 @@ impl<'p> Follower<'p> {
             self.course.leading.push((frame.time, *u));
         }
         let seed = self.course.seed;
-        let predicted = seed * integral.exp();
+        let predicted = amplified(seed, integral);
         let threshold = self.question.threshold;
         let mut fields = Fields {
             acoustic: vec![f64::NAN; count],
@@ -542,7 +549,7 @@ impl<'p> Follower<'p> {
             if softest.is_none_or(|(_, least)| rates.acoustic < least) {
                 softest = Some((point, rates.acoustic));
             }
-            let amplitude = seed * self.growth.integral[point].exp();
+            let amplitude = amplified(seed, self.growth.integral[point]);
             (fields.acoustic[point], fields.growth[point]) = (rates.acoustic, rate);
             fields.amplitude[point] = amplitude;
             let harder = (rates.squared / self.at_rest.squared).sqrt();
@@ -596,7 +603,7 @@ impl<'p> Follower<'p> {
         self.course.moments.push(Moment {
             time: frame.time,
             predicted,
-            predicted_by_step: self.first_seed * self.by_step.exp(),
+            predicted_by_step: amplified(self.first_seed, self.by_step),
             observed: most_observed,
             observed_mean: mean_observed,
             acoustic: softest.map(|(_, least)| least),
