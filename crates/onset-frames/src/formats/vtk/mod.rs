@@ -102,6 +102,10 @@ fn document(path: &Path, bytes: &[u8], is_head: bool) -> Result<Document, FrameE
             Err(_) if is_head => break,
             Err(place) => return Err(wrong(path, bytes, place, "a complete tag of XML")),
         };
+        // Between the tags of a list are only blanks and comments.
+        let between = &bytes[at..tag.place.start];
+        let text = between.iter().find(|byte| !byte.is_ascii_whitespace());
+        has_others |= text.is_some_and(|byte| *byte != b'<');
         at = tag.place.end;
         let fail = |expected: &str| wrong(path, bytes, tag.place.start, expected);
         if tag.is_end {
@@ -237,7 +241,7 @@ fn document(path: &Path, bytes: &[u8], is_head: bool) -> Result<Document, FrameE
     if own.encoding.is_none() {
         return Err(wrong(path, bytes, 0, "`VTKFile`"));
     }
-    // A misspelled tag of a list hides a file.
+    // A damaged tag of a list hides a file.
     own.is_whole &= own.collection.is_empty() || !has_others;
     if !is_head && !own.is_whole && own.collection.is_empty() {
         return Err(wrong(path, bytes, bytes.len(), "the end of `VTKFile`"));
