@@ -333,6 +333,26 @@ fn a_step_that_distorted_states_exceed_after_the_first_short_waves_is_no_cause()
 }
 
 #[test]
+fn particles_that_appear_later_are_reported() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.dump");
+    let text = shuffled(&NOTCH.path());
+    // The first frame, which is the last in the file, loses a particle.
+    let first = text.rfind("634\n").expect("a count");
+    let end = text.trim_end().rfind('\n').expect("a line");
+    let less = format!("{}633{}\n", &text[..first], &text[first + 3..end]);
+    std::fs::write(&path, less).expect("written");
+    let source = NOTCH.source(path);
+    let (recording, _, _) = Recording::open(&source, 2, false).expect("a recording");
+    assert_eq!(recording.particles, 633);
+    let reported = recording
+        .notes
+        .iter()
+        .filter(|note| note.contains("1 particle that the first frame lacks"));
+    assert_eq!(reported.count(), 1, "{:?}", recording.notes);
+}
+
+#[test]
 fn a_run_without_particles_whose_short_waves_count_is_refused() {
     let (mut run, frames) = stretched(4, |_| 0.0);
     // One particle is more than a neighborhood away from held particles, and none is two.

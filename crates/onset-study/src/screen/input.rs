@@ -187,6 +187,7 @@ impl Recording {
         let mut first: Option<Read> = None;
         let mut last: Option<Read> = None;
         let mut time = f64::NEG_INFINITY;
+        let mut has_others = false;
         for frame in series.by_ref() {
             onset::cancel::checkpoint();
             let mut frame = frame?;
@@ -198,12 +199,21 @@ impl Recording {
                 own.frames = 1;
                 continue;
             };
+            let written = frame.len();
             let fault = own.ordered(&mut frame).or_else(|| broken(&frame));
             if let Some(fault) = fault {
                 own.notes.push(format!(
                     "{fault}: this frame and those after it are left out"
                 ));
                 break;
+            }
+            if written > frame.len() && !has_others {
+                has_others = true;
+                own.notes.push(format!(
+                    "{}: {} that the first frame lacks, left out from here on",
+                    frame.source,
+                    counted(written - frame.len(), "particle")
+                ));
             }
             if last.is_none() && frame.may_be_wrapped {
                 own.check_wrapping(start, dimension);
