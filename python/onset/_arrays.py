@@ -207,8 +207,9 @@ def frames_of(
             raise InputError(f"{what} has the shape {array.shape}; expected ({wanted}, {dimension}) or ({wanted}, 3)")
         full = np.zeros((len(array), 3))
         full[:, :dimension] = array[:, :dimension]
-        if not np.all(np.isfinite(full)):
-            raise InputError(f"{what} has values that are not finite; leave out the frames after the run has broken down")
+        # Fits use the squares of positions. NaN is not below the limit either.
+        if not np.all(np.abs(full) < 1e100):
+            raise InputError(f"{what} has values that are not finite and below 1e100; leave out the frames after the run has broken down")
         return full
 
     reference = vectors(x[0] if X is None else X, "x[0]" if X is None else "X", None)

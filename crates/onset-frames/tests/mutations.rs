@@ -2,7 +2,10 @@
 //!
 //! `ONSET_MUTATIONS` sets the number of damaged files.
 
+use flate2::read::MultiGzDecoder;
+use flate2::write::GzEncoder;
 use onset_frames::{Reading, Series};
+use std::io::{Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -81,6 +84,50 @@ fn damaged(bytes: &[u8], random: &mut Random) -> Vec<u8> {
     bytes
 }
 
+/// Grid whose numbers follow it as bytes: two points and their densities.
+fn appended() -> Vec<u8> {
+    let mut bytes = b"<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\" header_type=\"UInt64\"><PolyData>\
+        <Piece NumberOfPoints=\"2\" NumberOfVerts=\"0\"><PointData><DataArray type=\"Float32\" Name=\"rho\" format=\"appended\" offset=\"56\"/></PointData>\
+        <Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"appended\" offset=\"0\"/></Points></Piece></PolyData>\
+        <AppendedData encoding=\"raw\">_"
+        .to_vec();
+    bytes.extend(48_u64.to_le_bytes());
+    bytes.extend(
+        [0.0, 0.0, 0.0, 1.0, 0.5, 0.0]
+            .map(f64::to_le_bytes)
+            .concat(),
+    );
+    bytes.extend(8_u64.to_le_bytes());
+    bytes.extend([1.0, 2.0].map(f32::to_le_bytes).concat());
+    bytes.extend(b"</AppendedData></VTKFile>");
+    bytes
+}
+
+/// Array of two frames, three particles and two components.
+fn array() -> Vec<u8> {
+    let head = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3, 2), }";
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((head.len() as u16 + 56).to_le_bytes());
+    bytes.extend(format!("{head:<width$}\n", width = head.len() + 55).bytes());
+    bytes.extend((0..12).flat_map(|n| f64::from(n * n).to_le_bytes()));
+    bytes
+}
+
+/// Damages a file, or for half of the compressed ones their contents.
+fn damaged_file(bytes: &[u8], is_compressed: bool, random: &mut Random) -> Vec<u8> {
+    if !is_compressed || random.below(2) == 0 {
+        return damaged(bytes, random);
+    }
+    let mut contents = Vec::new();
+    let mut decoder = MultiGzDecoder::new(bytes);
+    decoder.read_to_end(&mut contents).expect("compressed data");
+    let mut encoder = GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    encoder
+        .write_all(&damaged(&contents, random))
+        .expect("compressed");
+    encoder.finish().expect("compressed")
+}
+
 #[test]
 fn damaged_files_give_frames_or_an_error() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -98,9 +145,17 @@ fn damaged_files_give_frames_or_an_error() {
         ("a.pvd", read("small.pvd")),
         ("a.h5", read("series.h5")),
         ("b.h5", read("square_5.hdf5")),
+        ("a.vtp", appended()),
+        ("a.npy", array()),
     ];
     for name in ["meshio-ascii.vtu", "meshio-zlib.vtu"] {
         std::fs::write(folder.path().join(name), read(name)).expect("written");
+    }
+    for (name, bytes) in &files {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).expect("written");
+        let frames = Series::open(&[path], &Reading::default()).map(Iterator::count);
+        assert!(frames.is_ok(), "{name}: {frames:?}");
     }
     let count = std::env::var("ONSET_MUTATIONS")
         .ok()
@@ -118,7 +173,7 @@ fn damaged_files_give_frames_or_an_error() {
         }
         let (name, bytes) = &files[random.below(files.len())];
         let path = folder.path().join(name);
-        let bytes = damaged(bytes, &mut random);
+        let bytes = damaged_file(bytes, name.ends_with(".gz"), &mut random);
         std::fs::write(&path, &bytes).expect("written");
         let start = Instant::now();
         let outcome = Series::open(&[path], &reading)

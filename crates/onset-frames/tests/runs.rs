@@ -213,6 +213,43 @@ fn a_dump_that_is_still_written_ends_with_its_last_complete_frame() {
 }
 
 #[test]
+fn an_archive_with_a_changed_byte_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let whole = std::fs::read(data("stored.npz")).expect("an archive");
+    let numbers = 1.0_f64.to_le_bytes();
+    let place = whole.windows(8).position(|bytes| bytes == numbers);
+    let mut changed = whole.clone();
+    changed[place.expect("a one") + 6] ^= 1;
+    let told = refused(written(&folder, "a.npz", changed), &Reading::default());
+    assert!(told.contains("the checksum of an array is wrong"), "{told}");
+}
+
+#[test]
+fn a_grid_that_is_cut_off_is_refused_and_a_list_of_grids_is_reported() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let grid = std::fs::read_to_string(data("meshio-ascii.vtu")).expect("a grid");
+    for place in ["<PointData>", "<CellData>", "</Piece>", "</VTKFile>"] {
+        let cut = grid.find(place).expect("a place");
+        let told = refused(written(&folder, "a.vtu", &grid[..cut]), &Reading::default());
+        assert!(told.contains("the end of `VTKFile`"), "{place}: {told}");
+    }
+    let list = std::fs::read_to_string(data("small.pvd")).expect("a list");
+    written(&folder, "meshio-ascii.vtu", &grid);
+    let second = list.find("meshio-zlib").expect("the second file");
+    let (head, tail) = list.split_at(list.rfind("DataSet").expect("a tag"));
+    for damaged in [
+        &list[..second],
+        &format!("{head}dataset{}", &tail[7..]),
+        &format!("{}{tail}", &head[..head.len() - 1]),
+    ] {
+        let path = written(&folder, "a.pvd", damaged);
+        let series = Series::open(&[path], &Reading::default()).expect("a series");
+        assert!(series.recognized().ignored[0].contains("is cut off or damaged"));
+        assert_eq!(all(series).len(), 1);
+    }
+}
+
+#[test]
 fn rows_of_a_table_are_sorted_into_frames() {
     let folder = tempfile::tempdir().expect("a folder");
     let table = "\u{feff}id;time;x [mm];y [mm];Fxx;Fxy;Fyx;Fyy\n1;0;0;0;1;0;0;1\n1;1;0.5;0;2;0;0;1\n2;0;1;0;1;0;0;1\n2;1;1.5;0;2;3;0;1\n";

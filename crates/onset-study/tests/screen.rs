@@ -409,3 +409,71 @@ fn hourglass_modes_have_no_frequency_and_times_outside_of_the_run_are_refused() 
         "{outside}"
     );
 }
+
+#[test]
+fn a_step_that_distorted_states_exceed_after_the_first_short_waves_is_no_cause() {
+    let known = Known {
+        time_step: 0.6,
+        ..HEALTHY
+    };
+    // Alternating particles show until t = 8; compression then stiffens the plate.
+    let (run, mut frames) = stretched(13, |time| 0.007 * time);
+    for frame in &mut frames {
+        let factor = 1.0 - 0.15 * (frame.time - 8.0).max(0.0);
+        for x in &mut frame.x {
+            x[0] *= factor;
+        }
+    }
+    let answer = of_arrays(&known, &[], &(run, frames));
+    let observed = answer.observed.expect("short waves").time;
+    let limit = answer.time_step.expect("limits");
+    assert!(limit.exceeded.is_none(), "{limit:?}");
+    let later = answer.moments.iter().filter(|own| own.time > observed);
+    assert!(
+        later
+            .filter_map(|own| own.step_ratio)
+            .any(|ratio| ratio > 1.0)
+    );
+    assert_eq!(answer.cause, Cause::Forced);
+}
+
+#[test]
+fn particles_that_appear_later_are_reported() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.dump");
+    let text = shuffled(&NOTCH.path());
+    // The first frame, which is the last in the file, loses a particle.
+    let first = text.rfind("634\n").expect("a count");
+    let end = text.trim_end().rfind('\n').expect("a line");
+    let less = format!("{}633{}\n", &text[..first], &text[first + 3..end]);
+    std::fs::write(&path, less).expect("written");
+    let source = NOTCH.source(path);
+    let (recording, _, _) = Recording::open(&source, 2, false).expect("a recording");
+    assert_eq!(recording.particles, 633);
+    let reported = recording
+        .notes
+        .iter()
+        .filter(|note| note.contains("1 particle that the first frame lacks"));
+    assert_eq!(reported.count(), 1, "{:?}", recording.notes);
+}
+
+#[test]
+fn a_run_without_particles_whose_short_waves_count_is_refused() {
+    let (mut run, frames) = stretched(4, |_| 0.0);
+    // One particle is more than a neighborhood away from held particles, and none is two.
+    for (held, x) in run.held.iter_mut().zip(&run.reference) {
+        *held = (x[0] - 7.0).hypot(x[1] - 7.0) > 2.5;
+    }
+    let problem = HEALTHY.problem(&[]);
+    let mut frames = frames.into_iter().map(Ok);
+    let answer = ScreenAnswer::new(
+        &problem,
+        &HEALTHY.question(),
+        &run,
+        None,
+        &mut frames,
+        &mut |_| Ok(()),
+    );
+    let told = answer.expect_err("a refusal").to_string();
+    assert!(told.contains("no particle is left to be judged"), "{told}");
+}

@@ -309,7 +309,7 @@ fn told(body: &Body, line: &str, code: i32) -> String {
 }
 
 #[test]
-fn a_body_that_is_torn_apart_reports_its_state_and_keeps_its_checkpoint() {
+fn a_body_that_is_torn_apart_reports_its_state_and_keeps_its_files() {
     let study = pulled().replace("velocity = [0.05, 0]", "velocity = [-3, 0]");
     let place = Body::new(&study);
     let answer = Answer::of(place.kept("--steps 4000 --checkpoint 5 --quiet"));
@@ -328,6 +328,15 @@ fn a_body_that_is_torn_apart_reports_its_state_and_keeps_its_checkpoint() {
             "no `{word}` in {}",
             answer.stderr
         );
+    }
+    // The collection lists exactly the fields that were written until then.
+    let files = tree(&place.out());
+    let fields = files.iter().filter(|(name, _)| name.ends_with(".vtu"));
+    let collection = std::fs::read_to_string(place.out().join("fields.pvd")).expect("a collection");
+    assert!(fields.clone().count() > 0);
+    assert_eq!(collection.matches("file=").count(), fields.clone().count());
+    for (name, _) in fields {
+        assert!(collection.contains(name), "{name}: {collection}");
     }
     // The checkpoint is complete: a resumed run ends in the same way.
     let again = Answer::of(place.kept("--steps 4000 --checkpoint 5 --quiet --resume"));

@@ -2,7 +2,7 @@
 //!
 //! `motion` tests `onset simulate`, and `bodies` tests it with bodies. `made` answers decks with synthetic particles and needs no installed code.
 //! `lammps` and `pysph` run the codes themselves, if the variables ONSET_LAMMPS and ONSET_PYSPH name the program and the interpreter; `cargo xtask
-//! test` and `cargo xtask verify --all` install them.
+//! test` and `cargo xtask verify --all` install them. `screened` screens runs of these codes and of `onset simulate` whose cause is known.
 
 mod bodies;
 mod lammps;
@@ -10,6 +10,7 @@ mod made;
 mod motion;
 mod pysph;
 mod refusals;
+mod screened;
 mod zoo;
 
 #[path = "../../../onset/tests/shared/hunt.rs"]

@@ -2,6 +2,7 @@
 
 use crate::error::{FrameError, Place};
 use crate::input::regular;
+use flate2::Crc;
 use flate2::bufread::DeflateDecoder;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
@@ -21,6 +22,32 @@ pub(super) struct Member {
     packed: u64,
     /// Size of the contents.
     pub size: u64,
+    checksum: u32,
+}
+
+/// Reader of the contents of a member, which fails at their end if their checksum is wrong.
+struct Checked<R> {
+    from: R,
+    left: u64,
+    sum: Crc,
+    expected: u32,
+}
+
+impl<R: Read> Read for Checked<R> {
+    fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
+        let most = usize::try_from(self.left).unwrap_or(usize::MAX);
+        let most = most.min(to.len());
+        let count = self.from.read(&mut to[..most])?;
+        self.sum.update(&to[..count]);
+        self.left -= count as u64;
+        if self.left == 0 && self.sum.sum() != self.expected {
+            return Err(io::Error::new(
+                io::ErrorKind::InvalidData,
+                "the checksum of an array is wrong: the file is damaged",
+            ));
+        }
+        Ok(count)
+    }
 }
 
 fn damaged(path: &Path) -> FrameError {
@@ -139,6 +166,7 @@ fn member(entry: &[u8], length: u64) -> Option<(Result<Member, String>, &[u8])> 
             header,
             packed,
             size,
+            checksum: number(entry, 16, 4)? as u32,
         }),
         _ => Err(format!("`{shown}` has compression method {method}")),
     };
@@ -160,9 +188,15 @@ impl Member {
         let start = self.header + 30 + name + extra;
         file.seek(SeekFrom::Start(start)).map_err(failed)?;
         let packed = BufReader::with_capacity(1 << 16, file.take(self.packed));
-        Ok(match self.is_deflated {
-            true => Box::new(BufReader::new(DeflateDecoder::new(packed)).take(self.size)),
+        let from: Box<dyn Read + Send> = match self.is_deflated {
+            true => Box::new(BufReader::new(DeflateDecoder::new(packed))),
             false => Box::new(packed),
-        })
+        };
+        Ok(Box::new(Checked {
+            from,
+            left: self.size,
+            sum: Crc::new(),
+            expected: self.checksum,
+        }))
     }
 }

@@ -24,8 +24,11 @@ use std::fmt::Write;
 const AT_THE_LIMIT: f64 = 0.02;
 /// Factor of the largest stable step that is safe: loads and disorder stiffen a body.
 const SAFE: f64 = 0.9;
-/// Smallest growth exponent before the observation that explains short waves, even if they were expected later.
-const GROWN: f64 = 2.0;
+/// Smallest growth exponent before the observation that explains short waves, even if they were expected later: gradients of strain, which
+/// are part of the short waves, let them show earlier.
+const GROWN: f64 = 1.0;
+/// Smallest growth exponent before the observation in a body that is then destroyed.
+const BEGUN: f64 = 0.5;
 /// Ratio of short waves to the threshold at which a body is destroyed.
 const DESTROYED: f64 = 10.0;
 /// Smallest growth of short waves that are still below the threshold but follow a prediction.
@@ -279,11 +282,13 @@ impl ScreenAnswer {
         let most = course.moments.iter().map(|moment| moment.observed);
         let is_destroyed = most.fold(0.0, f64::max) > DESTROYED * threshold;
         let exceeded = course.step.as_ref().and_then(|limit| limit.exceeded);
+        let by_growth = course.grown_until_observed > GROWN
+            || is_destroyed && grown.is_some() && course.grown_until_observed > BEGUN;
         let by_excess = exceeded.filter(|_| is_destroyed).and(by_step.or(observed));
         let (cause, expected) = match (first, observed) {
             (Some((cause, time)), _) => (cause, Some(time)),
             (None, Some(_)) if by_excess.is_some() => (Cause::TimeStep, by_excess),
-            (None, Some(_)) if course.grown_until_observed > GROWN => (Cause::Numerical, grown),
+            (None, Some(_)) if by_growth => (Cause::Numerical, grown),
             (None, Some(_)) if weakest() < StateQuestion::default().weak => {
                 (Cause::ZeroEnergy, None)
             }

@@ -19,6 +19,8 @@ use serde::Serialize;
 
 /// Smallest integral of the growth rate of growing waves: amplitudes are five percent larger.
 const INTEGRAL_AT_BEGINNING: f64 = 0.05;
+/// Largest integral whose exponential is finite for all seeds.
+const LARGEST_INTEGRAL: f64 = 500.0;
 /// Largest amplitude of short waves, in spacings, at which a particle has a state. Beyond it the neighbors have changed.
 const ENDED: f64 = 0.5;
 /// Smallest acoustic eigenvalue over the modulus of a strongly elliptic material; below it is rounding.
@@ -246,6 +248,11 @@ pub(super) fn crossing(from: f64, to: f64, limit: f64) -> f64 {
     }
 }
 
+/// Amplitude after a growth integral; finite.
+pub(super) fn amplified(seed: f64, integral: f64) -> f64 {
+    seed * integral.min(LARGEST_INTEGRAL).exp()
+}
+
 fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0), |(sum, count), x| (sum + x * x, count + 1));
     (sum / f64::from(count.max(1))).sqrt()
@@ -363,7 +370,7 @@ impl<'p> Follower<'p> {
         let limited = limits(problem, run, stepping, &at_rest)?;
         let speed = analysis.speed_squared().map_err(ProblemError::from)?.sqrt();
         let asked = is_asked.iter().filter(|is| **is).count();
-        if asked == 0 {
+        if asked == 0 || !nodes.contains(&true) {
             return Err(ScreenError::Run {
                 what: "no particle is left to be judged: all are held, near held particles, or outside of the region".to_owned(),
                 hint: "choose held particles with --held, or another --region".to_owned(),
@@ -502,14 +509,18 @@ impl<'p> Follower<'p> {
         let (grown, integral) = self.growth.largest().unwrap_or((0, 0.0));
         if !self.has_begun && integral > INTEGRAL_AT_BEGINNING {
             self.has_begun = true;
-            let seed = self.question.seed;
-            self.course.seed = seed.unwrap_or(self.first_seed.max(mean_observed));
+            // Short waves that are observed already did not grow from themselves.
+            let is_early =
+                self.course.observed.is_none() && most_observed <= self.question.threshold;
+            if is_early && self.question.seed.is_none() {
+                self.course.seed = self.first_seed.max(mean_observed);
+            }
         }
         if let Some(u) = stretches.get(grown).and_then(Option::as_ref) {
             self.course.leading.push((frame.time, *u));
         }
         let seed = self.course.seed;
-        let predicted = seed * integral.exp();
+        let predicted = amplified(seed, integral);
         let threshold = self.question.threshold;
         let mut fields = Fields {
             acoustic: vec![f64::NAN; count],
@@ -546,7 +557,7 @@ impl<'p> Follower<'p> {
             if softest.is_none_or(|(_, least)| rates.acoustic < least) {
                 softest = Some((point, rates.acoustic));
             }
-            let amplitude = seed * self.growth.integral[point].exp();
+            let amplitude = amplified(seed, self.growth.integral[point]);
             (fields.acoustic[point], fields.growth[point]) = (rates.acoustic, rate);
             fields.amplitude[point] = amplitude;
             let harder = (rates.squared / self.at_rest.squared).sqrt();
@@ -600,7 +611,7 @@ impl<'p> Follower<'p> {
         self.course.moments.push(Moment {
             time: frame.time,
             predicted,
-            predicted_by_step: self.first_seed * self.by_step.exp(),
+            predicted_by_step: amplified(self.first_seed, self.by_step),
             observed: most_observed,
             observed_mean: mean_observed,
             acoustic: softest.map(|(_, least)| least),
@@ -683,6 +694,8 @@ impl<'p> Follower<'p> {
         };
         let critical = limit.body.unwrap_or(limit.lattice) / harder.sqrt();
         let rate = match mode {
+            // States after the first short waves are distorted by them.
+            _ if self.course.observed.is_some() && self.by_step < INTEGRAL_AT_BEGINNING => 0.0,
             Some(mode) if step > critical => scaled(mode, harder).growth(stepping, step).max(extra),
             _ => extra,
         };

@@ -16,6 +16,9 @@ const LEAST_FACE: usize = 3;
 /// Distance of a lattice position, in spacings, within which reference positions are regular.
 const REGULAR: f64 = 1e-3;
 
+/// Largest coordinate: fits use its square.
+const LARGEST: f64 = 1e100;
+
 /// Box of the reference configuration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
@@ -184,6 +187,7 @@ impl Recording {
         let mut first: Option<Read> = None;
         let mut last: Option<Read> = None;
         let mut time = f64::NEG_INFINITY;
+        let mut has_others = false;
         for frame in series.by_ref() {
             onset::cancel::checkpoint();
             let mut frame = frame?;
@@ -195,12 +199,21 @@ impl Recording {
                 own.frames = 1;
                 continue;
             };
+            let written = frame.len();
             let fault = own.ordered(&mut frame).or_else(|| broken(&frame));
             if let Some(fault) = fault {
                 own.notes.push(format!(
                     "{fault}: this frame and those after it are left out"
                 ));
                 break;
+            }
+            if written > frame.len() && !has_others {
+                has_others = true;
+                own.notes.push(format!(
+                    "{}: {} that the first frame lacks, left out from here on",
+                    frame.source,
+                    counted(written - frame.len(), "particle")
+                ));
             }
             if last.is_none() && frame.may_be_wrapped {
                 own.check_wrapping(start, dimension);
@@ -509,13 +522,13 @@ fn time_of(frame: &Read) -> Result<f64, ScreenError> {
     })
 }
 
-/// Reason why a frame is not sound: positions that are not finite.
+/// Reason why a frame is not sound: coordinates that are not finite, or so large that their squares are not.
 fn broken(frame: &Read) -> Option<String> {
-    let is_finite = |x: &[f64; 3]| x.iter().all(|x| x.is_finite());
+    let is_finite = |x: &[f64; 3]| x.iter().all(|x| x.abs() < LARGEST);
     let n = frame.position.iter().position(|x| !is_finite(x))?;
     let number = frame.identity.as_ref().map_or(n as u64, |all| all[n]);
     Some(format!(
-        "{}: particle {number} has no finite position",
+        "{}: particle {number} has no finite position below {LARGEST:e}",
         frame.source
     ))
 }

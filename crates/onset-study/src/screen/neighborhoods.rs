@@ -108,7 +108,9 @@ impl Neighborhoods {
             for a in -1..=1 {
                 for b in -height..=height {
                     for c in -depth..=depth {
-                        let at = [center[0] + a, center[1] + b, center[2] + c];
+                        // The conversion of a huge coordinate saturates; a wrapped number finds particles that are far away.
+                        let at = [(0, a), (1, b), (2, c)]
+                            .map(|(axis, step): (usize, i64)| center[axis].wrapping_add(step));
                         for other in boxes.get(&at).into_iter().flatten() {
                             let y = &reference[*other as usize];
                             let mut apart = Vector3::zeros();
@@ -245,6 +247,15 @@ mod tests {
             assert_eq!(f[(2, 2)], 1.0);
         }
         assert!(near.short_waves(&x).iter().all(|a| *a < 1e-12));
+    }
+
+    #[test]
+    fn particles_at_huge_distances_are_no_neighbors() {
+        let mut reference = lattice(5);
+        reference.extend([[1e99, 0.0, 0.0], [-1e99, 0.0, 0.0]]);
+        let near = Neighborhoods::new(&reference, 2, 2.01);
+        assert_eq!((near.count(25), near.count(26)), (0, 0));
+        assert!(near.count(12) > 0);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Changes of a discretization, each with the time at which its waves would show in the states of the run.
 
 use super::Question;
-use super::course::{Course, crossing, own_rate};
+use super::course::{Course, amplified, crossing, own_rate};
 use super::states::States;
 use crate::answers::{Problem, stabilization};
 use crate::number::told;
@@ -124,7 +124,7 @@ pub(super) fn expected(
         if let Some((since, last)) = before {
             integral = (integral + 0.5 * (last + rate) * (time - since)).max(0.0);
         }
-        let amplitude = course.seed * integral.exp();
+        let amplitude = amplified(course.seed, integral);
         if amplitude > question.threshold {
             let crossed = before.map_or(time, |(since, _)| {
                 let share = crossing(last_amplitude, amplitude, question.threshold);

@@ -7,6 +7,7 @@ use crate::output::{Files, Output, text, write};
 use crate::vtk;
 use onset::method::MethodError;
 use onset::motion::{Fault, Ground, PatchState};
+use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -166,8 +167,11 @@ impl<'a> Keeper<'a> {
                 is_interrupted = true;
                 break;
             }
-            moving.advance().map_err(|fault| self.failed(fault))?;
-            self.look(moving, step)?;
+            let moved = moving.advance().map_err(|fault| self.failed(fault));
+            if let Err(error) = moved.and_then(|()| self.look(moving, step)) {
+                self.keep_broken(step)?;
+                return Err(error);
+            }
             if self.is_due(step) {
                 self.keep(moving, Vec::new())?;
                 watch.advance(step, steps);
@@ -181,13 +185,19 @@ impl<'a> Keeper<'a> {
 
     /// Collection of the fields, at the end of a run that writes fields.
     pub(super) fn collection(&self) -> Files {
+        self.collection_before(self.course.steps + 1)
+    }
+
+    /// Collection of the fields before a step.
+    fn collection_before(&self, end: u64) -> Files {
         let course = self.course;
-        if course.fields.is_empty() {
+        let steps = course.fields.iter().take_while(|step| **step < end);
+        let times: Vec<f64> = steps.map(|step| *step as f64 * course.step).collect();
+        if times.is_empty() {
             return Vec::new();
         }
-        let names: Vec<String> = (0..course.fields.len()).map(field_name).collect();
-        let times = course.fields.iter().map(|step| *step as f64 * course.step);
-        let all = times.zip(names.iter().map(String::as_str));
+        let names: Vec<String> = (0..times.len()).map(field_name).collect();
+        let all = times.into_iter().zip(names.iter().map(String::as_str));
         vec![text("fields.pvd", vtk::pvd(all))]
     }
 
@@ -239,21 +249,41 @@ impl<'a> Keeper<'a> {
             return Ok(Vec::new());
         };
         self.progress.state = moving.state();
+        // The checkpoint is written last, so that everything it counts exists.
+        let checkpoint = text(CHECKPOINT, self.progress.bytes(&self.course.mark));
+        let written = self.write(place, last, Some(checkpoint))?;
+        self.last = Some((place.folder.join(CHECKPOINT), self.progress.state.step));
+        self.written = Instant::now();
+        Ok(written)
+    }
+
+    /// Writes the fields and the history of a motion that breaks down in a step. The last checkpoint remains.
+    fn keep_broken(&mut self, step: u64) -> Result<(), SimulateError> {
+        if let Some(place) = self.place {
+            let collection = self.collection_before(step);
+            self.write(place, collection, None)?;
+        }
+        Ok(())
+    }
+
+    /// Writes pending fields, other files, and the history.
+    fn write(
+        &mut self,
+        place: &Place,
+        others: Files,
+        checkpoint: Option<(OsString, Vec<u8>)>,
+    ) -> Result<Vec<PathBuf>, SimulateError> {
         let mut files = std::mem::take(&mut self.pending);
-        files.extend(last);
+        files.extend(others);
         files.push(text(
             "history.csv",
             history(self.course.columns, &self.progress.history),
         ));
-        // The checkpoint is written last, so that everything it counts exists.
-        files.push(text(CHECKPOINT, self.progress.bytes(&self.course.mark)));
-        let written = write(&place.folder, &files).map_err(|source| SimulateError::Output {
+        files.extend(checkpoint);
+        write(&place.folder, &files).map_err(|source| SimulateError::Output {
             source,
             checkpoint: self.last.clone(),
-        })?;
-        self.last = Some((place.folder.join(CHECKPOINT), self.progress.state.step));
-        self.written = Instant::now();
-        Ok(written)
+        })
     }
 
     /// Error for a motion that breaks down.

@@ -62,6 +62,8 @@ struct Document {
     /// Files of a collection with their times.
     collection: Vec<(Option<f64>, PathBuf)>,
     encoding: Option<Encoding>,
+    /// Whether the file has its end, and a list nothing but files.
+    is_whole: bool,
 }
 
 fn read_file(path: &Path, reading: &Reading) -> Result<Vec<u8>, FrameError> {
@@ -91,6 +93,7 @@ fn document(path: &Path, bytes: &[u8], is_head: bool) -> Result<Document, FrameE
     let mut section = Section::Other;
     let mut in_piece = false;
     let mut appended: Vec<Appended> = Vec::new();
+    let mut has_others = false;
     let mut at = 0;
     loop {
         let tag = match xml::next(bytes, at) {
@@ -99,10 +102,15 @@ fn document(path: &Path, bytes: &[u8], is_head: bool) -> Result<Document, FrameE
             Err(_) if is_head => break,
             Err(place) => return Err(wrong(path, bytes, place, "a complete tag of XML")),
         };
+        // Between the tags of a list are only blanks and comments.
+        let between = &bytes[at..tag.place.start];
+        let text = between.iter().find(|byte| !byte.is_ascii_whitespace());
+        has_others |= text.is_some_and(|byte| *byte != b'<');
         at = tag.place.end;
         let fail = |expected: &str| wrong(path, bytes, tag.place.start, expected);
         if tag.is_end {
             match tag.name.as_str() {
+                "VTKFile" => own.is_whole = true,
                 "Piece" => in_piece = false,
                 "FieldData" | "PointData" | "CellData" | "Points" | "Cells" | "Verts" | "Lines"
                 | "Polys" | "Strips" => section = Section::Other,
@@ -110,6 +118,7 @@ fn document(path: &Path, bytes: &[u8], is_head: bool) -> Result<Document, FrameE
             }
             continue;
         }
+        has_others |= !["VTKFile", "Collection", "DataSet"].contains(&tag.name.as_str());
         match tag.name.as_str() {
             "VTKFile" => own.encoding = Some(encoding(&tag, path)?),
             "ImageData"
@@ -231,6 +240,11 @@ fn document(path: &Path, bytes: &[u8], is_head: bool) -> Result<Document, FrameE
     }
     if own.encoding.is_none() {
         return Err(wrong(path, bytes, 0, "`VTKFile`"));
+    }
+    // A damaged tag of a list hides a file.
+    own.is_whole &= own.collection.is_empty() || !has_others;
+    if !is_head && !own.is_whole && own.collection.is_empty() {
+        return Err(wrong(path, bytes, bytes.len(), "the end of `VTKFile`"));
     }
     Ok(own)
 }
@@ -355,6 +369,11 @@ pub(crate) fn open(paths: &[PathBuf], reading: &Reading) -> Result<Opened, Frame
         if own.collection.is_empty() {
             frames.push(vec![path.clone()]);
             stamps.push(Stamp { time, step: None });
+        } else if !own.is_whole {
+            ignored.push(format!(
+                "{} is cut off or damaged: some of the files that it lists are left out",
+                path.display()
+            ));
         }
         for (time, file) in own.collection {
             // Parts of one frame have the same time.
