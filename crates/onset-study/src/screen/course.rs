@@ -663,7 +663,7 @@ impl<'p> Follower<'p> {
         let times = || self.course.moments.iter().map(|moment| moment.time);
         let (first, last) = (
             times().next().unwrap_or(asked),
-            times().last().unwrap_or(asked),
+            times().next_back().unwrap_or(asked),
         );
         if !(first..=last).contains(&asked) {
             return Err(ScreenError::Run {
