@@ -442,9 +442,9 @@ pub enum Command {
     Screen(Box<ScreenArguments>),
     /// Fit laws of rubber and foam to test data, stable in the range where they are used
     ///
-    /// Reads tables of tests (CSV with a header, test data in decks of Abaqus) and finds the constants with the least squared errors among those for
-    /// which the law is stable at all states of a range. The answer ranks the laws, tells what the demand for stability costs, and where the best
-    /// fit without it would become unstable.
+    /// Reads tables of tests (CSV with a header, test data in decks of Abaqus) and finds the constants with the least squared errors for which the law
+    /// is stable at all states of a range. The answer ranks the laws. It gives the cost of the demand for stability, and the states at which
+    /// the best fit without it would become unstable.
     #[command(after_help = FIT_EXAMPLES)]
     Fit(Box<FitArguments>),
     /// Simulate the particles of a periodic patch or of a body, step by step
@@ -719,7 +719,7 @@ pub struct ScreenArguments {
 /// Command-line arguments of `onset fit`.
 #[derive(Debug, Args)]
 pub struct FitArguments {
-    /// Tables of tests. The loading is that of a comment `# mode: planar` or of the name of the file.
+    /// Tables of tests. A comment `# mode: planar` or the name of the file gives the loading.
     #[arg(value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Table of a uniaxial test.
@@ -758,7 +758,7 @@ pub struct FitArguments {
     /// Weights of the points: relative (errors over measured stress) or absolute.
     #[arg(long, value_name = "KIND", value_parser = ["relative", "absolute"], default_value = "relative", help_heading = "Fit")]
     pub weights: String,
-    /// Part of the largest stress of a test below which relative errors refer to it.
+    /// Smallest stress in the denominator of relative errors, as a part of the largest stress of the test.
     #[arg(long, value_name = "PART", value_parser = share, allow_negative_numbers = true, help_heading = "Fit")]
     pub floor: Option<f64>,
     /// Fix a constant, for example alpha1=2 (may be given several times).
@@ -773,11 +773,11 @@ pub struct FitArguments {
     /// First guesses for constants in which a law is not linear.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=10_000), default_value_t = 64, help_heading = "Fit")]
     pub starts: u16,
-    /// Range in which the law is to be stable: data (up to 1.25 times the largest stretch of the tests), data=FACTOR, box=LOW,HIGH (all principal
+    /// Range in which the law must be stable: data (up to 1.25 times the largest stretch of the tests), data=FACTOR, box=LOW,HIGH (all principal
     /// stretches), loadings=LOW,HIGH (uniaxial, equibiaxial and planar), or none.
     #[arg(long, value_name = "RANGE", value_parser = stable_range, default_value = "data", help_heading = "Stability")]
     pub stable: StableRange,
-    /// Criterion that is to hold: drucker, ellipticity or both.
+    /// Criterion that must hold: drucker, ellipticity or both.
     #[arg(long, value_name = "NAME", value_parser = ["drucker", "ellipticity", "both"], default_value = "both", help_heading = "Stability")]
     pub criterion: String,
     /// Least value of a criterion, as a part of its value in the reference.

@@ -11,15 +11,15 @@ use std::fmt::Write;
 pub struct Constant {
     /// Name of the constant in settings, such as `c10` or `alpha1`.
     pub name: String,
-    /// Whether the energy is linear in the constant, which then has the unit of stress. Otherwise the constant has no unit.
+    /// Whether the energy is linear in the constant. Such constants have the unit of stress, and all others have no unit.
     pub is_modulus: bool,
-    /// Admissible values.
+    /// Smallest and largest admissible value.
     pub bounds: [f64; 2],
     /// Range in which first guesses are drawn.
     pub guesses: [f64; 2],
 }
 
-/// How a fitted law is written in settings.
+/// Form of a fitted law in settings.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Model {
     /// Name of a law of the library, with the constants of the family.
@@ -31,21 +31,21 @@ pub enum Model {
 /// Function of the stretches that a modulus multiplies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Part {
-    /// `(I1 - 3)^i (I2 - 3)^j` of the isochoric invariants.
+    /// Product of powers of the invariants: `(I1 - 3)^i (I2 - 3)^j`.
     Powers(i32, i32),
-    /// `(l1^alpha + l2^alpha + l3^alpha - 3) / alpha`.
+    /// Term of Ogden's law: `(l1^alpha + l2^alpha + l3^alpha - 3) / alpha`.
     Ogden,
-    /// `-jm/2 ln(1 - (I1 - 3)/jm)`.
+    /// Gent's law: `-jm/2 ln(1 - (I1 - 3)/jm)`.
     Gent,
-    /// `sum a_i / locking^(2i-2) (I1^i - 3^i)`.
+    /// Series of Arruda and Boyce: `sum a_i / locking^(2i-2) (I1^i - 3^i)`.
     ArrudaBoyce,
-    /// `(exp(b (I1 - 3)) - 1) / (2 b)`.
+    /// Fung's isotropic law: `(exp(b (I1 - 3)) - 1) / (2 b)`.
     Fung,
-    /// `|dev h|^2`.
+    /// Hencky's law: `|dev h|^2`.
     Hencky,
-    /// `(exp(k |dev h|^2) - 1) / k`.
+    /// Exponentiated Hencky law: `(exp(k |dev h|^2) - 1) / k`.
     ExponentiatedHencky,
-    /// `2/alpha^2 (lambda_1^alpha + lambda_2^alpha + lambda_3^alpha - 3 + (J^(-alpha beta) - 1)/beta)`.
+    /// Term of a foam: `2/alpha^2 (lambda_1^alpha + lambda_2^alpha + lambda_3^alpha - 3 + (J^(-alpha beta) - 1)/beta)`.
     Foam,
 }
 
@@ -69,7 +69,7 @@ pub(crate) struct Term {
     pub shapes: Vec<usize>,
 }
 
-/// Number of constants beside the modulus that a term can have.
+/// Largest number of constants of a term in addition to the modulus.
 pub(crate) const SHAPES: usize = 2;
 
 impl Term {
@@ -168,7 +168,7 @@ const FOAM_TERMS: usize = 3;
 const SMALLEST_EXPONENT: f64 = 0.05;
 
 impl Family {
-    /// Names of the families that are tried when all are asked for.
+    /// Names of the families that `all` means.
     pub fn all() -> impl Iterator<Item = &'static str> {
         NAMES.into_iter()
     }
@@ -355,7 +355,7 @@ impl Family {
         &self.name
     }
 
-    /// How a fitted law of the family is written in settings.
+    /// Form of a fitted law of the family in settings.
     pub fn model(&self) -> &Model {
         &self.model
     }
@@ -365,7 +365,7 @@ impl Family {
         &self.constants
     }
 
-    /// Constants with which the law of the library has no further terms, such as `mu3 = 0` of `ogden` with two terms.
+    /// Constants that remove further terms of the law of the library, such as `mu3 = 0` for `ogden` with two terms.
     pub fn unused(&self) -> Vec<(String, f64)> {
         let Model::Library(name) = self.model else {
             return Vec::new();
@@ -382,12 +382,12 @@ impl Family {
         nonzero.map(|own| (own.name.to_owned(), 0.0)).collect()
     }
 
-    /// Whether the energy is linear in all constants, so that the optimum of a fit is the global one.
+    /// Returns true if the energy is linear in all constants, so that the optimum of a fit is the global one.
     pub fn is_linear(&self) -> bool {
         self.constants.iter().all(|own| own.is_modulus)
     }
 
-    /// Whether volumes change in tests, so that lateral stretches are needed. Other laws are fitted to their incompressible response.
+    /// Returns true if volumes change in tests, so that lateral stretches are needed. Other laws are fitted to their incompressible response.
     pub fn is_compressible(&self) -> bool {
         self.is_compressible
     }

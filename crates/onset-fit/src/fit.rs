@@ -22,14 +22,14 @@ pub enum Weights {
     Absolute,
 }
 
-/// What is asked of a fit.
+/// Choices of a fit: weights, range, criteria and constraints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Weights of the measured points.
     pub weights: Weights,
-    /// Where the law is to be stable; `None` for a free fit.
+    /// States at which the law must be stable; `None` for a free fit.
     pub range: Option<Range>,
-    /// Criteria that are to hold there.
+    /// Criteria that must hold there.
     pub criteria: Vec<Criterion>,
     /// Lowest value of a criterion, relative to its value in the reference.
     pub margin: f64,
@@ -37,7 +37,7 @@ pub struct Options {
     pub starts: usize,
     /// Constants with fixed values.
     pub fixed: Vec<(String, f64)>,
-    /// Bounds of constants.
+    /// Bounds of constants by their names.
     pub bounds: Vec<(String, [f64; 2])>,
 }
 
@@ -60,23 +60,21 @@ impl Default for Options {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum FitError {
     /// Fewer measured points than constants.
-    #[error(
-        "{law} has {constants} constants to be found, and the tests have {points} points; expected at least as many points"
-    )]
+    #[error("{law} has {constants} constants to be found, but the tests have only {points} points")]
     TooFewPoints {
         /// Name of the law.
         law: String,
         /// Number of constants that are not fixed.
         constants: usize,
-        /// Number of conditions.
+        /// Number of measured conditions.
         points: usize,
     },
-    /// The tests do not tell constants from each other.
+    /// Several values of the constants fit the tests equally well.
     #[error("the tests do not determine the constants of {law}; {hint}")]
     Undetermined {
         /// Name of the law.
         law: String,
-        /// What would determine them.
+        /// Advice for the user.
         hint: &'static str,
     },
     /// A compressible law needs lateral stretches.
@@ -105,7 +103,7 @@ pub enum FitError {
     },
 }
 
-/// Constants of a law with what they achieve.
+/// Constants of a law, with their errors and limits.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fitted {
     /// Values in the order of [`Family::constants`].
@@ -116,13 +114,13 @@ pub struct Fitted {
     pub loss: f64,
     /// Root mean square of the errors relative to the measured stresses, over all points.
     pub relative: f64,
-    /// Errors by test.
+    /// Errors of each test.
     pub misfits: Vec<Misfit>,
     /// First losses of the criteria in tension up to stretch 10; for incompressible response.
     pub limits: Vec<Limit>,
     /// Lowest state of the criteria in the range; `None` without a range.
     pub worst: Option<Worst>,
-    /// How closely the tests determine the constants.
+    /// Standard deviations and correlations of the constants.
     pub uncertainty: Uncertainty,
 }
 
@@ -150,7 +148,7 @@ impl Fit {
         self.stable.as_ref().unwrap_or(&self.free)
     }
 
-    /// Factor by which the demand for stability raises the root mean square of the weighted errors.
+    /// Ratio of the root mean squares of the weighted errors with and without the demand for stability.
     pub fn cost(&self) -> f64 {
         match self.result().loss == self.free.loss {
             true => 1.0,
@@ -158,7 +156,7 @@ impl Fit {
         }
     }
 
-    /// Whether the optimum is the global one: the energy is linear in all constants.
+    /// Returns true if the optimum is global, because the energy is linear in all constants.
     pub fn is_global(&self) -> bool {
         self.family.is_linear()
     }
@@ -169,18 +167,18 @@ const ROUNDS: usize = 80;
 /// States added in one round.
 const ADDED: usize = 6;
 /// Part of the margin that the worst state must have.
-const ENOUGH: f64 = 0.5;
+const LEAST_MARGIN_SHARE: f64 = 0.5;
 /// Optima within this part of the best are listed.
 const SIMILAR: f64 = 0.05;
 /// Optima whose constants differ by less than this part are one.
-const SAME: f64 = 1e-3;
+const CONSTANT_TOLERANCE: f64 = 1e-3;
 /// Free optima from which a fit with demands begins.
-const CONTINUED: usize = 6;
+const STARTS_WITH_DEMANDS: usize = 6;
 
 /// Fits a law to tests.
 ///
 /// Laws that do not change volume are fitted to their incompressible response: `P = (w_1 - w_3)/lambda_1` with `w_i = dW/dln(lambda_i)` and the free face 3.
-/// The sum of squares is that of the errors over all points, times the weights of their tests.
+/// The sum of squares contains the errors at all points, with the weights of their tests.
 ///
 /// # Errors
 /// [`FitError`] if the tests do not determine the constants, or no constants are stable.
@@ -291,7 +289,7 @@ impl Search<'_> {
             return Ok(result);
         };
         result.stretches = Some(range.stretches(self.tests, self.family.is_compressible()));
-        let is_enough = |worst: &Worst| worst.value >= ENOUGH * self.options.margin;
+        let is_enough = |worst: &Worst| worst.value >= LEAST_MARGIN_SHARE * self.options.margin;
         if result.free.worst.as_ref().is_none_or(is_enough) {
             match prove(&self.numbers(&best.constants), &self.patches) {
                 Proof::Refuted { .. } => {}
@@ -302,9 +300,9 @@ impl Search<'_> {
             }
         }
         let mut starts: Vec<Vec<f64>> = free.iter().map(|own| own.constants.clone()).collect();
-        starts.truncate(CONTINUED);
+        starts.truncate(STARTS_WITH_DEMANDS);
         if !self.family.is_linear() {
-            starts.extend(self.guesses().into_iter().take(CONTINUED));
+            starts.extend(self.guesses().into_iter().take(STARTS_WITH_DEMANDS));
         }
         let found = self.optima(&starts, &|problem, start| {
             self.demanded(problem, start, Vec::new())
@@ -404,7 +402,7 @@ impl Search<'_> {
                 let pairs = own.constants.iter().zip(&other.constants);
                 pairs
                     .into_iter()
-                    .all(|(a, b)| (a - b).abs() <= SAME * a.abs().max(b.abs()))
+                    .all(|(a, b)| (a - b).abs() <= CONSTANT_TOLERANCE * a.abs().max(b.abs()))
             };
             if !distinct.iter().any(is_same) {
                 distinct.push(own);
@@ -427,7 +425,7 @@ impl Search<'_> {
         }
     }
 
-    /// Solution that satisfies the demands at all states of the range: states are added until none is violated.
+    /// Solution that satisfies the demands at all states of the range: states are added until the demands hold everywhere.
     fn demanded(
         &self,
         problem: &Problem<'_>,
@@ -444,7 +442,7 @@ impl Search<'_> {
             .solve(&constants)?;
             let law = self.numbers(&found.constants);
             let mut worst = worst_states(&law, &self.patches);
-            worst.retain(|own| own.value < ENOUGH * self.options.margin);
+            worst.retain(|own| own.value < LEAST_MARGIN_SHARE * self.options.margin);
             worst.truncate(ADDED);
             if worst.is_empty() {
                 return Some(found);

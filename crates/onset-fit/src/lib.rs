@@ -6,8 +6,8 @@
 //! the result is added, and so on. In the end interval arithmetic proves that no state of the range was missed.
 //!
 //! - [`Family`]: the laws that can be fitted, as functions of the principal stretches and of their constants.
-//! - [`Test`]: what was measured.
-//! - [`Range`], [`Criterion`]: where the law is to be stable, and in which sense.
+//! - [`Test`]: measured points of a specimen.
+//! - [`Range`], [`Criterion`]: states at which the law must be stable, and the sense of stability.
 //! - [`fit()`]: the fit.
 //!
 //! The crate neither reads files nor prints: that is the part of its callers.

@@ -20,9 +20,9 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Criterion {
-    /// Drucker's inequality.
+    /// Drucker's inequality: positive second-order work.
     Drucker,
-    /// Strong ellipticity.
+    /// Strong ellipticity: real wave speeds in all directions.
     StrongEllipticity,
 }
 
@@ -36,7 +36,7 @@ impl Criterion {
     }
 }
 
-/// Perturbation that a criterion is asked for.
+/// Perturbation that a criterion tests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Perturbation {
     /// Increment of the logarithmic strains, with unit length.
@@ -56,9 +56,9 @@ pub(crate) struct Moduli<R> {
 }
 
 /// Squares closer than this part have the derivative in place of the quotient, whose error is of second order in the difference.
-const CLOSE: f64 = 1e-5;
+const SQUARE_TOLERANCE: f64 = 1e-5;
 
-/// Pairs of axes.
+/// Pairs of different principal axes.
 pub(crate) const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 
 impl<R: Real> Moduli<R> {
@@ -66,7 +66,7 @@ impl<R: Real> Moduli<R> {
     pub fn new(energy: &Jet<3, R>, squares: [f64; 3]) -> Self {
         let quotient = |i: usize, j: usize| {
             let difference = squares[i] - squares[j];
-            if difference.abs() < CLOSE * squares[i] {
+            if difference.abs() < SQUARE_TOLERANCE * squares[i] {
                 let second = &energy.hessian;
                 second[i][i] + second[j][j] - second[i][j] * 2.0
             } else {
@@ -99,12 +99,12 @@ impl<R: Real> Moduli<R> {
         }
     }
 
-    /// `4 W_ij + T_ij` for `i != j`.
+    /// Coupling `4 W_ij + T_ij` of two axes in the acoustic tensor.
     fn coupling(&self, i: usize, j: usize) -> R {
         self.second[i][j] * 4.0 + self.quotients[3 - i - j]
     }
 
-    /// `W_ii W_jj - W_ij^2`.
+    /// Minor `W_ii W_jj - W_ij^2` of the second derivatives.
     fn determinant(&self, i: usize, j: usize) -> R {
         self.second[i][i] * self.second[j][j] - self.second[i][j] * self.second[i][j]
     }

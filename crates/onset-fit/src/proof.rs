@@ -17,12 +17,12 @@ use serde::Serialize;
 pub enum Proof {
     /// No state of the range is unstable.
     Proved {
-        /// Number of cells.
+        /// Number of cells of the range.
         cells: usize,
     },
     /// A state was found that is not stable.
     Refuted {
-        /// The state.
+        /// State with its criterion and value.
         worst: Worst,
     },
     /// The states of the range were sampled and found stable; the proof needs more cells than were allowed, or the law has no proof.
@@ -33,7 +33,7 @@ pub enum Proof {
 const CELLS: usize = 12_000;
 /// Number with derivatives by the parameters of a patch.
 type Slope = Dual<2, Interval>;
-/// Number that stands for an interval, with or without derivatives.
+/// Enclosure of a number, with or without derivatives.
 trait Bounded: Real {
     /// Number anywhere in an interval.
     fn between(interval: Interval) -> Self;
@@ -65,11 +65,11 @@ impl Bounded for Slope {
 }
 
 /// Halvings of the triangle of directions.
-const TURNS: usize = 5;
+const MOST_HALVINGS: usize = 5;
 /// Rounding of the coefficients of a part, relative to the largest one.
-const ROUNDING: f64 = 1e-14;
+const ROUNDING_FRACTION: f64 = 1e-14;
 /// Strains of a cell closer than this have the quotient of their mean.
-const CLOSE: f64 = 0.02;
+const LEAST_DISTANCE: f64 = 0.02;
 /// Parts of the segment over which the mean is taken.
 const SEGMENTS: usize = 2;
 
@@ -121,7 +121,7 @@ pub(crate) fn prove(law: &Numbers<'_>, patches: &[Patch]) -> Proof {
     Proof::Proved { cells }
 }
 
-/// Whether no state of a cell has its strains in descending order.
+/// Returns true if no state of a cell has its strains in descending order.
 fn is_outside(patch: &Patch, cell: &[[f64; 2]; 2]) -> bool {
     let parameter = |a: usize| Interval::new(cell[a][0], cell[a][1]);
     let logs = logs_of(patch, [parameter(0), parameter(1)]);
@@ -168,8 +168,8 @@ fn is_stable(law: &Numbers<'_>, patch: &Patch, cell: &[[f64; 2]; 2]) -> bool {
                 std::array::from_fn(|n| bound(&on_cell.trace[n], &at_middle.trace[n]));
             let determinant: [f64; 10] =
                 std::array::from_fn(|n| bound(&on_cell.determinant[n], &at_middle.determinant[n]));
-            is_positive(trace, quadratic_halves, TURNS)
-                && is_positive(determinant, cubic_halves, TURNS)
+            is_positive(trace, quadratic_halves, MOST_HALVINGS)
+                && is_positive(determinant, cubic_halves, MOST_HALVINGS)
         }
     })
 }
@@ -181,7 +181,7 @@ fn deciding<R: Bounded>(law: &Numbers<'_>, patch: &Patch, at: [R; 2]) -> Decidin
     let quotient = |i: usize, j: usize| {
         let distance = squares[i] - squares[j];
         let apart = (logs[i] - logs[j]).range();
-        if apart.low > CLOSE || apart.high < -CLOSE {
+        if apart.low > LEAST_DISTANCE || apart.high < -CLOSE_STRAIN {
             return (energy.gradient[i] - energy.gradient[j]) * 2.0 / distance;
         }
         // Mean over the segment to the state with the two squares exchanged; it is symmetric about its middle.
@@ -206,14 +206,14 @@ fn deciding<R: Bounded>(law: &Numbers<'_>, patch: &Patch, at: [R; 2]) -> Decidin
     }
 }
 
-/// Whether a form is positive on a triangle: all Bernstein coefficients are, or those of its parts.
+/// Returns true if a form is positive on a triangle, because its Bernstein coefficients on the triangle or on parts of it are positive.
 fn is_positive<const N: usize>(
     form: [f64; N],
     halves: fn(&[f64; N], usize) -> [[f64; N]; 2],
     depth: usize,
 ) -> bool {
     // Rounding of the halvings.
-    let least = ROUNDING * form.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+    let least = ROUNDING_FRACTION * form.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     if form.iter().all(|own| *own > least) {
         return true;
     }

@@ -1,4 +1,4 @@
-//! Where a law is to be stable, and the worst state there.
+//! States at which a law must be stable, and the worst of them.
 
 use crate::family::Family;
 use crate::moduli::{Criterion, Moduli, Perturbation};
@@ -15,14 +15,14 @@ pub enum Mode {
     Equibiaxial,
     /// Tension or compression of a wide sheet, whose width is kept (pure shear).
     Planar,
-    /// Simple shear.
+    /// Simple shear of a block.
     SimpleShear,
     /// Change of volume alone.
     Volumetric,
 }
 
 impl Mode {
-    /// Loadings of which every incompressible specimen has a state with free faces.
+    /// Loadings with a free face, whose states are known for every incompressible specimen.
     pub const LOADINGS: [Self; 3] = [Self::Uniaxial, Self::Equibiaxial, Self::Planar];
 
     /// Name of the loading in files and answers.
@@ -59,7 +59,7 @@ impl Mode {
     }
 }
 
-/// States at which a fitted law is to be stable.
+/// States at which a fitted law must be stable.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Range {
@@ -78,7 +78,7 @@ pub(crate) struct Patch {
     pub axes: Vec<[f64; 3]>,
     pub low: Vec<f64>,
     pub high: Vec<f64>,
-    /// Whether only states with stretches in descending order are meant, of which the others are permutations.
+    /// Whether only states with stretches in descending order belong to the patch; all others are permutations.
     pub ordered: bool,
 }
 
@@ -192,7 +192,7 @@ impl Numbers<'_> {
     }
 
     /// Lowest relative value of the criteria at a state. States beyond the locking of chains, at which the
-    /// law has no energy, are not asked: their value is infinite.
+    /// law has no energy, have an infinite value.
     pub fn worst_at(&self, logs: [f64; 3], shear: f64) -> Worst {
         let squares = logs.map(|log| (2.0 * log).exp());
         let moduli = Moduli::new(&self.family.jet(self.constants, squares), squares);
@@ -324,11 +324,11 @@ fn improved(
     best
 }
 
-/// Stretch up to which a law is stable along a loading of an incompressible specimen in tension. Compression passes through the states of another
+/// End of the stable stretches along a loading of an incompressible specimen in tension. Compression passes through the states of another
 /// loading in tension.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Limit {
-    /// Loading.
+    /// Loading of the specimen.
     pub mode: Mode,
     /// Criterion that is lost.
     pub criterion: Criterion,
@@ -336,8 +336,8 @@ pub struct Limit {
     pub stretch: f64,
 }
 
-/// Stretch up to which limits are looked for, as in the check of Abaqus.
-const LOOKED_UP: f64 = 10.0;
+/// Largest stretch of the loadings, as in the check of Abaqus.
+const LARGEST_STRETCH: f64 = 10.0;
 /// States along a loading.
 const ALONG: usize = 400;
 
@@ -356,7 +356,7 @@ pub fn limits(family: &Family, constants: &[f64], criteria: &[Criterion]) -> Vec
                 law.worst_at(mode.direction().map(|part| part * s), shear)
                     .value
             };
-            let end = LOOKED_UP.ln();
+            let end = LARGEST_STRETCH.ln();
             let lost = (1..=ALONG)
                 .map(|n| end * n as f64 / ALONG as f64)
                 .find(|s| at(*s) <= 0.0);
@@ -405,7 +405,7 @@ impl Family {
         Some(slope * (kirchhoff(0) - kirchhoff(2)))
     }
 
-    /// Whether criteria hold at a state of a loading.
+    /// Returns true if criteria hold at a state of a loading.
     pub fn is_stable(
         &self,
         constants: &[f64],
@@ -416,7 +416,7 @@ impl Family {
         self.is_stable_at(constants, criteria, Self::logs(mode, stretch))
     }
 
-    /// Whether criteria hold at a state, given by the logarithms of its principal stretches.
+    /// Returns true if criteria hold at a state, given by the logarithms of its principal stretches.
     pub fn is_stable_at(&self, constants: &[f64], criteria: &[Criterion], logs: [f64; 3]) -> bool {
         let law = Numbers {
             family: self,

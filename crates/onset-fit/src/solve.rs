@@ -37,7 +37,7 @@ pub(crate) struct Problem<'a> {
     pub equations: &'a Equations,
     pub cuts: &'a [Cut],
     pub margin: f64,
-    /// Bounds of the constants; equal for those that are fixed.
+    /// Bounds of the constants. Fixed constants have equal bounds.
     pub bounds: &'a [[f64; 2]],
 }
 
@@ -49,9 +49,9 @@ pub(crate) struct Solution {
 }
 
 /// Largest number of steps of one solution.
-const STEPS: usize = 200;
+const MOST_STEPS: usize = 200;
 /// A step that lowers the sum of squares by less than this part is the last one.
-const ENOUGH: f64 = 1e-13;
+const LEAST_GAIN: f64 = 1e-13;
 /// Weight of a violated demand, relative to the sum of squares at the start.
 const PENALTY: f64 = 10.0;
 
@@ -101,7 +101,7 @@ impl Problem<'_> {
         let merit = |loss: f64, violated: f64| loss + PENALTY * unit * violated;
         let mut damping = 1e-3;
         let mut idle = 0;
-        for _ in 0..STEPS {
+        for _ in 0..MOST_STEPS {
             let (values, slopes) = self.demands(&constants);
             let step = self.step(
                 &errors,
@@ -137,7 +137,7 @@ impl Problem<'_> {
                 (constants, errors, jacobian) = (trial, new_errors, new_jacobian);
                 (loss, violated) = (new_loss, new_violated);
                 damping = (damping * 0.2).max(1e-15);
-                idle = if part < ENOUGH { idle + 1 } else { 0 };
+                idle = if part < LEAST_GAIN { idle + 1 } else { 0 };
             } else {
                 damping *= 8.0;
                 idle += usize::from(damping > 1e3);
@@ -270,7 +270,7 @@ impl Problem<'_> {
     }
 }
 
-/// Point `y` nearest to `target` with `slope . R^-1 y >= bound`; `None` if there is none.
+/// Point `y` nearest to `target` with `slope . R^-1 y >= bound`; `None` if it does not exist.
 fn nearest(
     upper: &DMatrix<f64>,
     target: &DVector<f64>,
@@ -290,7 +290,7 @@ fn nearest(
         rows.push(turned / -size);
         bounds.push(-bound / size);
     }
-    // In units of the distance of the nearest point from the origin, or of what the conditions demand.
+    // Numbers of order one: in units of the distance of the target or of the conditions.
     let needed = bounds.iter().fold(0.0_f64, |most, own| most.max(-own));
     let unit = target.norm().max(needed).max(1e-300);
     let matrix: Vec<Vec<f64>> = rows

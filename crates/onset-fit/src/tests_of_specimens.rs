@@ -130,7 +130,7 @@ impl Equations {
         Self { all }
     }
 
-    /// Number of conditions.
+    /// Number of conditions of all tests.
     pub fn len(&self) -> usize {
         self.all.len()
     }

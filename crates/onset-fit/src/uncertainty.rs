@@ -1,4 +1,4 @@
-//! How closely tests determine the constants of a law.
+//! Standard deviations and correlations of fitted constants.
 
 use crate::family::Family;
 use crate::tests_of_specimens::Equations;

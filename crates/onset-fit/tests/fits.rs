@@ -346,7 +346,7 @@ fn constants_of_exact_points_come_back() -> Outcome {
 }
 
 #[test]
-fn energies_are_those_of_the_library() -> Outcome {
+fn energies_equal_the_laws_of_the_library() -> Outcome {
     let tests = data("treloar")?;
     for law in Family::all().filter(|law| !law.starts_with("hyperfoam")) {
         let options = Options {
@@ -437,7 +437,7 @@ fn a_stable_law_is_proved_and_an_unstable_one_has_no_constants() -> Outcome {
 }
 
 #[test]
-fn one_planar_test_does_not_tell_the_invariants_apart() -> Outcome {
+fn one_planar_test_does_not_determine_two_invariants() -> Outcome {
     let mut tests = data("treloar")?;
     tests.retain(|test| test.mode == Mode::Planar);
     let found = fit(&tests, &of("mooney-rivlin-isochoric")?, &Options::default());

@@ -411,7 +411,7 @@ fn hourglass_modes_have_no_frequency_and_times_outside_of_the_run_are_refused() 
 }
 
 #[test]
-fn a_step_that_distorted_states_exceed_after_the_first_short_waves_is_no_cause() {
+fn a_step_that_distorted_states_exceed_after_the_first_short_waves_is_not_the_cause() {
     let known = Known {
         time_step: 0.6,
         ..HEALTHY

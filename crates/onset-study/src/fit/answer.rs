@@ -16,20 +16,20 @@ use std::fmt::{self, Write};
 pub struct TestAnswer {
     /// Name of the test.
     pub name: String,
-    /// Loading.
+    /// Loading of the specimen.
     pub mode: Mode,
-    /// Number of points.
+    /// Number of measured points.
     pub points: usize,
     /// Smallest and largest stretch.
     pub stretches: [f64; 2],
 }
 
-/// Fitted constant.
+/// Fitted constant with its deviation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ConstantAnswer {
     /// Name of the constant in settings.
     pub name: String,
-    /// Fitted value.
+    /// Fitted value of the constant.
     pub value: f64,
     /// Standard deviation; `None` where the tests do not determine it or the constant is fixed.
     pub deviation: Option<f64>,
@@ -40,24 +40,24 @@ pub struct ConstantAnswer {
 /// First loss of a criterion along a loading.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LossAnswer {
-    /// Loading.
+    /// Loading of the specimen.
     pub mode: Mode,
     /// Criterion that is lost.
     pub criterion: Criterion,
-    /// Imposed stretch.
+    /// Imposed stretch at the loss.
     pub stretch: f64,
     /// Whether the tests reach the state.
     pub inside_of_data: bool,
 }
 
-/// Fitted law.
+/// Fitted law with errors and limits.
 #[derive(Clone, Debug, Serialize)]
 pub struct LawAnswer {
     /// Name of the law.
     pub law: String,
     /// Constants in their order.
     pub constants: Vec<ConstantAnswer>,
-    /// Bulk modulus of the settings; `None` for laws that have none.
+    /// Bulk modulus of the settings; `None` for laws without a bulk modulus.
     pub kappa: Option<f64>,
     /// Shear modulus at small strains.
     pub shear_modulus: f64,
@@ -65,7 +65,7 @@ pub struct LawAnswer {
     pub error: f64,
     /// Sum of squares that was minimized.
     pub loss: f64,
-    /// Errors by test.
+    /// Errors of each test.
     pub tests: Vec<Misfit>,
     /// Error of the best fit without a demand for stability.
     pub free_error: f64,
@@ -94,7 +94,7 @@ pub struct LawAnswer {
 /// Answer of a fit.
 #[derive(Clone, Debug, Serialize)]
 pub struct FitAnswer {
-    /// Tests.
+    /// Tests with the extent of their data.
     pub tests: Vec<TestAnswer>,
     /// Unit of stress of the tables.
     pub unit: Option<String>,
@@ -110,7 +110,7 @@ pub struct FitAnswer {
     pub laws: Vec<LawAnswer>,
     /// Laws that could not be fitted, with the reasons.
     pub refused: Vec<(String, String)>,
-    /// Remarks.
+    /// Remarks for the reader.
     pub notes: Vec<String>,
     #[serde(skip)]
     pub(super) data: Vec<Test>,
@@ -193,12 +193,12 @@ impl FitAnswer {
         &self.laws[0]
     }
 
-    /// Whether stability was demanded and not reached by some law, or the best law is not stable.
+    /// Returns true if the best law is stable in a range that was given.
     pub fn is_stable(&self) -> bool {
         self.best().proof.is_some()
     }
 
-    /// Range in words.
+    /// Range of stability in words.
     fn range_in_words(&self) -> String {
         let Some([low, high]) = self.stretches else {
             return String::new();
@@ -319,7 +319,7 @@ impl FitAnswer {
         told.collect::<Vec<_>>().join(", ")
     }
 
-    /// Command that asks the stability criteria of the best law.
+    /// Command that evaluates the stability criteria of the best law.
     fn next(&self) -> String {
         let sets = self.best().settings.iter();
         let sets = sets.map(|set| format!(" --set {}", quoted(set.as_ref())));
@@ -367,7 +367,7 @@ impl FitAnswer {
         own.into_iter().chain(blocks).map(str::to_owned).collect()
     }
 
-    /// Settings, table, figure, and blocks of the best law for other programs, as far as these have the law.
+    /// Settings, table, figure, and blocks of the best law for the programs that have the law.
     ///
     /// # Errors
     /// [`FittingError::Figure`] if the figure is too large.
@@ -516,7 +516,7 @@ impl LawAnswer {
         })
     }
 
-    /// What the demand for stability costs.
+    /// Cost of the demand for stability, in words.
     fn demand(&self) -> String {
         if self.proof.is_none() {
             return match self.free_losses.first() {

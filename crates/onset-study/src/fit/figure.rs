@@ -8,8 +8,8 @@ use onset_fit::{Mode, Test};
 const CURVE: usize = 200;
 /// Cells along an axis of the plane of stretches.
 const CELLS: usize = 90;
-/// Share of the data by which curves go on.
-const BEYOND: f64 = 1.1;
+/// Ratio of the largest stretch of a curve to the largest measured stretch.
+const EXTENT_RATIO: f64 = 1.1;
 
 impl FitAnswer {
     /// Draws the law with the smallest error.
@@ -41,7 +41,7 @@ impl FitAnswer {
             1.0
         };
         let low = stretches.iter().fold(rest, |a, b| a.min(*b));
-        let high = stretches.iter().fold(rest, |a, b| a.max(*b)) * BEYOND;
+        let high = stretches.iter().fold(rest, |a, b| a.max(*b)) * EXTENT_RATIO;
         let unit = self
             .unit
             .as_deref()
@@ -111,7 +111,7 @@ impl FitAnswer {
         let tested = tested.fold(1.0_f64, |most, test| {
             most.max(test.stretches[1]).max(test.stretches[0].recip())
         });
-        let high = reach.max(tested) * BEYOND;
+        let high = reach.max(tested) * EXTENT_RATIO;
         let end = high.powf(1.5);
         let axis = |label: &str, end: f64| crate::criteria::stretch_axis(label, 1.0, end);
         let mut classes = Vec::new();

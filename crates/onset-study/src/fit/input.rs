@@ -1,6 +1,6 @@
 //! Tables of test data: CSV with a header, and test data in decks of Abaqus.
 //!
-//! A table is refused where it contradicts itself or its header, because a fit of a misread table looks as good as any other.
+//! A table is refused where it contradicts itself or its header, because the fit of a misread table would be as good as any other fit.
 
 use crate::input::{self, MOST_TEXT};
 use crate::number::told;
@@ -25,11 +25,11 @@ pub enum TableError {
     Line {
         /// Path of the file.
         path: PathBuf,
-        /// Line, from 1.
+        /// Number of the line, from 1.
         line: usize,
-        /// What was found and what was expected.
+        /// Finding and expectation in words.
         message: String,
-        /// What to do.
+        /// Advice for the user.
         hint: String,
     },
     /// A file that cannot be used as a whole.
@@ -37,22 +37,22 @@ pub enum TableError {
     File {
         /// Path of the file.
         path: PathBuf,
-        /// What was found and what was expected.
+        /// Finding and expectation in words.
         message: String,
-        /// What to do.
+        /// Advice for the user.
         hint: String,
     },
     /// Tests that contradict each other.
     #[error("{message}\n  hint: {hint}")]
     Tests {
-        /// What was noticed.
+        /// Contradiction between the tests in words.
         message: String,
-        /// What to do.
+        /// Advice for the user.
         hint: String,
     },
 }
 
-/// How tables are read.
+/// Choices for the reading of tables.
 #[derive(Clone, Debug, Default)]
 pub struct Reading {
     /// Unit of stress of tables that do not name one.
@@ -63,7 +63,7 @@ pub struct Reading {
     pub range: Option<[f64; 2]>,
 }
 
-/// Tests with what was noticed when they were read.
+/// Tests with remarks on their tables.
 #[derive(Clone, Debug, Default)]
 pub struct Tests {
     /// Tests in the order of the files.
@@ -75,10 +75,10 @@ pub struct Tests {
 }
 
 /// Fewest points of a test.
-const FEWEST: usize = 3;
+const LEAST_POINTS: usize = 3;
 /// Largest stretch of rubber; larger numbers are percents.
 const LARGEST: f64 = 20.0;
-/// Ratios of the shear moduli of two tests at small strains above which they cannot belong to one material, and above which a note is due.
+/// Largest ratios of the shear moduli of two tests of one material at small strains, and of two tests without a note.
 const CONTRADICTION: f64 = 10.0;
 const DISAGREEMENT: f64 = 2.5;
 
@@ -110,10 +110,10 @@ impl Tests {
                     test.points
                         .retain(|own| (low..=high).contains(&own.stretch));
                 }
-                if test.points.len() < FEWEST {
+                if test.points.len() < LEAST_POINTS {
                     return Err(table.refused(
                         format!(
-                            "the {} test has {} points; expected at least {FEWEST}",
+                            "the {} test has {} points; expected at least {LEAST_POINTS}",
                             test.mode.name(),
                             test.points.len()
                         ),
@@ -216,7 +216,7 @@ impl Tests {
     }
 }
 
-/// Shear modulus from the points with the smallest strains; `None` if there are none.
+/// Shear modulus from the points with the smallest strains; `None` without such points.
 fn initial_modulus(test: &Test) -> Option<f64> {
     // Exponents of the strain of neo-Hooke's law, P = mu (lambda - lambda^-n).
     let exponent = match test.mode {
@@ -510,7 +510,7 @@ impl Table<'_> {
                         names[*place],
                         unit.as_deref().unwrap_or_default()
                     ),
-                    "stretches have no unit; strains have none, or %",
+                    "stretches have no unit; strains have no unit, or %",
                 ));
             }
         }
@@ -693,7 +693,7 @@ impl Table<'_> {
             return Err(self.line(
                 *line,
                 format!(
-                    "the strain begins with {} at hardly any stress",
+                    "the strain begins with {} and almost no stress",
                     told(point.stretch - 1.0)
                 ),
                 "if the column holds stretches, name it stretch",

@@ -29,7 +29,7 @@ pub enum FittingError {
     Law {
         /// Name of the law.
         law: String,
-        /// Reason in words.
+        /// Reason in a sentence.
         reason: String,
         /// Laws that can be fitted.
         known: String,
@@ -68,7 +68,7 @@ pub fn families(names: &[String]) -> Result<Vec<Family>, FittingError> {
         let family = Family::named(name).ok_or_else(|| {
             let reason = match onset::material::Law::named(name) {
                 Some(law) if law.symmetry != onset::material::Symmetry::Isotropic => {
-                    "it is anisotropic, and the tests do not tell the directions of the specimens".to_owned()
+                    "it is anisotropic, and the tests do not contain the directions of the specimens".to_owned()
                 }
                 Some(_) => "its volumetric and its isochoric part have common constants, which tests at constant volume do not determine".to_owned(),
                 None => format!(
@@ -88,7 +88,7 @@ pub fn families(names: &[String]) -> Result<Vec<Family>, FittingError> {
     Ok(all)
 }
 
-/// Fits laws to tests. `each` is told the name of each law before it is fitted.
+/// Fits laws to tests. `each` receives the name of each law before the fit.
 ///
 /// # Errors
 /// [`FittingError`] if no law can be fitted.

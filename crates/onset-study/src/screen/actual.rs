@@ -15,11 +15,11 @@ use serde::Serialize;
 /// Number of modes in an answer.
 const MODES: usize = 6;
 /// Smallest `omega^2` that is not rounding, over the largest entry of the tangent over masses.
-const ROUNDING: f64 = 1e-9;
+const ROUNDING_FRACTION: f64 = 1e-9;
 /// Radius of the neighborhoods in which a mode is linear or not, in spacings: nearest neighbors and, on square lattices, those along diagonals.
 const RADIUS: f64 = 1.6;
 /// Smallest share of short waves in a mode of this kind: waves of up to four spacings.
-const SHORT: f64 = 0.2;
+const SHORT_WAVE_SHARE: f64 = 0.2;
 /// Largest share of the body that strains in a localized mode, and its largest width in spacings.
 const LOCALIZED: (f64, f64) = (0.2, 6.0);
 
@@ -66,7 +66,7 @@ pub struct BodyModeAnswer {
 pub struct Actual {
     /// Time that the user gave.
     pub asked: f64,
-    /// Time of the nearest frame, that of the modes.
+    /// Time of the nearest frame, in which the modes are computed.
     pub time: f64,
     /// Number of this frame, from 0.
     pub frame: usize,
@@ -127,7 +127,7 @@ impl Actual {
         let found = found.map_err(ProblemError::from)?;
         let near = Neighborhoods::new(&run.reference, dimension, RADIUS * spacing);
         let longest = longest_side(&run.reference) / spacing;
-        let rounding = ROUNDING * found.scale;
+        let rounding = ROUNDING_FRACTION * found.scale;
         let modes = found.modes.into_iter();
         Ok(Self {
             asked,
@@ -163,7 +163,7 @@ impl Actual {
         };
         let count = self.modes.len();
         let mut lines = vec![match growing {
-            0 => format!("{frame}, none of the {count} lowest modes grows{rigid}"),
+            0 => format!("{frame}, the {count} lowest modes do not grow{rigid}"),
             _ => format!("{frame}, {growing} of the {count} lowest modes grow{rigid}"),
         }];
         lines.extend(self.modes.iter().map(|mode| mode.told(self.dimension)));
@@ -193,7 +193,7 @@ impl Actual {
     }
 }
 
-/// Particles of a run in the reference configuration; `volume` is that of a particle whose volume is not given.
+/// Particles of a run in the reference configuration; `volume` is the default volume of a particle.
 pub(super) fn placed(run: &Run, volume: f64) -> Vec<PlacedParticle> {
     let particle = |n: usize| PlacedParticle {
         position: run.reference[n],
@@ -235,7 +235,7 @@ impl BodyModeAnswer {
         // A row of particles has the width of one spacing.
         let width = strained * (longest + 1.0);
         let kind = match () {
-            () if short_waves > SHORT => ModeKind::ShortWave,
+            () if short_waves > SHORT_WAVE_SHARE => ModeKind::ShortWave,
             () if strained < LOCALIZED.0 && width < LOCALIZED.1 => ModeKind::Localized,
             () => ModeKind::Structural,
         };

@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn particles_at_huge_distances_are_no_neighbors() {
+    fn particles_at_huge_distances_are_not_neighbors() {
         let mut reference = lattice(5);
         reference.extend([[1e99, 0.0, 0.0], [-1e99, 0.0, 0.0]]);
         let near = Neighborhoods::new(&reference, 2, 2.01);

@@ -61,7 +61,7 @@ fn assert_lowest(found: &ActualModes, expected: &[f64], tolerance: f64) {
 }
 
 #[test]
-fn modes_of_a_distorted_body_are_those_of_its_forces() {
+fn modes_of_a_distorted_body_follow_from_its_forces() {
     for form in [PenaltyForm::Published, PenaltyForm::Smd] {
         let choices = choices(2.01, 0.2, form);
         let particles = grid(7, 5);
@@ -112,7 +112,7 @@ fn modes_of_a_distorted_body_are_those_of_its_forces() {
 }
 
 #[test]
-fn tangents_of_moving_kernels_are_those_of_sums_over_all_pairs() {
+fn tangents_of_moving_kernels_equal_sums_over_all_pairs() {
     for choices in all_choices(2.3) {
         if choices.velocity_smoothing != 0.0 {
             continue;

@@ -1,9 +1,9 @@
 //! Reader for isotropic materials of FEBio.
 //!
-//! The energies follow the FEBio User and Theory Manuals, and the stresses of the sources of FEBio 4:
+//! The energies follow the FEBio User and Theory Manuals, and the stresses of the sources of FEBio 4.
 //!
-//! - uncoupled materials have `U(J)` by `pressure_model` with the bulk modulus `k`: `k/2 (ln J)^2` by default,
-//! - Ogden has `c_i/m_i^2`, Mooney-Rivlin, Yeoh and Arruda-Boyce the isochoric invariants,
+//! - Uncoupled materials have `U(J)` by `pressure_model` with the bulk modulus `k`: `k/2 (ln J)^2` by default.
+//! - Ogden has `c_i/m_i^2`. Mooney-Rivlin, Yeoh and Arruda-Boyce have the isochoric invariants.
 //! - `neo-Hookean`, `coupled Mooney-Rivlin` and `Ogden unconstrained` are energies of the whole deformation.
 
 use super::law::{Energy, ForeignLaw, HENCKY, LOGARITHM, SQUARE, Volume, named};

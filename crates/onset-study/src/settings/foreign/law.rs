@@ -51,13 +51,13 @@ pub(super) enum Volume<'a> {
     Function(&'static str, Option<f64>),
 }
 
-/// Volumetric function `kappa/2 (J - 1)^2`.
+/// Volumetric function with the bulk modulus `kappa`: `kappa/2 (J - 1)^2`.
 pub(super) const SQUARE: &str = "kappa/2*(J - 1)^2";
-/// Volumetric function `kappa/2 ((J^2 - 1)/2 - ln J)`.
+/// Volumetric function with the bulk modulus `kappa`: `kappa/2 ((J^2 - 1)/2 - ln J)`.
 pub(super) const LOGARITHM: &str = "kappa/2*((J^2 - 1)/2 - ln(J))";
-/// Volumetric function `kappa (J - 1 - ln J)`.
+/// Volumetric function with the bulk modulus `kappa`: `kappa (J - 1 - ln J)`.
 pub(super) const LINEAR: &str = "kappa*(J - 1 - ln(J))";
-/// Volumetric function `kappa/2 (ln J)^2`.
+/// Volumetric function with the bulk modulus `kappa`: `kappa/2 (ln J)^2`.
 pub(super) const HENCKY: &str = "kappa/2*ln(J)^2";
 
 /// Bulk modulus for a shear modulus and Poisson's ratio.

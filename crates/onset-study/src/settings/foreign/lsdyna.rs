@@ -1,11 +1,11 @@
 //! Reader for the rubbers and foams of LS-DYNA, `*MAT_027`, `*MAT_077_H`, `*MAT_077_O`, `*MAT_127` and `*MAT_177`.
 //!
-//! The energies follow the LS-DYNA Keyword User's Manual, volume II, and its Theory Manual:
+//! The energies follow the LS-DYNA Keyword User's Manual, volume II, and its Theory Manual.
 //!
-//! - `*MAT_027`: `A (I1 - 3) + B (I2 - 3) + C (I3^-2 - 1) + D (I3 - 1)^2` of the whole deformation, with `C = A/2 + B` and `D` from Poisson's ratio,
-//! - `*MAT_077_H`: polynomial of the isochoric invariants with `K/2 (J - 1)^2` (the hydrostatic work of Sussman and Bathe, which the manual cites),
-//! - `*MAT_077_O`: `sum mu/alpha (sum lbar^alpha - 3) + K (J - 1 - ln J)`,
-//! - `*MAT_127`: five terms of Arruda and Boyce with the number of links, and `K/2 (J - 1)^2`,
+//! - `*MAT_027`: `A (I1 - 3) + B (I2 - 3) + C (I3^-2 - 1) + D (I3 - 1)^2` of the whole deformation, with `C = A/2 + B` and `D` from Poisson's ratio.
+//! - `*MAT_077_H`: polynomial of the isochoric invariants with `K/2 (J - 1)^2` (the hydrostatic work of Sussman and Bathe, which the manual cites).
+//! - `*MAT_077_O`: `sum mu/alpha (sum lbar^alpha - 3) + K (J - 1 - ln J)`.
+//! - `*MAT_127`: five terms of Arruda and Boyce with the number of links, and `K/2 (J - 1)^2`.
 //! - `*MAT_177`: `sum C/b (sum lambda^b - 3 + (J^(-n b) - 1)/n)`.
 
 use super::fields::{Card, terms};
@@ -221,7 +221,7 @@ impl Block<'_> {
 /// Note on the volumetric energy, which keyword decks do not show.
 fn note_on(function: &str) -> Option<String> {
     Some(format!(
-        "the volumetric energy of LS-DYNA is taken as {function}; another one with the same bulk modulus changes only states with a change of volume"
+        "the volumetric energy of LS-DYNA is taken as {function}; with another function of the same bulk modulus, only states with a change of volume differ"
     ))
 }
 

@@ -107,7 +107,7 @@ impl Program {
         }
     }
 
-    /// Recognizes the program by the keywords of hyperelastic laws in a text; `None` without such a keyword. Keywords of CalculiX are those of
+    /// Recognizes the program by the keywords of hyperelastic laws in a text; `None` without such a keyword. CalculiX has the keywords of
     /// Abaqus.
     pub fn of_text(text: &str) -> Option<Self> {
         let plain: String = text

@@ -506,7 +506,7 @@ fn saint_venant_kirchhoff(call: &Call) -> Result<ForeignLaw, Trouble> {
     ))
 }
 
-/// Reads `mu N ((I1bar - 3)/(6 N) - ln((I1bar - 3 N)/(3 - 3 N)))`.
+/// Reads the law of Anssari-Benam and Bucchi: `mu N ((I1bar - 3)/(6 N) - ln((I1bar - 3 N)/(3 - 3 N)))`.
 fn anssari_benam_bucchi(call: &Call) -> Result<ForeignLaw, Trouble> {
     call.only(&["mu", "N"])?;
     let (mu, links) = (call.one("mu")?, call.one("N")?);
@@ -532,7 +532,7 @@ fn anssari_benam_bucchi(call: &Call) -> Result<ForeignLaw, Trouble> {
     ))
 }
 
-/// Reads `sum 3^(1 - alpha)/(2 alpha) mu (I1bar^alpha - 3^alpha)`.
+/// Reads the law of Lopez-Pamies: `sum 3^(1 - alpha)/(2 alpha) mu (I1bar^alpha - 3^alpha)`.
 fn lopez_pamies(call: &Call) -> Result<ForeignLaw, Trouble> {
     call.only(&["mu", "alpha"])?;
     let terms = call.terms(["mu", "alpha"])?;

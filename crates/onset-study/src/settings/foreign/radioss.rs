@@ -1,11 +1,11 @@
 //! Reader for the rubbers and foams of Radioss and OpenRadioss, `/MAT/LAW42`, `62`, `82`, `92`, `94` and `100`.
 //!
-//! The energies follow the Altair Radioss Reference Guide and the sources of OpenRadioss:
+//! The energies follow the Altair Radioss Reference Guide and the sources of OpenRadioss.
 //!
-//! - `LAW42` (`OGDEN`): `sum mu/alpha (sum lbar^alpha - 3) + K/2 (J - 1)^2`, with `I_form = 2` `K (J - 1 - ln J)`,
-//! - `LAW62` (`VISC_HYP`): foam with `2 mu/alpha^2` and Poisson's ratios,
-//! - `LAW82`: `sum 2 mu/alpha^2 (sum lbar^alpha - 3) + sum (J - 1)^(2i)/D_i`,
-//! - `LAW92`: five terms of Arruda and Boyce with `((J^2 - 1)/2 - ln J)/D`,
+//! - `LAW42` (`OGDEN`): `sum mu/alpha (sum lbar^alpha - 3) + K/2 (J - 1)^2`, with `I_form = 2` `K (J - 1 - ln J)`.
+//! - `LAW62` (`VISC_HYP`): foam with `2 mu/alpha^2` and Poisson's ratios.
+//! - `LAW82`: `sum 2 mu/alpha^2 (sum lbar^alpha - 3) + sum (J - 1)^(2i)/D_i`.
+//! - `LAW92`: five terms of Arruda and Boyce with `((J^2 - 1)/2 - ln J)/D`.
 //! - `LAW94` (`YEOH`) and `LAW100` (`MNF`): polynomials of the isochoric invariants with `sum (J - 1)^(2i)/D_i`.
 //!
 //! Poisson's ratio 0 means 0.495. `LAW69` is fitted to a curve by the Starter.

@@ -82,9 +82,9 @@ pub(super) struct Sheet {
 
 /// Energy at constant volume, or of the whole deformation for foams.
 pub(super) enum Form {
-    /// `sum c_ij (I1bar - 3)^i (I2bar - 3)^j`.
+    /// Constants of the polynomial `sum c_ij (I1bar - 3)^i (I2bar - 3)^j`.
     Polynomial(Vec<((usize, usize), f64)>),
-    /// Terms `mu/alpha (sum lbar^alpha - 3)`.
+    /// Moduli and exponents of Ogden's terms `mu/alpha (sum lbar^alpha - 3)`.
     Ogden(Vec<(f64, f64)>),
     /// Five terms of the series with modulus and locking stretch.
     ArrudaBoyce(f64, f64),
@@ -303,7 +303,7 @@ impl Given<'_> {
             };
             let value = self.required(name)?;
             match (i, j) {
-                (0, 0) => return Err("c00 is no part of the energy".to_owned()),
+                (0, 0) => return Err("c00 is not a part of the energy".to_owned()),
                 _ if value == 0.0 => {}
                 _ => constants.push(((i as usize, j as usize), value)),
             }

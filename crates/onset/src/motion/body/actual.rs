@@ -1,8 +1,8 @@
 //! Lowest modes of a body in an actual state, in which each particle has another deformation.
 //!
 //! The tangent `K` is minus the exact derivative of the forces on all particles at their actual positions. The modes satisfy `K u = omega^2 M u`, with the held
-//! particles fixed. With `A = M^-1/2 K M^-1/2` and a shift `s` below the spectrum, `(A - s)^-1` has the eigenvalues `1 / (omega^2 - s)`: those of the
-//! lowest modes are largest, and a block Krylov space finds them first. The shift is below the spectrum if all pivots of `A - s` are positive (the law of
+//! particles fixed. With `A = M^-1/2 K M^-1/2` and a shift `s` below the spectrum, `(A - s)^-1` has the eigenvalues `1 / (omega^2 - s)`. They are largest
+//! for the lowest modes, which a block Krylov space finds first. The shift is below the spectrum if all pivots of `A - s` are positive (the law of
 //! inertia); for an unsymmetric tangent the pivots of its symmetric part are taken.
 
 use super::factor::{Factors, NoFactors, Rows};
@@ -31,7 +31,7 @@ const VECTORS: usize = 160;
 const SPACES: usize = 12;
 /// Residual over eigenvalue of `(A - s)^-1` at which a mode has converged.
 const RESIDUAL: f64 = 1e-8;
-/// Relative difference of mirrored entries below which the tangent is symmetric, and relative force on rigid motions below which they are free.
+/// Largest relative difference of mirrored entries of a symmetric tangent, and largest relative force on a free rigid motion.
 const SYMMETRIC: f64 = 1e-9;
 /// Largest number of particles: the search for neighbors takes time in proportion to its square.
 const PARTICLES: usize = 50_000;
@@ -471,7 +471,7 @@ impl Space {
         order.into_iter().map(pair).collect()
     }
 
-    /// Eigenvalues of the projection, largest first, with their vectors. The largest component of a vector is real. Of a complex pair one is returned.
+    /// Eigenvalues of the projection, largest first, with their vectors. The largest component of a vector is real. One of each complex pair is returned.
     fn any_pairs(&self, wanted: usize) -> Option<Vec<(Complex, DVector<Complex>)>> {
         let within = self.within.map(|x| Complex::new(x, 0.0));
         let (count, size) = (within.nrows(), self.within.amax());

@@ -38,7 +38,7 @@ pub enum BodyError {
     /// The tangent of the body takes too much memory or time.
     #[error("the tangent of a body of {particles} particles is too large")]
     TooLarge {
-        /// Number of particles.
+        /// Number of particles of the body.
         particles: usize,
     },
     /// The iteration for the lowest modes did not converge.

@@ -1,7 +1,7 @@
 //! Direct solution of sparse linear systems of bodies: LU factors of dense fronts, in the order of a nested dissection.
 //!
-//! Separators divide the body into halves, and these further. Unknowns of the halves are eliminated before those of their separators. Each
-//! elimination is a dense operation on a front, the unknowns that are eliminated together with all later ones that they are coupled to. A body of `n`
+//! Separators divide the body into halves, and these further. Unknowns of the halves are eliminated before their separators. Each
+//! elimination is a dense operation on a front: the unknowns that are eliminated together, with all later unknowns coupled to them. A body of `n`
 //! particles in the plane has `n log n` nonzero factors. Pivots are chosen within a front only: the matrix should be positive definite, not
 //! necessarily symmetric.
 //!

@@ -13,7 +13,7 @@ use std::borrow::Cow;
 pub(super) enum Responses<'a, const D: usize> {
     /// All particles have the same deformation gradient.
     Equal(PointResponse<'a, D>),
-    /// Each site has its own deformation gradient.
+    /// The deformation gradients differ from site to site.
     OfSites(Vec<PointResponse<'a, D>>),
 }
 
