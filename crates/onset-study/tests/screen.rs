@@ -458,6 +458,23 @@ fn particles_that_appear_later_are_reported() {
 }
 
 #[test]
+fn a_particle_that_flies_away_is_read_like_others() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.csv");
+    let mut text = "time,id,type,x,y\n".to_owned();
+    for time in 0..3 {
+        for n in 0..64 {
+            let away = [0.0, 1e99, -1e99][n % 3] * f64::from(time / 2) * f64::from(n as u32 / 62);
+            let (x, y) = ((n % 8) as f64 + away, n / 8);
+            text += &format!("{time},{n},{},{x:e},{y}\n", n % 2);
+        }
+    }
+    std::fs::write(&path, text).expect("written");
+    let (recording, ..) = Recording::open(&HEALTHY.source(path), 2, false).expect("a recording");
+    assert_eq!((recording.frames, recording.particles), (3, 64));
+}
+
+#[test]
 fn a_run_without_particles_whose_short_waves_count_is_refused() {
     let (mut run, frames) = stretched(4, |_| 0.0);
     // One particle is more than a neighborhood away from held particles, and none is two.

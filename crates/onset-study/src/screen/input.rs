@@ -451,9 +451,8 @@ impl Recording {
                         own.iter().map(|n| self.moved(first, last, *n)).collect();
                     moved.sort_unstable();
                     // Rounding of the file may divide one displacement into neighboring ones.
-                    moved.dedup_by(|a, b| {
-                        a.iter().zip(b.iter()).all(|(a, b)| (*a - *b).abs() <= 50)
-                    });
+                    moved
+                        .dedup_by(|a, b| a.iter().zip(b.iter()).all(|(a, b)| a.abs_diff(*b) <= 50));
                     if 2 * own.len() < count && moved.len() <= GRIPS && own.len() > 2 * moved.len()
                     {
                         self.held_by = format!("type {kind}, which moves rigidly");
