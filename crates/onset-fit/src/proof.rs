@@ -181,7 +181,7 @@ fn deciding<R: Bounded>(law: &Numbers<'_>, patch: &Patch, at: [R; 2]) -> Decidin
     let quotient = |i: usize, j: usize| {
         let distance = squares[i] - squares[j];
         let apart = (logs[i] - logs[j]).range();
-        if apart.low > LEAST_DISTANCE || apart.high < -CLOSE_STRAIN {
+        if apart.low > LEAST_DISTANCE || apart.high < -LEAST_DISTANCE {
             return (energy.gradient[i] - energy.gradient[j]) * 2.0 / distance;
         }
         // Mean over the segment to the state with the two squares exchanged; it is symmetric about its middle.
