@@ -301,14 +301,20 @@ class Material(_Settings):
         is_text = isinstance(block, str) and ("\n" in block or "(" in block or "*" in block)
         name, text = ("the block", str(block)) if is_text else source(block, "a block")
         assignments, notes = _onset.read_law(program, name, text, material, [])
-        read = cls()
-        pairs = (assignment.partition("=") for assignment in assignments)
-        read._put({key.removeprefix("material."): value for key, _, value in pairs})
+        read = law_of(assignments)
         object.__setattr__(read, "notes", tuple(notes))
         return read
 
     #: Notes on the constants of a law that was read from a block of another program.
     notes: tuple[str, ...] = ()
+
+
+def law_of(assignments: Iterable[str]) -> Material:
+    """Returns the law with assignments ``material.key=value``."""
+    law = Material()
+    pairs = (assignment.partition("=") for assignment in assignments)
+    law._put({key.removeprefix("material."): value for key, _, value in pairs})
+    return law
 
     def _law(self) -> _onset.Law:
         return _onset.Law(self._assigned(), None, [], list(self.notes))
