@@ -308,14 +308,6 @@ class Material(_Settings):
     #: Notes on the constants of a law that was read from a block of another program.
     notes: tuple[str, ...] = ()
 
-
-def law_of(assignments: Iterable[str]) -> Material:
-    """Returns the law with assignments ``material.key=value``."""
-    law = Material()
-    pairs = (assignment.partition("=") for assignment in assignments)
-    law._put({key.removeprefix("material."): value for key, _, value in pairs})
-    return law
-
     def _law(self) -> _onset.Law:
         return _onset.Law(self._assigned(), None, [], list(self.notes))
 
@@ -389,6 +381,14 @@ def law_of(assignments: Iterable[str]) -> Material:
         `x` is ``[F, state variables]`` with ``F`` of shape (3, 3, ...).
         """
         return [np.moveaxis(self.tangent(_leading(x)), (-4, -3, -2, -1), (0, 1, 2, 3))]
+
+
+def law_of(assignments: Iterable[str]) -> Material:
+    """Returns the law with assignments ``material.key=value``."""
+    law = Material()
+    pairs = (assignment.partition("=") for assignment in assignments)
+    law._put({key.removeprefix("material."): value for key, _, value in pairs})
+    return law
 
 
 def _leading(x: Sequence[ArrayLike]) -> Floats:
