@@ -570,7 +570,7 @@ class Card(Answer):
 class Fit(Answer):
     """Laws fitted to tests: ``laws``, that with the smallest error first, and ``refused`` laws with the reasons.
 
-    The properties below are those of the first law.
+    The properties describe the first law.
     """
 
     __slots__ = ()

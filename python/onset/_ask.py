@@ -637,7 +637,7 @@ def card(
     return Card(material_of(material)._law().card(_two(range, "range"), names(modes, "modes"), switch(incompressible, "incompressible")))
 
 
-#: Test: arrays of stretches, nominal stresses and, if measured, lateral stretches; a table with columns of these names; or the path of a table.
+#: Test: arrays of stretches, nominal stresses and, if measured, lateral stretches, or a table with columns of these names, or the path of a table.
 Test = Sequence[ArrayLike] | Mapping[str, ArrayLike] | str | os.PathLike[str] | Any
 
 #: Columns of a table of a test.
@@ -664,28 +664,29 @@ def fit(
 ) -> Fit:
     """Laws fitted to tests, stable in the range where they are used: ``onset fit``.
 
-    The constants ``c`` minimize ``sum_i (P(lambda_i; c) - P_i)^2 / s_i^2`` over the points of all tests, where ``P`` is the nominal stress of the
-    incompressible specimen (of foams, of the free specimen) and ``s_i`` the measured stress or 1, subject to the criteria in the whole range of
-    stretches.
+    The constants ``c`` minimize ``sum_i (P(lambda_i, c) - P_i)^2 / s_i^2`` over the points of all tests. ``P`` is the nominal stress of the
+    incompressible specimen, or of a foam with free lateral faces. The scale ``s_i`` is the measured stress or 1. The criteria are satisfied in the
+    whole range of stretches.
 
     Parameters
     ----------
     tests
-        Mapping from the loading (``uniaxial``, ``equibiaxial``, ``planar``, ``simple-shear``, ``volumetric``) to a test; or paths of tables whose
-        names or comments say the loading. A test is a pair of arrays of shape (n,), stretch (1) and nominal stress (stress), with lateral stretches as
-        a third array if measured; a table with the columns ``stretch``, ``nominal_stress`` and ``lateral_stretch``, for example of pandas; or the path
-        of a table. In simple shear the stretch is the amount of shear; in a volumetric test it is the ratio of volumes, and the stress the pressure.
+        Mapping from the loading (``uniaxial``, ``equibiaxial``, ``planar``, ``simple-shear``, ``volumetric``) to a test, or paths of tables whose
+        names or comments contain the loading. A test is the path of a table, a pair of arrays of shape (n,), or a table with the columns ``stretch``,
+        ``nominal_stress`` and, if measured, ``lateral_stretch``, for example of pandas. The arrays are stretch (dimensionless) and nominal stress
+        (stress), and may be followed by the lateral stretch. Simple shear has the amount of shear as stretch, and a volumetric test the volume ratio
+        and the pressure.
     law
         Names of laws, or ``all``.
     weights
         ``relative`` (``s_i`` is the measured stress) or ``absolute``.
     floor
-        Part of the largest stress of a test below which relative errors refer to it, from 0 to 1.
+        Smallest scale of relative errors as a part of the largest stress of the test, from 0 to 1.
     stable
-        Range in which the law is to be stable: ``data`` (up to 1.25 times the largest stretch of the tests), ``data=FACTOR``, ``box=LOW,HIGH`` (all
+        Range of demanded stability: ``data`` (up to 1.25 times the largest stretch of the tests), ``data=FACTOR``, ``box=LOW,HIGH`` (all
         principal stretches), ``loadings=LOW,HIGH`` (uniaxial, equibiaxial and planar), or ``None``.
     criterion
-        Criterion that is to hold: ``drucker``, ``ellipticity`` or ``both``.
+        Demanded criterion: ``drucker``, ``ellipticity`` or ``both``.
     margin
         Least value of a criterion, as a part of its value in the reference.
     starts

@@ -22,7 +22,7 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// All loadings.
+    /// All loadings of specimens, in the order of answers.
     pub const ALL: [Self; 5] = [
         Self::Uniaxial,
         Self::Equibiaxial,

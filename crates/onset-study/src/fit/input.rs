@@ -1,6 +1,6 @@
 //! Test data: tables in CSV with a header, in decks of Abaqus, and arrays.
 //!
-//! Data are refused where they contradict themselves or a header, because a fit of a misread table looks as good as any other.
+//! Data that contradict themselves or a header are refused, because a fit of a misread table looks as good as any other.
 
 use crate::input::{self, MOST_TEXT};
 use crate::number::told;
@@ -54,7 +54,7 @@ pub enum TableError {
     },
 }
 
-/// Where a test comes from.
+/// Test data as given by the user.
 #[derive(Clone, Debug)]
 pub enum Source {
     /// File, with the loading that was named for it.
@@ -66,13 +66,13 @@ pub enum Source {
 /// Test as arrays: stretches (amounts of shear in simple shear, ratios of volumes in a volumetric test) and nominal stresses (pressures).
 #[derive(Clone, Debug)]
 pub struct Arrays {
-    /// Name in messages.
+    /// Name of the test in messages about its points.
     pub name: String,
-    /// Loading.
+    /// Loading of the specimen.
     pub mode: Mode,
-    /// Stretches.
+    /// Imposed stretches, dimensionless.
     pub stretch: Vec<f64>,
-    /// Nominal stresses.
+    /// Measured nominal stresses.
     pub stress: Vec<f64>,
     /// Lateral stretches, if they were measured.
     pub lateral: Option<Vec<f64>>,
@@ -104,7 +104,7 @@ pub struct Tests {
 const FEWEST: usize = 3;
 /// Largest stretch of rubber; larger numbers are percents.
 const LARGEST: f64 = 20.0;
-/// What to do about arrays that hold strains.
+/// Hint for arrays that seem to hold strains.
 const STRETCHES: &str = "a stretch is 1 plus the strain, and 100 % are a strain of 1";
 /// Ratios of the shear moduli of two tests at small strains above which they cannot belong to one material, and above which a note is due.
 const CONTRADICTION: f64 = 10.0;
@@ -633,7 +633,7 @@ impl Table<'_> {
         Ok((self.test(mode, rows, along.0)?, unit))
     }
 
-    /// Test of arrays.
+    /// Test of arrays, whose lengths and numbers are checked.
     fn arrays(&self, own: &Arrays) -> Result<Test, TableError> {
         let lengths = [Some(&own.stress), own.lateral.as_ref()];
         if let Some(other) = lengths
@@ -680,7 +680,7 @@ impl Table<'_> {
         self.test(own.mode, rows, Column::Array)
     }
 
-    /// Test of rows whose signs and order are checked, without the points at rest.
+    /// Test of rows whose signs and order are checked, without the points in the reference.
     fn test(
         &self,
         mode: Mode,

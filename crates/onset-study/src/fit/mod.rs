@@ -57,7 +57,7 @@ pub enum FittingError {
     Output(#[from] crate::output::OutputError),
 }
 
-/// Weights by their name, with the part of the largest stress below which relative errors refer to it.
+/// Weights by their name, with the smallest scale of relative errors as a part of the largest stress of the test.
 ///
 /// # Errors
 /// [`FittingError::Choice`] if there are no such weights.
@@ -98,7 +98,7 @@ pub fn stretches_between(text: &str) -> Result<[f64; 2], String> {
     }
 }
 
-/// Range in which a law is to be stable, for example `box=0.3,4`; `None` for `none`.
+/// Range of demanded stability by its text, for example `box=0.3,4`. The text `none` is `None`.
 ///
 /// # Errors
 /// What was expected.
