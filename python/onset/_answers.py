@@ -15,6 +15,7 @@ from . import _onset
 from ._arrays import Complexes, Floats, place, received, whole, write
 from ._errors import InputError, OnsetError, asks
 from ._exports import Cell, Mode, band_yaml
+from ._settings import Material, law_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -564,6 +565,60 @@ class Card(Answer):
     """Safe range of a law: ``symmetric_box`` and ``widest_box`` of principal stretches, each a box or ``None``, and limits along ``loadings``."""
 
     __slots__ = ()
+
+
+class Fit(Answer):
+    """Laws fitted to tests: ``laws``, that with the smallest error first, and ``refused`` laws with the reasons.
+
+    The properties describe the first law.
+    """
+
+    __slots__ = ()
+
+    @property
+    def law(self) -> str:
+        """Name of the law."""
+        return cast(str, self._best["law"])
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """Constants by name, without the bulk modulus ``kappa``; stress or dimensionless."""
+        return {own["name"]: own["value"] for own in self._best["constants"]}
+
+    @property
+    def error(self) -> float:
+        """Root mean square of the errors relative to the measured stresses, dimensionless."""
+        return cast(float, self._best["error"])
+
+    @property
+    def settings(self) -> list[str]:
+        """Assignments ``material.KEY=VALUE`` with the bulk modulus, as after ``--set`` of the command."""
+        return list(self._best["settings"])
+
+    @property
+    def material(self) -> Material:
+        """Law with the bulk modulus, for ``onset.criteria``, ``onset.card`` and others."""
+        return law_of(self.settings)
+
+    @property
+    def _best(self) -> dict[str, Any]:
+        return cast("dict[str, Any]", self._fields["laws"][0])
+
+    def table(self) -> list[dict[str, Any]]:
+        """Returns a row for each law, for example for ``pandas.DataFrame``.
+
+        A row has the ``law``, the number of ``constants``, the ``error`` and the ``free_error`` without a demand for stability (dimensionless), the
+        ``shear_modulus`` and the bulk modulus ``kappa`` (stress), and the ``proof`` of stability: ``proved``, ``sampled`` or ``None``.
+        """
+        return [
+            {
+                "law": own["law"],
+                "constants": len(own["constants"]),
+                **{name: own[name] for name in ("error", "free_error", "shear_modulus", "kappa")},
+                "proof": own["proof"] and own["proof"]["kind"],
+            }
+            for own in self._fields["laws"]
+        ]
 
 
 class Localization(Answer):

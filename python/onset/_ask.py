@@ -20,6 +20,7 @@ from ._answers import (
     Comparison,
     Criteria,
     Dispersion,
+    Fit,
     Limit,
     Localization,
     Mapped,
@@ -641,6 +642,150 @@ def card(
     The range is computed for all loadings and for standard loadings. The parameters are described under ``onset.criteria``.
     """
     return Card(material_of(material)._law().card(_two(range, "range"), names(modes, "modes"), switch(incompressible, "incompressible")))
+
+
+#: Test: arrays of stretches, nominal stresses and, if measured, lateral stretches, or a table with columns of these names, or the path of a table.
+Test = Sequence[ArrayLike] | Mapping[str, ArrayLike] | str | os.PathLike[str] | Any
+
+#: Columns of a table of a test.
+COLUMNS = ("stretch", "nominal_stress", "lateral_stretch")
+
+
+@asks
+def fit(
+    tests: Mapping[str, Test] | Iterable[str | os.PathLike[str]] | str | os.PathLike[str],
+    law: str | Iterable[str] = "all",
+    *,
+    weights: str = "relative",
+    floor: float = 0.0,
+    stable: str | None = "data",
+    criterion: str = "both",
+    margin: float = 1e-4,
+    starts: int = 64,
+    fix: Mapping[str, float] | None = None,
+    bound: Mapping[str, tuple[float, float]] | None = None,
+    bulk: float | None = None,
+    unit: str | None = None,
+    area: float | None = None,
+    range: tuple[float, float] | None = None,
+) -> Fit:
+    """Laws fitted to tests, stable in the range where they are used: ``onset fit``.
+
+    The constants ``c`` minimize ``sum_i (P(lambda_i, c) - P_i)^2 / s_i^2`` over the points of all tests. ``P`` is the nominal stress of the
+    incompressible specimen, or of a foam with free lateral faces. The scale ``s_i`` is the measured stress or 1. The criteria are satisfied in the
+    whole range of stretches.
+
+    Parameters
+    ----------
+    tests
+        Mapping from the loading (``uniaxial``, ``equibiaxial``, ``planar``, ``simple-shear``, ``volumetric``) to a test, or paths of tables whose
+        names or comments contain the loading. A test is the path of a table, a pair of arrays of shape (n,), or a table with the columns ``stretch``,
+        ``nominal_stress`` and, if measured, ``lateral_stretch``, for example of pandas. The arrays are stretch (dimensionless) and nominal stress
+        (stress), and may be followed by the lateral stretch. Simple shear has the amount of shear as stretch, and a volumetric test the volume ratio
+        and the pressure.
+    law
+        Names of laws, or ``all``.
+    weights
+        ``relative`` (``s_i`` is the measured stress) or ``absolute``.
+    floor
+        Smallest scale of relative errors as a part of the largest stress of the test, from 0 to 1.
+    stable
+        Range of demanded stability: ``data`` (up to 1.25 times the largest stretch of the tests), ``data=FACTOR``, ``box=LOW,HIGH`` (all
+        principal stretches), ``loadings=LOW,HIGH`` (uniaxial, equibiaxial and planar), or ``None``.
+    criterion
+        Demanded criterion: ``drucker``, ``ellipticity`` or ``both``.
+    margin
+        Least value of a criterion, as a part of its value in the reference.
+    starts
+        Number of first guesses for constants in which a law is not linear.
+    fix, bound
+        Values, and lower and upper bounds, of constants by name.
+    bulk
+        Bulk modulus of the fitted law; stress. From a volumetric test, or 1000 shear moduli, if omitted.
+    unit
+        Unit of stress of tests that name none, for example ``MPa``.
+    area
+        Undeformed area of the cross-section, which turns the forces of a table into nominal stresses; length^2.
+    range
+        Smallest and largest stretch of the points that are used.
+
+    Raises
+    ------
+    InputError
+        If a test contradicts itself or another test, or no law can be fitted.
+    """
+    laws = [part.strip() for name in names(law, "law") for part in name.split(",")]
+    part = number(floor, "floor")
+    asked: dict[str, object] = dict(
+        tests=_tests(tests),
+        law=laws,
+        weights=weights,
+        floor=part if part == 0.0 else share(part, "floor"),
+        stable="none" if stable is None else stable,
+        criterion=criterion,
+        margin=share(margin, "margin"),
+        starts=whole(starts, "starts", 1, 10_000),
+        fix=[(name, _finite(value, f"fix[{name!r}]")) for name, value in (fix or {}).items()],
+        bound=[(name, _limits(value, f"bound[{name!r}]")) for name, value in (bound or {}).items()],
+        bulk=None if bulk is None else positive(bulk, "bulk"),
+        unit=unit,
+        area=None if area is None else positive(area, "area"),
+        range=None if range is None else pair(range, "range"),
+    )
+    return Fit(_onset.fit(asked))
+
+
+def _finite(given: object, what: str) -> float:
+    value = number(given, what)
+    if not np.isfinite(value):
+        raise InputError(f"{what} is {value!r}; expected a finite number")
+    return value
+
+
+def _limits(given: ArrayLike, what: str) -> tuple[float, float]:
+    low, high = _two(given, what)
+    if not low < high:
+        raise InputError(f"{what} expects two numbers, the smaller one first, for example (-5, 10)")
+    return low, high
+
+
+def _tests(tests: Any) -> list[tuple[str | None, str | None, list[list[float]]]]:
+    """Returns the loading, the path and the arrays of each test."""
+    if isinstance(tests, (str, os.PathLike)):
+        tests = [tests]
+    if hasattr(tests, "columns"):
+        raise TypeError('tests is a table; expected the loading of each test, for example {"uniaxial": table}')
+    if not isinstance(tests, Mapping):
+        found: list[tuple[str | None, str | None, list[list[float]]]] = [(None, place(path, "tests"), []) for path in listed(tests, "tests")]
+    else:
+        found = []
+        for mode, test in tests.items():
+            if not isinstance(mode, str):
+                raise TypeError(f"tests has the key {mode!r}; expected the name of a loading")
+            is_path = isinstance(test, (str, os.PathLike))
+            found.append((mode, place(test, f"tests[{mode!r}]"), []) if is_path else (mode, None, _columns(test, f"tests[{mode!r}]")))
+    if not found:
+        raise InputError('tests is empty\n  hint: for example {"uniaxial": (stretch, stress)}')
+    return found
+
+
+def _columns(test: Any, what: str) -> list[list[float]]:
+    """Returns the arrays of a test."""
+    if isinstance(test, Mapping) or hasattr(test, "columns"):
+        named = [str(name) for name in (test if isinstance(test, Mapping) else test.columns)]
+        if not set(COLUMNS[:2]) <= set(named):
+            raise InputError(f"{what} has the columns {', '.join(named)}; expected {' and '.join(COLUMNS[:2])}")
+        parts = {name: test[name] for name in COLUMNS if name in named}
+    else:
+        items = listed(test, what)
+        if len(items) not in (2, 3):
+            raise InputError(f"{what} has {len(items)} parts; expected two arrays, stretch and nominal stress, or three with the lateral stretch")
+        parts = dict(zip(COLUMNS, items, strict=False))
+    arrays = {name: numbers(values, f"{name} of {what}") for name, values in parts.items()}
+    for name, array in arrays.items():
+        if array.ndim != 1:
+            raise InputError(f"{name} of {what} has the shape {array.shape}; expected (n,)")
+    return [array.tolist() for array in arrays.values()]
 
 
 def _two(given: ArrayLike, what: str) -> tuple[float, float]:

@@ -301,9 +301,7 @@ class Material(_Settings):
         is_text = isinstance(block, str) and ("\n" in block or "(" in block or "*" in block)
         name, text = ("the block", str(block)) if is_text else source(block, "a block")
         assignments, notes = _onset.read_law(program, name, text, material, [])
-        read = cls()
-        pairs = (assignment.partition("=") for assignment in assignments)
-        read._put({key.removeprefix("material."): value for key, _, value in pairs})
+        read = law_of(assignments)
         object.__setattr__(read, "notes", tuple(notes))
         return read
 
@@ -383,6 +381,14 @@ class Material(_Settings):
         `x` is ``[F, state variables]`` with ``F`` of shape (3, 3, ...).
         """
         return [np.moveaxis(self.tangent(_leading(x)), (-4, -3, -2, -1), (0, 1, 2, 3))]
+
+
+def law_of(assignments: Iterable[str]) -> Material:
+    """Returns the law with assignments ``material.key=value``."""
+    law = Material()
+    pairs = (assignment.partition("=") for assignment in assignments)
+    law._put({key.removeprefix("material."): value for key, _, value in pairs})
+    return law
 
 
 def _leading(x: Sequence[ArrayLike]) -> Floats:

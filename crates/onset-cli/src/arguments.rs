@@ -744,7 +744,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "A", value_parser = positive, help_heading = "Tests")]
     pub area: Option<f64>,
     /// Use only points with stretches between two limits.
-    #[arg(long, value_name = "LOW,HIGH", value_parser = stretches_between, help_heading = "Tests")]
+    #[arg(long, value_name = "LOW,HIGH", value_parser = onset_study::fit::stretches_between, help_heading = "Tests")]
     pub range: Option<[f64; 2]>,
     /// Laws to fit: names separated by commas, or all.
     #[arg(
@@ -798,38 +798,8 @@ pub struct FitArguments {
 #[derive(Clone, Copy, Debug)]
 pub struct StableRange(pub Option<onset_study::fit::Range>);
 
-/// Two positive numbers in ascending order.
-fn stretches_between(text: &str) -> Result<[f64; 2], String> {
-    let numbers = text.split(',').map(|own| own.trim().parse::<f64>().ok());
-    match numbers.collect::<Option<Vec<f64>>>().as_deref() {
-        Some([low, high]) if 0.0 < *low && low < high && high.is_finite() => Ok([*low, *high]),
-        _ => Err("expected two positive stretches LOW,HIGH, for example 0.5,3".to_owned()),
-    }
-}
-
 fn stable_range(text: &str) -> Result<StableRange, String> {
-    use onset_study::fit::Range;
-    let expected = "expected data, data=FACTOR, box=LOW,HIGH, loadings=LOW,HIGH or none, for example box=0.3,4";
-    let within = |own: &str| {
-        let [low, high] = stretches_between(own)?;
-        match low < 1.0 && high > 1.0 {
-            true => Ok((low, high)),
-            false => Err("expected limits on both sides of 1, the reference".to_owned()),
-        }
-    };
-    Ok(StableRange(match text.split_once('=') {
-        None if text == "none" => None,
-        None if text == "data" => Some(Range::Data(1.25)),
-        Some(("data", factor)) => match factor.parse::<f64>() {
-            Ok(factor) if (1.0..100.0).contains(&factor) => Some(Range::Data(factor)),
-            _ => return Err("expected a factor from 1 to 100, for example data=1.25".to_owned()),
-        },
-        Some(("box", own)) => within(own).map(|(low, high)| Some(Range::Box(low, high)))?,
-        Some(("loadings", own)) => {
-            within(own).map(|(low, high)| Some(Range::Loadings(low, high)))?
-        }
-        _ => return Err(expected.to_owned()),
-    }))
+    onset_study::fit::stable_range(text).map(StableRange)
 }
 
 fn constant(text: &str) -> Result<(String, f64), String> {

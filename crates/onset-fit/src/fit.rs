@@ -7,7 +7,7 @@ use crate::range::{Limit, Mode, Numbers, Patch, Range, Worst, limits, worst_stat
 use crate::solve::{Cut, Problem, Solution};
 use crate::tests_of_specimens::{Equations, Misfit, Scales, Test};
 use crate::uncertainty::Uncertainty;
-use onset::cancel::checkpoint;
+use onset::cancel::{Scope, checkpoint};
 use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;
@@ -386,12 +386,10 @@ impl Search<'_> {
         solve: &(dyn Fn(&Problem<'_>, &[f64]) -> Option<Solution> + Sync),
     ) -> Vec<Solution> {
         let problem = self.problem();
+        let scope = Scope::current();
         let mut all: Vec<Solution> = starts
             .par_iter()
-            .filter_map(|start| {
-                checkpoint();
-                solve(&problem, start)
-            })
+            .filter_map(|start| scope.run(|| solve(&problem, start)))
             .filter(|own| own.loss.is_finite())
             .collect();
         all.sort_by(|a, b| a.loss.total_cmp(&b.loss));

@@ -22,6 +22,15 @@ pub enum Mode {
 }
 
 impl Mode {
+    /// All loadings of specimens, in the order of answers.
+    pub const ALL: [Self; 5] = [
+        Self::Uniaxial,
+        Self::Equibiaxial,
+        Self::Planar,
+        Self::SimpleShear,
+        Self::Volumetric,
+    ];
+
     /// Loadings with a free face, whose states are known for every incompressible specimen.
     pub const LOADINGS: [Self; 3] = [Self::Uniaxial, Self::Equibiaxial, Self::Planar];
 
@@ -38,14 +47,7 @@ impl Mode {
 
     /// Loading with a name.
     pub fn named(name: &str) -> Option<Self> {
-        let all = [
-            Self::Uniaxial,
-            Self::Equibiaxial,
-            Self::Planar,
-            Self::SimpleShear,
-            Self::Volumetric,
-        ];
-        all.into_iter().find(|own| own.name() == name)
+        Self::ALL.into_iter().find(|own| own.name() == name)
     }
 
     /// Logarithms of the principal stretches of an incompressible specimen, for `ln lambda = 1`.

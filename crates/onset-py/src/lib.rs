@@ -9,6 +9,7 @@
 mod answer;
 mod arrays;
 mod failure;
+mod fit;
 mod function;
 mod interrupt;
 mod law;
@@ -25,6 +26,8 @@ mod study;
 mod _onset {
     #[pymodule_export]
     use crate::answer::Answer;
+    #[pymodule_export]
+    use crate::fit::fit;
     #[pymodule_export]
     use crate::function::Function;
     #[pymodule_export]

@@ -6,7 +6,8 @@ use crate::fail_on;
 use crate::patience::{self, bar};
 use crate::printing::{print, tell};
 use onset_study::fit::{
-    Criterion, FitAnswer, FittingError, Mode, Options, Reading, Tests, Weights, families, fitted,
+    FitAnswer, FittingError, Mode, Options, Reading, Source, Tests, criteria, families, fitted,
+    weights,
 };
 use onset_study::output::Output;
 use std::process::ExitCode;
@@ -29,13 +30,15 @@ pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
         (&arguments.simple_shear, Mode::SimpleShear),
         (&arguments.volumetric, Mode::Volumetric),
     ];
-    let named = named
-        .into_iter()
-        .flat_map(|(files, mode)| files.iter().map(move |file| (file.clone(), Some(mode))));
+    let named = named.into_iter().flat_map(|(files, mode)| {
+        files
+            .iter()
+            .map(move |file| Source::File(file.clone(), Some(mode)))
+    });
     let files: Vec<_> = arguments
         .files
         .iter()
-        .map(|file| (file.clone(), None))
+        .map(|file| Source::File(file.clone(), None))
         .chain(named)
         .collect();
     if files.is_empty() {
@@ -54,16 +57,9 @@ pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
     let output = output.map(|out| Output::at(out, &FitAnswer::names()));
     let output = output.transpose()?;
     let options = Options {
-        weights: match arguments.weights.as_str() {
-            "absolute" => Weights::Absolute,
-            _ => Weights::Relative(arguments.floor.unwrap_or(0.0)),
-        },
+        weights: weights(&arguments.weights, arguments.floor)?,
         range: arguments.stable.0,
-        criteria: match arguments.criterion.as_str() {
-            "drucker" => vec![Criterion::Drucker],
-            "ellipticity" => vec![Criterion::StrongEllipticity],
-            _ => vec![Criterion::Drucker, Criterion::StrongEllipticity],
-        },
+        criteria: criteria(&arguments.criterion)?,
         margin: arguments.margin,
         starts: usize::from(arguments.starts),
         fixed: arguments.fix.clone(),

@@ -1,6 +1,6 @@
-//! Tables of test data: CSV with a header, and test data in decks of Abaqus.
+//! Test data: tables in CSV with a header, in decks of Abaqus, and arrays.
 //!
-//! A table is refused where it contradicts itself or its header, because the fit of a misread table would be as good as any other fit.
+//! Data that contradict themselves or a header are refused, because the fit of a misread table would be as good as any other fit.
 
 use crate::input::{self, MOST_TEXT};
 use crate::number::told;
@@ -20,22 +20,24 @@ pub enum TableError {
         /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A line that cannot be used.
-    #[error("{}, line {line}: {message}\n  hint: {hint}", path.display())]
+    /// A line of a file, or a point of an array, that cannot be used.
+    #[error("{}, {row} {line}: {message}\n  hint: {hint}", path.display())]
     Line {
-        /// Path of the file.
+        /// Path of the file, or name of the array.
         path: PathBuf,
-        /// Number of the line, from 1.
+        /// What is counted: `line` or `point`.
+        row: &'static str,
+        /// Line from 1, or point from 0.
         line: usize,
         /// Finding and expectation in words.
         message: String,
         /// Advice for the user.
         hint: String,
     },
-    /// A file that cannot be used as a whole.
+    /// A file or an array that cannot be used as a whole.
     #[error("{}: {message}\n  hint: {hint}", path.display())]
     File {
-        /// Path of the file.
+        /// Path of the file, or name of the array.
         path: PathBuf,
         /// Finding and expectation in words.
         message: String,
@@ -50,6 +52,30 @@ pub enum TableError {
         /// Advice for the user.
         hint: String,
     },
+}
+
+/// Test data as given by the user.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// File, with the loading that was named for it.
+    File(PathBuf, Option<Mode>),
+    /// Arrays of the same length.
+    Arrays(Arrays),
+}
+
+/// Test as arrays: stretches (amounts of shear in simple shear, ratios of volumes in a volumetric test) and nominal stresses (pressures).
+#[derive(Clone, Debug)]
+pub struct Arrays {
+    /// Name of the test in messages about its points.
+    pub name: String,
+    /// Loading of the specimen.
+    pub mode: Mode,
+    /// Imposed stretches, dimensionless.
+    pub stretch: Vec<f64>,
+    /// Measured nominal stresses.
+    pub stress: Vec<f64>,
+    /// Lateral stretches, if they were measured.
+    pub lateral: Option<Vec<f64>>,
 }
 
 /// Choices for the reading of tables.
@@ -78,32 +104,44 @@ pub struct Tests {
 const LEAST_POINTS: usize = 3;
 /// Largest stretch of rubber; larger numbers are percents.
 const LARGEST: f64 = 20.0;
+/// Hint for arrays that seem to hold strains.
+const STRETCHES: &str = "a stretch is 1 plus the strain, and 100 % are a strain of 1";
 /// Largest ratios of the shear moduli of two tests of one material at small strains, and of two tests without a note.
 const CONTRADICTION: f64 = 10.0;
 const DISAGREEMENT: f64 = 2.5;
 
 impl Tests {
-    /// Reads files, each with the loading that was named for it.
+    /// Reads files and takes arrays, in their order.
     ///
     /// # Errors
     /// [`TableError`] with the line if a table cannot be used, or if the tests contradict each other.
-    pub fn read(files: &[(PathBuf, Option<Mode>)], reading: &Reading) -> Result<Self, TableError> {
+    pub fn read(sources: &[Source], reading: &Reading) -> Result<Self, TableError> {
         let mut all = Self::default();
         let mut units: Vec<(String, Option<String>)> = Vec::new();
-        for (path, mode) in files {
-            let source = |source| TableError::Unreadable {
-                path: path.clone(),
-                source,
+        for own in sources {
+            let (path, text) = match own {
+                Source::File(path, _) => {
+                    let source = |source| TableError::Unreadable {
+                        path: path.clone(),
+                        source,
+                    };
+                    (path.clone(), input::text(path, MOST_TEXT).map_err(source)?)
+                }
+                Source::Arrays(arrays) => (PathBuf::from(&arrays.name), String::new()),
             };
-            let text = input::text(path, MOST_TEXT).map_err(source)?;
             let table = Table {
-                path,
+                path: &path,
+                row: match own {
+                    Source::File(..) => "line",
+                    Source::Arrays(_) => "point",
+                },
                 text: &text,
                 reading,
             };
-            let found = match is_deck(&text) {
-                true => table.deck()?,
-                false => vec![table.csv(*mode, &mut all.notes)?],
+            let found = match own {
+                Source::Arrays(arrays) => vec![(table.arrays(arrays)?, None)],
+                Source::File(..) if is_deck(&text) => table.deck()?,
+                Source::File(_, mode) => vec![table.csv(*mode, &mut all.notes)?],
             };
             for (mut test, unit) in found {
                 if let Some([low, high]) = reading.range {
@@ -285,6 +323,8 @@ enum Column {
     LateralStrain,
     VolumeRatio,
     Pressure,
+    /// Stretches of an array, which has no name.
+    Array,
 }
 
 impl Column {
@@ -335,8 +375,10 @@ fn split(header: &str) -> (String, Option<String>) {
     (plain.trim_matches('_').to_owned(), unit)
 }
 
+/// Text of a file, or arrays with an empty text.
 struct Table<'a> {
     path: &'a Path,
+    row: &'static str,
     text: &'a str,
     reading: &'a Reading,
 }
@@ -345,6 +387,7 @@ impl Table<'_> {
     fn line(&self, line: usize, message: impl Into<String>, hint: impl Into<String>) -> TableError {
         TableError::Line {
             path: self.path.to_owned(),
+            row: self.row,
             line,
             message: message.into(),
             hint: hint.into(),
@@ -583,20 +626,76 @@ impl Table<'_> {
                 },
             ));
         }
-        self.check_rows(mode, &rows, along.0)?;
         let unit = match stress.0 {
             Column::Force => None,
             _ => stress.2,
         };
+        Ok((self.test(mode, rows, along.0)?, unit))
+    }
+
+    /// Test of arrays, whose lengths and numbers are checked.
+    fn arrays(&self, own: &Arrays) -> Result<Test, TableError> {
+        let lengths = [Some(&own.stress), own.lateral.as_ref()];
+        if let Some(other) = lengths
+            .into_iter()
+            .flatten()
+            .find(|other| other.len() != own.stretch.len())
+        {
+            return Err(self.refused(
+                format!(
+                    "its arrays have {} and {} numbers",
+                    own.stretch.len(),
+                    other.len()
+                ),
+                "give a stretch and a nominal stress for each point",
+            ));
+        }
+        if own.mode == Mode::Volumetric && own.lateral.is_some() {
+            return Err(self.refused(
+                "a volumetric test has no lateral stretch",
+                "give ratios of volumes and pressures",
+            ));
+        }
+        let mut rows = Vec::new();
+        for (n, (stretch, stress)) in own.stretch.iter().zip(&own.stress).enumerate() {
+            let lateral = own.lateral.as_ref().map(|lateral| lateral[n]);
+            let mut all = [Some(*stretch), Some(*stress), lateral]
+                .into_iter()
+                .flatten();
+            if let Some(value) = all.find(|value| !value.is_finite()) {
+                return Err(self.line(
+                    n,
+                    format!("the value {value} is not a finite number"),
+                    "leave out points that were not measured",
+                ));
+            }
+            self.check_stretch(n, own.mode, *stretch, lateral, Column::Array)?;
+            let point = Point {
+                stretch: *stretch,
+                lateral,
+                stress: *stress,
+            };
+            rows.push((n, point));
+        }
+        self.test(own.mode, rows, Column::Array)
+    }
+
+    /// Test of rows whose signs and order are checked, without the points in the reference.
+    fn test(
+        &self,
+        mode: Mode,
+        rows: Vec<(usize, Point)>,
+        column: Column,
+    ) -> Result<Test, TableError> {
+        self.check_rows(mode, &rows, column)?;
         let rest = if mode == Mode::SimpleShear { 0.0 } else { 1.0 };
         let points = rows.into_iter().map(|(_, point)| point);
-        let test = Test {
+        Ok(Test {
             name: mode.name().to_owned(),
             mode,
             points: points.filter(|point| point.stretch != rest).collect(),
             weight: 1.0,
-        };
-        Ok((test, unit))
+        })
     }
 
     fn check_stretch(
@@ -622,6 +721,7 @@ impl Table<'_> {
                     told(own)
                 ),
                 match column {
+                    Column::Array => STRETCHES,
                     Column::Stretch => "if the column holds strains, name it strain",
                     _ => "if the strains are percents, name the column strain [%]",
                 },
@@ -634,7 +734,10 @@ impl Table<'_> {
                     "the stretch is {}, more than any rubber bears ({LARGEST})",
                     told(stretch)
                 ),
-                "if the strains are percents, name the column strain [%]",
+                match column {
+                    Column::Array => STRETCHES,
+                    _ => "if the strains are percents, name the column strain [%]",
+                },
             ));
         }
         Ok(())
@@ -657,6 +760,7 @@ impl Table<'_> {
                     "pressure and change of volume",
                     "pressures are positive in compression",
                 ),
+                (_, Column::Array, _) if point.stretch < 1.0 => ("stress and stretch", STRETCHES),
                 (_, Column::Stretch, _) if point.stretch < 1.0 => (
                     "stress and stretch",
                     "if the column holds strains, name it strain; stresses are positive in tension",
@@ -784,18 +888,7 @@ impl Table<'_> {
         }
         let mut tests = Vec::new();
         for (mode, rows) in found {
-            self.check_rows(mode, &rows, Column::Strain)?;
-            let rest = if mode == Mode::SimpleShear { 0.0 } else { 1.0 };
-            let points = rows.into_iter().map(|(_, point)| point);
-            tests.push((
-                Test {
-                    name: mode.name().to_owned(),
-                    mode,
-                    points: points.filter(|point| point.stretch != rest).collect(),
-                    weight: 1.0,
-                },
-                None,
-            ));
+            tests.push((self.test(mode, rows, Column::Strain)?, None));
         }
         Ok(tests)
     }

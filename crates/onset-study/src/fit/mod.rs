@@ -7,7 +7,7 @@ mod figure;
 mod input;
 
 pub use answer::{ConstantAnswer, FitAnswer, LawAnswer, TestAnswer};
-pub use input::{Reading, TableError, Tests};
+pub use input::{Arrays, Reading, Source, TableError, Tests};
 pub use onset_fit::{Criterion, Mode, Options, Point, Range, Test, Weights};
 
 use crate::settings::{SettingError, Settings};
@@ -34,6 +34,9 @@ pub enum FittingError {
         /// Laws that can be fitted.
         known: String,
     },
+    /// A choice that does not exist.
+    #[error("{0}")]
+    Choice(String),
     /// No law could be fitted.
     #[error("{0}")]
     None(String),
@@ -52,6 +55,75 @@ pub enum FittingError {
     /// A file that cannot be written.
     #[error(transparent)]
     Output(#[from] crate::output::OutputError),
+}
+
+/// Weights by their name, with the smallest scale of relative errors as a part of the largest stress of the test.
+///
+/// # Errors
+/// [`FittingError::Choice`] if there are no such weights.
+pub fn weights(name: &str, floor: Option<f64>) -> Result<Weights, FittingError> {
+    match name {
+        "relative" => Ok(Weights::Relative(floor.unwrap_or(0.0))),
+        "absolute" => Ok(Weights::Absolute),
+        _ => Err(FittingError::Choice(format!(
+            "weights are {name:?}; expected relative or absolute"
+        ))),
+    }
+}
+
+/// Criteria that are demanded, by their name.
+///
+/// # Errors
+/// [`FittingError::Choice`] if there is no such criterion.
+pub fn criteria(name: &str) -> Result<Vec<Criterion>, FittingError> {
+    match name {
+        "drucker" => Ok(vec![Criterion::Drucker]),
+        "ellipticity" => Ok(vec![Criterion::StrongEllipticity]),
+        "both" => Ok(vec![Criterion::Drucker, Criterion::StrongEllipticity]),
+        _ => Err(FittingError::Choice(format!(
+            "the criterion is {name:?}; expected drucker, ellipticity or both"
+        ))),
+    }
+}
+
+/// Two positive stretches in ascending order, as `0.5,3`.
+///
+/// # Errors
+/// What was expected.
+pub fn stretches_between(text: &str) -> Result<[f64; 2], String> {
+    let numbers = text.split(',').map(|own| own.trim().parse::<f64>().ok());
+    match numbers.collect::<Option<Vec<f64>>>().as_deref() {
+        Some([low, high]) if 0.0 < *low && low < high && high.is_finite() => Ok([*low, *high]),
+        _ => Err("expected two positive stretches LOW,HIGH, for example 0.5,3".to_owned()),
+    }
+}
+
+/// Range of demanded stability by its text, for example `box=0.3,4`. The text `none` is `None`.
+///
+/// # Errors
+/// What was expected.
+pub fn stable_range(text: &str) -> Result<Option<Range>, String> {
+    let expected = "expected data, data=FACTOR, box=LOW,HIGH, loadings=LOW,HIGH or none, for example box=0.3,4";
+    let within = |own: &str| {
+        let [low, high] = stretches_between(own)?;
+        match low < 1.0 && high > 1.0 {
+            true => Ok((low, high)),
+            false => Err("expected limits on both sides of 1, the reference".to_owned()),
+        }
+    };
+    Ok(match text.split_once('=') {
+        None if text == "none" => None,
+        None if text == "data" => Some(Range::Data(1.25)),
+        Some(("data", factor)) => match factor.parse::<f64>() {
+            Ok(factor) if (1.0..100.0).contains(&factor) => Some(Range::Data(factor)),
+            _ => return Err("expected a factor from 1 to 100, for example data=1.25".to_owned()),
+        },
+        Some(("box", own)) => within(own).map(|(low, high)| Some(Range::Box(low, high)))?,
+        Some(("loadings", own)) => {
+            within(own).map(|(low, high)| Some(Range::Loadings(low, high)))?
+        }
+        _ => return Err(expected.to_owned()),
+    })
 }
 
 /// Families with the names of laws; all of them for `all`.

@@ -1,0 +1,101 @@
+//! Laws fitted to tests.
+
+use crate::answer::Answer;
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::problem::unknown;
+use onset_study::fit::{
+    Arrays, FittingError, Mode, Options, Reading, Source, Tests, criteria, families, fitted,
+    stable_range, weights,
+};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+
+/// Loading, path of a table, and arrays instead of it: stretches, nominal stresses and lateral stretches.
+type Given = (Option<String>, Option<PathBuf>, Vec<Vec<f64>>);
+
+/// Tests, and the choices of the user.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Asked {
+    tests: Vec<Given>,
+    law: Vec<String>,
+    weights: String,
+    floor: f64,
+    stable: String,
+    criterion: String,
+    margin: f64,
+    starts: usize,
+    fix: Vec<(String, f64)>,
+    bound: Vec<(String, [f64; 2])>,
+    bulk: Option<f64>,
+    unit: Option<String>,
+    area: Option<f64>,
+    range: Option<[f64; 2]>,
+}
+
+impl From<FittingError> for Failure {
+    fn from(error: FittingError) -> Self {
+        match error {
+            FittingError::Setting(error) => error.into(),
+            FittingError::Output(error) => error.into(),
+            other => Self::input(other),
+        }
+    }
+}
+
+fn mode_named(name: &str) -> Result<Mode, Failure> {
+    Mode::named(name).ok_or_else(|| unknown("loading", name, Mode::ALL.map(Mode::name)))
+}
+
+fn source((mode, path, arrays): Given) -> Result<Source, Failure> {
+    let known = mode.as_deref().map(mode_named).transpose()?;
+    if let Some(path) = path {
+        return Ok(Source::File(path, known));
+    }
+    let name = format!("tests[{:?}]", mode.unwrap_or_default());
+    let missing = || {
+        Failure::input(format!(
+            "{name}: expected a loading, stretches and stresses"
+        ))
+    };
+    let mut arrays = arrays.into_iter();
+    Ok(Source::Arrays(Arrays {
+        mode: known.ok_or_else(missing)?,
+        stretch: arrays.next().ok_or_else(missing)?,
+        stress: arrays.next().ok_or_else(missing)?,
+        lateral: arrays.next(),
+        name,
+    }))
+}
+
+/// Fits laws to tests.
+#[pyfunction]
+pub fn fit(py: Python<'_>, asked: Asked) -> PyResult<Answer> {
+    interrupt::answer(py, move || {
+        let families = families(&asked.law)?;
+        let range = stable_range(&asked.stable);
+        let options = Options {
+            weights: weights(&asked.weights, Some(asked.floor))?,
+            range: range.map_err(|error| {
+                Failure::input(format!("stable is {:?}; {error}", asked.stable))
+            })?,
+            criteria: criteria(&asked.criterion)?,
+            margin: asked.margin,
+            starts: asked.starts,
+            fixed: asked.fix,
+            bounds: asked.bound,
+        };
+        let sources = asked.tests.into_iter().map(source);
+        let sources = sources.collect::<Result<Vec<_>, _>>()?;
+        let reading = Reading {
+            unit: asked.unit,
+            area: asked.area,
+            range: asked.range,
+        };
+        let tests = Tests::read(&sources, &reading).map_err(FittingError::from)?;
+        let answer = fitted(tests, &families, &options, asked.bulk, &mut |_| {})?;
+        let told = Answer::of(&answer, &answer)?.with_table(&answer.csv());
+        Ok(told.with_files(move || Ok(answer.files()?)))
+    })
+}

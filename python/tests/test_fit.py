@@ -1,0 +1,139 @@
+"""Laws fitted to tests given as arrays, tables and paths."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from conftest import REPOSITORY, command
+import onset
+
+RUBBER = REPOSITORY / "rubber"
+MODES = ("uniaxial", "equibiaxial", "planar")
+
+
+def treloar(mode: str) -> Any:
+    return np.genfromtxt(RUBBER / f"treloar-{mode}.csv", delimiter=",", names=True)
+
+
+def yeoh(stretch: Any, c10: float = 0.17, c20: float = -1e-3, c30: float = 4e-5) -> Any:
+    strain = stretch**2 + 2 / stretch - 3
+    return 2 * (stretch - stretch**-2) * (c10 + 2 * c20 * strain + 3 * c30 * strain**2)
+
+
+class Frame:
+    """Table as of pandas: names of columns, and columns by name."""
+
+    def __init__(self, **columns: Any) -> None:
+        self.columns = list(columns)
+        self._columns = columns
+
+    def __getitem__(self, name: str) -> Any:
+        return self._columns[name]
+
+
+def test_arrays_tables_and_paths_have_the_answer_of_the_command() -> None:
+    paths = [RUBBER / f"treloar-{mode}.csv" for mode in MODES]
+    told = command("fit", *(str(path) for path in paths), "--law", "yeoh,mooney-rivlin", "--unit", "MPa")
+    data = {mode: treloar(mode) for mode in MODES}
+    arrays = {mode: (own["stretch"], own["nominal_stress"]) for mode, own in data.items()}
+    frames = {mode: Frame(stretch=own["stretch"], nominal_stress=own["nominal_stress"]) for mode, own in data.items()}
+    columns = {mode: {"stretch": own["stretch"], "nominal_stress": own["nominal_stress"]} for mode, own in data.items()}
+    for tests in (arrays, frames, columns, paths, dict(zip(MODES, paths, strict=True))):
+        fit = onset.fit(tests, "yeoh,mooney-rivlin", unit="MPa")
+        assert fit.json == told.document
+    document = json.loads(told.document)
+    assert (fit.law, fit.error) == (document["laws"][0]["law"], document["laws"][0]["error"])
+    assert [row["law"] for row in fit.table()] == [own["law"] for own in document["laws"]]
+    assert all(row["proof"] == "proved" for row in fit.table())
+    assert str(fit).startswith(f"{fit.law} fits the 3 tests")
+    assert "fit.png" in fit.files()
+
+
+def test_constants_of_exact_points_are_found() -> None:
+    stretch = np.linspace(1.1, 5.0, 20)
+    fit = onset.fit({"uniaxial": (stretch, yeoh(stretch))}, ["yeoh"], stable=None)
+    assert list(fit.constants.values()) == pytest.approx([0.17, -1e-3, 4e-5], rel=1e-8)
+    # A fixed constant stays.
+    first = next(iter(fit.constants))
+    assert onset.fit({"uniaxial": (stretch, yeoh(stretch))}, "yeoh", stable=None, fix={first: 0.2}).constants[first] == 0.2
+
+
+def test_the_fitted_law_is_a_material() -> None:
+    stretch = np.linspace(1.1, 4.0, 12)
+    fit = onset.fit({"uniaxial": (stretch, yeoh(stretch))}, "yeoh", bulk=200.0)
+    assert fit.material.assignments == tuple(fit.settings)
+    assert dict(pair.split("=") for pair in fit.settings)["material.kappa"] == "200"
+    F = np.diag([2.0, 2.0**-0.5, 2.0**-0.5])
+    P = fit.material.stress(F)
+    assert P[0, 0] - P[1, 1] * F[1, 1] / F[0, 0] == pytest.approx(yeoh(2.0), rel=1e-6)
+    assert onset.card(fit.material, incompressible=True).symmetric_box is not None
+    assert onset.criteria(fit.material, incompressible=True).loadings
+
+
+def test_faults_of_arrays_are_told_as_those_of_tables(tmp_path: Path) -> None:
+    stretch = np.linspace(1.1, 4.0, 12)
+    stress = yeoh(stretch)
+    swapped = [1, 0, *range(2, 12)]
+    for name, (x, y) in {
+        "percent": (100 * (stretch - 1), stress),
+        "unsorted": (stretch[swapped], stress[swapped]),
+        "negative": (stretch, -stress),
+        "few": (stretch[:2], stress[:2]),
+        "strain": (stretch - 1.2, stress),
+    }.items():
+        table = tmp_path / f"{name}.csv"
+        table.write_text("stretch,nominal_stress\n" + "".join(f"{a!r},{b!r}\n" for a, b in zip(x.tolist(), y.tolist(), strict=True)))
+        told = command("fit", "--uniaxial", str(table), "--law", "yeoh")
+        assert told.code == 2
+        with pytest.raises(onset.InputError) as raised:
+            onset.fit({"uniaxial": (x, y)}, "yeoh")
+        # The place differs: a line of the file, a point of the array.
+        assert raised.value.message.partition(": ")[2] == told.error.partition("\n")[0].partition(": ")[2], name
+        with pytest.raises(onset.InputError) as raised:
+            onset.fit({"uniaxial": table}, "yeoh")
+        assert str(raised.value) == told.error
+    for names in ("yeo", "holzapfel-gasser-ogden"):
+        told = command("fit", str(RUBBER / "treloar-uniaxial.csv"), "--law", names)
+        with pytest.raises(onset.InputError) as raised:
+            onset.fit({"uniaxial": (stretch, stress)}, names)
+        assert str(raised.value) == told.error
+
+
+def test_faults_name_the_argument() -> None:
+    x = np.linspace(1.1, 4.0, 12)
+    y = yeoh(x)
+    hole = np.where(np.arange(12) == 3, np.nan, y)
+    masked = np.ma.MaskedArray(y, mask=np.arange(12) == 3)
+    faults: list[tuple[dict[str, Any], str]] = [
+        ({"tests": {"uniaxial": (x, hole)}}, r'tests\["uniaxial"\], point 3: the value NaN'),
+        ({"tests": {"uniaxial": (x, masked)}}, r"nominal_stress of tests\['uniaxial'\] has 1 masked"),
+        ({"tests": {"uniaxial": (x, y[:5])}}, "its arrays have 12 and 5 numbers"),
+        ({"tests": {"uniaxial": (x, y, x[:4])}}, "its arrays have 12 and 4 numbers"),
+        ({"tests": {"uniaxial": (x, y[:, None])}}, r"has the shape \(12, 1\)"),
+        ({"tests": {"uniaxial": (x,)}}, "1 parts; expected two arrays"),
+        ({"tests": {"uniaxial": Frame(strain=x, stress=y)}}, "has the columns strain, stress; expected stretch and nominal_stress"),
+        ({"tests": {"biax": (x, y)}}, 'loading cannot be "biax"'),
+        ({"tests": {"volumetric": (1 - x / 100, y, x)}}, "has no lateral stretch"),
+        ({"tests": {"uniaxial": (x, y), "planar": (x, 1000 * y)}}, "different shear moduli at small strains"),
+        ({"tests": {}}, "tests is empty"),
+        ({"tests": "nowhere-uniaxial.csv"}, "nowhere-uniaxial.csv"),
+        ({"weights": "some"}, "expected relative or absolute"),
+        ({"criterion": "some"}, "expected drucker, ellipticity or both"),
+        ({"stable": "box=2,3"}, "stable is .*expected limits on both sides of 1"),
+        ({"fix": {"nothing": 1.0}}, "nothing"),
+        ({"bound": {"c10": (2, 1)}}, r"bound\['c10'\] expects two numbers"),
+        ({"margin": 0}, "margin is 0"),
+        ({"starts": 0}, "starts is 0"),
+        ({"bulk": -1}, "bulk is -1"),
+    ]
+    for given, message in faults:
+        with pytest.raises(onset.InputError, match=message):
+            onset.fit(**{"tests": {"uniaxial": (x, y)}, "law": "yeoh", **given})
+    for tests in (Frame(stretch=x, nominal_stress=y), {1: (x, y)}, {"uniaxial": 1.0}, 1.0):
+        with pytest.raises(TypeError):
+            onset.fit(tests, "yeoh")  # type: ignore[arg-type]
