@@ -721,7 +721,7 @@ def fit(
         law=laws,
         weights=weights,
         floor=part if part == 0.0 else share(part, "floor"),
-        stable="none" if stable is None else stable,
+        stable=stable if stable is not None else "none",
         criterion=criterion,
         margin=share(margin, "margin"),
         starts=whole(starts, "starts", 1, 10_000),

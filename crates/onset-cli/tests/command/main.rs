@@ -15,6 +15,7 @@ mod documents;
 #[cfg(feature = "explore")]
 mod explore;
 mod files;
+mod fit;
 mod formula;
 mod grid;
 mod help;

@@ -1,6 +1,6 @@
 //! Answer of a fit: errors, what stability costs, constants, and the ranking of laws.
 
-use super::{FittingError, Tests, assignments};
+use super::{FittingError, Tests, assignments, volumetric_misfit};
 use crate::brief::{Brief, Short};
 use crate::number::{counted, told, told_with};
 use crate::output::{Files, text};
@@ -118,9 +118,14 @@ pub struct FitAnswer {
 
 /// Significant digits of stretches and constants in sentences.
 const DIGITS: usize = 4;
+/// Smaller errors are rounding.
+const NEGLIGIBLE: f64 = 1e-9;
 
 fn percent(part: f64) -> String {
-    format!("{} %", told_with(100.0 * part, 3))
+    match part < NEGLIGIBLE {
+        true => "0 %".to_owned(),
+        false => format!("{} %", told_with(100.0 * part, 3)),
+    }
 }
 
 fn short(value: f64) -> String {
@@ -160,7 +165,10 @@ impl FitAnswer {
         if !untested.is_empty() {
             notes.push(format!(
                 "no test covers {} loading: there the fitted laws are predictions",
-                untested.join(" and ")
+                match untested.as_slice() {
+                    [first, second, third] => format!("{first}, {second} or {third}"),
+                    own => own.join(" or "),
+                }
             ));
         }
         let has_volume = tests.iter().any(|test| test.mode == Mode::Volumetric);
@@ -453,6 +461,16 @@ impl LawAnswer {
     ) -> Result<Self, FittingError> {
         let result = fit.result().clone();
         let (settings, kappa) = assignments(&fit.family, &result, data, bulk)?;
+        let mut fit = fit;
+        let mut misfits = result.misfits.clone();
+        for (n, test) in data.iter().enumerate() {
+            if kappa.is_some() && test.mode == Mode::Volumetric {
+                // The bulk modulus alone gives the volumetric response, with or without a demand.
+                let own = volumetric_misfit(test, &settings)?;
+                misfits[n] = own.clone();
+                fit.free.misfits[n] = own;
+            }
+        }
         let deviations = &result.uncertainty.deviations;
         let constants = fit
             .family
@@ -501,7 +519,7 @@ impl LawAnswer {
             shear_modulus: result.shear_modulus,
             error: result.relative,
             loss: result.loss,
-            tests: result.misfits.clone(),
+            tests: misfits,
             free_error: fit.free.relative,
             free_loss: fit.free.loss,
             free_losses: losses(&fit.free),
@@ -582,10 +600,10 @@ impl Brief for FitAnswer {
             short = short.row(
                 2,
                 "not unique",
-                format!(
-                    "{} have a sum of squares within 5 %",
-                    counted(best.other_optima, "other optimum")
-                ),
+                match best.other_optima {
+                    1 => "1 other optimum has a sum of squares within 5 %".to_owned(),
+                    count => format!("{count} other optima have sums of squares within 5 %"),
+                },
             );
         }
         short.row(4, "next", self.next()).notes(&self.notes)

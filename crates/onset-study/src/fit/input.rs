@@ -3,7 +3,7 @@
 //! Data that contradict themselves or a header are refused, because the fit of a misread table would be as good as any other fit.
 
 use crate::input::{self, MOST_TEXT};
-use crate::number::told;
+use crate::number::{counted, told, told_with};
 use crate::settings::stress_unit;
 use onset_fit::{Mode, Point, Test};
 use std::path::{Path, PathBuf};
@@ -70,9 +70,9 @@ pub struct Arrays {
     pub name: String,
     /// Loading of the specimen.
     pub mode: Mode,
-    /// Imposed stretches, dimensionless.
+    /// Imposed stretches of the points, dimensionless.
     pub stretch: Vec<f64>,
-    /// Measured nominal stresses.
+    /// Measured nominal stresses of the points.
     pub stress: Vec<f64>,
     /// Lateral stretches, if they were measured.
     pub lateral: Option<Vec<f64>>,
@@ -100,12 +100,21 @@ pub struct Tests {
     pub notes: Vec<String>,
 }
 
+/// Known units of stress.
+const UNITS: &str = "expected Pa, kPa, MPa, GPa, N/mm^2, bar, psi or ksi";
 /// Fewest points of a test.
 const LEAST_POINTS: usize = 3;
 /// Largest stretch of rubber; larger numbers are percents.
 const LARGEST: f64 = 20.0;
 /// Hint for arrays that seem to hold strains.
 const STRETCHES: &str = "a stretch is 1 plus the strain, and 100 % are a strain of 1";
+/// Limits of the largest stress of a test, and the least of its largest strain.
+const STRESSES: [f64; 2] = [1e-20, 1e20];
+const LEAST_STRAIN: f64 = 1e-4;
+/// Largest difference of stretches of one row that two columns give.
+const STRETCH_TOLERANCE: f64 = 0.01;
+/// Largest change of volume for which laws at constant volume are fitted without a note.
+const CONSTANT_VOLUME: f64 = 0.1;
 /// Largest ratios of the shear moduli of two tests of one material at small strains, and of two tests without a note.
 const CONTRADICTION: f64 = 10.0;
 const DISAGREEMENT: f64 = 2.5;
@@ -118,6 +127,7 @@ impl Tests {
     pub fn read(sources: &[Source], reading: &Reading) -> Result<Self, TableError> {
         let mut all = Self::default();
         let mut units: Vec<(String, Option<String>)> = Vec::new();
+        let mut used_area = false;
         for own in sources {
             let (path, text) = match own {
                 Source::File(path, _) => {
@@ -125,7 +135,11 @@ impl Tests {
                         path: path.clone(),
                         source,
                     };
-                    (path.clone(), input::text(path, MOST_TEXT).map_err(source)?)
+                    let mut text = input::text(path, MOST_TEXT).map_err(source)?;
+                    if !text.contains('\n') {
+                        text = text.replace('\r', "\n");
+                    }
+                    (path.clone(), text)
                 }
                 Source::Arrays(arrays) => (PathBuf::from(&arrays.name), String::new()),
             };
@@ -141,26 +155,43 @@ impl Tests {
             let found = match own {
                 Source::Arrays(arrays) => vec![(table.arrays(arrays)?, None)],
                 Source::File(..) if is_deck(&text) => table.deck()?,
-                Source::File(_, mode) => vec![table.csv(*mode, &mut all.notes)?],
+                Source::File(_, mode) => {
+                    vec![table.csv(*mode, &mut all.notes, &mut used_area)?]
+                }
             };
             for (mut test, unit) in found {
                 if let Some([low, high]) = reading.range {
                     test.points
                         .retain(|own| (low..=high).contains(&own.stretch));
                 }
-                if test.points.len() < LEAST_POINTS {
+                let mut distinct: Vec<f64> = test.points.iter().map(|own| own.stretch).collect();
+                distinct.sort_by(f64::total_cmp);
+                distinct.dedup();
+                if distinct.len() < LEAST_POINTS {
                     return Err(table.refused(
                         format!(
-                            "the {} test has {} points; expected at least {LEAST_POINTS}",
+                            "the {} test has points at {}{}; expected at least {LEAST_POINTS}",
                             test.mode.name(),
-                            test.points.len()
+                            counted(distinct.len(), "strain"),
+                            match reading.range {
+                                Some(_) => " in the range of --range",
+                                None => " besides the reference",
+                            },
                         ),
-                        "add points, or widen --range",
+                        match reading.range {
+                            Some(_) => "widen --range, or add points",
+                            None => "add points of the test",
+                        },
                     ));
                 }
+                all.notes.extend(table.volume(&test));
                 units.push((test.name.clone(), unit.or_else(|| reading.unit.clone())));
                 all.tests.push(test);
             }
+        }
+        if reading.area.is_some() && !used_area {
+            all.notes
+                .push("--area is not used: no table has a column of forces".to_owned());
         }
         all.convert(&units)?;
         all.compare()?;
@@ -194,7 +225,7 @@ impl Tests {
                 };
                 return Err(TableError::Tests {
                     message: format!("the unit of stress `{unknown}` is not known"),
-                    hint: "expected Pa, kPa, MPa, GPa, N/mm^2, bar, psi or ksi".to_owned(),
+                    hint: UNITS.to_owned(),
                 });
             };
             if factor != 1.0 {
@@ -276,6 +307,14 @@ fn initial_modulus(test: &Test) -> Option<f64> {
         (above + own.stress * strain, below + strain * strain)
     });
     (below > 0.0 && above > 0.0).then(|| above / below)
+}
+
+/// Beginning of a text of a file.
+fn brief(text: &str) -> String {
+    text.chars()
+        .filter(|own| !own.is_control())
+        .take(40)
+        .collect()
 }
 
 fn is_deck(text: &str) -> bool {
@@ -404,11 +443,26 @@ impl Table<'_> {
 
     /// Loading by the option, a comment of the file, or its name.
     fn mode(&self, given: Option<Mode>) -> Result<Mode, TableError> {
-        let comments = self.text.lines().map(str::trim_start);
-        let comments = comments.take_while(|line| line.starts_with('#') || line.is_empty());
-        let comment = comments
-            .filter_map(|line| line.trim_start_matches('#').trim().strip_prefix("mode:"))
-            .find_map(mode_in);
+        let comments = self.text.lines().map(str::trim_start).enumerate();
+        let mut comments = comments
+            .take_while(|(_, line)| line.starts_with('#') || line.is_empty())
+            .filter_map(|(n, line)| {
+                let text = line.trim_start_matches('#').trim().strip_prefix("mode:");
+                Some((n + 1, text?.trim()))
+            });
+        let comment = match comments.next() {
+            Some((line, text)) if given.is_none() && mode_in(text).is_none() => {
+                return Err(self.line(
+                    line,
+                    format!(
+                        "the comment names the loading `{}`, which is not known",
+                        brief(text)
+                    ),
+                    "expected uniaxial, equibiaxial, planar, simple shear or volumetric",
+                ));
+            }
+            own => own.and_then(|(_, text)| mode_in(text)),
+        };
         let name = self
             .path
             .file_stem()
@@ -438,7 +492,17 @@ impl Table<'_> {
         &self,
         given: Option<Mode>,
         notes: &mut Vec<String>,
+        used_area: &mut bool,
     ) -> Result<(Test, Option<String>), TableError> {
+        if let Some((n, text)) = (self.text.lines().enumerate())
+            .find(|(_, text)| text.starts_with('*') && !text.starts_with("**"))
+        {
+            return Err(self.line(
+                n + 1,
+                format!("`{}` is a keyword of a deck, and the deck has no test data", brief(text)),
+                "expected *UNIAXIAL, *BIAXIAL, *PLANAR, *SIMPLE SHEAR or *VOLUMETRIC TEST DATA, or a table with a header",
+            ));
+        }
         let mode = self.mode(given)?;
         let lines = self
             .text
@@ -557,12 +621,56 @@ impl Table<'_> {
                 ));
             }
         }
+        if let (Column::Force, Some(unit)) = (stress.0, &stress.2)
+            && stress_unit(unit).is_some()
+        {
+            return Err(self.line(
+                at,
+                format!("the column `{}` has the unit of a stress", names[stress.1]),
+                "name it nominal_stress, or correct the unit",
+            ));
+        }
+        *used_area |= stress.0 == Column::Force;
         if stress.0 == Column::Force && self.reading.area.is_none() {
             return Err(self.line(
                 at,
                 "forces are given without the area of the cross-section",
                 "give the undeformed area with --area",
             ));
+        }
+        if let (false, Some(unit)) = (stress.0 == Column::Force, &stress.2)
+            && stress_unit(unit).is_none()
+        {
+            return Err(self.line(
+                at,
+                format!("the unit of stress `{}` is not known", brief(unit)),
+                UNITS,
+            ));
+        }
+        // Columns that say the same in another way.
+        let twins: Vec<(Column, usize, Option<String>)> = columns
+            .iter()
+            .enumerate()
+            .filter_map(|(n, own)| {
+                let (column, unit) = own.as_ref()?;
+                Some((*column, n, unit.clone()))
+            })
+            .filter(|(column, n, _)| {
+                use Column::{Strain, Stretch, TrueStrain};
+                let is_length = |own| matches!(own, Stretch | Strain | TrueStrain);
+                *n != along.1 && is_length(*column) && is_length(along.0)
+            })
+            .collect();
+        for (own, used) in [(Column::TrueStress, &stress), (Column::Force, &stress)] {
+            let is_there = columns.iter().flatten().any(|(column, _)| *column == own);
+            if is_there && used.0 != own {
+                notes.push(format!(
+                    "{}: the stresses are read from the column `{}`",
+                    self.path.display(),
+                    names[used.1]
+                ));
+                break;
+            }
         }
         let decimal_comma = delimiter != Some(',');
         let mut rows: Vec<(usize, Point)> = Vec::new();
@@ -571,8 +679,17 @@ impl Table<'_> {
             if cells.len() != names.len() {
                 return Err(self.line(
                     line,
-                    format!("{} cells where the header has {}", cells.len(), names.len()),
-                    "each row has a number for every column",
+                    format!(
+                        "the row has {} where the header has {}",
+                        counted(cells.len(), "cell"),
+                        names.len()
+                    ),
+                    match delimiter {
+                        Some(',') if cells.len() == 2 * names.len() => {
+                            "write decimal points, or separate the columns by semicolons"
+                        }
+                        _ => "each row has a number for every column",
+                    },
                 ));
             }
             let number = |place: usize| -> Result<f64, TableError> {
@@ -582,9 +699,17 @@ impl Table<'_> {
                 };
                 let value = cell.parse::<f64>().ok().filter(|own| own.is_finite());
                 value.ok_or_else(|| {
+                    let what = match cell.is_empty() {
+                        true => "a cell".to_owned(),
+                        false => format!("`{}`", brief(&cell)),
+                    };
+                    let fault = match cell.is_empty() {
+                        true => "is empty",
+                        false => "is not a finite number",
+                    };
                     self.line(
                         line,
-                        format!("a cell of the column `{}` is not a number", names[place]),
+                        format!("{what} of the column `{}` {fault}", names[place]),
                         "write numbers such as 1.25 or 3e-2",
                     )
                 })
@@ -600,6 +725,19 @@ impl Table<'_> {
                 })
             };
             let stretch = length(&along)?;
+            for twin in &twins {
+                let other = length(twin)?;
+                if (other - stretch).abs() > STRETCH_TOLERANCE * stretch.abs().max(1.0) {
+                    return Err(self.line(
+                        line,
+                        format!(
+                            "the columns `{}` and `{}` contradict each other",
+                            names[along.1], names[twin.1]
+                        ),
+                        "keep one of them",
+                    ));
+                }
+            }
             let lateral = across.as_ref().map(&length).transpose()?;
             let value = number(stress.1)?;
             self.check_stretch(line, mode, stretch, lateral, along.0)?;
@@ -698,6 +836,34 @@ impl Table<'_> {
         })
     }
 
+    fn is_deck(&self) -> bool {
+        is_deck(self.text)
+    }
+
+    /// Note where lateral stretches contradict a constant volume, or have the sign of the strain.
+    fn volume(&self, test: &Test) -> Option<String> {
+        let changes = test.points.iter().filter_map(|own| {
+            let lateral = own.lateral?;
+            Some(match test.mode {
+                Mode::Uniaxial => own.stretch * lateral * lateral - 1.0,
+                Mode::Equibiaxial => own.stretch * own.stretch * lateral - 1.0,
+                Mode::Planar => own.stretch * lateral - 1.0,
+                Mode::SimpleShear | Mode::Volumetric => return None,
+            })
+        });
+        let most = changes.fold(0.0_f64, |most, own| match own.abs() > most.abs() {
+            true => own,
+            false => most,
+        });
+        (most.abs() > CONSTANT_VOLUME).then(|| {
+            format!(
+                "{}: by its lateral stretches the volume changes by {} %; only laws of foam take that into account",
+                self.path.display(),
+                told_with(100.0 * most, 2)
+            )
+        })
+    }
+
     fn check_stretch(
         &self,
         line: usize,
@@ -706,8 +872,36 @@ impl Table<'_> {
         lateral: Option<f64>,
         column: Column,
     ) -> Result<(), TableError> {
+        let (what, percents) = match (mode, self.is_deck()) {
+            (Mode::SimpleShear, _) => (
+                "amount of shear",
+                "if they are percents, name the column gamma [%]",
+            ),
+            (Mode::Volumetric, _) => (
+                "volume ratio",
+                "a volume ratio is the deformed over the undeformed volume, near 1",
+            ),
+            (_, true) => (
+                "stretch",
+                "data lines of Abaqus hold nominal stress and nominal strain, not percents",
+            ),
+            (_, false) => (
+                "stretch",
+                "if the strains are percents, name the column strain [%]",
+            ),
+        };
         if mode == Mode::SimpleShear {
-            return Ok(());
+            return match stretch.abs() > LARGEST {
+                true => Err(self.line(
+                    line,
+                    format!(
+                        "the {what} is {}, more than any rubber bears ({LARGEST})",
+                        told(stretch)
+                    ),
+                    percents,
+                )),
+                false => Ok(()),
+            };
         }
         if let Some(own) = [Some(stretch), lateral]
             .into_iter()
@@ -717,13 +911,13 @@ impl Table<'_> {
             return Err(self.line(
                 line,
                 format!(
-                    "the stretch is {}; a stretch is a ratio of lengths and must be positive",
+                    "the {what} is {}; it is a ratio and must be positive",
                     told(own)
                 ),
                 match column {
                     Column::Array => STRETCHES,
                     Column::Stretch => "if the column holds strains, name it strain",
-                    _ => "if the strains are percents, name the column strain [%]",
+                    _ => percents,
                 },
             ));
         }
@@ -731,12 +925,12 @@ impl Table<'_> {
             return Err(self.line(
                 line,
                 format!(
-                    "the stretch is {}, more than any rubber bears ({LARGEST})",
+                    "the {what} is {}, more than any rubber bears ({LARGEST})",
                     told(stretch)
                 ),
                 match column {
                     Column::Array => STRETCHES,
-                    _ => "if the strains are percents, name the column strain [%]",
+                    _ => percents,
                 },
             ));
         }
@@ -777,41 +971,103 @@ impl Table<'_> {
             return Err(self.line(
                 *line,
                 format!(
-                    "{what} have different signs: {} at the stretch {}",
+                    "{what} have different signs: {} at the {} {}",
                     told(point.stress),
+                    match mode {
+                        Mode::SimpleShear => "amount of shear",
+                        Mode::Volumetric => "volume ratio",
+                        _ => "stretch",
+                    },
                     told(point.stretch)
                 ),
                 hint,
+            ));
+        }
+        if let Some((line, _)) = rows
+            .iter()
+            .find(|own| own.1.stress == 0.0 && own.1.stretch != rest)
+        {
+            return Err(self.line(
+                *line,
+                "the stress is 0 at a strain that is not",
+                "remove the row, or the offset of the zero point",
             ));
         }
         // A strain column that begins at 1 without stress holds stretches.
         let largest = rows
             .iter()
             .fold(0.0_f64, |most, own| most.max(own.1.stress.abs()));
-        if let Some((line, point)) = rows.first()
+        let strain = |own: &Point| own.stretch - rest;
+        if let Some((line, _)) = rows.iter().find(|(_, own)| {
+            strain(own) == 0.0 && own.stress.abs() > 0.05 * largest && mode != Mode::Volumetric
+        }) {
+            return Err(self.line(
+                *line,
+                "the stress without strain is more than 5 % of the largest one",
+                "remove the offset of the zero point",
+            ));
+        }
+        if let Some((line, _)) = rows.first()
+            && !(STRESSES[0]..=STRESSES[1]).contains(&largest)
+        {
+            return Err(self.line(
+                *line,
+                format!("the largest stress of the table is {}", told(largest)),
+                "expected stresses from 1e-20 to 1e20; choose another unit",
+            ));
+        }
+        let strains = rows.iter().map(|own| strain(&own.1).abs());
+        let most = strains.clone().fold(0.0, f64::max);
+        if let Some((line, _)) = rows.first()
+            && most > 0.0
+            && most < LEAST_STRAIN
+            && mode != Mode::Volumetric
+        {
+            return Err(self.line(
+                *line,
+                format!("the largest strain of the table is {}", told(most)),
+                "if the strains are not percents, remove [%] from the name of the column",
+            ));
+        }
+        if let Some((line, point)) = rows.iter().find(|own| strain(&own.1) != 0.0)
             && column == Column::Strain
-            && mode != Mode::SimpleShear
-            && (1.9..2.2).contains(&point.stretch)
-            && point.stress.abs() < 0.05 * largest
+            && strains
+                .filter(|own| *own > 0.0)
+                .fold(f64::INFINITY, f64::min)
+                >= 1.0
         {
             return Err(self.line(
                 *line,
                 format!(
-                    "the strain begins with {} and almost no stress",
-                    told(point.stretch - 1.0)
+                    "the strains begin with {}, without any below 1",
+                    told(strain(point))
                 ),
-                "if the column holds stretches, name it stretch",
+                match (self.is_deck(), mode) {
+                    (true, _) => "data lines of Abaqus hold nominal stress and nominal strain, neither percents nor stretches",
+                    (_, Mode::SimpleShear) => "if they are percents, name the column gamma [%]; otherwise add points of small strains",
+                    _ => "if they are percents, name the column strain [%], and if they are stretches, stretch; otherwise give stretches",
+                },
             ));
         }
-        let steps = rows
-            .windows(2)
-            .map(|pair| (pair[1].0, pair[1].1.stretch - pair[0].1.stretch));
-        let steps: Vec<(usize, f64)> = steps.filter(|(_, step)| *step != 0.0).collect();
-        let turns: Vec<usize> = steps
-            .windows(2)
-            .filter(|pair| pair[0].1 * pair[1].1 < 0.0)
-            .map(|pair| pair[1].0)
-            .collect();
+        // Tension and compression may follow each other; within each, the strain grows or falls.
+        let turns_of = |side: f64| {
+            let own: Vec<&(usize, Point)> = rows
+                .iter()
+                .filter(|own| strain(&own.1) * side >= 0.0)
+                .collect();
+            let steps = own
+                .windows(2)
+                .map(|pair| (pair[1].0, pair[1].1.stretch - pair[0].1.stretch));
+            let steps: Vec<(usize, f64)> = steps.filter(|(_, step)| *step != 0.0).collect();
+            let turns = steps
+                .windows(2)
+                .filter(|pair| pair[0].1 * pair[1].1 < 0.0)
+                .map(|pair| pair[1].0);
+            turns.collect::<Vec<_>>()
+        };
+        let mut turns = turns_of(1.0);
+        turns.extend(turns_of(-1.0));
+        turns.sort_unstable();
         match turns.as_slice() {
             [] => Ok(()),
             [line] => Err(self.line(
@@ -864,7 +1120,10 @@ impl Table<'_> {
             let Some(values) = values.filter(|own| own.len() >= 2) else {
                 return Err(self.line(
                     line,
-                    "expected a stress and a strain",
+                    format!(
+                        "`{}` where a stress and a strain were expected",
+                        brief(text)
+                    ),
                     "data lines of Abaqus hold nominal stress, nominal strain and lateral strain",
                 ));
             };

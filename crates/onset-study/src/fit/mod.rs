@@ -12,7 +12,7 @@ pub use onset_fit::{Criterion, Mode, Options, Point, Range, Test, Weights};
 
 use crate::settings::{SettingError, Settings};
 use onset::kinematics::DeformationGradient;
-use onset_fit::{Family, Fit, FitError, Fitted, Model, fit};
+use onset_fit::{Family, Fit, FitError, Fitted, Misfit, Model, fit};
 use thiserror::Error;
 
 /// Ratio of bulk to shear modulus of a fitted law if there is no volumetric test.
@@ -25,7 +25,7 @@ pub enum FittingError {
     #[error(transparent)]
     Table(#[from] TableError),
     /// A law that cannot be fitted.
-    #[error("{law} cannot be fitted to such tests: {reason}\n  hint: laws that can: {known}")]
+    #[error("the law `{law}` cannot be fitted: {reason}\n  hint: laws that can: {known}")]
     Law {
         /// Name of the law.
         law: String,
@@ -250,22 +250,47 @@ fn assignments(
         (None, Some(points)) => {
             // The pressure is linear in the bulk modulus.
             let unit = BULK_RATIO * shear;
-            let law = Settings::from_assignments(&at(unit))?.material.build()?;
             let (mut above, mut below) = (0.0, 0.0);
-            for point in points {
-                let stretch = point.stretch.cbrt();
-                let state = DeformationGradient::from_stretches([stretch; 3]).ok();
-                let pressure = state.and_then(|state| law.response(&state).ok());
-                if let Some(response) = pressure {
-                    let pressure = -response.cauchy()[(0, 0)] / unit;
-                    above += pressure * point.stress;
-                    below += pressure * pressure;
-                }
+            for (point, pressure) in points.iter().zip(pressures(&points, &at(unit))?) {
+                let pressure = pressure / unit;
+                above += pressure * point.stress;
+                below += pressure * pressure;
             }
             above / below
         }
     };
     Ok((at(kappa), Some(kappa)))
+}
+
+/// Pressures of a law at the volumes of points; 0 where it is not defined.
+fn pressures(points: &[Point], settings: &[String]) -> Result<Vec<f64>, FittingError> {
+    let law = Settings::from_assignments(settings)?.material.build()?;
+    let pressure = |own: &Point| {
+        let state = DeformationGradient::from_stretches([own.stretch.cbrt(); 3]).ok()?;
+        Some(-law.response(&state).ok()?.cauchy()[(0, 0)])
+    };
+    Ok(points
+        .iter()
+        .map(|own| pressure(own).unwrap_or(0.0))
+        .collect())
+}
+
+/// Misfit of a volumetric test, which only the bulk modulus determines.
+fn volumetric_misfit(test: &Test, settings: &[String]) -> Result<Misfit, FittingError> {
+    let stresses = pressures(&test.points, settings)?;
+    let mean = |square: &dyn Fn(&Point, f64) -> f64| {
+        let pairs = test.points.iter().zip(&stresses);
+        let sum: f64 = pairs
+            .map(|(point, own)| square(point, own - point.stress))
+            .sum();
+        (sum / test.points.len().max(1) as f64).sqrt()
+    };
+    Ok(Misfit {
+        test: test.name.clone(),
+        relative: mean(&|point, error| (error / point.stress).powi(2)),
+        absolute: mean(&|_, error| error * error),
+        stresses,
+    })
 }
 
 /// Points of volumetric tests; `None` without such a test.

@@ -1,0 +1,658 @@
+//! `onset fit`: laws through tables of tests, files for other commands and programs, and refusals of broken tables.
+
+use super::{Scratch, Written, assert_close, number, numbers, onset};
+use serde_json::Value;
+
+/// Tables of Treloar's tests.
+fn tables(tests: &[&str]) -> Vec<String> {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../rubber");
+    let path = |test: &&str| format!("{folder}/treloar-{test}.csv");
+    tests.iter().map(path).collect()
+}
+
+const ALL: [&str; 3] = ["uniaxial", "equibiaxial", "planar"];
+
+/// Fit of a law to tests, with further words; the text, or the error.
+#[track_caller]
+fn fitted(tests: &[&str], line: &str, code: i32) -> String {
+    let files = tables(tests);
+    let words = files.iter().map(String::as_str);
+    let words: Vec<&str> = ["fit"]
+        .into_iter()
+        .chain(words)
+        .chain(line.split(' '))
+        .collect();
+    let answer = onset(&words);
+    assert_eq!(answer.code, Some(code), "{line}: {}", answer.stderr);
+    match code {
+        2 => answer.stderr,
+        _ => answer.stdout,
+    }
+}
+
+#[track_caller]
+fn fitted_json(tests: &[&str], line: &str) -> Value {
+    let text = fitted(tests, &format!("{line} --json"), 0);
+    serde_json::from_str(&text).expect("one JSON document")
+}
+
+/// Text on one line.
+fn unwrapped(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn a_law_that_is_stable_needs_no_demand() {
+    let text = unwrapped(&fitted(&ALL, "--law yeoh", 0));
+    for fact in [
+        "yeoh fits the 3 tests within 12.2 %",
+        "stable at all states up to stretch 9.5 (proved)",
+        "the demand costs nothing",
+        "equibiaxial 15.8 %",
+        "no volumetric test",
+        "onset criteria --incompressible --set material.model=yeoh",
+    ] {
+        assert!(text.contains(fact), "no `{fact}` in {text}");
+    }
+    let answer = fitted_json(&ALL, "--law yeoh");
+    // Least squares of relative errors by QR decomposition of the 53 x 3 matrix.
+    assert_close(number(&answer, "/laws/0/loss"), 0.794_655_374_338_3, 1e-10);
+    assert_close(number(&answer, "/laws/0/error"), 0.122_447_938_4, 1e-9);
+    assert_close(
+        number(&answer, "/laws/0/constants/0/value"),
+        0.193_086_290_65,
+        1e-9,
+    );
+    assert_eq!(answer["laws"][0]["is_global"], true);
+    assert_eq!(answer["laws"][0]["needs_no_demand"], true);
+    assert_eq!(answer["laws"][0]["proof"]["kind"], "proved");
+    assert_eq!(answer["tests"].as_array().map(Vec::len), Some(3));
+    assert_eq!(numbers(&answer, "/laws/0/tests/0/stresses").len(), 24);
+}
+
+#[test]
+fn the_cost_of_stability_is_in_the_answer() {
+    let text = unwrapped(&fitted(&ALL, "--law polynomial-2", 0));
+    for fact in [
+        "polynomial-2 fits the 3 tests within 17.8 %",
+        "Without the demand it would fit within 14.6 %",
+        "strong ellipticity at stretch 2.934 in equibiaxial tension (inside the data)",
+        "Drucker's criterion at stretch 3.268",
+    ] {
+        assert!(text.contains(fact), "no `{fact}` in {text}");
+    }
+    let free = fitted(&ALL, "--law polynomial-2 --stable none", 0);
+    assert!(unwrapped(&free).contains(
+        "within 14.6 % (root mean square of relative errors); stability was not demanded"
+    ));
+    let wide = fitted_json(&ALL, "--law polynomial-2");
+    let near = fitted_json(&ALL, "--law polynomial-2 --stable data=1");
+    let loadings = fitted_json(&ALL, "--law polynomial-2 --stable loadings=0.3,3");
+    let within = fitted_json(&ALL, "--law yeoh --stable box=0.3,4");
+    let [wide, near, loadings] = [wide, near, loadings].map(|own| number(&own, "/laws/0/loss"));
+    assert!(loadings <= near && near <= wide, "{loadings} {near} {wide}");
+    let stretches = numbers(&within, "/stretches");
+    assert_close(stretches[0], 0.3, 1e-12);
+    assert_close(stretches[1], 4.0, 1e-12);
+}
+
+#[test]
+fn unstable_laws_end_with_exit_code_3() {
+    let line = "--law polynomial-2 --fail-on unstable";
+    fitted(&ALL, line, 0);
+    fitted(&ALL, &format!("{line} --stable none"), 3);
+}
+
+/// Lines of the limits that `onset criteria` prints.
+#[track_caller]
+fn limits(words: &[&str]) -> Vec<String> {
+    let answer = onset(&[&["criteria", "--incompressible", "--all"], words].concat());
+    assert_eq!(answer.code, Some(0), "{words:?}: {}", answer.stderr);
+    let modes = ["uniaxial", "equibiaxial", "planar", "simple shear"];
+    let lines = answer.stdout.lines().map(unwrapped);
+    let lines = lines.filter(|line| modes.iter().any(|mode| line.starts_with(mode)));
+    let lines: Vec<String> = lines.collect();
+    assert!(!lines.is_empty(), "{}", answer.stdout);
+    lines
+}
+
+#[test]
+fn written_files_are_read_by_other_commands_with_the_same_limits() {
+    for (law, missing) in [
+        ("yeoh", &[][..]),
+        ("polynomial-2", &["felupe.py"][..]),
+        ("ogden-2", &[][..]),
+    ] {
+        let folder = Scratch::new("fit");
+        let out = folder.to_str().expect("UTF-8");
+        fitted(&ALL, &format!("--law {law} --stable none --out {out}"), 0);
+        let path = |name: &str| format!("{out}/{name}");
+        let of_study = limits(&[&path("fit.toml")]);
+        let state = onset(&["state", &path("fit.toml"), "--stretch", "1.2,1"]);
+        assert_eq!(state.code, Some(0), "{}", state.stderr);
+        for (program, name) in [
+            ("abaqus", "abaqus.inp"),
+            ("ansys", "ansys.dat"),
+            ("calculix", "calculix.inp"),
+            ("febio", "febio.feb"),
+            ("felupe", "felupe.py"),
+            ("ls-dyna", "lsdyna.k"),
+            ("radioss", "radioss.rad"),
+        ] {
+            let file = path(name);
+            let exists = std::path::Path::new(&file).exists();
+            assert_eq!(exists, !missing.contains(&name), "{law}: {name}");
+            if exists {
+                assert_eq!(
+                    limits(&["--from", program, &file]),
+                    of_study,
+                    "{law}: {name}"
+                );
+            }
+        }
+        for name in ["fit.json", "fit.csv", "fit.svg", "fit.png"] {
+            assert!(folder.join(name).is_file(), "{law}: {name}");
+        }
+        let table = std::fs::read_to_string(path("fit.csv")).expect("a table");
+        assert_eq!(table.lines().count(), 1 + 53);
+        assert!(!table.contains("NaN"), "{table}");
+    }
+}
+
+const HEADER: &str = "stretch,nominal_stress";
+
+/// Points of a uniaxial test.
+const POINTS: [[f64; 2]; 5] = [[1.1, 0.1], [1.3, 0.25], [1.6, 0.4], [2.0, 0.6], [2.5, 0.8]];
+
+/// Table with changed points.
+fn table(header: &str, point: impl Fn([f64; 2]) -> [f64; 2]) -> String {
+    let rows = POINTS.map(|own| point(own).map(|value| value.to_string()).join(","));
+    format!("{header}\n{}\n", rows.join("\n"))
+}
+
+/// Table with rows as they are.
+fn rows(header: &str, rows: &[&str]) -> String {
+    format!("{header}\n{}\n", rows.join("\n"))
+}
+
+fn fit_of(name: &str, text: impl AsRef<[u8]>, line: &str) -> (crate::Answer, String) {
+    let file = Written::new(name, text);
+    let mut words = vec!["fit", &file, "--law", "yeoh"];
+    words.extend(line.split_whitespace());
+    (onset(&words), file.to_string())
+}
+
+/// A table is refused with its name, and the line and facts.
+#[track_caller]
+fn assert_refused(name: &str, text: impl AsRef<[u8]>, line: &str, facts: &[&str]) {
+    let (answer, file) = fit_of(name, text, line);
+    let told = unwrapped(&answer.stderr);
+    assert_eq!(answer.code, Some(2), "{facts:?}: {told}{}", answer.stdout);
+    assert_eq!(answer.stdout, "", "{facts:?}");
+    assert!(told.starts_with("error: "), "{facts:?}: {told}");
+    assert!(
+        told.contains(&file),
+        "{facts:?}: no name of the file in {told}"
+    );
+    assert!(!told.contains("panicked"), "{facts:?}: {told}");
+    for fact in facts {
+        assert!(told.contains(fact), "no `{fact}` in {told}");
+    }
+}
+
+#[test]
+fn strains_and_stretches_that_are_mixed_up_are_refused() {
+    let name = "uniaxial.csv";
+    let percent = |[stretch, stress]: [f64; 2]| [100.0 * (stretch - 1.0), stress];
+    let strain = |[stretch, stress]: [f64; 2]| [stretch - 1.0, stress];
+    for (text, facts) in [
+        (
+            table(HEADER, percent),
+            ["line 3", "more than any rubber bears", "strain [%]"],
+        ),
+        (
+            table("strain,nominal_stress", percent),
+            ["line 3", "more than any rubber bears", "strain [%]"],
+        ),
+        (
+            rows("strain,stress", &["0,0", "5,.1", "8,.15", "15,.25"]),
+            ["line 3", "the strains begin with 5", "strain [%]"],
+        ),
+        (
+            table(HEADER, strain),
+            [
+                "line 2",
+                "different signs: 0.1 at the stretch 0.1",
+                "name it strain",
+            ],
+        ),
+        (
+            rows(HEADER, &["0,0", "0.5,0.3", "1,0.5", "2,0.9"]),
+            ["line 2", "the stretch is 0", "name it strain"],
+        ),
+        (
+            table("strain,nominal_stress", |own| own),
+            [
+                "line 2",
+                "the strains begin with 1.1",
+                "if stretches, stretch",
+            ],
+        ),
+        (
+            rows("strain,stress", &["1,0", "1.1,.1", "1.3,.25", "2,.6"]),
+            [
+                "line 2",
+                "the strains begin with 1,",
+                "if stretches, stretch",
+            ],
+        ),
+        (
+            table("strain [mm],nominal_stress", strain),
+            ["line 1", "has the unit mm", "strains have none, or %"],
+        ),
+        (
+            table("stretch [%],nominal_stress", percent),
+            ["line 1", "has the unit %", "stretches have no unit"],
+        ),
+        (
+            rows("strain [%],stress", &["1e-5,1", "2e-5,2", "3e-5,3"]),
+            [
+                "line 2",
+                "the largest strain of the table is 3e-7",
+                "remove [%]",
+            ],
+        ),
+        (
+            rows(
+                "stretch,strain,stress",
+                &["1.1,0.1,.1", "1.3,0.6,.25", "2,1,.6"],
+            ),
+            ["line 3", "`stretch` and `strain` contradict", "keep one"],
+        ),
+    ] {
+        assert_refused(name, text, "", &facts);
+    }
+    let text = rows("gamma,shear_stress", &["10,.1", "30,.2", "100,.5"]);
+    assert_refused(
+        "simple-shear.csv",
+        text,
+        "",
+        &["line 3", "amount of shear is 30", "gamma [%]"],
+    );
+}
+
+#[test]
+fn points_that_contradict_an_elastic_law_are_refused() {
+    let name = "uniaxial.csv";
+    let back: Vec<String> = (0..5)
+        .chain((0..4).rev())
+        .map(|n| POINTS[n].map(|own| own.to_string()).join(","))
+        .collect();
+    let back: Vec<&str> = back.iter().map(String::as_str).collect();
+    for (text, facts) in [
+        (
+            table(HEADER, |[a, b]| [a, -b]),
+            ["line 2", "different signs: -0.1", "positive in tension"],
+        ),
+        (
+            rows(HEADER, &["0.9,.1", "0.8,.2", "0.7,.4"]),
+            ["line 2", "different signs", "positive in tension"],
+        ),
+        (
+            rows(HEADER, &["1.02,-.01", "1.1,.1", "1.3,.25", "2,.6"]),
+            ["line 2", "different signs", "offset"],
+        ),
+        (
+            rows(HEADER, &["1,.2", "1.1,.3", "1.3,.45", "2,.8"]),
+            ["line 2", "without strain", "offset"],
+        ),
+        (
+            rows(HEADER, &["1.05,0", "1.1,.1", "1.3,.25", "2,.6"]),
+            ["line 2", "the stress is 0", "remove the row"],
+        ),
+        (
+            rows(HEADER, &back),
+            [
+                "line 7",
+                "loading is followed by unloading",
+                "keep one branch",
+            ],
+        ),
+        (
+            rows(HEADER, &["1.6,.4", "1.1,.1", "2.5,.8", "1.3,.25", "2,.6"]),
+            ["line 4", "not sorted", "sort the rows"],
+        ),
+        (
+            table(HEADER, |[a, b]| [a, 1e300 * b]),
+            ["line 2", "the largest stress", "another unit"],
+        ),
+        (
+            table(HEADER, |[a, b]| [a, 1e-300 * b]),
+            ["line 2", "the largest stress", "another unit"],
+        ),
+        (
+            rows(HEADER, &["1.1,.1", "1.3,.25", "25,9"]),
+            ["line 4", "the stretch is 25", "more than any rubber bears"],
+        ),
+        (
+            rows(HEADER, &["-0.5,-1", "1.1,.1", "1.3,.25"]),
+            ["line 2", "the stretch is -0.5", "positive"],
+        ),
+    ] {
+        assert_refused(name, text, "", &facts);
+    }
+    let text = rows("volume_ratio,pressure", &[".99,-1", ".98,-2", ".97,-3"]);
+    assert_refused(
+        "volumetric.csv",
+        text,
+        "",
+        &[
+            "line 2",
+            "-1 at the volume ratio 0.99",
+            "positive in compression",
+        ],
+    );
+}
+
+#[test]
+fn broken_cells_and_headers_are_refused() {
+    let name = "uniaxial.csv";
+    let broken = |row: &str| rows(HEADER, &["1.1,.1", "1.3,.25", row, "2,.6", "2.5,.8"]);
+    for (text, facts) in [
+        (
+            broken("1.5,NaN"),
+            [
+                "line 4",
+                "`NaN` of the column `nominal_stress`",
+                "write numbers",
+            ],
+        ),
+        (
+            broken("1.5,inf"),
+            ["line 4", "`inf` of the column", "not a finite number"],
+        ),
+        (
+            broken("1.5,1e999"),
+            ["line 4", "`1e999`", "not a finite number"],
+        ),
+        (
+            broken("1.5,slipped"),
+            ["line 4", "`slipped`", "not a finite number"],
+        ),
+        (
+            broken("1.5,"),
+            [
+                "line 4",
+                "a cell of the column `nominal_stress` is empty",
+                "write numbers",
+            ],
+        ),
+        (
+            broken("1.5"),
+            [
+                "line 4",
+                "the row has 1 cell where the header has 2",
+                "every column",
+            ],
+        ),
+        (
+            broken("1.5,.3,7"),
+            ["line 4", "the row has 3 cells", "every column"],
+        ),
+        (
+            rows(HEADER, &["1,1,0,1", "1,3,0,25", "1,6,0,4"]),
+            ["line 2", "4 cells", "decimal points"],
+        ),
+        (
+            rows("stretch,stress,nominal_stress", &["1.1,.1,.1"]),
+            ["line 1", "two columns mean `nominal_stress`", "keep one"],
+        ),
+        (
+            rows("stretch,stress,stress", &["1.1,.1,.1"]),
+            ["line 1", "two columns mean `stress`", "keep one"],
+        ),
+        (
+            table("time,reading", |own| own),
+            [
+                "line 1",
+                "the header has `time,reading`",
+                "expected stretch or strain",
+            ],
+        ),
+        (
+            table("1.05,0.05", |own| own),
+            ["line 1", "numbers where the names", "add a header"],
+        ),
+        (
+            String::new(),
+            ["it has no rows", "expected a header", "rows of numbers"],
+        ),
+        (
+            rows(HEADER, &[]),
+            ["0 strains", "expected at least 3", "add points"],
+        ),
+        (
+            rows(HEADER, &["1,0", "1.1,.1", "1.3,.25"]),
+            ["2 strains", "expected at least 3", "besides the reference"],
+        ),
+        (
+            rows(HEADER, &["1.5,.3"; 6]),
+            ["1 strain ", "expected at least 3", "add points"],
+        ),
+        (
+            table("stretch,stress [kg/cm2]", |own| own),
+            ["line 1", "`kg/cm2` is not known", "expected Pa, kPa, MPa"],
+        ),
+        (
+            table("stretch,force [N]", |own| own),
+            ["line 1", "without the area", "--area"],
+        ),
+        (
+            table("stretch,force [MPa]", |own| own),
+            ["line 1", "the unit of a stress", "nominal_stress"],
+        ),
+        (
+            rows(
+                "# mode: planar\nstretch,stress",
+                &["1.1,.1", "1.3,.25", "2,.6"],
+            ),
+            ["its comment says planar", "its name uniaxial", "--planar"],
+        ),
+        (
+            rows(
+                "# mode: torsion\nstretch,stress",
+                &["1.1,.1", "1.3,.25", "2,.6"],
+            ),
+            [
+                "line 1",
+                "`torsion`, which is not known",
+                "expected uniaxial",
+            ],
+        ),
+    ] {
+        assert_refused(name, text, "", &facts);
+    }
+    let good = table(HEADER, |own| own);
+    assert_refused(
+        "probe.csv",
+        &good,
+        "",
+        &["the loading is not known", "--uniaxial"],
+    );
+    assert_refused(
+        "simple-shear.csv",
+        &good,
+        "",
+        &["line 1", "amount of shear", "gamma"],
+    );
+    assert_refused(
+        name,
+        &good,
+        "--range 5,6",
+        &["0 strains in the range", "widen --range"],
+    );
+    assert_refused(
+        name,
+        [0xff, 0xfe, b's', 0, b't', 0],
+        "",
+        &["UTF-16", "save it as UTF-8"],
+    );
+    assert_refused(
+        name,
+        (0..=255).collect::<Vec<u8>>(),
+        "",
+        &["is not UTF-8 text"],
+    );
+    let missing = onset(&["fit", "--uniaxial", "no-such-table.csv"]);
+    assert_eq!(missing.code, Some(2));
+    assert!(
+        missing.stderr.contains("no-such-table.csv: "),
+        "{}",
+        missing.stderr
+    );
+    let units = Written::new("planar.csv", table("stretch,stress [MPa]", |own| own));
+    let plain = Written::new("uniaxial.csv", &good);
+    let mixed = onset(&["fit", &units, &plain, "--law", "yeoh"]);
+    assert_eq!(mixed.code, Some(2));
+    assert!(
+        mixed
+            .stderr
+            .contains("names a unit of stress, and the other does not")
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_are_refused() {
+    let pipe = Scratch::new("uniaxial.csv");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.is_ok_and(|own| own.success()));
+    let answer = onset(&["fit", pipe.to_str().expect("UTF-8")]);
+    assert_eq!(answer.code, Some(2));
+    assert!(answer.stderr.contains("it is a pipe"), "{}", answer.stderr);
+}
+
+#[test]
+fn broken_decks_are_refused() {
+    let deck = |rows: &[&str]| {
+        format!(
+            "*MATERIAL, NAME=R\n*HYPERELASTIC, TEST DATA INPUT, YEOH\n*UNIAXIAL TEST DATA\n{}\n",
+            rows.join("\n")
+        )
+    };
+    for (text, facts) in [
+        (
+            deck(&["0.1, 0.1", "0.3; 0.4", "0.6, 1."]),
+            ["line 5", "`0.3; 0.4` where a stress", "nominal strain"],
+        ),
+        (
+            deck(&["0.1, 0.1", "0.3, x", "0.6, 1."]),
+            ["line 5", "`0.3, x`", "nominal strain"],
+        ),
+        (
+            deck(&["0.1, 0.1", "0.3", "0.6, 1."]),
+            ["line 5", "`0.3`", "nominal strain"],
+        ),
+        (
+            deck(&["0.1, 10.", "0.3, 30.", "0.6, 100."]),
+            ["line 5", "the stretch is 31", "not percents"],
+        ),
+        (
+            deck(&["0., 1.", "0.1, 1.1", "0.6, 2."]),
+            ["line 4", "the strains begin with 1,", "nor stretches"],
+        ),
+        (
+            deck(&[]),
+            ["0 strains", "expected at least 3", "add points"],
+        ),
+        (
+            "*MATERIAL, NAME=R\n*HYPERELASTIC, YEOH\n1, 2, 3\n".to_owned(),
+            ["line 1", "`*MATERIAL, NAME=R`", "has no test data"],
+        ),
+    ] {
+        assert_refused("rubber.inp", text, "", &facts);
+    }
+}
+
+#[test]
+fn tables_that_say_the_same_give_the_same_constants() {
+    let constant = |name: &str, text: String, line: &str| {
+        let (answer, _) = fit_of(name, text, &format!("{line} --json"));
+        assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+        let answer: Value = serde_json::from_str(&answer.stdout).expect("JSON");
+        number(&answer, "/laws/0/constants/0/value")
+    };
+    let expected = constant("uniaxial.csv", table(HEADER, |own| own), "");
+    let strains = |factor: f64| move |[a, b]: [f64; 2]| [factor * (a - 1.0), b];
+    for (name, text, line) in [
+        ("tension.csv", table("strain,stress", strains(1.0)), ""),
+        (
+            "tension.csv",
+            table("strain [%],stress", strains(100.0)),
+            "",
+        ),
+        (
+            "tension.csv",
+            table("true strain;stress", |[a, b]| [a.ln(), b]).replace(',', ";"),
+            "",
+        ),
+        (
+            "tension.csv",
+            table("stretch,true_stress", |[a, b]| [a, a * b]),
+            "",
+        ),
+        (
+            "tension.csv",
+            table("stretch,force [N]", |[a, b]| [a, 20.0 * b]),
+            "--area 20",
+        ),
+        (
+            "probe.csv",
+            format!("# mode: uniaxial\n{}", table(HEADER, |own| own)),
+            "",
+        ),
+        (
+            "tension.csv",
+            table(HEADER, |own| own).replace('\n', "\r\n"),
+            "",
+        ),
+        (
+            "tension.csv",
+            table(HEADER, |own| own).replace('\n', "\r"),
+            "",
+        ),
+        (
+            "tension.csv",
+            format!("\u{feff}{}", table(HEADER, |own| own)),
+            "",
+        ),
+        (
+            "tension.csv",
+            table(HEADER, |own| own).replace(',', ";").replace('.', ","),
+            "",
+        ),
+        (
+            "rubber.inp",
+            table("*UNIAXIAL TEST DATA", |[a, b]| [b, a - 1.0]),
+            "",
+        ),
+    ] {
+        assert_close(constant(name, text, line), expected, 1e-9);
+    }
+}
+
+#[test]
+fn a_volumetric_test_gives_the_bulk_modulus_with_an_error() {
+    let pull = Written::new("uniaxial.csv", table(HEADER, |own| own));
+    let squeeze = rows("volume_ratio,pressure", &["0.99,20", "0.98,41", "0.97,64"]);
+    let squeeze = Written::new("volumetric.csv", squeeze);
+    let answer = onset(&["fit", &pull, &squeeze, "--law", "yeoh", "--json"]);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    let answer: Value = serde_json::from_str(&answer.stdout).expect("JSON");
+    let pressures = numbers(&answer, "/laws/0/tests/1/stresses");
+    let kappa = number(&answer, "/laws/0/kappa");
+    // Within the differences between usual volumetric energies at small changes of volume.
+    assert_close(pressures[0], 0.01 * kappa, 0.03);
+    assert_close(pressures[2], 64.0, 0.03);
+    assert!(number(&answer, "/laws/0/tests/1/relative") > 1e-4);
+}
