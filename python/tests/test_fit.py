@@ -17,7 +17,8 @@ MODES = ("uniaxial", "equibiaxial", "planar")
 
 
 def treloar(mode: str) -> Any:
-    return np.genfromtxt(RUBBER / f"treloar-{mode}.csv", delimiter=",", names=True)
+    stretch, stress = np.loadtxt(RUBBER / f"treloar-{mode}.csv", delimiter=",", skiprows=3, unpack=True)
+    return {"stretch": stretch, "nominal_stress": stress}
 
 
 def yeoh(stretch: Any, c10: float = 0.17, c20: float = -1e-3, c30: float = 4e-5) -> Any:
@@ -41,9 +42,8 @@ def test_arrays_tables_and_paths_have_the_answer_of_the_command() -> None:
     told = command("fit", *(str(path) for path in paths), "--law", "yeoh,mooney-rivlin", "--unit", "MPa")
     data = {mode: treloar(mode) for mode in MODES}
     arrays = {mode: (own["stretch"], own["nominal_stress"]) for mode, own in data.items()}
-    frames = {mode: Frame(stretch=own["stretch"], nominal_stress=own["nominal_stress"]) for mode, own in data.items()}
-    columns = {mode: {"stretch": own["stretch"], "nominal_stress": own["nominal_stress"]} for mode, own in data.items()}
-    for tests in (arrays, frames, columns, paths, dict(zip(MODES, paths, strict=True))):
+    frames = {mode: Frame(**own) for mode, own in data.items()}
+    for tests in (arrays, frames, data, paths, dict(zip(MODES, paths, strict=True))):
         fit = onset.fit(tests, "yeoh,mooney-rivlin", unit="MPa")
         assert fit.json == told.document
     document = json.loads(told.document)
@@ -71,7 +71,7 @@ def test_the_fitted_law_is_a_material() -> None:
     F = np.diag([2.0, 2.0**-0.5, 2.0**-0.5])
     P = fit.material.stress(F)
     assert P[0, 0] - P[1, 1] * F[1, 1] / F[0, 0] == pytest.approx(yeoh(2.0), rel=1e-6)
-    assert onset.card(fit.material, incompressible=True).symmetric_box is not None
+    assert onset.card(fit.material).symmetric_box is not None
     assert onset.criteria(fit.material, incompressible=True).loadings
 
 
