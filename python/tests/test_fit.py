@@ -54,6 +54,20 @@ def test_arrays_tables_and_paths_have_the_answer_of_the_command() -> None:
     assert "fit.png" in fit.files()
 
 
+def test_lateral_stretches_are_those_of_a_table(tmp_path: Path) -> None:
+    stretch = np.concatenate([np.linspace(0.4, 0.95, 10), np.linspace(1.05, 1.5, 8)])
+    lateral = stretch**-0.2
+    stress = 0.5 * (stretch**2 - stretch**-1.0) / stretch
+    table = tmp_path / "foam-uniaxial.csv"
+    rows = zip(stretch.tolist(), stress.tolist(), lateral.tolist(), strict=True)
+    table.write_text("stretch,nominal_stress,lateral_stretch\n" + "".join(f"{a!r},{b!r},{c!r}\n" for a, b, c in rows))
+    fit = onset.fit({"uniaxial": (stretch, stress, lateral)}, "hyperfoam-2", starts=4)
+    frame = Frame(lateral_stretch=lateral, stretch=stretch, nominal_stress=stress)
+    assert fit.json == onset.fit(table, "hyperfoam-2", starts=4).json == onset.fit({"uniaxial": frame}, "hyperfoam-2", starts=4).json
+    with pytest.raises(onset.InputError, match="lateral"):
+        onset.fit({"uniaxial": (stretch, stress)}, "hyperfoam-2", starts=4)
+
+
 def test_constants_of_exact_points_are_found() -> None:
     stretch = np.linspace(1.1, 5.0, 20)
     fit = onset.fit({"uniaxial": (stretch, yeoh(stretch))}, ["yeoh"], stable=None)
