@@ -983,17 +983,6 @@ impl Table<'_> {
                 hint,
             ));
         }
-        if let Some((line, _)) = rows
-            .iter()
-            .find(|own| own.1.stress == 0.0 && own.1.stretch != rest)
-        {
-            return Err(self.line(
-                *line,
-                "the stress is 0 at a strain that is not",
-                "remove the row, or the offset of the zero point",
-            ));
-        }
-        // A strain column that begins at 1 without stress holds stretches.
         let largest = rows
             .iter()
             .fold(0.0_f64, |most, own| most.max(own.1.stress.abs()));
@@ -1047,6 +1036,16 @@ impl Table<'_> {
                     (_, Mode::SimpleShear) => "if they are percents, name the column gamma [%]; otherwise add points of small strains",
                     _ => "if they are percents, name the column strain [%], and if they are stretches, stretch; otherwise give stretches",
                 },
+            ));
+        }
+        if let Some((line, _)) = rows
+            .iter()
+            .find(|own| own.1.stress == 0.0 && own.1.stretch != rest)
+        {
+            return Err(self.line(
+                *line,
+                "the stress is 0 at a strain that is not",
+                "remove the row, or the offset of the zero point",
             ));
         }
         // Tension and compression may follow each other; within each, the strain grows or falls.
