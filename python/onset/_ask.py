@@ -660,7 +660,7 @@ def fit(
     floor: float = 0.0,
     stable: str | None = "data",
     criterion: str = "both",
-    margin: float = 1e-4,
+    margin: float = 1e-6,
     starts: int = 64,
     fix: Mapping[str, float] | None = None,
     bound: Mapping[str, tuple[float, float]] | None = None,

@@ -781,7 +781,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "NAME", value_parser = ["drucker", "ellipticity", "both"], default_value = "both", help_heading = "Stability")]
     pub criterion: String,
     /// Least value of a criterion, as a part of its value in the reference.
-    #[arg(long, value_name = "PART", value_parser = share, allow_negative_numbers = true, default_value_t = 1e-4, help_heading = "Stability")]
+    #[arg(long, value_name = "PART", value_parser = share, allow_negative_numbers = true, default_value_t = 1e-6, help_heading = "Stability")]
     pub margin: f64,
     /// Exit with code 3 if no fitted law is stable: unstable.
     #[arg(long, value_name = "WHAT", value_parser = ["unstable"], help_heading = "Stability")]

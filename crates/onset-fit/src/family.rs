@@ -433,12 +433,17 @@ impl Family {
         term.energy(shapes.map(fixed), variables)
     }
 
+    /// Returns true if a constant is an exponent, which is not 0.
+    pub(crate) fn is_exponent(&self, n: usize) -> bool {
+        let name = &self.constants[n].name;
+        name.starts_with("alpha") || name.starts_with("beta")
+    }
+
     /// Ensures that no exponent is too close to zero.
     pub(crate) fn admissible(&self, constants: &mut [f64]) {
-        for (own, value) in self.constants.iter().zip(constants) {
+        for (n, (own, value)) in self.constants.iter().zip(constants).enumerate() {
             *value = value.clamp(own.bounds[0], own.bounds[1]);
-            let is_exponent = own.name.starts_with("alpha") || own.name.starts_with("beta");
-            if is_exponent && value.abs() < SMALLEST_EXPONENT {
+            if self.is_exponent(n) && value.abs() < SMALLEST_EXPONENT {
                 *value = SMALLEST_EXPONENT.copysign(*value);
             }
         }

@@ -48,7 +48,7 @@ impl Default for Options {
             weights: Weights::Relative(0.0),
             range: Some(Range::Data(1.25)),
             criteria: vec![Criterion::Drucker, Criterion::StrongEllipticity],
-            margin: 1e-4,
+            margin: 1e-6,
             starts: 64,
             fixed: Vec::new(),
             bounds: Vec::new(),
@@ -94,6 +94,18 @@ pub enum FitError {
         name: String,
         /// Constants of the law.
         known: String,
+    },
+    /// Values or bounds of a constant that contradict each other or the law.
+    #[error(
+        "no value of {name} of {law} satisfies all that is fixed or bounded; expected {expected}"
+    )]
+    Bounds {
+        /// Name of the law.
+        law: String,
+        /// Name of the constant.
+        name: String,
+        /// Admissible values in words.
+        expected: String,
     },
     /// No constants satisfy all demands.
     #[error("no constants of {law} are stable at all states of the range")]
@@ -164,6 +176,8 @@ impl Fit {
 
 /// Rounds of added states.
 const ROUNDS: usize = 80;
+/// Largest number of states that samples miss and the proof finds.
+const MISSED: usize = 6;
 /// States added in one round.
 const ADDED: usize = 6;
 /// Part of the margin that the worst state must have.
@@ -247,7 +261,20 @@ fn bounds_of(family: &Family, options: &Options) -> Result<Vec<[f64; 2]>, FitErr
                 known: names.collect::<Vec<_>>().join(", "),
             });
         };
-        bounds[n] = [given[0].max(bounds[n][0]), given[1].min(bounds[n][1])];
+        let [low, high] = bounds[n];
+        let both = [given[0].max(low), given[1].min(high)];
+        let is_exponent_zero = family.is_exponent(n) && both == [0.0; 2];
+        if both[0] > both[1] || is_exponent_zero {
+            return Err(FitError::Bounds {
+                law: family.name().to_owned(),
+                name: name.clone(),
+                expected: match is_exponent_zero {
+                    true => "an exponent other than 0".to_owned(),
+                    false => format!("values from {low} to {high}"),
+                },
+            });
+        }
+        bounds[n] = both;
     }
     Ok(bounds)
 }
@@ -316,7 +343,7 @@ impl Search<'_> {
         let mut missed = Vec::new();
         let proof = loop {
             match prove(&self.numbers(&best.constants), &self.patches) {
-                Proof::Refuted { worst } if missed.len() < ROUNDS => missed.push(Cut::from(worst)),
+                Proof::Refuted { worst } if missed.len() < MISSED => missed.push(Cut::from(worst)),
                 proof => break proof,
             }
             let again = self.demanded(&self.problem(), &best.constants, missed.clone());
@@ -469,7 +496,7 @@ impl Search<'_> {
             .misfits(self.tests, self.family, &solution.constants);
         let pairs = self.tests.iter().zip(&misfits).flat_map(|(test, own)| {
             let points = test.points.iter().zip(&own.stresses);
-            points.filter(|(_, stress)| stress.is_finite())
+            points.filter(|(point, stress)| stress.is_finite() && point.stress != 0.0)
         });
         let squares: Vec<f64> = pairs
             .map(|(point, stress)| ((stress - point.stress) / point.stress).powi(2))

@@ -237,7 +237,7 @@ impl Criterion {
 }
 
 /// Grid points along the edge of a patch with one, two and three parameters.
-const POINTS: [usize; 3] = [301, 41, 13];
+const POINTS: [usize; 3] = [301, 41, 9];
 /// Number of local minima of a grid that are improved.
 const IMPROVED: usize = 8;
 

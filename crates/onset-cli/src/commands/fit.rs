@@ -51,6 +51,11 @@ pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
         area: arguments.area,
         range: arguments.range,
     };
+    if arguments.fail_on.is_some() && arguments.stable.0.is_none() {
+        return Err(Failure::input(
+            "--fail-on unstable needs a range, but --stable is none\n  hint: give a range, for example --stable data",
+        ));
+    }
     let families = families(&arguments.law)?;
     let tests = Tests::read(&files, &reading).map_err(FittingError::Table)?;
     let output = arguments.out.as_deref();
@@ -72,7 +77,16 @@ pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
         progress.set_message(law.to_owned());
     });
     progress.finish_and_clear();
-    let answer = answer?;
+    let answer = match answer {
+        Err(FittingError::NotStable(reasons)) if arguments.fail_on.is_some() => {
+            tell(format_args!(
+                "{reasons}\nfails by --fail-on: no fitted law is stable in the range (exit code {})",
+                fail_on::CODE
+            ));
+            return Ok(ExitCode::from(fail_on::CODE));
+        }
+        answer => answer?,
+    };
     let text = arguments.detail.text(&answer);
     let shown = match output {
         Some(output) => {
@@ -81,13 +95,5 @@ pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
         }
         None => text,
     };
-    let printed = print(&answer, &shown, Some(answer.csv()))?;
-    if arguments.fail_on.is_some() && !answer.is_stable() {
-        tell(format_args!(
-            "fails by --fail-on: no fitted law is stable in the range (exit code {})",
-            fail_on::CODE
-        ));
-        return Ok(ExitCode::from(fail_on::CODE));
-    }
-    Ok(printed)
+    print(&answer, &shown, Some(answer.csv()))
 }

@@ -178,6 +178,13 @@ impl FitAnswer {
                 super::BULK_RATIO
             ));
         }
+        if !refused.is_empty() {
+            let names: Vec<&str> = refused.iter().map(|(law, _)| law.as_str()).collect();
+            notes.push(format!(
+                "not fitted: {}; --all gives the reasons",
+                names.join(", ")
+            ));
+        }
         let stretches = fits.first().and_then(|fit| fit.stretches);
         let laws = fits
             .into_iter()
@@ -199,11 +206,6 @@ impl FitAnswer {
     /// Law with the smallest error.
     pub fn best(&self) -> &LawAnswer {
         &self.laws[0]
-    }
-
-    /// Returns true if the best law is stable in a range that was given.
-    pub fn is_stable(&self) -> bool {
-        self.best().proof.is_some()
     }
 
     /// Range of stability in words.

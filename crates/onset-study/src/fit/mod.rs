@@ -40,6 +40,9 @@ pub enum FittingError {
     /// No law could be fitted.
     #[error("{0}")]
     None(String),
+    /// No law has constants that are stable in the range.
+    #[error("{0}")]
+    NotStable(String),
     /// A fitted law that the settings refuse.
     #[error(transparent)]
     Setting(#[from] SettingError),
@@ -156,8 +159,13 @@ pub fn families(names: &[String]) -> Result<Vec<Family>, FittingError> {
         })?;
         all.push(family);
     }
-    all.dedup_by(|a, b| a.name() == b.name());
-    Ok(all)
+    let mut distinct: Vec<Family> = Vec::new();
+    for family in all {
+        if distinct.iter().all(|own| own.name() != family.name()) {
+            distinct.push(family);
+        }
+    }
+    Ok(distinct)
 }
 
 /// Fits laws to tests. `each` receives the name of each law before the fit.
@@ -173,6 +181,7 @@ pub fn fitted(
 ) -> Result<FitAnswer, FittingError> {
     let mut fits: Vec<Fit> = Vec::new();
     let mut refused: Vec<(String, String)> = Vec::new();
+    let mut is_unstable = true;
     let several = families.len() > 1;
     for family in families {
         each(family.name());
@@ -185,12 +194,18 @@ pub fn fitted(
         }
         match fit(&tables.tests, family, &own) {
             Ok(fit) => fits.push(fit),
-            Err(error) => refused.push((family.name().to_owned(), hinted(&error))),
+            Err(error) => {
+                is_unstable &= matches!(error, FitError::NotStable { .. });
+                refused.push((family.name().to_owned(), hinted(&error)));
+            }
         }
     }
     if fits.is_empty() {
         let reasons: Vec<String> = refused.iter().map(|(_, reason)| reason.clone()).collect();
-        return Err(FittingError::None(reasons.join("\n")));
+        return Err(match is_unstable {
+            true => FittingError::NotStable(reasons.join("\n")),
+            false => FittingError::None(reasons.join("\n")),
+        });
     }
     fits.sort_by(|a, b| a.result().relative.total_cmp(&b.result().relative));
     FitAnswer::new(tables, fits, refused, options, bulk)
@@ -202,6 +217,7 @@ fn hinted(error: &FitError) -> String {
             "choose a law with fewer constants, or fix some with --fix"
         }
         FitError::Undetermined { .. } => return error.to_string(),
+        FitError::Bounds { .. } => "change --fix or --bound",
         FitError::NoLateralStretch { .. } => {
             "add a column lateral_stretch, or choose a law of rubber"
         }
