@@ -15,8 +15,8 @@ from conftest import REPOSITORY
 NOTEBOOKS = sorted((REPOSITORY / "python" / "notebooks").glob("*.ipynb"))
 
 
-def test_there_are_seven() -> None:
-    assert len(NOTEBOOKS) == 7
+def test_there_are_eight() -> None:
+    assert len(NOTEBOOKS) == 8
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)

@@ -251,7 +251,7 @@ fn strains_and_stretches_that_are_mixed_up_are_refused() {
             [
                 "line 2",
                 "the strains begin with 1.1",
-                "if stretches, stretch",
+                "if they are stretches, stretch",
             ],
         ),
         (
@@ -259,7 +259,7 @@ fn strains_and_stretches_that_are_mixed_up_are_refused() {
             [
                 "line 2",
                 "the strains begin with 1,",
-                "if stretches, stretch",
+                "if they are stretches, stretch",
             ],
         ),
         (
