@@ -63,7 +63,10 @@ def test_lateral_stretches_are_those_of_a_table(tmp_path: Path) -> None:
     table.write_text("stretch,nominal_stress,lateral_stretch\n" + "".join(f"{a!r},{b!r},{c!r}\n" for a, b, c in rows))
     fit = onset.fit({"uniaxial": (stretch, stress, lateral)}, "hyperfoam-2", starts=4)
     frame = Frame(lateral_stretch=lateral, stretch=stretch, nominal_stress=stress)
-    assert fit.json == onset.fit(table, "hyperfoam-2", starts=4).json == onset.fit({"uniaxial": frame}, "hyperfoam-2", starts=4).json
+    assert fit.json == onset.fit({"uniaxial": frame}, "hyperfoam-2", starts=4).json
+    # A note names the table by its path.
+    of_table = onset.fit(table, "hyperfoam-2", starts=4).json
+    assert of_table.replace(str(table), r'tests[\"uniaxial\"]') == fit.json
     with pytest.raises(onset.InputError, match="lateral"):
         onset.fit({"uniaxial": (stretch, stress)}, "hyperfoam-2", starts=4)
 
