@@ -676,6 +676,9 @@ pub struct ScreenArguments {
     /// Judge only the particles in a box of reference positions, for example 0,0:10,5.
     #[arg(long, value_name = "BOX", value_parser = Region::from_str, allow_hyphen_values = true, help_heading = "Reading")]
     pub region: Option<Region>,
+    /// Screen again whenever the files of a running simulation have grown, until a cause of --fail-on or an interrupt ends the command.
+    #[arg(long, conflicts_with_all = ["check", "out"], help_heading = "Reading")]
+    pub watch: bool,
     /// Print format, columns, spacing and held particles of the files, and stop.
     #[arg(long, help_heading = "Reading")]
     pub check: bool,

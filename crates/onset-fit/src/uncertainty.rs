@@ -34,7 +34,7 @@ impl Uncertainty {
             correlated: Vec::new(),
         };
         let degrees = errors.len().saturating_sub(free.len());
-        if degrees == 0 || sizes.contains(&0.0) {
+        if degrees == 0 || free.is_empty() || sizes.contains(&0.0) {
             return own;
         }
         let scaled = DMatrix::from_fn(errors.len(), free.len(), |i, j| {

@@ -471,3 +471,34 @@ fn constants_can_be_fixed_and_bounded() -> Outcome {
     assert!(matches!(found, Err(FitError::UnknownConstant { .. })));
     Ok(())
 }
+
+#[test]
+fn published_constants_of_ogden_have_the_known_errors() -> Outcome {
+    // Ogden, Proc. R. Soc. London A 326 (1972) 565, in kg/cm^2 of 0.0980665 MPa.
+    let unit = 0.098_066_5;
+    let published = [
+        ("mu1", 6.3 * unit),
+        ("alpha1", 1.3),
+        ("mu2", 0.012 * unit),
+        ("alpha2", 5.0),
+        ("mu3", -0.1 * unit),
+        ("alpha3", -2.0),
+    ];
+    for (weights, expected) in [(Weights::Absolute, 2.984), (Weights::Relative(0.0), 0.360)] {
+        let options = Options {
+            weights,
+            range: None,
+            fixed: published
+                .map(|(name, value)| (name.to_owned(), value))
+                .to_vec(),
+            ..Options::default()
+        };
+        let found = fit(&data("treloar")?, &of("ogden-3")?, &options)?;
+        assert!(
+            (found.free.loss / expected - 1.0).abs() < 2e-3,
+            "{weights:?}: {}",
+            found.free.loss
+        );
+    }
+    Ok(())
+}

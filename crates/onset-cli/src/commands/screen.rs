@@ -11,8 +11,9 @@ use onset_study::screen::{
     Question, Recording, ScreenAnswer, ScreenChecks, ScreenError, ScreenFiles, Source,
 };
 use onset_study::settings::Family;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::{Duration, SystemTime};
 
 impl From<ScreenError> for Failure {
     fn from(error: ScreenError) -> Self {
@@ -23,8 +24,49 @@ impl From<ScreenError> for Failure {
     }
 }
 
-/// Screens a run, or prints only the recognized contents of its files.
+/// Time between two looks at the files of a running simulation.
+const WATCH_INTERVAL: Duration = Duration::from_millis(500);
+
+/// Screens a run, once or whenever its files have grown.
 pub fn screen(arguments: &ScreenArguments) -> Result<ExitCode, Failure> {
+    if !arguments.watch {
+        return once(arguments, "").map(|(code, _, _)| code);
+    }
+    let mut last = String::new();
+    loop {
+        let before = extents(&arguments.files);
+        match once(arguments, &last) {
+            Ok((code, true, _)) => return Ok(code),
+            Ok((_, false, shown)) => last = shown,
+            // A frame that is being written can be damaged for a moment.
+            Err(failure) if !last.is_empty() => tell(format_args!("waiting: {}", failure.message)),
+            Err(failure) => return Err(failure),
+        }
+        while extents(&arguments.files) == before {
+            std::thread::sleep(WATCH_INTERVAL);
+        }
+    }
+}
+
+/// Lengths and times of files, and the times of their folders, in which new frames appear.
+fn extents(files: &[PathBuf]) -> Vec<(u64, Option<SystemTime>)> {
+    let of = |path: &Path| {
+        let metadata = std::fs::metadata(path);
+        metadata.map_or((0, None), |own| (own.len(), own.modified().ok()))
+    };
+    let folder = |path: &PathBuf| match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => of(parent),
+        _ => of(Path::new(".")),
+    };
+    files
+        .iter()
+        .flat_map(|path| [of(path), folder(path)])
+        .collect()
+}
+
+/// Screens the files as they are, or prints only their recognized contents. Returns the exit code, whether it is due to `--fail-on`, and the text, which is
+/// printed unless it equals `last`.
+fn once(arguments: &ScreenArguments, last: &str) -> Result<(ExitCode, bool, String), Failure> {
     let (problem, files) = problem(arguments)?;
     let source = source(arguments, files)?;
     let output = arguments.out.as_deref().filter(|_| !arguments.check);
@@ -38,7 +80,8 @@ pub fn screen(arguments: &ScreenArguments) -> Result<ExitCode, Failure> {
             spacing: problem.analysis.spacing(),
             recording,
         };
-        return print(&checks, &checks.to_string(), None);
+        let text = checks.to_string();
+        return Ok((print(&checks, &text, None)?, false, text));
     }
     let question = Question {
         time_step: arguments.time_step,
@@ -80,7 +123,9 @@ pub fn screen(arguments: &ScreenArguments) -> Result<ExitCode, Failure> {
         [] => arguments.detail.text(&answer),
         files => format!("{}\n\n{}", arguments.detail.text(&answer), wrote(files)),
     };
-    let printed = print(&answer, &shown, Some(answer.csv()))?;
+    if shown != last {
+        print(&answer, &shown, Some(answer.csv()))?;
+    }
     match arguments.fail_on.contains(&answer.cause) {
         true => {
             tell(format_args!(
@@ -88,9 +133,9 @@ pub fn screen(arguments: &ScreenArguments) -> Result<ExitCode, Failure> {
                 answer.cause.name(),
                 fail_on::CODE
             ));
-            Ok(ExitCode::from(fail_on::CODE))
+            Ok((ExitCode::from(fail_on::CODE), true, shown))
         }
-        false => Ok(printed),
+        false => Ok((ExitCode::SUCCESS, false, shown)),
     }
 }
 

@@ -2,6 +2,8 @@
 
 use super::{Scratch, number, onset};
 use serde_json::Value;
+use std::io::{BufRead, BufReader, Read};
+use std::process::{Command, Stdio};
 
 /// Arguments of the run of a notched plate.
 fn notched<'a>(more: &[&'a str]) -> Vec<&'a str> {
@@ -147,4 +149,49 @@ fn faults_are_refused_with_a_hint() {
             answer.stderr
         );
     }
+}
+
+#[test]
+fn a_growing_file_is_screened_until_a_cause_ends_the_command() {
+    let folder = Scratch::new("watched");
+    let file = folder.join("run.dump");
+    let packed = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../runs/notched-plate.dump.gz"
+    );
+    let mut text = String::new();
+    let packed = std::fs::File::open(packed).expect("a run");
+    flate2::read::GzDecoder::new(packed)
+        .read_to_string(&mut text)
+        .expect("a text");
+    let frames: Vec<&str> = text.split("ITEM: TIMESTEP\n").skip(1).collect();
+    let write = |count: usize| {
+        let all = frames[..count].iter();
+        let text: String = all.map(|own| format!("ITEM: TIMESTEP\n{own}")).collect();
+        std::fs::write(&file, text).expect("written");
+    };
+    write(4);
+    let study = concat!(env!("CARGO_MANIFEST_DIR"), "/../../runs/notched-plate.toml");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_onset"));
+    command.arg("screen").arg(&file).arg(study);
+    command.args(["--time-step", "0.72", "--stepping", "extrapolated-stress"]);
+    command.args(["--watch", "--fail-on", "time-step"]);
+    let mut child = command
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("a process");
+    let mut printed = BufReader::new(child.stdout.take().expect("a pipe"));
+    let mut line = String::new();
+    printed.read_line(&mut line).expect("the first answer");
+    assert!(!line.contains("time step."), "{line}");
+    write(frames.len());
+    let mut rest = String::new();
+    printed.read_to_string(&mut rest).expect("the last answer");
+    assert_eq!(
+        child.wait().expect("an end").code(),
+        Some(3),
+        "{line}{rest}"
+    );
+    assert!(rest.contains("First cause: the time step."), "{rest}");
 }
