@@ -24,7 +24,7 @@ impl From<ScreenError> for Failure {
     }
 }
 
-/// Time between two looks at the files of a running simulation.
+/// Time between two checks of the files of a running simulation.
 const WATCH_INTERVAL: Duration = Duration::from_millis(500);
 
 /// Screens a run, once or whenever its files have grown.

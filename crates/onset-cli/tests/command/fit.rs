@@ -264,7 +264,7 @@ fn strains_and_stretches_that_are_mixed_up_are_refused() {
         ),
         (
             table("strain [mm],nominal_stress", strain),
-            ["line 1", "has the unit mm", "strains have none, or %"],
+            ["line 1", "has the unit mm", "strains have no unit, or %"],
         ),
         (
             table("stretch [%],nominal_stress", percent),

@@ -154,6 +154,7 @@ fn faults_are_refused_with_a_hint() {
 #[test]
 fn a_growing_file_is_screened_until_a_cause_ends_the_command() {
     let folder = Scratch::new("watched");
+    std::fs::create_dir(&*folder).expect("a folder");
     let file = folder.join("run.dump");
     let packed = concat!(
         env!("CARGO_MANIFEST_DIR"),
