@@ -27,7 +27,7 @@ pub fn tool() -> Result<PathBuf, String> {
 /// Description of the failure.
 pub fn check(tool: &Path) -> Result<(), String> {
     eprintln!("== dependencies: cargo deny");
-    // A build fetches the crates of its own platform only.
+    // A build fetches only the crates of the present platform.
     succeed(Command::new("cargo").args(["fetch", "--locked", "--quiet"]))?;
     checked(tool, &["licenses", "sources", "bans"])
 }

@@ -392,6 +392,11 @@ impl Family {
         self.is_compressible
     }
 
+    /// Returns true if the family contains neo-Hooke's law, which is stable at all states.
+    pub(crate) fn has_neo_hooke(&self) -> bool {
+        self.terms.iter().any(|own| own.part == Part::Powers(1, 0))
+    }
+
     pub(crate) fn terms(&self) -> &[Term] {
         &self.terms
     }

@@ -3,7 +3,7 @@
 use crate::family::Family;
 use crate::moduli::Criterion;
 use crate::proof::{Proof, prove};
-use crate::range::{Limit, Mode, Numbers, Patch, Range, Worst, limits, worst_states};
+use crate::range::{Limit, Mode, Numbers, Patch, Range, Worst, fence, limits, worst_states};
 use crate::solve::{Cut, Problem, Solution};
 use crate::tests_of_specimens::{Equations, Misfit, Scales, Test};
 use crate::uncertainty::Uncertainty;
@@ -106,6 +106,12 @@ pub enum FitError {
         name: String,
         /// Admissible values in words.
         expected: String,
+    },
+    /// The states at which stability is demanded could not all be satisfied in a number of rounds.
+    #[error("the fit of {law} with the demand for stability did not converge")]
+    NotConverged {
+        /// Name of the law.
+        law: String,
     },
     /// No constants satisfy all demands.
     #[error("no constants of {law} are stable at all states of the range")]
@@ -334,8 +340,10 @@ impl Search<'_> {
         let found = self.optima(&starts, &|problem, start| {
             self.demanded(problem, start, Vec::new())
         });
-        let none = || FitError::NotStable {
-            law: self.family.name().to_owned(),
+        let law = self.family.name().to_owned();
+        let none = || match self.family.has_neo_hooke() {
+            true => FitError::NotConverged { law: law.clone() },
+            false => FitError::NotStable { law: law.clone() },
         };
         let mut best = found.first().cloned().ok_or_else(none)?;
         result.others = self.others(&found);
@@ -458,6 +466,11 @@ impl Search<'_> {
         mut cuts: Vec<Cut>,
     ) -> Option<Solution> {
         let mut constants = start.to_vec();
+        if self.family.is_linear() {
+            // Demands at a coarse grid keep the first constants close to the stable optimum.
+            let compressible = self.family.is_compressible();
+            cuts.extend(fence(&self.patches, &self.options.criteria, compressible));
+        }
         for _ in 0..ROUNDS {
             checkpoint();
             let found = Problem {

@@ -270,7 +270,7 @@ pub(crate) fn cubic(a: usize, b: usize, c: usize) -> usize {
 }
 
 /// Orthonormal basis of increments of the logarithmic strains without change of volume.
-fn isochoric_basis() -> [[f64; 3]; 2] {
+pub(crate) fn isochoric_basis() -> [[f64; 3]; 2] {
     let (a, b) = (0.5_f64.sqrt(), 6.0_f64.sqrt().recip());
     [[a, -a, 0.0], [b, b, -2.0 * b]]
 }

@@ -1,7 +1,8 @@
 //! States at which a law must be stable, and the worst of them.
 
 use crate::family::Family;
-use crate::moduli::{Criterion, Moduli, Perturbation};
+use crate::moduli::{Criterion, Moduli, PAIRS, Perturbation, isochoric_basis};
+use crate::solve::Cut;
 use crate::tests_of_specimens::Test;
 use serde::Serialize;
 
@@ -88,6 +89,15 @@ impl Patch {
     /// Logarithmic strains of a state.
     pub fn logs(&self, at: &[f64]) -> [f64; 3] {
         std::array::from_fn(|i| self.axes.iter().zip(at).map(|(axis, t)| axis[i] * t).sum())
+    }
+
+    /// Parameters of a point of a grid with `count` points along each axis.
+    fn place(&self, n: usize, count: usize) -> Vec<f64> {
+        let at = |a: usize| {
+            let t = (n / count.pow(a as u32) % count) as f64 / (count - 1) as f64;
+            self.low[a] + (self.high[a] - self.low[a]) * t
+        };
+        (0..self.axes.len()).map(at).collect()
     }
 
     fn contains(&self, at: &[f64]) -> bool {
@@ -236,6 +246,74 @@ impl Criterion {
     }
 }
 
+/// Grid points of the first demands along an edge of a patch, and directions in each principal plane.
+const FENCE_POINTS: usize = 9;
+const FENCE_DIRECTIONS: usize = 6;
+
+/// Demands at a coarse grid of states and perturbations of a range.
+pub(crate) fn fence(patches: &[Patch], criteria: &[Criterion], compressible: bool) -> Vec<Cut> {
+    let mut cuts = Vec::new();
+    for patch in patches {
+        let dimension = patch.axes.len();
+        for n in 0..FENCE_POINTS.pow(dimension as u32) {
+            let place = patch.place(n, FENCE_POINTS);
+            if !patch.contains(&place) {
+                continue;
+            }
+            let logs = patch.logs(&place);
+            for criterion in criteria {
+                let perturbations = match criterion {
+                    Criterion::Drucker => strains(compressible),
+                    Criterion::StrongEllipticity => waves(logs),
+                };
+                cuts.extend(perturbations.into_iter().map(|perturbation| Cut {
+                    criterion: *criterion,
+                    logs,
+                    perturbation,
+                }));
+            }
+        }
+    }
+    cuts
+}
+
+/// Strain increments, without change of volume for incompressible response.
+fn strains(compressible: bool) -> Vec<Perturbation> {
+    let [a, b] = isochoric_basis();
+    let angle = |n: usize| std::f64::consts::PI * n as f64 / FENCE_DIRECTIONS as f64;
+    let turned = |n: usize| {
+        let (sine, cosine) = angle(n).sin_cos();
+        Perturbation::Strain(std::array::from_fn(|i| cosine * a[i] + sine * b[i]))
+    };
+    let dilation = compressible.then(|| Perturbation::Strain([3.0_f64.sqrt().recip(); 3]));
+    (0..FENCE_DIRECTIONS).map(turned).chain(dilation).collect()
+}
+
+/// Transverse waves with normals in the principal planes, polarized in the plane and normal to it.
+fn waves(logs: [f64; 3]) -> Vec<Perturbation> {
+    let mut all = Vec::new();
+    for (i, j) in PAIRS {
+        for n in 0..FENCE_DIRECTIONS {
+            let angle = std::f64::consts::FRAC_PI_2 * (n as f64 + 0.5) / FENCE_DIRECTIONS as f64;
+            let mut normal = [0.0; 3];
+            (normal[i], normal[j]) = (angle.cos(), angle.sin());
+            for sign in [1.0, -1.0] {
+                normal[j] = sign * angle.sin();
+                // Normal to F^-T N.
+                let mut inside = [0.0; 3];
+                (inside[i], inside[j]) = (-normal[j] / logs[j].exp(), normal[i] / logs[i].exp());
+                let size = inside[i].hypot(inside[j]);
+                inside.iter_mut().for_each(|own| *own /= size);
+                all.push(Perturbation::Wave(normal, inside));
+            }
+            let mut across = [0.0; 3];
+            across[3 - i - j] = 1.0;
+            all.push(Perturbation::Wave(normal, across));
+        }
+    }
+    all
+}
+
 /// Grid points along the edge of a patch with one, two and three parameters.
 const POINTS: [usize; 3] = [301, 41, 9];
 /// Number of local minima of a grid that are improved.
@@ -248,14 +326,7 @@ pub(crate) fn worst_states(law: &Numbers<'_>, patches: &[Patch]) -> Vec<Worst> {
     for patch in patches {
         let dimension = patch.axes.len();
         let count = POINTS[dimension - 1];
-        let place = |n: usize| -> Vec<f64> {
-            (0..dimension)
-                .map(|a| {
-                    let t = (n / count.pow(a as u32) % count) as f64 / (count - 1) as f64;
-                    patch.low[a] + (patch.high[a] - patch.low[a]) * t
-                })
-                .collect()
-        };
+        let place = |n: usize| patch.place(n, count);
         let total = count.pow(dimension as u32);
         let values: Vec<Option<Worst>> = (0..total)
             .map(|n| {

@@ -222,7 +222,7 @@ fn hinted(error: &FitError) -> String {
             "add a column lateral_stretch, or choose a law of rubber"
         }
         FitError::UnknownConstant { .. } => "name one of them",
-        FitError::NotStable { .. } => {
+        FitError::NotConverged { .. } | FitError::NotStable { .. } => {
             "demand stability in a smaller range, for example --stable box=0.5,2, or choose another law"
         }
     };
