@@ -1472,7 +1472,7 @@ pub struct GivenArguments {
 /// Block of another program instead of a study.
 #[derive(Clone, Debug, Default, Args)]
 pub struct BlockArguments {
-    /// FILE is a block of another program: abaqus or calculix (*HYPERELASTIC ...), ansys (TB,HYPER ...), febio (<material type="Ogden">), felupe
+    /// FILE is a block of another program: abaqus or calculix (*HYPERELASTIC ...), ansys (TB,HYPER ...), febio (material type="Ogden"), felupe
     /// (fem.Hyperelastic(fem.ogden, mu=...)), hyperelastic (ThirdOrderDeformation(C10=...)), lsdyna (*MAT_OGDEN_RUBBER ...) or radioss
     /// (/MAT/LAW42 ...). Its constants are read as this program defines them.
     #[arg(
