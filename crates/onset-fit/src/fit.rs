@@ -5,7 +5,7 @@ use crate::moduli::Criterion;
 use crate::proof::{Proof, prove};
 use crate::range::{Limit, Mode, Numbers, Patch, Range, Worst, fence, limits, worst_states};
 use crate::solve::{Cut, Problem, Solution};
-use crate::tests_of_specimens::{Equations, Misfit, Scales, Test};
+use crate::tests_of_specimens::{Equations, Misfit, Test};
 use crate::uncertainty::Uncertainty;
 use onset::cancel::{Scope, checkpoint};
 use rayon::prelude::*;
@@ -60,7 +60,7 @@ impl Default for Options {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum FitError {
     /// Fewer measured points than constants.
-    #[error("{law} has {constants} constants to be found, but the tests have only {points} points")]
+    #[error("{law} has {constants} unknown constants; the tests have {points} points")]
     TooFewPoints {
         /// Name of the law.
         law: String,
@@ -166,14 +166,6 @@ impl Fit {
         self.stable.as_ref().unwrap_or(&self.free)
     }
 
-    /// Ratio of the root mean squares of the weighted errors with and without the demand for stability.
-    pub fn cost(&self) -> f64 {
-        match self.result().loss == self.free.loss {
-            true => 1.0,
-            false => (self.result().loss / self.free.loss).sqrt(),
-        }
-    }
-
     /// Returns true if the optimum is global, because the energy is linear in all constants.
     pub fn is_global(&self) -> bool {
         self.family.is_linear()
@@ -192,7 +184,7 @@ const LEAST_MARGIN_SHARE: f64 = 0.5;
 const SIMILAR: f64 = 0.05;
 /// Optima whose constants differ by less than this part are one.
 const CONSTANT_TOLERANCE: f64 = 1e-3;
-/// Free optima from which a fit with demands begins.
+/// Number of free optima at which a fit with demands begins.
 const STARTS_WITH_DEMANDS: usize = 6;
 
 /// Fits a law to tests.
@@ -217,17 +209,7 @@ pub fn fit(tests: &[Test], family: &Family, options: &Options) -> Result<Fit, Fi
         }
     }
     let bounds = bounds_of(family, options)?;
-    let scales = match options.weights {
-        Weights::Relative(floor) => Scales {
-            relative: true,
-            floor,
-        },
-        Weights::Absolute => Scales {
-            relative: false,
-            floor: 0.0,
-        },
-    };
-    let equations = Equations::new(tests, compressible, &scales);
+    let equations = Equations::new(tests, compressible, options.weights);
     let is_free: Vec<bool> = bounds.iter().map(|[low, high]| low < high).collect();
     let unknown = is_free.iter().filter(|own| **own).count();
     if equations.len() < unknown {
@@ -352,6 +334,7 @@ impl Search<'_> {
         let proof = loop {
             match prove(&self.numbers(&best.constants), &self.patches) {
                 Proof::Refuted { worst } if missed.len() < MISSED => missed.push(Cut::from(worst)),
+                Proof::Refuted { .. } => return Err(FitError::NotConverged { law: law.clone() }),
                 proof => break proof,
             }
             let again = self.demanded(&self.problem(), &best.constants, missed.clone());

@@ -60,6 +60,23 @@ impl Mode {
             Self::Volumetric => [1.0 / 3.0; 3],
         }
     }
+
+    /// Logarithms of the principal stretches of an incompressible specimen; `stretch` is the amount of shear `gamma` in simple shear.
+    pub fn logs(self, stretch: f64) -> [f64; 3] {
+        let h = match self {
+            Self::SimpleShear => (0.5 * stretch).asinh(),
+            _ => stretch.ln(),
+        };
+        self.direction().map(|part| part * h)
+    }
+
+    /// Nominal stress per difference of the Kirchhoff stresses along the axes 1 and 3: `1/lambda`, and `1/sqrt(4 + gamma^2)` in simple shear.
+    pub(crate) fn nominal(self, stretch: f64) -> f64 {
+        match self {
+            Self::SimpleShear => (4.0 + stretch * stretch).sqrt().recip(),
+            _ => stretch.recip(),
+        }
+    }
 }
 
 /// States at which a fitted law must be stable.
@@ -75,7 +92,7 @@ pub enum Range {
     Loadings(f64, f64),
 }
 
-/// Part of a range: states `origin + sum_a t_a axes[a]` of the logarithmic strains with `low_a < t_a < high_a`.
+/// Part of a range: states `sum_a t_a axes[a]` of the logarithmic strains with `low_a < t_a < high_a`.
 #[derive(Clone, Debug)]
 pub(crate) struct Patch {
     pub axes: Vec<[f64; 3]>,
@@ -116,18 +133,11 @@ impl Range {
                 let mut ends = [1.0_f64; 2];
                 for test in tests.iter().filter(|test| test.mode != Mode::Volumetric) {
                     for point in &test.points {
-                        let stretches = match test.mode {
-                            Mode::SimpleShear => {
-                                let h = (0.5 * point.stretch).asinh();
-                                [h.exp(), (-h).exp(), 1.0]
+                        let stretches = match (test.mode, point.lateral) {
+                            (Mode::SimpleShear, _) | (_, None) => {
+                                test.mode.logs(point.stretch).map(f64::exp)
                             }
-                            _ => match point.lateral {
-                                Some(lateral) => [point.stretch, lateral, 1.0],
-                                None => test
-                                    .mode
-                                    .direction()
-                                    .map(|part| (part * point.stretch.ln()).exp()),
-                            },
+                            (_, Some(lateral)) => [point.stretch, lateral, 1.0],
                         };
                         for stretch in stretches {
                             ends = [ends[0].min(stretch), ends[1].max(stretch)];
@@ -454,28 +464,15 @@ pub fn limits(family: &Family, constants: &[f64], criteria: &[Criterion]) -> Vec
 }
 
 impl Family {
-    /// Logarithms of the principal stretches of an incompressible specimen; `stretch` is the amount of shear in simple shear.
-    pub fn logs(mode: Mode, stretch: f64) -> [f64; 3] {
-        let h = match mode {
-            Mode::SimpleShear => (0.5 * stretch).asinh(),
-            _ => stretch.ln(),
-        };
-        mode.direction().map(|part| part * h)
-    }
-
     /// Nominal stress of an incompressible specimen along the load; `None` for compressible laws and volumetric loading. Units of stress.
     pub fn stress(&self, constants: &[f64], mode: Mode, stretch: f64) -> Option<f64> {
         if self.is_compressible() || mode == Mode::Volumetric {
             return None;
         }
-        let squares = Self::logs(mode, stretch).map(|log| (2.0 * log).exp());
+        let squares = mode.logs(stretch).map(|log| (2.0 * log).exp());
         let energy = self.jet(constants, squares);
         let kirchhoff = |i: usize| 2.0 * squares[i] * energy.gradient[i];
-        let slope = match mode {
-            Mode::SimpleShear => (4.0 + stretch * stretch).sqrt().recip(),
-            _ => stretch.recip(),
-        };
-        Some(slope * (kirchhoff(0) - kirchhoff(2)))
+        Some(mode.nominal(stretch) * (kirchhoff(0) - kirchhoff(2)))
     }
 
     /// Returns true if criteria hold at a state of a loading.
@@ -486,7 +483,7 @@ impl Family {
         mode: Mode,
         stretch: f64,
     ) -> bool {
-        self.is_stable_at(constants, criteria, Self::logs(mode, stretch))
+        self.is_stable_at(constants, criteria, mode.logs(stretch))
     }
 
     /// Returns true if criteria hold at a state, given by the logarithms of its principal stretches.

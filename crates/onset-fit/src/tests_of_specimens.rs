@@ -1,5 +1,6 @@
 //! What was measured: stretches and nominal stresses of homogeneous specimens.
 
+use crate::fit::Weights;
 use crate::range::Mode;
 use nalgebra::{DMatrix, DVector};
 use onset::real::{Dual, Real};
@@ -63,23 +64,17 @@ pub(crate) struct Equations {
     all: Vec<Equation>,
 }
 
-/// Weights of single points, see [`crate::Weights`].
-pub(crate) struct Scales {
-    pub relative: bool,
-    pub floor: f64,
-}
-
 impl Equations {
     /// Conditions of tests on a law. Points at the reference say nothing and are left out.
-    pub fn new(tests: &[Test], compressible: bool, scales: &Scales) -> Self {
+    pub fn new(tests: &[Test], compressible: bool, weights: Weights) -> Self {
         let mut all = Vec::new();
         for (t, test) in tests.iter().enumerate() {
             let magnitudes = test.points.iter().map(|point| point.stress.abs());
             let largest = magnitudes.fold(0.0, f64::max);
             for (p, point) in test.points.iter().enumerate() {
-                let scale = match scales.relative {
-                    true => point.stress.abs().max(scales.floor * largest).recip(),
-                    false => 1.0,
+                let scale = match weights {
+                    Weights::Relative(floor) => point.stress.abs().max(floor * largest).recip(),
+                    Weights::Absolute => 1.0,
                 } * test.weight.sqrt();
                 let at = |logs: [f64; 3], factors: [f64; 3], measured| {
                     let squares = logs.map(|log| (2.0 * log).exp());
@@ -96,15 +91,10 @@ impl Equations {
                 let across = point.lateral.map_or(0.0, f64::ln);
                 let first = match (test.mode, compressible) {
                     (Mode::Volumetric, _) => continue,
-                    (Mode::SimpleShear, _) => {
-                        let h = (0.5 * point.stretch).asinh();
-                        let slope = (4.0 + point.stretch.powi(2)).sqrt().recip();
-                        at([h, 0.0, -h], [slope, 0.0, -slope], point.stress)
-                    }
-                    (mode, false) => {
-                        let along = mode.direction();
-                        let logs = along.map(|part| part * h);
-                        at(logs, [inverse, 0.0, -inverse], point.stress)
+                    (Mode::SimpleShear, _) | (_, false) => {
+                        let slope = test.mode.nominal(point.stretch);
+                        let logs = test.mode.logs(point.stretch);
+                        at(logs, [slope, 0.0, -slope], point.stress)
                     }
                     (Mode::Uniaxial, true) => {
                         at([h, across, across], [inverse, 0.0, 0.0], point.stress)

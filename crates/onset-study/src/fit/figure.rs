@@ -172,7 +172,7 @@ impl FitAnswer {
                 continue;
             }
             let states = test.points.iter().map(|point| {
-                let mut logs = onset_fit::Family::logs(test.mode, point.stretch);
+                let mut logs = test.mode.logs(point.stretch);
                 logs.sort_by(|a, b| b.total_cmp(a));
                 (logs[0].exp(), (-logs[2]).exp())
             });
